@@ -1,0 +1,79 @@
+# make demo    plan the shipped demo on a fresh environment and check the plan
+# make test    all tests, on two processes, with coverage
+# make check   ruff, mypy, import rules
+# make serve   the HTTP service on 127.0.0.1:8000
+# make problems  the three benchmark sets, and the independent recheck of every answer
+# make clean   remove what these made
+
+VENV := .venv
+BIN := $(VENV)/bin
+OUT := out
+SCENE ?= demo
+HOST ?= 127.0.0.1
+PORT ?= 8000
+BUDGET ?= 1.0
+
+# The first interpreter that is 3.11 or later; override with PYTHON=...
+is_recent = $(1) -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1
+PYTHON ?= $(firstword $(foreach name,python3 python3.13 python3.12 python3.11 python3.14 python,\
+	$(shell $(call is_recent,$(name)) && echo $(name))))
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help demo test check format serve problems clean
+
+help:
+	@sed -n '/^# make/s/^# //p' $(firstword $(MAKEFILE_LIST))
+
+$(BIN)/python:
+	@test -n "$(PYTHON)" || { echo "assur needs Python 3.11 or later, and none was found; say: make PYTHON=/path/to/python3 ..." >&2; exit 2; }
+	@$(call is_recent,$(PYTHON)) || { echo "assur needs Python 3.11 or later; $(PYTHON) is not" >&2; exit 2; }
+	@$(PYTHON) -c 'import ensurepip, venv' >/dev/null 2>&1 || { echo "$(PYTHON) has no venv module (Debian: apt-get install python3-venv)" >&2; exit 2; }
+	$(PYTHON) -m venv $(VENV)
+
+# A stamp per set of extras: pip runs again only when pyproject.toml has changed since.
+install = $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable "$(1)" && touch $@
+
+$(VENV)/installed: $(BIN)/python pyproject.toml
+	$(call install,.)
+
+$(VENV)/installed-test: $(BIN)/python pyproject.toml
+	$(call install,.[test])
+
+$(VENV)/installed-dev: $(BIN)/python pyproject.toml
+	$(call install,.[dev])
+
+demo: $(VENV)/installed
+	@mkdir -p $(OUT)
+	$(BIN)/assur plan scenes/cells/$(SCENE).yaml --out $(OUT)/$(SCENE).json
+	$(BIN)/assur check scenes/cells/$(SCENE).yaml $(OUT)/$(SCENE).json
+
+test: $(VENV)/installed-test
+	$(BIN)/python -m pytest -n 2 --dist worksteal --cov --cov-report=term
+
+check: $(VENV)/installed-dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(VENV)/installed-dev
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+serve: $(VENV)/installed
+	$(BIN)/assur serve --host $(HOST) --port $(PORT)
+
+# The moving goals once met in position and once with their velocity.
+problems: $(VENV)/installed
+	@mkdir -p $(OUT)
+	@set -e; for run in static:position moving_bodies:position moving_goal:position moving_goal:velocity; do \
+		set_="$${run%%:*}"; match="$${run##*:}"; answers="$(OUT)/$$set_-$$match.jsonl"; \
+		$(BIN)/python -m benchmarks.run_problems "benchmarks/problems/$$set_.json" \
+			--budget-s $(BUDGET) --stop first --match "$$match" --out "$$answers"; \
+		$(BIN)/python -m benchmarks.recheck "benchmarks/problems/$$set_.json" "$$answers" --match "$$match"; \
+	done
+
+clean:
+	rm -rf $(VENV) $(OUT) build .coverage .coverage.* htmlcov .hypothesis .mypy_cache .pytest_cache .ruff_cache .import_linter_cache *.egg-info
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

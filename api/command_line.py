@@ -1,0 +1,223 @@
+"""The command `assur`. Exit codes: 0 planned or plan right, 1 not planned or plan wrong, 2 bad input, 3 our fault."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import wraps
+from pathlib import Path
+from typing import Annotated, Any, Literal, ParamSpec
+
+import typer
+
+from api import words
+from api.documents import to_json
+from api.logs import where
+from api.problems import Problem, printable
+from api.targets import json_file, target
+from planner.errors import FaultError, InputError
+from scenes import requests
+
+RIGHT, WRONG, BAD_INPUT, FAULT = 0, 1, 2, 3
+INTERRUPTED, PIPE_CLOSED = 128 + signal.SIGINT, 128 + signal.SIGPIPE
+
+app = typer.Typer(
+    name="assur",
+    help="Plans proved motion of SCARA-class robots through moving control points among moving bodies.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+P = ParamSpec("P")
+
+File = Annotated[str, typer.Argument(help="A scenario file (YAML), a request (JSON), or a shipped scenario's name.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print the document that the service would answer with.")]
+
+
+def _bordered(command: Callable[P, int]) -> Callable[P, None]:
+    """`command` with its exit code raised as `typer.Exit`, and every exception turned into one line and a code."""
+
+    @wraps(command)
+    def inside(*arguments: P.args, **options: P.kwargs) -> None:
+        raise typer.Exit(_code(lambda: command(*arguments, **options)))
+
+    return inside
+
+
+def _code(run: Callable[[], int]) -> int:
+    try:
+        code = run()
+        sys.stdout.flush()
+        return code
+    except InputError as error:
+        return _say(Problem.of_input(error).detail, BAD_INPUT, line=getattr(error, "line", None))
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # so that the flush at exit is silent too
+        return PIPE_CLOSED
+    except KeyboardInterrupt:
+        return _say("interrupted", INTERRUPTED)
+    except Exception as error:  # noqa: BLE001 - the border: a user gets one line, with what a report of it needs
+        if isinstance(error, OSError) and error.filename is not None:
+            return _say(f"{error.filename}: {error.strerror}", BAD_INPUT)
+        last = "".join(where(error.__traceback__)[-1:])
+        said = f" ({error})" if isinstance(error, FaultError) else ""
+        return _say(f"a fault of assur itself: {type(error).__name__} in {last}{said}; please report it", FAULT)
+
+
+@app.command()
+@_bordered
+def plan(
+    file: File,
+    as_json: AsJson = False,
+    out: Annotated[Path | None, typer.Option("--out", help="Write the answer to this file, as JSON.")] = None,
+    certificate: Annotated[
+        Literal["full", "digest"], typer.Option(help="The whole table of the proof in the answer, or its digest.")
+    ] = "full",
+) -> int:
+    """Plan FILE, check the plan, and say what came out."""
+    given = target(file)
+    if out is not None and not out.parent.is_dir():
+        raise InputError("--out", str(out), "a file in a folder that exists")
+    with _working(f"planning {given.name}"):
+        answer = requests.plan_document(given.request, folder=given.folder)
+        checked = answer["status"] == "planned"
+        if checked:
+            _hold_to_checker(requests.check_document(given.request, answer, folder=given.folder))
+    shown = requests.with_certificate(answer, certificate)
+    if out is not None:
+        out.write_bytes(to_json(shown) + b"\n")
+    if as_json:
+        _print_json(shown)
+    else:
+        _print(f"{given.name}: {'planned' if checked else 'not planned'}", "", *words.everything(answer))
+        for unmet in requests.unmet(given.expect, answer) if given.expect else ():
+            _print(f"not as the file expects: {unmet}")
+        if checked:
+            _print("plan checked")
+    return RIGHT if checked else WRONG
+
+
+@app.command()
+@_bordered
+def check(
+    file: File,
+    plan: Annotated[Path, typer.Argument(help="An answer, as `assur plan --out` writes it.")],
+    as_json: AsJson = False,
+) -> int:
+    """Check a PLAN against FILE with the checker, which trusts no planner."""
+    given = target(file)
+    answer = json_file(plan, "PLAN")
+    with _working(f"checking {plan.name}"):
+        verdict = requests.check_document(given.request, answer, folder=given.folder)
+    if as_json:
+        _print_json(verdict)
+    elif verdict["ok"]:
+        _print("plan right: everything that it promises holds against the model", verdict["notice"])
+    else:
+        findings = words.table("what is wrong", "")
+        for finding in verdict["findings"]:
+            words.row(findings, finding["what"], finding["detail"])
+        _print("plan wrong", "", findings)
+    return RIGHT if verdict["ok"] else WRONG
+
+
+@app.command()
+@_bordered
+def robots(as_json: AsJson = False) -> int:
+    """List the robot catalogue; with --json every number with its source and status."""
+    catalogue = requests.robots()
+    if as_json:
+        _print_json({"robots": catalogue})
+        return RIGHT
+    _print(words.catalogue(catalogue))
+    return RIGHT
+
+
+@app.command()
+@_bordered
+def scenes(as_json: AsJson = False) -> int:
+    """List the shipped scenarios and why each exists."""
+    shipped = requests.shipped_scenarios()
+    if as_json:
+        _print_json({"scenes": [{"name": name, "about": about} for name, about in shipped.items()]})
+        return RIGHT
+    made = words.table("scene", "about")
+    for name, about in shipped.items():
+        words.row(made, name, about)
+    _print(made)
+    return RIGHT
+
+
+@app.command()
+@_bordered
+def schema() -> int:
+    """Print the JSON Schema of the request."""
+    _print_json(requests.request_schema())
+    return RIGHT
+
+
+@app.command()
+@_bordered
+def serve(
+    host: Annotated[str | None, typer.Option(help="Address to listen on (ASSUR_HOST).")] = None,
+    port: Annotated[int | None, typer.Option(min=0, max=65535, help="Port to listen on (ASSUR_PORT).")] = None,
+) -> int:
+    """Run the HTTP service until SIGTERM; other settings come from the environment (docs/service.md)."""
+    from api.serve import serve as run
+    from api.settings import Settings
+
+    settings = Settings.from_environment()
+    run(replace(settings, host=host or settings.host, port=settings.port if port is None else port))
+    return RIGHT
+
+
+def main() -> None:
+    """The entry point. What `_bordered` does not catch, wrong usage, typer answers itself with exit code 2."""
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure: Callable[..., None] | None = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors="backslashreplace")  # a terminal in ASCII gets escapes, not a traceback
+    app()
+
+
+def _say(text: str, code: int, line: int | None = None) -> int:
+    """One line on standard error; returns `code`."""
+    at = "" if line is None else f"line {line}: "
+    print(f"assur: {at}{printable(text, 2500)}", file=sys.stderr)
+    return code
+
+
+def _print(*parts: Any) -> None:
+    console = words.console()
+    for part in parts:
+        console.print(part, soft_wrap=isinstance(part, str))
+
+
+def _print_json(document: Any) -> None:
+    sys.stdout.buffer.write(to_json(document) + b"\n")
+
+
+def _hold_to_checker(verdict: dict[str, Any]) -> None:
+    if not verdict["ok"]:
+        raise FaultError("the checker refuses this plan: " + "; ".join(f["what"] for f in verdict["findings"]))
+
+
+@contextmanager
+def _working(what: str) -> Iterator[None]:
+    """Shows on standard error, if it is a terminal, that something is going on."""
+    console = words.console(stderr=True)
+    if not console.is_terminal:
+        yield
+        return
+    with console.status(f"{printable(what)} ..."):
+        yield
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,102 @@
+"""What runs inside a worker process. Plain data in, bytes or a problem out; nothing is raised across the border."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from api.documents import to_json
+from api.logs import where
+from api.problems import FieldError, Problem, shown
+from planner.errors import FaultError, InputError
+from scenes.requests import check_document, parse_json, plan_document, shipped
+
+Detail = Literal["full", "digest"]
+
+FIRST_PLAN: dict[str, Any] = {
+    "schema": "assur/1",
+    "robot": {
+        "model": "mitsubishi-rh-6frh5520",
+        "tool": {
+            "tcp_m": [0, 0, 0],
+            "bodies": [{"name": "cup", "shape": {"sphere": {"radius_m": 0.01}}, "at_m": [0, 0, 0]}],
+        },
+    },
+    "start": {"joints": {"j1_deg": 0, "j2_deg": 60, "j3_mm": 250, "j4_deg": 0}},
+    "bodies": [{"name": "post", "shape": {"box": {"size_m": [0.05, 0.05, 0.2]}}, "pose": {"at_m": [0.3, 0.25, 0.1]}}],
+    "task": [{"move": {"to": {"at_m": [0.4, 0.0, 0.25]}}}],
+    "options": {"max_candidates": 20, "stop": "first", "elbow": "auto"},
+}
+"""The request that a new worker plans first: small, and it passes through every library."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """A document as JSON, and in a word what it says, for the log."""
+
+    body: bytes
+    outcome: str
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """An exception that should not have been: its type and the frames it came through, no value of the request."""
+
+    name: str
+    where: tuple[str, ...]
+
+
+Reply = Answer | Problem | Fault
+
+
+def warm() -> str:
+    """Plans and checks `FIRST_PLAN`, so that libraries are loaded and the first request is as fast as the next.
+
+    Raises `FaultError` when it is not planned: this machine cannot serve.
+    """
+    answer = plan_document(FIRST_PLAN)
+    if answer["status"] != "planned" or not check_document(FIRST_PLAN, answer)["ok"]:
+        raise FaultError(f"the first plan of a worker came out as {answer['status']}")
+    return "planned"
+
+
+def plan(document: dict[str, Any], certificate: Detail) -> Reply:
+    """The answer to the request `document`."""
+    return _guarded(lambda: plan_document(document, certificate=certificate), "status")
+
+
+def plan_shipped(name: str, certificate: Detail) -> Reply:
+    """The answer to the request of the shipped scenario `name`, with the files that ship with it."""
+
+    def work() -> dict[str, Any]:
+        scenario = shipped(name)
+        return plan_document(scenario.request, folder=scenario.folder, certificate=certificate)
+
+    return _guarded(work, "status")
+
+
+def check(body: bytes) -> Reply:
+    """The checker's verdict on the plan in `body`, {"request": ..., "plan": ...}."""
+    try:
+        document = parse_json(body)
+    except InputError as error:
+        return Problem.of_input(error, "bad-syntax")
+    if not isinstance(document, dict) or set(document) != {"request", "plan"}:
+        found = FieldError("body", shown(document), 'an object with the fields "request" and "plan" and no others')
+        return Problem("bad-input", str(found), (found,))
+    return _guarded(lambda: check_document(document["request"], document["plan"]), "ok")
+
+
+def _guarded(work: Callable[[], dict[str, Any]], says: str) -> Reply:
+    try:
+        document = work()
+        return Answer(to_json(document), str(document[says]))
+    except InputError as error:
+        return Problem.of_input(error)
+    except MemoryError:
+        os._exit(errno.ENOMEM)  # nothing that was allocated meanwhile can be trusted to be whole
+    except Exception as error:  # noqa: BLE001 - the border of the process: told to the web process, logged there
+        return Fault(type(error).__name__, tuple(where(error.__traceback__)))

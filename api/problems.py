@@ -1,0 +1,128 @@
+"""What went wrong, as RFC 9457 has it: `application/problem+json`.
+
+A problem never repeats what it cannot print: no non-finite number, no long text, no control character.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from planner.errors import InputError
+from scenes.faults import NOTHING, DocumentError
+
+MEDIA_TYPE = "application/problem+json"
+SHOWN_CHARACTERS = 80
+"""Longest text of a request that a problem repeats."""
+LONGEST_ALLOWED = 2000
+"""Longest list of what is allowed that a problem gives, characters."""
+MOST_ERRORS = 20
+"""So many further errors are told at a time."""
+
+STATUS = {
+    "bad-syntax": (400, "The body is not the JSON that this service accepts"),
+    "not-found": (404, "There is nothing here"),
+    "method-not-allowed": (405, "This address does not know that method"),
+    "too-slow": (408, "The body did not arrive in time"),
+    "too-large": (413, "The body is too large"),
+    "wrong-media-type": (415, "The body is not declared to be JSON"),
+    "bad-input": (422, "A field holds a value that is not allowed"),
+    "quarantined": (422, "This request crashed two workers and is not tried again"),
+    "fault": (500, "The fault is ours"),
+    "worker-crashed": (503, "The worker that served this request crashed"),
+    "busy": (503, "All workers are busy and the queue is full"),
+    "not-ready": (503, "Not every worker has planned yet"),
+    "worker-timeout": (504, "The worker did not end within its budget and was killed"),
+}
+"""Kinds of problem: the end of `type`, with HTTP status and title."""
+
+
+@dataclass(frozen=True, slots=True)
+class FieldError:
+    """A field (dotted path), what it held (already fit to print; NOTHING: absent), and what would be accepted."""
+
+    field: str
+    value: Any
+    allowed: str
+
+    def document(self) -> dict[str, Any]:
+        """The error as an element of `errors`; without `value` where the request has no such field."""
+        value = {} if self.value is NOTHING else {"value": self.value}
+        return {"field": self.field, **value, "allowed": self.allowed}
+
+    def __str__(self) -> str:
+        got = "it is missing" if self.value is NOTHING else f"got {json.dumps(self.value, ensure_ascii=False)}"
+        return f"{self.field}: {got}; allowed: {self.allowed}"
+
+
+class Problem(Exception):
+    """A request that ends with a problem of a `kind` listed in `STATUS`; `detail` is a sentence of our own."""
+
+    def __init__(
+        self, kind: str, detail: str, errors: Sequence[FieldError] = (), headers: Mapping[str, str] | None = None
+    ) -> None:
+        super().__init__(f"{kind}: {detail}")
+        self.kind = kind
+        self.detail = detail
+        self.errors = tuple(errors)
+        self.headers = dict(headers or {})
+
+    @property
+    def status(self) -> int:
+        return STATUS[self.kind][0]
+
+    def document(self) -> dict[str, Any]:
+        """The problem as the document that is sent."""
+        status, title = STATUS[self.kind]
+        document: dict[str, Any] = {
+            "type": f"urn:assur:problem:{self.kind}",
+            "title": title,
+            "status": status,
+            "detail": self.detail,
+        }
+        if self.errors:
+            document["errors"] = [error.document() for error in self.errors]
+        return document
+
+    def __reduce__(self) -> tuple[type[Problem], tuple[Any, ...]]:
+        return type(self), (self.kind, self.detail, self.errors, self.headers)
+
+    @staticmethod
+    def of_input(error: InputError, kind: str = "bad-input") -> Problem:
+        """The problem that tells the caller of `error`, and of the further faults that it knows."""
+        first = FieldError(printable(error.field), shown(error.value), printable(error.allowed, LONGEST_ALLOWED))
+        more = error.more[:MOST_ERRORS] if isinstance(error, DocumentError) else ()
+        others = [FieldError(printable(name), NOTHING, printable(allowed, LONGEST_ALLOWED)) for name, allowed in more]
+        return Problem(kind, str(first), (first, *others))
+
+
+def printable(text: str, longest: int = 200) -> str:
+    """`text` without control characters, lone surrogates and what is beyond `longest` characters."""
+    cut = text if len(text) <= longest else text[: longest - 3] + "..."
+    return "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode() for c in cut)
+
+
+def shown(value: object) -> Any:
+    """`value` as a problem may repeat it: a short scalar as it is, anything else in words."""
+    match value:
+        case None | bool():
+            return value
+        case _ if value is NOTHING:
+            return NOTHING
+        case int():
+            return value if abs(value) < 1 << 53 else "a whole number beyond 2^53"
+        case float():
+            return value if math.isfinite(value) else "a number that is not finite"
+        case str():
+            return printable(value, SHOWN_CHARACTERS)
+        case bytes() | bytearray():
+            return f"{len(value)} bytes"
+        case dict():
+            return f"an object with {len(value)} fields"
+        case list() | tuple() | set() | frozenset():
+            return f"a list of {len(value)}"
+        case _:
+            return f"a {type(value).__name__}"

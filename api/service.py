@@ -1,0 +1,119 @@
+"""What the service does with a body that has been read: parse, admit, hand to a worker, tell."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import json
+import logging
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+from api import jobs
+from api.bodies import READERS
+from api.logs import event
+from api.problems import FieldError, Problem, shown
+from api.settings import Settings
+from api.workers import Workers
+from planner.errors import InputError
+from scenes.requests import parse_json, shipped, validate
+
+INLINE_BYTES = 32 << 10
+"""Bodies up to this length are parsed on the event loop (about a millisecond), longer ones beside it."""
+
+
+@dataclass
+class Service:
+    """Settings and workers of one running service."""
+
+    settings: Settings
+    workers: Workers = field(init=False)
+    readers: asyncio.Semaphore = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.workers = Workers(self.settings, jobs.warm)
+        self.readers = asyncio.Semaphore(READERS)
+
+    async def plan(self, body: bytes, certificate: jobs.Detail) -> jobs.Answer:
+        """The answer to the request in `body`, or to the shipped scenario that it names. Raises `Problem`."""
+        if len(body) <= INLINE_BYTES:
+            order = self._read(body, certificate)
+        else:
+            order = await asyncio.to_thread(self._read, body, certificate)
+        return await self._work(*order)
+
+    async def check(self, body: bytes) -> jobs.Answer:
+        """The checker's verdict on the request and plan in `body`. Raises `Problem`."""
+        return await self._work(jobs.check, (body,), _digest("check", body), self.settings.check_s)
+
+    def _read(self, body: bytes, certificate: jobs.Detail) -> tuple[Any, tuple[Any, ...], str, float]:
+        """What to do about `body`: job, its arguments, digest of the request, wall."""
+        try:
+            document = parse_json(body)
+        except InputError as error:
+            raise Problem.of_input(error, "bad-syntax") from error
+        if not isinstance(document, dict):
+            found = FieldError("body", shown(document), 'a request, or {"scenario": NAME}')
+            raise Problem("bad-input", str(found), (found,))
+        if "scenario" in document:
+            name = _scenario_name(document)
+            wall_s = self._wall(_told(scenario_request, name))
+            return jobs.plan_shipped, (name, certificate), _digest("scenario", name), wall_s
+        key = _digest("request", json.dumps(document, sort_keys=True))
+        return jobs.plan, (document, certificate), key, self._wall(document)
+
+    def _wall(self, document: dict[str, Any]) -> float:
+        """When a worker that plans `document` is killed: after both its budgets and the grace, s.
+
+        A count of candidates has no clock, so it may take the largest budget. Raises the `Problem` of a request that
+        is not valid or asks for more than the service gives.
+        """
+        options = _told(validate, document).options
+        largest = self.settings.max_budget_s
+        for name in ("budget_s", "explain_budget_s"):
+            value = getattr(options, name)
+            if value is not None and not value <= largest:
+                raise Problem.of_input(InputError(f"options.{name}", value, f"at most {largest:g} s on this service"))
+        budget_s = largest if options.max_candidates is not None else options.budget_s
+        return float(budget_s + options.explain_budget_s + self.settings.grace_s)
+
+    async def _work(self, job: Any, arguments: tuple[Any, ...], key: str, wall_s: float) -> jobs.Answer:
+        reply: jobs.Reply = await self.workers.run(job, arguments, key, wall_s)
+        match reply:
+            case jobs.Answer():
+                return reply
+            case Problem():
+                raise reply
+            case jobs.Fault():
+                event("a worker met a fault", logging.ERROR, fault=reply.name, where=list(reply.where), digest=key)
+                raise Problem("fault", f"The planner met a fault of its own; it is logged with digest {key}.")
+
+
+@cache
+def scenario_request(name: str) -> dict[str, Any]:
+    """The request of the shipped scenario `name`, read once. Raises `InputError` for a name that is not shipped."""
+    return shipped(name).request
+
+
+def _told(read: Any, argument: Any) -> Any:
+    """`read(argument)`, with the caller's faults as problems."""
+    try:
+        return read(argument)
+    except InputError as error:
+        raise Problem.of_input(error) from error
+
+
+def _scenario_name(document: dict[str, Any]) -> str:
+    """The name in a body {"scenario": NAME}. Raises `Problem` when there is anything else in it."""
+    for name, value in document.items():
+        if name != "scenario":
+            raise Problem.of_input(InputError(name, value, 'no field beside "scenario"'))
+    if not isinstance(document["scenario"], str):
+        raise Problem.of_input(InputError("scenario", document["scenario"], "the name of a shipped scenario"))
+    return document["scenario"]
+
+
+def _digest(kind: str, content: str | bytes) -> str:
+    data = content.encode() if isinstance(content, str) else content
+    return hashlib.sha256(kind.encode() + b"\n" + data).hexdigest()

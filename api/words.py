@@ -1,0 +1,155 @@
+"""An answer in the words of the shop: lines and tables for people, from the same document that machines get.
+
+Lengths in millimetres, times in seconds. Texts that came from a request are printed, never interpreted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from api.problems import printable
+
+WIDTH = 110
+"""Columns where the output is not a terminal."""
+CENSUS_LINES = 8
+"""So many kinds of refusal are told; the document has them all."""
+
+SAYS = {
+    "OUT_OF_REACH": "the arm does not reach",
+    "JOINT_LIMIT": "a joint would pass its limit",
+    "NEAR_SINGULARITY": "the arm would be too near a singular pose",
+    "SELF_COLLISION": "the arm would hit itself",
+    "BODY_COLLISION": "something would be hit",
+    "START_IN_COLLISION": "the start is in collision",
+    "CONTROL_POINT_IN_COLLISION": "a control point is in collision",
+    "MOTION_LIMIT": "speed, acceleration or jerk would pass a limit",
+    "CARRY_LIMIT": "the part could not be held so fast",
+    "WINDOW_MISSED": "the window would be missed",
+    "LAW_ENDS": "a frame's motion is not known for so long",
+    "NOT_CERTIFIED": "the proof did not succeed",
+    "TIMED_OUT": "the time was up",
+}
+"""Reasons as a shift leader says them."""
+MILLI = {"m": ("mm", 1e3), "s": ("ms", 1e3)}
+
+
+def console(*, stderr: bool = False) -> Console:
+    """A console that prints texts as they are, as wide as the terminal or `WIDTH`."""
+    made = Console(stderr=stderr, markup=False, highlight=False, emoji=False)
+    if not made.is_terminal:
+        made.width = WIDTH
+    return made
+
+
+def amount(value: float | None, unit: str) -> str:
+    """A length in mm, a time in ms, anything else as it is; nothing for no number."""
+    if value is None:
+        return ""
+    name, factor = MILLI.get(unit, (unit, 1.0))
+    return f"{value * factor:.3g} {name}".rstrip()
+
+
+def table(*columns: str) -> Table:
+    """A table without a frame; the columns named with a leading ">" are numbers."""
+    made = Table(box=None, pad_edge=False, header_style="bold")
+    for name in columns:
+        made.add_column(name.removeprefix(">"), justify="right" if name.startswith(">") else "left", overflow="fold")
+    return made
+
+
+def row(made: Table, *cells: object) -> None:
+    """Adds a row; texts are printed as they are."""
+    made.add_row(*(Text(printable(str(cell), 400)) for cell in cells))
+
+
+def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
+    """What a planned answer says."""
+    legs = table("leg", ">from s", ">to s", "")
+    for leg in answer["legs"]:
+        row(legs, leg["kind"], f"{leg['from_s']:.3f}", f"{leg['to_s']:.3f}", leg["note"])
+    yield legs
+    yield ""
+    arrivals = table("arrival", ">at s", ">x mm", ">y mm", ">z mm", ">along mm", ">window left s", "speed")
+    for arrival in answer["arrivals"]:
+        along, left = arrival["along_m"], arrival["window_left_s"]
+        row(
+            arrivals,
+            arrival["control_point"],
+            f"{arrival['time_s']:.3f}",
+            *(f"{1e3 * x:.1f}" for x in arrival["at_m"]),
+            "" if along is None else f"{1e3 * along:.1f}",
+            "" if left is None else f"{left:.3f}",
+            "matched" if arrival["matched"] else "",
+        )
+    yield arrivals
+    yield ""
+    margins = answer["margins"]
+    yield f"duration            {answer['duration_s']:.3f} s; no plan takes less than {answer['lower_bound_s']:.3f} s"
+    yield f"what binds          {margins['binds']}"
+    nearest = margins["nearest"]
+    yield "smallest clearance  " + (
+        "nothing is near"
+        if nearest is None
+        else f"{1e3 * nearest['gap_m']:.2f} mm at {nearest['time_s']:.3f} s, "
+        f"{' and '.join(nearest['bodies'])} ({nearest['phase']})"
+    )
+
+
+def not_planned(answer: dict[str, Any]) -> Iterator[Table | str]:
+    """What a refused request says."""
+    proved = "proved: no plan exists" if answer["proved"] else "not found, which is no proof that there is none"
+    yield f"not planned         {answer['reason']} ({proved})"
+    yield answer["sentence"]
+    relaxation = answer["relaxation"]
+    if relaxation is not None:
+        yield (
+            f"what would help     {relaxation['what']}: {relaxation['value']} "
+            f"(then {relaxation['duration_s']:.3f} s; tried)"
+        )
+    elif answer["tried"]:
+        yield f"what would not help {', '.join(answer['tried'])}"
+
+
+def census(document: dict[str, Any]) -> Iterator[str]:
+    """The census in sentences, most frequent refusal first."""
+    yield f"{document['candidates']} candidates, {document['refused']} refused"
+    lines = document["lines"]
+    for line in lines[:CENSUS_LINES]:
+        yield "  " + refusal(line)
+    if len(lines) > CENSUS_LINES:
+        yield f"  and {len(lines) - CENSUS_LINES} more kinds of refusal"
+
+
+def refusal(line: dict[str, Any]) -> str:
+    """One line of the census as a sentence: how many, why, by what, when, by how much."""
+    words = [f"{line['count']} times {SAYS.get(line['reason'], line['reason'])}"]
+    if line["bodies"]:
+        words.append(f"({' and '.join(line['bodies'])})")
+    interval = line.get("interval_s")
+    if interval is not None:
+        words.append(f"between {interval[0]:.3f} and {interval[1]:.3f} s")
+    least, most = amount(line["least"], line["unit"]), amount(line["most"], line["unit"])
+    if least:
+        words.append(f"by {least}" if least == most else f"by {least} to {most}")
+    words.append(f"[step {line['step'] + 1}, {line['stage']}]")
+    return " ".join(words)
+
+
+def everything(answer: dict[str, Any]) -> Iterator[Table | str]:
+    """The whole answer for people, but for what the checker says."""
+    yield from planned(answer) if answer["status"] == "planned" else not_planned(answer)
+    yield ""
+    yield from census(answer["census"])
+    if answer["cut_by_clock"]:
+        yield "The clock cut the search off; another run may find another plan."
+    if answer["assumptions"]:
+        yield ""
+        yield "assumed, not known:"
+        yield from (f"  {assumption}" for assumption in answer["assumptions"])
+    yield ""
+    yield answer["notice"]

@@ -1,0 +1,35 @@
+"""Array types, and the one way in which a fact's arrays are made read-only."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+def frozen(values: Any, shape: Sequence[int | None], field: str) -> FloatArray:
+    """A read-only float64 copy of `values` that has `shape` (None: any length) and is finite.
+
+    Raises `InputError` naming `field` otherwise.
+    """
+    from planner.errors import InputError
+
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(field, values, "numbers") from error
+    if array.ndim != len(shape) or any(
+        want is not None and have != want for have, want in zip(array.shape, shape, strict=True)
+    ):
+        wanted = tuple("any" if want is None else want for want in shape)
+        raise InputError(field, array.shape, f"an array of shape {wanted}")
+    if not np.all(np.isfinite(array)):
+        raise InputError(field, values, "finite numbers")
+    array.flags.writeable = False
+    return array

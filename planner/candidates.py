@@ -1,0 +1,288 @@
+"""Samples ways to the next control point: the direct ones first, then arches, then free vias, waits and later meetings.
+
+Seeded and adaptive: families that produced free or nearly free drafts get more samples, and such drafts are mutated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.chain import Chain, Sample
+from planner.frames import Fixed
+from planner.legs.joint import Hop, Shape, Via
+from planner.legs.meeting import Branch, Meetings
+from planner.scene import Move, Scene
+from planner.timing import least_duration
+
+FIRST_RANDOM = 12
+"""Samples in the first random batch of a chain; later ones are larger."""
+MOST_RANDOM = 32
+"""... up to this many: large batches are cheaper a sample, small ones react sooner."""
+MUTATED = 0.35
+"""Share of random samples that are mutations of the best drafts so far, once there are any."""
+ELITE = 6
+"""Best drafts that are kept for mutation."""
+HOPS = ((0.5, 0.5), (1.0, 1.0), (0.25, 0.25), (0.0, 0.0))
+"""Overlaps of an arch that are tried first: half, none (corners stopped at), three quarters, full."""
+FAMILIES = ("arch", "1 via", "2 vias", "wait", "later")
+
+
+@dataclass(frozen=True, eq=False)
+class Option:
+    """A branch of a control point, with the turn of a symmetric part it belongs to and a lower bound of its duration."""
+
+    meeting: Meetings
+    yaw_offset: float
+    branch: Branch
+    least: float
+
+
+@dataclass(eq=False)
+class Sampler:
+    """Samples for one chain. What it learned stays with it."""
+
+    scene: Scene
+    chain: Chain
+    options: tuple[Option, ...]
+    rng: np.random.Generator
+    adaptive: bool = True
+    visits: int = 0
+    tried: dict[str, int] = field(default_factory=dict)
+    worth: dict[str, float] = field(default_factory=dict)
+    elite: list[tuple[float, Sample]] = field(default_factory=list)
+
+    def batch(self) -> list[tuple[Option, Sample]]:
+        """The next batch; empty only if no control point can be met at all."""
+        visit, self.visits = self.visits, self.visits + 1
+        if not self.options:
+            return []
+        if visit == 0:
+            return self._direct()
+        if visit == 1:
+            found = self._arches()
+            if found:
+                return found
+        size = min(MOST_RANDOM, FIRST_RANDOM * (1 + visit // 2))
+        return [self._random() for _ in range(size)]
+
+    def learn(self, sample: Sample, bad: float) -> None:
+        """`bad`: the share of a draft's samples that were in the way of something; 0: it was free."""
+        if not self.adaptive:
+            return
+        self.tried[sample.family] = self.tried.get(sample.family, 0) + 1
+        self.worth[sample.family] = self.worth.get(sample.family, 0.0) + max(0.0, 1.0 - 2.0 * bad)
+        self.elite.append((bad, sample))
+        self.elite.sort(key=lambda pair: pair[0])
+        del self.elite[ELITE:]
+
+    def _direct(self) -> list[tuple[Option, Sample]]:
+        step = self.scene.task[self.chain.step]
+        if isinstance(step, Move) and step.arch is not None:
+            return self._arches()
+        paces = (0.7, 0.0) if isinstance(step, Move) and step.via else (0.0,)
+        return [
+            (option, Sample(option.yaw_offset, option.branch, Shape(through=pace), "direct"))
+            for option in self.options[:6]
+            for pace in paces
+        ]
+
+    def _arches(self) -> list[tuple[Option, Sample]]:
+        tops = self._tops()
+        if not tops or self._cartesian():
+            return []
+        paces = {"through": 0.7} if self._is_via() else {}
+        hops = HOPS[:1] if self._is_via() else HOPS
+        return [
+            (option, Sample(option.yaw_offset, option.branch, Shape(hop=Hop(top, rise, fall), **paces), "arch"))
+            for option in self.options[:3]
+            for top in tops[:2]
+            for rise, fall in hops
+        ]
+
+    def _tops(self) -> list[float]:
+        """Heights of the lift joint that an arch may go over, lowest sensible first."""
+        scene, lift = self.scene, self.scene.robot.lift
+        if lift is None:
+            return []
+        step = scene.task[self.chain.step]
+        upper = float(scene.robot.limits.upper[lift])
+        ends = [float(self.chain.state.q[lift]), *(float(o.branch.q[0, lift]) for o in self.options[:1])]
+        asked = -np.inf
+        if isinstance(step, Move) and step.arch is not None:
+            flange, _ = scene.robot.forward(self.chain.state.q)
+            # the lift joint moves the flange one to one, so heights differ by a constant
+            offset = float(flange[2]) - float(self.chain.state.q[lift])
+            asked = step.arch.top_m - scene.tool.tcp.z - offset
+            return [asked] if asked <= upper else []
+        return [top for top in (upper, (max(ends) + upper) / 2) if top > max(ends) + 1e-3]
+
+    def _is_via(self) -> bool:
+        step = self.scene.task[self.chain.step]
+        return isinstance(step, Move) and step.via
+
+    def _cartesian(self) -> bool:
+        step = self.scene.task[self.chain.step]
+        return isinstance(step, Move) and step.leg == "cartesian"
+
+    def _random(self) -> tuple[Option, Sample]:
+        rng = self.rng
+        if self.adaptive and self.elite and rng.random() < MUTATED:
+            return self._mutated()
+        count = len(self.options)
+        option = self.options[min(count - 1, int(rng.geometric(0.45)) - 1)]
+        family = self._family()
+        shape = self._shape(family, option)
+        effort = float(rng.choice([1.0, 1.0, 0.7, 0.4]))
+        sample = Sample(option.yaw_offset, option.branch, shape, family, effort, float(rng.uniform(1.0, 2.0)))
+        return option, sample
+
+    def _family(self) -> str:
+        choices = [name for name in FAMILIES if self._possible(name)]
+        weights = np.array([BASE[name] + 3.0 * self._yield(name) for name in choices])
+        return str(self.rng.choice(choices, p=weights / weights.sum()))
+
+    def _yield(self, family: str) -> float:
+        return self.worth.get(family, 0.0) / (1.0 + self.tried.get(family, 0))
+
+    def _possible(self, family: str) -> bool:
+        if self._cartesian():
+            return family == "wait"
+        step = self.scene.task[self.chain.step]
+        if isinstance(step, Move) and step.arch is not None:
+            return family == "arch"
+        if family == "arch":
+            return bool(self._tops())
+        if family == "wait":
+            return self.chain.state.resting
+        if family == "later":
+            return not self.options[0].branch.still
+        return True
+
+    def _shape(self, family: str, option: Option) -> Shape:
+        rng = self.rng
+        through = float(rng.uniform(0.2, 1.0)) if self._is_via() else 0.0
+        wait = late = 0.0
+        if family == "wait" or (self._moving() and self.chain.state.resting and rng.random() < 0.25):
+            wait = float(rng.exponential(0.35))
+        if family == "later" or (not option.branch.still and rng.random() < 0.2):
+            late = float(rng.exponential(0.25))
+        vias: tuple[Via, ...] = ()
+        hop = None
+        if family == "arch":
+            tops = self._tops()
+            low, high = (min(tops), max(tops)) if tops else (0.0, 0.0)
+            hop = Hop(float(rng.uniform(low, high)) if rng.random() < 0.5 else high, float(rng.random()), float(rng.random()))
+        elif family in ("1 via", "2 vias"):
+            vias = self._vias(1 if family == "1 via" else 2, option)
+        elif rng.random() < 0.5 and not self._cartesian():
+            vias = self._vias(1, option)
+        return Shape(wait, late, vias, hop, through=through)
+
+    def _moving(self) -> bool:
+        return any(not isinstance(frame.law, Fixed) for frame in self.scene.frames.values())
+
+    def _vias(self, count: int, option: Option) -> tuple[Via, ...]:
+        rng, robot = self.rng, self.scene.robot
+        start = self.chain.state.q
+        goal = option.branch.q[int(np.argmax(option.branch.legal))]
+        limits = robot.limits
+        shares = np.sort(rng.uniform(0.1, 0.9, count))
+        found = []
+        for share in shares:
+            q = start + share * (goal - start)
+            kind = rng.random()
+            free = np.array([joint.kind == "revolute" for joint in robot.joints])
+            free[3:] = False  # the wrist only turns with the way; it clears nothing
+            if kind < 0.5:
+                spread = 0.15 * (limits.upper - limits.lower)
+                q = np.where(free, q + rng.normal(0.0, 1.0, len(q)) * spread, q)
+            else:
+                q = np.where(free, rng.uniform(limits.lower, limits.upper), q)
+            if robot.lift is not None:
+                z = robot.lift
+                low = max(float(start[z]), float(goal[z])) if rng.random() < 0.7 else float(limits.lower[z])
+                q[z] = rng.uniform(min(low, limits.upper[z]), limits.upper[z]) if rng.random() < 0.6 else limits.upper[z]
+            pace = float(rng.choice([0.0, 0.4, 0.8, 1.2]))
+            found.append(Via(np.clip(q, limits.lower, limits.upper), pace))
+        return tuple(found)
+
+    def _mutated(self) -> tuple[Option, Sample]:
+        rng, limits = self.rng, self.scene.robot.limits
+        _, parent = self.elite[int(rng.integers(len(self.elite)))]
+        option = next(o for o in self.options if o.branch is parent.branch)
+        shape = parent.shape
+        spread = float(rng.choice([0.03, 0.08])) * (limits.upper - limits.lower)
+        spread[3:] = 0.0
+        vias = tuple(
+            Via(
+                np.clip(via.q + rng.normal(0.0, 1.0, len(via.q)) * spread, limits.lower, limits.upper),
+                max(0.0, via.pace + float(rng.normal(0.0, 0.2))),
+            )
+            for via in shape.vias
+        )
+        hop = shape.hop
+        if hop is not None:
+            hop = Hop(hop.top, float(np.clip(hop.rise + rng.normal(0, 0.15), 0, 1)), float(np.clip(hop.fall + rng.normal(0, 0.15), 0, 1)))
+        wait, late = shape.wait, shape.late
+        if self._moving() and self.chain.state.resting and rng.random() < 0.5:
+            wait = max(0.0, wait + float(rng.normal(0.0, 0.1)))
+        if not option.branch.still and rng.random() < 0.5:
+            late = max(0.0, late + float(rng.normal(0.0, 0.1)))
+        if not vias and hop is None and rng.random() < 0.6 and not self._cartesian():
+            vias = self._vias(1, option)
+        return option, replace(parent, shape=replace(shape, vias=vias, hop=hop, wait=wait, late=late))
+
+
+BASE = {"arch": 0.6, "1 via": 1.6, "2 vias": 0.8, "wait": 0.3, "later": 0.5}
+"""Weights of the families before anything is known."""
+
+
+def options(
+    scene: Scene, chain: Chain, found: list[tuple[float, Meetings]], most: int = 12
+) -> tuple[Option, ...]:
+    """Branches of all turns of the part, those with the least possible duration first."""
+    limits, state = scene.robot.limits, chain.state
+    result = []
+    for yaw_offset, meeting in found:
+        for branch in meeting.branches:
+            rows = np.flatnonzero(branch.legal)
+            least = least_duration(
+                state.q,
+                state.qd,
+                state.qdd,
+                branch.q[rows],
+                branch.qd[rows],
+                branch.qdd[rows],
+                limits.velocity,
+                limits.acceleration,
+                limits.jerk,
+            )
+            least = np.atleast_1d(least)
+            if not branch.still:
+                # the earliest grid time at which the lower bound would allow the meeting
+                ready = branch.time[rows] >= state.time + least
+                least = branch.time[rows][ready][:1] - state.time if ready.any() else np.array([np.inf])
+            result.append(Option(meeting, yaw_offset, branch, float(least.min())))
+    result.sort(key=lambda option: option.least)
+    return tuple(result[:most])
+
+
+def ahead(scene: Scene, chain: Chain, q: FloatArray) -> FloatArray | None:
+    """Joints (n,) near those of the control point behind the next one, for a via that is flown by; None: no such."""
+    from planner.legs.control_point import control_point
+
+    step = scene.task[chain.step]
+    if not (isinstance(step, Move) and step.via) or chain.step + 1 >= len(scene.task):
+        return None
+    behind = control_point(scene, chain.step + 1, chain.rides, chain.carried, 0.0)
+    motion = behind.flange(np.array([chain.state.time]), behind.approach)
+    found = scene.robot.inverse(motion, chain.mode, 0)
+    if not np.isfinite(found.q).all():
+        return None
+    turns = np.round((q - found.q[0]) / (2 * np.pi))
+    revolute = np.array([joint.kind == "revolute" for joint in scene.robot.joints])
+    result: FloatArray = np.where(revolute, found.q[0] + 2 * np.pi * turns, found.q[0])
+    return result

@@ -1,0 +1,143 @@
+"""All convex pieces of a scene, and each body's bounding box, as one table; supports and reaches of many at once.
+
+The checker's own table: it shares the shapes with the planner, nothing else. A *solid* is a row of it: a piece of a
+body, or the box in the body's own axes that holds all its pieces.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.arrays import BoolArray, FloatArray, IntArray
+from planner.scene import Scene
+from planner.shapes import Body, Hull
+
+UPRIGHT = 1e-12
+"""A solid of revolution whose axis is off the vertical by no more than this (a few roundings, rad) stands upright."""
+
+_SIGNS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+
+
+@dataclass(frozen=True, eq=False)
+class Solids:
+    """`first`, `count`, `box` (B,) say which solids are a body's pieces and its box; the rest is (S, ...), in m."""
+
+    bodies: tuple[Body, ...]
+    number: dict[str, int]
+    first: IntArray
+    count: IntArray
+    box: IntArray
+    position: FloatArray
+    rotation: FloatArray
+    half: FloatArray
+    disc: FloatArray
+    ball: FloatArray
+    hull: IntArray
+    vertices: tuple[FloatArray, ...]
+
+    def of(self, body: IntArray, piece: IntArray) -> IntArray:
+        """Solids of pieces (N,) of bodies (N,), −1 being the box."""
+        return np.where(piece < 0, self.box[body], self.first[body] + piece)
+
+    def support(self, solid: IntArray, n: FloatArray) -> FloatArray:
+        """max of n·x over solids (N,) for n (N, 3) in the axes of their bodies (equation S1)."""
+        local = (n[:, None, :] @ self.rotation[solid])[:, 0]
+        found = (n * self.position[solid]).sum(1) + (np.abs(local) * self.half[solid]).sum(1)
+        found += self.disc[solid] * np.hypot(local[:, 0], local[:, 1])
+        found += self.ball[solid] * np.sqrt((local * local).sum(1))
+        hull = self.hull[solid]
+        for k in np.unique(hull[hull >= 0]):
+            rows = np.flatnonzero(hull == k)
+            found[rows] += (local[rows] @ self.vertices[k].T).max(1)
+        return np.asarray(found)
+
+    def reach(self, body: int, offset: FloatArray) -> FloatArray:
+        """How far turning about a carrier's z axis moves the solids of a body (count + 1,), m; the box is the last.
+
+        A bound of the horizontal distance from that axis of the points of a solid, the body being at `offset`
+        (x, y, z, yaw) in its carrier. An upright solid of revolution looks the same however it turns, so its points may
+        be taken to move as its centre does. For the box, that bound serves which the pieces in it give.
+        """
+        solid = np.arange(self.first[body], self.first[body] + self.count[body])
+        pieces = self._radius(solid, offset)
+        box = self._radius(self.box[[body]], offset)
+        return np.append(pieces, np.minimum(box, pieces.max()))
+
+    def _radius(self, solid: IntArray, offset: FloatArray) -> FloatArray:
+        c, s = np.cos(offset[3]), np.sin(offset[3])
+        turn = np.array([[c, -s], [s, c]])
+        centre = self.position[solid, :2] @ turn.T + offset[:2]
+        axes = turn @ self.rotation[solid, :2, :]
+        corners = centre[:, None, :] + (_SIGNS * self.half[solid][:, None, :]) @ np.swapaxes(axes, 1, 2)
+        found = np.hypot(corners[..., 0], corners[..., 1]).max(1) + self.disc[solid] + self.ball[solid]
+        found = np.where(self._round(solid), np.hypot(centre[:, 0], centre[:, 1]), found)
+        for k in np.flatnonzero(self.hull[solid] >= 0):
+            points = centre[k] + self.vertices[self.hull[solid[k]]] @ axes[k].T
+            found[k] = np.hypot(points[:, 0], points[:, 1]).max()
+        return np.asarray(found)
+
+    def _round(self, solid: IntArray) -> BoolArray:
+        """Whether each solid is one of revolution about a vertical, or a ball."""
+        revolved = (self.half[solid, :2] == 0.0).all(1) & (self.hull[solid] < 0)
+        ball = (self.half[solid, 2] == 0.0) & (self.disc[solid] == 0.0)
+        return np.asarray(revolved & (ball | (np.abs(self.rotation[solid, :2, 2]).max(1) <= UPRIGHT)))
+
+
+def solids(scene: Scene) -> Solids:
+    """The table of a scene: bodies of the robot, of the tool, of the surroundings, in this order."""
+    bodies = [item.body for item in scene.robot.bodies] + list(scene.tool.bodies) + [item.body for item in scene.bodies]
+    pieces = [piece for body in bodies for piece in body.pieces]
+    count = np.array([len(body.pieces) for body in bodies], dtype=np.int64)
+    first = np.cumsum(count) - count
+    half, disc, ball, hull = np.zeros((len(pieces), 3)), np.zeros(len(pieces)), np.zeros(len(pieces)), []
+    vertices: list[FloatArray] = []
+    for i, piece in enumerate(pieces):
+        if isinstance(piece.shape, Hull):
+            hull.append(len(vertices))
+            vertices.append(piece.shape.vertices)
+        else:
+            hull.append(-1)
+            half[i], disc[i], ball[i] = piece.shape.half, piece.shape.disc, piece.shape.ball
+    raw = Solids(
+        bodies=tuple(bodies),
+        number={body.name: i for i, body in enumerate(bodies)},
+        first=first,
+        count=count,
+        box=first,
+        position=np.array([piece.position for piece in pieces]).reshape(-1, 3),
+        rotation=np.array([piece.rotation for piece in pieces]).reshape(-1, 3, 3),
+        half=half,
+        disc=disc,
+        ball=ball,
+        hull=np.array(hull, dtype=np.int64),
+        vertices=tuple(vertices),
+    )
+    return _with_boxes(raw)
+
+
+def _with_boxes(raw: Solids) -> Solids:
+    """The same table with a box a body behind the pieces."""
+    many, axes = len(raw.position), np.eye(3)
+    if not many:
+        return raw
+    every = np.repeat(np.arange(many), 3)
+    high = raw.support(every, np.tile(axes, (many, 1))).reshape(many, 3)
+    low = -raw.support(every, np.tile(-axes, (many, 1))).reshape(many, 3)
+    high, low = np.maximum.reduceat(high, raw.first), np.minimum.reduceat(low, raw.first)
+    boxes = len(raw.count)
+    return Solids(
+        bodies=raw.bodies,
+        number=raw.number,
+        first=raw.first,
+        count=raw.count,
+        box=many + np.arange(boxes),
+        position=np.concatenate([raw.position, (high + low) / 2]),
+        rotation=np.concatenate([raw.rotation, np.tile(np.eye(3), (boxes, 1, 1))]),
+        half=np.concatenate([raw.half, (high - low) / 2]),
+        disc=np.concatenate([raw.disc, np.zeros(boxes)]),
+        ball=np.concatenate([raw.ball, np.zeros(boxes)]),
+        hull=np.concatenate([raw.hull, np.full(boxes, -1)]),
+        vertices=raw.vertices,
+    )

@@ -1,0 +1,97 @@
+"""The checker's own evaluation of the quintic Hermite spline through the knots, in Bernstein form.
+
+Over a piece of length h, with s from 0 to 1, a derivative of degree d is Σ c_i B_i^d(s) (equation V1): it takes c_0 and
+c_d at its ends and nowhere leaves [min c, max c]; the part of it over [s0, s1] has control values of its own, by de
+Casteljau's cuts, that lie closer. The control values of q follow from the knots; each derivative's are d/h times the
+differences, taken from q1 − q0 directly so that the rounding of q does not reach the jerk more than it must.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import comb
+
+import numpy as np
+
+from planner.arrays import FloatArray, IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Spline:
+    """Control values of q, q̇, q̈, q⃛ over the pieces between `time` (K,): `control[d]` (K-1, n, 6 - d)."""
+
+    time: FloatArray
+    length: FloatArray
+    control: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+
+    @property
+    def start(self) -> float:
+        return float(self.time[0])
+
+    @property
+    def end(self) -> float:
+        return float(self.time[-1])
+
+    def place(self, t: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Piece (T,) and s (T,) in [0, 1] of times t, those outside moved to the nearest end."""
+        piece = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, len(self.length) - 1)
+        return piece, np.clip((t - self.time[piece]) / self.length[piece], 0.0, 1.0)
+
+    def state(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """q, q̇, q̈, q⃛ at times t (T,), each (T, n). From the last knot on the arm stands still where it is."""
+        piece, s = self.place(t)
+        after = t >= self.time[-1]
+        values = []
+        for derivative, control in enumerate(self.control):
+            value = (control[piece] @ basis(s, 5 - derivative)[:, :, None])[:, :, 0]
+            values.append(np.where(after[:, None], 0.0, value) if derivative and self.at_rest else value)
+        return values[0], values[1], values[2], values[3]
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the last knot is at rest up to `REST`."""
+        return all(bool((np.abs(control[-1, :, -1]) <= REST).all()) for control in self.control[1:3])
+
+
+REST = 1e-9
+"""A joint slower than this is at rest, rad/s or m/s (and rad/s², m/s²): in an hour it goes 4 µm."""
+
+
+def spline(time: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> Spline:
+    """The spline through knots `time` (K,) with `q, qd, qdd` (K, n)."""
+    length = time[1:] - time[:-1]
+    h = length[:, None]
+    step, v0, v1, a0, a1 = q[1:] - q[:-1], qd[:-1], qd[1:], qdd[:-1], qdd[1:]
+    out, back = h * v0 / 5, h * v1 / 5
+    position = [q[:-1], q[:-1] + out, q[:-1] + 2 * out + h * h * a0 / 20]
+    position += [q[1:] - 2 * back + h * h * a1 / 20, q[1:] - back, q[1:]]
+    middle = 5 * step / h - 2 * (v0 + v1) + h * (a1 - a0) / 4
+    velocity = np.stack([v0, v0 + h * a0 / 4, middle, v1 - h * a1 / 4, v1], -1)
+    inner = 4 * np.diff(velocity[..., 1:4], axis=-1) / h[..., None]
+    acceleration = np.concatenate([a0[..., None], inner, a1[..., None]], -1)
+    jerk = 3 * np.diff(acceleration, axis=-1) / h[..., None]
+    return Spline(time, length, (np.stack(position, -1), velocity, acceleration, jerk))
+
+
+def basis(s: FloatArray, degree: int) -> FloatArray:
+    """Bernstein polynomials B_i(s) of a degree, (T, degree + 1)."""
+    i = np.arange(degree + 1)
+    choose = np.array([comb(degree, int(k)) for k in i], dtype=np.float64)
+    return np.asarray(choose * s[:, None] ** i * (1.0 - s[:, None]) ** (degree - i))
+
+
+def cut(control: FloatArray, s0: FloatArray, s1: FloatArray) -> FloatArray:
+    """Control values (N, ..., d+1) of the parts over [s0, s1] (N,) of N polynomials on [0, 1], 0 <= s0 <= s1 <= 1."""
+    shape = (len(s0),) + (1,) * (control.ndim - 1)
+    late = np.where(s1 > 0, s0 / np.where(s1 > 0, s1, 1.0), 0.0)
+    return _half(_half(control, s1.reshape(shape), 0), late.reshape(shape), -1)
+
+
+def _half(control: FloatArray, s: FloatArray, side: int) -> FloatArray:
+    """The part left (`side` 0) or right (−1) of s: the outermost values of de Casteljau's triangle."""
+    degree = control.shape[-1] - 1
+    result = np.empty_like(control)
+    for k in range(degree + 1):
+        result[..., k if side == 0 else degree - k] = control[..., side]
+        control = control[..., :-1] + s * (control[..., 1:] - control[..., :-1])
+    return result

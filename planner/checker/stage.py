@@ -1,0 +1,125 @@
+"""Who rides on what in each phase, where everything is at given times, and how fast its points can move.
+
+A *carrier* is a link of the robot (0..L-1) or a frame of the cell (L..L+F-1); a *seat* is a body at a pose in its
+carrier. Most bodies keep one seat for the whole plan; a part that is picked changes it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.arrays import BoolArray, FloatArray, IntArray
+from planner.checker.ranges import Ranges
+from planner.checker.solids import Solids
+from planner.frames.motion import Pose
+from planner.phases import Phase
+from planner.robots.protocol import Sweep
+from planner.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """`seat` (P, B): the seat of each body in each phase; per seat (S,) its `body`, `carrier`, `offset` (S, 4) as
+    x, y, z, yaw, and `reaches[reach_at[seat] + piece]`; a box has the place behind the last piece."""
+
+    scene: Scene
+    solids: Solids
+    seat: IntArray
+    body: IntArray
+    carrier: IntArray
+    offset: FloatArray
+    reach_at: IntArray
+    reaches: FloatArray
+
+    @property
+    def links(self) -> int:
+        return len(self.scene.robot.links)
+
+    @property
+    def of_robot(self) -> BoolArray:
+        """(P, B): whether a body is the robot's, its tool's, or in its gripper."""
+        return np.asarray(self.carrier[self.seat] < self.links)
+
+    def where(self, q: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Positions (T, C, 3) and rotations (T, C, 3, 3) of all carriers at times t (T,) with joints q (T, n)."""
+        p, rotation = self.scene.robot.placements(q)
+        frames = [frame.law.motion(t) for frame in self.scene.frames.values()]
+        position = np.concatenate([p, *(motion.p[:, None] for motion in frames)], axis=1)
+        turned = np.zeros((len(t), len(frames), 3, 3))
+        yaw = np.stack([motion.yaw for motion in frames], axis=1)
+        turned[..., 0, 0] = turned[..., 1, 1] = np.cos(yaw)
+        turned[..., 1, 0] = np.sin(yaw)
+        turned[..., 0, 1] = -turned[..., 1, 0]
+        turned[..., 2, 2] = np.where(np.isnan(yaw), np.nan, 1.0)
+        return position, np.concatenate([rotation, turned], axis=1)
+
+    def support(
+        self, seat: IntArray, piece: IntArray, n: FloatArray, position: FloatArray, rotation: FloatArray
+    ) -> FloatArray:
+        """max of n·x in the world over pieces (N,) in seats (N,); `position`, `rotation` (N, ...): their carriers."""
+        offset = self.offset[seat]
+        local = (n[:, None, :] @ rotation)[:, 0]
+        c, s = np.cos(offset[:, 3]), np.sin(offset[:, 3])
+        own = np.stack([c * local[:, 0] + s * local[:, 1], c * local[:, 1] - s * local[:, 0], local[:, 2]], -1)
+        inside = self.solids.support(self.solids.of(self.body[seat], piece), own)
+        return np.asarray((n * position).sum(1) + (local * offset[:, :3]).sum(1) + inside)
+
+    def bounds(
+        self, seat: IntArray, piece: IntArray, n: FloatArray, t0: FloatArray, t1: FloatArray, sweep: Sweep
+    ) -> tuple[FloatArray, FloatArray]:
+        """Bounds (N,) of |n·ẋ| and |n·ẍ| over [t0, t1] (N,) for the points of pieces; `sweep` is of those intervals."""
+        carrier = self.carrier[seat]
+        place = np.where(piece < 0, self.solids.count[self.body[seat]], piece)
+        reach = self.reaches[self.reach_at[seat] + place]
+        speed, acceleration = np.full(len(seat), np.inf), np.full(len(seat), np.inf)
+        rows = np.flatnonzero(carrier < self.links)
+        if len(rows):
+            part = Sweep(sweep.lower[rows], sweep.upper[rows], sweep.rate[rows], sweep.rate_d[rows])
+            speed[rows], acceleration[rows] = self.scene.robot.point_bounds(carrier[rows], reach[rows], n[rows], part)
+        for k, frame in enumerate(self.scene.frames.values(), start=self.links):
+            rows = np.flatnonzero(carrier == k)
+            if len(rows):
+                law = frame.law.bounds(t0[rows], t1[rows], n[rows])
+                arm = reach[rows] * np.hypot(n[rows, 0], n[rows, 1])
+                speed[rows] = law.speed + arm * law.yaw_rate
+                acceleration[rows] = law.acceleration + arm * np.hypot(law.yaw_acceleration, law.yaw_rate**2)
+        return speed, acceleration
+
+    def bounds_over(
+        self, seat: IntArray, piece: IntArray, n: FloatArray, t0: FloatArray, t1: FloatArray, ranges: Ranges
+    ) -> tuple[FloatArray, FloatArray]:
+        """`bounds` with the sweep of the joints made here."""
+        return self.bounds(seat, piece, n, t0, t1, ranges.sweep(t0, t1))
+
+
+def stage(scene: Scene, table: Solids, phases: tuple[Phase, ...]) -> Stage:
+    """The seats of all bodies in all phases."""
+    flange, links = scene.robot.links.index("flange"), len(scene.robot.links)
+    frames = {name: links + k for k, name in enumerate(scene.frames)}
+    fixed = [(item.body.name, item.link, Pose()) for item in scene.robot.bodies]
+    fixed += [(body.name, flange, Pose()) for body in scene.tool.bodies]
+    fixed += [(item.name, frames[item.frame], item.pose) for item in scene.bodies]
+    found: dict[tuple[int, int, Pose], int] = {}
+    seat = np.zeros((len(phases), len(fixed)), dtype=np.int64)
+    for i, phase in enumerate(phases):
+        moved = {name: (frames[frame], pose) for name, frame, pose in phase.rides}
+        if phase.carried is not None:
+            moved[phase.carried.part] = (flange, phase.carried.in_flange)
+        for b, (name, carrier, pose) in enumerate(fixed):
+            carrier, pose = moved.get(name, (carrier, pose))
+            seat[i, b] = found.setdefault((b, carrier, pose), len(found))
+    offset = np.array([(pose.x, pose.y, pose.z, pose.yaw) for _, _, pose in found]).reshape(-1, 4)
+    reaches = [table.reach(b, offset[k]) for k, (b, _, _) in enumerate(found)]
+    sizes = np.array([len(each) for each in reaches], dtype=np.int64)
+    return Stage(
+        scene,
+        table,
+        seat,
+        np.array([b for b, _, _ in found], dtype=np.int64),
+        np.array([carrier for _, carrier, _ in found], dtype=np.int64),
+        offset,
+        np.cumsum(sizes) - sizes,
+        np.concatenate([np.zeros(0), *reaches]),
+    )

@@ -1,0 +1,57 @@
+"""What the checker answers: right, or what is wrong, each with its number."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Code(StrEnum):
+    """What a finding is about."""
+
+    FORM = "FORM"
+    """Not the shape of a plan: missing, not finite, out of order."""
+    DIGEST = "DIGEST"
+    START = "START"
+    END = "END"
+    LEGS = "LEGS"
+    LIMIT = "LIMIT"
+    ARRIVAL = "ARRIVAL"
+    MATCH = "MATCH"
+    GLUE = "GLUE"
+    WINDOW = "WINDOW"
+    ARCH = "ARCH"
+    CARRY = "CARRY"
+    LAW_ENDS = "LAW_ENDS"
+    ROW = "ROW"
+    """A row of the certificate that means nothing: unknown body, no such piece, outside or across phases."""
+    NORMAL = "NORMAL"
+    GAP = "GAP"
+    BOUND = "BOUND"
+    SEPARATION = "SEPARATION"
+    """True rows that do not amount to the required distance."""
+    COVER = "COVER"
+    CONTAINMENT = "CONTAINMENT"
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """Something that is wrong: `what` in words, by how much (`amount` in `unit`, NaN: no number), and `where`."""
+
+    code: Code
+    what: str
+    amount: float = float("nan")
+    unit: str = ""
+    where: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """`ok` if and only if there are no findings."""
+
+    ok: bool
+    findings: tuple[Finding, ...]
+
+    @staticmethod
+    def of(findings: list[Finding]) -> Verdict:
+        return Verdict(not findings, tuple(findings))

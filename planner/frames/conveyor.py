@@ -1,0 +1,64 @@
+"""A belt: what lies on it travels along the frame's own x axis."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.frames.law import LawBounds
+from planner.frames.motion import Motion, Pose
+from planner.frames.profile import Derivatives, Profile
+from planner.frames.ramps import Change, ramped
+from planner.frames.validity import ALWAYS, FURTHEST_S, KnownLaw, interval, number, placed
+
+ROUNDING = 1e-15
+"""|n · u| of two unit vectors is raised by this: rounding of a product of three terms, where it almost vanishes."""
+
+
+@dataclass(frozen=True)
+class Conveyor(KnownLaw):
+    """A frame that is at `pose` at `at_time` and travels along its local x with `speed` until the first of `changes`.
+
+    With u = (cos yaw, sin yaw, 0) and s the travel (equation F1): p = p0 + s(t) u. A negative speed runs backwards.
+    Raises `InputError` for numbers that are not finite and for changes that overlap.
+    """
+
+    pose: Pose
+    speed: float
+    changes: tuple[Change, ...] = ()
+    at_time: float = 0.0
+    valid: tuple[float, float] = ALWAYS
+    _travel: Profile = field(init=False, repr=False, compare=False)
+    _along: FloatArray = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pose", placed(self.pose, "conveyor.pose"))
+        object.__setattr__(self, "speed", number(self.speed, "conveyor.speed"))
+        object.__setattr__(self, "changes", tuple(self.changes))
+        object.__setattr__(self, "at_time", number(self.at_time, "conveyor.at_time", -FURTHEST_S, FURTHEST_S))
+        object.__setattr__(self, "valid", interval(self.valid, "conveyor.valid"))
+        object.__setattr__(self, "_travel", ramped(self.speed, self.changes, self.at_time, "conveyor"))
+        object.__setattr__(self, "_along", np.array([math.cos(self.pose.yaw), math.sin(self.pose.yaw), 0.0]))
+
+    def _motion(self, t: FloatArray, /) -> Motion:
+        return travelling(self.pose, self._along, self._travel.evaluate(t))
+
+    def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
+        speed, acceleration = self._travel.fastest(t0, t1)
+        return travel_bounds(n, self._along, speed, acceleration)
+
+
+def travelling(pose: Pose, along: FloatArray, s: Derivatives) -> Motion:
+    """The motion of a frame that has come from `pose` by `s` (...) metres along the unit vector `along` (3,)."""
+    travel, v, a, j = (rate[..., None] * along for rate in s)
+    shape = s[0].shape
+    return Motion(pose.position + travel, v, a, j, np.full(shape, pose.yaw), *np.zeros((3, *shape)))
+
+
+def travel_bounds(n: FloatArray, along: FloatArray, speed: FloatArray, acceleration: FloatArray) -> LawBounds:
+    """The bounds along `n` (N, 3) of what travels along `along` with at most `speed` and `acceleration` (N,)."""
+    share = np.abs(n @ along) + ROUNDING
+    return LawBounds(share * speed, share * acceleration, *np.zeros((2, len(share))))

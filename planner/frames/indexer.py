@@ -1,0 +1,95 @@
+"""A dial or a chain that moves on by a step, waits, and moves on again."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.errors import InputError
+from planner.frames.conveyor import travel_bounds, travelling
+from planner.frames.law import LawBounds
+from planner.frames.motion import Motion, Pose
+from planner.frames.profile import Profile, chained
+from planner.frames.turntable import turning
+from planner.frames.validity import ALWAYS, FURTHEST_S, KnownLaw, interval, number, placed, span
+
+Kind = Literal["turn", "travel"]
+
+STEP = (0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0)
+"""Coefficients of u, u², ... u⁷ of the step's law, see `Indexer`."""
+CYCLES = 2
+"""Cycles in the profile: what begins in the first and lasts a cycle at most ends in the second."""
+RESOLUTION = 4 * np.finfo(np.float64).eps
+"""Intervals are widened by this part of the times that they were reduced from: the rounding of t modulo the period."""
+
+
+@dataclass(frozen=True)
+class Indexer(KnownLaw):
+    """A frame that moves by `step` in `move_s`, stands for `dwell_s`, and so on; at `start` a move begins from `pose`.
+
+    It goes on for ever, before `start` too. Kind `turn`: in place about its origin, `step` in rad; `travel`: along
+    its local x, `step` in m. The law of a move, u from 0 to 1 over `move_s`, is the polynomial of least degree that
+    begins and ends with no velocity, no acceleration and no jerk (equation F3):
+
+        x = step (35 u⁴ − 84 u⁵ + 70 u⁶ − 20 u⁷)
+
+    Raises `InputError` for a kind that is not known, numbers that are not finite, or a time that is not positive
+    (the dwell may be zero).
+    """
+
+    pose: Pose
+    step: float
+    move_s: float
+    dwell_s: float
+    kind: Kind = "turn"
+    start: float = 0.0
+    valid: tuple[float, float] = ALWAYS
+    _cycle: Profile = field(init=False, repr=False, compare=False)
+    _along: FloatArray = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if self.kind not in get_args(Kind):
+            raise InputError("indexer.kind", self.kind, f"one of {get_args(Kind)}")
+        object.__setattr__(self, "pose", placed(self.pose, "indexer.pose"))
+        object.__setattr__(self, "step", number(self.step, "indexer.step"))
+        object.__setattr__(self, "move_s", span(self.move_s, "indexer.move_s"))
+        object.__setattr__(self, "dwell_s", number(self.dwell_s, "indexer.dwell_s", 0.0, FURTHEST_S))
+        object.__setattr__(self, "start", number(self.start, "indexer.start", -FURTHEST_S, FURTHEST_S))
+        object.__setattr__(self, "valid", interval(self.valid, "indexer.valid"))
+        moves = [k * self.period for k in range(CYCLES)]
+        switches = [time for begin in moves for time in (begin, begin + self.move_s)]
+        move = tuple(self.step * c / self.move_s ** (k + 1) for k, c in enumerate(STEP))
+        object.__setattr__(self, "_cycle", chained(switches, ((), *(CYCLES * (move, ()))), 0.0))
+        object.__setattr__(self, "_along", np.array([math.cos(self.pose.yaw), math.sin(self.pose.yaw), 0.0]))
+
+    @property
+    def period(self) -> float:
+        """From the begin of a move to the begin of the next, s."""
+        return self.move_s + self.dwell_s
+
+    def _motion(self, t: FloatArray, /) -> Motion:
+        turns, local = self._reduced(t)
+        x, xd, xdd, xddd = self._cycle.evaluate(local)
+        moved = (x + turns * self.step, xd, xdd, xddd)
+        return turning(self.pose, moved) if self.kind == "turn" else travelling(self.pose, self._along, moved)
+
+    def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
+        slack = RESOLUTION * (np.maximum(np.abs(t0), np.abs(t1)) + abs(self.start))
+        _, begin = self._reduced(t0)
+        # An interval longer than a period sees all that the first whole cycle shows.
+        end = begin + np.minimum(t1 - t0, self.period)
+        speed, acceleration = self._cycle.fastest(begin - slack, end + slack)
+        if self.kind == "travel":
+            return travel_bounds(n, self._along, speed, acceleration)
+        still = np.zeros((2, len(t0)))
+        return LawBounds(still[0], still[1], speed, acceleration)
+
+    def _reduced(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Number of whole cycles since `start` (...), and the time since then (...)."""
+        since = t - self.start
+        whole = np.floor(since / self.period)
+        return whole, since - whole * self.period

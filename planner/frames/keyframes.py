@@ -1,0 +1,132 @@
+"""A frame that passes through given poses at given times, smoothly."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+import numpy as np
+
+from planner.arrays import FloatArray, frozen
+from planner.errors import InputError
+from planner.frames.law import LawBounds
+from planner.frames.motion import Motion, Pose
+from planner.frames.validity import ALWAYS, FURTHEST_S, SHORTEST_S, KnownLaw, interval, number, placed
+
+Ends = Literal["natural", "clamped"]
+
+ROUNDING = 1e-13
+"""Bounds are raised by this part of the largest speed or acceleration of the whole law: rounding of the polynomials."""
+CONDITIONS = {"natural": 2, "clamped": 1}
+"""The derivative that vanishes at both ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class Keyframes(KnownLaw):
+    """A frame that is at `poses` (K) at `times` (K,) s; between them a cubic spline in x, y, z and yaw, C².
+
+    At both ends either the velocity is zero (`clamped`) or the acceleration (`natural`). The law is known from the
+    first to the last time, or within `valid` if that is less. Yaw is taken as written: going from 350° to 10° turns
+    backwards by 340°. The jerk jumps at the inner times; there the later piece counts.
+
+    In piece i, with τ = t − times[i] (equation F5): x(t) = Σ c_ik τ^k, k = 0..3.
+
+    Raises `InputError` for fewer than two poses, times that do not ascend by a millisecond at least, numbers that
+    are not finite, or a `valid` that has nothing in common with the times.
+    """
+
+    times: Sequence[float] | FloatArray
+    poses: tuple[Pose, ...]
+    ends: Ends = "clamped"
+    valid: tuple[float, float] = ALWAYS
+    _knots: FloatArray = field(init=False, repr=False)
+    _pieces: FloatArray = field(init=False, repr=False)
+    _slack: FloatArray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        times = frozen(self.times, (None,), "keyframes.times")
+        poses = tuple(placed(pose, f"keyframes.poses[{i}]") for i, pose in enumerate(self.poses))
+        if not 2 <= len(times) == len(poses):
+            raise InputError("keyframes.poses", len(poses), f"as many as times ({len(times)}), two at least")
+        for i, time in enumerate(times.tolist()):
+            least = -FURTHEST_S if i == 0 else float(times[i - 1]) + SHORTEST_S
+            number(time, f"keyframes.times[{i}]", least, FURTHEST_S)
+        if self.ends not in get_args(Ends):
+            raise InputError("keyframes.ends", self.ends, f"one of {get_args(Ends)}")
+        valid = interval(self.valid, "keyframes.valid")
+        valid = max(valid[0], float(times[0])), min(valid[1], float(times[-1]))
+        if not valid[0] < valid[1]:
+            raise InputError("keyframes.valid", self.valid, f"times from {times[0]} to {times[-1]} s")
+        pieces = _spline(times, np.array([(p.x, p.y, p.z, p.yaw) for p in poses]), CONDITIONS[self.ends])
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "poses", poses)
+        object.__setattr__(self, "valid", valid)
+        object.__setattr__(self, "_knots", times)
+        object.__setattr__(self, "_pieces", pieces)
+        object.__setattr__(self, "_slack", ROUNDING * _largest(times, pieces))
+
+    def _motion(self, t: FloatArray, /) -> Motion:
+        i = np.clip(np.searchsorted(self._knots, t, side="right") - 1, 0, len(self._pieces) - 1)
+        tau = (t - self._knots[i])[..., None]
+        c0, c1, c2, c3 = np.moveaxis(self._pieces[i], -2, 0)
+        x = c0 + tau * (c1 + tau * (c2 + tau * c3))
+        xd = c1 + tau * (2.0 * c2 + tau * 3.0 * c3)
+        xdd = 2.0 * c2 + 6.0 * tau * c3
+        xddd = 6.0 * c3
+        rates = (x, xd, xdd, xddd)
+        return Motion(*(rate[..., :3] for rate in rates), *(rate[..., 3] for rate in rates))
+
+    def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
+        # One row for each piece that an interval touches: where it begins and ends in the piece's own time.
+        first = np.clip(np.searchsorted(self._knots, t0, side="right") - 1, 0, len(self._pieces) - 1)
+        last = np.maximum(np.searchsorted(self._knots, t1, side="left") - 1, first)
+        count = last - first + 1
+        begin = np.cumsum(count) - count
+        row = np.repeat(np.arange(len(count)), count)
+        piece = np.arange(len(row)) - begin[row] + first[row]
+        start, end = self._knots[piece], self._knots[piece + 1]
+        low, high = np.maximum(t0[row], start) - start, np.minimum(t1[row], end) - start
+
+        slopes = self._pieces[piece, 1:]
+        along = np.einsum("rkx,rx->kr", slopes[..., :3], n[row])
+        speed, acceleration = _greatest(along, low, high, end - start)
+        rate, rate_d = _greatest(slopes[..., 3].T, low, high, end - start)
+        found = np.maximum.reduceat(np.stack([speed, acceleration, rate, rate_d]), begin, axis=1)
+        return LawBounds(*(found + self._slack[:, None]))
+
+
+def _greatest(
+    slopes: FloatArray, low: FloatArray, high: FloatArray, length: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The greatest |c1 + 2 c2 τ + 3 c3 τ²| and |2 c2 + 6 c3 τ| over [low, high] (R,), exact; `slopes` (3, R) is c1..c3.
+
+    The first has an extremum at τ = −c2/(3 c3) as well as at the ends, the second at the ends only.
+    """
+    c1, c2, c3 = slopes
+    top = np.zeros(c2.shape)
+    # Where the extremum is outside the piece (or nowhere), any τ of the interval will do.
+    np.divide(-c2, 3.0 * c3, out=top, where=np.abs(c2) < 3.0 * np.abs(c3) * length)
+    tau = np.stack([low, high, np.clip(top, low, high)])
+    speed = np.abs(c1 + tau * (2.0 * c2 + 3.0 * tau * c3)).max(axis=0)
+    return speed, np.abs(2.0 * c2 + 6.0 * tau[:2] * c3).max(axis=0)
+
+
+def _spline(times: FloatArray, values: FloatArray, vanishing: int) -> FloatArray:
+    """Coefficients (K-1, 4, 4), powers of τ by coordinates, of the C² cubic spline through `values` (K, 4)."""
+    # Imported here: most scenes have no keyframes, and the web process loads every law.
+    from scipy.interpolate import CubicSpline
+
+    end = (vanishing, np.zeros(values.shape[1]))
+    pieces: FloatArray = np.ascontiguousarray(CubicSpline(times, values, bc_type=(end, end)).c[::-1].transpose(1, 0, 2))
+    pieces.flags.writeable = False
+    return pieces
+
+
+def _largest(times: FloatArray, pieces: FloatArray) -> FloatArray:
+    """(4,): upper bounds of speed, acceleration, yaw rate and yaw acceleration over the whole law."""
+    h = np.diff(times)[:, None]
+    c1, c2, c3 = np.moveaxis(np.abs(pieces), 1, 0)[1:]
+    speed, acceleration = c1 + 2.0 * h * c2 + 3.0 * h**2 * c3, 2.0 * c2 + 6.0 * h * c3
+    travel = [np.linalg.norm(rate[:, :3], axis=1).max() for rate in (speed, acceleration)]
+    return np.array([*travel, speed[:, 3].max(), acceleration[:, 3].max()])

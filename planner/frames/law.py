@@ -1,0 +1,62 @@
+"""What a time law must give, and a frame: a law with a name and an uncertainty."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from planner.arrays import FloatArray
+from planner.frames.motion import Motion
+
+
+@dataclass(frozen=True, slots=True)
+class LawBounds:
+    """Upper bounds over intervals, each (N,), never below the true maximum over the *closed* interval.
+
+    speed         |n · ṗ| of the frame's origin, m/s
+    acceleration  |n · p̈| of the frame's origin, m/s² (jumps in velocity are not allowed in any law)
+    yaw_rate      |ω|, rad/s
+    yaw_acceleration |ω̇|, rad/s²
+    """
+
+    speed: FloatArray
+    acceleration: FloatArray
+    yaw_rate: FloatArray
+    yaw_acceleration: FloatArray
+
+
+class Law(Protocol):
+    """A frame's pose as a function of time, known over `valid` (seconds) and nowhere else."""
+
+    @property
+    def valid(self) -> tuple[float, float]:
+        """First and last time at which the law is known (may be -inf, inf)."""
+        ...
+
+    def motion(self, t: FloatArray) -> Motion:
+        """Pose and three derivatives at times `t` (...). Outside `valid`: NaN in every field of that row."""
+        ...
+
+    def bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray) -> LawBounds:
+        """Bounds over the intervals [t0, t1] (N,) along unit vectors `n` (N, 3). Outside `valid`: inf."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Uncertainty:
+    """How far a frame may be from its law: `position_m` always, and `speed_m_s` times the time since it was seen.
+
+    It is common to all that sits in the frame.
+    """
+
+    position_m: float = 0.0
+    speed_m_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A named frame of the cell."""
+
+    name: str
+    law: Law
+    uncertainty: Uncertainty = Uncertainty()

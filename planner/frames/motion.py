@@ -1,0 +1,107 @@
+"""Poses (x, y, z, yaw) and motions: a pose with its first three time derivatives.
+
+Every frame of a cell turns about the vertical only, so its attitude is one angle. Equations: docs/kinematics.md.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.errors import InputError
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """A pose in a parent frame: metres and radians. Raises `InputError` for a number that is not finite."""
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    yaw: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("x", "y", "z", "yaw"):
+            if not math.isfinite(getattr(self, name)):
+                raise InputError(f"pose.{name}", getattr(self, name), "a finite number")
+
+    @property
+    def position(self) -> FloatArray:
+        """(3,) metres."""
+        return np.array([self.x, self.y, self.z])
+
+    def then(self, child: Pose) -> Pose:
+        """The pose, in this one's parent, of a child whose pose in this one is `child`."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return Pose(
+            self.x + c * child.x - s * child.y,
+            self.y + s * child.x + c * child.y,
+            self.z + child.z,
+            self.yaw + child.yaw,
+        )
+
+    def inverse(self) -> Pose:
+        """The pose of the parent in this frame."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return Pose(-c * self.x - s * self.y, s * self.x - c * self.y, -self.z, -self.yaw)
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Pose of a frame in the world over times of shape (...), with three time derivatives.
+
+    `p, v, a, j` are (..., 3) in m, m/s, m/s², m/s³; `yaw, yaw_d, yaw_dd, yaw_ddd` are (...) in rad, rad/s, ...
+    """
+
+    p: FloatArray
+    v: FloatArray
+    a: FloatArray
+    j: FloatArray
+    yaw: FloatArray
+    yaw_d: FloatArray
+    yaw_dd: FloatArray
+    yaw_ddd: FloatArray
+
+    def at(self, offset: Pose) -> Motion:
+        """Motion of a frame that is fixed in this one at `offset`.
+
+        With r = R(yaw) offset and r⊥ = ẑ × r:  ṙ = ω r⊥,  r̈ = α r⊥ − ω² r,  r⃛ = (α̇ − ω³) r⊥ − 3 ω α r.
+        """
+        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        rx, ry = c * offset.x - s * offset.y, s * offset.x + c * offset.y
+        w, dw, ddw = self.yaw_d, self.yaw_dd, self.yaw_ddd
+        zero = np.zeros_like(rx)
+        r = np.stack([rx, ry, zero + offset.z], -1)
+        flat = np.stack([rx, ry, zero], -1)
+        turned = np.stack([-ry, rx, zero], -1)
+        w_, dw_, ddw_ = w[..., None], dw[..., None], ddw[..., None]
+        return Motion(
+            self.p + r,
+            self.v + w_ * turned,
+            self.a + dw_ * turned - w_**2 * flat,
+            self.j + (ddw_ - w_**3) * turned - 3 * w_ * dw_ * flat,
+            self.yaw + offset.yaw,
+            w,
+            dw,
+            ddw,
+        )
+
+    def __getitem__(self, key: object) -> Motion:
+        """The motion at some of the times."""
+        return Motion(*(getattr(self, name)[key] for name in Motion.__slots__))
+
+    def at_rest(self) -> Motion:
+        """The same poses with all derivatives zero: met in position only."""
+        still, unturned = np.zeros((3, *self.p.shape)), np.zeros((3, *self.yaw.shape))
+        return Motion(self.p, still[0], still[1], still[2], self.yaw, unturned[0], unturned[1], unturned[2])
+
+    @staticmethod
+    def still(pose: Pose, shape: tuple[int, ...] = ()) -> Motion:
+        """A pose that does not move, repeated over `shape` times."""
+        p = np.tile(pose.position, (*shape, 1))
+        yaw = np.full(shape, pose.yaw)
+        still, unturned = np.zeros((3, *shape, 3)), np.zeros((3, *shape))
+        return Motion(p, still[0], still[1], still[2], yaw, unturned[0], unturned[1], unturned[2])

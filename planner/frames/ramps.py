@@ -1,0 +1,88 @@
+"""Commanded changes of speed: a belt that stops and starts again, a dial that is slowed down."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from planner.errors import InputError
+from planner.frames.profile import Profile, chained, steady
+from planner.frames.validity import FURTHEST_S, LARGEST, number
+
+SMALLEST = 1e-6
+"""Least acceleration (and jerk) of a change, SI: below it the speed takes days to change."""
+LARGEST_JERK = 1e9
+"""Largest finite jerk of a change, SI: above it write infinity."""
+SHORTEST_RAMP_S = 1e-5
+"""A change of speed in less time is a jump, and no law may jump in velocity, s. Switches closer than this are merged
+in a trajectory, so an arm could not follow it either."""
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """From `time` (s) on, the speed changes to `speed` by an S-curve within `acceleration` and `jerk`.
+
+    m/s, m/s², m/s³ for what travels; rad/s, rad/s², rad/s³ for what turns. An infinite jerk is allowed: the
+    acceleration then jumps, and at the jump the later value is taken; an arm cannot follow that exactly.
+    Raises `InputError` unless all are numbers and acceleration and jerk are positive.
+    """
+
+    time: float
+    speed: float
+    acceleration: float
+    jerk: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "time", number(self.time, "change.time", -FURTHEST_S, FURTHEST_S))
+        object.__setattr__(self, "speed", number(self.speed, "change.speed"))
+        object.__setattr__(self, "acceleration", number(self.acceleration, "change.acceleration", SMALLEST, LARGEST))
+        jerk = self.jerk if self.jerk == math.inf else number(self.jerk, "change.jerk", SMALLEST, LARGEST_JERK)
+        object.__setattr__(self, "jerk", jerk)
+
+    def phases(self, before: float) -> list[tuple[float, float, float]]:
+        """The ramp from speed `before`, as (duration, acceleration at its begin, jerk) of each phase; [] if none.
+
+        With Δ the change, A and J the limits (equation R1): tⱼ = A/J, tₐ = Δ/A − tⱼ if Δ ≥ A²/J, and else
+        tⱼ = √(Δ/J), tₐ = 0; the phases are tⱼ with jerk J, tₐ with none and tⱼ with −J.
+        """
+        delta = abs(self.speed - before)
+        sign = math.copysign(1.0, self.speed - before)
+        if delta == 0.0:
+            return []
+        if self.jerk == math.inf:
+            return [(delta / self.acceleration, sign * self.acceleration, 0.0)]
+        rise = min(self.acceleration / self.jerk, math.sqrt(delta / self.jerk))
+        level = max(0.0, delta / (self.jerk * rise) - rise)
+        peak = sign * self.jerk * rise
+        middle = [(level, peak, 0.0)] if level > 0.0 else []
+        return [(rise, 0.0, sign * self.jerk), *middle, (rise, peak, -sign * self.jerk)]
+
+
+def ramped(speed: float, changes: Sequence[Change], at_time: float, field: str) -> Profile:
+    """The travel of what has `speed` from the beginning and is given `changes`; zero at `at_time`.
+
+    Raises `InputError` naming the change that begins before the one before it has ended, or that takes no time.
+    """
+    free = -math.inf
+    switches: list[float] = []
+    slopes: list[tuple[float, float, float]] = [(speed, 0.0, 0.0)]
+    for i, change in enumerate(changes):
+        if not change.time >= free:
+            allowed = f"{free} s or later: the change before ends then"
+            raise InputError(f"{field}.changes[{i}].time", change.time, allowed)
+        phases = change.phases(speed)
+        took = sum(duration for duration, _, _ in phases)
+        if phases and not took >= SHORTEST_RAMP_S:
+            raise InputError(f"{field}.changes[{i}].acceleration", change.acceleration, "one that takes 10 µs at least")
+        time = change.time
+        for duration, acceleration, jerk in phases:
+            switches.append(time)
+            slopes.append((speed, acceleration / 2, jerk / 6))
+            speed += acceleration * duration + jerk * duration**2 / 2
+            time += duration
+        if phases:
+            switches.append(time)
+            slopes.append((change.speed, 0.0, 0.0))
+        speed, free = change.speed, time
+    return chained(switches, slopes, at_time) if switches else steady(speed, at_time)

@@ -1,0 +1,61 @@
+"""A gate or an arm that swings to and fro about a vertical pivot."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.frames.law import LawBounds
+from planner.frames.motion import Motion, Pose
+from planner.frames.turntable import turning
+from planner.frames.validity import ALWAYS, KnownLaw, interval, number, placed, span
+
+RESOLUTION = 8 * np.finfo(np.float64).eps
+"""|cos| and |sin| are raised by this part of 1 + their argument: the rounding of the phase."""
+
+
+@dataclass(frozen=True)
+class Swing(KnownLaw):
+    """A frame that turns in place about `pose`, its pivot and mean yaw, by `amplitude` (rad) to either side.
+
+    With θ = 2π t/period + phase (equation F4): yaw = pose.yaw + amplitude sin θ. What turns on and on is a `Turntable`.
+    Raises `InputError` for numbers that are not finite or a period that is not positive.
+    """
+
+    pose: Pose
+    amplitude: float
+    period: float
+    phase: float = 0.0
+    valid: tuple[float, float] = ALWAYS
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pose", placed(self.pose, "swing.pose"))
+        object.__setattr__(self, "amplitude", number(self.amplitude, "swing.amplitude"))
+        object.__setattr__(self, "period", span(self.period, "swing.period"))
+        object.__setattr__(self, "phase", number(self.phase, "swing.phase"))
+        object.__setattr__(self, "valid", interval(self.valid, "swing.valid"))
+
+    def _motion(self, t: FloatArray, /) -> Motion:
+        w = 2.0 * math.pi / self.period
+        theta = w * t + self.phase
+        sine, cosine = self.amplitude * np.sin(theta), self.amplitude * np.cos(theta)
+        return turning(self.pose, (sine, w * cosine, -(w**2) * sine, -(w**3) * cosine))
+
+    def _bounds(self, t0: FloatArray, t1: FloatArray, _n: FloatArray, /) -> LawBounds:
+        w = 2.0 * math.pi / self.period
+        theta0, theta1 = w * t0 + self.phase, w * t1 + self.phase
+        rate, turn = abs(self.amplitude) * w, math.pi / 2
+        still = np.zeros((2, len(t0)))
+        rates = rate * _crest(theta0, theta1), rate * w * _crest(theta0 - turn, theta1 - turn)
+        return LawBounds(still[0], still[1], *rates)
+
+
+def _crest(theta0: FloatArray, theta1: FloatArray) -> FloatArray:
+    """The greatest |cos θ| over [θ0, θ1], never below: 1 if a multiple of π lies within, and else at an end."""
+    slack = RESOLUTION * (1.0 + np.maximum(np.abs(theta0), np.abs(theta1)))
+    ends = np.maximum(np.abs(np.cos(theta0)), np.abs(np.cos(theta1)))
+    crossed = np.floor(theta1 / math.pi) >= np.ceil(theta0 / math.pi)
+    return np.where(crossed, 1.0, ends) + slack

@@ -1,0 +1,143 @@
+"""A control point as the arm meets it: the motion of the flange there, and when it may be met."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.errors import InputError
+from planner.frames import Conveyor, Fixed, Linear
+from planner.frames.motion import Motion, Pose
+from planner.phases import Carried, flange_target
+from planner.scene import Follow, Move, Pick, Place, Scene, Window
+
+HORIZON_S = 60.0
+"""Windows along a conveyor are looked for this long after the start, s."""
+WINDOW_STEP_S = 0.005
+"""Sampling of a control point's way along its conveyor, s; ends are then found by bisection."""
+
+
+@dataclass(frozen=True, eq=False)
+class ControlPoint:
+    """The control point of step number `step`: `frame`, the flange's `pose` in it, and the manners of the meeting.
+
+    `approach`, `depart`: metres above the point (along the vertical, which every frame shares) where glued motion
+    begins and ends; `dwell`: seconds of glue; `matched`: velocity and yaw rate are those of the frame.
+    """
+
+    scene: Scene
+    step: int
+    frame: str
+    pose: Pose
+    approach: float
+    depart: float
+    dwell: float
+    matched: bool
+    via: bool
+    yaw_offset: float
+    point: Pose
+    """The pose in the frame whose way along a conveyor is measured: the part's, or the target's."""
+
+    @property
+    def name(self) -> str:
+        return self.scene.task[self.step].name
+
+    @property
+    def glued(self) -> bool:
+        """Whether the tool is guided along the frame for a time."""
+        return self.dwell > 0 or self.approach > 0 or self.depart > 0
+
+    @property
+    def window(self) -> Window:
+        return getattr(self.scene.task[self.step], "window", Window())
+
+    @property
+    def still(self) -> bool:
+        """Whether the control point never moves."""
+        return isinstance(self.scene.frames[self.frame].law, Fixed)
+
+    def flange(self, t: FloatArray, above: float = 0.0) -> Motion:
+        """Motion of the flange (world) when it is glued to the point, `above` metres over it, at times t (...)."""
+        lifted = replace(self.pose, z=self.pose.z + above)
+        return self.scene.frames[self.frame].law.motion(np.asarray(t, dtype=np.float64)).at(lifted)
+
+    def intervals(self) -> list[tuple[float, float]]:
+        """Times at which the glue may begin, as closed intervals in order; empty: the dwell does not fit."""
+        law = self.scene.frames[self.frame].law
+        low = max(self.scene.start.time, law.valid[0])
+        high = min(law.valid[1], math.inf if self.scene.options.latest_end_s is None else self.scene.options.latest_end_s)
+        found = [(low, high)]
+        if self.window.time is not None:
+            found = [(max(low, self.window.time[0]), min(high, self.window.time[1]))]
+        if self.window.along is not None:
+            inside = self._inside(self.window.along)
+            found = [(max(a, c), min(b, d)) for a, b in found for c, d in inside]
+        return [(a, b - self.dwell) for a, b in found if b - self.dwell >= a]
+
+    def along(self, t: FloatArray) -> FloatArray | None:
+        """Metres (...) of the control point along its conveyor from the conveyor's given pose; None: no conveyor."""
+        law = self.scene.frames[self.frame].law
+        if not isinstance(law, Conveyor | Linear):
+            return None
+        return travelled(law, self.scene, self.frame, self.point, t)
+
+    def _inside(self, window: tuple[float, float]) -> list[tuple[float, float]]:
+        start = self.scene.start.time
+        grid = np.arange(start, start + HORIZON_S + WINDOW_STEP_S, WINDOW_STEP_S)
+        way = self.along(grid)
+        if way is None:
+            raise InputError(f"task[{self.step}].window_mm", window, "a window in millimetres only on a conveyor")
+        inside = (way >= window[0]) & (way <= window[1])
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
+        return [(self._edge(grid, a, -1, window), self._edge(grid, b - 1, 1, window)) for a, b in edges.reshape(-1, 2)]
+
+    def _edge(self, grid: FloatArray, index: int, side: int, window: tuple[float, float]) -> float:
+        """The time between grid point `index`, inside, and its neighbour at `side`, outside, still inside the window."""
+        inner, neighbour = float(grid[index]), index + side
+        if not 0 <= neighbour < len(grid):
+            return inner
+        outer = float(grid[neighbour])
+        for _ in range(40):
+            middle = (inner + outer) / 2
+            way = self.along(np.array(middle))
+            if way is not None and window[0] <= float(way) <= window[1]:
+                inner = middle
+            else:
+                outer = middle
+        return inner
+
+
+def travelled(law: Conveyor | Linear, scene: Scene, frame: str, point: Pose, t: FloatArray) -> FloatArray:
+    """Way (...) m of a point that is fixed in the frame, along the law's direction of travel, from the law's pose."""
+    t = np.asarray(t, dtype=np.float64)
+    position = scene.frames[frame].law.motion(t).at(point).p - law.pose.position
+    if isinstance(law, Conveyor):
+        direction = np.array([math.cos(law.pose.yaw), math.sin(law.pose.yaw), 0.0])
+    else:
+        velocity = np.array(law.velocity, dtype=np.float64)
+        length = float(np.sqrt(velocity @ velocity))
+        direction = velocity / length if length > 0 else np.array([1.0, 0.0, 0.0])
+    way: FloatArray = position @ direction
+    return way
+
+
+def control_point(
+    scene: Scene, step: int, rides: dict[str, tuple[str, Pose]], carried: Carried | None, yaw_offset: float
+) -> ControlPoint:
+    """The control point of a step, with parts where `rides` says and `carried` in the gripper."""
+    what = scene.task[step]
+    frame, pose = flange_target(scene, what, rides, carried, yaw_offset)
+    approach = depart = dwell = 0.0
+    matched, via = True, False
+    if isinstance(what, Pick | Place):
+        approach, depart, dwell = what.approach_m, what.depart_m, what.dwell_s
+        matched = what.match == "velocity"
+    if isinstance(what, Follow):
+        dwell = what.duration_s
+    if isinstance(what, Move):
+        matched, via = what.match == "velocity", what.via
+    point = rides[what.part][1] if isinstance(what, Pick) else (what.to.pose if isinstance(what, Place) else what.target.pose)
+    return ControlPoint(scene, step, frame, pose, approach, depart, dwell, matched, via, yaw_offset, point)

@@ -1,0 +1,254 @@
+"""Glued legs: the tool is guided along the frame of its control point - down to it, with it, and up again.
+
+The flange's motion is the frame's own, plus a height above the point that Ruckig times; so velocity and acceleration
+match by construction and approach and retreat are straight in the frame of the part (design: Cartesian legs).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.legs.control_point import ControlPoint
+from planner.legs.state import Knots, State, Stretch
+from planner.outcome import LegKind, Reason, Refusal
+from planner.robots.protocol import Code, Robot
+from planner.scene import Scene
+from planner.timing import Profile, TimingRefusal, time_joints
+from planner.trajectory import Trajectory, check_limits
+
+SPACING_S = 0.02
+"""Knots of a glued leg are at most this far apart to begin with, s."""
+PATH_M = 1e-6
+"""Between knots the flange leaves its path by less than this, m; the promise is 10 µm."""
+REFINEMENTS = 6
+"""Halvings of the spacing after which a path is given up: it is not smooth enough to be followed."""
+ROUNDS = 5
+"""Rounds of slowing down the way down and up until all joints keep their limits."""
+WITHOUT_LIFT = (0.5, 5.0, 250.0)
+"""First guess of velocity, acceleration and jerk of a way down, m/s.., for a robot that has no vertical joint."""
+
+
+@dataclass(frozen=True, eq=False)
+class Glued:
+    """The stretches of one glued block, and the span [begin, end] in which the tool is at the point itself."""
+
+    stretches: tuple[Stretch, ...]
+    begin: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Heights:
+    """Height above the point over the block: down, at the point, up; each part may be missing."""
+
+    begin: float
+    down: Profile | None
+    dwell: float
+    up: Profile | None
+
+    @property
+    def met(self) -> float:
+        return self.begin + (self.down.duration if self.down else 0.0)
+
+    @property
+    def left(self) -> float:
+        return self.met + self.dwell
+
+    @property
+    def end(self) -> float:
+        return self.left + (self.up.duration if self.up else 0.0)
+
+    def switches(self) -> FloatArray:
+        found = [np.array([self.begin, self.met, self.left, self.end])]
+        if self.down:
+            found.append(self.begin + self.down.switches())
+        if self.up:
+            found.append(self.left + self.up.switches())
+        return np.concatenate(found)
+
+    def evaluate(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Height, its rate and acceleration at t (T,)."""
+        parts = []
+        for order in range(3):
+            x = np.zeros(len(t))
+            if self.down:
+                rows = t < self.met
+                x[rows] = self.down.evaluate(np.clip(t[rows] - self.begin, 0.0, self.down.duration), order)[:, 0]
+            if self.up:
+                rows = t > self.left
+                x[rows] = self.up.evaluate(np.clip(t[rows] - self.left, 0.0, self.up.duration), order)[:, 0]
+            parts.append(x)
+        return parts[0], parts[1], parts[2]
+
+
+def lead_time(scene: Scene, point: ControlPoint, effort: float) -> float | Refusal:
+    """Seconds from the beginning of the way down to the point itself."""
+    profile = _way(scene, point, point.approach, 0.0, effort)
+    if isinstance(profile, Refusal):
+        return profile
+    return profile.duration if profile else 0.0
+
+
+def glue(scene: Scene, point: ControlPoint, state: State, mode: int, effort: float) -> Glued | Refusal:
+    """The glued block that begins in `state`, which must be that of the flange `point.approach` above the point."""
+    for _ in range(ROUNDS):
+        down = _way(scene, point, point.approach, 0.0, effort)
+        up = _way(scene, point, 0.0, point.depart, effort)
+        if isinstance(down, Refusal):
+            return down
+        if isinstance(up, Refusal):
+            return up
+        heights = _Heights(state.time, down, point.dwell, up)
+        knots = _knots(scene, point, state, mode, heights)
+        if isinstance(knots, Refusal):
+            return knots
+        worst = _limits(scene, point, knots)
+        if worst is None:
+            return _cut(heights, knots)
+        if isinstance(worst, Refusal):
+            return worst
+        effort *= min(0.8, 0.95 / worst)
+    return Refusal("glued", Reason.MOTION_LIMIT, point.step, (point.frame,), None, worst - 1, "1", "the frame's own motion is too fast")
+
+
+def _way(scene: Scene, point: ControlPoint, high: float, low: float, effort: float) -> Profile | Refusal | None:
+    """The height profile from `high` to `low` above the point at this share of the limits; None: there is no way."""
+    if high == low:
+        return None
+    limits, lift = scene.robot.limits, scene.robot.lift
+    v, a, j = WITHOUT_LIFT
+    if lift is not None:
+        v, a, j = float(limits.velocity[lift]), float(limits.acceleration[lift]), float(limits.jerk[lift])
+    none = np.zeros(1)
+    found = time_joints(
+        np.array([high]),
+        none,
+        none,
+        np.array([low]),
+        none,
+        none,
+        np.array([v * effort**0.5]),
+        np.array([a * effort]),
+        np.array([j * effort**1.5]),
+    )
+    if isinstance(found, TimingRefusal):
+        return Refusal("glued", Reason.MOTION_LIMIT, point.step, detail=found.detail)
+    return found
+
+
+def _knots(scene: Scene, point: ControlPoint, state: State, mode: int, heights: _Heights) -> Knots | Refusal:
+    """Knots at all switches and close enough in between, the first being `state` itself."""
+    robot, spacing = scene.robot, SPACING_S
+    for _ in range(REFINEMENTS):
+        t = _filled(heights.switches(), spacing)
+        found = joint_states(scene, point, state, mode, heights, t)
+        if isinstance(found, Refusal):
+            return found
+        middle = (t[1:] + t[:-1]) / 2
+        trajectory = Trajectory(found.time, found.q, found.qd, found.qdd)
+        if _off_path(robot, trajectory, point, heights, middle) <= PATH_M:
+            return found
+        spacing /= 2
+    return Refusal("glued", Reason.MOTION_LIMIT, point.step, (point.frame,), detail="the frame's motion is not smooth")
+
+
+def joint_states(
+    scene: Scene, point: ControlPoint, state: State, mode: int, heights: _Heights, t: FloatArray
+) -> Knots | Refusal:
+    """Joint knots (T, n) of the flange at the heights above the moving point at times t, turns continued from `state`."""
+    h, hd, hdd = heights.evaluate(t)
+    motion = point.flange(t)
+    p, v, a = motion.p.copy(), motion.v.copy(), motion.a.copy()
+    p[:, 2] += h
+    v[:, 2] += hd
+    a[:, 2] += hdd
+    found = scene.robot.inverse(replace(motion, p=p, v=v, a=a), mode, 2)
+    span = (float(t[0]), float(t[-1]))
+    if not np.isfinite(p).all():
+        return Refusal("glued", Reason.LAW_ENDS, point.step, (point.frame,), span)
+    if not (found.code == Code.ASSEMBLED).all():
+        bad = found.code[found.code != Code.ASSEMBLED]
+        reason = Reason.OUT_OF_REACH if (bad == Code.OUT_OF_REACH).any() else Reason.NEAR_SINGULARITY
+        return Refusal("glued", reason, point.step, (), span)
+    least, asked = float(found.margin.min()), scene.options.singularity_margin
+    if not least >= asked:
+        return Refusal("glued", Reason.NEAR_SINGULARITY, point.step, (), span, asked - least, "1")
+    q = continued(scene.robot, found.q, state.q)
+    q[0], qd, qdd = state.q, found.qd.copy(), found.qdd.copy()
+    qd[0], qdd[0] = state.qd, state.qdd
+    return Knots(t, q, qd, qdd)
+
+
+def continued(robot: Robot, q: FloatArray, first: FloatArray) -> FloatArray:
+    """q (T, n) with full turns added to revolute joints so that it begins near `first` and never jumps."""
+    result = q.copy()
+    for i, joint in enumerate(robot.joints):
+        if joint.kind == "revolute":
+            column = np.unwrap(q[:, i])
+            result[:, i] = column + 2 * np.pi * np.round((first[i] - column[0]) / (2 * np.pi))
+    return result
+
+
+def _filled(switches: FloatArray, spacing: float) -> FloatArray:
+    """Switches, merged where they nearly coincide, and enough times in between."""
+    t = np.unique(switches)
+    keep = np.concatenate([[True], np.diff(t) > 1e-5])
+    last = t[-1]
+    t = t[keep]
+    t[-1] = last
+    count = np.maximum(1, np.ceil(np.diff(t) / spacing)).astype(int)
+    parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(t[:-1], t[1:], count, strict=True)]
+    return np.concatenate([*parts, t[-1:]])
+
+
+def _off_path(
+    robot: Robot, trajectory: Trajectory, point: ControlPoint, heights: _Heights, t: FloatArray
+) -> float:
+    """How far, m, the flange is from its path at times t at most."""
+    position, _ = robot.forward(trajectory.evaluate(t))
+    path = point.flange(t).p.copy()
+    path[:, 2] += heights.evaluate(t)[0]
+    return float(np.sqrt(((position - path) ** 2).sum(-1)).max())
+
+
+def _limits(scene: Scene, point: ControlPoint, knots: Knots) -> float | Refusal | None:
+    """None: all limits are kept. A number: the ratio by which a rate exceeds its limit. A refusal: a position does."""
+    limits = scene.robot.limits
+    report = check_limits(
+        Trajectory(knots.time, knots.q, knots.qd, knots.qdd),
+        limits.lower,
+        limits.upper,
+        limits.velocity,
+        limits.acceleration,
+        limits.jerk,
+    )
+    if report.ok:
+        return None
+    if not report.position.ok:
+        joint = report.position.joint or 0
+        over = max(
+            float(limits.lower[joint] - report.position.lower[joint]), float(report.position.upper[joint] - limits.upper[joint])
+        )
+        name, unit = scene.robot.joints[joint].name, "rad" if scene.robot.joints[joint].kind == "revolute" else "m"
+        span = (float(knots.time[0]), float(knots.time[-1]))
+        return Refusal("glued", Reason.JOINT_LIMIT, point.step, (name,), span, over, unit, f"{name} is beyond its limit")
+    ratios = [report.velocity.ratio.max() ** 2, report.acceleration.ratio.max(), report.jerk.ratio.max() ** (2 / 3)]
+    return float(max(ratios))
+
+
+def _cut(heights: _Heights, knots: Knots) -> Glued:
+    """The block as legs."""
+    marks = [
+        (LegKind.APPROACH, heights.begin, heights.met),
+        (LegKind.FOLLOW, heights.met, heights.left),
+        (LegKind.DEPART, heights.left, heights.end),
+    ]
+    stretches = []
+    for kind, t0, t1 in marks:
+        if t1 > t0:
+            rows = (knots.time >= t0 - 1e-12) & (knots.time <= t1 + 1e-12)
+            stretches.append(Stretch(kind, Knots(knots.time[rows], knots.q[rows], knots.qd[rows], knots.qdd[rows])))
+    return Glued(tuple(stretches), heights.met, heights.left)

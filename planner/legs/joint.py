@@ -1,0 +1,280 @@
+"""Joint legs: from a state of the arm to a meeting, all joints timed by Ruckig, through free vias or over an arch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.errors import FaultError
+from planner.legs.meeting import Branch
+from planner.legs.state import Knots, State
+from planner.outcome import Reason, Refusal
+from planner.scene import Scene
+from planner.timing import Profile, TimingRefusal, least_duration, time_joints
+
+MERGE_S = 1e-5
+"""Switches of two profiles closer than this become one knot, s: between them jerk is rounding over h³."""
+VIA_VELOCITY = 0.9
+"""Share of a velocity limit up to which a via is flown by: the rest is left to Ruckig."""
+TRIES = 12
+"""Calls of Ruckig after which a rendezvous is given up: it converges in three or four."""
+
+
+@dataclass(frozen=True, eq=False)
+class Via:
+    """A joint position (n,) that is flown by at `pace` times the mean joint velocity of the whole leg."""
+
+    q: FloatArray
+    pace: float
+
+
+@dataclass(frozen=True, slots=True)
+class Hop:
+    """Over an arch: the lift joint goes to `top`, the other joints set out when `rise` of the way up (in time) is done
+    and arrive when `fall` of the way down is left. 1: corners are stopped at; 0: full overlap."""
+
+    top: float
+    rise: float
+    fall: float
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A way to go: wait first, then directly, by vias, or over an arch; `late` seconds after the earliest meeting;
+    `effort`: share of the limits of acceleration (velocity by its root, jerk by its power of 3/2) that is used."""
+
+    wait: float = 0.0
+    late: float = 0.0
+    vias: tuple[Via, ...] = ()
+    hop: Hop | None = None
+    effort: float = 1.0
+    through: float = 0.0
+    """Pace at which a via control point is flown by, in mean joint velocities of the way to the one behind it."""
+
+    @property
+    def family(self) -> str:
+        kind = "arch" if self.hop else f"{len(self.vias)} vias" if self.vias else "direct"
+        return kind + (" after a wait" if self.wait > 0 else "") + (" later" if self.late > 0 else "")
+
+
+@dataclass(frozen=True, eq=False)
+class Reached:
+    """A joint leg that meets a branch at row `row` of its grid: knots in absolute time."""
+
+    knots: Knots
+    row: int
+
+
+class JointMotion:
+    """The legs of one shape from one state towards one branch."""
+
+    def __init__(
+        self, scene: Scene, step: int, state: State, shape: Shape, branch: Branch, ahead: FloatArray | None = None
+    ) -> None:
+        self.scene, self.step, self.shape, self.branch, self.ahead = scene, step, shape, branch, ahead
+        limits = scene.robot.limits
+        self.velocity = limits.velocity * shape.effort**0.5
+        self.acceleration = limits.acceleration * shape.effort
+        self.jerk = limits.jerk * shape.effort**1.5
+        self.lift = scene.robot.lift
+        self.state = state
+        self.prefix: list[Profile] = []
+
+    def meet(self) -> Reached | Refusal:
+        """The earliest meeting on the branch's grid that this shape reaches (or `late` seconds later).
+
+        Ruckig's shortest duration is asked at the first grid time that a lower bound allows, then at the first one
+        that this duration allows, until it fits: then it is asked to take exactly the time that is left.
+        """
+        failed = self._through_vias()
+        if failed is not None:
+            return failed
+        branch, begin = self.branch, self.state.time + self.shape.wait
+        spent = sum(profile.duration for profile in self.prefix)
+        q, qd, qdd = self._from()
+        rows = np.flatnonzero(branch.legal)
+        if branch.still:
+            return self._finish(int(rows[0]), None, begin)
+        least = least_duration(
+            q, qd, qdd, branch.q[rows], branch.qd[rows], branch.qdd[rows], self.velocity, self.acceleration, self.jerk
+        )
+        rows = rows[branch.time[rows] >= begin + spent + least]
+        asked = self.shape.late
+        for _ in range(TRIES):
+            if not len(rows):
+                break
+            row = int(rows[0])
+            goal = self._goal(row)
+            shortest = self._last(goal, None)
+            if isinstance(shortest, TimingRefusal):
+                rows = rows[branch.time[rows] >= branch.time[row] + max(0.004, shortest.excess)]
+                continue
+            ready = begin + spent + shortest.duration
+            if ready > branch.time[row]:
+                rows = rows[branch.time[rows] >= ready]
+                continue
+            if asked > 0:
+                later = rows[branch.time[rows] >= branch.time[row] + asked]
+                rows, asked = (later if len(later) else rows), 0.0
+                continue
+            reached = self._finish(row, float(branch.time[row]) - begin - spent, begin)
+            if isinstance(reached, Reached):
+                return reached
+            rows = rows[branch.time[rows] >= branch.time[row] + max(0.004, reached.amount)]
+        end = float(branch.time[branch.legal][-1])
+        need = begin + spent + (float(least.min()) if len(least) else 0.0)
+        return Refusal("timing", Reason.WINDOW_MISSED, self.step, (), (begin, end), max(0.0, need - end), "s", "no meeting time is left")
+
+    def _goal(self, row: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The state to be met; a via control point is met with a velocity towards what is `ahead`."""
+        branch = self.branch
+        if self.ahead is None or not self.shape.through > 0:
+            return branch.q[row], branch.qd[row], branch.qdd[row]
+        qd = self._passing(self.state.q, branch.q[row], self.ahead, self.shape.through)
+        return branch.q[row], qd, np.zeros_like(qd)
+
+    def _passing(self, before: FloatArray, at: FloatArray, behind: FloatArray, pace: float) -> FloatArray:
+        """Joint velocity (n,) with which `at` is flown by on the way from `before` to `behind`."""
+        length = np.abs(behind - at) + np.abs(at - before)
+        duration = float(np.max(length / self.velocity + np.sqrt(length / self.acceleration)))
+        limit = VIA_VELOCITY * self.velocity
+        found: FloatArray = np.clip(pace * (behind - before) / max(duration, 1e-3), -limit, limit)
+        return found
+
+    def _from(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        if self.prefix:
+            return self.prefix[-1].end
+        return self.state.q, self.state.qd, self.state.qdd
+
+    def _through_vias(self) -> Refusal | None:
+        """Times the legs up to the last via."""
+        shape, q = self.shape, self.state.q
+        if not shape.vias:
+            return None
+        row = int(np.flatnonzero(self.branch.legal)[0])
+        stations = [q, *(via.q for via in shape.vias), self.branch.q[row]]
+        for i, via in enumerate(shape.vias, start=1):
+            v = self._passing(stations[i - 1], via.q, stations[i + 1], via.pace)
+            found = time_joints(*self._from(), via.q, v, np.zeros_like(v), self.velocity, self.acceleration, self.jerk)
+            if isinstance(found, TimingRefusal):
+                return Refusal("timing", Reason.MOTION_LIMIT, self.step, detail=f"via: {found.detail}")
+            self.prefix.append(found)
+        return None
+
+    def _last(
+        self, goal: tuple[FloatArray, FloatArray, FloatArray], duration: float | None
+    ) -> Profile | _Arched | TimingRefusal:
+        start = self._from()
+        if self.shape.hop is not None and self.lift is not None:
+            return self._arch(start, goal, self.shape.hop, duration)
+        return time_joints(*start, *goal, self.velocity, self.acceleration, self.jerk, duration)
+
+    def _finish(self, row: int, duration: float | None, begin: float) -> Reached | Refusal:
+        branch = self.branch
+        last = self._last(self._goal(row), duration)
+        if isinstance(last, TimingRefusal):
+            return Refusal("timing", Reason.MOTION_LIMIT, self.step, (), None, last.excess, "s", last.detail)
+        knots: Knots | None = None
+        at = begin
+        for profile in [*self.prefix, last]:
+            piece = Knots(*profile.knots(at))
+            knots = piece if knots is None else knots.then(piece)
+            at = float(piece.time[-1])
+        if knots is None:
+            raise FaultError("a joint leg without a profile")
+        if duration is not None and abs(at - branch.time[row]) > 0:
+            # the meeting is at the grid's time to the last bit, so that the knot and the control point agree
+            time = knots.time.copy()
+            time[-1] = branch.time[row]
+            knots = Knots(time, knots.q, knots.qd, knots.qdd)
+        return Reached(knots, row)
+
+    def _arch(
+        self,
+        start: tuple[FloatArray, FloatArray, FloatArray],
+        goal: tuple[FloatArray, FloatArray, FloatArray],
+        hop: Hop,
+        duration: float | None,
+    ) -> _Arched | TimingRefusal:
+        """Lift joint up and down, the others across, overlapping at the corners."""
+        lift = [int(self.lift or 0)]
+        across = [i for i in range(len(start[0])) if i != self.lift]
+        v, a, j = self.velocity, self.acceleration, self.jerk
+        none = np.zeros(1)
+        top = np.array([hop.top])
+        up = time_joints(*(x[lift] for x in start), top, none, none, v[lift], a[lift], j[lift])
+        down = time_joints(top, none, none, *(x[lift] for x in goal), v[lift], a[lift], j[lift])
+        if isinstance(up, TimingRefusal):
+            return up
+        if isinstance(down, TimingRefusal):
+            return down
+        resting = not (start[1][across].any() or start[2][across].any())
+        arriving = not (goal[1][across].any() or goal[2][across].any())
+        before = hop.rise * up.duration if resting else 0.0
+        after = hop.fall * down.duration if arriving else 0.0
+        ends = (*(x[across] for x in start), *(x[across] for x in goal))
+        flat = time_joints(*ends, v[across], a[across], j[across])
+        if isinstance(flat, TimingRefusal):
+            return flat
+        total = max(before + flat.duration + after, up.duration + down.duration)
+        if duration is not None:
+            if total > duration:
+                return TimingRefusal("too short", total - duration, "the arch takes longer")
+            total = duration
+        if not resting or not arriving:
+            # moving ends leave no time to spare at that end: the joints across fill it
+            asked = total - before - after
+            if asked > flat.duration + MERGE_S:
+                flat = time_joints(*ends, v[across], a[across], j[across], asked)
+                if isinstance(flat, TimingRefusal):
+                    return flat
+        return _Arched(up, down, flat, before, total, lift[0], across)
+
+
+@dataclass(frozen=True, eq=False)
+class _Arched:
+    """Three profiles laid over each other: lift up from 0, lift down to the end, the others from `before` on."""
+
+    up: Profile
+    down: Profile
+    flat: Profile
+    before: float
+    total: float
+    lift: int
+    across: list[int]
+
+    @property
+    def duration(self) -> float:
+        return self.total
+
+    def knots(self, offset: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        fall = self.total - self.down.duration
+        switches = np.concatenate(
+            [self.up.switches(), fall + self.down.switches(), self.before + self.flat.switches(), [0.0, self.total]]
+        )
+        t = np.unique(np.clip(switches, 0.0, self.total))
+        keep = np.concatenate([[True], np.diff(t) > MERGE_S])
+        t = t[keep]
+        t[-1] = self.total
+        n = len(self.across) + 1
+        parts = []
+        for order in range(3):
+            x = np.zeros((len(t), n))
+            x[:, self.across] = _held(self.flat, t - self.before, order)
+            rising = t <= self.up.duration
+            x[:, self.lift] = np.where(rising, _held(self.up, t, order)[:, 0], _held(self.down, t - fall, order)[:, 0])
+            # the ends are the states asked for, to the bit
+            x[0, self.lift], x[0, self.across] = self.up.start[order][0], self.flat.start[order]
+            x[-1, self.lift], x[-1, self.across] = self.down.end[order][0], self.flat.end[order]
+            parts.append(x)
+        return offset + t, parts[0], parts[1], parts[2]
+
+
+def _held(profile: Profile, t: FloatArray, order: int) -> FloatArray:
+    """A profile (T, n) at times t, its end states held before it begins and after it is over."""
+    inside = profile.evaluate(np.clip(t, 0.0, profile.duration), order)
+    for edge, rows in ((0, t <= 0.0), (1, t >= profile.duration)):
+        inside[rows] = (profile.start, profile.end)[edge][order]
+    return inside

@@ -1,0 +1,202 @@
+"""When and how the arm can be at a control point: joint states over a grid of meeting times, branch by branch.
+
+A branch is a working mode and a choice of full turns. The inverse kinematics of the whole grid is one batch of the dyad;
+the search for the earliest meeting then only has to ask Ruckig.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.arrays import BoolArray, FloatArray, IntArray
+from planner.legs.control_point import ControlPoint
+from planner.outcome import Reason, Refusal
+from planner.robots.protocol import Code, Robot
+from planner.scene import Scene
+
+GRID_S = 0.004
+"""Meeting times are looked for on a grid this fine, s: it costs a plan at most this much."""
+MOST_TIMES = 2500
+"""... and at most this many times, so a far horizon makes the grid coarser."""
+LOOK_AHEAD_S = 20.0
+"""Without a window or a latest end, meetings are looked for this long after the leg begins, s."""
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """Joint states (G, n) at meeting times (G,) in one mode with one choice of turns; `legal` (G,): may be met then."""
+
+    mode: int
+    time: FloatArray
+    q: FloatArray
+    qd: FloatArray
+    qdd: FloatArray
+    legal: BoolArray
+    still: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Meetings:
+    """All branches of a control point that are legal at some time, and why others are not."""
+
+    point: ControlPoint
+    above: float
+    branches: tuple[Branch, ...]
+    refusals: tuple[Refusal, ...]
+
+
+def times(scene: Scene, point: ControlPoint, earliest: float, lead: float) -> FloatArray:
+    """Grid (G,) of meeting times from `earliest` on; the glue begins `lead` seconds after a meeting."""
+    if point.still:
+        return np.array([earliest])
+    found = []
+    for low, high in point.intervals():
+        low, high = max(low - lead, earliest), min(high - lead, earliest + LOOK_AHEAD_S)
+        if high >= low:
+            step = max(GRID_S, (high - low) / MOST_TIMES)
+            found.append(np.append(np.arange(low, high, step), high))
+    return np.concatenate(found) if found else np.zeros(0)
+
+
+def meetings(
+    scene: Scene, point: ControlPoint, earliest: float, lead: float, modes: tuple[int, ...]
+) -> Meetings:
+    """The branches in which `point` can be met, `point.approach` above it, from `earliest` on."""
+    robot = scene.robot
+    above = point.approach
+    t = times(scene, point, earliest, lead)
+    if not len(t):
+        return Meetings(point, above, (), (window_missed(scene, point, earliest + lead),))
+    motion = point.flange(t, above)
+    if not point.matched or point.via:
+        motion = motion.at_rest()
+    branches: list[Branch] = []
+    refusals: list[Refusal] = []
+    for mode in modes:
+        found = robot.inverse(motion, mode, 2)
+        assembled = _assembled(scene, found.code, found.qd, found.qdd, point)
+        if not assembled.any():
+            refusals.append(_unreachable(point, found.code, t, robot.modes[mode], np.isfinite(motion.p).all(-1)))
+            continue
+        safe = ~_near_singular(scene, point, found.margin) & assembled
+        if not safe.any():
+            margin = float(np.nanmax(found.margin[assembled]))
+            need = scene.options.singularity_margin
+            detail = f"{robot.modes[mode]}: margin {margin:.3f} where {need:.3f} is asked"
+            refusals.append(Refusal("inverse", Reason.NEAR_SINGULARITY, point.step, (), _span(t), need - margin, "1", detail))
+            continue
+        here = list(_turned(robot, mode, t, found.q, found.qd, found.qdd, safe, point.still))
+        if not here:
+            refusals.append(_beyond_limits(robot, point, t[safe], found.q[safe], robot.modes[mode]))
+        branches += here
+    return Meetings(point, above, tuple(branches), tuple(refusals))
+
+
+def _assembled(scene: Scene, code: IntArray, qd: FloatArray, qdd: FloatArray, point: ControlPoint) -> BoolArray:
+    """Rows that are assembled; a stretched arm will do where the point is met at rest and no margin is asked."""
+    finite: BoolArray = np.isfinite(qd).all(-1) & np.isfinite(qdd).all(-1)
+    result: BoolArray = (code == Code.ASSEMBLED) & finite
+    return result
+
+
+def _near_singular(scene: Scene, point: ControlPoint, margin: FloatArray) -> BoolArray:
+    """The margin is asked of points that are met with a matched velocity or along a Cartesian leg, and not of others."""
+    moving = point.glued or (point.matched and not point.still and not point.via)
+    if not moving:
+        return np.zeros(margin.shape, dtype=bool)
+    near: BoolArray = ~(margin >= scene.options.singularity_margin)
+    return near
+
+
+def _turned(
+    robot: Robot,
+    mode: int,
+    t: FloatArray,
+    q: FloatArray,
+    qd: FloatArray,
+    qdd: FloatArray,
+    safe: BoolArray,
+    still: bool,
+) -> list[Branch]:
+    """The mode's branches: every choice of full turns of the revolute joints that is within limits at some time."""
+    low, high = q[safe].min(0), q[safe].max(0)
+    choices = []
+    for i, joint in enumerate(robot.joints):
+        if joint.kind != "revolute":
+            choices.append([0])
+            continue
+        first = int(np.ceil((robot.limits.lower[i] - high[i]) / (2 * np.pi)))
+        last = int(np.floor((robot.limits.upper[i] - low[i]) / (2 * np.pi)))
+        choices.append(list(range(first, last + 1)))
+    found = []
+    for turns in itertools.product(*choices):
+        turned = q + 2 * np.pi * np.array(turns)
+        legal = safe & robot.within(turned)
+        if legal.any():
+            found.append(Branch(mode, t, turned, qd, qdd, legal, still))
+    return found
+
+
+def _span(t: FloatArray) -> tuple[float, float]:
+    return float(t[0]), float(t[-1])
+
+
+def _unreachable(point: ControlPoint, code: IntArray, t: FloatArray, mode: str, known: BoolArray) -> Refusal:
+    if not known.any():
+        return Refusal("inverse", Reason.LAW_ENDS, point.step, (point.frame,), _span(t), detail="the frame's law has ended")
+    worst = code[known]
+    if (worst == Code.OUT_OF_REACH).all():
+        return Refusal("inverse", Reason.OUT_OF_REACH, point.step, (), _span(t), detail=f"{mode}: no joint position reaches it")
+    return Refusal("inverse", Reason.NEAR_SINGULARITY, point.step, (), _span(t), 0.0, "1", f"{mode}: the arm is stretched or folded")
+
+
+def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArray, mode: str) -> Refusal:
+    """The joint that is nearest to being legal, over all turns, and by how much it is not."""
+    over = np.zeros(q.shape)
+    for i, joint in enumerate(robot.joints):
+        lower, upper = robot.limits.lower[i], robot.limits.upper[i]
+        x = q[:, i]
+        if joint.kind == "revolute":
+            ways = x[:, None] + 2 * np.pi * np.arange(-3, 4)
+            over[:, i] = np.maximum(lower - ways, ways - upper).min(1)
+        else:
+            over[:, i] = np.maximum(lower - x, x - upper)
+    worst = np.maximum(over, 0.0)
+    row = int(np.argmin(worst.max(1)))
+    joint = int(np.argmax(worst[row]))
+    unit = "rad" if robot.joints[joint].kind == "revolute" else "m"
+    name = robot.joints[joint].name
+    return Refusal(
+        "inverse", Reason.JOINT_LIMIT, point.step, (name,), _span(t), float(worst[row, joint]), unit, f"{mode}: {name} is beyond its limit"
+    )
+
+
+def window_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refusal:
+    """Why no meeting time is left: the window is over before `earliest`, or the dwell does not fit into it."""
+    intervals = point.intervals()
+    if not intervals:
+        from dataclasses import replace
+
+        whole = replace(point, dwell=0.0).intervals()
+        if not whole:
+            law = scene.frames[point.frame].law
+            if not law.valid[1] >= scene.start.time:
+                return Refusal("window", Reason.LAW_ENDS, point.step, (point.frame,), None, scene.start.time - law.valid[1], "s")
+            return Refusal("window", Reason.WINDOW_MISSED, point.step, (), None, detail="the point is never inside its window")
+        low, high = max(whole, key=lambda span: span[1] - span[0])
+        short = point.dwell - (high - low)
+        detail = f"the window is open for {1e3 * (high - low):.0f} ms, the glue takes {1e3 * point.dwell:.0f} ms"
+        return Refusal("window", Reason.WINDOW_MISSED, point.step, (), (low, high), short, "s", detail + _way(point, high, high + short))
+    low, high = intervals[-1]
+    detail = "the arm comes after the window has closed" + _way(point, high, earliest)
+    return Refusal("window", Reason.WINDOW_MISSED, point.step, (), (low, high), earliest - high, "s", detail)
+
+
+def _way(point: ControlPoint, t0: float, t1: float) -> str:
+    way = point.along(np.array([t0, t1]))
+    if way is None or not np.isfinite(way).all():
+        return ""
+    return f" ({1e3 * abs(float(way[1] - way[0])):.0f} mm of belt)"

@@ -1,0 +1,160 @@
+"""Straight Cartesian legs between two moving frames: p(s, t) = A(t) + s (B(t) - A(t)), s from 0 to 1 timed by Ruckig.
+
+At s = 0 the flange moves with the frame it leaves, at s = 1 with the one it meets, so velocity and acceleration match
+at both ends by construction. With Δ = B - A (equation L1):
+
+    ṗ = Ȧ + s Δ̇ + ṡ Δ        p̈ = Ä + s Δ̈ + 2 ṡ Δ̇ + s̈ Δ
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.frames.motion import Motion
+from planner.legs.glued import PATH_M, REFINEMENTS, SPACING_S, continued
+from planner.legs.state import Knots, State, Stretch
+from planner.outcome import LegKind, Reason, Refusal
+from planner.robots.protocol import Code
+from planner.scene import Scene
+from planner.timing import Profile, TimingRefusal, time_joints
+from planner.trajectory import Trajectory, check_limits
+
+ROUNDS = 12
+"""Rounds of scaling the phase law until all joints keep their limits."""
+FIRST = (2.0, 8.0, 80.0)
+"""First guess of the phase law's limits, 1/s, 1/s², 1/s³."""
+
+Along = Callable[[FloatArray], Motion]
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """The way between two frames under one phase profile that begins at `begin`."""
+
+    left: Along
+    met: Along
+    phase: Profile
+    begin: float
+
+    @property
+    def end(self) -> float:
+        return self.begin + self.phase.duration
+
+    def motion(self, t: FloatArray) -> Motion:
+        """Equation L1 at times t (T,)."""
+        a, b = self.left(t), self.met(t)
+        clock = np.clip(t - self.begin, 0.0, self.phase.duration)
+        s, sd, sdd = (self.phase.evaluate(clock, order)[:, 0] for order in range(3))
+        turn = np.round((b.yaw[0] - a.yaw[0]) / (2 * np.pi)) * 2 * np.pi
+        p, v, acceleration = _blend(a.p, a.v, a.a, b.p, b.v, b.a, s[:, None], sd[:, None], sdd[:, None])
+        yaw, yaw_d, yaw_dd = _blend(a.yaw, a.yaw_d, a.yaw_dd, b.yaw - turn, b.yaw_d, b.yaw_dd, s, sd, sdd)
+        return Motion(p, v, acceleration, np.zeros_like(p), yaw, yaw_d, yaw_dd, np.zeros_like(yaw))
+
+
+def _blend(
+    a: FloatArray,
+    ad: FloatArray,
+    add: FloatArray,
+    b: FloatArray,
+    bd: FloatArray,
+    bdd: FloatArray,
+    s: FloatArray,
+    sd: FloatArray,
+    sdd: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    gap, gap_d, gap_dd = b - a, bd - ad, bdd - add
+    return a + s * gap, ad + s * gap_d + sd * gap, add + s * gap_dd + 2 * sd * gap_d + sdd * gap
+
+
+def straight(scene: Scene, step: int, state: State, mode: int, left: Along, met: Along) -> Stretch | Refusal:
+    """A straight leg from `state`, in which the flange moves as `left` says, until it moves as `met` says.
+
+    The phase law's limits are scaled until velocity, acceleration and jerk of every joint are within limits by the
+    exact extrema of the spline. Refused: out of reach, too near a singularity, a joint position beyond its limit.
+    """
+    scale = 1.0
+    for _ in range(ROUNDS):
+        limits = [np.array([FIRST[order] * scale ** (order + 1)]) for order in range(3)]
+        none = np.zeros(1)
+        phase = time_joints(none, none, none, np.ones(1), none, none, *limits)
+        if isinstance(phase, TimingRefusal):
+            return Refusal("straight", Reason.MOTION_LIMIT, step, detail=phase.detail)
+        line = _Line(left, met, phase, state.time)
+        knots = _knots(scene, step, state, mode, line)
+        if isinstance(knots, Refusal):
+            return knots
+        ratio = _worst(scene, step, knots)
+        if isinstance(ratio, Refusal):
+            return ratio
+        if 0.9 <= ratio <= 1.0:
+            return Stretch(LegKind.MOVE, knots, "straight")
+        if ratio < 0.9 and scale > 1e3:
+            break
+        scale *= 0.96 / ratio
+    return Refusal("straight", Reason.MOTION_LIMIT, step, detail="no phase law keeps the limits of all joints")
+
+
+def _knots(scene: Scene, step: int, state: State, mode: int, line: _Line) -> Knots | Refusal:
+    spacing, robot = SPACING_S, scene.robot
+    for _ in range(REFINEMENTS):
+        marks = np.unique(np.append(line.begin + line.phase.switches(), line.end))
+        count = np.maximum(1, np.ceil(np.diff(marks) / spacing)).astype(int)
+        parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(marks[:-1], marks[1:], count, strict=True)]
+        t = np.concatenate([*parts, marks[-1:]])
+        motion = line.motion(t)
+        found = robot.inverse(motion, mode, 2)
+        refusal = _refused(scene, step, t, motion, found.code, found.margin, found.q)
+        if refusal is not None:
+            return refusal
+        q = continued(robot, found.q, state.q)
+        knots = Knots(t, q, found.qd, found.qdd)
+        middle = (t[1:] + t[:-1]) / 2
+        position, _ = robot.forward(Trajectory(t, q, found.qd, found.qdd).evaluate(middle))
+        if float(np.sqrt(((position - line.motion(middle).p) ** 2).sum(-1)).max()) <= PATH_M:
+            return knots
+        spacing /= 2
+    return Refusal("straight", Reason.MOTION_LIMIT, step, detail="the joints' motion along the line is not smooth")
+
+
+def _refused(
+    scene: Scene, step: int, t: FloatArray, motion: Motion, code: FloatArray, margin: FloatArray, q: FloatArray
+) -> Refusal | None:
+    if not np.isfinite(motion.p).all():
+        return Refusal("straight", Reason.LAW_ENDS, step, (), (float(t[0]), float(t[-1])))
+    asked = scene.options.singularity_margin
+    near = ~((margin >= asked) & (code == Code.ASSEMBLED))
+    if not near.any():
+        return None
+    rows = np.flatnonzero(near)
+    span = (float(t[rows[0]]), float(t[rows[-1]]))
+    if (code[rows] == Code.OUT_OF_REACH).any():
+        return Refusal("straight", Reason.OUT_OF_REACH, step, (), span, detail="the line leaves the workspace")
+    least = int(rows[np.nanargmin(margin[rows])])
+    left = scene.robot.singular_distance(q[least])
+    detail = f"the line comes within {1e3 * float(left):.1f} mm of a singular position (margin {margin[least]:.3f})"
+    return Refusal("straight", Reason.NEAR_SINGULARITY, step, (), span, asked - float(margin[least]), "1", detail)
+
+
+def _worst(scene: Scene, step: int, knots: Knots) -> float | Refusal:
+    """The factor by which the phase law is too fast (> 1) or could be faster (< 1)."""
+    limits = scene.robot.limits
+    report = check_limits(
+        Trajectory(knots.time, knots.q, knots.qd, knots.qdd),
+        limits.lower,
+        limits.upper,
+        limits.velocity,
+        limits.acceleration,
+        limits.jerk,
+    )
+    if not report.position.ok:
+        joint = report.position.joint or 0
+        low, high = limits.lower[joint] - report.position.lower[joint], report.position.upper[joint] - limits.upper[joint]
+        name, unit = scene.robot.joints[joint].name, "rad" if scene.robot.joints[joint].kind == "revolute" else "m"
+        detail = f"{name} is beyond its limit"
+        return Refusal("straight", Reason.JOINT_LIMIT, step, (name,), None, float(max(low, high)), unit, detail)
+    ratios = report.velocity.ratio.max(), report.acceleration.ratio.max() ** 0.5, report.jerk.ratio.max() ** (1 / 3)
+    return float(max(ratios))

@@ -1,0 +1,247 @@
+"""What a request comes to: a plan with its proof, or the precise reason why there is none.
+
+Facts only. Times are absolute seconds of the scene's clock, everything else is SI.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from planner.arrays import FloatArray, IntArray
+from planner.frames.motion import Pose
+from planner.trajectory import Trajectory
+
+
+class Reason(StrEnum):
+    """Why a candidate, or a whole request, was refused."""
+
+    OUT_OF_REACH = "OUT_OF_REACH"
+    JOINT_LIMIT = "JOINT_LIMIT"
+    NEAR_SINGULARITY = "NEAR_SINGULARITY"
+    SELF_COLLISION = "SELF_COLLISION"
+    BODY_COLLISION = "BODY_COLLISION"
+    START_IN_COLLISION = "START_IN_COLLISION"
+    CONTROL_POINT_IN_COLLISION = "CONTROL_POINT_IN_COLLISION"
+    MOTION_LIMIT = "MOTION_LIMIT"
+    CARRY_LIMIT = "CARRY_LIMIT"
+    WINDOW_MISSED = "WINDOW_MISSED"
+    LAW_ENDS = "LAW_ENDS"
+    NOT_CERTIFIED = "NOT_CERTIFIED"
+    TIMED_OUT = "TIMED_OUT"
+
+
+class LegKind(StrEnum):
+    """The legs of a plan, in the words of the shop."""
+
+    WAIT = "WAIT"
+    MOVE = "MOVE"
+    ARCH = "ARCH"
+    APPROACH = "APPROACH"
+    FOLLOW = "FOLLOW"
+    DEPART = "DEPART"
+
+
+GLUED = frozenset({LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART})
+"""Kinds of leg during which the tool is guided along the frame of its control point."""
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A stretch [t0, t1] of the plan that serves step number `step`; `note` says why (a wait) or how."""
+
+    kind: LegKind
+    step: int
+    t0: float
+    t1: float
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """The tool point met a control point: `pose` of the tool point in the world at `time`.
+
+    `along_m`: distance of the control point's frame along its conveyor (None: no conveyor);
+    `window_left_s`: time left in its window; `matched`: velocity matched, too. For a follow, pick or place `time` is
+    when the glue begins and `until` when it ends (attach, detach); elsewhere until = time. `yaw_offset`: by how much the
+    tool was turned about the part's vertical axis, where the part's symmetry (or a free yaw) leaves the choice.
+    """
+
+    step: int
+    control_point: str
+    time: float
+    until: float
+    pose: Pose
+    matched: bool
+    yaw_offset: float = 0.0
+    along_m: float | None = None
+    window_left_s: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """The proof: row i says that on [t0, t1] the bodies `first` and `second` stay apart along `normal`.
+
+    Bodies are indices into `names`; a piece is the index of a convex piece of the body, -1 its bounding box (in the
+    body's axes). `gap0, gap1` are support gaps along `normal` (M, 3), from first to second, at t0 and t1; `speed` and
+    `acceleration` bound how fast the two approach along it. Equations C1, C2 in docs/guarantees.md.
+    """
+
+    names: tuple[str, ...]
+    t0: FloatArray
+    t1: FloatArray
+    first: IntArray
+    first_piece: IntArray
+    second: IntArray
+    second_piece: IntArray
+    normal: FloatArray
+    gap0: FloatArray
+    gap1: FloatArray
+    speed: FloatArray
+    acceleration: FloatArray
+    digest: str = ""
+
+    def __len__(self) -> int:
+        return len(self.t0)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What will run, and its proof. The checker needs this and the scene, nothing else."""
+
+    trajectory: Trajectory
+    legs: tuple[Leg, ...]
+    arrivals: tuple[Arrival, ...]
+    certificate: Certificate
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """One candidate's end: the stage that refused it, why, by which bodies, when, by how much.
+
+    `amount` is what was missing, in `unit` (m, rad, s, or a ratio), positive; NaN where there is no number.
+    """
+
+    stage: str
+    reason: Reason
+    step: int
+    bodies: tuple[str, ...] = ()
+    interval: tuple[float, float] | None = None
+    amount: float = float("nan")
+    unit: str = ""
+    detail: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class CensusLine:
+    """Refusals of one kind, counted: `least` and `most` of the amounts, the interval that spans them all."""
+
+    stage: str
+    reason: Reason
+    step: int
+    bodies: tuple[str, ...]
+    count: int
+    interval: tuple[float, float] | None
+    least: float
+    most: float
+    unit: str
+    detail: str
+
+
+@dataclass(frozen=True, slots=True)
+class Census:
+    """What became of all candidates, most frequent refusal first."""
+
+    candidates: int
+    refused: int
+    lines: tuple[CensusLine, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class JointPeak:
+    """Peaks of one joint over the plan (exact extrema, SI) and their ratios to the limits."""
+
+    joint: str
+    velocity: float
+    acceleration: float
+    jerk: float
+    velocity_ratio: float
+    acceleration_ratio: float
+    jerk_ratio: float
+
+
+@dataclass(frozen=True, slots=True)
+class Nearest:
+    """Where the arm comes closest to something: a proved lower bound of the distance `gap_m`, less contacts."""
+
+    gap_m: float
+    time: float
+    bodies: tuple[str, str]
+    phase: LegKind
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """An allowed contact and the time for which it is allowed."""
+
+    bodies: tuple[str, str]
+    t0: float
+    t1: float
+
+
+@dataclass(frozen=True, slots=True)
+class Margins:
+    """How much is left. `binds`: the joint and kind of limit that is used most."""
+
+    peaks: tuple[JointPeak, ...]
+    binds: str
+    nearest: Nearest | None
+    tool_acceleration: float
+    tool_acceleration_limit: float | None
+    singularity: float
+
+
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """A plan, proved against the model."""
+
+    plan: Plan
+    margins: Margins
+    contacts: tuple[Contact, ...]
+    lower_bound_s: float
+    census: Census
+    assumptions: tuple[str, ...]
+    seed: int
+    elapsed_s: float
+    first_s: float
+    cut_by_clock: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Relaxation:
+    """The first change of the request that was tried and works."""
+
+    what: str
+    value: str
+    duration_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class NotPlanned:
+    """No plan: the leading reason, whether it is proved for all times and modes, and a sentence for a shift leader."""
+
+    reason: Reason
+    proved: bool
+    sentence: str
+    refusal: Refusal | None
+    census: Census
+    relaxation: Relaxation | None
+    tried: tuple[str, ...]
+    assumptions: tuple[str, ...]
+    seed: int
+    elapsed_s: float
+    cut_by_clock: bool
+    details: dict[str, float] = field(default_factory=dict)
+
+
+Outcome = Planned | NotPlanned

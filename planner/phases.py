@@ -1,0 +1,192 @@
+"""Who is solid against whom, and how far apart, in each leg of a plan: derived from request and legs alone.
+
+A pick attaches its part at the end of its follow, a place detaches it; so the set of the robot's bodies, the frame on
+which a part rides and the contacts that are allowed change at the ends of legs and nowhere else. Maker and checker of
+the certificate both derive them here; the tests hold this module to a second implementation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from planner.errors import InputError
+from planner.frames.motion import Pose
+from planner.outcome import GLUED, Arrival, Leg, LegKind
+from planner.scene import Pick, Place, Scene, Step
+from planner.shapes import support
+
+CONTACT_M = 1e-4
+"""Bodies in an allowed contact may overlap by this much, m: rounding of poses and a part that is not quite flat."""
+
+
+@dataclass(frozen=True, slots=True)
+class Carried:
+    """The part in the gripper and the pose of its frame in the flange frame."""
+
+    part: str
+    in_flange: Pose
+
+
+@dataclass(frozen=True, slots=True)
+class Phase:
+    """[t0, t1] of one leg (or the standstill after the last, whose step is -1).
+
+    `rides`: for each part that was moved, the frame and the pose it now rides on; `exempt`: pairs of names, sorted,
+    that may touch (down to -CONTACT_M); `glued`: the frame that a glued leg follows; `beside`: the frames that glued
+    legs next to this one follow.
+    """
+
+    t0: float
+    t1: float
+    kind: LegKind
+    step: int
+    carried: Carried | None
+    rides: tuple[tuple[str, str, Pose], ...]
+    exempt: frozenset[tuple[str, str]]
+    glued: str | None
+    beside: tuple[str, ...]
+
+    @property
+    def near(self) -> bool:
+        return self.kind in GLUED
+
+
+def pair(first: str, second: str) -> tuple[str, str]:
+    """Two names in the one order in which a pair is stored."""
+    return (first, second) if first <= second else (second, first)
+
+
+def frame_of(step: Step, rides: dict[str, tuple[str, Pose]]) -> str:
+    """The frame in which the control point of a step sits, parts being where `rides` says."""
+    if isinstance(step, Pick):
+        return rides[step.part][0]
+    if isinstance(step, Place):
+        return step.to.frame
+    return step.target.frame
+
+
+def grasp_in_part(step: Pick, yaw_offset: float) -> Pose:
+    """Tool point in the part's frame when the part is taken turned by `yaw_offset` about its own vertical axis."""
+    return Pose(yaw=yaw_offset).then(step.grasp)
+
+
+def held(scene: Scene, step: Pick, yaw_offset: float) -> Carried:
+    """The part as the gripper holds it after this pick."""
+    return Carried(step.part, scene.tool.tcp.then(grasp_in_part(step, yaw_offset).inverse()))
+
+
+def flange_target(
+    scene: Scene, step: Step, rides: dict[str, tuple[str, Pose]], carried: Carried | None, yaw_offset: float = 0.0
+) -> tuple[str, Pose]:
+    """Frame, and pose in it, that the flange takes when the control point of `step` is met."""
+    to_flange = scene.tool.tcp.inverse()
+    if isinstance(step, Pick):
+        frame, part = rides[step.part]
+        return frame, part.then(grasp_in_part(step, yaw_offset)).then(to_flange)
+    if isinstance(step, Place):
+        if carried is None or carried.part != step.part:
+            raise InputError("task", step.part, "a place only of the part that an earlier pick holds")
+        return step.to.frame, step.to.pose.then(carried.in_flange.inverse())
+    pose = step.target.pose
+    return step.target.frame, Pose(pose.x, pose.y, pose.z, pose.yaw + yaw_offset).then(to_flange)
+
+
+def resting_on(scene: Scene, part: str, frame: str, pose: Pose, names: tuple[str, ...] | None) -> frozenset[str]:
+    """What a part at `pose` in `frame` touches from above: the named bodies, or those whose top is at its bottom.
+
+    A body at the same height elsewhere in the cell is exempted, too; that is harmless, for an exempted pair must
+    still be proved not to overlap by more than CONTACT_M.
+    """
+    if names is not None:
+        return frozenset(names)
+    level = scene.frames[frame].law.motion(np.array(scene.start.time)).p[..., 2] + pose.z
+    bottom = float(level) + _extent(scene, part)[0]
+    found = set()
+    for body in scene.bodies:
+        if body.name == part:
+            continue
+        height = scene.frames[body.frame].law.motion(np.array(scene.start.time)).p[..., 2] + body.pose.z
+        if abs(float(height) + _extent(scene, body.name)[1] - bottom) <= CONTACT_M:
+            found.add(body.name)
+    return frozenset(found)
+
+
+def _extent(scene: Scene, name: str) -> tuple[float, float]:
+    """Lowest and highest z of a body in its own frame, m."""
+    up = np.array([0.0, 0.0, 1.0])
+    pieces = scene.index[name].body.pieces
+    return -max(support(piece, -up) for piece in pieces), max(support(piece, up) for piece in pieces)
+
+
+def initial_rides(scene: Scene) -> dict[str, tuple[str, Pose]]:
+    """Where every body of the surroundings sits at the start."""
+    return {body.name: (body.frame, body.pose) for body in scene.bodies}
+
+
+def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -> tuple[Phase, ...]:
+    """The phases of a plan with these legs, with the standstill for `stay_safe_s` behind the last one."""
+    rides = initial_rides(scene)
+    start = dict(rides)
+    offsets = {arrival.step: arrival.yaw_offset for arrival in arrivals}
+    carried: Carried | None = None
+    found: list[Phase] = []
+    tool = tuple(body.name for body in scene.tool.bodies)
+    exempt: frozenset[tuple[str, str]] = frozenset()
+    supports: frozenset[str] = frozenset()
+    for leg in legs:
+        step = scene.task[leg.step]
+        glued = leg.kind in GLUED
+        frame = frame_of(step, rides) if glued and not isinstance(step, Pick) else None
+        exempt = frozenset()
+        if isinstance(step, Pick) and glued:
+            if carried is None:
+                supports = resting_on(scene, step.part, *rides[step.part], step.contact_with)
+                frame = rides[step.part][0]
+                exempt = frozenset(pair(name, step.part) for name in tool)
+            else:
+                frame = _frame_before(found)
+                exempt = frozenset(pair(name, step.part) for name in supports)
+        if isinstance(step, Place) and glued:
+            if carried is not None:
+                supports = resting_on(scene, step.part, step.to.frame, step.to.pose, step.contact_with)
+                exempt = frozenset(pair(name, step.part) for name in supports)
+            else:
+                exempt = frozenset(pair(name, step.part) for name in tool)
+        moved = tuple((name, *rides[name]) for name in sorted(rides) if rides[name] != start[name])
+        found.append(Phase(leg.t0, leg.t1, leg.kind, leg.step, carried, moved, exempt, frame, ()))
+        if leg.kind is LegKind.FOLLOW and isinstance(step, Pick):
+            carried = held(scene, step, offsets.get(leg.step, 0.0))
+        if leg.kind is LegKind.FOLLOW and isinstance(step, Place):
+            rides[step.part] = (step.to.frame, step.to.pose)
+            carried = None
+    if scene.options.end == "rest" and scene.options.stay_safe_s > 0 and legs:
+        last = legs[-1]
+        moved = tuple((name, *rides[name]) for name in sorted(rides) if rides[name] != start[name])
+        stay = scene.options.stay_safe_s
+        found.append(Phase(last.t1, last.t1 + stay, LegKind.WAIT, -1, carried, moved, frozenset(), None, ()))
+    return tuple(_with_neighbours(found))
+
+
+def _frame_before(found: list[Phase]) -> str | None:
+    """The frame that the glued leg before follows: a depart stays in the frame it was picked from."""
+    return found[-1].glued if found else None
+
+
+def _with_neighbours(found: list[Phase]) -> list[Phase]:
+    result = []
+    for i, phase in enumerate(found):
+        beside = {found[k].glued for k in (i - 1, i + 1) if 0 <= k < len(found)} - {None, phase.glued}
+        result.append(replace(phase, beside=tuple(sorted(str(name) for name in beside))))
+    return result
+
+
+def yaw_offsets(scene: Scene, step: Step) -> tuple[float, ...] | None:
+    """Turns of the tool that a control point leaves to choose from, rad; None: any."""
+    if isinstance(step, Pick):
+        fold = scene.index[step.part].yaw_symmetry
+        return tuple(2 * np.pi * k / fold for k in range(fold)) if fold > 0 else None
+    if not isinstance(step, Place) and step.target.yaw_free:
+        return None
+    return (0.0,)

@@ -1,0 +1,139 @@
+"""The story of a request, in one page.
+
+    scene ─► what is impossible? ─► search (candidates ─► dyad ─► Ruckig ─► screening ─► FCL ─► proof) ─► check ─► outcome
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+from planner.census import Counter
+from planner.certificate import Prover, written
+from planner.chain import Chain
+from planner.checker import check
+from planner.errors import FaultError
+from planner.explanation import leading, sentence
+from planner.feasibility import impossible
+from planner.lower_bound import lower_bound
+from planner.margins import contacts, margins
+from planner.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Reason, Refusal
+from planner.phases import phases
+from planner.relaxation import relax, worth_trying
+from planner.scene import Scene
+from planner.search import Found, Search
+from planner.trajectory import Trajectory
+
+
+@dataclass(frozen=True, slots=True)
+class _Clock:
+    started: float
+
+    @property
+    def elapsed(self) -> float:
+        return time.perf_counter() - self.started
+
+
+def plan(scene: Scene, *, adaptive: bool = True) -> Outcome:
+    """A jerk-limited trajectory through the scene's control points, proved free of collision, or why there is none.
+
+    `adaptive=False` samples without learning from what was refused (for experiments). Raises `FaultError` when the
+    checker refuses what the prover accepted: that is a defect of the planner, and no answer.
+    """
+    clock = _Clock(time.perf_counter())
+    prover = Prover(scene)
+    never = impossible(scene, prover)
+    if never is not None:
+        return _not_planned(scene, clock, never, Counter().census(), proved=True, cut=False, deepest=never.step)
+    found = Search(scene, prover, clock.started, adaptive=adaptive).run()
+    if found.best is None:
+        return _not_found(scene, clock, found)
+    return _planned(scene, clock, prover, found, found.best)
+
+
+def _planned(scene: Scene, clock: _Clock, prover: Prover, found: Found, chain: Chain) -> Planned:
+    if chain.knots is None:
+        raise FaultError("a whole chain without knots")
+    knots = chain.knots
+    trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
+    of_plan = phases(scene, chain.legs, chain.arrivals)
+    proofs = list(chain.proofs)
+    certificate = written(scene, trajectory, chain.legs, chain.arrivals, proofs)
+    made = Plan(trajectory, chain.legs, chain.arrivals, certificate)
+    verdict = check(scene, made)
+    if not verdict.ok:
+        raise FaultError(f"the checker refuses a plan that was proved: {verdict.findings[:3]}")
+    return Planned(
+        plan=made,
+        margins=margins(scene, prover, trajectory, of_plan),
+        contacts=contacts(of_plan),
+        lower_bound_s=lower_bound(scene),
+        census=found.census.census(),
+        assumptions=scene.assumptions,
+        seed=scene.options.seed,
+        elapsed_s=clock.elapsed,
+        first_s=found.first_s,
+        cut_by_clock=found.cut_by_clock and scene.options.stop == "first",
+    )
+
+
+def _not_found(scene: Scene, clock: _Clock, found: Found) -> NotPlanned:
+    census = found.census.census()
+    line = leading(census, found.deepest)
+    refusal = None if line is None else _as_refusal(line)
+    proved = census.candidates == 0 and line is not None and _for_all_times(scene, line)
+    return _not_planned(
+        scene, clock, refusal, census, proved=proved, cut=found.cut_by_clock, deepest=found.deepest, line=line
+    )
+
+
+def _for_all_times(scene: Scene, line: CensusLine) -> bool:
+    """Whether a refusal before any candidate holds for all times: it does not depend on how the arm came here."""
+    if line.stage == "window":
+        return line.step == 0 or "the glue takes" in line.detail
+    return line.stage == "inverse" and line.interval is not None and line.interval[0] == line.interval[1]
+
+
+def _as_refusal(line: CensusLine) -> Refusal:
+    return Refusal(line.stage, line.reason, line.step, line.bodies, line.interval, line.least, line.unit, line.detail)
+
+
+def _not_planned(
+    scene: Scene,
+    clock: _Clock,
+    refusal: Refusal | None,
+    census: Census,
+    *,
+    proved: bool,
+    cut: bool,
+    deepest: int,
+    line: CensusLine | None = None,
+) -> NotPlanned:
+    options = scene.options
+    relaxation, tried = None, ()
+    if options.explain_budget_s > 0 and worth_trying(refusal):
+        deadline = time.perf_counter() + options.explain_budget_s
+        relaxation, tried = relax(scene, min(deepest, len(scene.task) - 1), _blocker(scene, census, deepest), deadline)
+    return NotPlanned(
+        reason=Reason.TIMED_OUT if refusal is None else refusal.reason,
+        proved=proved,
+        sentence=sentence(scene, line or refusal, census, cut=cut, budget=options.budget_s),
+        refusal=refusal,
+        census=census,
+        relaxation=relaxation,
+        tried=tried,
+        assumptions=scene.assumptions,
+        seed=options.seed,
+        elapsed_s=clock.elapsed,
+        cut_by_clock=cut,
+    )
+
+
+def _blocker(scene: Scene, census: Census, step: int) -> str | None:
+    """The body of the surroundings that refused most candidates of a step."""
+    counts: dict[str, int] = {}
+    for line in census.lines:
+        for name in line.bodies:
+            if line.step == step and name in scene.index:
+                counts[name] = counts.get(name, 0) + line.count
+    return max(counts, key=lambda name: counts[name], default=None)

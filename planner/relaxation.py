@@ -1,0 +1,118 @@
+"""What would have helped: small changes of a request, each tried, in the order in which a shop would make them.
+
+Never a robot beyond its limits, never a clearance below the uncertainties (those are added to it).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+
+from planner.certificate import Prover
+from planner.errors import InputError
+from planner.frames import Conveyor
+from planner.outcome import Reason, Refusal, Relaxation
+from planner.scene import WORLD, Clearance, Follow, Move, Pick, Place, Scene, Step, Window
+from planner.search import Found, Search
+
+ATTEMPT_S = 0.5
+"""Longest time for one change, s."""
+FEWEST_S = 0.02
+"""A change is not tried with less time than this left, s."""
+
+
+def relax(scene: Scene, step: int, blocker: str | None, deadline: float) -> tuple[Relaxation | None, tuple[str, ...]]:
+    """The first change that works, and what was tried; `deadline` in monotonic seconds."""
+    tried: list[str] = []
+    for what, value, changed in changes(scene, step, blocker):
+        left = deadline - time.perf_counter()
+        if left < FEWEST_S:
+            tried.append("the explain budget was spent")
+            break
+        tried.append(f"{what}: {value}")
+        found = _attempt(changed, min(left, ATTEMPT_S if what != "budget" else left))
+        if found.best is not None:
+            return Relaxation(what, _reached(scene, found, what, value, step), found.best.state.time - scene.start.time), tuple(tried)
+    return None, tuple(tried)
+
+
+def _attempt(scene: Scene, budget: float) -> Found:
+    options = replace(scene.options, stop="first", budget_s=budget)
+    return Search(replace(scene, options=options), Prover(scene), time.perf_counter()).run()
+
+
+def _reached(scene: Scene, found: Found, what: str, value: str, step: int) -> str:
+    """A window that was opened altogether is reported as what the plan used of it."""
+    if what != "window" or found.best is None:
+        return value
+    arrival = next(a for a in found.best.arrivals if a.step == step)
+    text = f"open until {arrival.until:.3f} s"
+    return text if arrival.along_m is None else f"{text} ({1e3 * arrival.along_m:.0f} mm at the meeting)"
+
+
+def changes(scene: Scene, step: int, blocker: str | None) -> Iterator[tuple[str, str, Scene]]:
+    """Changes in order: window, budget, elbow, match, dwell, belt speed, clearance, margin, a body left out."""
+    what, options = scene.task[step], scene.options
+    if what.window != Window():
+        yield "window", "open", _step(scene, step, replace(what, window=Window()))
+    yield "budget", f"{4 * options.budget_s:g} s", replace(scene, options=replace(options, budget_s=4 * options.budget_s))
+    if options.elbow != "auto" and len(scene.robot.modes) > 1:
+        yield "elbow", "auto", replace(scene, options=replace(options, elbow="auto"))
+    if isinstance(what, Move) and what.match == "velocity":
+        yield "match", "position", _step(scene, step, replace(what, match="position"))
+    yield from _dwells(scene, step, what)
+    yield from _belts(scene, step, what)
+    near, travel = options.clearance.near_m, options.clearance.travel_m
+    if near > 0 or travel > 0:
+        for share in (0.5, 0.0):
+            value = f"travel {1e3 * share * travel:g} mm, near {1e3 * share * near:g} mm"
+            clearance = Clearance(share * travel, share * near)
+            yield "clearance", value, replace(scene, options=replace(options, clearance=clearance))
+    if options.singularity_margin > 0:
+        yield "singularity margin", "0", replace(scene, options=replace(options, singularity_margin=0.0))
+    if blocker is not None and blocker in scene.index and not _is_part(scene, blocker):
+        bodies = tuple(body for body in scene.bodies if body.name != blocker)
+        try:
+            yield "without", blocker, replace(scene, bodies=bodies)
+        except InputError:
+            # a step names the body (contact_with): without it the task would be another one
+            return
+
+
+def _dwells(scene: Scene, step: int, what: Step) -> Iterator[tuple[str, str, Scene]]:
+    for share in (0.8, 0.6, 0.4, 0.2, 0.1):
+        if isinstance(what, Follow):
+            duration = share * what.duration_s
+            yield "dwell", f"{1e3 * duration:.0f} ms", _step(scene, step, replace(what, duration_s=duration))
+        elif isinstance(what, Pick | Place) and what.dwell_s > 0:
+            dwell = share * what.dwell_s
+            yield "dwell", f"{1e3 * dwell:.0f} ms", _step(scene, step, replace(what, dwell_s=dwell))
+
+
+def _belts(scene: Scene, step: int, what: Step) -> Iterator[tuple[str, str, Scene]]:
+    name = scene.index[what.part].frame if isinstance(what, Pick) else (what.to.frame if isinstance(what, Place) else what.target.frame)
+    frame = scene.frames[name]
+    if name == WORLD or not isinstance(frame.law, Conveyor) or frame.law.changes:
+        return
+    for share in (0.8, 0.5):
+        law = replace(frame.law, speed=share * frame.law.speed)
+        frames = {**scene.frames, name: replace(frame, law=law)}
+        yield "belt speed", f"{1e3 * law.speed:.0f} mm/s", replace(scene, frames=frames)
+
+
+def _is_part(scene: Scene, name: str) -> bool:
+    return any(isinstance(step, Pick | Place) and step.part == name for step in scene.task)
+
+
+def _step(scene: Scene, number: int, step: Step) -> Scene:
+    return replace(scene, task=(*scene.task[:number], step, *scene.task[number + 1 :]))
+
+
+HOPELESS = frozenset({Reason.START_IN_COLLISION, Reason.LAW_ENDS})
+"""Reasons that no change of the list can mend."""
+
+
+def worth_trying(refusal: Refusal | None) -> bool:
+    """Whether any change of the list could help."""
+    return refusal is None or refusal.reason not in HOPELESS

@@ -1,0 +1,176 @@
+"""What the planner needs of a robot, whatever its family.
+
+Everything that differs between families is behind this protocol; planner, certificate and checker know no other.
+`q` is in radians and metres in the order of `joints`; the maker's names, units, signs and zeros live at the border.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from planner.arrays import BoolArray, FloatArray, IntArray, frozen
+from planner.assur.codes import Code
+from planner.errors import InputError
+from planner.frames.motion import Motion, Pose
+from planner.shapes import Body
+
+__all__ = ["Code", "Inverse", "Joint", "Limits", "Robot", "RobotBody", "Sweep"]
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint: its name and whether it is `revolute` (rad) or `prismatic` (m)."""
+
+    name: str
+    kind: str
+
+
+@dataclass(frozen=True, eq=False)
+class Limits:
+    """Joint limits, each (n,), SI: `lower <= q <= upper`, `|q̇| <= velocity`, `|q̈| <= acceleration`, `|q⃛| <= jerk`."""
+
+    lower: FloatArray
+    upper: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    jerk: FloatArray
+
+    def __post_init__(self) -> None:
+        n = len(self.lower)
+        for name in ("lower", "upper", "velocity", "acceleration", "jerk"):
+            object.__setattr__(self, name, frozen(getattr(self, name), (n,), f"limits.{name}"))
+        if not (self.lower < self.upper).all():
+            raise InputError("limits.lower", self.lower.tolist(), f"below limits.upper {self.upper.tolist()}")
+        for name in ("velocity", "acceleration", "jerk"):
+            if not (getattr(self, name) > 0).all():
+                raise InputError(f"limits.{name}", getattr(self, name).tolist(), "positive numbers")
+
+
+@dataclass(frozen=True, slots=True)
+class Inverse:
+    """Joint motion for a flange motion of shape (...): `q, qd, qdd, qddd` (..., n), `code` (...), `margin` (...).
+
+    Rows whose code is not ASSEMBLED hold NaN in what is not defined: a stretched or folded arm has a position (q)
+    but no derivatives, an arm out of reach has nothing. `margin` is |sin θ2| for a dyad (NaN out of reach).
+    Revolute joints are principal values; `turns` of the caller add full turns.
+    """
+
+    q: FloatArray
+    qd: FloatArray
+    qdd: FloatArray
+    qddd: FloatArray
+    code: IntArray
+    margin: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """What is known of the joint motion over N intervals: joint range `lower, upper` (N, n), and upper bounds of
+    |C q̇| and |C q̈| with C = `rate_matrix`: `rate, rate_d` (N, m)."""
+
+    lower: FloatArray
+    upper: FloatArray
+    rate: FloatArray
+    rate_d: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class RobotBody:
+    """A body that rides on link number `link` of the robot, its frame being the link's."""
+
+    body: Body
+    link: int
+
+
+class Robot(Protocol):
+    """A robot arm with n joints and L link frames. World frame everywhere, unless said."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def joints(self) -> tuple[Joint, ...]: ...
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Task coordinates it can follow, out of x, y, z, yaw (a three-axis SCARA has no yaw of its own)."""
+        ...
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Working modes; for a SCARA ("left", "right")."""
+        ...
+
+    @property
+    def limits(self) -> Limits: ...
+
+    @property
+    def base(self) -> Pose: ...
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Names of the link frames. Bodies ride on them. "flange" is one of them: it carries tool and part."""
+        ...
+
+    @property
+    def bodies(self) -> tuple[RobotBody, ...]: ...
+
+    @property
+    def self_pairs(self) -> tuple[tuple[str, str], ...]:
+        """Names of links between which self-collision is asked: bodies on the one against bodies on the other."""
+        ...
+
+    @property
+    def rate_matrix(self) -> FloatArray:
+        """(m, n): the combinations of joint rates that bound point speeds (SCARA: q1, q1+q2, q3, q1+q2+q4)."""
+        ...
+
+    @property
+    def lift(self) -> int | None:
+        """The joint that moves the flange along the vertical and does nothing else, if there is one."""
+        ...
+
+    def inverse(self, flange: Motion, mode: int, order: int = 3) -> Inverse:
+        """Joint motion that gives the flange this motion (world) in working mode number `mode`, up to derivative
+        number `order`; those beyond are NaN."""
+        ...
+
+    def forward(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Flange position (..., 3) and yaw (...) in the world for q (..., n)."""
+        ...
+
+    def link_motion(self, link: int, q: FloatArray, qd: FloatArray, qdd: FloatArray, qddd: FloatArray) -> Motion:
+        """Motion of a link frame in the world for joint motion (..., n)."""
+        ...
+
+    def placements(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Link frames in the world: positions (..., L, 3) and rotations (..., L, 3, 3)."""
+        ...
+
+    def jacobian(self, q: FloatArray) -> FloatArray:
+        """(..., len(coordinates), n): rates of the task coordinates per joint rate."""
+        ...
+
+    def margin(self, q: FloatArray) -> FloatArray:
+        """Singularity margin (...), from 0 (singular) to 1."""
+        ...
+
+    def singular_distance(self, q: FloatArray) -> FloatArray:
+        """Metres (...) by which the flange may move outwards or inwards until the arm is singular."""
+        ...
+
+    def mode_of(self, q: FloatArray) -> IntArray:
+        """Working mode number (...) that q (..., n) is in."""
+        ...
+
+    def within(self, q: FloatArray) -> BoolArray:
+        """Whether q (..., n) keeps the position limits, (...)."""
+        ...
+
+    def point_bounds(
+        self, link: IntArray, reach: FloatArray, n: FloatArray, sweep: Sweep
+    ) -> tuple[FloatArray, FloatArray]:
+        """Upper bounds (N,) of |n·ẋ| and |n·ẍ| over N intervals, for every point x of link number `link` (N,)
+        within horizontal distance `reach` (N,) of the link frame's z axis, along unit vectors `n` (N, 3)."""
+        ...

@@ -1,0 +1,39 @@
+"""Full turns: every joint vector within limits that puts a robot where a given one does."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.errors import InputError
+from planner.robots.planar import TURN
+from planner.robots.protocol import Robot
+
+MOST_TURNS = 64
+"""No joint of a robot turns more often between its stops (no unit): above it a unit was probably mistaken."""
+
+
+def equivalents(robot: Robot, q: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
+    """All q + 2πk, k an integer per revolute joint, with lower <= q + 2πk <= upper: (M, n), ascending.
+
+    The limits are arguments because a plan may keep to a narrower range than the robot's own. `q`, `lower`, `upper`
+    are (n,), rad and m in the order of `robot.joints`. M is 0 when nothing fits, and when q is not finite.
+    Prismatic joints are only held to their limits. Raises `InputError` when a range has more than 64 turns.
+    """
+    choices = []
+    for joint, value, low, high in zip(robot.joints, q.tolist(), lower.tolist(), upper.tolist(), strict=True):
+        if not math.isfinite(value):
+            return np.empty((0, len(robot.joints)))
+        if joint.kind == "revolute":
+            if not high - low <= MOST_TURNS * TURN:
+                raise InputError(f"limits of {joint.name}", [low, high], f"a range of up to {MOST_TURNS} turns")
+            # One turn more on either side than the division says: the comparison below decides, without rounding.
+            first, last = math.floor((low - value) / TURN), math.ceil((high - value) / TURN)
+            turned = [value + k * TURN for k in range(first, last + 1)]
+        else:
+            turned = [value]
+        choices.append([x for x in turned if low <= x <= high])
+    return np.array(list(itertools.product(*choices)), dtype=np.float64).reshape(-1, len(choices))

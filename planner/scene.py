@@ -1,0 +1,259 @@
+"""The cell and the task: what a request means once it is valid. Facts only, SI, world frame unless said."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+from planner.arrays import FloatArray, frozen
+from planner.errors import InputError
+from planner.frames.fixed import Fixed
+from planner.frames.law import Frame
+from planner.frames.motion import Pose
+from planner.robots.protocol import Robot
+from planner.shapes import Body
+
+WORLD = "world"
+"""Name of the frame that does not move; every scene has it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tool:
+    """What is bolted to the flange: tool point `tcp` in the flange frame, bodies in the flange frame, mass."""
+
+    tcp: Pose
+    bodies: tuple[Body, ...] = ()
+    mass_kg: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """The state from which the plan begins: q, q̇, q̈ (n,) at `time` in seconds."""
+
+    time: float
+    q: FloatArray
+    qd: FloatArray
+    qdd: FloatArray
+
+    def __post_init__(self) -> None:
+        for name in ("q", "qd", "qdd"):
+            object.__setattr__(self, name, frozen(getattr(self, name), (None,), f"start.{name}"))
+
+    @property
+    def moving(self) -> bool:
+        return bool(self.qd.any() or self.qdd.any())
+
+
+@dataclass(frozen=True, eq=False)
+class WorldBody:
+    """A body of the surroundings at a constant pose in a frame. A `part` is a body that a pick or place names.
+
+    `yaw_symmetry`: how many yaws of the body look the same to a gripper (1: one; 2: every half turn; 0: any yaw).
+    """
+
+    body: Body
+    frame: str = WORLD
+    pose: Pose = Pose()
+    mass_kg: float | None = None
+    yaw_symmetry: int = 1
+
+    @property
+    def name(self) -> str:
+        return self.body.name
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """When a control point may be met: `time` in seconds, `along` in metres along its conveyor (either or both)."""
+
+    time: tuple[float, float] | None = None
+    along: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A pose of the tool point (or, for a place, of the part) that is constant in a frame. `yaw` free: any yaw."""
+
+    frame: str
+    pose: Pose
+    yaw_free: bool = False
+
+
+Match = Literal["velocity", "position"]
+
+
+@dataclass(frozen=True, slots=True)
+class Arch:
+    """Up, over, down: `top_m` is the least height (world z of the tool point) of the highest point."""
+
+    top_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """Bring the tool point to `target`. `via`: flown by, never stopped at. `leg`: joint or cartesian (straight)."""
+
+    name: str
+    target: Target
+    match: Match = "velocity"
+    via: bool = False
+    arch: Arch | None = None
+    window: Window = Window()
+    leg: Literal["joint", "cartesian"] = "joint"
+
+
+@dataclass(frozen=True, slots=True)
+class Follow:
+    """Meet `target` with its velocity and stay glued to it for `duration_s`."""
+
+    name: str
+    target: Target
+    duration_s: float
+    window: Window = Window()
+
+
+@dataclass(frozen=True, slots=True)
+class Pick:
+    """Approach `part` along the vertical of its frame, glue, attach at the end of `dwell_s`, depart.
+
+    `grasp` is the tool point in the part's frame; `contact_with` names what the part rests on (None: derived).
+    """
+
+    name: str
+    part: str
+    grasp: Pose
+    approach_m: float
+    dwell_s: float
+    depart_m: float
+    match: Match = "velocity"
+    window: Window = Window()
+    contact_with: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Bring the held part's frame to `to`, glue for `dwell_s`, detach, depart; the part then rides on to.frame."""
+
+    name: str
+    part: str
+    to: Target
+    approach_m: float
+    dwell_s: float
+    depart_m: float
+    match: Match = "velocity"
+    window: Window = Window()
+    contact_with: tuple[str, ...] | None = None
+
+
+Step = Move | Follow | Pick | Place
+
+
+@dataclass(frozen=True, slots=True)
+class Clearance:
+    """Required distances, m: `near` in approach, follow and depart, `travel` elsewhere."""
+
+    travel_m: float = 0.0
+    near_m: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Execution:
+    """How the plan will be run: servo lag of the tool `tracking_m`, dispatch up to `start_tolerance_s` late, and
+    whether the controller shifts glued legs by the live encoder (`belt_correction`)."""
+
+    tracking_m: float = 0.0
+    start_tolerance_s: float = 0.0
+    belt_correction: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How to search. `stop`: at the first certified plan, or when the budget is spent."""
+
+    seed: int = 0
+    budget_s: float = 1.0
+    max_candidates: int | None = None
+    stop: Literal["first", "budget"] = "budget"
+    explain_budget_s: float = 0.0
+    clearance: Clearance = Clearance()
+    singularity_margin: float = 0.05
+    elbow: str = "keep"
+    """`keep` (the start's working mode), `auto` (any, changes allowed), or the name of one of the robot's modes."""
+    end: Literal["rest", "moving"] = "rest"
+    stay_safe_s: float = 0.0
+    latest_end_s: float | None = None
+    """The motion must have ended by this time, s."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A whole request, valid: robot, tool, start, frames, bodies, task, manners."""
+
+    robot: Robot
+    tool: Tool
+    start: Start
+    frames: dict[str, Frame]
+    bodies: tuple[WorldBody, ...]
+    task: tuple[Step, ...]
+    options: Options = Options()
+    execution: Execution = Execution()
+    carry_acceleration: float | None = None
+    """Limit of the tool point's acceleration while a part is held, m/s²."""
+    assumptions: tuple[str, ...] = ()
+    """Numbers of the robot that are estimated or second hand, in words; they are repeated in the outcome."""
+    digest: str = ""
+    """Digest of the request document, carried into the certificate."""
+    index: dict[str, WorldBody] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        n = len(self.robot.joints)
+        for name in ("q", "qd", "qdd"):
+            if len(getattr(self.start, name)) != n:
+                raise InputError(f"start.{name}", len(getattr(self.start, name)), f"{n} joints of {self.robot.name}")
+        if not math.isfinite(self.start.time):
+            raise InputError("start.at_s", self.start.time, "a finite time")
+        if not self.task:
+            raise InputError("task", self.task, "at least one step")
+        names = [body.name for body in self.bodies] + [b.body.name for b in self.robot.bodies]
+        names += [body.name for body in self.tool.bodies]
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError("bodies", name, "names that are unique, the robot's and the tool's bodies included")
+        for i, body in enumerate(self.bodies):
+            if body.frame not in self.frames:
+                raise InputError(f"bodies[{i}].pose.frame", body.frame, f"one of {sorted(self.frames)}")
+        object.__setattr__(self, "index", {body.name: body for body in self.bodies})
+        for i, step in enumerate(self.task):
+            self._check_step(f"task[{i}]", step)
+        self._check_hands()
+
+    def _check_step(self, field: str, step: Step) -> None:
+        target = step.to if isinstance(step, Place) else getattr(step, "target", None)
+        if target is not None and target.frame not in self.frames:
+            raise InputError(f"{field}.frame", target.frame, f"one of {sorted(self.frames)}")
+        if isinstance(step, Pick | Place):
+            if step.part not in self.index:
+                raise InputError(f"{field}.part", step.part, f"one of {sorted(self.index)}")
+            for name in step.contact_with or ():
+                if name not in self.index:
+                    raise InputError(f"{field}.contact_with", name, f"one of {sorted(self.index)}")
+            if step.match == "position" and not isinstance(self.frames[self._frame_of(step)].law, Fixed):
+                allowed = "velocity: a part is picked from, and placed on, a moving frame with its velocity"
+                raise InputError(f"{field}.match", step.match, allowed)
+
+    def _frame_of(self, step: Pick | Place) -> str:
+        return step.to.frame if isinstance(step, Place) else self.index[step.part].frame
+
+    def _check_hands(self) -> None:
+        """One part at a time: a pick needs an empty gripper, a place the part that was picked."""
+        held: str | None = None
+        for i, step in enumerate(self.task):
+            if isinstance(step, Pick):
+                if held is not None:
+                    raise InputError(f"task[{i}].pick", step.part, f"an empty gripper; it still holds {held}")
+                held = step.part
+            if isinstance(step, Place):
+                if held != step.part:
+                    raise InputError(f"task[{i}].place.part", step.part, f"the part in the gripper ({held or 'none'})")
+                held = None

@@ -1,0 +1,165 @@
+"""Refuses most colliding drafts in one NumPy batch: all drafts × sampled times × pairs of bodies.
+
+First the vertical order and the distance between bounding circles, for all rows at once; then, for what is left, the
+likely normals. Where no normal parts a pair, FCL decides (design: screen, ask, prove). What passes is not yet proved.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.arrays import FloatArray, IntArray
+from planner.certificate import Prover
+from planner.chain import Draft
+from planner.gjk import separate
+from planner.outcome import Reason, Refusal
+from planner.phases import Phase, pair
+from planner.requirement import CONTACT_GAP, SLACK_M, worst
+from planner.separation import Placed, likely_gaps, place, rough_gaps
+from planner.solids import COVER, Carriers, Solids, carriers, standing
+
+STEP_S = 0.02
+"""Sampling of drafts, s. It decides how much work a colliding draft causes, not what is accepted."""
+FINE_STEP_S = 0.006
+"""Sampling of the few drafts that pass, before they are proved, s."""
+
+
+@dataclass(frozen=True, slots=True)
+class Screened:
+    """What became of a draft: None, or why it is refused; and the share of samples at which it was in the way."""
+
+    refusal: Refusal | None
+    bad: float
+
+
+def screen(prover: Prover, drafts: list[Draft], step: float = STEP_S) -> list[Screened]:
+    """One `Screened` for each draft, in order."""
+    groups: dict[int, tuple[Solids, list[tuple[int, Phase]]]] = {}
+    for number, draft in enumerate(drafts):
+        for phase in draft.phases:
+            solids = prover.solids(phase.carried, phase.rides)
+            groups.setdefault(id(solids), (solids, []))[1].append((number, phase))
+    found: list[Screened] = [Screened(None, 0.0)] * len(drafts)
+    for solids, members in groups.values():
+        for number, screened in _screen_group(prover, solids, drafts, members, step).items():
+            if found[number].refusal is None:
+                found[number] = screened
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Samples:
+    """Sampled times of a group: owner (T,) is the draft, phase (T,) the number in `members`."""
+
+    t: FloatArray
+    owner: IntArray
+    phase: IntArray
+    where: Carriers
+
+
+def _sampled(prover: Prover, drafts: list[Draft], members: list[tuple[int, Phase]], step: float) -> _Samples:
+    times, joints, owner, number = [], [], [], []
+    for k, (draft, phase) in enumerate(members):
+        count = max(2, int(np.ceil((phase.t1 - phase.t0) / step)) + 1)
+        t = np.linspace(phase.t0, phase.t1, count)
+        times.append(t)
+        joints.append(standing(drafts[draft].trajectory, t))
+        owner.append(np.full(count, draft))
+        number.append(np.full(count, k))
+    t = np.concatenate(times)
+    return _Samples(t, np.concatenate(owner), np.concatenate(number), carriers(prover.scene, np.concatenate(joints), t))
+
+
+def _screen_group(
+    prover: Prover, solids: Solids, drafts: list[Draft], members: list[tuple[int, Phase]], step: float
+) -> dict[int, Screened]:
+    samples = _sampled(prover, drafts, members, step)
+    a, b = prover.asked(solids)
+    required = _required(prover, solids, members, a, b)
+    row, which = np.nonzero(~(rough_gaps(solids, samples.where, a, b) - SLACK_M > required[samples.phase]))
+    if not len(row):
+        return {}
+    one, other = place(solids, samples.where, row, a[which]), place(solids, samples.where, row, b[which])
+    need = required[samples.phase[row], which]
+    gap = likely_gaps(one, other)
+    bad = ~(gap - SLACK_M > need)
+    row, which, gap, need, one, other = row[bad], which[bad], gap[bad], need[bad], one.rows(bad), other.rows(bad)
+    result: dict[int, Screened] = {}
+    for draft in np.unique(samples.owner[row]):
+        mine = np.flatnonzero(samples.owner[row] == draft)
+        share = len(np.unique(row[mine])) / max(1, int((samples.owner == draft).sum()))
+        order = mine[np.argsort(gap[mine], kind="stable")]
+        refusal = None
+        for i in order[:MOST_ASKED]:
+            phase = members[int(samples.phase[row[i]])][1]
+            t = float(samples.t[row[i]])
+            refusal = _ask(prover, solids, drafts[int(draft)], phase, samples, int(row[i]), t, one, other, int(i), float(need[i]))
+            if refusal is not None:
+                break
+        result[int(draft)] = Screened(refusal, share)
+    return result
+
+
+MOST_ASKED = 4
+"""Rows of one draft about which FCL is asked, deepest first; the prover asks about the others."""
+
+
+def _required(
+    prover: Prover, solids: Solids, members: list[tuple[int, Phase]], a: IntArray, b: IntArray
+) -> FloatArray:
+    """(phases, pairs) metres; -inf for pairs that may touch."""
+    scene = prover.scene
+    frames = tuple(scene.frames)
+    found = np.zeros((len(members), len(a)))
+    own = solids.carrier[b] < solids.links
+    for k, (_, phase) in enumerate(members):
+        by_frame = np.array([worst(scene, phase, name) for name in frames])
+        asked = scene.options.clearance.near_m if phase.near else scene.options.clearance.travel_m
+        found[k] = np.where(own, asked, by_frame[np.maximum(solids.carrier[b] - solids.links, 0)])
+        if phase.exempt:
+            for i in range(len(a)):
+                if pair(solids.names[solids.body[a[i]]], solids.names[solids.body[b[i]]]) in phase.exempt:
+                    found[k, i] = -np.inf
+    return found
+
+
+def _ask(
+    prover: Prover,
+    solids: Solids,
+    draft: Draft,
+    phase: Phase,
+    samples: _Samples,
+    time_row: int,
+    t: float,
+    one: Placed,
+    other: Placed,
+    i: int,
+    need: float,
+) -> Refusal | None:
+    """What FCL, and where it says free GJK, say about one row; boxes of several pieces are opened first."""
+    if need == CONTACT_GAP:
+        return None
+    first, second = int(one.unit[i]), int(other.unit[i])
+    pairs = [(x, y) for x in _opened(solids, first) for y in _opened(solids, second)]
+    row = np.full(len(pairs), time_row)
+    p = place(solids, samples.where, row, np.array([x for x, _ in pairs]))
+    q = place(solids, samples.where, row, np.array([y for _, y in pairs]))
+    gap = likely_gaps(p, q)
+    names = (solids.names[solids.body[first]], solids.names[solids.body[second]])
+    reason = Reason.SELF_COLLISION if solids.body[second] < solids.robot_bodies else Reason.BODY_COLLISION
+    step = draft.chain.step
+    for k in np.argsort(gap, kind="stable"):
+        if gap[k] - SLACK_M > need:
+            break
+        if prover.collider.touch(p, q, int(k)):
+            return Refusal("screening", reason, step, names, (t, t), float(need - gap[k]), "m", "touch")
+        distance, _ = separate(p, q, int(k))
+        if not distance - SLACK_M > need:
+            return Refusal("screening", reason, step, names, (t, t), float(need - distance), "m", "too close")
+    return None
+
+
+def _opened(solids: Solids, unit: int) -> tuple[int, ...]:
+    return solids.pieces[int(solids.body[unit])] if solids.piece[unit] == COVER else (unit,)

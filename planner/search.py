@@ -1,0 +1,194 @@
+"""The beam: explores continuations of proved chains, step by step, until a budget is spent or the first plan is found."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from planner.candidates import Option, Sampler, ahead, options
+from planner.census import Counter, refused_proof
+from planner.certificate import Prover, Rows, Unproved
+from planner.chain import Chain, Draft, Sample, draft, prepared
+from planner.legs.meeting import Meetings
+from planner.legs.state import State
+from planner.outcome import Refusal
+from planner.phases import initial_rides, yaw_offsets
+from planner.scene import Scene
+from planner.screening import FINE_STEP_S, screen
+
+BEAM = 4
+"""Chains of one length that are continued in a round."""
+KEPT = 12
+"""Chains of one length that are remembered."""
+PROVED_A_BATCH = 3
+"""Continuations proved in one batch before the others of the batch are left alone."""
+PROOFS_A_BATCH = 6
+"""Proofs begun in one batch: what passes fine screening is nearly always proved."""
+ANY_YAW = 8
+"""Yaws that are tried where a control point leaves the yaw free."""
+
+
+@dataclass(eq=False)
+class Found:
+    """What the search came to: the best whole chain, when the first was found, whether the clock ended it."""
+
+    best: Chain | None = None
+    first_s: float = float("nan")
+    cut_by_clock: bool = False
+    deepest: int = 0
+    census: Counter = field(default_factory=Counter)
+
+
+class Search:
+    """One run over one scene. `started`: the monotonic time from which the budget counts."""
+
+    def __init__(self, scene: Scene, prover: Prover, started: float, *, adaptive: bool = True) -> None:
+        self.scene, self.prover, self.adaptive = scene, prover, adaptive
+        self.started, self.deadline = started, started + scene.options.budget_s
+        self.rng = np.random.default_rng(scene.options.seed)
+        self.pool: list[list[Chain]] = [[] for _ in range(len(scene.task) + 1)]
+        self.samplers: dict[int, tuple[Chain, Sampler]] = {}
+        # the chain is kept beside its sampler: an id is unique only while its owner lives
+        self.found = Found()
+
+    def run(self) -> Found:
+        """Rounds over all lengths until something ends them."""
+        self.pool[0].append(initial(self.scene))
+        round_number = 0
+        while True:
+            explored = False
+            for depth in range(len(self.scene.task)):
+                for chain in self._beam(depth, 1 + round_number // 2):
+                    explored |= self._explore(chain)
+                    if self._over():
+                        return self.found
+            round_number += 1
+            if not explored:
+                return self.found
+
+    def _beam(self, depth: int, width: int) -> list[Chain]:
+        """The chains of this length to be continued: the earliest, and the earliest of each other mode."""
+        chains = sorted(self.pool[depth], key=lambda chain: chain.state.time)
+        seen: set[int] = set()
+        first = [chain for chain in chains if not (chain.mode in seen or seen.add(chain.mode))]  # type: ignore[func-returns-value]
+        rest = [chain for chain in chains if chain not in first]
+        return (first + rest)[: min(width, BEAM)]
+
+    def _over(self) -> bool:
+        limit = self.scene.options.max_candidates
+        if self.scene.options.stop == "first" and self.found.best is not None:
+            return True
+        if limit is not None and self.found.census.candidates >= limit:
+            return True
+        if time.perf_counter() >= self.deadline:
+            self.found.cut_by_clock = True
+            return True
+        return False
+
+    def _sampler(self, chain: Chain) -> Sampler:
+        if id(chain) not in self.samplers:
+            met: list[tuple[float, Meetings]] = []
+            for offset in self._yaws(chain):
+                meeting = prepared(self.scene, chain, offset, self._modes(chain))
+                if isinstance(meeting, Refusal):
+                    self.found.census.note(meeting)
+                    continue
+                for refusal in meeting.refusals:
+                    self.found.census.note(refusal)
+                met.append((offset, meeting))
+            ways = options(self.scene, chain, met)
+            self.samplers[id(chain)] = (chain, Sampler(self.scene, chain, ways, self.rng, self.adaptive))
+        return self.samplers[id(chain)][1]
+
+    def _yaws(self, chain: Chain) -> tuple[float, ...]:
+        found = yaw_offsets(self.scene, self.scene.task[chain.step])
+        if found is not None:
+            return found
+        return tuple(float(x) for x in 2 * np.pi * np.arange(ANY_YAW) / ANY_YAW)
+
+    def _modes(self, chain: Chain) -> tuple[int, ...]:
+        robot, elbow = self.scene.robot, self.scene.options.elbow
+        if elbow == "auto":
+            return tuple(range(len(robot.modes)))
+        if elbow == "keep":
+            return (chain.mode,)
+        return (robot.modes.index(elbow),)
+
+    def _explore(self, chain: Chain) -> bool:
+        """One batch of continuations; whether there was anything to try."""
+        sampler = self._sampler(chain)
+        batch = sampler.batch()
+        drafts: list[Draft] = []
+        for option, sample in batch:
+            if time.perf_counter() >= self.deadline:
+                break
+            made = self._draft(chain, option, sample)
+            if made is not None:
+                drafts.append(made)
+        for number, screened in enumerate(screen(self.prover, drafts) if drafts else []):
+            sampler.learn(drafts[number].sample, screened.bad)
+            if screened.refusal is not None:
+                self.found.census.add(screened.refusal)
+                drafts[number] = None  # type: ignore[call-overload]
+        free = sorted((d for d in drafts if d is not None), key=lambda d: d.end)
+        self._prove(free)
+        return bool(batch)
+
+    def _draft(self, chain: Chain, option: Option, sample: Sample) -> Draft | None:
+        self.found.census.candidates += 1
+        made = draft(self.scene, chain, option.meeting, sample, ahead(self.scene, chain, chain.state.q))
+        if isinstance(made, Refusal):
+            self.found.census.add(made)
+            return None
+        best = self.found.best
+        if best is not None and not made.end < best.state.time:
+            return None
+        return made
+
+    def _prove(self, free: list[Draft]) -> None:
+        """Proves drafts, the earliest first, and adds the chains that come of them."""
+        proved = 0
+        for number, candidate in enumerate(free):
+            if number >= PROOFS_A_BATCH or proved >= PROVED_A_BATCH or time.perf_counter() >= self.deadline:
+                return
+            fine = screen(self.prover, [candidate], FINE_STEP_S)[0]
+            if fine.refusal is not None:
+                self.found.census.add(fine.refusal)
+                continue
+            proofs: list[Rows] = []
+            for phase in candidate.phases:
+                rows = self.prover.prove(phase, candidate.trajectory)
+                if isinstance(rows, Unproved):
+                    self.found.census.add(refused_proof(rows, candidate.chain.step))
+                    break
+                proofs.append(rows)
+            else:
+                proved += 1
+                self._add(replace(candidate.after, proofs=(*candidate.chain.proofs, *proofs)))
+                if self.scene.options.stop == "first":
+                    return
+
+    def _add(self, chain: Chain) -> None:
+        if time.perf_counter() >= self.deadline:
+            # found too late: an answer that a slower machine would not have given
+            return
+        pool = self.pool[chain.step]
+        pool.append(chain)
+        pool.sort(key=lambda each: each.state.time)
+        del pool[KEPT:]
+        self.found.deepest = max(self.found.deepest, chain.step)
+        if chain.step == len(self.scene.task):
+            best = self.found.best
+            if best is None:
+                self.found.first_s = time.perf_counter() - self.started
+            if best is None or chain.state.time < best.state.time:
+                self.found.best = chain
+
+
+def initial(scene: Scene) -> Chain:
+    """The chain of no steps."""
+    start = scene.start
+    mode = int(scene.robot.mode_of(start.q))
+    return Chain(0, State(start.time, start.q, start.qd, start.qdd), mode, None, initial_rides(scene))

@@ -1,0 +1,16 @@
+"""When joints are where: profiles of constant jerk, the door to the solver that makes them, and lower bounds."""
+
+from planner.timing.bounds import least_duration, rest_to_rest_time
+from planner.timing.combine import combine, to_trajectory
+from planner.timing.profile import Profile
+from planner.timing.solver import TimingRefusal, time_joints
+
+__all__ = [
+    "Profile",
+    "TimingRefusal",
+    "combine",
+    "least_duration",
+    "rest_to_rest_time",
+    "time_joints",
+    "to_trajectory",
+]

@@ -1,0 +1,248 @@
+"""The door to Ruckig: time-optimal jerk-limited motion from state to state. No other module imports it.
+
+What its traps are and how they are met (numbers of the hazards' list):
+
+R1  Intermediate positions are sent to a cloud service over plain HTTP: never set.
+R2  Errors of 6 to 11 % in millimetres, none in SI: SI only.
+R3  Residual velocities of 1e-14 fail its root finding: below `RESIDUAL` the solver is given zero; failures are values.
+R4  Two result codes are missing from its enum and come as ValueError: caught like its own error.
+R5  A NaN or negative minimum duration is ignored, a too short one replaced: checked before and after.
+R6  A state outside the limits is accepted: refused before.
+R7  Motions of any length are answered: refused beyond `LONGEST`.
+R8  Vectors of the wrong length read foreign memory: lengths checked here.
+R9  Positions overshoot when ends move, and there are no position limits: for the caller to check, on extrema.
+R10 Infinite limits switch to another family of profiles: finite limits only.
+R12 It holds the GIL: processes, never threads; the objects below are reused and every field set at every call.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import ruckig
+
+from planner.arrays import FloatArray
+from planner.errors import InputError
+from planner.timing.ends import SCALE, ended, states_of
+from planner.timing.profile import Profile
+from planner.timing.straight import straight
+
+JERK_RESERVE = 0.03
+"""Fraction of the jerk limit that the solver does not get: merged switches and rounding need it (see `profile`)."""
+RATE_RESERVE = 1e-3
+"""Fraction of the velocity and acceleration limits that the solver does not get, likewise."""
+LIMIT_TOLERANCE = 1e-9
+"""Relative. States up to this beyond a limit count as at the limit: the tolerance of the trajectory's own check."""
+RESIDUAL = 1e-9
+"""rad/s, m/s, rad/s², m/s². Slower than this counts as at rest for the solver; the end states stay as asked."""
+LONGEST = 600.0
+"""s. No motion of a cell's robot takes ten minutes; beyond 7600 s the solver answers nonsense."""
+DURATION_TOLERANCE = 1e-11
+"""s. A duration is met when the solver keeps it to this: a hundred times its rounding, and 1e-7 rad/s² of end state."""
+END_TOLERANCE = np.array([1e-7, 1e-7, 1e-6])
+"""Position, velocity, acceleration (rad or m, s). The solver ends within 1e-8 of its target; more is a profile that
+cannot be trusted."""
+BRIEF = 0.05
+"""s. Shorter motions from rest to rest go straight if that takes no longer: as short as that the solver's switches, each
+joint having its own, crowd within microseconds once in a thousand times, and knots cannot follow them."""
+RETRIES = (1.0, 0.99, 0.95)
+"""Factors on the solver's jerk limit, tried in turn when its root finding fails on a legal problem."""
+
+Reason = Literal["limits", "too short", "blocked", "too long", "no profile", "unsound"]
+
+
+@dataclass(frozen=True, slots=True)
+class TimingRefusal:
+    """Why there is no motion as asked.
+
+    limits      a given state is, or will inevitably come, beyond a limit; `excess` relative to it
+    too short   the earliest motion takes `excess` seconds longer than asked
+    blocked     shorter motions exist, but the next possible duration is `excess` seconds above the one asked
+    too long    it takes more than `LONGEST`; `excess` in seconds
+    no profile  the solver found none for a legal problem; `excess` is NaN
+    unsound     its profile does not end where it should; `excess` is how far
+    """
+
+    reason: Reason
+    excess: float
+    detail: str
+
+
+@dataclass(slots=True)
+class _Desk:
+    """The solver's objects for n joints. Every field of `given` is set at every call, `found` is copied from."""
+
+    solver: Any
+    given: Any
+    found: Any
+
+
+_desks: dict[int, _Desk] = {}
+
+
+def _desk(n: int) -> _Desk:
+    if n not in _desks:
+        _desks[n] = _Desk(ruckig.Ruckig(n), ruckig.InputParameter(n), ruckig.Trajectory(n))
+    return _desks[n]
+
+
+NAMES = ("q0", "v0", "a0", "q1", "v1", "a1", "velocity", "acceleration", "jerk")
+
+
+def time_joints(
+    q0: FloatArray,
+    v0: FloatArray,
+    a0: FloatArray,
+    q1: FloatArray,
+    v1: FloatArray,
+    a1: FloatArray,
+    velocity: FloatArray,
+    acceleration: FloatArray,
+    jerk: FloatArray,
+    duration: float | None = None,
+) -> Profile | TimingRefusal:
+    """The fastest motion from state 0 to state 1 in which all joints arrive together, or the one of `duration`.
+
+    The limits are the robot's own: the solver is given `JERK_RESERVE` and `RATE_RESERVE` less, so that the spline
+    through the knots keeps them, but never less than what the two states need.
+
+    Arguments: positions, velocities, accelerations of n joints, each (n,), rad or m, and symmetric limits (n,);
+    `duration` in s or None. No move at all gives a profile of duration 0. Positions may leave the box of start and
+    goal: not checked here, like every position limit.
+
+    Raises `InputError` for lengths that differ, numbers that are not finite, limits that are not positive, a negative
+    duration. Source: Berscheid and Kröger, Jerk-limited Real-time Trajectory Generation with Arbitrary Target States
+    (RSS 2021), by way of the library `ruckig`.
+    """
+    rows = _accept((q0, v0, a0, q1, v1, a1, velocity, acceleration, jerk), duration)
+    if duration is not None and not duration <= LONGEST:
+        return TimingRefusal("too long", duration - LONGEST, f"{duration} s asked, {LONGEST} s allowed")
+    lowered = _lowered(rows)
+    if isinstance(lowered, TimingRefusal):
+        return lowered
+    desk = _desk(len(rows[0]))
+    found = _solve(desk, rows, lowered, duration)
+    if isinstance(found, TimingRefusal):
+        return found
+    if duration is not None and not found <= duration + DURATION_TOLERANCE:
+        least = max(desk.found.independent_min_durations)
+        return TimingRefusal(
+            "blocked" if least <= duration else "too short",
+            found - duration,
+            f"{duration} s asked, joints alone take {least} s, together the next possible is {found} s",
+        )
+    if not found <= LONGEST:
+        return TimingRefusal("too long", found - LONGEST, f"takes {found} s, {LONGEST} s allowed")
+    if found < BRIEF and not any(map(any, (rows[1], rows[2], rows[4], rows[5]))):
+        brief = straight(np.array(rows[0]), np.array(rows[3]), *map(np.array, lowered), duration)
+        if brief is not None and brief.duration <= found * (1 + LIMIT_TOLERANCE):
+            return brief
+    return _read(desk.found.profiles[0], rows, found if duration is None else duration)
+
+
+def _accept(arguments: tuple[FloatArray, ...], duration: float | None) -> list[list[float]]:
+    """The nine vectors as lists of equal length, finite, limits positive; `InputError` otherwise."""
+    rows: list[list[float]] = []
+    for name, argument in zip(NAMES, arguments, strict=True):
+        row = np.asarray(argument, dtype=np.float64).tolist()
+        if not isinstance(row, list) or len(row) != len(rows[0] if rows else row) or not row:
+            raise InputError(f"timing.{name}", argument, f"a vector of {len(rows[0]) if rows else 'some'} numbers")
+        rows.append(row)
+    for name, row in zip(NAMES, rows, strict=True):
+        if not all(map(math.isfinite, row)):
+            raise InputError(f"timing.{name}", row, "finite numbers")
+    for name, row in zip(NAMES[6:], rows[6:], strict=True):
+        if not min(row) > 0:
+            raise InputError(f"timing.{name}", row, "positive limits")
+    if duration is not None and not (math.isfinite(duration) and duration >= 0):
+        raise InputError("timing.duration", duration, "None, or a number of seconds from 0")
+    return rows
+
+
+def _lowered(rows: list[list[float]]) -> tuple[list[float], list[float], list[float]] | TimingRefusal:
+    """Velocity, acceleration and jerk limits for the solver: lowered, but never below what the end states need.
+
+    A state with acceleration a comes to the velocity v ± a|a|/(2j) whatever one does (equation P2: + after the start,
+    − before the goal). A state that needs the whole jerk limit for that gets it.
+    """
+    _, v0, a0, _, v1, a1, velocity, acceleration, jerk = rows
+    out: tuple[list[float], list[float], list[float]] = ([], [], [])
+    for i, (v, a, j) in enumerate(zip(velocity, acceleration, jerk, strict=True)):
+        need_a = max(abs(a0[i]), abs(a1[i]))
+        if not need_a <= a * (1 + LIMIT_TOLERANCE):
+            return TimingRefusal("limits", need_a / a - 1, f"joint {i}: acceleration {need_a}, limit {a}")
+        for lowered_j in (j * (1 - JERK_RESERVE), j):
+            after = v0[i] + a0[i] * abs(a0[i]) / (2 * lowered_j)
+            before = v1[i] - a1[i] * abs(a1[i]) / (2 * lowered_j)
+            need_v = max(abs(v0[i]), abs(v1[i]), abs(after), abs(before))
+            if need_v <= v * (1 + LIMIT_TOLERANCE):
+                break
+        else:
+            return TimingRefusal("limits", need_v / v - 1, f"joint {i}: velocity comes to {need_v}, limit {v}")
+        # The solver compares without tolerance: a few roundings more than is needed.
+        out[0].append(max(v * (1 - RATE_RESERVE), need_v * (1 + 1e-14)))
+        out[1].append(max(a * (1 - RATE_RESERVE), need_a * (1 + 1e-14)))
+        out[2].append(lowered_j)
+    return out
+
+
+def _solve(
+    desk: _Desk,
+    rows: list[list[float]],
+    lowered: tuple[list[float], list[float], list[float]],
+    duration: float | None,
+) -> float | TimingRefusal:
+    """Ask the solver; its duration. `desk.found` then holds the profile."""
+    given = desk.given
+    given.current_position, given.target_position = rows[0], rows[3]
+    given.current_velocity, given.current_acceleration = _still(rows[1]), _still(rows[2])
+    given.target_velocity, given.target_acceleration = _still(rows[4]), _still(rows[5])
+    given.max_velocity, given.max_acceleration = lowered[0], lowered[1]
+    given.minimum_duration = duration
+    failure = ""
+    for factor in RETRIES:
+        given.max_jerk = [j * factor for j in lowered[2]]
+        try:
+            desk.solver.validate_input(given, True, True)
+            result = desk.solver.calculate(given, desk.found)
+        except (ruckig.RuckigError, ValueError) as error:
+            failure = str(error).strip()
+            continue
+        if result in (ruckig.Result.Working, ruckig.Result.Finished):
+            found = float(desk.found.duration)
+            if math.isfinite(found) and found >= 0:
+                return found
+        failure = f"{result}"
+    return TimingRefusal("no profile", math.nan, failure.splitlines()[0] if failure else "")
+
+
+def _still(row: list[float]) -> list[float]:
+    return [x if abs(x) >= RESIDUAL else 0.0 for x in row]
+
+
+def _read(joints: Sequence[Any], rows: list[list[float]], duration: float) -> Profile | TimingRefusal:
+    """The solver's phases, brake phases included, with exact ends."""
+    braked = any(joint.brake.duration > 0 for joint in joints)
+    lengths, cubics = [], []
+    for joint in joints:
+        p, v, a, j, t = joint.p, joint.v, joint.a, joint.j, joint.t
+        if braked:
+            brake = joint.brake
+            p, v, a, j, t = brake.p + p, brake.v + v, brake.a + a, brake.j + j, brake.t + t
+        # The solver lets a joint that is there early go on with constant acceleration: one more phase.
+        cubics.append((p, v, a, [*j, 0.0]))
+        lengths.append(t)
+    states = np.array(rows[:6])
+    phases = np.zeros((len(joints), len(lengths[0]) + 1, 6))
+    phases[..., :4] = np.array(cubics).swapaxes(1, 2) * SCALE
+    time = np.zeros(phases.shape[:2])
+    np.cumsum(lengths, 1, out=time[:, 1:])
+    missed = np.abs(states[3:] - states_of(phases[:, -1], duration - time[:, -1])).max(1)
+    if not (missed <= END_TOLERANCE).all():
+        return TimingRefusal("unsound", float(missed.max()), f"the solver misses an end state by {missed}")
+    time, phases = ended(duration, time, phases, states)
+    return Profile(duration, time, phases, (states[0], states[1], states[2]), (states[3], states[4], states[5]))

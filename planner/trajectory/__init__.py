@@ -1,0 +1,21 @@
+"""What is executed: knots and quintic Hermite splines, their exact extremes, and whether they keep limits."""
+
+from planner.trajectory.limits import (
+    JERK_TOLERANCE,
+    LIMIT_TOLERANCE,
+    LimitCheck,
+    LimitReport,
+    check_limits,
+    keeps_limits,
+)
+from planner.trajectory.trajectory import Trajectory
+
+__all__ = [
+    "JERK_TOLERANCE",
+    "LIMIT_TOLERANCE",
+    "LimitCheck",
+    "LimitReport",
+    "Trajectory",
+    "check_limits",
+    "keeps_limits",
+]

@@ -1,0 +1,159 @@
+"""Whether a trajectory keeps the joint limits at every instant: exact extrema against limits, accept-if.
+
+Limits are arrays here, each (n,), because robots come after trajectories in the order of the modules.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.errors import InputError
+from planner.trajectory.extremum import TIGHTNESS, cut, maxima
+from planner.trajectory.trajectory import Trajectory
+
+LIMIT_TOLERANCE = 1e-9
+"""Relative; of the range for positions. Knots that lie on a limit round to 1e-16 beyond it and extrema are bounded to
+1e-13; a thousand times that is still a thousandth of the excess that anyone may find (1e-6)."""
+JERK_TOLERANCE = 1e-6
+"""Relative. A jerk is a third difference of the knots' numbers: those of a 1 µs piece round it by 1e-2 rad/s³, a
+hundredth of what anyone may find (1e-4)."""
+KINDS = ("position", "velocity", "acceleration", "jerk")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LimitCheck:
+    """One kind of limit: exact `lower` and `upper` extremes (n,), `ratio` (n,) to the limit (1 is at the limit; for
+    positions 1 is at an end of the range and 0 in its middle), whether it is kept, and else by which joint first, when.
+    """
+
+    kind: str
+    lower: FloatArray
+    upper: FloatArray
+    ratio: FloatArray
+    ok: bool
+    joint: int | None = None
+    time: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LimitReport:
+    """All four kinds."""
+
+    position: LimitCheck
+    velocity: LimitCheck
+    acceleration: LimitCheck
+    jerk: LimitCheck
+
+    @property
+    def checks(self) -> tuple[LimitCheck, LimitCheck, LimitCheck, LimitCheck]:
+        return self.position, self.velocity, self.acceleration, self.jerk
+
+    @property
+    def ok(self) -> bool:
+        return all(check.ok for check in self.checks)
+
+
+def _bands(
+    trajectory: Trajectory, lower: FloatArray, upper: FloatArray, rates: tuple[FloatArray, ...]
+) -> tuple[tuple[FloatArray, FloatArray, float], ...]:
+    """Per kind the band [low, high] (n,) and the relative tolerance."""
+    for name, limit in zip(("lower", "upper", *KINDS[1:]), (lower, upper, *rates), strict=True):
+        if np.shape(limit) != (trajectory.n,) or not np.isfinite(limit).all():
+            raise InputError(f"limits.{name}", limit, f"{trajectory.n} finite numbers")
+    if not (lower < upper).all() or not all((rate > 0).all() for rate in rates):
+        raise InputError("limits", (lower, upper, *rates), "lower below upper, and rates above zero")
+    bands = [(lower, upper, LIMIT_TOLERANCE)]
+    bands += [(-r, r, tol) for r, tol in zip(rates, (LIMIT_TOLERANCE, LIMIT_TOLERANCE, JERK_TOLERANCE), strict=True)]
+    return tuple(bands)
+
+
+def keeps_limits(
+    trajectory: Trajectory,
+    lower: FloatArray,
+    upper: FloatArray,
+    velocity: FloatArray,
+    acceleration: FloatArray,
+    jerk: FloatArray,
+) -> bool:
+    """Whether all limits are kept; what `check_limits(...).ok` says, from hulls where they suffice."""
+    for kind, (low, high, tol) in enumerate(_bands(trajectory, lower, upper, (velocity, acceleration, jerk))):
+        hull = trajectory.bernstein(kind)
+        slack = tol * (high - low) / 2
+        if (hull.max((0, 2)) <= high + slack).all() and (hull.min((0, 2)) >= low - slack).all():
+            continue
+        least, most = trajectory.extrema(kind)
+        if not ((most <= high + slack).all() and (least >= low - slack).all()):
+            return False
+    return True
+
+
+def check_limits(
+    trajectory: Trajectory,
+    lower: FloatArray,
+    upper: FloatArray,
+    velocity: FloatArray,
+    acceleration: FloatArray,
+    jerk: FloatArray,
+) -> LimitReport:
+    """Exact extremes of position, velocity, acceleration and jerk against the limits, each (n,), SI.
+
+    Accepted within `LIMIT_TOLERANCE` and `JERK_TOLERANCE`, nothing else. Raises `InputError` for limits that are not
+    n finite numbers, lower below upper, rates positive.
+    """
+    checks = []
+    for kind, (low, high, tol) in enumerate(_bands(trajectory, lower, upper, (velocity, acceleration, jerk))):
+        least, most = trajectory.extrema(kind)
+        middle, half = (low + high) / 2, (high - low) / 2
+        slack = tol * half
+        ratio = np.maximum(most - middle, middle - least) / half
+        ok = bool((most <= high + slack).all() and (least >= low - slack).all())
+        where = (None, None) if ok else first_break(trajectory, kind, low - slack, high + slack)
+        checks.append(LimitCheck(KINDS[kind], least, most, ratio, ok, *where))
+    return LimitReport(*checks)
+
+
+def first_break(
+    trajectory: Trajectory, derivative: int, low: FloatArray, high: FloatArray
+) -> tuple[int | None, float | None]:
+    """The joint that leaves [low, high] (n,) first, and a time within 1e-9 of its piece's length of when it does.
+
+    (None, None) if none does. Pieces are asked in the order of time; the one that leaves is halved, left half first.
+    """
+    hull = trajectory.bernstein(derivative)
+    out = ~((hull.max(2) <= high) & (hull.min(2) >= low))
+    for k in np.flatnonzero(out.any(1)):
+        found: list[tuple[float, int]] = []
+        for joint in map(int, np.flatnonzero(out[k])):
+            for row, bound in ((hull[k, joint], high[joint]), (-hull[k, joint], -low[joint])):
+                s = _first_above(row, float(bound))
+                if s is not None:
+                    found.append((s, joint))
+        if found:
+            s, joint = min(found)
+            return joint, float(trajectory.time[k] + s * trajectory.steps[k])
+    return None, None
+
+
+def _exceeds(row: FloatArray, bound: float) -> bool:
+    """Whether a polynomial (d+1,) exceeds `bound` somewhere on [0, 1], by its rigorous maximum."""
+    taken = np.array([max(row[0], row[-1])])
+    slack = np.array([TIGHTNESS * np.abs(row).max()])
+    return not maxima(row[None], np.zeros(1, dtype=np.int64), taken, slack)[0] <= bound
+
+
+def _first_above(row: FloatArray, bound: float) -> float | None:
+    """Where on [0, 1] a polynomial (d+1,) first exceeds `bound`: bisection, asking the left half first."""
+    if not _exceeds(row, bound):
+        return None
+    begin, length = 0.0, 1.0
+    while length > 1e-9 and row[0] <= bound:
+        left, right = cut(row[None], np.array([0.5]))
+        length /= 2
+        if _exceeds(left[0], bound):
+            row = left[0]
+        else:
+            row, begin = right[0], begin + length
+    return begin

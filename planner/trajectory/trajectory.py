@@ -1,0 +1,207 @@
+"""The trajectory that is executed, drawn, certified and checked: knots (t, q, q̇, q̈) and quintic Hermite between them.
+
+It is what ROS 2's joint_trajectory_controller runs from points with positions, velocities and accelerations, so
+whatever is proved here holds for what moves. A piecewise cubic with a knot at every jump of its jerk is reproduced
+exactly. Times are strictly increasing; q, q̇ and q̈ are continuous, the jerk jumps at knots.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from planner.arrays import FloatArray, frozen
+from planner.errors import FaultError, InputError
+from planner.trajectory.extremum import span
+from planner.trajectory.hermite import hulls, powers
+from planner.trajectory.rounding import defect, moved, settled
+
+MEETING_TIME = 1e-9
+"""s. Trajectories that are joined end and begin at the same time up to this; 1 ns is below any controller's clock."""
+MEETING_POSITION = 1e-9
+"""rad or m. ... in the same place: rounding of inverse kinematics, a thousandth of a servo's resolution."""
+MEETING_VELOCITY = 1e-8
+"""rad/s or m/s. ... with the same velocity."""
+MEETING_ACCELERATION = 1e-6
+"""rad/s² or m/s². ... with the same acceleration."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Joint motion over [start, end]: `time` (K,) s, `q, qd, qdd` (K, n) rad or m and their derivatives.
+
+    Raises `InputError` naming the field for fewer than two knots, shapes that differ, values that are not finite and
+    times that do not increase.
+    """
+
+    time: FloatArray
+    q: FloatArray
+    qd: FloatArray
+    qdd: FloatArray
+
+    def __post_init__(self) -> None:
+        time = frozen(self.time, (None,), "trajectory.time")
+        if len(time) < 2:
+            raise InputError("trajectory.time", len(time), "at least two knots")
+        if not (time[1:] > time[:-1]).all():
+            raise InputError("trajectory.time", int(np.argmin(time[1:] > time[:-1])) + 1, "strictly increasing times")
+        object.__setattr__(self, "time", time)
+        width = None
+        for name in ("q", "qd", "qdd"):
+            states = frozen(getattr(self, name), (len(time), width), f"trajectory.{name}")
+            width = states.shape[1]
+            object.__setattr__(self, name, states)
+        if not width:
+            raise InputError("trajectory.q", self.q.shape, "at least one joint")
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return int(self.q.shape[1])
+
+    @property
+    def start(self) -> float:
+        return float(self.time[0])
+
+    @property
+    def end(self) -> float:
+        return float(self.time[-1])
+
+    @property
+    def duration(self) -> float:
+        return self.end - self.start
+
+    @property
+    def rest_at_start(self) -> bool:
+        """Whether velocity and acceleration of the first knot are exactly zero."""
+        return not (self.qd[0].any() or self.qdd[0].any())
+
+    @property
+    def rest_at_end(self) -> bool:
+        """Whether velocity and acceleration of the last knot are exactly zero."""
+        return not (self.qd[-1].any() or self.qdd[-1].any())
+
+    @cached_property
+    def steps(self) -> FloatArray:
+        """Lengths of the pieces, (K-1,) s."""
+        return _closed(self.time[1:] - self.time[:-1])
+
+    @cached_property
+    def _hulls(self) -> tuple[FloatArray, ...]:
+        return tuple(_closed(hull) for hull in hulls(self.steps, self.q, self.qd, self.qdd))
+
+    @cached_property
+    def coefficients(self) -> FloatArray:
+        """c0..c5 of q(τ) = Σ c_i τ^i, τ = t − t_k, on every piece: (K-1, n, 6)."""
+        return _closed(powers(self.steps, self.q, self.qd, self._hulls))
+
+    @cached_property
+    def _horner(self) -> tuple[FloatArray, ...]:
+        """Coefficients of q and its three derivatives, order first: (6 - derivative, K-1, n)."""
+        out = [np.ascontiguousarray(np.moveaxis(self.coefficients, -1, 0))]
+        for degree in (5, 4, 3):
+            out.append(out[-1][1:] * np.arange(1.0, degree + 1)[:, None, None])
+        return tuple(_closed(c) for c in out)
+
+    def bernstein(self, derivative: int) -> FloatArray:
+        """Bernstein coefficients of a derivative (0 to 3) on every piece, (K-1, n, 6 - derivative): its convex hull."""
+        return self._hulls[derivative]
+
+    def piece(self, t: FloatArray) -> tuple[np.ndarray[tuple[int, ...], np.dtype[np.intp]], FloatArray]:
+        """The piece that holds each time, the right one at an inner knot, and the time since its begin."""
+        index = np.minimum(np.maximum(self.time.searchsorted(t, "right") - 1, 0), len(self.time) - 2)
+        return index, t - self.time[index]
+
+    def evaluate(self, t: FloatArray | float, derivative: int = 0) -> FloatArray:
+        """q or a derivative (0 to 3) at times `t` (...): (..., n).
+
+        At an inner knot the piece to its right counts (this matters for the jerk alone), at a knot its own numbers
+        come back. Outside [start, end], and for a time that is NaN: NaN.
+        """
+        t = np.asarray(t, dtype=np.float64)
+        index, tau = self.piece(t)
+        horner, tau = self._horner[derivative], tau[..., None]
+        value = horner[-1][index]
+        for c in horner[-2::-1]:
+            value = value * tau + c[index]
+        last = t == self.time[-1]
+        if derivative < 3 and last.any():
+            value[last] = (self.q, self.qd, self.qdd)[derivative][-1]
+        inside = (t >= self.time[0]) & (t <= self.time[-1])
+        if not inside.all():
+            value[~inside] = np.nan
+        return np.asarray(value)
+
+    def state(self, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """q, q̇, q̈ at one time, each (n,)."""
+        return self.evaluate(t), self.evaluate(t, 1), self.evaluate(t, 2)
+
+    def extrema(self, derivative: int) -> tuple[FloatArray, FloatArray]:
+        """Smallest and largest value (n,), (n,) of q or a derivative (0 to 3) over the whole trajectory.
+
+        For the polynomials as they stand, not for samples. The interval given holds every value, and is wider than
+        the true range by at most 1e-13 of the largest Bernstein coefficient, plus the rounding of the coefficients.
+        """
+        return span(self._hulls[derivative])
+
+    def shifted(self, by: float) -> Trajectory:
+        """The same motion `by` seconds later. Knots follow their rounded times, so that no piece changes its jerk."""
+        time, rest = moved(self.time, by)
+        wait = -rest[:, None]
+        q, qd = self.q + wait * self.qd, self.qd + wait * self.qdd
+        h = time[1:] - time[:-1]
+        left_over = defect(h, q, qd, self.qdd) - defect(self.steps, self.q, self.qd, self.qdd)
+        return Trajectory(time, q, *settled(h, qd, self.qdd, left_over))
+
+    def join(self, *others: Trajectory) -> Trajectory:
+        """This trajectory and then the others. Where two meet, the knot of the earlier one stays.
+
+        Raises `FaultError` where time or state at a meeting differ by more than the `MEETING_…` tolerances.
+        """
+        parts = (self, *others)
+        for number, (a, b) in enumerate(pairwise(parts)):
+            _meet(number, a, b)
+        return Trajectory(
+            *(
+                np.concatenate([getattr(self, name), *(getattr(part, name)[1:] for part in others)])
+                for name in ("time", "q", "qd", "qdd")
+            )
+        )
+
+    def clip(self, t0: float, t1: float) -> Trajectory:
+        """The motion over [t0, t1], the same polynomials: a piece of a quintic is the quintic of its ends.
+
+        Raises `FaultError` unless start <= t0 < t1 <= end.
+        """
+        if not self.start <= t0 < t1 <= self.end:
+            raise FaultError(f"cannot clip [{self.start}, {self.end}] s to [{t0}, {t1}] s")
+        inner = (self.time > t0) & (self.time < t1)
+        ends = (self.state(t0), self.state(t1))
+        knots = (
+            np.concatenate([ends[0][k][None], states[inner], ends[1][k][None]])
+            for k, states in enumerate((self.q, self.qd, self.qdd))
+        )
+        return Trajectory(np.concatenate([[t0], self.time[inner], [t1]]), *knots)
+
+
+def _closed(array: FloatArray) -> FloatArray:
+    array.flags.writeable = False
+    return array
+
+
+def _meet(number: int, a: Trajectory, b: Trajectory) -> None:
+    """Accept two trajectories that meet; raise `FaultError` otherwise."""
+    if a.n != b.n:
+        raise FaultError(f"trajectory {number} has {a.n} joints, trajectory {number + 1} has {b.n}")
+    gaps = {
+        "time": (abs(a.end - b.start), MEETING_TIME),
+        "position": (np.abs(a.q[-1] - b.q[0]).max(), MEETING_POSITION),
+        "velocity": (np.abs(a.qd[-1] - b.qd[0]).max(), MEETING_VELOCITY),
+        "acceleration": (np.abs(a.qdd[-1] - b.qdd[0]).max(), MEETING_ACCELERATION),
+    }
+    for name, (gap, allowed) in gaps.items():
+        if not gap <= allowed:
+            raise FaultError(f"trajectories {number} and {number + 1} differ in {name} by {gap:.3g} where they meet")

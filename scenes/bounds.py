@@ -1,0 +1,73 @@
+"""Every bound on the size of what may be asked, in one place.
+
+They keep a request's cost in proportion to its length; none of them is a fact about robots. The schema that
+`request_schema()` gives carries them, so a client can check before it posts.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+MAX_BODIES: Final = 1_000
+"""Bodies of the surroundings: a crowded cell has a hundred."""
+MAX_FRAMES: Final = 256
+"""Frames of the cell."""
+MAX_STEPS: Final = 64
+"""Control points of one task."""
+MAX_TOOL_BODIES: Final = 64
+"""Bodies of one tool, or of one inline robot."""
+MAX_NEIGHBOURS: Final = 8
+"""Other robots in the cell."""
+MAX_CHANGES: Final = 1_000
+"""Commanded changes of speed of one conveyor or turntable, or points of one keyframe law."""
+MAX_CONTACTS: Final = 64
+"""Bodies that one pick or place may name as touched by the part."""
+MAX_JOINTS: Final = 16
+"""Joints of an arm."""
+MAX_KNOTS: Final = 50_000
+"""Knots of a trajectory in a document."""
+MAX_ROWS: Final = 500_000
+"""Rows of a certificate in a document."""
+MAX_TEXT: Final = 4_000
+"""Characters of a text that people write (what a scenario is about)."""
+
+MAX_DEPTH: Final = 32
+"""Nesting of a document; ours have nine levels."""
+MAX_INTEGER: Final = 2**53
+"""Whole numbers beyond this are not the same in every JSON reader."""
+MAX_JSON_BYTES: Final = 16 * 2**20
+"""A document with a plan in it. The service sets a narrower limit for requests."""
+MAX_YAML_BYTES: Final = 256 * 2**10
+"""A scenario file."""
+
+MAX_FACES: Final = 200_000
+"""Triangles of a mesh."""
+MIN_FACES: Final = 4
+"""A tetrahedron; nothing smaller encloses anything."""
+MAX_MESH_BYTES: Final = 16 * 2**20
+"""A mesh file, decoded."""
+MAX_MESH_TEXT: Final = 4 * (MAX_MESH_BYTES // 3) + 4
+"""The same in base64 characters."""
+SMALLEST_MESH_M: Final = 1e-3
+"""A mesh whose largest extent is smaller than a millimetre: its unit was mistaken."""
+LARGEST_MESH_M: Final = 20.0
+"""A mesh larger than a hall: its unit was mistaken."""
+
+FAR_M: Final = 100.0
+"""Coordinates, m: further away nothing concerns a SCARA; a unit was probably mistaken."""
+TURNS_RAD: Final = 1_000.0
+"""Angles, rad."""
+FAST_M_S: Final = 100.0
+"""Speeds, m/s."""
+FAST_RAD_S: Final = 1_000.0
+"""Turning rates, rad/s."""
+STRONG: Final = 1e6
+"""Accelerations and jerks of laws and joints, SI: beyond it only rounding happens."""
+LONG_S: Final = 100_000.0
+"""Instants, s: a day and some."""
+MAX_BUDGET_S: Final = 60.0
+"""Seconds of search that one request may ask for, and the same for its explanation."""
+MAX_CANDIDATES: Final = 10_000_000
+"""Candidates that one request may ask for."""
+HEAVY_KG: Final = 1_000.0
+"""Masses, kg."""

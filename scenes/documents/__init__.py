@@ -1,0 +1,1 @@
+"""The shapes of documents: pydantic models, strict, closed, in SI once read. No meaning is looked up here."""

@@ -1,0 +1,159 @@
+"""The rules that all documents share: closed, strict, finite, no null, units in keys, one of several keys.
+
+A model declares its fields in SI (`at_m`). Its reader also takes the twin (`at_mm`), never both; converts it; and the
+model's schema shows both. Groups of keys of which exactly one, or at most one, may be given are declared as class
+variables, so that the reader and the schema agree on them.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, model_validator
+from pydantic_core import CoreSchema, PydanticCustomError
+
+from planner.shapes import LARGEST_M, SMALLEST_M
+from scenes import bounds
+from scenes.units import si_key, to_si, twin_of
+
+Group = tuple[str, ...]
+
+
+class Document(BaseModel):
+    """A mapping of fields. Frozen; every number in SI once it is read."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
+
+    exactly_one: ClassVar[tuple[Group, ...]] = ()
+    at_most_one: ClassVar[tuple[Group, ...]] = ()
+    twins: ClassVar[dict[str, tuple[str, str]]] = {}
+    open_keys: ClassVar[bool] = False
+    """Whether keys beyond the fields (joint names) are taken, their units converted alike."""
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        super().__pydantic_init_subclass__(**kwargs)
+        names = (field.alias or name for name, field in cls.model_fields.items())
+        found = ((name, twin_of(name)) for name in names)
+        cls.twins = {twin: (name, si_key(twin)[1]) for name, twin in found if twin and si_key(twin)}  # type: ignore[index]
+
+    @model_validator(mode="before")
+    @classmethod
+    def read_units(cls, data: Any) -> Any:
+        """The mapping with SI keys; refuses null, both twins, and groups that are not kept."""
+        if type(data) is not dict:
+            return data
+        result = data
+        for key, value in data.items():
+            if value is None:
+                raise _refusal("null", [key], "a value; leave the key out if there is none")
+            twin = cls.twins.get(key) or (si_key(key) if cls.open_keys and isinstance(key, str) else None)
+            if twin is not None:
+                if twin[0] in data:
+                    raise _refusal("twins", [key], f"{key} or {twin[0]}, not both")
+                if result is data:
+                    result = dict(data)
+                del result[key]
+                result[twin[0]] = to_si(value, twin[1])
+        for group in cls.exactly_one:
+            given = [key for key in group if key in result]
+            if len(given) != 1:
+                raise _refusal("one_of", given[1:], f"exactly one of {', '.join(group)}")
+        for group in cls.at_most_one:
+            given = [key for key in group if key in result]
+            if len(given) > 1:
+                raise _refusal("one_of", given[1:], f"at most one of {', '.join(group)}")
+        return result
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        schema = handler.resolve_ref_schema(handler(core_schema))
+        properties = schema.get("properties", {})
+        required = set(schema.get("required", ()))
+        rules: list[dict[str, Any]] = [{"oneOf": [_needs(key) for key in group]} for group in cls.exactly_one]
+        rules += [
+            {"not": {"required": [first, second]}}
+            for group in cls.at_most_one
+            for i, first in enumerate(group)
+            for second in group[i + 1 :]
+        ]
+        for name, field in list(properties.items()):
+            _forget_null(field)
+            twin = next((key for key, (si, _) in cls.twins.items() if si == name), None)
+            if twin is None:
+                continue
+            properties[twin] = _unbounded(field)
+            both = [{"required": [name]}, {"required": [twin]}]
+            rules.append({"oneOf": both} if name in required else {"not": {"required": [name, twin]}})
+            required.discard(name)
+        if "required" in schema:
+            schema["required"] = sorted(required)
+        if rules:
+            schema["allOf"] = rules
+        return schema
+
+
+def _needs(key: str) -> dict[str, Any]:
+    twin = twin_of(key)
+    return {"required": [key]} if twin is None else {"anyOf": [{"required": [key]}, {"required": [twin]}]}
+
+
+def _forget_null(field: dict[str, Any]) -> None:
+    """Optional fields may be left out, never null; their schema says so."""
+    options = [option for option in field.get("anyOf", ()) if option != {"type": "null"}]
+    if len(options) == 1:
+        del field["anyOf"]
+        field.update(options[0])
+    if field.get("default", 0) is None:
+        del field["default"]
+
+
+def _unbounded(field: dict[str, Any]) -> dict[str, Any]:
+    """The schema of a field without the numbers that are stated in SI."""
+    numbers = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "default")
+    copy = {key: value for key, value in field.items() if key not in numbers}
+    if isinstance(copy.get("items"), dict):
+        copy["items"] = _unbounded(copy["items"])
+    return copy
+
+
+def _refusal(kind: str, keys: list[str], allowed: str) -> PydanticCustomError:
+    # Braces in a name would be read as a template by PydanticCustomError: the text travels in the context only.
+    return PydanticCustomError(kind, "not allowed", {"keys": keys, "allowed": allowed})  # type: ignore[arg-type]
+
+
+def _number(**limits: float) -> Any:
+    return Field(**limits)  # type: ignore[arg-type]
+
+
+Coordinate = Annotated[float, Field(ge=-bounds.FAR_M, le=bounds.FAR_M)]
+Distance = Annotated[float, Field(ge=0.0, le=bounds.FAR_M)]
+Size = Annotated[float, Field(ge=SMALLEST_M, le=LARGEST_M)]
+Angle = Annotated[float, Field(ge=-bounds.TURNS_RAD, le=bounds.TURNS_RAD)]
+Speed = Annotated[float, Field(ge=-bounds.FAST_M_S, le=bounds.FAST_M_S)]
+Rate = Annotated[float, Field(ge=-bounds.FAST_RAD_S, le=bounds.FAST_RAD_S)]
+Positive = Annotated[float, Field(gt=0.0, le=bounds.STRONG)]
+Strength = Annotated[float, Field(ge=-bounds.STRONG, le=bounds.STRONG)]
+Instant = Annotated[float, Field(ge=-bounds.LONG_S, le=bounds.LONG_S)]
+Duration = Annotated[float, Field(ge=0.0, le=bounds.LONG_S)]
+Span = Annotated[float, Field(gt=0.0, le=bounds.LONG_S)]
+Mass = Annotated[float, Field(ge=0.0, le=bounds.HEAVY_KG)]
+Scale = Annotated[float, Field(gt=0.0, le=1.0)]
+
+Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
+Interval = Annotated[list[Instant], Field(min_length=2, max_length=2)]
+Stretch = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
+
+NAME = r"^[A-Za-z][A-Za-z0-9_.-]{0,63}$"
+"""Names that a document gives: frames, bodies, control points, neighbours."""
+REFERENCE = r"^[A-Za-z][A-Za-z0-9_.-]{0,63}(/[A-Za-z][A-Za-z0-9_.-]{0,63})?$"
+"""Names that a document uses: those, and a neighbour's frames and bodies, NEIGHBOUR/name."""
+Name = Annotated[str, Field(pattern=NAME)]
+Reference = Annotated[str, Field(pattern=REFERENCE)]
+
+
+class PoseDocument(Document):
+    """A pose in a parent that the context names."""
+
+    at_m: Point
+    yaw_rad: Angle = 0.0

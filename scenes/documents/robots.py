@@ -1,0 +1,143 @@
+"""The robot of a request: a model of the catalogue or an inline SCARA, tool, narrower limits, base, start."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import ConfigDict, Field
+
+from scenes import bounds
+from scenes.documents.model import (
+    Angle,
+    Coordinate,
+    Document,
+    Group,
+    Instant,
+    Mass,
+    Name,
+    Point,
+    PoseDocument,
+    Positive,
+    Scale,
+    Size,
+    Strength,
+)
+from scenes.documents.shapes import AttachedBody, LinkBody
+
+LinkName = Literal["base", "link1", "link2", "quill", "flange"]
+Pair = Annotated[list[Strength], Field(min_length=2, max_length=2)]
+
+
+class ToolDocument(Document):
+    """What is bolted to the flange. The tool point must be given; bodies and tool point in the flange's frame."""
+
+    tcp_m: Point
+    tcp_yaw_rad: Angle = 0.0
+    mass_kg: Mass = 0.0
+    bodies: Annotated[list[AttachedBody], Field(max_length=bounds.MAX_TOOL_BODIES)] = Field(default_factory=list)
+
+
+class LimitsDocument(Document):
+    """Scales in (0, 1] of the robot's own limits, and narrower ranges by the maker's joint names (`j4_rad`)."""
+
+    model_config = ConfigDict(extra="allow")
+    open_keys: ClassVar[bool] = True
+    __pydantic_extra__: dict[str, Pair]
+
+    velocity: Scale = 1.0
+    acceleration: Scale = 1.0
+    jerk: Scale = 1.0
+
+
+class JointDocument(Document):
+    """A joint of an inline robot in its maker's convention.
+
+    `sign` -1: the maker counts the other way round; `zero_m`: of the lifting joint, the height of the flange above the
+    base at the maker's zero.
+    """
+
+    exactly_one: ClassVar[tuple[Group, ...]] = (
+        ("range_rad", "range_m"),
+        ("velocity_rad_s", "velocity_m_s"),
+        ("acceleration_rad_s2", "acceleration_m_s2"),
+        ("jerk_rad_s3", "jerk_m_s3"),
+    )
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9]{0,15}$")]
+    range_rad: Pair | None = None
+    range_m: Pair | None = None
+    velocity_rad_s: Positive | None = None
+    velocity_m_s: Positive | None = None
+    acceleration_rad_s2: Positive | None = None
+    acceleration_m_s2: Positive | None = None
+    jerk_rad_s3: Annotated[float, Field(gt=0.0, le=1e9)] | None = None
+    jerk_m_s3: Annotated[float, Field(gt=0.0, le=1e9)] | None = None
+    sign: Literal[1, -1] = 1
+    zero_m: Coordinate | None = None
+
+
+class ScaraDocument(Document):
+    """An inline SCARA with three or four axes (turn, turn, lift, turn). Nothing about it is guessed."""
+
+    l1_m: Size
+    l2_m: Size
+    joints: Annotated[list[JointDocument], Field(min_length=3, max_length=4)]
+    bodies: Annotated[list[LinkBody], Field(max_length=bounds.MAX_TOOL_BODIES)]
+    self_pairs: Annotated[
+        list[Annotated[list[LinkName], Field(min_length=2, max_length=2)]], Field(max_length=bounds.MAX_TOOL_BODIES)
+    ]
+
+
+class RobotDocument(Document):
+    """A robot in the cell."""
+
+    exactly_one: ClassVar[tuple[Group, ...]] = (("model", "scara"),)
+
+    model: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")] | None = None
+    scara: ScaraDocument | None = None
+    tool: ToolDocument
+    base: PoseDocument = PoseDocument(at_m=[0.0, 0.0, 0.0])
+    limits: LimitsDocument = LimitsDocument()
+
+
+class JointValues(Document):
+    """A number for each joint, by the maker's joint name and unit: `j1_rad`, `j3_m`, `j1_rad_s`."""
+
+    model_config = ConfigDict(extra="allow")
+    open_keys: ClassVar[bool] = True
+    __pydantic_extra__: dict[str, Strength]
+
+
+class StartDocument(Document):
+    """The state from which the plan begins; at rest unless velocity (and acceleration) are given."""
+
+    at_s: Instant = 0.0
+    joints: JointValues
+    velocity: JointValues | None = None
+    acceleration: JointValues | None = None
+
+
+class TrajectoryDocument(Document):
+    """Knots in the maker's convention, rad and m, as an answer gives them: quintic Hermite between knots."""
+
+    joint_names: Annotated[list[str], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
+    joint_units: Annotated[list[Literal["rad", "m"]], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
+    time_s: Annotated[list[Instant], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
+    position: "Rows"
+    velocity: "Rows"
+    acceleration: "Rows"
+
+
+Row = Annotated[list[Strength], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
+Rows = Annotated[list[Row], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
+
+
+class NeighbourDocument(Document):
+    """Another robot in the cell, doing what its own plan says, and standing still after that plan's end."""
+
+    name: Name
+    robot: RobotDocument
+    trajectory: TrajectoryDocument
+
+
+TrajectoryDocument.model_rebuild()

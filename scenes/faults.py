@@ -1,0 +1,127 @@
+"""What is wrong with a document, said where its author wrote it: dotted path, value, and what is allowed.
+
+Whoever finds the fault (the model of the document, a constructor of the planner, a reader of text) knows the path by
+SI names; here it becomes the path with the keys as they were written (`speed_mm_s`), and the value as it was written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+from planner.errors import InputError
+from scenes.units import SI_UNITS, TWIN_UNITS, twin_of, unit_of
+
+Path = tuple[str | int, ...]
+"""Keys and indices from the root of a document."""
+
+
+class _Nothing:
+    """Stands for a value that was not given."""
+
+    def __repr__(self) -> str:
+        return "nothing"
+
+    def __reduce__(self) -> str:
+        return "NOTHING"
+
+
+NOTHING = _Nothing()
+
+
+class DocumentError(InputError):
+    """The caller's fault in a document. `line`: where in its file, if it came from one; `more`: further faults."""
+
+    def __init__(
+        self, field: str, value: object, allowed: str, line: int | None = None, more: tuple[tuple[str, str], ...] = ()
+    ) -> None:
+        super().__init__(field, value, allowed)
+        self.line = line
+        self.more = more
+        if line is not None:
+            self.args = (f"line {line}: {self.args[0]}",)
+
+    def __reduce__(self) -> tuple[type[DocumentError], tuple[object, ...]]:  # type: ignore[override]
+        return type(self), (self.field, self.value, self.allowed, self.line, self.more)
+
+
+def dotted(path: Sequence[str | int]) -> str:
+    """("task", 0, "pick") → "task[0].pick"; the root is "request"."""
+    text = ""
+    for part in path:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
+    return text or "request"
+
+
+def written_key(mapping: dict[str, object], key: str) -> str | None:
+    """The key under which `mapping` holds the quantity `key`, in whichever unit; None if it does not."""
+    if key in mapping:
+        return key
+    twin = twin_of(key)
+    return twin if twin is not None and twin in mapping else None
+
+
+def as_written(document: object, path: Sequence[str | int]) -> tuple[Path, object]:
+    """The path with the keys as written, and the value there (NOTHING where the document has none)."""
+    found: list[str | int] = []
+    for part in path:
+        if isinstance(document, dict):
+            key = written_key(document, str(part))
+            found.append(str(part) if key is None else key)
+            document = NOTHING if key is None else document[key]
+        elif isinstance(document, list) and isinstance(part, int) and 0 <= part < len(document):
+            found.append(part)
+            document = document[part]
+        else:
+            found.append(part)
+            document = NOTHING
+    return tuple(found), document
+
+
+def fault(document: object, path: Sequence[str | int], allowed: str) -> DocumentError:
+    """The error for the field at `path` of `document`."""
+    written, value = as_written(document, path)
+    return DocumentError(dotted(written), value, allowed)
+
+
+@contextmanager
+def located(document: object, *path: str | int) -> Iterator[None]:
+    """Whatever a constructor of the planner refuses inside becomes a fault of the field at `path` (or below it)."""
+    try:
+        yield
+    except DocumentError:
+        raise
+    except InputError as error:
+        inner = _follow(document, path, error.field)
+        raise fault(document, inner, error.allowed) from error
+
+
+def _follow(document: object, path: Path, field: str) -> Path:
+    """`path`, and as much of the planner's own field name (`conveyor.changes[1].time`) as the document has below it."""
+    _, here = as_written(document, path)
+    tokens = field.replace("[", ".[").split(".")
+    for token in tokens[1:] if path else tokens:
+        if token.startswith("[") and token[1:-1].isdigit():
+            index = int(token[1:-1])
+            if not (isinstance(here, list) and index < len(here)):
+                return path
+            path, here = (*path, index), here[index]
+        elif isinstance(here, dict):
+            key = _key_for(here, token)
+            if key is None:
+                return path
+            path, here = (*path, key), here[key]
+        else:
+            return path
+    return path
+
+
+def _key_for(mapping: dict[str, object], name: str) -> str | None:
+    """The key of `mapping` that holds what the planner calls `name`: without its unit, or with one."""
+    stem = {"time": "at", "start": "at"}.get(name, name)
+    for key in mapping:
+        unit = unit_of(key, TWIN_UNITS) or unit_of(key, SI_UNITS)
+        bare = key if unit is None else key[: -len(unit) - 1]
+        if bare in (name, stem):
+            return key
+    return None

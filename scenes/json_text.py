@@ -1,0 +1,110 @@
+"""JSON as our documents need it: refused is what one reader would take differently from another.
+
+NaN, Infinity and numbers that overflow (1e999), lone surrogates, keys that are given twice, whole numbers beyond 2**53,
+text that is not UTF-8, and nesting deeper than any document of ours. The field is named wherever there is one.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any, NoReturn
+
+from planner.errors import InputError
+from scenes.bounds import MAX_DEPTH, MAX_INTEGER, MAX_JSON_BYTES
+from scenes.faults import DocumentError, Path, dotted
+
+LONGEST_NUMBER = 64
+"""Characters of a number: a double needs 25."""
+
+
+class _Refused:
+    """Stands in the parsed document for what must not be in it, until its path is known."""
+
+    def __init__(self, shown: object, allowed: str) -> None:
+        self.shown, self.allowed = shown, allowed
+
+
+def parse_json(data: bytes, *, limit_bytes: int = MAX_JSON_BYTES) -> Any:
+    """The value that `data` spells, of plain dicts, lists, strings, floats, ints, bools and None.
+
+    Raises `DocumentError` with the field's path, or with the field "request" where the text as such is at fault.
+    """
+    if len(data) > limit_bytes:
+        raise InputError("request", f"{len(data)} bytes", f"up to {limit_bytes} bytes")
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError("request", f"byte {error.start} of the text", "JSON in UTF-8") from None
+    try:
+        document = json.loads(
+            text, parse_constant=_constant, parse_float=_float, parse_int=_int, object_pairs_hook=_mapping
+        )
+    except json.JSONDecodeError as error:
+        raise DocumentError("request", error.msg, "JSON", line=error.lineno) from None
+    except RecursionError:
+        raise InputError("request", "deeper nesting", f"nesting up to {MAX_DEPTH} levels") from None
+    _inspect(document)
+    return document
+
+
+def _constant(name: str) -> _Refused:
+    return _Refused(name, "a finite number")
+
+
+def _float(text: str) -> float | _Refused:
+    if len(text) > LONGEST_NUMBER:
+        return _Refused(text[:12] + "...", f"a number of up to {LONGEST_NUMBER} characters")
+    value = float(text)
+    return value if math.isfinite(value) else _Refused(text, "a finite number")
+
+
+def _int(text: str) -> int | _Refused:
+    if len(text) > LONGEST_NUMBER or abs(int(text)) > MAX_INTEGER:
+        return _Refused(text[:20], "a whole number up to 2**53")
+    return int(text)
+
+
+def _mapping(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    mapping = dict(pairs)
+    if len(mapping) < len(pairs):
+        seen: set[str] = set()
+        for key, _ in pairs:
+            if key in seen:
+                mapping[key] = _Refused(key, "each key once")
+            seen.add(key)
+    return mapping
+
+
+def _inspect(document: Any) -> None:
+    """Walks the document without recursion; the first thing that is refused is raised with its path."""
+    waiting: list[tuple[Path, Any]] = [((), document)]
+    while waiting:
+        path, value = waiting.pop()
+        kind = type(value)
+        if kind is float or kind is int or value is None or kind is bool:
+            continue
+        if kind is str:
+            _text(path, value)
+        elif len(path) >= MAX_DEPTH:
+            _refuse(path[:4], "deeper nesting", f"nesting up to {MAX_DEPTH} levels")
+        elif kind is dict:
+            for key, item in value.items():
+                _text(path, key)
+                waiting.append(((*path, key), item))
+        elif kind is list:
+            waiting.extend(((*path, i), item) for i, item in enumerate(value) if type(item) is not float)
+        else:
+            _refuse(path, value.shown, value.allowed)
+
+
+def _text(path: Path, text: str) -> None:
+    if not text.isascii():
+        try:
+            text.encode("utf-8")
+        except UnicodeEncodeError:
+            _refuse(path, ascii(text)[:40], "text without lone surrogates")
+
+
+def _refuse(path: Path, shown: object, allowed: str) -> NoReturn:
+    raise DocumentError(dotted(tuple(p if isinstance(p, int) else ascii(p)[1:-1] for p in path)), shown, allowed)

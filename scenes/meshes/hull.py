@@ -1,0 +1,104 @@
+"""Convex hulls of points: never degenerate, never with more corners than a support function can afford.
+
+A hull of ours contains all of its points to `COVER_SLACK_M`; that is checked each time, so neither a flat cluster, nor
+rounding in Qhull, nor our own simplification can uncover a surface.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
+
+from planner.arrays import FloatArray, IntArray
+from planner.errors import FaultError
+from planner.shapes import Hull
+
+THICKNESS_M = 1e-4
+"""A hull is at least this thick, m: flat clusters of triangles are grown by half of it to both sides."""
+COVER_SLACK_M = 1e-10
+"""How far a point may be outside its hull by rounding, m: a tenth of the slack that the planner takes off each gap."""
+MAX_CORNERS = 256
+"""Corners of one hull. Rounder hulls are replaced by a polytope around them."""
+MAX_PLANES = (MAX_CORNERS + 4) // 2
+"""A simple polytope of F faces has 2F - 4 corners."""
+
+
+def hull_of(points: FloatArray) -> Hull:
+    """A convex polyhedron, outward faces, that contains `points` (k, 3), m, k >= 1."""
+    thick = thickened(points)
+    corners, faces, equations = _quick(thick)
+    if len(corners) > MAX_CORNERS:
+        corners, faces, equations = _quick(_around(corners, equations))
+    if not _contains(equations, thick):
+        corners, faces, equations = _quick(_box(thick))
+        if not _contains(equations, thick):
+            raise FaultError("a box does not contain the points that it was drawn around")
+    return Hull(corners, faces)
+
+
+def volume_of_hull(points: FloatArray) -> float:
+    """Volume of the hull of points (k, 3), m³; 0 where it is flat."""
+    if len(points) < 4:
+        return 0.0
+    try:
+        return float(ConvexHull(points).volume)
+    except QhullError:
+        return 0.0
+
+
+def thickened(points: FloatArray) -> FloatArray:
+    """`points`, grown along each of their principal axes in which they extend by less than `THICKNESS_M`."""
+    middle = points.mean(0)
+    _, _, axes = np.linalg.svd(points - middle, full_matrices=True) if len(points) < 3 else _axes(points - middle)
+    for axis in axes:
+        extent = float(np.ptp(points @ axis))
+        if extent < THICKNESS_M:
+            shift = axis * (THICKNESS_M / 2)
+            points = np.concatenate([points - shift, points + shift])
+    return points
+
+
+def _axes(centred: FloatArray) -> tuple[None, None, FloatArray]:
+    """Principal axes (3, 3) as rows, from the covariance: cheap for many points."""
+    _, vectors = np.linalg.eigh(centred.T @ centred)
+    return None, None, vectors.T
+
+
+def _quick(points: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
+    """Corners (m, 3), outward triangles (f, 3), planes (f, 4) with n·x + d <= 0 inside."""
+    found = ConvexHull(points)
+    used, inverse = np.unique(found.simplices, return_inverse=True)
+    corners: FloatArray = points[used]
+    faces = inverse.reshape(-1, 3).astype(np.int64)
+    normals = np.cross(corners[faces[:, 1]] - corners[faces[:, 0]], corners[faces[:, 2]] - corners[faces[:, 0]])
+    inward = np.einsum("fi,fi->f", normals, found.equations[:, :3]) < 0
+    faces[inward] = faces[inward][:, ::-1]
+    return corners, faces, found.equations
+
+
+def _contains(equations: FloatArray, points: FloatArray) -> bool:
+    highest = max(
+        float((points[i : i + 4096] @ equations[:, :3].T + equations[:, 3]).max()) for i in range(0, len(points), 4096)
+    )
+    return highest <= COVER_SLACK_M
+
+
+def _around(corners: FloatArray, equations: FloatArray) -> FloatArray:
+    """Corners of a polytope with at most MAX_PLANES faces around the hull: supporting planes in spread directions."""
+    directions = np.concatenate([np.eye(3), -np.eye(3)])
+    candidates = np.unique(np.round(equations[:, :3], 9), axis=0)
+    candidates /= np.linalg.norm(candidates, axis=1, keepdims=True)
+    closest = (candidates @ directions.T).max(1)
+    while len(directions) < MAX_PLANES:
+        chosen = int(np.argmin(closest))
+        directions = np.concatenate([directions, candidates[chosen : chosen + 1]])
+        closest = np.maximum(closest, candidates @ candidates[chosen])
+    offsets = (corners @ directions.T).max(0)
+    planes = np.concatenate([directions, -offsets[:, None]], axis=1)
+    polytope: FloatArray = HalfspaceIntersection(planes, corners.mean(0)).intersections
+    return polytope
+
+
+def _box(points: FloatArray) -> FloatArray:
+    low, high = points.min(0) - COVER_SLACK_M, points.max(0) + COVER_SLACK_M
+    return np.array([[(low, high)[i][0], (low, high)[j][1], (low, high)[k][2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])

@@ -1,0 +1,160 @@
+"""Bytes of a mesh file into a closed surface. The only importer of trimesh, and what it must be guarded against.
+
+Traps (`trimesh` 5.2): an STL with NaN vertices comes back as a mesh with 0 faces and no error, so raw triangles are
+asked for (`process=False`) and counted; an empty file comes back as a Scene; exceptions are of any type; strings are
+taken for paths or URLs, so it only ever gets bytes, and no resolver; archives are unpacked without bound, so the format
+is one of four and must agree with the content; a GLB may declare 200 million zeros that its file does not hold, so
+counts are read and bounded before trimesh sees the file.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import struct
+from typing import Any
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.errors import InputError
+from scenes.bounds import MAX_FACES, MAX_MESH_BYTES
+from scenes.json_text import parse_json
+from scenes.meshes.surface import Surface, closed_surface
+
+UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
+"""Metres in each unit a mesh may be in."""
+MOST_ITEMS = 4 * MAX_FACES
+"""Vertices, indices and the like that one element of a file may declare."""
+MOST_NODES = 1_000
+"""Nodes of a GLB: each may show the same mesh once more."""
+
+
+def load(content: bytes, form: str, unit: str) -> Surface:
+    """The surface in an STL, OBJ, PLY or GLB file. Raises `InputError` naming mesh.data, mesh.format or mesh.unit."""
+    if unit not in UNITS_M:
+        raise InputError("mesh.unit", unit, f"one of {', '.join(UNITS_M)}")
+    if form not in CHECKS:
+        raise InputError("mesh.format", form, f"one of {', '.join(CHECKS)}")
+    if not 0 < len(content) <= MAX_MESH_BYTES:
+        raise InputError("mesh.data", f"{len(content)} bytes", f"1 to {MAX_MESH_BYTES} bytes")
+    CHECKS[form](content)
+    return closed_surface(_triangles(content, form), UNITS_M[unit])
+
+
+def _triangles(content: bytes, form: str) -> FloatArray:
+    """(f, 3, 3) in the file's unit, exactly as many triangles as trimesh found in it."""
+    import trimesh
+
+    try:
+        with np.errstate(all="ignore"):
+            loaded = trimesh.load(io.BytesIO(content), file_type=form, process=False, skip_materials=True)
+            parts = list(_parts(loaded, trimesh))
+    except InputError:
+        raise
+    except Exception as error:  # trimesh raises whatever its parsers run into (T3)
+        raise InputError("mesh.data", type(error).__name__, f"a readable {form} file") from error
+    if not parts:
+        raise InputError("mesh.data", "no triangles", f"a {form} file with triangles")
+    return np.concatenate(parts)
+
+
+def _parts(loaded: Any, trimesh: Any) -> list[FloatArray]:
+    if type(loaded) is trimesh.Trimesh:
+        return [_corners(loaded, np.eye(4))]
+    if type(loaded) is not trimesh.Scene:
+        raise InputError("mesh.data", type(loaded).__name__, "triangles")
+    found, total = [], 0
+    for node in loaded.graph.nodes_geometry:
+        matrix, name = loaded.graph[node]
+        mesh = loaded.geometry[name]
+        if type(mesh) is not trimesh.Trimesh:
+            raise InputError("mesh.data", type(mesh).__name__, "triangles only")
+        total += len(mesh.faces)
+        if total > MAX_FACES:
+            raise InputError("mesh.data", f"{total} triangles or more", f"up to {MAX_FACES} triangles")
+        found.append(_corners(mesh, np.asarray(matrix, dtype=np.float64)))
+    return found
+
+
+def _corners(mesh: Any, matrix: FloatArray) -> FloatArray:
+    vertices = np.array(mesh.vertices, dtype=np.float64).reshape(-1, 3)
+    faces = np.array(mesh.faces, dtype=np.int64).reshape(-1, 3)
+    if len(faces) and not (faces.min() >= 0 and faces.max() < len(vertices)):
+        raise InputError("mesh.data", f"index {faces.max()}", f"indices below {len(vertices)}")
+    if not np.array_equal(matrix, np.eye(4)):
+        vertices = vertices @ matrix[:3, :3].T + matrix[:3, 3]
+        if np.linalg.det(matrix[:3, :3]) < 0:  # a mirrored node turns its faces inside out
+            faces = faces[:, ::-1]
+    corners: FloatArray = vertices[faces]
+    return corners
+
+
+def _check_stl(content: bytes) -> None:
+    if len(content) >= 84:
+        (count,) = struct.unpack_from("<I", content, 80)
+        if len(content) == 84 + 50 * count:
+            _bounded(count, MAX_FACES, "triangles")
+            return
+    if content[:5].lower() == b"solid" and b"facet" in content:
+        _bounded(content.count(b"endfacet"), MAX_FACES, "triangles")
+        return
+    raise InputError("mesh.data", "neither length nor words of an STL file", "an STL file, binary or text")
+
+
+def _check_obj(content: bytes) -> None:
+    if b"\0" in content or not re.search(rb"^v\s", content, re.MULTILINE):
+        raise InputError("mesh.data", "no vertices in text", "an OBJ file")
+    _bounded(len(re.findall(rb"^f\s", content, re.MULTILINE)), MAX_FACES, "faces")
+
+
+def _check_ply(content: bytes) -> None:
+    end = content.find(b"end_header", 0, 65536)
+    if content[:4] not in (b"ply\n", b"ply\r") or end < 0:
+        raise InputError("mesh.data", "no header of a PLY file", "a PLY file")
+    for count in re.findall(rb"^element\s+\S+\s+(\S+)", content[:end], re.MULTILINE):
+        if not (count.isdigit() and len(count) <= 12):
+            raise InputError("mesh.data", "a count that is no number", "a PLY file")
+        _bounded(int(count), MOST_ITEMS, "items")
+
+
+def _check_glb(content: bytes) -> None:
+    """Header, sizes and counts of a GLB: nothing outside the file, nothing declared that it does not hold."""
+    if len(content) < 20 or content[:4] != b"glTF":
+        raise InputError("mesh.data", "no header of a GLB file", "a GLB file")
+    version, total, length, kind = struct.unpack_from("<IIII", content, 4)
+    if not (version == 2 and total == len(content) and 20 + length <= total and kind == 0x4E4F534A):
+        raise InputError("mesh.data", "a GLB header that disagrees with its file", "a GLB file, version 2")
+    try:
+        tree = parse_json(content[20 : 20 + length])
+    except InputError as error:
+        raise InputError("mesh.data", f"JSON: {error.allowed} is missing", "a GLB file") from None
+    if not isinstance(tree, dict):
+        raise InputError("mesh.data", "JSON without fields", "a GLB file")
+    if tree.get("extensionsRequired"):
+        raise InputError("mesh.data", "required extensions", "a GLB file without extensions")
+    lists = {key: tree.get(key, []) for key in ("buffers", "images", "accessors", "bufferViews", "nodes")}
+    for key, items in lists.items():
+        if not (isinstance(items, list) and all(isinstance(item, dict) for item in items)):
+            raise InputError("mesh.data", key, "a GLB file")
+    if any("uri" in item for key in ("buffers", "images") for item in lists[key]):
+        raise InputError("mesh.data", "a reference to another file", "a GLB file that holds all its data")
+    _bounded(len(lists["nodes"]), MOST_NODES, "nodes")
+    for accessor in lists["accessors"]:
+        if "sparse" in accessor or "bufferView" not in accessor:
+            raise InputError("mesh.data", "an accessor without data", "accessors with a buffer view")
+        count = accessor.get("count")
+        if not isinstance(count, int) or isinstance(count, bool):
+            raise InputError("mesh.data", "a count that is no number", "a GLB file")
+        _bounded(count, MOST_ITEMS, "items")
+        if count > len(content):
+            raise InputError("mesh.data", f"{count} items declared", "no more than the file holds")
+
+
+def _bounded(count: int, most: int, what: str) -> None:
+    if count > most:
+        raise InputError("mesh.data", f"{count} {what}", f"up to {most} {what}")
+
+
+CHECKS = {"stl": _check_stl, "obj": _check_obj, "ply": _check_ply, "glb": _check_glb}
+"""Format → what is looked at before trimesh is."""

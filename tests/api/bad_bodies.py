@@ -1,0 +1,95 @@
+"""Bodies that no reader should accept, as bytes: name, body, status, and the field that the problem must name."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from api.jobs import FIRST_PLAN
+from api.settings import PLAN_BODY_BYTES
+
+
+@dataclass(frozen=True)
+class BadBody:
+    """A body, the HTTP status that it deserves, and the end of the field's name (empty: the body as a whole)."""
+
+    name: str
+    body: bytes
+    status: int
+    field: str = ""
+
+
+def _with(text: str, value: str) -> bytes:
+    """`FIRST_PLAN` as JSON with the member `"seed": 1` in its options replaced by `text: value`."""
+    document = {**FIRST_PLAN, "options": {"seed": 1}}
+    return json.dumps(document).replace('"seed": 1', f"{text}: {value}").encode("utf-8", "surrogatepass")
+
+
+def _nested(depth: int, opening: str, closing: str) -> bytes:
+    return (opening * depth + "1" + closing * depth).encode()
+
+
+def _request(**changes: Any) -> bytes:
+    return json.dumps({**FIRST_PLAN, **changes}).encode()
+
+
+BAD_BODIES = (
+    BadBody("empty", b"", 400),
+    BadBody("only white space", b" \n\t ", 400),
+    BadBody("truncated", _request()[:-20], 400),
+    BadBody("truncated in a string", b'{"schema": "ass', 400),
+    BadBody("something after the end", _request() + b"{}", 400),
+    BadBody("a comma too many", b'{"schema": "assur/1",}', 400),
+    BadBody("single quotes", b"{'schema': 'assur/1'}", 400),
+    BadBody("a comment", b'{"schema": "assur/1" /* so */}', 400),
+    BadBody("a form", b"scenario=demo", 400),
+    BadBody("XML", b"<request/>", 400),
+    BadBody("YAML", b"schema: assur/1\n", 400),
+    BadBody("a null byte", b"\x00", 400),
+    BadBody("not UTF-8", b'{"schema": "\xff\xfe"}', 400),
+    BadBody("UTF-16", _request().decode().encode("utf-16"), 400),
+    BadBody("a byte order mark", b"\xef\xbb\xbf" + _request(), 400),
+    BadBody("overlong UTF-8", b'{"schema": "\xc0\xaf"}', 400),
+    BadBody("a control character in a string", b'{"schema": "a\x01"}', 400),
+    BadBody("NaN", _with('"seed"', "NaN"), 400, "options.seed"),
+    BadBody("Infinity", _with('"budget_s"', "Infinity"), 400, "options.budget_s"),
+    BadBody("minus Infinity", _with('"budget_s"', "-Infinity"), 400, "options.budget_s"),
+    BadBody("a number that overflows", _with('"budget_s"', "1e999"), 400, "options.budget_s"),
+    BadBody("a number that overflows below", _with('"budget_s"', "-1e999"), 400, "options.budget_s"),
+    BadBody("a whole number of 5,000 digits", _with('"seed"', "9" * 5000), 400, "options.seed"),
+    BadBody("a number of 5,000 decimals", _with('"budget_s"', "0." + "3" * 5000), 400, "options.budget_s"),
+    BadBody("a whole number beyond 2^53", _with('"seed"', str(2**53 + 1)), 400, "options.seed"),
+    BadBody("a hexadecimal number", _with('"seed"', "0x10"), 400),
+    BadBody("a leading zero", _with('"seed"', "007"), 400),
+    BadBody("a key twice", _with('"seed": 1, "seed"', "2"), 400, "options.seed"),
+    BadBody("a key twice, escaped", _with('"seed": 1, "\\u0073eed"', "2"), 400, "options.seed"),
+    BadBody("a lone surrogate", _with('"elbow"', '"\\ud800"'), 400, "options.elbow"),
+    BadBody("a lone surrogate as a key", _with('"\\udfff"', "1"), 400, "options"),
+    BadBody("2,000 arrays deep", _nested(2000, "[", "]"), 400),
+    BadBody("2,000 objects deep", _nested(2000, '{"a":', "}"), 400),
+    BadBody("100,000 arrays deep", _nested(100_000, "[", "]"), 400),
+    BadBody("100 deep inside a field", _with('"elbow"', "[" * 100 + "]" * 100), 400, "options"),
+    BadBody("unclosed and deep", b"[" * 500_000, 400),
+    BadBody("an array at the top", b"[]", 422, "body"),
+    BadBody("a number at the top", b"1", 422, "body"),
+    BadBody("a string at the top", b'"demo"', 422, "body"),
+    BadBody("null at the top", b"null", 422, "body"),
+    BadBody("an empty object", b"{}", 422, "schema"),
+    BadBody("a scenario that is not shipped", b'{"scenario": "nowhere"}', 422, "scenario"),
+    BadBody("a scenario by its path", b'{"scenario": "../cells/demo.yaml"}', 422, "scenario"),
+    BadBody("a scenario by an address", b'{"scenario": "http://127.0.0.1/demo"}', 422, "scenario"),
+    BadBody("a scenario that is a number", b'{"scenario": 1}', 422, "scenario"),
+    BadBody("a scenario that is null", b'{"scenario": null}', 422, "scenario"),
+    BadBody("a scenario with a control character", b'{"scenario": "\\u001b[31m"}', 422, "scenario"),
+    BadBody("a scenario and more", b'{"scenario": "demo", "options": {}}', 422, "options"),
+    BadBody("a whole scenario file", json.dumps({"about": "", "request": FIRST_PLAN, "expect": {}}).encode(), 422),
+    BadBody("a huge list", _request(task=[{}] * 100_000), 422, "task"),
+    BadBody("a huge list of numbers", _request(task=[0] * 300_000), 422, "task"),
+    BadBody("a huge name", _request(bodies=[{"name": "n" * 500_000}]), 422),
+    BadBody("50,000 unknown fields", _request(**{f"f{i}": i for i in range(50_000)}), 422),
+    BadBody("a budget above the service's", _request(options={"budget_s": 10.5}), 422, "options.budget_s"),
+    BadBody("an explain budget above it", _request(options={"explain_budget_s": 11}), 422, "options.explain_budget_s"),
+    BadBody("a budget in the twin unit", _request(options={"budget_ms": 10_500}), 422, "options.budget_ms"),
+    BadBody("one byte too many", _request().ljust(PLAN_BODY_BYTES + 1), 413, "body"),
+)

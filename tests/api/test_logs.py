@@ -1,0 +1,58 @@
+"""A log line is one line of JSON, whatever it is about."""
+
+from __future__ import annotations
+
+import io
+import json
+import logging
+from collections.abc import Iterator
+
+import pytest
+
+from api.logs import configure, event
+
+
+@pytest.fixture
+def log() -> Iterator[io.StringIO]:
+    root = logging.getLogger()
+    before, level = root.handlers[:], root.level
+    stream = io.StringIO()
+    configure("info", stream)
+    yield stream
+    root.handlers[:] = before
+    root.setLevel(level)
+
+
+def test_an_event_is_one_line_with_its_facts(log: io.StringIO) -> None:
+    event("worker ready", seat=2, ready=True)
+    (line,) = log.getvalue().splitlines()
+    facts = json.loads(line)
+    assert {key: facts[key] for key in ("level", "event", "seat", "ready")} == {
+        "level": "info",
+        "event": "worker ready",
+        "seat": 2,
+        "ready": True,
+    }
+
+
+def test_a_message_of_a_library_cannot_forge_a_second_line(log: io.StringIO) -> None:
+    logging.getLogger("elsewhere").warning('x\n{"event": "forged"}\r\x1b[2J' + "y" * 10_000)
+    (line,) = log.getvalue().splitlines()
+    assert len(line) < 1_000
+    assert "\x1b" not in line
+
+
+def test_of_an_exception_type_and_place_are_logged_but_not_what_it_says(log: io.StringIO) -> None:
+    try:
+        raise KeyError("the secret of a request")
+    except KeyError:
+        logging.getLogger("assur").exception("a request met a fault")
+    facts = json.loads(log.getvalue())
+    assert facts["fault"] == "KeyError"
+    assert len(facts["where"]) == 1
+    assert "secret" not in log.getvalue()
+
+
+def test_what_is_below_the_level_is_not_logged(log: io.StringIO) -> None:
+    event("request", logging.DEBUG)
+    assert log.getvalue() == ""

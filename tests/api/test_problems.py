@@ -1,0 +1,95 @@
+"""A problem says what was wrong and repeats nothing that could hurt who reads it."""
+
+from __future__ import annotations
+
+import json
+import pickle
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from api.documents import to_json
+from api.problems import NOTHING, STATUS, FieldError, Problem, printable, shown
+from planner.errors import InputError
+from scenes.faults import DocumentError
+
+
+@pytest.mark.parametrize("kind", STATUS)
+def test_every_kind_of_problem_is_told_as_rfc_9457_has_it(kind: str) -> None:
+    document = Problem(kind, "So it is.").document()
+    assert set(document) == {"type", "title", "status", "detail"}
+    assert document["type"] == f"urn:assur:problem:{kind}"
+    assert 400 <= document["status"] <= 599
+
+
+def test_a_fault_of_the_caller_becomes_a_problem_that_names_field_value_and_what_is_allowed() -> None:
+    document = Problem.of_input(InputError("task[0].move", 7, "a mapping")).document()
+    assert document["status"] == 422
+    assert document["errors"] == [{"field": "task[0].move", "value": 7, "allowed": "a mapping"}]
+    assert document["detail"] == "task[0].move: got 7; allowed: a mapping"
+
+
+def test_a_field_that_is_missing_has_no_value() -> None:
+    error = DocumentError("robot.tool", NOTHING, "a mapping", more=(("start", "a mapping"),))
+    document = Problem.of_input(error).document()
+    assert document["errors"] == [
+        {"field": "robot.tool", "allowed": "a mapping"},
+        {"field": "start", "allowed": "a mapping"},
+    ]
+    assert document["detail"] == "robot.tool: it is missing; allowed: a mapping"
+
+
+values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.binary(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner) | st.tuples(inner),
+)
+
+
+@given(field=st.text(), value=values, allowed=st.text())
+def test_whatever_a_field_held_the_problem_is_short_strict_json(field: str, value: object, allowed: str) -> None:
+    body = to_json(Problem.of_input(InputError(field, value, allowed)).document())
+    assert len(body) < 40_000
+    assert json.loads(body, parse_constant=_refuse)["status"] == 422
+    body.decode("ascii")
+
+
+def _refuse(name: str) -> None:
+    raise AssertionError(f"{name} in a problem")
+
+
+@given(text=st.text(st.characters(), max_size=400))
+def test_a_printed_text_has_no_control_character_and_no_lone_surrogate(text: str) -> None:
+    mended = printable(text)
+    assert mended.isprintable()
+    mended.encode("utf-8")
+
+
+@pytest.mark.parametrize("value", ["\x1b[31m", "a\nb", "\ud800", "\u202e", "\x00", "a" * 10_000])
+def test_what_could_hurt_a_terminal_or_a_log_is_escaped_or_cut(value: str) -> None:
+    mended = shown(value)
+    assert mended != value
+    assert mended.isprintable()
+    assert len(mended) <= 200
+
+
+@pytest.mark.parametrize(
+    "value", [float("nan"), float("inf"), -float("inf"), 2**60, [1] * 10**6, {"a": 1}, b"x", object()]
+)
+def test_what_is_not_a_short_scalar_is_told_in_words(value: object) -> None:
+    mended = shown(value)
+    assert isinstance(mended, str)
+    assert len(mended) < 60
+
+
+def test_a_problem_crosses_the_border_of_a_process_whole() -> None:
+    problem = Problem("busy", "Later.", (FieldError("a", NOTHING, "b"),), {"Retry-After": "3"})
+    again = pickle.loads(pickle.dumps(problem))
+    assert again.document() == problem.document()
+    assert again.headers == problem.headers
+
+
+@pytest.mark.parametrize("number", [float("nan"), float("inf"), -float("inf")])
+def test_a_document_of_ours_with_a_number_that_is_not_finite_never_leaves(number: float) -> None:
+    with pytest.raises(ValueError, match="JSON"):
+        to_json({"duration_s": [number]})

@@ -1,0 +1,273 @@
+"""Real worker processes with plain jobs: what happens to one happens to one request."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import time
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+import psutil
+import pytest
+
+from api.problems import Problem
+from api.seat import Seat
+from api.settings import Settings
+from api.workers import Workers
+
+SETTINGS = Settings(workers=2, queue=1, queue_wait_s=30.0, warm_s=60.0, max_tasks=1000)
+
+
+def with_workers(settings: Settings, story: Callable[[Workers], Awaitable[None]]) -> None:
+    """Tells `story` with workers that have all started, and stops them."""
+
+    async def tell() -> None:
+        workers = Workers(settings, os.getpid)
+        workers.start()
+        try:
+            await until(lambda: workers.ready)
+            await story(workers)
+        finally:
+            await workers.stop()
+
+    asyncio.run(tell())
+
+
+async def until(true: Callable[[], bool], within_s: float = 60.0) -> None:
+    """Waits for something that a process does."""
+    async with asyncio.timeout(within_s):
+        while not true():
+            await asyncio.sleep(0.02)
+
+
+async def pid_of(workers: Workers, key: str = "pid") -> int:
+    pid: int = await workers.run(os.getpid, (), key, 30.0)
+    return pid
+
+
+async def refused(work: Awaitable[Any]) -> Problem:
+    with pytest.raises(Problem) as caught:
+        await work
+    return caught.value
+
+
+def alive(pid: int) -> bool:
+    return psutil.pid_exists(pid) and psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
+
+
+def test_jobs_run_in_processes_of_their_own_at_the_same_time() -> None:
+    async def story(workers: Workers) -> None:
+        slow = asyncio.create_task(workers.run(time.sleep, (1.0,), "slow", 30.0))
+        await asyncio.sleep(0.2)
+        assert await pid_of(workers) != os.getpid()
+        assert not slow.done()
+        await slow
+
+    with_workers(SETTINGS, story)
+
+
+def test_workers_are_not_ready_before_every_one_has_planned_once() -> None:
+    async def tell() -> None:
+        workers = Workers(SETTINGS, os.getpid)
+        assert not workers.ready
+        workers.start()
+        seen = set()
+        while not workers.ready:
+            seen.add(workers.warmed)
+            await asyncio.sleep(0.005)
+        assert max(seen) < 2
+        assert workers.warmed == 2
+        await workers.stop()
+
+    asyncio.run(tell())
+
+
+def test_workers_whose_first_plan_fails_are_never_ready_and_give_no_seat() -> None:
+    async def tell() -> None:
+        workers = Workers(Settings(workers=1, queue_wait_s=2.0), os.abort)
+        workers.start()
+        problem = await refused(workers.run(os.getpid, (), "x", 1.0))
+        assert problem.kind == "not-ready"
+        assert not workers.ready
+        await workers.stop()
+
+    asyncio.run(tell())
+
+
+def test_a_killed_worker_costs_its_own_request_only_and_is_replaced() -> None:
+    async def story(workers: Workers) -> None:
+        innocent = asyncio.create_task(workers.run(time.sleep, (2.0,), "innocent", 30.0))
+        await asyncio.sleep(0.1)
+        victim = await pid_of(workers)
+        guilty = asyncio.create_task(workers.run(time.sleep, (20.0,), "guilty", 30.0))
+        await asyncio.sleep(0.3)
+        os.kill(victim, signal.SIGKILL)
+        problem = await refused(guilty)
+        assert problem.kind == "worker-crashed"
+        assert "SIGKILL" in problem.detail
+        assert not innocent.done()
+        await innocent
+        await until(lambda: workers.ready)
+        pids = {await pid_of(workers) for _ in range(4)}
+        assert victim not in pids
+
+    with_workers(SETTINGS, story)
+
+
+@pytest.mark.parametrize("number", [signal.SIGSEGV, signal.SIGABRT])
+def test_a_crash_inside_a_library_is_told_by_its_signal(number: signal.Signals) -> None:
+    async def story(workers: Workers) -> None:
+        problem = await refused(workers.run(signal.raise_signal, (number,), "crash", 30.0))
+        assert problem.kind == "worker-crashed"
+        assert number.name in problem.detail
+        assert await pid_of(workers)
+
+    with_workers(Settings(workers=1), story)
+
+
+def test_a_worker_that_ends_by_itself_without_a_word_is_a_crash_too() -> None:
+    async def story(workers: Workers) -> None:
+        problem = await refused(workers.run(os._exit, (3,), "exit", 30.0))
+        assert "exit code 3" in problem.detail
+        assert await pid_of(workers)
+
+    with_workers(Settings(workers=1), story)
+
+
+def test_a_job_that_does_not_end_is_killed_and_the_next_is_served() -> None:
+    async def story(workers: Workers) -> None:
+        stuck = await pid_of(workers)
+        problem = await refused(workers.run(time.sleep, (60.0,), "stuck", 0.5))
+        assert problem.kind == "worker-timeout"
+        assert await pid_of(workers) != stuck
+        assert not alive(stuck)
+
+    with_workers(Settings(workers=1), story)
+
+
+def test_a_job_whose_caller_has_gone_is_killed() -> None:
+    async def story(workers: Workers) -> None:
+        pid = await pid_of(workers)
+        job = asyncio.create_task(workers.run(time.sleep, (60.0,), "gone", 90.0))
+        await asyncio.sleep(0.3)
+        job.cancel()
+        await until(lambda: not alive(pid))
+        assert await pid_of(workers) != pid
+        assert not workers.full
+
+    with_workers(Settings(workers=1), story)
+
+
+def test_one_request_more_than_seats_and_queue_is_told_when_to_come_again() -> None:
+    async def story(workers: Workers) -> None:
+        accepted = [asyncio.create_task(workers.run(time.sleep, (1.5,), "a", 20.0)) for _ in range(3)]
+        await asyncio.sleep(0.1)
+        assert workers.full
+        problem = await refused(pid_of(workers))
+        assert problem.kind == "busy"
+        assert 1 <= int(problem.headers["Retry-After"]) <= 60
+        await asyncio.gather(*accepted)
+        assert not workers.full
+        assert await pid_of(workers)
+
+    with_workers(SETTINGS, story)
+
+
+def test_a_request_that_waited_too_long_for_a_worker_is_told_so() -> None:
+    async def story(workers: Workers) -> None:
+        first = asyncio.create_task(workers.run(time.sleep, (2.0,), "a", 20.0))
+        await asyncio.sleep(0.1)
+        assert (await refused(pid_of(workers))).kind == "busy"
+        await first
+        assert await pid_of(workers)
+
+    with_workers(Settings(workers=1, queue=1, queue_wait_s=0.3), story)
+
+
+def test_a_request_that_crashed_two_workers_is_not_given_a_third_and_others_are_served() -> None:
+    async def story(workers: Workers) -> None:
+        for _ in range(2):
+            crashed = await refused(workers.run(signal.raise_signal, (signal.SIGSEGV,), "bad", 30.0))
+            assert crashed.kind == "worker-crashed"
+        before = await pid_of(workers)
+        quarantined = await refused(workers.run(signal.raise_signal, (signal.SIGSEGV,), "bad", 30.0))
+        assert quarantined.kind == "quarantined"
+        assert quarantined.status == 422
+        assert await pid_of(workers) == before
+
+    with_workers(Settings(workers=1), story)
+
+
+def test_a_worker_that_dies_while_idle_is_replaced_before_anyone_asks() -> None:
+    async def story(workers: Workers) -> None:
+        pid = await pid_of(workers)
+        os.kill(pid, signal.SIGKILL)
+        await until(lambda: not workers.ready)
+        await until(lambda: workers.ready)
+        assert await pid_of(workers) not in (0, pid)
+
+    with_workers(Settings(workers=1), story)
+
+
+def test_a_request_in_the_moment_after_an_idle_worker_died_is_served() -> None:
+    async def story(workers: Workers) -> None:
+        pid = await pid_of(workers)
+        os.kill(pid, signal.SIGKILL)
+        assert await pid_of(workers) != pid
+
+    with_workers(Settings(workers=1), story)
+
+
+def test_a_worker_is_replaced_after_its_share_of_jobs() -> None:
+    async def story(workers: Workers) -> None:
+        pids = [await pid_of(workers) for _ in range(4)]
+        assert pids[0] == pids[1] != pids[2] == pids[3]
+
+    with_workers(Settings(workers=1, max_tasks=2), story)
+
+
+def test_a_worker_is_deaf_to_the_signal_that_stops_the_service() -> None:
+    async def story(workers: Workers) -> None:
+        pid = await pid_of(workers)
+        job = asyncio.create_task(workers.run(time.sleep, (1.0,), "drained", 30.0))
+        await asyncio.sleep(0.2)
+        os.kill(pid, signal.SIGTERM)
+        os.kill(pid, signal.SIGINT)
+        await job
+        assert await pid_of(workers) == pid
+
+    with_workers(Settings(workers=1), story)
+
+
+def test_a_worker_cannot_take_more_memory_than_it_was_given() -> None:
+    async def tell() -> None:
+        seat = Seat(512, os.getpid, 60.0)
+        await seat.start()
+        with pytest.raises(MemoryError):
+            await seat.run(bytearray, (1 << 30,), 30.0)
+        await seat.stop()
+
+    asyncio.run(tell())
+
+
+def test_a_large_result_and_a_large_argument_pass_through() -> None:
+    async def story(workers: Workers) -> None:
+        data = os.urandom(1 << 20) * 20
+        assert await workers.run(bytes.__add__, (data, b"x"), "large", 60.0) == data + b"x"
+
+    with_workers(Settings(workers=1), story)
+
+
+def test_when_stopped_no_process_is_left() -> None:
+    before = set(psutil.Process().children(recursive=True))
+    seen: list[int] = []
+
+    async def story(workers: Workers) -> None:
+        seen.append(await pid_of(workers))
+
+    with_workers(Settings(workers=1), story)
+    assert not alive(seen[0])
+    left = set(psutil.Process().children(recursive=True)) - before
+    assert [child.pid for child in left if "spawn_main" in " ".join(child.cmdline())] == []

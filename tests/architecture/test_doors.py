@@ -1,0 +1,176 @@
+"""One door to each native library, and through no door what is known to lie, hang or crash."""
+
+from __future__ import annotations
+
+import ast
+
+import pytest
+
+from tests.architecture.source_tree import BESIDE, PRODUCT, Source, imports, names, sources, uses
+
+DOORS = {
+    "fcl": ("planner.collision",),
+    "ruckig": ("planner.timing",),
+    "trimesh": ("scenes.meshes",),
+    "pebble": ("api",),
+    "fastapi": ("api",),
+    "pydantic": ("scenes", "api"),
+    "ruamel": ("scenes",),
+    "typer": ("api",),
+}
+"""Library → the modules (with what is below them) that may import it in the product."""
+
+NO_WORLD = frozenset(
+    {"os", "sys", "pathlib", "io", "shutil", "tempfile", "subprocess", "logging", "json", "yaml", "random"}
+    | {"socket", "http", "urllib", "requests", "httpx"}
+)
+"""What the planner may not import: it opens no file, knows no HTTP, reads no environment, and is not random."""
+
+BANNED = {
+    "fcl.distance": "over-estimates for aligned primitives",
+    "fcl.continuousCollide": "misses collisions",
+    "fcl.DistanceRequest": "signed distance aborts the process",
+    "fcl.ContinuousCollisionRequest": "misses collisions",
+    "fcl.DynamicAABBTreeCollisionManager": "stale poses, swallowed exceptions",
+    "fcl.Plane": "segfaults against some shapes",
+    "fcl.Halfspace": "segfaults against some shapes",
+    "fcl.Ellipsoid": "shallow collisions are missed",
+    "fcl.BVHModel": "hollow, and a bad index segfaults",
+    "trimesh.load": "a string is a path or an address; archives are unpacked",
+    "trimesh.load_remote": "reads an address",
+    "trimesh.collision": "keeps ghosts of objects that moved",
+    "concurrent.futures.ProcessPoolExecutor": "broken for good by one crash",
+    "yaml.load": "builds objects",
+    "pickle.loads": "builds objects",
+    "eval": "",
+    "exec": "",
+}
+"""Dotted names that no module of the product uses, and why."""
+
+BANNED_NAMES = {
+    "enable_signed_distance": "aborts or hangs the process",
+    "intermediate_positions": "sends the motion to a cloud service",
+    "per_section_max_velocity": "belongs to waypoints, which go to a cloud service",
+    "gjk_solver_type": "lands in another field of the request",
+}
+"""Names that no module of the product has, as an attribute or keyword."""
+
+
+def doors_forced(modules: tuple[Source, ...]) -> list[str]:
+    """Where a library is imported elsewhere than at its door."""
+    return [
+        f"{source.path}:{line} imports {name}"
+        for source in modules
+        for name, line in imports(source.tree)
+        if (doors := DOORS.get(name.partition(".")[0])) is not None
+        and not any(source.name == door or source.name.startswith(door + ".") for door in doors)
+    ]
+
+
+def banned_uses(modules: tuple[Source, ...]) -> list[str]:
+    """Where a banned name is used."""
+    found = []
+    for source in modules:
+        found += [f"{source.path}:{line} {name}: {BANNED[name]}" for name, line in uses(source.tree) if name in BANNED]
+        found += [
+            f"{source.path}:{node.lineno} {node.func.id}: {BANNED[node.func.id]}"
+            for node in ast.walk(source.tree)
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in BANNED
+        ]
+        found += [
+            f"{source.path}:{line} {name}: {BANNED_NAMES[name]}"
+            for name, line in names(source.tree)
+            if name in BANNED_NAMES
+        ]
+    return found
+
+
+def worldly(modules: tuple[Source, ...]) -> list[str]:
+    """Where the outside world is touched: files, environment, network, logs."""
+    found = []
+    for source in modules:
+        found += [
+            f"{source.path}:{line} imports {name}"
+            for name, line in imports(source.tree)
+            if name.partition(".")[0] in NO_WORLD
+        ]
+        found += [
+            f"{source.path}:{node.lineno} calls {node.func.id}"
+            for node in ast.walk(source.tree)
+            if isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Name)
+            and node.func.id in ("open", "print", "input")
+        ]
+    return found
+
+
+def made_up(name: str, text: str) -> tuple[Source, ...]:
+    """A module that is not there, to show the rules something that they must refuse."""
+    return (Source(name, name.replace(".", "/") + ".py", text, ast.parse(text)),)
+
+
+def test_each_native_library_has_one_door() -> None:
+    assert doors_forced(sources(*PRODUCT)) == []
+
+
+def test_nothing_that_lies_hangs_or_crashes_is_called() -> None:
+    assert banned_uses(sources(*PRODUCT, "benchmarks")) == []
+
+
+def test_the_planner_opens_no_file_knows_no_http_and_reads_no_environment() -> None:
+    assert worldly(sources("planner")) == []
+
+
+def test_the_recheck_shares_no_code_with_what_it_rechecks() -> None:
+    shared = [
+        f"{source.path}:{line} imports {name}"
+        for source in sources(*BESIDE)
+        if source.name.startswith("benchmarks.recheck") or source.name == "benchmarks.problem_set"
+        for name, line in imports(source.tree)
+        if name.partition(".")[0] in PRODUCT or name.startswith("benchmarks.run")
+    ]
+    assert shared == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "import fcl",
+        "import numpy as np, fcl",
+        "from fcl import collide",
+        "def f():\n    import fcl",
+        "import importlib\nimportlib.import_module('fcl.fcl')",
+        "from ruckig import Ruckig",
+    ],
+)
+def test_an_import_beside_the_door_is_found(text: str) -> None:
+    assert len(doors_forced(made_up("planner.candidates", text))) >= 1
+    assert len(doors_forced(made_up("planner.collisions_of_others", text))) >= 1
+
+
+def test_an_import_at_the_door_is_not_found() -> None:
+    assert doors_forced(made_up("planner.collision", "import fcl")) == []
+    assert doors_forced(made_up("planner.timing.profile", "import ruckig")) == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "import fcl\nfcl.distance(a, b)",
+        "from fcl import distance",
+        "from fcl import continuousCollide as cc",
+        "request = fcl.DistanceRequest(enable_signed_distance=True)",
+        "input.intermediate_positions = [[0.0]]",
+        "import trimesh\ntrimesh.load('x')",
+        "eval('1')",
+    ],
+)
+def test_a_banned_call_is_found_under_each_of_its_spellings(text: str) -> None:
+    assert len(banned_uses(made_up("planner.collision", text))) >= 1
+
+
+@pytest.mark.parametrize(
+    "text", ["import os", "from pathlib import Path", "open('x')", "import urllib.request", "print(1)"]
+)
+def test_a_planner_that_touches_the_world_is_found(text: str) -> None:
+    assert len(worldly(made_up("planner.legs", text))) >= 1

@@ -1,0 +1,111 @@
+"""Names, sizes and habits that a machine can hold us to."""
+
+from __future__ import annotations
+
+import ast
+import re
+import tokenize
+from io import BytesIO
+from pathlib import PurePosixPath
+
+import pytest
+
+from tests.architecture.source_tree import BESIDE, PRODUCT, ROOT, Source, sources
+
+NAMELESS = frozenset({"utils", "util", "helpers", "helper", "common", "core", "misc"})
+"""Module names that say nothing about what is inside."""
+
+MOST_LINES = 250
+"""Above this a module of the product needs a reason in LONG."""
+LONG: dict[str, str] = {}
+"""Path of a module → why one idea needs that many lines."""
+
+TEXTS = frozenset({".py", ".toml", ".md", ".yaml", ".yml", ".cfg", ".sh", ".json", ""})
+"""Suffixes of what is read as text."""
+UNFINISHED = re.compile(r"\b(TODO|FIXME|XXX|HACK)\b")
+SKIPPING = frozenset({"skip", "skipif", "xfail", "importorskip"})
+
+
+def test_no_module_has_a_name_that_says_nothing() -> None:
+    every = sources(*PRODUCT, *BESIDE)
+    assert [source.path for source in every if NAMELESS & set(source.name.split("."))] == []
+
+
+def test_no_module_grows_beyond_one_idea_without_a_reason() -> None:
+    lines = {source.path: source.text.count("\n") for source in sources(*PRODUCT, "benchmarks")}
+    assert {path: count for path, count in lines.items() if count > MOST_LINES and path not in LONG} == {}
+    assert [path for path in LONG if lines.get(path, 0) <= MOST_LINES] == []
+
+
+def test_every_module_of_the_product_says_what_it_is() -> None:
+    every = [source for source in sources(*PRODUCT, "benchmarks") if source.text.strip()]
+    assert [source.path for source in every if not ast.get_docstring(source.tree)] == []
+
+
+def unfinished(source: Source) -> list[str]:
+    """Notes to self, placeholders and swallowed errors in a module."""
+    found = []
+    for token in tokenize.tokenize(BytesIO(source.text.encode()).readline):
+        if token.type == tokenize.COMMENT and UNFINISHED.search(token.string):
+            found.append(f"{source.path}:{token.start[0]} {token.string}")
+    for node in ast.walk(source.tree):
+        if isinstance(node, ast.Raise) and "NotImplementedError" in ast.dump(node):
+            found.append(f"{source.path}:{node.lineno} NotImplementedError")
+        if isinstance(node, ast.ExceptHandler) and all(isinstance(line, ast.Pass) for line in node.body):
+            found.append(f"{source.path}:{node.lineno} an error is swallowed")
+    return found
+
+
+def test_nothing_is_left_unfinished_or_swallowed() -> None:
+    assert [finding for source in sources(*PRODUCT, "benchmarks") for finding in unfinished(source)] == []
+
+
+def skipped(source: Source) -> list[str]:
+    """Tests that do not run."""
+    return [
+        f"{source.path}:{node.lineno} {node.attr}"
+        for node in ast.walk(source.tree)
+        if isinstance(node, ast.Attribute) and node.attr in SKIPPING and "pytest" in ast.dump(node.value)
+    ]
+
+
+def test_no_test_is_skipped() -> None:
+    assert [finding for source in sources("tests") for finding in skipped(source)] == []
+
+
+def test_no_tracked_text_names_a_folder_of_somebodys_machine() -> None:
+    folders = re.compile(r"(?<![\w.])/(home|Users|root|work)/\w")
+    found = []
+    for path in ROOT.rglob("*"):
+        relative = PurePosixPath(path.relative_to(ROOT).as_posix())
+        hidden = any(part.startswith(".") and part not in (".ci", ".gitignore") for part in relative.parts)
+        if hidden or relative.suffix not in TEXTS or relative.parts[0] == "out" or not path.is_file():
+            continue
+        text = path.read_text(encoding="utf-8", errors="replace")
+        found += [f"{relative}: {match.group(0)}" for match in folders.finditer(text)]
+    assert found == []
+
+
+def made_up(text: str) -> Source:
+    """A module that is not there."""
+    return Source("planner.x", "planner/x.py", text, ast.parse(text))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x = 1  # TO" + "DO: later",
+        "def f():\n    raise NotImplementedError",
+        "def f():\n    raise NotImplementedError('x')",
+        "try:\n    f()\nexcept ValueError:\n    pass",
+    ],
+)
+def test_what_is_unfinished_is_found(text: str) -> None:
+    assert len(unfinished(made_up(text))) == 1
+
+
+@pytest.mark.parametrize(
+    "text", ["@pytest.mark.skip\ndef test_x(): ...", "pytest.skip('no')", "pytest.importorskip('x')"]
+)
+def test_what_is_skipped_is_found(text: str) -> None:
+    assert len(skipped(made_up(text))) == 1

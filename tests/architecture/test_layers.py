@@ -1,0 +1,74 @@
+"""Arrows only inwards: api → scenes → planner, and inside the planner only to the left."""
+
+from __future__ import annotations
+
+import ast
+import tomllib
+from typing import Any
+
+import pytest
+
+from tests.architecture.source_tree import PRODUCT, ROOT, Source, imports, sources
+
+CONTRACTS: list[dict[str, Any]] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"][
+    "importlinter"
+]["contracts"]
+"""The contracts that `make check` gives to import-linter; here the same order is held by plain reading of imports, so
+that `make test` alone refuses a wrong arrow, too."""
+
+PACKAGES, INSIDE = (
+    [layer.strip("()") for layer in contract["layers"]] for contract in CONTRACTS if contract["type"] == "layers"
+)
+"""Outermost first."""
+
+
+def wrong_arrows(modules: tuple[Source, ...]) -> list[str]:
+    """Imports that point outwards."""
+    return [
+        f"{source.path}:{line} imports {name}"
+        for source in modules
+        for name, line in imports(source.tree)
+        if _outwards(source.name.split("."), name.split("."))
+    ]
+
+
+def _outwards(here: list[str], there: list[str]) -> bool:
+    if there[0] not in PACKAGES:
+        return there[0] in ("tests", "benchmarks")
+    if here[0] != there[0]:
+        return PACKAGES.index(there[0]) < PACKAGES.index(here[0])
+    if here[0] != "planner" or len(here) < 2 or len(there) < 2 or here[1] == there[1]:
+        return False
+    if not {here[1], there[1]} <= set(INSIDE):
+        return False  # a module without a place is found by a test of its own
+    return INSIDE.index(there[1]) < INSIDE.index(here[1])
+
+
+def test_every_import_points_inwards() -> None:
+    assert wrong_arrows(sources(*PRODUCT)) == []
+
+
+def test_every_module_of_the_planner_has_its_place_in_the_order() -> None:
+    there = {source.name.split(".")[1] for source in sources("planner") if "." in source.name}
+    assert there - set(INSIDE) == set()
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("planner.arrays", "from planner.scene import Scene"),
+        ("planner.arrays", "import planner.scene"),
+        ("planner.arrays", "from planner import scene"),
+        ("planner.scene", "def f():\n    from planner.pipeline import plan"),
+        ("planner.scene", "from scenes.answer import answer"),
+        ("scenes.answer", "import api"),
+        ("planner.scene", "from tests import x"),
+    ],
+)
+def test_an_arrow_that_points_outwards_is_found(name: str, text: str) -> None:
+    assert len(wrong_arrows((Source(name, name, text, ast.parse(text)),))) >= 1
+
+
+def test_arrows_that_point_inwards_are_not_found() -> None:
+    for name, text in (("api.plans", "from scenes import requests"), ("planner.scene", "from planner.arrays import x")):
+        assert wrong_arrows((Source(name, name, text, ast.parse(text)),)) == []

@@ -1,0 +1,108 @@
+"""The recheck's outlines never hide a pair that fcl would call colliding, and its solids lie as the problems say."""
+
+from __future__ import annotations
+
+import fcl
+import numpy as np
+import pytest
+
+from benchmarks.recheck.arm import BODIES, placed_bodies, tool
+from benchmarks.recheck.solids import Placed, Solid, _transform, box, collisions, lying_capsule, upright_cylinder
+from benchmarks.recheck.surroundings import goal_at, placed_obstacles
+
+N = 4000
+
+
+def _anywhere(solid: Solid, rng: np.random.Generator, grid: bool) -> Placed:
+    centre = rng.uniform(-0.2, 0.2, (N, 3))
+    yaw = rng.uniform(-np.pi, np.pi, N)
+    if grid:
+        centre, yaw = np.round(centre / 0.05) * 0.05, np.round(yaw / (np.pi / 4)) * (np.pi / 4)
+    return Placed(solid, centre, yaw)
+
+
+@pytest.mark.parametrize("grid", [False, True], ids=["anywhere", "grid-aligned"])
+@pytest.mark.parametrize(
+    "other",
+    [box("o", 0.1, 0.06, 0.2), upright_cylinder("o", 0.04, 0.3), lying_capsule("o", 0.03, 0.35)],
+    ids=["box", "cylinder", "capsule"],
+)
+@pytest.mark.parametrize("body", BODIES, ids=lambda body: body.name)
+def test_pruning_by_outlines_changes_no_verdict(body: Solid, other: Solid, grid: bool) -> None:
+    rng = np.random.default_rng(11)
+    first, second = _anywhere(body, rng, grid), _anywhere(other, rng, grid)
+    every = []
+    for i in range(N):
+        a = fcl.CollisionObject(body.geometry, _transform(first, i))
+        b = fcl.CollisionObject(other.geometry, _transform(second, i))
+        if fcl.collide(a, b, fcl.CollisionRequest(), fcl.CollisionResult()):
+            every.append(i)
+    assert list(collisions(first, second)) == every
+    assert N / 40 < len(every) < N
+
+
+def test_a_pose_that_is_not_finite_is_refused_before_fcl_calls_it_free() -> None:
+    good = Placed(BODIES[0], np.zeros((1, 3)), np.zeros(1))
+    for centre, yaw in ((np.full((1, 3), np.nan), np.zeros(1)), (np.zeros((1, 3)), np.full(1, np.inf))):
+        with pytest.raises(ValueError, match="not finite"):
+            list(collisions(good, Placed(BODIES[0], centre, yaw)))
+
+
+def test_a_capsule_lies_from_its_pivot_outwards_with_its_length_between_the_centres_of_its_caps() -> None:
+    motion = {"kind": "swing", "pivot": [0.2, -0.1, 0.3], "phase": 0.5, "omega": -2.0}
+    problem = {"obstacles": [{"type": "capsule", "radius": 0.03, "length": 0.4, "motion": motion}]}
+    t = np.array([0.0, 0.7])
+    (arm,) = placed_obstacles(problem, t)
+    for i, angle in enumerate(0.5 - 2.0 * t):
+        outwards = np.array([np.cos(angle), np.sin(angle), 0.0])
+        for along, touching in ((-0.03, True), (0.43, True)):
+            for gap in (-1e-4, 1e-4):
+                away = along + np.sign(along) * (0.01 + gap)
+                ball = fcl.CollisionObject(
+                    fcl.Sphere(0.01), fcl.Transform(np.eye(3), np.array(motion["pivot"]) + away * outwards)
+                )
+                capsule = fcl.CollisionObject(arm.solid.geometry, _transform(arm, i))
+                hit = bool(fcl.collide(ball, capsule, fcl.CollisionRequest(), fcl.CollisionResult()))
+                assert hit == (touching and gap < 0)
+
+
+def test_the_arm_stretched_along_x_lies_where_the_problems_say() -> None:
+    q = np.array([[0.0, 0.0, 0.12, 0.3], [np.pi / 2, -np.pi / 2, 0.2, 0.0]])
+    first, second, quill = placed_bodies(q)
+    assert np.allclose(first.centre, [[0.1625, 0.0, 0.3], [0.0, 0.1625, 0.3]], atol=1e-15)
+    assert np.allclose(second.centre, [[0.4625, 0.0, 0.36], [0.1375, 0.325, 0.36]], atol=1e-15)
+    assert np.allclose(quill.centre, [[0.6, 0.0, 0.275], [0.275, 0.325, 0.355]], atol=1e-15)
+    assert np.allclose(first.yaw, [0.0, np.pi / 2])
+    assert np.allclose(second.yaw, [0.0, 0.0])
+    reached = tool(q, np.zeros_like(q))
+    assert np.allclose(reached.position, [[0.6, 0.0, 0.12], [0.275, 0.325, 0.2]], atol=1e-15)
+    assert np.allclose(reached.yaw, [0.3, 0.0])
+
+
+def test_the_velocity_of_the_tool_is_that_of_finite_differences() -> None:
+    rng = np.random.default_rng(3)
+    q, qd, step = rng.uniform(-2, 2, (100, 4)), rng.normal(size=(100, 4)), 1e-6
+    after, before = tool(q + step * qd, qd), tool(q - step * qd, qd)
+    now = tool(q, qd)
+    assert np.allclose((after.position - before.position) / (2 * step), now.velocity, atol=1e-8)
+    assert np.allclose((after.yaw - before.yaw) / (2 * step), now.yaw_rate, atol=1e-8)
+
+
+def test_goals_and_obstacles_without_a_velocity_stand_still() -> None:
+    problem = {
+        "goal": {"pos": [0.1, 0.2, 0.3], "yaw": 0.4},
+        "obstacles": [{"type": "cylinder", "radius": 0.1, "height": 0.2, "pos": [1.0, 2.0, 0.1], "yaw": 0.0}],
+    }
+    position, yaw, velocity = goal_at(problem, 3.0)
+    assert (position.tolist(), yaw, velocity.tolist()) == ([0.1, 0.2, 0.3], 0.4, [0.0, 0.0, 0.0])
+    (post,) = placed_obstacles(problem, np.array([0.0, 3.0]))
+    assert np.ptp(post.centre, axis=0).tolist() == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    "obstacle",
+    [{"type": "cone", "pos": [0, 0, 0], "yaw": 0}, {"type": "box", "size": [1, 1, 1], "motion": {"kind": "jump"}}],
+)
+def test_an_obstacle_of_an_unknown_kind_is_refused(obstacle: dict[str, object]) -> None:
+    with pytest.raises(ValueError, match="unknown"):
+        placed_obstacles({"obstacles": [obstacle]}, np.zeros(1))

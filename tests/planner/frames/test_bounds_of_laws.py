@@ -1,0 +1,146 @@
+"""Bounds are never below the truth, and hardly above it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planner.arrays import FloatArray
+from planner.frames import (
+    Change,
+    Conveyor,
+    Fixed,
+    Indexer,
+    Keyframes,
+    Law,
+    LawBounds,
+    Linear,
+    Pose,
+    Swing,
+    Turntable,
+)
+from tests.planner.frames.laws import Case, cases, directions, intervals, rates, samples, valid_kinds
+
+
+def table(bounds: LawBounds) -> FloatArray:
+    return np.stack([bounds.speed, bounds.acceleration, bounds.yaw_rate, bounds.yaw_acceleration])
+
+
+def bound(law: Law, start: float, end: float, n: FloatArray) -> FloatArray:
+    """(4,)"""
+    return table(law.bounds(np.array([start]), np.array([end]), n[None]))[:, 0]
+
+
+@pytest.mark.parametrize("kind", valid_kinds)
+@given(data=st.data())
+def test_a_bound_is_at_least_every_sample_and_hardly_more_than_the_greatest(kind: str, data: st.DataObject) -> None:
+    case = data.draw(cases((kind,)))
+    n = data.draw(directions())
+    start, end = data.draw(intervals(case))
+    found = bound(case.law, start, end, n)
+    within = rates(case.law.motion(samples(case, start, end)), n).max(axis=1)
+    assert (found >= within).all()
+
+    # At a jump of the acceleration the value just before belongs to the closed interval too, on either end.
+    before = np.maximum(np.nextafter([start, *(s for s in case.switches if start <= s <= end)], -9), case.window[0])
+    truth = np.maximum(within, rates(case.law.motion(before), n).max(axis=1))
+    largest = rates(case.law.motion(samples(case, *case.window)), n).max(axis=1)
+    assert (found <= truth * (1 + 1e-4) + 1e-9 * (1 + largest)).all()
+
+
+@given(st.data())
+def test_bounds_of_many_intervals_are_those_of_each(data: st.DataObject) -> None:
+    case = data.draw(cases())
+    pieces = data.draw(st.lists(intervals(case), min_size=1, max_size=12))
+    n = np.array([data.draw(directions()) for _ in pieces])
+    starts, ends = np.array(pieces).T
+    together = table(case.law.bounds(starts, ends, n))
+    alone = np.stack([bound(case.law, *piece, n[i]) for i, piece in enumerate(pieces)], axis=1)
+    # Matrix products of other sizes may round otherwise in the last place.
+    np.testing.assert_allclose(together, alone, rtol=1e-12, atol=1e-14)
+
+
+@given(st.data())
+def test_the_bound_of_an_interval_is_the_greatest_of_its_parts(data: st.DataObject) -> None:
+    case = data.draw(cases())
+    n = data.draw(directions())
+    start, end = data.draw(intervals(case))
+    cuts = np.linspace(start, end, 6)
+    whole = bound(case.law, start, end, n)
+    parts = table(case.law.bounds(cuts[:-1], cuts[1:], np.tile(n, (5, 1)))).max(axis=1)
+    np.testing.assert_allclose(parts, whole, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", valid_kinds)
+@given(data=st.data())
+def test_no_interval_at_all_has_no_bounds_at_all(kind: str, data: st.DataObject) -> None:
+    case = data.draw(cases((kind,)))
+    assert table(case.law.bounds(np.zeros(0), np.zeros(0), np.zeros((0, 3)))).shape == (4, 0)
+
+
+def test_bounds_of_constant_laws_are_exact() -> None:
+    n = np.array([0.6, 0.0, 0.8])
+    np.testing.assert_array_equal(bound(Fixed(Pose(1, 2, 3, 4)), 0, 9, n), 0)
+    np.testing.assert_allclose(bound(Linear(Pose(), (0.5, 3.0, -1.0)), 0, 9, n), [0.5, 0, 0, 0], rtol=1e-12)
+    np.testing.assert_allclose(bound(Conveyor(Pose(), -0.25), 0, 9, n), [0.15, 0, 0, 0], rtol=1e-12)
+    np.testing.assert_allclose(bound(Turntable(Pose(), -2.0, 0.5), 0, 9, n), [0.4, 0, 2, 0], rtol=1e-12)
+
+
+def test_a_vertical_normal_sees_nothing_of_a_belt() -> None:
+    belt = Conveyor(Pose(yaw=0.3), 0.5, (Change(0.0, 0.0, 2.0, 20.0),))
+    assert bound(belt, -1, 1, np.array([0.0, 0.0, 1.0]))[:2].max() <= 1e-14
+
+
+def test_the_bound_of_a_swing_is_that_of_the_interval_and_not_of_the_whole_period() -> None:
+    gate = Swing(Pose(), 0.5, 2.0)
+    w = math.pi
+    up = np.array([0.0, 0.0, 1.0])
+    # At its end of travel (t = 0.5 s) the gate stands; in the middle (t = 1 s) it is fastest and does not accelerate.
+    np.testing.assert_allclose(bound(gate, 0.4, 0.6, up)[2:], [0.5 * w * math.cos(0.4 * w), 0.5 * w**2], rtol=1e-9)
+    np.testing.assert_allclose(bound(gate, 0.9, 1.1, up)[2:], [0.5 * w, 0.5 * w**2 * math.sin(0.9 * w)], rtol=1e-9)
+
+
+def test_the_bound_of_an_index_is_the_known_peak_of_its_polynomial() -> None:
+    dial = Indexer(Pose(), 0.8, 0.5, 0.3)
+    up = np.array([0.0, 0.0, 1.0])
+    peak = [35 / 16 * 0.8 / 0.5, 84 * math.sqrt(5) / 25 * 0.8 / 0.5**2]
+    np.testing.assert_allclose(bound(dial, 0.0, 0.5, up)[2:], peak, rtol=1e-9)
+    np.testing.assert_allclose(bound(dial, 0.31, 1000.7, up)[2:], peak, rtol=1e-9)
+    assert bound(dial, 0.5, 0.8, up)[2:].max() <= 1e-9
+    assert bound(dial, 800.5, 800.8, up)[2:].max() <= 1e-9
+
+
+@given(st.floats(-9e5, 9e5), st.floats(0.0, 0.3), st.sampled_from(["turn", "swing"]))
+def test_a_bound_holds_far_from_time_zero_where_phases_round(start: float, length: float, kind: str) -> None:
+    law: Law = Indexer(Pose(), 0.8, 0.37, 0.11, start=0.3) if kind == "turn" else Swing(Pose(), 0.5, 0.7)
+    up = np.array([0.0, 0.0, 1.0])
+    t = np.array([start, start + 0.5 * length, start + length])
+    assert (bound(law, start, start + length, up) >= rates(law.motion(t), up).max(axis=1)).all()
+
+
+def test_a_jump_of_the_acceleration_counts_on_both_of_its_sides() -> None:
+    belt = Conveyor(Pose(), 0.0, (Change(1.0, 1.0, 2.0, math.inf),))
+    along = np.array([1.0, 0.0, 0.0])
+    assert belt.motion(np.array([1.0, 1.5])).a[:, 0].tolist() == [2.0, 0.0]
+    for start, end, greatest in ((0.5, 1.0, 2.0), (1.0, 1.0, 2.0), (1.5, 1.5, 2.0), (1.5, 9.0, 2.0), (1.6, 9.0, 0.0)):
+        np.testing.assert_allclose(bound(belt, start, end, along)[1], greatest, atol=1e-9)
+
+
+def test_a_speed_that_peaks_between_keyframes_is_seen() -> None:
+    law = Keyframes((0.0, 1.0), (Pose(), Pose(1.0)))
+    # One clamped piece is 3 τ² − 2 τ³: fastest in the middle, with 1.5 m/s.
+    np.testing.assert_allclose(bound(law, 0.2, 0.9, np.array([1.0, 0, 0]))[:2], [1.5, 4.8], rtol=1e-12)
+
+
+def test_the_bound_of_a_case_that_never_moves_is_zero() -> None:
+    for law in (Swing(Pose(), 0.0, 1.0), Indexer(Pose(), 0.0, 1.0, 1.0), Conveyor(Pose(), 0.0)):
+        assert not bound(law, 0.0, 5.0, np.array([1.0, 0.0, 0.0])).any()
+
+
+def test_samples_of_a_case_hold_its_ends_and_switches() -> None:
+    case = Case(Fixed(Pose()), (0.0, 2.0), (0.123, 5.0))
+    assert {0.0, 0.123, 1.0} <= set(samples(case, 0.0, 1.0).tolist())

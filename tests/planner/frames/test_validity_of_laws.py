@@ -1,0 +1,177 @@
+"""A law is known where it says and nowhere else, and cannot be made of what is not a law."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import pickle
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from planner.errors import InputError
+from planner.frames import (
+    ALWAYS,
+    Change,
+    Conveyor,
+    Fixed,
+    Indexer,
+    Keyframes,
+    Law,
+    Linear,
+    Motion,
+    Pose,
+    Swing,
+    Turntable,
+)
+from planner.frames.validity import FURTHEST_S
+
+HOME = Pose(0.1, -0.2, 0.3, 0.4)
+STOP = Change(1.0, 0.0, 2.0, 20.0)
+UP = np.array([[0.0, 0.6, 0.8]])
+
+MAKERS: dict[str, Callable[[tuple[float, float]], Law]] = {
+    "fixed": lambda valid: Fixed(HOME, valid),
+    "linear": lambda valid: Linear(HOME, (0.1, 0.2, 0.3), 0.5, valid),
+    "conveyor": lambda valid: Conveyor(HOME, 0.25, (STOP,), 0.0, valid),
+    "turntable": lambda valid: Turntable(HOME, 1.0, 0.1, (STOP,), 0.0, valid),
+    "indexer": lambda valid: Indexer(HOME, 0.5, 0.4, 0.2, "turn", 0.0, valid),
+    "travelling indexer": lambda valid: Indexer(HOME, 0.5, 0.4, 0.2, "travel", 0.0, valid),
+    "swing": lambda valid: Swing(HOME, 0.5, 1.6, 0.0, valid),
+    "keyframes": lambda valid: Keyframes((-9.0, 0.0, 9.0), (HOME, Pose(), HOME), "natural", valid),
+}
+
+
+def known(motion: Motion) -> list[bool]:
+    """Row by row; each row must be known in all fields or in none."""
+    fields = np.stack([getattr(motion, name).reshape(len(motion.yaw), -1).sum(axis=1) for name in Motion.__slots__])
+    finite = np.isfinite(fields)
+    assert (finite.all(axis=0) == finite.any(axis=0)).all()
+    return [bool(row) for row in finite.all(axis=0)]
+
+
+@pytest.mark.parametrize("kind", MAKERS)
+def test_a_motion_is_known_up_to_its_ends_and_not_one_rounding_beyond(kind: str) -> None:
+    law = MAKERS[kind]((-1.5, 2.5))
+    assert law.valid == (-1.5, 2.5)
+    t = np.array([-1.5, 2.5, 0.0, np.nextafter(-1.5, -9), np.nextafter(2.5, 9), 1e300, math.nan, -math.inf, math.inf])
+    assert known(law.motion(t)) == 3 * [True] + 6 * [False]
+    assert np.isnan(law.motion(np.array(3.0)).p).all()
+    assert np.isfinite(law.motion(np.array(2.0)).p).all()
+
+
+@pytest.mark.parametrize("kind", MAKERS)
+def test_bounds_are_infinite_unless_all_of_the_interval_is_known(kind: str) -> None:
+    law = MAKERS[kind]((-1.5, 2.5))
+    fine = [(-1.5, 2.5), (2.5, 2.5), (-1.5, -1.5)]
+    bad = [(-1.6, 0.0), (0.0, np.nextafter(2.5, 9)), (3.0, 4.0), (1.0, 0.0), (math.nan, 1.0), (0.0, math.nan)]
+    bad += [(0.0, math.inf), (-math.inf, 0.0), (math.inf, math.inf)]
+    t0, t1 = np.array(fine + bad).T
+    found = law.bounds(t0, t1, np.repeat(UP, len(t0), axis=0))
+    for name in ("speed", "acceleration", "yaw_rate", "yaw_acceleration"):
+        values = getattr(found, name)
+        assert np.isfinite(values[:3]).all()
+        assert np.isposinf(values[3:]).all()
+
+
+@pytest.mark.parametrize("kind", MAKERS)
+def test_a_law_without_an_end_is_known_as_far_as_clocks_resolve(kind: str) -> None:
+    law = MAKERS[kind](ALWAYS)
+    first, last = (-9.0, 9.0) if kind == "keyframes" else (-FURTHEST_S, FURTHEST_S)
+    assert known(law.motion(np.array([first, last]))) == [True, True]
+    beyond = np.array([np.nextafter(first, -math.inf), np.nextafter(last, math.inf)])
+    assert known(law.motion(beyond)) == [False, False]
+
+
+@pytest.mark.parametrize("kind", MAKERS)
+@pytest.mark.parametrize(
+    "valid", [(1.0, 1.0), (2.0, 1.0), (math.nan, 1.0), (0.0, math.nan), (1e7, 1e8), "no", (1.0,), None]
+)
+def test_a_validity_that_is_no_interval_is_refused(kind: str, valid: object) -> None:
+    with pytest.raises(InputError, match=r"valid"):
+        MAKERS[kind](valid)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("kind", MAKERS)
+def test_a_law_cannot_be_changed_and_survives_the_way_to_another_process(kind: str) -> None:
+    law = MAKERS[kind](ALWAYS)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        law.valid = (0.0, 1.0)  # type: ignore[misc]
+    copy = pickle.loads(pickle.dumps(law))
+    t = np.linspace(-2, 2, 7)
+    for name in Motion.__slots__:
+        np.testing.assert_array_equal(getattr(copy.motion(t), name), getattr(law.motion(t), name))
+
+
+def test_laws_of_the_same_numbers_are_equal() -> None:
+    for kind, make in MAKERS.items():
+        if kind != "keyframes":
+            assert make((0.0, 1.0)) == make((0.0, 1.0)) != make((0.0, 2.0))
+
+
+NUMBERS = (math.nan, math.inf, -math.inf, 1e7, "fast", None)
+POSITIVE = (*NUMBERS, 0.0, -1.0)
+
+REFUSED: list[tuple[str, Callable[[float], object], tuple[object, ...]]] = [
+    ("pose.x", lambda x: Pose(x=x), NUMBERS[:3]),
+    ("pose.yaw", lambda x: Pose(yaw=x), NUMBERS[:3]),
+    ("fixed.pose.y", lambda x: Fixed(Pose(y=x)), (1e7,)),
+    ("linear.pose.z", lambda x: Linear(Pose(z=x), (0, 0, 0)), (-1e7,)),
+    ("linear.velocity[1]", lambda x: Linear(HOME, (0, x, 0)), NUMBERS),
+    ("linear.at_time", lambda x: Linear(HOME, (0, 0, 0), x), NUMBERS),
+    ("conveyor.speed", lambda x: Conveyor(HOME, x), NUMBERS),
+    ("conveyor.at_time", lambda x: Conveyor(HOME, 0.1, (), x), NUMBERS),
+    ("conveyor.pose.yaw", lambda x: Conveyor(Pose(yaw=x), 0.1), (1e7,)),
+    ("turntable.pose.x", lambda x: Turntable(Pose(x), 0.1), (1e7,)),
+    ("turntable.rate", lambda x: Turntable(HOME, x), NUMBERS),
+    ("turntable.rise", lambda x: Turntable(HOME, 0.1, x), NUMBERS),
+    ("turntable.at_time", lambda x: Turntable(HOME, 0.1, 0.0, (), x), NUMBERS),
+    ("change.time", lambda x: Change(x, 0.1, 1.0, 1.0), NUMBERS),
+    ("change.speed", lambda x: Change(0.0, x, 1.0, 1.0), NUMBERS),
+    ("change.acceleration", lambda x: Change(0.0, 0.1, x, 1.0), POSITIVE),
+    ("change.jerk", lambda x: Change(0.0, 0.1, 1.0, x), (math.nan, -math.inf, 0.0, -1.0, 1e10, "fast", None)),
+    ("indexer.pose.x", lambda x: Indexer(Pose(x), 0.1, 1.0, 1.0), (1e7,)),
+    ("indexer.step", lambda x: Indexer(HOME, x, 1.0, 1.0), NUMBERS),
+    ("indexer.move_s", lambda x: Indexer(HOME, 0.1, x, 1.0), (*POSITIVE, 1e-4)),
+    ("indexer.dwell_s", lambda x: Indexer(HOME, 0.1, 1.0, x), (*NUMBERS, -1.0)),
+    ("indexer.start", lambda x: Indexer(HOME, 0.1, 1.0, 1.0, "turn", x), NUMBERS),
+    ("indexer.kind", lambda x: Indexer(HOME, 0.1, 1.0, 1.0, x), ("spin", None)),  # type: ignore[arg-type]
+    ("swing.pose.x", lambda x: Swing(Pose(x), 0.1, 1.0), (1e7,)),
+    ("swing.amplitude", lambda x: Swing(HOME, x, 1.0), NUMBERS),
+    ("swing.period", lambda x: Swing(HOME, 0.1, x), (*POSITIVE, 1e-4)),
+    ("swing.phase", lambda x: Swing(HOME, 0.1, 1.0, x), NUMBERS),
+    ("keyframes.times", lambda x: Keyframes((0.0, x), (HOME, HOME)), (math.nan, math.inf, "late")),
+    ("keyframes.times[1]", lambda x: Keyframes((0.0, x), (HOME, HOME)), (0.0, -1.0, 1e-4, 1e7)),
+    ("keyframes.poses[1].x", lambda x: Keyframes((0.0, 1.0), (HOME, Pose(x))), (1e7,)),
+    ("keyframes.ends", lambda x: Keyframes((0.0, 1.0), (HOME, HOME), x), ("loose", None)),  # type: ignore[arg-type]
+]
+
+
+@pytest.mark.parametrize(
+    ("field", "make", "value"), [(field, make, value) for field, make, values in REFUSED for value in values]
+)
+def test_a_number_that_is_not_allowed_is_refused_by_its_name(
+    field: str, make: Callable[[object], object], value: object
+) -> None:
+    with pytest.raises(InputError) as refused:
+        make(value)
+    assert refused.value.field == field
+
+
+@pytest.mark.parametrize("times", [(), (0.0,), (0.0, 1.0, 2.0), ((0.0, 1.0), (2.0, 3.0))])
+def test_keyframes_need_two_poses_and_as_many_times(times: object) -> None:
+    with pytest.raises(InputError, match=r"keyframes\.(times|poses)"):
+        Keyframes(times, (HOME, HOME)[: len(times) if len(times) < 2 else 2])  # type: ignore[arg-type]
+
+
+def test_keyframes_refuse_a_validity_that_misses_their_times() -> None:
+    with pytest.raises(InputError) as refused:
+        Keyframes((0.0, 1.0), (HOME, HOME), valid=(1.0, 2.0))
+    assert refused.value.field == "keyframes.valid"
+
+
+def test_a_velocity_of_two_numbers_is_refused() -> None:
+    with pytest.raises(InputError) as refused:
+        Linear(HOME, (0.1, 0.2))  # type: ignore[arg-type]
+    assert refused.value.field == "linear.velocity"
