@@ -82,7 +82,7 @@ def plan(
 ) -> int:
     """Plan FILE, check the plan, and say what came out."""
     given = target(file)
-    if out is not None and not out.parent.is_dir():
+    if out is not None and (out.is_dir() or not out.parent.is_dir()):
         raise InputError("--out", str(out), "a file in a folder that exists")
     with _working(f"planning {given.name}"):
         answer = requests.plan_document(given.request, folder=given.folder)

@@ -48,14 +48,24 @@ async def _unless_gone(request: Request, work: Awaitable[jobs.Answer]) -> Respon
         await asyncio.gather(working, leaving, return_exceptions=True)
 
 
+def _known(parameters: tuple[str, ...]) -> str:
+    return "a known parameter: " + ", ".join(parameters) if parameters else "no parameter at all"
+
+
 async def _gone(request: Request) -> None:
     """Returns when the client has closed the connection; its body has been read before."""
     while (await request.receive())["type"] != "http.disconnect":
         pass
 
 
-async def _body(request: Request, limit: int) -> bytes:
-    """The body, unless the queue is full already: what would be turned away need not be read."""
+async def _body(request: Request, limit: int, *parameters: str) -> bytes:
+    """The body, unless the queue is full already: what would be turned away need not be read.
+
+    Raises `Problem`, also for a parameter of the address that is not one of `parameters`.
+    """
+    for name in request.query_params:
+        if name not in parameters:
+            raise Problem.of_input(InputError(name, request.query_params[name], _known(parameters)))
     service = _service(request)
     if service.workers.full:
         raise service.workers.busy()
@@ -74,7 +84,7 @@ async def plan(
         jobs.Detail, Query(description="the whole table of the proof, or its digest and size")
     ] = "full",
 ) -> Response:
-    body = await _body(request, PLAN_BODY_BYTES)
+    body = await _body(request, PLAN_BODY_BYTES, "certificate")
     return await _unless_gone(request, _service(request).plan(body, certificate))
 
 

@@ -25,8 +25,8 @@ MUTATED = 0.35
 """Share of random samples that are mutations of the best drafts so far, once there are any."""
 ELITE = 6
 """Best drafts that are kept for mutation."""
-HOPS = ((0.5, 0.5), (1.0, 1.0), (0.25, 0.25), (0.0, 0.0))
-"""Overlaps of an arch that are tried first: half, none (corners stopped at), three quarters, full."""
+HOPS = ((0.5, 0.5), (1.0, 1.0), (0.2, 0.2))
+"""Overlaps of an arch that are tried first: half, none (corners stopped at), four fifths."""
 FAMILIES = ("arch", "1 via", "2 vias", "wait", "later")
 
 
@@ -97,8 +97,8 @@ class Sampler:
         hops = HOPS[:1] if self._is_via() else HOPS
         return [
             (option, Sample(option.yaw_offset, option.branch, Shape(hop=Hop(top, rise, fall), **paces), "arch"))
-            for option in self.options[:3]
-            for top in tops[:2]
+            for option in self.options[:2]
+            for top in tops[:1]
             for rise, fall in hops
         ]
 

@@ -16,9 +16,10 @@ from planner.legs.meeting import Branch, Meetings, meetings
 from planner.legs.state import Knots, State, Stretch
 from planner.legs.straight import straight
 from planner.outcome import Arrival, Leg, LegKind, Reason, Refusal
-from planner.phases import Carried, Phase, held, phases
+from planner.phases import Carried, Phase, held, initial_rides, phases
 from planner.scene import Move, Pick, Place, Scene
 from planner.timing import TimingRefusal, time_joints
+from planner.solids import standing
 from planner.trajectory import Trajectory
 
 
@@ -70,6 +71,10 @@ class Draft:
     def end(self) -> float:
         return float(self.knots.time[-1])
 
+    def at(self, t: FloatArray) -> FloatArray:
+        """q (T, n) at times t, the arm standing still before and after."""
+        return standing(self.trajectory, t)
+
 
 def prepared(scene: Scene, chain: Chain, yaw_offset: float, modes: tuple[int, ...]) -> Meetings | Refusal:
     """How the next control point can be met from this chain; kept with the chain."""
@@ -82,36 +87,83 @@ def prepared(scene: Scene, chain: Chain, yaw_offset: float, modes: tuple[int, ..
     return chain.prepared[key]
 
 
-def draft(scene: Scene, chain: Chain, meeting: Meetings, sample: Sample, ahead: FloatArray | None) -> Draft | Refusal:
-    """The continuation that `sample` describes, or where it failed."""
-    point, shape = meeting.point, sample.shape
-    stretches: list[Stretch] = []
-    if shape.wait > 0:
-        stretches.append(Stretch(LegKind.WAIT, Knots.standing(chain.state, chain.state.time + shape.wait), "lets bodies pass"))
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """A joint leg to the next control point, timed; only the way there is known, as a function of time."""
+
+    chain: Chain
+    meeting: Meetings
+    sample: Sample
+    reached: Reached
+    phases: tuple[Phase, ...]
+
+    @property
+    def end(self) -> float:
+        return self.reached.end
+
+    def at(self, t: FloatArray) -> FloatArray:
+        """q (T, n) at times t."""
+        return self.reached.at(t)
+
+
+def outline(
+    scene: Scene, chain: Chain, meeting: Meetings, sample: Sample, ahead: FloatArray | None
+) -> Outline | Refusal:
+    """The way to the control point that `sample` describes, or why Ruckig has none."""
+    reached = JointMotion(scene, chain.step, chain.state, sample.shape, sample.branch, ahead).meet()
+    if isinstance(reached, Refusal):
+        return reached
+    if not meeting.point.glued:
+        missed = _window_refusal(meeting.point, reached.end, chain.step)
+        if missed is not None:
+            return missed
+    start = initial_rides(scene)
+    moved = tuple((name, *ride) for name, ride in sorted(chain.rides.items()) if ride != start[name])
+    way = Phase(chain.state.time, reached.end, LegKind.MOVE, chain.step, chain.carried, moved, frozenset(), None, ())
+    return Outline(chain, meeting, sample, reached, (way,))
+
+
+def is_straight(scene: Scene, chain: Chain) -> bool:
+    """Whether the next step asks for a Cartesian leg."""
     step = scene.task[chain.step]
-    if isinstance(step, Move) and step.leg == "cartesian":
-        line = _line(scene, chain, point, shape.wait, sample.branch.mode)
-        if isinstance(line, Refusal):
-            return line
-        stretches.append(line)
-    else:
-        reached = JointMotion(scene, chain.step, chain.state, shape, sample.branch, ahead).meet()
-        if isinstance(reached, Refusal):
-            return reached
-        stretches.append(Stretch(LegKind.ARCH if shape.hop else LegKind.MOVE, reached.knots, shape.family))
-    begin = end = stretches[-1].knots.last.time
-    window = _window_refusal(point, begin, chain.step) if not point.glued else None
-    if window is not None:
-        return window
+    return isinstance(step, Move) and step.leg == "cartesian"
+
+
+def finished(scene: Scene, way: Outline) -> Draft | Refusal:
+    """The whole continuation: the way there, the glued block at the point, and rest where the task ends."""
+    shape = way.sample.shape
+    return _continued(
+        scene,
+        way.chain,
+        way.meeting.point,
+        way.sample,
+        Stretch(LegKind.ARCH if shape.hop else LegKind.MOVE, way.reached.knots(), shape.family),
+    )
+
+
+def straight_draft(scene: Scene, chain: Chain, meeting: Meetings, sample: Sample) -> Draft | Refusal:
+    """The whole continuation by a Cartesian leg."""
+    line = _line(scene, chain, meeting.point, sample.shape.wait, sample.branch.mode)
+    if isinstance(line, Refusal):
+        return line
+    return _continued(scene, chain, meeting.point, sample, line)
+
+
+def _continued(scene: Scene, chain: Chain, point: ControlPoint, sample: Sample, way: Stretch) -> Draft | Refusal:
+    stretches = [way]
+    if sample.shape.wait > 0:
+        waits = Knots.standing(chain.state, chain.state.time + sample.shape.wait)
+        stretches.insert(0, Stretch(LegKind.WAIT, waits, "lets bodies pass"))
+    begin = end = way.knots.last.time
     if point.glued:
-        block = glue(scene, point, stretches[-1].knots.last, sample.branch.mode, sample.glue_effort)
+        block = glue(scene, point, way.knots.last, sample.branch.mode, sample.glue_effort)
         if isinstance(block, Refusal):
             return block
         begin, end = block.begin, block.end
-        missed = _window_refusal(point, begin, chain.step)
-        if missed is not None:
-            return missed
         stretches += block.stretches
+    missed = _window_refusal(point, begin, chain.step)
+    if missed is not None:
+        return missed
     return _assembled(scene, chain, point, sample, stretches, begin, end)
 
 
@@ -140,7 +192,7 @@ def _line(scene: Scene, chain: Chain, point: ControlPoint, wait: float, mode: in
 
 def _window_refusal(point: ControlPoint, begin: float, step: int) -> Refusal | None:
     """Whether the glue may begin at `begin`."""
-    spans = point.intervals()
+    spans = point.intervals
     if any(low - 1e-12 <= begin <= high + 1e-12 for low, high in spans):
         return None
     if not spans:
@@ -173,6 +225,9 @@ def _assembled(
     if latest is not None and not knots.time[-1] <= latest:
         over = float(knots.time[-1]) - latest
         return Refusal("timing", Reason.WINDOW_MISSED, chain.step, (), None, over, "s", "the motion ends too late")
+    over = _laws_over(scene, chain.step, float(knots.time[-1]))
+    if over is not None:
+        return over
     trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
     beyond = _beyond(scene, chain.step, trajectory)
     if beyond is not None:
@@ -230,6 +285,17 @@ def _to_rest(scene: Scene, step: int, state: State, pace: float) -> Stretch | Re
     return Stretch(LegKind.MOVE, Knots(*found.knots(state.time)), "comes to rest")
 
 
+def _laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
+    """Whether a frame's law ends before the arm has stood still for as long as is asked."""
+    stay = scene.options.stay_safe_s if scene.options.end == "rest" else 0.0
+    for frame in scene.frames.values():
+        if not end + stay <= frame.law.valid[1]:
+            late = end + stay - frame.law.valid[1]
+            detail = f"the law of {frame.name} ends at {frame.law.valid[1]:g} s"
+            return Refusal("timing", Reason.LAW_ENDS, step, (frame.name,), None, late, "s", detail)
+    return None
+
+
 def _beyond(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
     """Whether a joint leaves its range on the way (moving ends overshoot)."""
     low, high = trajectory.extrema(0)
@@ -256,7 +322,7 @@ def _arrival(
     p, yaw = scene.robot.forward(trajectory.evaluate(np.array(begin)))
     pose = Pose(*(float(x) for x in p), float(yaw)).then(scene.tool.tcp)
     along = point.along(np.array(begin))
-    left = [high - begin for low, high in point.intervals() if low - 1e-12 <= begin <= high + 1e-12]
+    left = [high - begin for low, high in point.intervals if low - 1e-12 <= begin <= high + 1e-12]
     bounded = point.window.time is not None or point.window.along is not None
     return Arrival(
         step=chain.step,
@@ -271,4 +337,3 @@ def _arrival(
     )
 
 
-__all__ = ["Chain", "Draft", "Reached", "Sample", "draft", "prepared"]

@@ -6,24 +6,36 @@ likely normals. Where no normal parts a pair, FCL decides (design: screen, ask, 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from planner.arrays import FloatArray, IntArray
 from planner.certificate import Prover
-from planner.chain import Draft
 from planner.gjk import separate
 from planner.outcome import Reason, Refusal
 from planner.phases import Phase, pair
 from planner.requirement import CONTACT_GAP, SLACK_M, worst
 from planner.separation import Placed, likely_gaps, place, rough_gaps
-from planner.solids import COVER, Carriers, Solids, carriers, standing
+from planner.solids import COVER, Carriers, Solids, carriers
 
 STEP_S = 0.02
 """Sampling of drafts, s. It decides how much work a colliding draft causes, not what is accepted."""
 FINE_STEP_S = 0.006
 """Sampling of the few drafts that pass, before they are proved, s."""
+
+
+class Timed(Protocol):
+    """A timed motion in phases: an outline or a draft."""
+
+    @property
+    def phases(self) -> tuple[Phase, ...]: ...
+
+    def at(self, t: FloatArray) -> FloatArray:
+        """q (T, n) at times t (T,)."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +46,7 @@ class Screened:
     bad: float
 
 
-def screen(prover: Prover, drafts: list[Draft], step: float = STEP_S) -> list[Screened]:
+def screen(prover: Prover, drafts: Sequence[Timed], step: float = STEP_S) -> list[Screened]:
     """One `Screened` for each draft, in order."""
     groups: dict[int, tuple[Solids, list[tuple[int, Phase]]]] = {}
     for number, draft in enumerate(drafts):
@@ -59,13 +71,13 @@ class _Samples:
     where: Carriers
 
 
-def _sampled(prover: Prover, drafts: list[Draft], members: list[tuple[int, Phase]], step: float) -> _Samples:
+def _sampled(prover: Prover, drafts: Sequence[Timed], members: list[tuple[int, Phase]], step: float) -> _Samples:
     times, joints, owner, number = [], [], [], []
     for k, (draft, phase) in enumerate(members):
         count = max(2, int(np.ceil((phase.t1 - phase.t0) / step)) + 1)
         t = np.linspace(phase.t0, phase.t1, count)
         times.append(t)
-        joints.append(standing(drafts[draft].trajectory, t))
+        joints.append(drafts[draft].at(t))
         owner.append(np.full(count, draft))
         number.append(np.full(count, k))
     t = np.concatenate(times)
@@ -73,7 +85,7 @@ def _sampled(prover: Prover, drafts: list[Draft], members: list[tuple[int, Phase
 
 
 def _screen_group(
-    prover: Prover, solids: Solids, drafts: list[Draft], members: list[tuple[int, Phase]], step: float
+    prover: Prover, solids: Solids, drafts: Sequence[Timed], members: list[tuple[int, Phase]], step: float
 ) -> dict[int, Screened]:
     samples = _sampled(prover, drafts, members, step)
     a, b = prover.asked(solids)
@@ -95,7 +107,7 @@ def _screen_group(
         for i in order[:MOST_ASKED]:
             phase = members[int(samples.phase[row[i]])][1]
             t = float(samples.t[row[i]])
-            refusal = _ask(prover, solids, drafts[int(draft)], phase, samples, int(row[i]), t, one, other, int(i), float(need[i]))
+            refusal = _ask(prover, solids, phase, samples, int(row[i]), t, one, other, int(i), float(need[i]))
             if refusal is not None:
                 break
         result[int(draft)] = Screened(refusal, share)
@@ -128,7 +140,6 @@ def _required(
 def _ask(
     prover: Prover,
     solids: Solids,
-    draft: Draft,
     phase: Phase,
     samples: _Samples,
     time_row: int,
@@ -149,15 +160,14 @@ def _ask(
     gap = likely_gaps(p, q)
     names = (solids.names[solids.body[first]], solids.names[solids.body[second]])
     reason = Reason.SELF_COLLISION if solids.body[second] < solids.robot_bodies else Reason.BODY_COLLISION
-    step = draft.chain.step
     for k in np.argsort(gap, kind="stable"):
         if gap[k] - SLACK_M > need:
             break
         if prover.collider.touch(p, q, int(k)):
-            return Refusal("screening", reason, step, names, (t, t), float(need - gap[k]), "m", "touch")
+            return Refusal("screening", reason, phase.step, names, (t, t), float(need - gap[k]), "m", "touch")
         distance, _ = separate(p, q, int(k))
         if not distance - SLACK_M > need:
-            return Refusal("screening", reason, step, names, (t, t), float(need - distance), "m", "too close")
+            return Refusal("screening", reason, phase.step, names, (t, t), float(need - distance), "m", "too close")
     return None
 
 

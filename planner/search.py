@@ -10,7 +10,7 @@ import numpy as np
 from planner.candidates import Option, Sampler, ahead, options
 from planner.census import Counter, refused_proof
 from planner.certificate import Prover, Rows, Unproved
-from planner.chain import Chain, Draft, Sample, draft, prepared
+from planner.chain import Chain, Draft, Outline, Sample, finished, is_straight, outline, prepared, straight_draft
 from planner.legs.meeting import Meetings
 from planner.legs.state import State
 from planner.outcome import Refusal
@@ -120,55 +120,69 @@ class Search:
         """One batch of continuations; whether there was anything to try."""
         sampler = self._sampler(chain)
         batch = sampler.batch()
-        drafts: list[Draft] = []
+        ways: list[Outline | Draft] = []
         for option, sample in batch:
             if time.perf_counter() >= self.deadline:
                 break
-            made = self._draft(chain, option, sample)
-            if made is not None:
-                drafts.append(made)
-        for number, screened in enumerate(screen(self.prover, drafts) if drafts else []):
-            sampler.learn(drafts[number].sample, screened.bad)
+            way = self._way(chain, option, sample)
+            if way is not None:
+                ways.append(way)
+        free = []
+        for way, screened in zip(ways, screen(self.prover, ways) if ways else [], strict=True):
+            sampler.learn(way.sample, screened.bad)
             if screened.refusal is not None:
                 self.found.census.add(screened.refusal)
-                drafts[number] = None  # type: ignore[call-overload]
-        free = sorted((d for d in drafts if d is not None), key=lambda d: d.end)
-        self._prove(free)
+            else:
+                free.append(way)
+        self._prove(sorted(free, key=lambda way: way.end))
         return bool(batch)
 
-    def _draft(self, chain: Chain, option: Option, sample: Sample) -> Draft | None:
+    def _way(self, chain: Chain, option: Option, sample: Sample) -> Outline | Draft | None:
+        """A timed way to the control point that may still beat the best plan so far."""
         self.found.census.candidates += 1
-        made = draft(self.scene, chain, option.meeting, sample, ahead(self.scene, chain, chain.state.q))
+        made: Outline | Draft | Refusal
+        if is_straight(self.scene, chain):
+            made = straight_draft(self.scene, chain, option.meeting, sample)
+        else:
+            made = outline(self.scene, chain, option.meeting, sample, ahead(self.scene, chain, chain.state.q))
         if isinstance(made, Refusal):
             self.found.census.add(made)
             return None
         best = self.found.best
-        if best is not None and not made.end < best.state.time:
-            return None
-        return made
+        return made if best is None or made.end < best.state.time else None
 
-    def _prove(self, free: list[Draft]) -> None:
+    def _prove(self, free: list[Outline | Draft]) -> None:
         """Proves drafts, the earliest first, and adds the chains that come of them."""
         proved = 0
-        for number, candidate in enumerate(free):
+        for number, way in enumerate(free):
             if number >= PROOFS_A_BATCH or proved >= PROVED_A_BATCH or time.perf_counter() >= self.deadline:
                 return
+            candidate = finished(self.scene, way) if isinstance(way, Outline) else way
+            if isinstance(candidate, Refusal):
+                self.found.census.add(candidate)
+                continue
             fine = screen(self.prover, [candidate], FINE_STEP_S)[0]
             if fine.refusal is not None:
                 self.found.census.add(fine.refusal)
                 continue
-            proofs: list[Rows] = []
-            for phase in candidate.phases:
-                rows = self.prover.prove(phase, candidate.trajectory)
-                if isinstance(rows, Unproved):
-                    self.found.census.add(refused_proof(rows, candidate.chain.step))
-                    break
-                proofs.append(rows)
-            else:
-                proved += 1
-                self._add(replace(candidate.after, proofs=(*candidate.chain.proofs, *proofs)))
-                if self.scene.options.stop == "first":
-                    return
+            chain = self._proved(candidate)
+            if chain is None:
+                continue
+            proved += 1
+            self._add(chain)
+            if self.scene.options.stop == "first":
+                return
+
+    def _proved(self, candidate: Draft) -> Chain | None:
+        """The chain that a draft leads to, with the proofs of all its phases."""
+        proofs: list[Rows] = []
+        for phase in candidate.phases:
+            rows = self.prover.prove(phase, candidate.trajectory)
+            if isinstance(rows, Unproved):
+                self.found.census.add(refused_proof(rows, candidate.chain.step))
+                return None
+            proofs.append(rows)
+        return replace(candidate.after, proofs=(*candidate.chain.proofs, *proofs))
 
     def _add(self, chain: Chain) -> None:
         if time.perf_counter() >= self.deadline:

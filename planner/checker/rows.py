@@ -65,7 +65,7 @@ def sorted_out(stage: Stage, phases: tuple[Phase, ...], certificate: Certificate
     one, other = (known[i] for i in index)
     named = (one >= 0) & (other >= 0) & (one != other)
     named &= (index[0] == certificate.first) & (index[1] == certificate.second)
-    pieces = [certificate.first_piece, certificate.second_piece]
+    pieces = (certificate.first_piece, certificate.second_piece)
     for body, piece in zip((one, other), pieces, strict=True):
         named &= (piece >= -1) & (piece < solids.count[np.maximum(body, 0)])
     begins, ends = np.array([phase.t0 for phase in phases]), np.array([phase.t1 for phase in phases])
@@ -74,7 +74,8 @@ def sorted_out(stage: Stage, phases: tuple[Phase, ...], certificate: Certificate
     found = _some(Code.ROW, "names a body or a piece that does not exist", ~named, certificate)
     found += _some(Code.ROW, "is not inside one phase", ~within, certificate)
     good = np.flatnonzero(named & within)
-    whole = Rows(np.arange(len(certificate)), phase, one, other, *pieces, certificate.t0, certificate.t1)
+    numbers = np.arange(len(certificate))
+    whole = Rows(numbers, phase, one, other, pieces[0], pieces[1], certificate.t0, certificate.t1)
     return whole.some(good), found
 
 

@@ -16,6 +16,10 @@ import numpy as np
 from planner.arrays import FloatArray, IntArray
 
 
+State = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+"""q, q̇, q̈, q⃛."""
+
+
 @dataclass(frozen=True, eq=False)
 class Spline:
     """Control values of q, q̇, q̈, q⃛ over the pieces between `time` (K,): `control[d]` (K-1, n, 6 - d)."""
@@ -37,14 +41,19 @@ class Spline:
         piece = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, len(self.length) - 1)
         return piece, np.clip((t - self.time[piece]) / self.length[piece], 0.0, 1.0)
 
-    def state(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """q, q̇, q̈, q⃛ at times t (T,), each (T, n). From the last knot on the arm stands still where it is."""
-        piece, s = self.place(t)
-        after = t >= self.time[-1]
-        values = []
-        for derivative, control in enumerate(self.control):
-            value = (control[piece] @ basis(s, 5 - derivative)[:, :, None])[:, :, 0]
-            values.append(np.where(after[:, None], 0.0, value) if derivative and self.at_rest else value)
+    def state(self, t: FloatArray) -> State:
+        """q, q̇, q̈, q⃛ at times t (T,), each (T, n). If the last knot is at rest, the arm stands still from there on."""
+        q, *rates = self.inside(*self.place(t))
+        if self.at_rest:
+            rates = [np.where((t >= self.end)[:, None], 0.0, rate) for rate in rates]
+        return q, rates[0], rates[1], rates[2]
+
+    def inside(self, piece: IntArray, s: FloatArray) -> State:
+        """q, q̇, q̈, q⃛ at s (T,) of the given pieces (T,), each (T, n)."""
+        values = [
+            (control[piece] @ basis(s, 5 - derivative)[:, :, None])[:, :, 0]
+            for derivative, control in enumerate(self.control)
+        ]
         return values[0], values[1], values[2], values[3]
 
     @property

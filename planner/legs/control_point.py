@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -64,6 +65,7 @@ class ControlPoint:
         lifted = replace(self.pose, z=self.pose.z + above)
         return self.scene.frames[self.frame].law.motion(np.asarray(t, dtype=np.float64)).at(lifted)
 
+    @cached_property
     def intervals(self) -> list[tuple[float, float]]:
         """Times at which the glue may begin, as closed intervals in order; empty: the dwell does not fit."""
         law = self.scene.frames[self.frame].law

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import FloatArray
-from planner.errors import FaultError
 from planner.legs.meeting import Branch
 from planner.legs.state import Knots, State
 from planner.outcome import Reason, Refusal
@@ -61,10 +60,38 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """A joint leg that meets a branch at row `row` of its grid: knots in absolute time."""
+    """A joint leg that meets a branch at row `row` of its grid, at `end`: profiles, each with the time it begins at.
 
-    knots: Knots
+    Knots are made only of what passes screening: most candidates never need them.
+    """
+
+    state: State
+    profiles: tuple[tuple[float, Profile | _Arched], ...]
+    end: float
     row: int
+
+    @property
+    def begin(self) -> float:
+        return self.profiles[0][0]
+
+    def at(self, t: FloatArray) -> FloatArray:
+        """q (T, n) at times t, the arm standing still before the leg and after it."""
+        found = np.empty((len(t), len(self.state.q)))
+        for number, (begin, profile) in enumerate(self.profiles):
+            rows = t >= begin if number else np.ones(len(t), dtype=bool)
+            if rows.any():
+                found[rows] = profile.evaluate(np.clip(t[rows] - begin, 0.0, profile.duration), 0)
+        return found
+
+    def knots(self) -> Knots:
+        """Knots in absolute time; the last is at `end` to the bit, so that it and the control point agree."""
+        parts = [Knots(*profile.knots(begin)) for begin, profile in self.profiles]
+        result = parts[0]
+        for part in parts[1:]:
+            result = result.then(part)
+        time = result.time.copy()
+        time[-1] = self.end
+        return Knots(time, result.q, result.qd, result.qdd)
 
 
 class JointMotion:
@@ -176,20 +203,11 @@ class JointMotion:
         last = self._last(self._goal(row), duration)
         if isinstance(last, TimingRefusal):
             return Refusal("timing", Reason.MOTION_LIMIT, self.step, (), None, last.excess, "s", last.detail)
-        knots: Knots | None = None
-        at = begin
+        parts, at = [], begin
         for profile in [*self.prefix, last]:
-            piece = Knots(*profile.knots(at))
-            knots = piece if knots is None else knots.then(piece)
-            at = float(piece.time[-1])
-        if knots is None:
-            raise FaultError("a joint leg without a profile")
-        if duration is not None and abs(at - branch.time[row]) > 0:
-            # the meeting is at the grid's time to the last bit, so that the knot and the control point agree
-            time = knots.time.copy()
-            time[-1] = branch.time[row]
-            knots = Knots(time, knots.q, knots.qd, knots.qdd)
-        return Reached(knots, row)
+            parts.append((at, profile))
+            at += profile.duration
+        return Reached(self.state, tuple(parts), at if duration is None else float(branch.time[row]), row)
 
     def _arch(
         self,
@@ -249,6 +267,15 @@ class _Arched:
     def duration(self) -> float:
         return self.total
 
+    def evaluate(self, t: FloatArray, order: int) -> FloatArray:
+        """Derivative number `order` (T, n) at times t (T,) within the arch."""
+        x = np.zeros((len(t), len(self.across) + 1))
+        x[:, self.across] = _held(self.flat, t - self.before, order)
+        rising = t <= self.up.duration
+        fall = self.total - self.down.duration
+        x[:, self.lift] = np.where(rising, _held(self.up, t, order)[:, 0], _held(self.down, t - fall, order)[:, 0])
+        return x
+
     def knots(self, offset: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         fall = self.total - self.down.duration
         switches = np.concatenate(
@@ -258,13 +285,9 @@ class _Arched:
         keep = np.concatenate([[True], np.diff(t) > MERGE_S])
         t = t[keep]
         t[-1] = self.total
-        n = len(self.across) + 1
         parts = []
         for order in range(3):
-            x = np.zeros((len(t), n))
-            x[:, self.across] = _held(self.flat, t - self.before, order)
-            rising = t <= self.up.duration
-            x[:, self.lift] = np.where(rising, _held(self.up, t, order)[:, 0], _held(self.down, t - fall, order)[:, 0])
+            x = self.evaluate(t, order)
             # the ends are the states asked for, to the bit
             x[0, self.lift], x[0, self.across] = self.up.start[order][0], self.flat.start[order]
             x[-1, self.lift], x[-1, self.across] = self.down.end[order][0], self.flat.end[order]

@@ -53,7 +53,7 @@ def times(scene: Scene, point: ControlPoint, earliest: float, lead: float) -> Fl
     if point.still:
         return np.array([earliest])
     found = []
-    for low, high in point.intervals():
+    for low, high in point.intervals:
         low, high = max(low - lead, earliest), min(high - lead, earliest + LOOK_AHEAD_S)
         if high >= low:
             step = max(GRID_S, (high - low) / MOST_TIMES)
@@ -176,11 +176,11 @@ def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArr
 
 def window_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refusal:
     """Why no meeting time is left: the window is over before `earliest`, or the dwell does not fit into it."""
-    intervals = point.intervals()
+    intervals = point.intervals
     if not intervals:
         from dataclasses import replace
 
-        whole = replace(point, dwell=0.0).intervals()
+        whole = replace(point, dwell=0.0).intervals
         if not whole:
             law = scene.frames[point.frame].law
             if not law.valid[1] >= scene.start.time:

@@ -8,12 +8,13 @@ correction, and quintic Hermite knots carry it exactly.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.errors import FaultError
-from planner.timing.ends import FACTORS
+from planner.timing.ends import Cubics, ended
 from planner.trajectory.hermite import hulls
 from planner.trajectory.rounding import defect, moved, settled
 
@@ -58,24 +59,29 @@ class Profile:
         """q or a derivative (0 to 3) at times `t` (T,) or one time: (T, n) or (n,). Outside [0, duration]: NaN."""
         t = np.asarray(t, dtype=np.float64)
         flat = t.reshape(-1)
-        out = self._at(flat, self._active(flat, "right"), derivative)
+        out = self._at(flat, self._active(flat, "right"))[derivative]
         out[~((flat >= 0) & (flat <= self.duration))] = np.nan
         return out.reshape(*t.shape, self.n)
 
-    def _active(self, t: FloatArray, side: str) -> IntArray:
-        """Per time and joint the phase that is under way at t (side right) or ends at t (left), (T, n)."""
-        counts = t[:, None, None] >= self.time if side == "right" else t[:, None, None] > self.time
-        return np.asarray(np.maximum(counts.sum(-1) - 1, 0))
+    def _active(self, t: FloatArray, side: Literal["left", "right"]) -> IntArray:
+        """Per time and joint the phase that is under way at t (right) or ends at t (left), (T, n)."""
+        past = np.array([row.searchsorted(t, side) for row in self.time])
+        return np.asarray(np.maximum(past.T - 1, 0))
 
-    def _at(self, t: FloatArray, phase: IntArray, derivative: int) -> FloatArray:
-        """The polynomial of the given phase (T, n) of each joint at t (T,)."""
+    def _at(self, t: FloatArray, phase: IntArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """q, q̇, q̈, q⃛ (T, n) at t (T,) by the polynomials of the given phases (T, n)."""
         joint = np.arange(self.n)
         tau = t[:, None] - self.time[joint, phase]
-        c = self.phases[joint, phase][..., derivative:] * FACTORS[derivative]
-        value = c[..., -1]
-        for k in range(c.shape[-1] - 2, -1, -1):
-            value = value * tau + c[..., k]
-        return np.asarray(value)
+        c = self.phases[joint, phase]
+        q, v = c[..., 5] * tau + c[..., 4], c[..., 5]
+        a = jerk = np.zeros_like(tau)
+        # Horner's scheme for a polynomial and its derivatives at once; a and the jerk lack their factors 2 and 6.
+        for k in (3, 2, 1, 0):
+            jerk = jerk * tau + a
+            a = a * tau + v
+            v = v * tau + q
+            q = q * tau + c[..., k]
+        return q, v, 2 * a, 6 * jerk
 
     def _clusters(self, merge: float) -> tuple[FloatArray, FloatArray]:
         """Begins and ends of the clusters of switches that share a knot, from 0 to the duration."""
@@ -133,7 +139,7 @@ class Profile:
         t = self._middles(low, high)
         time, rest = moved(t, offset)
         h = time[1:] - time[:-1]
-        states = [self._at(t, self._active(high, "right"), d) for d in range(3)]
+        states = list(self._at(t, self._active(high, "right"))[:3])
         spread = high - low > COINCIDENT
         if spread.any():
             self._blend(states, t, low, spread)
@@ -152,8 +158,8 @@ class Profile:
         phase = self._active(low[inner], "left")
         before, after = t[inner] - t[inner - 1], t[inner + 1] - t[inner]
         left = (after / (before + after))[:, None]
-        for d in range(3):
-            states[d][inner] = left * self._at(t[inner], phase, d) + (1 - left) * states[d][inner]
+        for state, before_it in zip(states, self._at(t[inner], phase), strict=False):
+            state[inner] = left * before_it + (1 - left) * state[inner]
 
     def extrema(self) -> tuple[FloatArray, FloatArray]:
         """Smallest and largest position (n,), (n,), in closed form: stationary points of the cubics.
@@ -180,3 +186,10 @@ class Profile:
             value = value * tau + self.phases[..., k]
         value = np.append(value.swapaxes(0, 1).reshape(self.n, -1), np.stack([self.start[0], self.end[0]], 1), 1)
         return value.min(1), value.max(1)
+
+
+def finished(joints: list[Cubics], states: list[list[float]], duration: float) -> Profile:
+    """The profile of these phases, its ends made exact: `states` are q, q̇, q̈ at the start, then at the end."""
+    time, phases = ended(joints, states, duration)
+    ends = np.array(states)
+    return Profile(duration, time, phases, (ends[0], ends[1], ends[2]), (ends[3], ends[4], ends[5]))

@@ -6,16 +6,24 @@ import numpy as np
 
 from planner.arrays import FloatArray
 
+SAME_M = 1e-7
+"""Heights closer than this are one, m: rounding in a file's float32."""
+
 
 def clip(triangles: FloatArray, axis: int, at: float) -> tuple[FloatArray, FloatArray]:
     """The parts of triangles (k, 3, 3) below and above the plane x[axis] = at, as triangles turned the same way.
 
-    What lies in the plane goes to both sides; a triangle that only touches it goes to its own side.
+    A triangle that touches the plane, or reaches through it by less than SAME_M, goes whole to its own side; one that
+    lies in it, to the side where the solid is, behind its outward normal.
     """
     heights = triangles[:, :, axis] - at
+    heights = np.where(np.abs(heights) <= SAME_M, 0.0, heights)
     low, high = heights.min(1), heights.max(1)
+    within = (low == 0) & (high == 0)
     crossing = (low < 0) & (high > 0)
-    below, above = triangles[high <= 0], triangles[(low >= 0)]
+    up = _upwards(triangles, axis)
+    below = triangles[((high <= 0) & ~within) | (within & (up >= 0))]
+    above = triangles[((low >= 0) & ~within) | (within & (up < 0))]
     if not crossing.any():
         return below, above
     cut, over = triangles[crossing], heights[crossing] > 0
@@ -33,9 +41,16 @@ def clip(triangles: FloatArray, axis: int, at: float) -> tuple[FloatArray, Float
     )
 
 
+def _upwards(triangles: FloatArray, axis: int) -> FloatArray:
+    """Component along the axis of each triangle's outward normal (k,), twice its area long."""
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    e1, e2 = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    component: FloatArray = e1[:, i] * e2[:, j] - e1[:, j] * e2[:, i]
+    return component
+
+
 def _meet(a: FloatArray, b: FloatArray, axis: int, at: float) -> FloatArray:
-    """Where the edges from a to b (k, 3) meet the plane; a is strictly off it or b is."""
-    share = (at - a[:, axis]) / (b[:, axis] - a[:, axis])
+    """Where the edges from a to b (k, 3) meet the plane: on the edge, between its ends."""
+    share = np.clip((at - a[:, axis]) / (b[:, axis] - a[:, axis]), 0.0, 1.0)
     point: FloatArray = a + share[:, None] * (b - a)
-    point[:, axis] = at
     return point

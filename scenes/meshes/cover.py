@@ -18,10 +18,10 @@ import numpy as np
 
 from planner.arrays import FloatArray, IntArray
 from planner.errors import FaultError
-from planner.shapes import Hull, Piece
-from scenes.meshes.clip import clip
+from planner.shapes import Piece
+from scenes.meshes.clip import SAME_M, clip
 from scenes.meshes.excess import doubled_area, excess
-from scenes.meshes.hull import hull_of, volume_of_hull
+from scenes.meshes.hull import hull_of, rough_hull, volume_of_hull
 from scenes.meshes.surface import SMALLEST_VOLUME_M3, Surface, volume_of
 
 MAX_PIECES = 64
@@ -34,14 +34,16 @@ CONVEX_SHARE = 1e-6
 """Share of the hull's volume by which a convex mesh's own may fall short, from rounding in the file (float32)."""
 LEVELS = 5
 """Cuts that are tried along each axis, besides through the middle."""
-MANY = 3_000
+MANY = 20_000
 """From this many triangles on, only cuts through the middle are tried: the better cuts come in the smaller cells."""
+ENOUGH = 400
+"""Triangles from whose corners the volume of a hull is estimated, to compare cuts."""
 LEAST_SHARE = 1e-3
 """A cut keeps this share of the cell's extent from its ends."""
+FINALISTS = 3
+"""Cuts, besides those through the middle, whose parts are judged."""
 SAME_SHARE = 1e-4
 """Cuts whose hulls differ by less than this share of the cell's hull do equally well."""
-SAME_M = 1e-7
-"""Levels closer than this are one, m: rounding in a file's float32."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,14 +58,11 @@ class Cover:
 
 def cover(surface: Surface) -> Cover:
     """The cover of a surface. Deterministic."""
-    whole = hull_of(surface.vertices)
     solid = volume_of(surface.corners)
-    bulge = volume_of_hull(surface.vertices) - solid
-    if bulge <= CONVEX_SHARE * solid:
-        return Cover((Piece(whole),), None, 0.0)
+    if volume_of_hull(surface.vertices) - solid <= CONVEX_SHARE * solid:
+        return Cover((Piece(hull_of(surface.vertices)),), None, 0.0)
     tight = max(TIGHT_M, TIGHT_SHARE * float(np.ptp(surface.vertices, axis=0).max()))
-    cells = [_Cell(surface.corners, whole)]
-    heapq.heapify(cells)
+    cells = [_Cell(surface.corners)]
     done: list[_Cell] = []
     while cells and len(cells) + len(done) < MAX_PIECES:
         worst = heapq.heappop(cells)
@@ -71,50 +70,77 @@ def cover(surface: Surface) -> Cover:
         if halves is None:
             done.append(worst)
         else:
-            for part in halves:
-                heapq.heappush(cells, _Cell(part, hull_of(part.reshape(-1, 3))))
+            for half in halves:
+                heapq.heappush(cells, half)
     found = sorted(done + cells, key=lambda cell: tuple(cell.triangles.reshape(-1, 3).mean(0)))
     if not found:
         raise FaultError("a cover without pieces")
     worst_m = max(cell.excess for cell in found)
-    return Cover(tuple(Piece(cell.hull) for cell in found), (surface.vertices, surface.faces), worst_m)
+    pieces = tuple(Piece(hull_of(cell.triangles.reshape(-1, 3))) for cell in found)
+    return Cover(pieces, (surface.vertices, surface.faces), worst_m)
 
 
 class _Cell:
-    """Triangles of a cell and their hull, in order of how far that reaches out of the solid."""
+    """Triangles of a cell, in order of how far their hull reaches out of the solid."""
 
-    def __init__(self, triangles: FloatArray, hull: Hull) -> None:
-        self.triangles, self.hull = triangles, hull
-        self.excess = excess(hull, triangles) if len(triangles) < MANY else np.inf
+    def __init__(self, triangles: FloatArray) -> None:
+        self.triangles = triangles
+        self.excess = excess(rough_hull(triangles.reshape(-1, 3)), triangles)
 
     def __lt__(self, other: _Cell) -> bool:
         return (self.excess, len(self.triangles)) > (other.excess, len(other.triangles))
 
 
-def _halves(triangles: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+@dataclass(frozen=True, slots=True)
+class _Cut:
+    """A cell cut in two: the hulls' volumes (m³), the surface in the cut (m²), the cell's extent across it (m)."""
+
+    parts: tuple[FloatArray, FloatArray]
+    volumes: tuple[float, float]
+    area: float
+    extent: float
+
+    def rank(self, whole: float) -> tuple[int, float, float]:
+        return round(sum(self.volumes) / whole / SAME_SHARE), -self.area, -self.extent
+
+
+def _halves(triangles: FloatArray) -> tuple[_Cell, _Cell] | None:
     """The cell cut in two where the hulls' volumes fall most; None where no cut leaves something on both sides.
 
     Of cuts that do equally well (the first ones through a hollow box all do), the one along most surface; then the
-    one across the longest extent.
+    one across the longest extent. Of the best of them and the cuts through the middle, the one that leaves least
+    volume times excess: it looks one step further.
     """
-    whole = max(volume_of_hull(triangles.reshape(-1, 3)), SMALLEST_VOLUME_M3)
-    best: tuple[tuple[int, float, float], tuple[FloatArray, FloatArray]] | None = None
+    cuts, middles = [], []
     for axis in range(3):
         extent = float(np.ptp(triangles[:, :, axis]))
-        for at, area in _cuts(triangles, axis):
-            below, above = clip(triangles, axis, at)
-            if not (len(below) and len(above)):
-                continue
-            volume = volume_of_hull(below.reshape(-1, 3)) + volume_of_hull(above.reshape(-1, 3))
-            rank = (round(volume / whole / SAME_SHARE), -area, -extent)
-            if best is None or rank < best[0]:
-                best = (rank, (below, above))
+        for i, (at, area) in enumerate(_levels(triangles, axis)):
+            parts = clip(triangles, axis, at)
+            if len(parts[0]) and len(parts[1]):
+                volumes = (volume_of_hull(_some(parts[0])), volume_of_hull(_some(parts[1])))
+                (middles if i == 0 else cuts).append(_Cut(parts, volumes, area, extent))
+    whole = max(volume_of_hull(_some(triangles)), SMALLEST_VOLUME_M3)
+    cuts = sorted(cuts, key=lambda cut: cut.rank(whole))[:FINALISTS] + middles
+    best: tuple[tuple[float, ...], tuple[_Cell, _Cell]] | None = None
+    for cut in cuts:
+        cells = (_Cell(cut.parts[0]), _Cell(cut.parts[1]))
+        left = sum(volume * cell.excess for volume, cell in zip(cut.volumes, cells, strict=True))
+        rank = (float(f"{left / whole:.3g}"), *cut.rank(whole))
+        if best is None or rank < best[0]:
+            best = (rank, cells)
     return None if best is None else best[1]
 
 
-def _cuts(triangles: FloatArray, axis: int) -> list[tuple[float, float]]:
-    """Places for a cut across an axis, each with the surface that lies in it (m²): the middle, levels with most
-    surface in them, levels of corners."""
+def _some(triangles: FloatArray) -> FloatArray:
+    """Corners of the triangles, or of enough of them to compare volumes."""
+    if len(triangles) <= ENOUGH:
+        return triangles.reshape(-1, 3)
+    return triangles[:: 1 + len(triangles) // ENOUGH, 0]
+
+
+def _levels(triangles: FloatArray, axis: int) -> list[tuple[float, float]]:
+    """Places for a cut across an axis, each with the surface that lies in it (m²): the middle first, then levels with
+    most surface in them, then levels of corners."""
     heights = triangles[:, :, axis]
     low, high = float(heights.min()), float(heights.max())
     margin = max(LEAST_SHARE * (high - low), SAME_M)
@@ -123,13 +149,12 @@ def _cuts(triangles: FloatArray, axis: int) -> list[tuple[float, float]]:
         return []
     if len(triangles) >= MANY:
         return [(middle, 0.0)]
-    across = np.where(np.ptp(heights, axis=1) < SAME_M, doubled_area(triangles) / 2, 0.0)
-    levels, which = np.unique(np.round(heights[:, 0] / SAME_M), return_inverse=True)
+    across = np.where(np.ptp(heights, axis=1) <= SAME_M, doubled_area(triangles) / 2, 0.0)
+    levels, first, which = np.unique(np.round(heights[:, 0] / SAME_M), return_index=True, return_inverse=True)
     area = np.bincount(which, weights=across, minlength=len(levels))
-    levels = levels * SAME_M
-    inner = (levels > low + margin) & (levels < high - margin)
-    flat = [int(i) for i in np.argsort(-area, kind="stable") if inner[i] and area[i] > 0][:LEVELS]
-    corners = np.unique(np.round(heights / SAME_M)) * SAME_M
+    at = heights[first, 0]
+    flat = [int(i) for i in np.argsort(-area, kind="stable") if low + margin < at[i] < high - margin and area[i] > 0]
+    corners = np.unique(heights)
     corners = corners[(corners > low + margin) & (corners < high - margin)]
     few = corners[np.linspace(0, len(corners) - 1, min(LEVELS, len(corners))).astype(int)]
-    return [(float(levels[i]), float(area[i])) for i in flat] + [(middle, 0.0)] + [(float(x), 0.0) for x in few]
+    return [(middle, 0.0)] + [(float(at[i]), float(area[i])) for i in flat[:LEVELS]] + [(float(x), 0.0) for x in few]

@@ -36,6 +36,12 @@ def hull_of(points: FloatArray) -> Hull:
     return Hull(corners, faces)
 
 
+def rough_hull(points: FloatArray) -> Hull:
+    """The hull of points, to judge it: thickened, but neither simplified nor checked."""
+    corners, faces, _ = _quick(thickened(points))
+    return Hull(corners, faces)
+
+
 def volume_of_hull(points: FloatArray) -> float:
     """Volume of the hull of points (k, 3), m³; 0 where it is flat."""
     if len(points) < 4:

@@ -12,12 +12,14 @@ from api.settings import PLAN_BODY_BYTES
 
 @dataclass(frozen=True)
 class BadBody:
-    """A body, the HTTP status that it deserves, and the end of the field's name (empty: the body as a whole)."""
+    """A body, the HTTP status that it deserves, the end of the field's name (empty: the body as a whole), and whether
+    only the service refuses it, by a limit of its own."""
 
     name: str
     body: bytes
     status: int
     field: str = ""
+    service_only: bool = False
 
 
 def _with(text: str, value: str) -> bytes:
@@ -88,8 +90,10 @@ BAD_BODIES = (
     BadBody("a huge list of numbers", _request(task=[0] * 300_000), 422, "task"),
     BadBody("a huge name", _request(bodies=[{"name": "n" * 500_000}]), 422),
     BadBody("50,000 unknown fields", _request(**{f"f{i}": i for i in range(50_000)}), 422),
-    BadBody("a budget above the service's", _request(options={"budget_s": 10.5}), 422, "options.budget_s"),
-    BadBody("an explain budget above it", _request(options={"explain_budget_s": 11}), 422, "options.explain_budget_s"),
-    BadBody("a budget in the twin unit", _request(options={"budget_ms": 10_500}), 422, "options.budget_ms"),
-    BadBody("one byte too many", _request().ljust(PLAN_BODY_BYTES + 1), 413, "body"),
+    BadBody("a budget above the service's", _request(options={"budget_s": 10.5}), 422, "options.budget_s", True),
+    BadBody(
+        "an explain budget above it", _request(options={"explain_budget_s": 11}), 422, "options.explain_budget_s", True
+    ),
+    BadBody("a budget in the twin unit", _request(options={"budget_ms": 10_500}), 422, "options.budget_ms", True),
+    BadBody("one byte too many", _request().ljust(PLAN_BODY_BYTES + 1), 413, "body", True),
 )

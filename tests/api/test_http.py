@@ -6,8 +6,8 @@ import json
 import re
 from typing import Any
 
+import httpx
 import pytest
-from starlette.testclient import TestClient
 
 from api.documents import to_json
 from api.problems import MEDIA_TYPE
@@ -17,7 +17,7 @@ TIMES = ("elapsed_s", "first_s")
 """What differs between two runs of the same request."""
 
 
-def planned(client: TestClient, body: dict[str, Any], **parameters: str) -> dict[str, Any]:
+def planned(client: httpx.Client, body: dict[str, Any], **parameters: str) -> dict[str, Any]:
     answer = client.post("/v1/plans", json=body, params=parameters)
     assert answer.status_code == 200, answer.text
     assert answer.headers["content-type"] == "application/json"
@@ -26,7 +26,7 @@ def planned(client: TestClient, body: dict[str, Any], **parameters: str) -> dict
 
 
 def test_a_request_is_planned_and_the_answer_has_what_a_controller_needs(
-    client: TestClient, small: dict[str, Any]
+    client: httpx.Client, small: dict[str, Any]
 ) -> None:
     answer = planned(client, small)
     assert answer["status"] == "planned"
@@ -35,11 +35,21 @@ def test_a_request_is_planned_and_the_answer_has_what_a_controller_needs(
     assert knots >= 2
     for name in ("position", "velocity", "acceleration"):
         assert [len(knot) for knot in trajectory[name]] == [len(trajectory["joint_names"])] * knots
-    expected = {"duration_s", "arrivals", "legs", "margins", "certificate", "census", "assumptions", "seed", "elapsed_s"}
+    expected = {
+        "duration_s",
+        "arrivals",
+        "legs",
+        "margins",
+        "certificate",
+        "census",
+        "assumptions",
+        "seed",
+        "elapsed_s",
+    }
     assert expected | {"notice"} <= set(answer)
 
 
-def test_an_answer_over_http_is_accepted_by_the_checker_over_http(client: TestClient, small: dict[str, Any]) -> None:
+def test_an_answer_over_http_is_accepted_by_the_checker_over_http(client: httpx.Client, small: dict[str, Any]) -> None:
     answer = planned(client, small)
     verdict = client.post("/v1/plans/check", json={"request": small, "plan": answer})
     assert verdict.status_code == 200
@@ -47,7 +57,7 @@ def test_an_answer_over_http_is_accepted_by_the_checker_over_http(client: TestCl
     assert check_document(small, answer)["ok"] is True
 
 
-def test_a_plan_that_was_tampered_with_is_refused_with_findings(client: TestClient, small: dict[str, Any]) -> None:
+def test_a_plan_that_was_tampered_with_is_refused_with_findings(client: httpx.Client, small: dict[str, Any]) -> None:
     answer = planned(client, small)
     answer["trajectory"]["position"][1][0] += 1e-3
     verdict = client.post("/v1/plans/check", json={"request": small, "plan": answer})
@@ -56,8 +66,8 @@ def test_a_plan_that_was_tampered_with_is_refused_with_findings(client: TestClie
     assert len(verdict.json()["findings"]) >= 1
 
 
-def test_a_request_that_cannot_be_planned_is_an_answer_not_a_problem(
-    client: TestClient, small: dict[str, Any]
+def test_what_cannot_be_planned_is_an_answer_not_a_problem(
+    client: httpx.Client, small: dict[str, Any]
 ) -> None:
     small["task"] = [{"move": {"to": {"at_m": [1.5, 0.0, 0.25]}}}]
     answer = planned(client, small)
@@ -66,7 +76,7 @@ def test_a_request_that_cannot_be_planned_is_an_answer_not_a_problem(
 
 
 def test_the_same_request_and_seed_give_the_same_bytes_but_for_the_times(
-    client: TestClient, small: dict[str, Any]
+    client: httpx.Client, small: dict[str, Any]
 ) -> None:
     first, second = (planned(client, small) for _ in range(2))
     for name in TIMES:
@@ -74,19 +84,19 @@ def test_the_same_request_and_seed_give_the_same_bytes_but_for_the_times(
     assert to_json(first) == to_json(second)
 
 
-def test_the_certificate_can_be_left_at_its_digest(client: TestClient, small: dict[str, Any]) -> None:
+def test_the_certificate_can_be_left_at_its_digest(client: httpx.Client, small: dict[str, Any]) -> None:
     full = planned(client, small, certificate="full")["certificate"]
     digest = planned(client, small, certificate="digest")["certificate"]
     assert digest["digest"] == full["digest"]
     assert set(digest) < set(full)
 
 
-def test_a_shipped_scenario_is_planned_by_its_name(client: TestClient) -> None:
+def test_a_shipped_scenario_is_planned_by_its_name(client: httpx.Client) -> None:
     answer = planned(client, {"scenario": "demo"}, certificate="digest")
     assert answer["status"] == "planned"
 
 
-def test_the_scenarios_are_listed_with_why_they_exist_and_shown_as_requests(client: TestClient) -> None:
+def test_the_scenarios_are_listed_with_why_they_exist_and_shown_as_requests(client: httpx.Client) -> None:
     listed = client.get("/v1/scenes").json()["scenes"]
     assert {scene["name"]: scene["about"] for scene in listed} == shipped_scenarios()
     shown = client.get("/v1/scenes/demo")
@@ -94,22 +104,22 @@ def test_the_scenarios_are_listed_with_why_they_exist_and_shown_as_requests(clie
     assert shown.json()["schema"] == "assur/1"
 
 
-def test_the_robots_are_listed_with_source_and_status_of_their_numbers(client: TestClient) -> None:
+def test_the_robots_are_listed_with_source_and_status_of_their_numbers(client: httpx.Client) -> None:
     assert client.get("/v1/robots").json() == json.loads(json.dumps({"robots": robots()}))
 
 
-def test_the_schema_is_json_schema(client: TestClient) -> None:
+def test_the_schema_is_json_schema(client: httpx.Client) -> None:
     schema = client.get("/v1/schema").json()
     assert schema["$schema"] == "https://json-schema.org/draft/2020-12/schema"
     assert "task" in schema["properties"]
 
 
-def test_the_service_lives_and_is_ready(client: TestClient) -> None:
+def test_the_service_lives_and_is_ready(client: httpx.Client) -> None:
     assert client.get("/livez").json() == {"live": True}
     assert client.get("/readyz").json() == {"ready": True, "workers": 1}
 
 
-def test_the_reference_pages_need_nothing_from_elsewhere(client: TestClient) -> None:
+def test_the_reference_pages_need_nothing_from_elsewhere(client: httpx.Client) -> None:
     for address in ("/docs", "/redoc"):
         page = client.get(address)
         assert page.status_code == 200
@@ -136,7 +146,7 @@ def references(part: Any) -> list[str]:
     return [found for value in part for found in references(value)] if isinstance(part, list) else []
 
 
-def test_the_description_of_the_service_is_whole(client: TestClient) -> None:
+def test_the_description_of_the_service_is_whole(client: httpx.Client) -> None:
     described = client.get("/openapi.json").json()
     assert set(described["paths"]) == {
         "/v1/plans",
@@ -154,7 +164,7 @@ def test_the_description_of_the_service_is_whole(client: TestClient) -> None:
         assert resolved(described, reference) is not None
 
 
-def test_every_example_in_the_description_is_planned(client: TestClient) -> None:
+def test_every_example_in_the_description_is_planned(client: httpx.Client) -> None:
     described = client.get("/openapi.json").json()
     body = described["paths"]["/v1/plans"]["post"]["requestBody"]["content"]["application/json"]
     assert len(body["examples"]) == 2
@@ -162,7 +172,7 @@ def test_every_example_in_the_description_is_planned(client: TestClient) -> None
         assert planned(client, example["value"], certificate="digest")["status"] == "planned"
 
 
-def test_every_answer_bears_an_id_and_is_not_kept_by_caches(client: TestClient) -> None:
+def test_every_answer_bears_an_id_and_is_not_kept_by_caches(client: httpx.Client) -> None:
     answers = [client.get("/livez"), client.get("/nowhere"), client.post("/v1/plans", json={})]
     assert len({answer.headers["x-request-id"] for answer in answers}) == 3
     for answer in answers:
@@ -186,7 +196,7 @@ def test_every_answer_bears_an_id_and_is_not_kept_by_caches(client: TestClient) 
     ],
 )
 def test_an_address_or_method_that_is_not_there_is_a_problem(
-    client: TestClient, method: str, address: str, status: int
+    client: httpx.Client, method: str, address: str, status: int
 ) -> None:
     answer = client.request(method, address)
     assert answer.status_code == status

@@ -20,10 +20,8 @@ def modules_after(program: str) -> set[str]:
 
 
 SERVED = """
-from starlette.testclient import TestClient
-from api.app import create_app
-from api.settings import Settings
-with TestClient(create_app(Settings(workers=1, grace_s=30.0))) as client:
+from tests.api.running import running
+with running() as client:
     assert client.get("/v1/scenes").status_code == 200
     assert client.get("/v1/robots").status_code == 200
     assert client.get("/v1/schema").status_code == 200

@@ -51,7 +51,7 @@ def imports(tree: ast.AST) -> Iterator[tuple[str, int]]:
             yield node.module, node.lineno
             for alias in node.names:
                 yield f"{node.module}.{alias.name}", node.lineno
-        elif isinstance(node, ast.Call) and _dotted(node.func) in (
+        elif isinstance(node, ast.Call) and dotted(node.func) in (
             "importlib.import_module",
             "import_module",
             "__import__",
@@ -65,7 +65,7 @@ def uses(tree: ast.AST) -> Iterator[tuple[str, int]]:
     """Dotted names that are read (``fcl.distance``), names imported from a module among them, each with its line."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute):
-            name = _dotted(node)
+            name = dotted(node)
             if name:
                 yield name, node.lineno
     yield from imports(tree)
@@ -82,10 +82,11 @@ def names(tree: ast.AST) -> Iterator[tuple[str, int]]:
             yield node.arg, node.value.lineno
 
 
-def _dotted(node: ast.AST) -> str:
+def dotted(node: ast.AST) -> str:
+    """``a.b.c`` of an attribute of an attribute of a name; empty for anything else."""
     if isinstance(node, ast.Name):
         return node.id
     if isinstance(node, ast.Attribute):
-        head = _dotted(node.value)
+        head = dotted(node.value)
         return f"{head}.{node.attr}" if head else ""
     return ""

@@ -6,7 +6,7 @@ import ast
 
 import pytest
 
-from tests.architecture.source_tree import BESIDE, PRODUCT, Source, imports, names, sources, uses
+from tests.architecture.source_tree import BESIDE, PRODUCT, Source, dotted, imports, names, sources, uses
 
 DOORS = {
     "fcl": ("planner.collision",),
@@ -36,7 +36,6 @@ BANNED = {
     "fcl.Halfspace": "segfaults against some shapes",
     "fcl.Ellipsoid": "shallow collisions are missed",
     "fcl.BVHModel": "hollow, and a bad index segfaults",
-    "trimesh.load": "a string is a path or an address; archives are unpacked",
     "trimesh.load_remote": "reads an address",
     "trimesh.collision": "keeps ghosts of objects that moved",
     "concurrent.futures.ProcessPoolExecutor": "broken for good by one crash",
@@ -85,6 +84,23 @@ def banned_uses(modules: tuple[Source, ...]) -> list[str]:
     return found
 
 
+def loads_of_names(modules: tuple[Source, ...]) -> list[str]:
+    """Where trimesh is given anything but bytes of a stated format: it takes a string for a path or an address."""
+    return [
+        f"{source.path}:{node.lineno}"
+        for source in modules
+        for node in ast.walk(source.tree)
+        if isinstance(node, ast.Call)
+        and dotted(node.func).startswith("trimesh.load")
+        and not (
+            node.args
+            and isinstance(node.args[0], ast.Call)
+            and dotted(node.args[0].func) == "io.BytesIO"
+            and any(keyword.arg == "file_type" for keyword in node.keywords)
+        )
+    ]
+
+
 def worldly(modules: tuple[Source, ...]) -> list[str]:
     """Where the outside world is touched: files, environment, network, logs."""
     found = []
@@ -115,6 +131,10 @@ def test_each_native_library_has_one_door() -> None:
 
 def test_nothing_that_lies_hangs_or_crashes_is_called() -> None:
     assert banned_uses(sources(*PRODUCT, "benchmarks")) == []
+
+
+def test_trimesh_gets_bytes_with_their_format_and_never_a_name() -> None:
+    assert loads_of_names(sources(*PRODUCT)) == []
 
 
 def test_the_planner_opens_no_file_knows_no_http_and_reads_no_environment() -> None:
@@ -161,12 +181,18 @@ def test_an_import_at_the_door_is_not_found() -> None:
         "from fcl import continuousCollide as cc",
         "request = fcl.DistanceRequest(enable_signed_distance=True)",
         "input.intermediate_positions = [[0.0]]",
-        "import trimesh\ntrimesh.load('x')",
         "eval('1')",
     ],
 )
 def test_a_banned_call_is_found_under_each_of_its_spellings(text: str) -> None:
     assert len(banned_uses(made_up("planner.collision", text))) >= 1
+
+
+@pytest.mark.parametrize("call", ["load('x.stl')", "load(io.BytesIO(b''))", "load_mesh(name, file_type='stl')"])
+def test_a_mesh_loaded_by_name_or_without_its_format_is_found(call: str) -> None:
+    assert len(loads_of_names(made_up("scenes.meshes", f"import io, trimesh\ntrimesh.{call}"))) == 1
+    good = "import io, trimesh\ntrimesh.load(io.BytesIO(content), file_type='stl')"
+    assert loads_of_names(made_up("scenes.meshes", good)) == []
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,8 @@ ASKED = {
     "validating a request": (
         "from benchmarks.translation import Manners, request, unrelated_problem\n"
         "from scenes.requests import request_digest, validate\n"
-        "limits = {'qmin': [-2, -2, 0.0, -6], 'qmax': [2, 2, 0.3, 6], 'vmax': [9] * 4, 'amax': [9] * 4, 'jmax': [9] * 4}\n"
+        "limits = {'qmin': [-2, -2, 0.0, -6], 'qmax': [2, 2, 0.3, 6], 'vmax': [9] * 4}\n"
+        "limits |= {'amax': [9] * 4, 'jmax': [9] * 4}\n"
         "document = request(unrelated_problem(1, True), limits, Manners())\n"
         "validate(document)\nrequest_digest(document)"
     ),

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from planner.arrays import FloatArray
@@ -112,6 +113,27 @@ def test_the_bound_of_an_index_is_the_known_peak_of_its_polynomial() -> None:
     np.testing.assert_allclose(bound(dial, 0.31, 1000.7, up)[2:], peak, rtol=1e-9)
     assert bound(dial, 0.5, 0.8, up)[2:].max() <= 1e-9
     assert bound(dial, 800.5, 800.8, up)[2:].max() <= 1e-9
+
+
+@given(st.floats(-9e5, 9e5))
+@example(123456.789)
+def test_the_bound_of_an_index_holds_in_exact_arithmetic_far_from_time_zero(time: float) -> None:
+    dial, up = Indexer(Pose(), 0.8, 0.37, 0.0, start=0.3), np.array([0.0, 0.0, 1.0])
+    u = ((Fraction(time) - Fraction(dial.start)) % Fraction(dial.period)) / Fraction(dial.move_s)
+    rate = 140 * u**3 * (1 - u) ** 3 * Fraction(0.8) / Fraction(dial.move_s)
+    rate_d = 420 * u**2 * (1 - u) ** 2 * (1 - 2 * u) * Fraction(0.8) / Fraction(dial.move_s) ** 2
+    found = bound(dial, time, time, up)
+    assert Fraction(float(found[2])) >= rate
+    assert Fraction(float(found[3])) >= abs(rate_d)
+
+
+@given(st.floats(-math.pi, math.pi))
+def test_a_direction_square_to_the_motion_is_not_promised_more_than_the_rounding_allows(yaw: float) -> None:
+    u = [math.cos(yaw), math.sin(yaw), 0.0]
+    n = np.array([-u[1], np.nextafter(u[0], 9), 0.0])
+    for law in (Linear(Pose(), (u[0], u[1], u[2])), Conveyor(Pose(yaw=yaw), 1.0)):
+        exact = sum((Fraction(float(a)) * Fraction(b) for a, b in zip(n, u, strict=True)), Fraction(0))
+        assert Fraction(float(bound(law, 0.0, 1.0, n)[0])) >= abs(exact)
 
 
 @given(st.floats(-9e5, 9e5), st.floats(0.0, 0.3), st.sampled_from(["turn", "swing"]))

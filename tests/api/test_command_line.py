@@ -1,0 +1,182 @@
+"""The command `assur`: what it prints, what it writes, and how it ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from typer.testing import CliRunner
+
+from api import command_line
+from api.command_line import BAD_INPUT, FAULT, INTERRUPTED, RIGHT, WRONG, app
+from api.documents import to_json
+from api.jobs import FIRST_PLAN
+from scenes.requests import shipped_scenarios
+
+ROOT = Path(__file__).parents[2]
+TIMES = ("elapsed_s", "first_s")
+
+
+def run(*arguments: str) -> tuple[int, str, str]:
+    """Exit code, standard output, standard error."""
+    result = CliRunner().invoke(app, list(arguments))
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.stdout, result.stderr
+
+
+@pytest.fixture
+def small_file(tmp_path: Path) -> Path:
+    file = tmp_path / "small.json"
+    file.write_text(json.dumps(FIRST_PLAN))
+    return file
+
+
+@pytest.fixture
+def far_file(tmp_path: Path) -> Path:
+    """A request that no robot of ours reaches."""
+    file = tmp_path / "far.json"
+    file.write_text(json.dumps({**FIRST_PLAN, "task": [{"move": {"to": {"at_m": [1.5, 0, 0.25]}}}]}))
+    return file
+
+
+def test_a_plan_is_told_in_the_words_of_the_shop_and_checked(small_file: Path) -> None:
+    code, output, errors = run("plan", str(small_file))
+    assert code == RIGHT
+    for words in ("MOVE", "move-1", "duration", "what binds", "smallest clearance", "post", "plan checked", "10218"):
+        assert words in output
+    assert errors == ""
+
+
+def test_the_demo_is_planned_by_its_name() -> None:
+    code, output, _ = run("plan", "demo")
+    assert code == RIGHT
+    for words in ("APPROACH", "FOLLOW", "DEPART", "matched", "plan checked"):
+        assert words in output
+
+
+def test_a_request_that_is_not_planned_says_why_and_ends_with_one(far_file: Path) -> None:
+    code, output, _ = run("plan", str(far_file))
+    assert code == WRONG
+    assert "not planned" in output
+    assert "OUT_OF_REACH" in output
+    assert "plan checked" not in output
+
+
+def without_times(document: dict[str, Any]) -> bytes:
+    return to_json({name: value for name, value in document.items() if name not in TIMES})
+
+
+def test_json_is_the_document_that_the_service_answers_with(client: httpx.Client, small_file: Path) -> None:
+    code, output, _ = run("plan", str(small_file), "--json")
+    answer = client.post("/v1/plans", json=FIRST_PLAN)
+    assert code == RIGHT
+    assert without_times(json.loads(output)) == without_times(answer.json())
+    assert list(json.loads(output)) == list(answer.json())
+    assert json.loads(run("robots", "--json")[1]) == client.get("/v1/robots").json()
+    assert json.loads(run("scenes", "--json")[1]) == client.get("/v1/scenes").json()
+    assert json.loads(run("schema")[1]) == client.get("/v1/schema").json()
+
+
+def test_the_digest_of_a_certificate_is_the_same_on_both_borders(client: httpx.Client, small_file: Path) -> None:
+    _, output, _ = run("plan", str(small_file), "--json", "--certificate", "digest")
+    answer = client.post("/v1/plans", json=FIRST_PLAN, params={"certificate": "digest"})
+    assert without_times(json.loads(output)) == without_times(answer.json())
+
+
+def test_a_plan_that_was_written_is_right_and_a_changed_one_is_wrong(small_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "plan.json"
+    assert run("plan", str(small_file), "--out", str(out))[0] == RIGHT
+    assert out.read_bytes().endswith(b"}\n")
+    code, output, _ = run("check", str(small_file), str(out))
+    assert (code, "plan right" in output) == (RIGHT, True)
+
+    plan = json.loads(out.read_bytes())
+    plan["trajectory"]["velocity"][1][0] += 0.5
+    out.write_text(json.dumps(plan))
+    code, output, _ = run("check", str(small_file), str(out))
+    assert (code, "plan wrong" in output) == (WRONG, True)
+    code, output, _ = run("check", str(small_file), str(out), "--json")
+    assert (code, json.loads(output)["ok"]) == (WRONG, False)
+
+
+def test_an_answer_without_a_plan_is_written_too_and_is_nothing_to_check(far_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "plan.json"
+    assert run("plan", str(far_file), "--out", str(out))[0] == WRONG
+    assert json.loads(out.read_bytes())["status"] == "not_planned"
+    assert run("check", str(far_file), str(out))[0] == BAD_INPUT
+
+
+def test_the_lists_name_everything() -> None:
+    _, output, _ = run("scenes")
+    for name in shipped_scenarios():
+        assert name in output
+    _, output, _ = run("robots")
+    for name in ("mitsubishi-rh-6frh5520", "mitsubishi-rh-6crh6020", "fanuc-sr-3ia"):
+        assert name in output
+
+
+def raising(error: BaseException) -> Any:
+    def raise_it(*_: object, **__: object) -> None:
+        raise error
+
+    return raise_it
+
+
+def test_a_fault_of_ours_is_one_line_and_exit_code_three(small_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(command_line.requests, "plan_document", raising(ZeroDivisionError("what\nwas said")))
+    code, output, errors = run("plan", str(small_file))
+    assert (code, output, errors.count("\n")) == (FAULT, "", 1)
+    assert "ZeroDivisionError" in errors
+    assert "what" not in errors
+
+
+def test_a_plan_that_its_own_checker_refuses_is_not_given(
+    small_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refused = {"ok": False, "findings": [{"what": "the gap is not there", "detail": ""}], "notice": ""}
+    monkeypatch.setattr(command_line.requests, "check_document", lambda *_, **__: refused)
+    code, output, errors = run("plan", str(small_file), "--out", str(tmp_path / "plan.json"))
+    assert (code, output) == (FAULT, "")
+    assert "the gap is not there" in errors
+    assert not (tmp_path / "plan.json").exists()
+
+
+def test_an_interrupted_command_ends_quietly(small_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(command_line.requests, "plan_document", raising(KeyboardInterrupt()))
+    assert run("plan", str(small_file)) == (INTERRUPTED, "", "assur: interrupted\n")
+
+
+def process(*arguments: str, **environment: str) -> subprocess.CompletedProcess[bytes]:
+    command = [sys.executable, "-m", "api.command_line", *arguments]
+    given = {**os.environ, **environment}
+    return subprocess.run(command, cwd=ROOT, env=given, capture_output=True, timeout=120, check=False)
+
+
+def test_a_terminal_that_knows_ascii_only_gets_everything_all_the_same(small_file: Path) -> None:
+    run = process("plan", str(small_file), PYTHONIOENCODING="ascii", LC_ALL="C", TERM="dumb")
+    assert run.returncode == RIGHT, run.stderr
+    assert b"plan checked" in run.stdout
+    assert b"\x1b" not in run.stdout
+    assert run.stderr == b""
+
+
+def test_a_reader_that_closes_the_pipe_gets_no_traceback() -> None:
+    command = f"{sys.executable} -m api.command_line schema | head -c 10; exit ${{PIPESTATUS[0]}}"
+    run = subprocess.run(["bash", "-c", command], cwd=ROOT, capture_output=True, timeout=60, check=False)
+    assert len(run.stdout) == 10
+    assert run.stderr == b""
+    assert run.returncode in (RIGHT, command_line.PIPE_CLOSED)
+
+
+def test_bad_input_ends_with_two_in_a_process_of_its_own() -> None:
+    run = process("plan", "nowhere.yaml")
+    assert run.returncode == BAD_INPUT
+    assert run.stdout == b""
+    assert run.stderr.startswith(b"assur: FILE: got ")
+    assert run.stderr.count(b"\n") == 1

@@ -1,0 +1,304 @@
+"""The service as a process of its own, with real sockets and real signals."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import http.client
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import httpx
+import psutil
+import pytest
+
+from api.jobs import FIRST_PLAN
+from api.problems import MEDIA_TYPE
+from api.settings import PLAN_BODY_BYTES
+
+ROOT = Path(__file__).parents[2]
+SECRET = "the-customers-own-words"
+
+
+def endless(budget_s: float) -> dict[str, Any]:
+    """A request that is planned for as long as its budget lasts."""
+    request = copy.deepcopy(FIRST_PLAN)
+    request["options"] = {"budget_s": budget_s, "stop": "budget", "elbow": "auto"}
+    return request
+
+
+@dataclass
+class Server:
+    """A running `assur serve`, its address, and the lines of its log so far."""
+
+    process: subprocess.Popen[bytes]
+    log: list[dict[str, Any]] = field(default_factory=list)
+    raw: list[bytes] = field(default_factory=list)
+
+    @property
+    def port(self) -> int:
+        until(lambda: bool(self.events("listening")) or self.process.poll() is not None)
+        return int(self.events("listening")[0]["port"])
+
+    def client(self) -> httpx.Client:
+        return httpx.Client(base_url=f"http://127.0.0.1:{self.port}", timeout=60.0)
+
+    def ready(self) -> bool:
+        with self.client() as client:
+            return client.get("/readyz").status_code == 200
+
+    def workers(self) -> list[psutil.Process]:
+        """Its worker processes."""
+        found = []
+        for child in psutil.Process(self.process.pid).children(recursive=True):
+            with contextlib.suppress(psutil.Error):
+                if "spawn_main" in " ".join(child.cmdline()):
+                    found.append(child)
+        return found
+
+    def read(self) -> None:
+        assert self.process.stderr is not None
+        for line in self.process.stderr:
+            self.raw.append(line)
+            with contextlib.suppress(ValueError):
+                self.log.append(json.loads(line))
+
+    def events(self, text: str) -> list[dict[str, Any]]:
+        return [line for line in list(self.log) if line["event"] == text]
+
+
+def until(true: Callable[[], bool], within_s: float = 60.0) -> None:
+    """Waits for something that another process does."""
+    end = time.monotonic() + within_s
+    while not true():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.02)
+
+
+@contextlib.contextmanager
+def serving(**settings: str) -> Iterator[Server]:
+    """A service on a free port, with settings by their names without the prefix."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")}
+    environment = {**kept, **{f"ASSUR_{name}": value for name, value in settings.items()}}
+    command = [sys.executable, "-m", "api.command_line", "serve", "--port", "0"]
+    process = subprocess.Popen(command, cwd=ROOT, env=environment, stderr=subprocess.PIPE)
+    server = Server(process)
+    reader = threading.Thread(target=server.read)
+    reader.start()
+    try:
+        yield server
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGTERM)
+        try:
+            process.wait(60)
+        finally:
+            process.kill()
+            process.wait()
+            reader.join()
+            assert process.stderr is not None
+            process.stderr.close()
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Server]:
+    """One worker and no queue; what comes while it works is turned away."""
+    with serving(WORKERS="1", QUEUE="0", BODY_S="1.5", GRACE_S="20") as made:
+        until(made.ready)
+        yield made
+
+
+@pytest.fixture
+def aside() -> Iterator[ThreadPoolExecutor]:
+    with ThreadPoolExecutor(4) as made:
+        yield made
+
+
+def post(server: Server, request: dict[str, Any]) -> httpx.Response:
+    with server.client() as client:
+        return client.post("/v1/plans", json=request, params={"certificate": "digest"})
+
+
+def begun(server: Server, aside: ThreadPoolExecutor, request: dict[str, Any]) -> tuple[Future[httpx.Response], int]:
+    """A request that a worker has begun to plan, and the worker's process."""
+    (worker,) = server.workers()
+    before = sum(worker.cpu_times()[:2])
+    answer = aside.submit(post, server, request)
+    until(lambda: sum(worker.cpu_times()[:2]) >= before + 0.2 or answer.done())
+    assert not answer.done()
+    return answer, worker.pid
+
+
+def served(server: Server) -> None:
+    """The next request is planned."""
+    answer = post(server, FIRST_PLAN)
+    assert answer.status_code == 200, answer.text
+    assert answer.json()["status"] == "planned"
+
+
+def test_a_worker_killed_in_the_middle_of_a_plan_is_told_and_the_next_request_is_served(
+    server: Server, aside: ThreadPoolExecutor
+) -> None:
+    answer, pid = begun(server, aside, endless(9.0))
+    os.kill(pid, signal.SIGKILL)
+    told = answer.result()
+    assert told.status_code == 503
+    assert told.headers["content-type"] == MEDIA_TYPE
+    assert told.json()["type"] == "urn:assur:problem:worker-crashed"
+    assert "SIGKILL" in told.json()["detail"]
+    assert "retry-after" in told.headers
+    served(server)
+    assert pid not in [worker.pid for worker in server.workers()]
+
+
+def test_while_the_only_worker_works_and_there_is_no_queue_one_is_told_when_to_come_again(
+    server: Server, aside: ThreadPoolExecutor
+) -> None:
+    first, _ = begun(server, aside, endless(2.0))
+    second = post(server, FIRST_PLAN)
+    assert second.status_code == 503
+    assert second.json()["type"] == "urn:assur:problem:busy"
+    assert 1 <= int(second.headers["retry-after"]) <= 60
+    with server.client() as client:
+        assert client.get("/livez").status_code == 200
+        assert client.get("/v1/scenes").status_code == 200
+    assert first.result().json()["status"] == "planned"
+    served(server)
+
+
+def test_a_plan_whose_client_hangs_up_is_stopped(server: Server) -> None:
+    (worker,) = server.workers()
+    before = sum(worker.cpu_times()[:2])
+    body = json.dumps(endless(10.0)).encode()
+    head = (
+        f"POST /v1/plans HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
+    )
+    began = time.monotonic()
+    with socket.create_connection(("127.0.0.1", server.port)) as connection:
+        connection.sendall(head.encode() + body)
+        until(lambda: sum(worker.cpu_times()[:2]) >= before + 0.2)
+    until(lambda: not worker.is_running() or worker.status() == psutil.STATUS_ZOMBIE)
+    assert time.monotonic() - began < 9.0
+    until(server.ready)
+    served(server)
+
+
+def test_a_body_that_trickles_is_given_up(server: Server) -> None:
+    with socket.create_connection(("127.0.0.1", server.port)) as connection:
+        connection.sendall(
+            b"POST /v1/plans HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 9000\r\n\r\n{"
+        )
+        connection.settimeout(30.0)
+        assert b" 408 " in connection.recv(4096).split(b"\r\n")[0]
+    served(server)
+
+
+def test_a_client_that_leaves_in_the_middle_of_its_body_is_no_fault(server: Server) -> None:
+    faults = len(server.events("a request met a fault"))
+    with socket.create_connection(("127.0.0.1", server.port)) as connection:
+        connection.sendall(
+            b"POST /v1/plans HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 9000\r\n\r\n{"
+        )
+    until(lambda: any(line.get("status") == 499 for line in server.events("request")))
+    assert len(server.events("a request met a fault")) == faults
+
+
+@pytest.mark.parametrize("chunked", [False, True], ids=["declared", "in chunks"])
+def test_a_body_above_the_cap_is_refused_over_a_real_socket(server: Server, chunked: bool) -> None:
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=30)
+    data = b" " * (PLAN_BODY_BYTES + 1)
+    body: Any = (data[i : i + 65_536] for i in range(0, len(data), 65_536)) if chunked else data
+    connection.request("POST", "/v1/plans", body, {"Content-Type": "application/json"}, encode_chunked=chunked)
+    answer = connection.getresponse()
+    assert answer.status == 413
+    assert json.loads(answer.read())["type"] == "urn:assur:problem:too-large"
+    connection.close()
+    served(server)
+
+
+def test_nothing_that_a_caller_sends_is_logged(server: Server) -> None:
+    with server.client() as client:
+        client.get(f"/{SECRET}")
+        client.get(f"/v1/scenes/{SECRET}")
+        client.post(f"/v1/plans?{SECRET}=1", json={SECRET: SECRET}, headers={"X-Request-Id": SECRET, "Cookie": SECRET})
+        client.post("/v1/plans", json={**FIRST_PLAN, SECRET: SECRET})
+        client.post("/v1/plans/check", json={"request": {SECRET: 1}, "plan": SECRET})
+    with socket.create_connection(("127.0.0.1", server.port)) as connection:
+        connection.sendall(f"{SECRET}\r\n\r\n".encode())
+        connection.recv(100)
+    served(server)
+    assert len(server.events("request")) >= 6
+    assert SECRET.encode() not in b"".join(server.raw)
+    assert len(server.raw) == len(server.log), "a line that is not JSON"
+
+
+def test_the_service_is_not_ready_before_its_workers_have_planned_and_then_it_is() -> None:
+    with serving(WORKERS="2") as server:
+        with server.client() as client:
+            early = client.get("/readyz")
+            assert early.status_code == 503
+            assert early.json()["type"] == "urn:assur:problem:not-ready"
+            assert client.get("/livez").status_code == 200
+        until(server.ready)
+        assert len(server.events("worker ready")) == 2
+        assert [line["ready"] for line in server.events("worker ready")] == [False, True]
+
+
+def test_on_sigterm_what_was_accepted_is_answered_and_no_process_is_left(aside: ThreadPoolExecutor) -> None:
+    with serving(WORKERS="1", QUEUE="2", GRACE_S="20") as server:
+        until(server.ready)
+        port = server.port
+        running, pid = begun(server, aside, endless(2.0))
+        waiting = aside.submit(post, server, FIRST_PLAN)
+        time.sleep(0.3)
+        server.process.send_signal(signal.SIGTERM)
+        until(lambda: not _open(port))
+        assert not running.done()
+        assert running.result().json()["status"] == "planned"
+        assert waiting.result().json()["status"] == "planned"
+        assert server.process.wait(60) == 0
+        until(lambda: not psutil.pid_exists(pid))
+
+
+def _open(port: int) -> bool:
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
+def test_a_service_killed_without_warning_leaves_no_worker_behind() -> None:
+    with serving(WORKERS="1") as server:
+        until(server.ready)
+        (worker,) = server.workers()
+        server.process.kill()
+        server.process.wait()
+        until(lambda: not worker.is_running() or worker.status() == psutil.STATUS_ZOMBIE)
+
+
+@pytest.mark.parametrize(("name", "value"), [("PORT", "http"), ("WORKER", "2"), ("MAX_BUDGET_S", "nan")])
+def test_a_service_with_a_wrong_setting_does_not_start_and_says_which(name: str, value: str) -> None:
+    command = [sys.executable, "-m", "api.command_line", "serve", "--port", "0"]
+    environment = {**os.environ, f"ASSUR_{name}": value}
+    run = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=60, check=False)
+    assert run.returncode == 2
+    assert run.stderr.startswith(f"assur: ASSUR_{name}: got ")
+    assert run.stderr.count("\n") == 1
+
+
+def test_a_port_that_is_taken_is_bad_input() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = str(taken.getsockname()[1])
+        command = [sys.executable, "-m", "api.command_line", "serve", "--port", port]
+        run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
+    assert run.returncode == 2
+    assert "Traceback" not in run.stderr
