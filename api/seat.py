@@ -135,5 +135,5 @@ class Seat:
 
 async def _dispose(pool: pebble.ProcessPool) -> None:
     """Ends a pool and its process, off the event loop: joining waits for Pebble's threads."""
-    pool.stop()
+    pool.stop()  # type: ignore[no-untyped-call]
     await asyncio.shield(asyncio.to_thread(pool.join))

@@ -238,6 +238,8 @@ def _assembled(
     arrival = _arrival(scene, chain, point, sample, trajectory, begin, end)
     after = _after(scene, chain, point, sample, legs, arrival, knots)
     ours = phases(scene, after.legs, after.arrivals)[len(chain.legs) :]
+    if not final:
+        ours = ours[: len(legs)]  # the arm does not stand still here
     return Draft(chain, sample, tuple(stretches), legs, arrival, knots, trajectory, after, ours)
 
 

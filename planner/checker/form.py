@@ -21,6 +21,7 @@ def form(scene: Scene, plan: Plan) -> list[Finding]:
     for i, leg in enumerate(plan.legs):
         if not _leg(leg, len(scene.task)):
             findings.append(Finding(Code.FORM, f"leg {i} is not a leg of this task: {leg!r:.100}"))
+    arrival: Any
     for i, arrival in enumerate(plan.arrivals):
         pose = getattr(arrival, "pose", None)
         numbers = [getattr(pose, name, None) for name in ("x", "y", "z", "yaw")]
@@ -29,50 +30,45 @@ def form(scene: Scene, plan: Plan) -> list[Finding]:
         if not (all(map(_finite, numbers)) and _index(step, len(scene.task))):
             findings.append(Finding(Code.FORM, f"arrival {i} is not an arrival of this task: {arrival!r:.100}"))
         optional = [getattr(arrival, name, None) for name in ("along_m", "window_left_s")]
-        if not (all(x is None or _finite(x) for x in optional) and isinstance(arrival.control_point, str)):
+        named = isinstance(getattr(arrival, "control_point", None), str)
+        if not (named and all(x is None or _finite(x) for x in optional)):
             findings.append(Finding(Code.FORM, f"arrival {i} has something that is not a finite number"))
     return findings + _certificate(plan.certificate)
 
 
 def _knots(knots: Any, joints: int) -> list[Finding]:
-    time = getattr(knots, "time", None)
+    time: Any = getattr(knots, "time", None)
     if not (_reals(time, 1) and len(time) >= 2):
         return [Finding(Code.FORM, "knots need at least two finite times")]
     findings = []
     if not bool((time[1:] > time[:-1]).all()):
         k = int(np.argmin(time[1:] > time[:-1])) + 1
-        findings.append(
-            Finding(Code.FORM, "times of knots must increase", float(time[k - 1] - time[k]), "s", f"knot {k}")
-        )
+        back = float(time[k - 1] - time[k])
+        findings.append(Finding(Code.FORM, "times of knots must increase", back, "s", f"knot {k}"))
     for name in ("q", "qd", "qdd"):
-        states = getattr(knots, name, None)
+        states: Any = getattr(knots, name, None)
         if not (_reals(states, 2) and states.shape == (len(time), joints)):
             findings.append(Finding(Code.FORM, f"{name} must be {len(time)} × {joints} finite numbers"))
     return findings
 
 
 def _leg(leg: Any, steps: int) -> bool:
-    return (
-        isinstance(leg, Leg)
-        and isinstance(leg.kind, LegKind)
-        and _index(leg.step, steps)
-        and _finite(leg.t0)
-        and _finite(leg.t1)
-        and isinstance(leg.note, str)
-    )
+    if not (isinstance(leg, Leg) and _index(leg.step, steps) and _finite(leg.t0) and _finite(leg.t1)):
+        return False
+    kind: Any = leg.kind
+    return isinstance(kind, LegKind) and isinstance(getattr(leg, "note", None), str)
 
 
 def _certificate(certificate: Any) -> list[Finding]:
-    names = getattr(certificate, "names", None)
-    if not (
-        isinstance(names, tuple) and all(isinstance(name, str) for name in names) and len(set(names)) == len(names)
-    ):
+    names: Any = getattr(certificate, "names", None)
+    texts = isinstance(names, tuple) and all(isinstance(name, str) for name in names)
+    if not (texts and len(set(names)) == len(names)):
         return [Finding(Code.FORM, "the certificate's names must be different texts")]
-    t0 = getattr(certificate, "t0", None)
+    t0: Any = getattr(certificate, "t0", None)
     rows = len(t0) if isinstance(t0, np.ndarray) and t0.ndim == 1 else -1
     findings = []
     for name in REALS:
-        column = getattr(certificate, name, None)
+        column: Any = getattr(certificate, name, None)
         # An infinite bound is a true one; an infinite time or gap is not.
         if not (_reals(column, 1, infinite=name in REALS[4:]) and len(column) == rows):
             findings.append(Finding(Code.FORM, f"certificate column {name} must be {max(rows, 0)} finite numbers"))
@@ -80,7 +76,7 @@ def _certificate(certificate: Any) -> list[Finding]:
         column = getattr(certificate, name, None)
         if not (isinstance(column, np.ndarray) and column.dtype.kind == "i" and column.shape == (rows,)):
             findings.append(Finding(Code.FORM, f"certificate column {name} must be {max(rows, 0)} integers"))
-    normal = getattr(certificate, "normal", None)
+    normal: Any = getattr(certificate, "normal", None)
     if not (_reals(normal, 2) and normal.shape == (rows, 3)):
         findings.append(Finding(Code.FORM, f"certificate column normal must be {max(rows, 0)} × 3 finite numbers"))
     return findings
@@ -93,8 +89,8 @@ def _reals(column: Any, dimensions: int, *, infinite: bool = False) -> bool:
 
 
 def _finite(value: Any) -> bool:
-    return isinstance(value, float | int | np.floating | np.integer) and math.isfinite(value)
+    return isinstance(value, float | int | np.floating | np.integer) and bool(math.isfinite(value))
 
 
 def _index(value: Any, count: int) -> bool:
-    return isinstance(value, int | np.integer) and not isinstance(value, bool) and 0 <= value < count
+    return isinstance(value, int | np.integer) and not isinstance(value, bool) and bool(0 <= value < count)

@@ -18,7 +18,7 @@ RATE = 1e-9
 """Relative; for positions of half the range. Knots on a limit round to 1e-16 beyond it, and a touching parabola is
 decided after some fifteen halvings; anyone who looks for excess looks for 1e-6."""
 JERK = 1e-6
-"""Relative. Jerk is a third difference of the knots' numbers: with pieces down to 10 µs they round it to about 1 rad/s³,
+"""Relative. Jerk is a third difference of the knots' numbers: with pieces down to 10 µs they round it to some 1 rad/s³,
 1e-4 of a usual limit, which a planner must leave free; what is checked here is the spline as written."""
 HALVINGS = 45
 """A part is then 3e-14 of its piece: its ends cannot be told apart."""
@@ -61,7 +61,7 @@ def _broken(control: FloatArray, allowed: FloatArray, line: Spline) -> dict[int,
         row = np.concatenate([cut(row, zero, one / 2), cut(row, one / 2, one)])
         piece, joint = np.tile(piece, 2), np.tile(joint, 2)
         s0, s1 = np.concatenate([s0, centre]), np.concatenate([centre, s1])
-    for k in range(len(row)):
-        time = float(line.time[piece[k]] + s0[k] * line.length[piece[k]])
-        broken[int(joint[k])] = (float(np.abs(row[k]).max() - allowed[joint[k]]), time)
+    for i in range(len(row)):
+        time = float(line.time[piece[i]] + s0[i] * line.length[piece[i]])
+        broken[int(joint[i])] = (float(np.abs(row[i]).max() - allowed[joint[i]]), time)
     return broken

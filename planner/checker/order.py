@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 
 import numpy as np
 
@@ -55,7 +56,7 @@ def legs(scene: Scene, plan_legs: tuple[Leg, ...], ranges: Ranges) -> list[Findi
     if not plan_legs:
         return [Finding(Code.LEGS, "a plan without legs")]
     findings = _possible(scene)
-    edges = [(line.start, plan_legs[0].t0), *((a.t1, b.t0) for a, b in zip(plan_legs, plan_legs[1:], strict=False))]
+    edges = [(line.start, plan_legs[0].t0), *((a.t1, b.t0) for a, b in pairwise(plan_legs))]
     edges.append((plan_legs[-1].t1, line.end))
     for i, (one, other) in enumerate(edges):
         if one != other:
@@ -65,7 +66,7 @@ def legs(scene: Scene, plan_legs: tuple[Leg, ...], ranges: Ranges) -> list[Findi
         if not lasts:
             findings.append(Finding(Code.LEGS, "a leg must last", leg.t0 - leg.t1, "s", f"leg {i}"))
     steps = [leg.step for leg in plan_legs]
-    if any(b < a for a, b in zip(steps, steps[1:], strict=False)):
+    if any(b < a for a, b in pairwise(steps)):
         findings.append(Finding(Code.LEGS, "legs must come in the order of the steps"))
     for number, step in enumerate(scene.task):
         own = tuple(leg for leg in plan_legs if leg.step == number)

@@ -30,11 +30,17 @@ class Excess:
     decided: bool
 
 
-def settle(t0: float, t1: float, coarsest: float, judge: Judge) -> Excess | None:
-    """None if every quantity stays at or below zero over all of [t0, t1]; else the worst that was found."""
-    count = max(1, int(np.ceil((t1 - t0) / coarsest)))
-    edges = np.linspace(t0, t1, count + 1)
-    a, b = edges[:-1], edges[1:]
+def settle(edges: FloatArray, coarsest: float, judge: Judge) -> Excess | None:
+    """None if every quantity stays at or below zero from first to last of `edges` (E,), s; else the worst excess.
+
+    Intervals do not cross edges, and are no longer than `coarsest` to begin with.
+    """
+    length = np.diff(edges)
+    count = np.maximum(1, np.ceil(length / coarsest)).astype(np.int64)
+    part = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    first, step = np.repeat(edges[:-1], count), np.repeat(length / count, count)
+    a = first + part * step
+    b = np.append(a[1:], edges[-1])
     for _ in range(ROUNDS):
         bound, taken = judge(a, b)
         over = ~(taken <= 0)

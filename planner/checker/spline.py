@@ -15,7 +15,6 @@ import numpy as np
 
 from planner.arrays import FloatArray, IntArray
 
-
 State = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 """q, q̇, q̈, q⃛."""
 

@@ -57,8 +57,11 @@ def combine(
         raise FaultError(f"profiles for joints {sorted(parts)} only")
     rows = [_row(joint, sorted(parts[joint], key=lambda part: part[0]), duration) for joint in range(len(parts))]
     size = max(len(time) for time, _, _ in rows)
-    time = np.stack([np.pad(t, (0, size - len(t)), mode="edge") for t, _, _ in rows])
-    phases = np.stack([np.pad(c, ((0, size - len(c)), (0, 0)), mode="edge") for _, c, _ in rows])
+    time, phases = np.full((len(rows), size), duration), np.empty((len(rows), size, 6))
+    for joint, (begins, coefficients, _) in enumerate(rows):
+        time[joint, : len(begins)] = begins
+        phases[joint, : len(begins)] = coefficients
+        phases[joint, len(begins) :] = coefficients[-1]
     states = np.stack([ends for _, _, ends in rows], -1)
     return Profile(duration, time, phases, (states[0], states[1], states[2]), (states[3], states[4], states[5]))
 

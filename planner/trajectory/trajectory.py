@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.arrays import FloatArray, frozen
+from planner.arrays import FloatArray, IntArray, frozen
 from planner.errors import FaultError, InputError
 from planner.trajectory.extremum import span
 from planner.trajectory.hermite import hulls, powers
@@ -56,6 +56,10 @@ class Trajectory:
             object.__setattr__(self, name, states)
         if not width:
             raise InputError("trajectory.q", self.q.shape, "at least one joint")
+
+    def __reduce__(self) -> tuple[type[Trajectory], tuple[FloatArray, ...]]:
+        """Between processes only the knots travel; they are validated again."""
+        return Trajectory, (self.time, self.q, self.qd, self.qdd)
 
     @property
     def n(self) -> int:
@@ -110,10 +114,39 @@ class Trajectory:
         """Bernstein coefficients of a derivative (0 to 3) on every piece, (K-1, n, 6 - derivative): its convex hull."""
         return self._hulls[derivative]
 
-    def piece(self, t: FloatArray) -> tuple[np.ndarray[tuple[int, ...], np.dtype[np.intp]], FloatArray]:
+    def piece(self, t: FloatArray) -> tuple[IntArray, FloatArray]:
         """The piece that holds each time, the right one at an inner knot, and the time since its begin."""
         index = np.minimum(np.maximum(self.time.searchsorted(t, "right") - 1, 0), len(self.time) - 2)
         return index, t - self.time[index]
+
+    def on_piece(self, index: IntArray, tau: FloatArray, derivative: int) -> FloatArray:
+        """q or a derivative (0 to 3) of pieces number `index` (...), `tau` (...) s after their begin: (..., n)."""
+        c = self._horner[derivative].take(index, 1)
+        tau = np.repeat(tau[..., None], self.n, -1)
+        value = c[-1]
+        for coefficient in c[-2::-1]:
+            value *= tau
+            value += coefficient
+        return np.asarray(value)
+
+    def states_on_piece(self, index: IntArray, tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """q, q̇, q̈ as `on_piece` gives them, in one go: Horner's scheme for a polynomial and its derivatives."""
+        c = self._horner[0].take(index, 1)
+        # Contiguous operands in place: a broadcast of tau would take three times as long.
+        tau = np.repeat(tau[..., None], self.n, -1)
+        q, v = c[5] * tau, c[5]
+        q += c[4]
+        a = v.copy()
+        for k in (3, 2, 1, 0):
+            if k < 3:
+                a *= tau
+                a += v
+            v *= tau
+            v += q
+            q *= tau
+            q += c[k]
+        a *= 2
+        return q, v, a
 
     def evaluate(self, t: FloatArray | float, derivative: int = 0) -> FloatArray:
         """q or a derivative (0 to 3) at times `t` (...): (..., n).
@@ -123,17 +156,14 @@ class Trajectory:
         """
         t = np.asarray(t, dtype=np.float64)
         index, tau = self.piece(t)
-        horner, tau = self._horner[derivative], tau[..., None]
-        value = horner[-1][index]
-        for c in horner[-2::-1]:
-            value = value * tau + c[index]
+        value = self.on_piece(index, tau, derivative)
         last = t == self.time[-1]
         if derivative < 3 and last.any():
             value[last] = (self.q, self.qd, self.qdd)[derivative][-1]
         inside = (t >= self.time[0]) & (t <= self.time[-1])
         if not inside.all():
             value[~inside] = np.nan
-        return np.asarray(value)
+        return value
 
     def state(self, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """q, q̇, q̈ at one time, each (n,)."""

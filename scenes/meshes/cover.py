@@ -17,11 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import FloatArray, IntArray
-from planner.errors import FaultError
 from planner.shapes import Piece
 from scenes.meshes.clip import SAME_M, clip
 from scenes.meshes.excess import doubled_area, excess
 from scenes.meshes.hull import hull_of, rough_hull, volume_of_hull
+from scenes.meshes.merge import merged
 from scenes.meshes.surface import SMALLEST_VOLUME_M3, Surface, volume_of
 
 MAX_PIECES = 64
@@ -34,7 +34,7 @@ CONVEX_SHARE = 1e-6
 """Share of the hull's volume by which a convex mesh's own may fall short, from rounding in the file (float32)."""
 LEVELS = 5
 """Cuts that are tried along each axis, besides through the middle."""
-MANY = 20_000
+MANY = 600
 """From this many triangles on, only cuts through the middle are tried: the better cuts come in the smaller cells."""
 ENOUGH = 400
 """Triangles from whose corners the volume of a hull is estimated, to compare cuts."""
@@ -73,11 +73,9 @@ def cover(surface: Surface) -> Cover:
             for half in halves:
                 heapq.heappush(cells, half)
     found = sorted(done + cells, key=lambda cell: tuple(cell.triangles.reshape(-1, 3).mean(0)))
-    if not found:
-        raise FaultError("a cover without pieces")
     worst_m = max(cell.excess for cell in found)
-    pieces = tuple(Piece(hull_of(cell.triangles.reshape(-1, 3))) for cell in found)
-    return Cover(pieces, (surface.vertices, surface.faces), worst_m)
+    hulls = merged([hull_of(cell.triangles.reshape(-1, 3)) for cell in found])
+    return Cover(tuple(Piece(hull) for hull in hulls), (surface.vertices, surface.faces), worst_m)
 
 
 class _Cell:
@@ -85,7 +83,7 @@ class _Cell:
 
     def __init__(self, triangles: FloatArray) -> None:
         self.triangles = triangles
-        self.excess = excess(rough_hull(triangles.reshape(-1, 3)), triangles)
+        self.excess = excess(rough_hull(_some(triangles)), triangles)
 
     def __lt__(self, other: _Cell) -> bool:
         return (self.excess, len(self.triangles)) > (other.excess, len(other.triangles))

@@ -66,9 +66,7 @@ def test_a_plan_that_was_tampered_with_is_refused_with_findings(client: httpx.Cl
     assert len(verdict.json()["findings"]) >= 1
 
 
-def test_what_cannot_be_planned_is_an_answer_not_a_problem(
-    client: httpx.Client, small: dict[str, Any]
-) -> None:
+def test_what_cannot_be_planned_is_an_answer_not_a_problem(client: httpx.Client, small: dict[str, Any]) -> None:
     small["task"] = [{"move": {"to": {"at_m": [1.5, 0.0, 0.25]}}}]
     answer = planned(client, small)
     assert answer["status"] == "not_planned"

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from api.documents import to_json
-from api.problems import NOTHING, STATUS, FieldError, Problem, printable, shown
+from api.problems import STATUS, FieldError, Problem, printable, shown
 from planner.errors import InputError
-from scenes.faults import DocumentError
+from scenes.faults import NOTHING, DocumentError
 
 
 @pytest.mark.parametrize("kind", STATUS)

@@ -1,0 +1,77 @@
+"""Where the tool point must be for each step: derived from the request and the turns that the arrivals claim."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from planner.arrays import FloatArray
+from planner.frames.motion import Motion, Pose
+from planner.outcome import Arrival
+from planner.phases import yaw_offsets
+from planner.scene import Move, Pick, Place, Scene, Step
+
+TURN = 1e-9
+"""A turn that a symmetry allows is recognised up to this, rad."""
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """`tool`: pose of the tool point in `frame` when the control point of `step` is met; `point`: of the part, or of
+    the target as it was given, whose way along a conveyor is what a window measures."""
+
+    number: int
+    step: Step
+    frame: str
+    tool: Pose
+    point: Pose
+    turns: bool
+    """Whether the tool's yaw is asked for."""
+
+    def motion(self, scene: Scene, t: FloatArray) -> Motion:
+        """Motion of the tool point if it stays in `frame`, at times t."""
+        return scene.frames[self.frame].law.motion(t).at(self.tool)
+
+
+def targets(scene: Scene, arrivals: tuple[Arrival, ...]) -> tuple[Target, ...]:
+    """One target a step. A part is taken turned by its arrival's offset and put down in the pose that is asked."""
+    offsets = {arrival.step: arrival.yaw_offset for arrival in arrivals}
+    lies = {body.name: (body.frame, body.pose) for body in scene.bodies}
+    has_yaw = "yaw" in scene.robot.coordinates
+    taken = Pose()
+    found = []
+    for number, step in enumerate(scene.task):
+        turn = Pose(yaw=offsets.get(number, 0.0))
+        if isinstance(step, Pick):
+            frame, point = lies[step.part]
+            taken = turn.then(step.grasp)
+            found.append(Target(number, step, frame, point.then(taken), point, True))
+        elif isinstance(step, Place):
+            frame, point = step.to.frame, step.to.pose
+            lies[step.part] = (frame, point)
+            found.append(Target(number, step, frame, point.then(taken), point, True))
+        else:
+            point = step.target.pose
+            tool = Pose(point.x, point.y, point.z, point.yaw + turn.yaw)
+            found.append(Target(number, step, step.target.frame, tool, point, has_yaw))
+    return tuple(found)
+
+
+def may_turn(scene: Scene, step: Step, offset: float) -> bool:
+    """Whether a step leaves the tool the choice to be turned by `offset`."""
+    choices = yaw_offsets(scene, step)
+    return choices is None or any(abs(math.remainder(offset - choice, 2 * math.pi)) <= TURN for choice in choices)
+
+
+def asks_velocity(step: Step) -> bool:
+    """Whether the tool must have the velocity of its control point when it meets it."""
+    if isinstance(step, Move):
+        return step.match == "velocity" and not step.via
+    return not isinstance(step, Pick | Place) or step.match == "velocity"
+
+
+def asks_rest(step: Step) -> bool:
+    """Whether the arm must stand still when it meets its control point."""
+    if isinstance(step, Move):
+        return step.match == "position" and not step.via
+    return isinstance(step, Pick | Place) and step.match == "position"
