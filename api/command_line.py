@@ -85,19 +85,19 @@ def plan(
     if out is not None and (out.is_dir() or not out.parent.is_dir()):
         raise InputError("--out", str(out), "a file in a folder that exists")
     with _working(f"planning {given.name}"):
-        answer = requests.plan_document(given.request, folder=given.folder)
+        answer = given.plan()
         checked = answer["status"] == "planned"
         if checked:
-            _hold_to_checker(requests.check_document(given.request, answer, folder=given.folder))
-    shown = requests.with_certificate(answer, certificate)
+            _hold_to_checker(given.check(answer))
+    if checked and certificate == "digest":
+        answer["certificate"] = {key: answer["certificate"][key] for key in ("digest", "rows")}
     if out is not None:
-        out.write_bytes(to_json(shown) + b"\n")
+        out.write_bytes(to_json(answer) + b"\n")
     if as_json:
-        _print_json(shown)
+        _print_json(answer)
     else:
         _print(f"{given.name}: {'planned' if checked else 'not planned'}", "", *words.everything(answer))
-        for unmet in requests.unmet(given.expect, answer) if given.expect else ():
-            _print(f"not as the file expects: {unmet}")
+        _print(*(f"not as the file expects: {unmet}" for unmet in given.unmet(answer)))
         if checked:
             _print("plan checked")
     return RIGHT if checked else WRONG
@@ -114,15 +114,15 @@ def check(
     given = target(file)
     answer = json_file(plan, "PLAN")
     with _working(f"checking {plan.name}"):
-        verdict = requests.check_document(given.request, answer, folder=given.folder)
+        verdict = given.check(answer)
     if as_json:
         _print_json(verdict)
     elif verdict["ok"]:
         _print("plan right: everything that it promises holds against the model", verdict["notice"])
     else:
-        findings = words.table("what is wrong", "")
+        findings = words.table("what is wrong", ">by", "where")
         for finding in verdict["findings"]:
-            words.row(findings, finding["what"], finding["detail"])
+            words.row(findings, finding["what"], words.amount(finding["amount"], finding["unit"]), finding["where"])
         _print("plan wrong", "", findings)
     return RIGHT if verdict["ok"] else WRONG
 
@@ -135,7 +135,7 @@ def robots(as_json: AsJson = False) -> int:
     if as_json:
         _print_json({"robots": catalogue})
         return RIGHT
-    _print(words.catalogue(catalogue))
+    _print(words.catalogue(catalogue), "", words.LEGEND)
     return RIGHT
 
 

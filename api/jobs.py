@@ -12,7 +12,7 @@ from api.documents import to_json
 from api.logs import where
 from api.problems import FieldError, Problem, shown
 from planner.errors import FaultError, InputError
-from scenes.requests import check_document, parse_json, plan_document, shipped
+from scenes.requests import check_document, parse_json, plan_document, plan_scenario, shipped
 
 Detail = Literal["full", "digest"]
 
@@ -70,12 +70,7 @@ def plan(document: dict[str, Any], certificate: Detail) -> Reply:
 
 def plan_shipped(name: str, certificate: Detail) -> Reply:
     """The answer to the request of the shipped scenario `name`, with the files that ship with it."""
-
-    def work() -> dict[str, Any]:
-        scenario = shipped(name)
-        return plan_document(scenario.request, folder=scenario.folder, certificate=certificate)
-
-    return _guarded(work, "status")
+    return _guarded(lambda: plan_scenario(shipped(name), certificate=certificate), "status")
 
 
 def check(body: bytes) -> Reply:

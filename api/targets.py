@@ -2,24 +2,50 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from planner.errors import InputError
 from scenes.bounds import MAX_JSON_BYTES
-from scenes.requests import load_scenario, parse_json, shipped, shipped_scenarios
+from scenes.requests import (
+    Scenario,
+    check_document,
+    load_scenario,
+    parse_json,
+    plan_document,
+    plan_scenario,
+    shipped,
+    shipped_scenarios,
+    unmet,
+)
 
 
 @dataclass(frozen=True)
 class Target:
-    """A request to plan: its `name` for people, the document, the folder below which it may name files, and what
-    its scenario expects (empty: nothing said)."""
+    """A request to plan: its `name` for people, the document, the folder below which it may name mesh files, and
+    the scenario that it came from, if it came from one."""
 
     name: str
     request: Any
-    folder: Path | None = None
-    expect: dict[str, Any] = field(default_factory=dict)
+    folder: Path
+    scenario: Scenario | None = None
+
+    def plan(self) -> dict[str, Any]:
+        """The answer, with its certificate in full. Raises `InputError`, with the line in a scenario's file."""
+        return (
+            plan_document(self.request, folder=self.folder) if self.scenario is None else plan_scenario(self.scenario)
+        )
+
+    def check(self, plan: object) -> dict[str, Any]:
+        """The checker's verdict on `plan`. Raises `InputError`."""
+        with nullcontext() if self.scenario is None else self.scenario.located():
+            return check_document(self.request, plan, folder=self.folder)
+
+    def unmet(self, answer: dict[str, Any]) -> list[str]:
+        """What of the scenario's `expect` the answer does not hold."""
+        return [] if self.scenario is None else unmet(self.scenario.expect, answer)
 
 
 def target(text: str) -> Target:
@@ -32,11 +58,11 @@ def target(text: str) -> Target:
         if text not in shipped_scenarios():
             raise InputError("FILE", text, "a file, or a shipped scenario: " + ", ".join(shipped_scenarios()))
         scenario = shipped(text)
-        return Target(scenario.name, scenario.request, scenario.folder, scenario.expect)
-    if path.suffix.lower() == ".json":
+    elif path.suffix.lower() == ".json":
         return Target(path.stem, json_file(path, "FILE"), path.parent)
-    scenario = load_scenario(path)
-    return Target(scenario.name, scenario.request, scenario.folder, scenario.expect)
+    else:
+        scenario = load_scenario(path)
+    return Target(scenario.name, scenario.request, scenario.folder, scenario)
 
 
 def json_file(path: Path, name: str) -> Any:

@@ -35,6 +35,9 @@ SAYS = {
     "TIMED_OUT": "the time was up",
 }
 """Reasons as a shift leader says them."""
+MARKS = {"vendor_config": " c", "third_party": " t", "estimated": " e"}
+"""Marks behind a number of the catalogue that is not the maker's own word; `LEGEND` explains them."""
+LEGEND = "c: a maker's configuration file, perhaps a placeholder; t: second hand; e: estimated; else as its source says"
 MILLI = {"m": ("mm", 1e3), "s": ("ms", 1e3)}
 
 
@@ -65,6 +68,25 @@ def table(*columns: str) -> Table:
 def row(made: Table, *cells: object) -> None:
     """Adds a row; texts are printed as they are."""
     made.add_row(*(Text(printable(str(cell), 400)) for cell in cells))
+
+
+def catalogue(robots: list[dict[str, Any]]) -> Table:
+    """The robots, a row per joint, each number marked with its status."""
+    made = table("robot", "joint", ">range", ">speed", ">acceleration", ">jerk")
+    for robot in robots:
+        name = robot["model"]
+        for joint in robot["joints"]:
+            lower, upper = joint["lower"], joint["upper"]
+            extent = f"{lower['value']:g} .. {upper['value']:g} {lower['unit']}{MARKS.get(lower['status'], '')}"
+            rates = (joint[kind] for kind in ("velocity", "acceleration", "jerk"))
+            row(made, name, joint["name"], extent, *(_rate(rate) for rate in rates))
+            name = ""
+    return made
+
+
+def _rate(number: dict[str, Any]) -> str:
+    unit = number["unit"].replace("_s3", "/s3").replace("_s2", "/s2").replace("_s", "/s")
+    return f"{number['value']:g} {unit}{MARKS.get(number['status'], '')}"
 
 
 def planned(answer: dict[str, Any]) -> Iterator[Table | str]:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-import orjson
 
 Problem = dict[str, Any]
 """One problem as it stands in the file."""
@@ -36,8 +35,8 @@ class ProblemSet:
 def read_problem_set(path: Path) -> ProblemSet:
     """The problem set in a file; `ProblemSetError` if limits, problems or their ids are missing or twice there."""
     try:
-        document = orjson.loads(path.read_bytes())
-    except orjson.JSONDecodeError as error:
+        document = json.loads(path.read_bytes())
+    except ValueError as error:
         raise ProblemSetError(f"{path.name}: not JSON ({error})") from error
     if not isinstance(document, dict):
         raise ProblemSetError(f"{path.name}: an object with limits and problems is wanted")

@@ -7,12 +7,12 @@ the request contains was never seen before. The checker judges each plan afterwa
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
-import orjson
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -73,10 +73,13 @@ def run(problems: ProblemSet, chosen: Sequence[Problem], manners: Manners, out: 
     answer(unrelated_problem(WARM_UP_SEED, moving), problems, manners)
     lines = []
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with out.open("wb") as stream, Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    with (
+        out.open("w", encoding="utf-8") as stream,
+        Progress(*columns, console=Console(stderr=True), transient=True) as progress,
+    ):
         for problem in progress.track(chosen, description="planning"):
             line = answer(problem, problems, manners)
-            stream.write(orjson.dumps(line, option=orjson.OPT_APPEND_NEWLINE | orjson.OPT_SERIALIZE_NUMPY))
+            stream.write(json.dumps(line, allow_nan=False) + "\n")
             stream.flush()
             lines.append(line)
     return lines
@@ -128,7 +131,8 @@ def _planned(document: Document) -> Document:
 def trajectory(found: Plan) -> dict[str, Any]:
     """The knots, in the q of the problems: the planner's own, for this robot's flange is the tool tip."""
     knots = found.trajectory
-    return {"time_s": knots.time, "position": knots.q, "velocity": knots.qd, "acceleration": knots.qdd}
+    columns = {"time_s": knots.time, "position": knots.q, "velocity": knots.qd, "acceleration": knots.qdd}
+    return {name: values.tolist() for name, values in columns.items()}
 
 
 if __name__ == "__main__":

@@ -5,72 +5,55 @@ from __future__ import annotations
 import numpy as np
 
 from planner.arrays import FloatArray
-from planner.legs.control_point import control_point
-from planner.legs.meeting import meetings
-from planner.phases import Carried, held, initial_rides, yaw_offsets
+from planner.candidates import Option
+from planner.legs.control_point import ControlPoint, control_point
+from planner.phases import held, initial_rides, yaw_offsets
+from planner.robots.turns import equivalents
 from planner.scene import Pick, Place, Scene
-from planner.timing import least_duration
 
 
-def lower_bound(scene: Scene) -> float:
-    """Seconds from the start to the end of the task: the way to the first control point, then all dwells.
+def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
+    """Seconds from the start to the end of the task: the way to the first control point, then ways and dwells.
 
-    The first way is bounded over every mode, turn and meeting time on the grid of `planner.legs.meeting`, from which one
-    grid step is taken off; later ways between points that stand still are bounded by velocity alone.
+    `first`: the ways to the first control point, whose lower bounds hold for every mode, turn and meeting time looked at,
+    whose spacing is taken off. Later ways are bounded by velocity alone, and
+    only between points that stand still and have one yaw.
     """
-    limits, start = scene.robot.limits, scene.start
     rides, carried = initial_rides(scene), None
-    total, before = 0.0, None
+    total = min((_first(option) for option in first), default=0.0)
+    before: list[FloatArray] = []
     for number, step in enumerate(scene.task):
         offsets = yaw_offsets(scene, step)
-        here = []
-        least = np.inf
-        for offset in (offsets if offsets is not None else ()):
+        here: list[FloatArray] = []
+        for offset in offsets or ():
             point = control_point(scene, number, rides, carried, offset)
-            found = meetings(scene, point, start.time, 0.0, tuple(range(len(scene.robot.modes))))
-            for branch in found.branches:
-                rows = np.flatnonzero(branch.legal)
-                if number == 0:
-                    ends = branch.q[rows], branch.qd[rows], branch.qdd[rows]
-                    duration = least_duration(
-                        start.q, start.qd, start.qdd, *ends, limits.velocity, limits.acceleration, limits.jerk
-                    )
-                    duration = np.atleast_1d(duration)
-                    if point.via:
-                        duration = np.max(np.abs(branch.q[rows] - start.q) / limits.velocity, axis=-1)
-                    if not branch.still:
-                        duration = np.maximum(duration, branch.time[rows] - start.time)
-                        # a meeting is possible only where the bound fits before it
-                        fits = branch.time[rows] - start.time >= duration - 1e-12
-                        duration = duration[fits] - _step(branch.time) if fits.any() else np.array([np.inf])
-                    least = min(least, float(duration.min()))
-                if branch.still:
-                    here.append(branch.q[rows[0]])
-            dwell = point.dwell
-        if number == 0:
-            total += max(0.0, least) if np.isfinite(least) else 0.0
-        elif before and here:
-            total += min(float(np.max(np.abs(a - b) / limits.velocity)) for a in before for b in here)
+            if point.still:
+                here += _positions(scene, point)
+            if offset == 0.0:
+                total += point.dwell
+        if before and here:
+            velocity = scene.robot.limits.velocity
+            total += min(float(np.max(np.abs(a - b) / velocity)) for a in before for b in here)
         before = here
-        total += dwell if offsets is not None else 0.0
-        carried, rides = _next(scene, number, carried, rides, (offsets or (0.0,))[0])
+        if isinstance(step, Pick):
+            carried = held(scene, step, (offsets or (0.0,))[0])
+        if isinstance(step, Place):
+            carried, rides = None, {**rides, step.part: (step.to.frame, step.to.pose)}
     return total
 
 
-def _step(t: FloatArray) -> float:
-    return float(np.diff(t).max()) if len(t) > 1 else 0.0
+def _first(option: Option) -> float:
+    """The lower bound of one way to the first control point; a via may be passed at any speed, so it has none."""
+    if option.meeting.point.via or not np.isfinite(option.least):
+        return 0.0
+    return max(0.0, option.least - option.grain)
 
 
-def _next(
-    scene: Scene,
-    number: int,
-    carried: Carried | None,
-    rides: dict[str, tuple[str, object]],
-    offset: float,
-) -> tuple[Carried | None, dict[str, tuple[str, object]]]:
-    step = scene.task[number]
-    if isinstance(step, Pick):
-        return held(scene, step, offset), rides
-    if isinstance(step, Place):
-        return None, {**rides, step.part: (step.to.frame, step.to.pose)}
-    return carried, rides
+def _positions(scene: Scene, point: ControlPoint) -> list[FloatArray]:
+    """All joint positions (n,) within limits that put the flange at a point that stands still."""
+    robot, found = scene.robot, []
+    motion = point.flange(np.array([scene.start.time]), 0.0)
+    for mode in range(len(robot.modes)):
+        q = robot.inverse(motion, mode, 0).q[0]
+        found += list(equivalents(robot, q, robot.limits.lower, robot.limits.upper))
+    return found

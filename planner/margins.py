@@ -7,22 +7,24 @@ import numpy as np
 from planner.arrays import FloatArray
 from planner.certificate import Prover
 from planner.frames.motion import Motion
-from planner.outcome import Arrival, Contact, JointPeak, Leg, LegKind, Margins, Nearest
-from planner.phases import Phase
+from planner.outcome import Contact, JointPeak, Margins, Nearest
+from planner.phases import Phase, pair
 from planner.robots.protocol import Robot
 from planner.scene import Scene
 from planner.separation import centre_normals, face_normals, gaps, place, rough_gaps
 from planner.solids import carriers, standing
 from planner.trajectory import Trajectory, check_limits
 
-INSTANTS = 200
+INSTANTS = 64
 """Times at which the smallest clearance and the tool's acceleration are looked for."""
-BATCH = 64
+BATCH = 48
 """Pairs and times that are looked at together."""
+FINER = 17
+"""Times around the nearest one at which its pair is looked at again."""
 
 
 def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Margins:
-    """The margins of a plan. Peaks are exact extrema; clearance and tool acceleration are those at `INSTANTS` times."""
+    """The margins of a plan. Peaks are exact extrema; clearance and tool acceleration are looked for at times."""
     limits = scene.robot.limits
     report = check_limits(
         trajectory, limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk
@@ -63,36 +65,59 @@ def tool_motion(scene: Scene, trajectory: Trajectory, t: FloatArray) -> Motion:
 
 
 def nearest(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Nearest | None:
-    """Where, of `INSTANTS` times, the largest support gap of a pair is least; allowed contacts do not count."""
-    best: Nearest | None = None
+    """The pair and time, of `INSTANTS` and then `FINER` about them, at which the support gap is least.
+
+    The gap is a lower bound of the distance at that time. Allowed contacts do not count. None: nothing is asked.
+    """
+    best: tuple[float, float, Phase, int] | None = None
     total = sum(phase.t1 - phase.t0 for phase in phases)
     for phase in phases:
-        solids = prover.solids(phase.carried, phase.rides)
         count = max(2, int(np.ceil(INSTANTS * (phase.t1 - phase.t0) / total))) if total > 0 else 2
-        t = np.linspace(phase.t0, phase.t1, count)
-        where = carriers(prover.scene, standing(trajectory, t), t)
-        a, b = prover.asked(solids)
-        names = [(solids.names[solids.body[x]], solids.names[solids.body[y]]) for x, y in zip(a, b, strict=True)]
-        asked = np.array([tuple(sorted(pair)) not in phase.exempt for pair in names], dtype=bool)
-        which = np.flatnonzero(asked)
-        rough = rough_gaps(solids, where, a[which], b[which])
-        row, column = np.unravel_index(np.argsort(rough, axis=None, kind="stable"), rough.shape)
-        if not len(row):
-            continue
-        gap = np.array([])
-        # the roughly nearest first: what is roughly further than the nearest found so far need not be looked at
-        for first in range(0, len(row), BATCH):
-            if first and not rough[row[first], column[first]] < gap.min():
-                break
-            part = slice(first, first + BATCH)
-            one = place(solids, where, row[part], a[which[column[part]]])
-            other = place(solids, where, row[part], b[which[column[part]]])
-            normals = np.concatenate([centre_normals(one, other), face_normals(one, other)], axis=1)
-            gap = np.append(gap, gaps(one, other, normals).max(1))
-        i = int(np.argmin(gap))
-        if best is None or gap[i] < best.gap_m:
-            best = Nearest(float(gap[i]), float(t[row[i]]), names[int(which[column[i]])], phase.kind)
-    return best
+        found = _nearest(prover, trajectory, phase, np.linspace(phase.t0, phase.t1, count), None)
+        if found is not None and (best is None or found[0] < best[0]):
+            step = (phase.t1 - phase.t0) / (count - 1)
+            around = np.linspace(max(phase.t0, found[1] - step), min(phase.t1, found[1] + step), FINER)
+            finer = _nearest(prover, trajectory, phase, around, found[2])
+            gap, time, which = min(found, finer or found)
+            best = gap, time, phase, which
+    if best is None:
+        return None
+    gap, time, phase, which = best
+    solids = prover.solids(phase.carried, phase.rides)
+    a, b = prover.asked(solids)
+    names = (solids.names[solids.body[a[which]]], solids.names[solids.body[b[which]]])
+    return Nearest(gap, time, names, phase.kind)
+
+
+def _nearest(
+    prover: Prover, trajectory: Trajectory, phase: Phase, t: FloatArray, only: int | None
+) -> tuple[float, float, int] | None:
+    """Least gap, its time and number of pair at times t (T,); `only`: of this pair."""
+    solids = prover.solids(phase.carried, phase.rides)
+    a, b = prover.asked(solids)
+    which = np.arange(len(a)) if only is None else np.array([only])
+    if phase.exempt:
+        allowed = [
+            pair(solids.names[solids.body[a[i]]], solids.names[solids.body[b[i]]]) in phase.exempt for i in which
+        ]
+        which = which[~np.array(allowed, dtype=bool)]
+    if not len(which):
+        return None
+    where = carriers(prover.scene, standing(trajectory, t), t)
+    rough = rough_gaps(solids, where, a[which], b[which])
+    row, column = np.unravel_index(np.argsort(rough, axis=None, kind="stable"), rough.shape)
+    gap = np.array([])
+    # the roughly nearest first: what is roughly further than the nearest found so far need not be looked at
+    for first in range(0, len(row), BATCH):
+        if first and not rough[row[first], column[first]] < gap.min():
+            break
+        part = slice(first, first + BATCH)
+        one = place(solids, where, row[part], a[which[column[part]]])
+        other = place(solids, where, row[part], b[which[column[part]]])
+        normals = np.concatenate([centre_normals(one, other), face_normals(one, other)], axis=1)
+        gap = np.append(gap, gaps(one, other, normals).max(1))
+    i = int(np.argmin(gap))
+    return float(gap[i]), float(t[row[i]]), int(which[column[i]])
 
 
 def contacts(phases: tuple[Phase, ...]) -> tuple[Contact, ...]:
@@ -107,5 +132,3 @@ def contacts(phases: tuple[Phase, ...]) -> tuple[Contact, ...]:
                 held.append((phase.t0, phase.t1))
     return tuple(Contact(bodies, t0, t1) for bodies, held in sorted(spans.items()) for t0, t1 in held)
 
-
-__all__ = ["Arrival", "Leg", "LegKind", "contacts", "margins", "nearest", "tool_motion"]

@@ -93,8 +93,17 @@ def flange_target(
     return step.target.frame, Pose(pose.x, pose.y, pose.z, pose.yaw + yaw_offset).then(to_flange)
 
 
-def resting_on(scene: Scene, part: str, frame: str, pose: Pose, names: tuple[str, ...] | None) -> frozenset[str]:
+def resting_on(
+    scene: Scene,
+    part: str,
+    frame: str,
+    pose: Pose,
+    names: tuple[str, ...] | None,
+    rides: dict[str, tuple[str, Pose]] | None = None,
+) -> frozenset[str]:
     """What a part at `pose` in `frame` touches from above: the named bodies, or those whose top is at its bottom.
+
+    `rides`: where each body sits by then (None: where it was at the start), so that parts can be stacked.
 
     A body at the same height elsewhere in the cell is exempted, too; that is harmless, for an exempted pair must
     still be proved not to overlap by more than CONTACT_M.
@@ -107,7 +116,10 @@ def resting_on(scene: Scene, part: str, frame: str, pose: Pose, names: tuple[str
     for body in scene.bodies:
         if body.name == part:
             continue
-        height = scene.frames[body.frame].law.motion(np.array(scene.start.time)).p[..., 2] + body.pose.z
+        on, at = body.frame, body.pose
+        if rides is not None:
+            on, at = rides[body.name]
+        height = scene.frames[on].law.motion(np.array(scene.start.time)).p[..., 2] + at.z
         if abs(float(height) + _extent(scene, body.name)[1] - bottom) <= CONTACT_M:
             found.add(body.name)
     return frozenset(found)
@@ -142,7 +154,7 @@ def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -
         exempt = frozenset()
         if isinstance(step, Pick) and glued:
             if carried is None:
-                supports = resting_on(scene, step.part, *rides[step.part], step.contact_with)
+                supports = resting_on(scene, step.part, *rides[step.part], step.contact_with, rides)
                 frame = rides[step.part][0]
                 exempt = frozenset(pair(name, step.part) for name in tool)
             else:
@@ -150,7 +162,7 @@ def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -
                 exempt = frozenset(pair(name, step.part) for name in supports)
         if isinstance(step, Place) and glued:
             if carried is not None:
-                supports = resting_on(scene, step.part, step.to.frame, step.to.pose, step.contact_with)
+                supports = resting_on(scene, step.part, step.to.frame, step.to.pose, step.contact_with, rides)
                 exempt = frozenset(pair(name, step.part) for name in supports)
             else:
                 exempt = frozenset(pair(name, step.part) for name in tool)

@@ -67,7 +67,7 @@ def _planned(scene: Scene, clock: _Clock, prover: Prover, found: Found, chain: C
         plan=made,
         margins=margins(scene, prover, trajectory, of_plan),
         contacts=contacts(of_plan),
-        lower_bound_s=lower_bound(scene),
+        lower_bound_s=lower_bound(scene, found.first_ways),
         census=found.census.census(),
         assumptions=scene.assumptions,
         seed=scene.options.seed,

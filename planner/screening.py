@@ -23,9 +23,6 @@ from planner.solids import COVER, Carriers, Solids, carriers
 
 STEP_S = 0.02
 """Sampling of drafts, s. It decides how much work a colliding draft causes, not what is accepted."""
-FINE_STEP_S = 0.006
-"""Sampling of the few drafts that pass, before they are proved, s."""
-
 
 class Timed(Protocol):
     """A timed motion in phases: an outline or a draft."""

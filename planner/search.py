@@ -16,7 +16,7 @@ from planner.legs.state import State
 from planner.outcome import Refusal
 from planner.phases import initial_rides, yaw_offsets
 from planner.scene import Scene
-from planner.screening import FINE_STEP_S, screen
+from planner.screening import screen
 
 BEAM = 4
 """Chains of one length that are continued in a round."""
@@ -38,6 +38,7 @@ class Found:
     first_s: float = float("nan")
     cut_by_clock: bool = False
     deepest: int = 0
+    first_ways: tuple[Option, ...] = ()
     census: Counter = field(default_factory=Counter)
 
 
@@ -99,6 +100,8 @@ class Search:
                     self.found.census.note(refusal)
                 met.append((offset, meeting))
             ways = options(self.scene, chain, met)
+            if chain.step == 0:
+                self.found.first_ways = ways
             self.samplers[id(chain)] = (chain, Sampler(self.scene, chain, ways, self.rng, self.adaptive))
         return self.samplers[id(chain)][1]
 
@@ -161,10 +164,12 @@ class Search:
             if isinstance(candidate, Refusal):
                 self.found.census.add(candidate)
                 continue
-            fine = screen(self.prover, [candidate], FINE_STEP_S)[0]
-            if fine.refusal is not None:
-                self.found.census.add(fine.refusal)
-                continue
+            if isinstance(way, Outline) and len(candidate.phases) > len(way.phases):
+                # only the way there has been screened, not what follows at the point
+                rest = screen(self.prover, [candidate])[0]
+                if rest.refusal is not None:
+                    self.found.census.add(rest.refusal)
+                    continue
             chain = self._proved(candidate)
             if chain is None:
                 continue

@@ -104,7 +104,8 @@ class _Reader:
             if key == "<<":
                 self._refuse("<<", "data written out: no merge keys", line)
             if BOOLEAN_KEY.match(key):
-                self._refuse(key, f'another key, or "{key}" in quotes: some readers of YAML take {key} for a boolean', line)
+                allowed = f'another key, or "{key}" in quotes: some readers of YAML take {key} for a boolean'
+                self._refuse(key, allowed, line)
             if not isinstance(_core(key), str):
                 self._refuse(key, f'keys that are text: "{key}" in quotes if that is meant', line)
         if key in top.value:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from pathlib import Path
 from typing import Annotated, Any
 
-import orjson
 import typer
 from rich.console import Console
 from rich.progress import track
@@ -47,9 +47,9 @@ def recheck_lines(
     seen: set[str] = set()
     for number, line in enumerate(track(lines, "recheck", console=CONSOLE, transient=True), start=1):
         try:
-            answer: dict[str, Any] = orjson.loads(line)
+            answer: dict[str, Any] = json.loads(line)
             name = str(answer["id"])
-        except (orjson.JSONDecodeError, KeyError, TypeError) as error:
+        except (ValueError, KeyError, TypeError) as error:
             findings.append(Finding(f"line {number}", "form", f"not an answer: {error!r}"))
             continue
         if name in seen or name not in by_name:

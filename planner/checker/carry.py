@@ -28,17 +28,15 @@ def carried(scene: Scene, line: Spline, phases: tuple[Phase, ...]) -> list[Findi
     limit = scene.carry_acceleration
     if limit is None:
         return []
-    findings = []
-    for phase in phases:
-        if phase.carried is None or not phase.t0 < line.end:
-            continue
+    held = [phase for phase in phases if phase.carried is not None and phase.t0 < line.end]
+    items = []
+    for phase in held:
         inner = line.time[(line.time > phase.t0) & (line.time < phase.t1)]
-        edges = np.concatenate([[phase.t0], inner, [min(phase.t1, line.end)]])
-        excess = settle(edges, COARSEST_S, _Judge(scene, line, limit))
-        if excess is not None:
-            what = f"the tool accelerates too hard while it holds {phase.carried.part}"
-            findings.append(Finding(Code.CARRY, what, excess.amount, "m/s²", f"{excess.time:.6g} s"))
-    return findings
+        items.append(np.concatenate([[phase.t0], inner, [min(phase.t1, line.end)]]))
+    return [
+        Finding(Code.CARRY, f"the tool accelerates too hard in {held[e.of].kind}", e.amount, "m/s²", f"{e.time:.6g} s")
+        for e in settle(items, COARSEST_S, _Judge(scene, line, limit))
+    ]
 
 
 class _Judge:
@@ -47,7 +45,7 @@ class _Judge:
     def __init__(self, scene: Scene, line: Spline, limit: float) -> None:
         self.scene, self.line, self.limit = scene, line, limit
 
-    def __call__(self, a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def __call__(self, _of: IntArray, a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
         line, middle = self.line, (a + b) / 2
         piece, _ = line.place(middle)
         begin, length = line.time[piece], line.length[piece]

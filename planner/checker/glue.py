@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from planner.arrays import FloatArray
+from planner.arrays import FloatArray, IntArray
 from planner.checker.meeting import tool_motion, wrapped
 from planner.checker.ranges import Ranges
 from planner.checker.settle import settle
@@ -36,69 +36,85 @@ WHAT = ("leaves its line or point", "goes below its point", "goes higher than as
 
 def glued(scene: Scene, ranges: Ranges, legs: tuple[Leg, ...], found: tuple[Target, ...]) -> list[Finding]:
     """Findings for the glued legs that leave their point, their line, or do not go as high as asked."""
+    follows = [leg for leg in legs if leg.kind in GLUED]
+    followers = _Followers(scene, ranges, follows, [found[leg.step] for leg in follows])
     findings = []
-    for leg in legs:
-        if leg.kind not in GLUED:
-            continue
-        follower = _Follower(scene, ranges, leg, found[leg.step])
-        excess = settle(np.array([leg.t0, leg.t1]), COARSEST_S, follower.judge)
-        if excess is not None:
-            unit = "rad" if excess.column == 3 else "m"
-            what = f"the tool {WHAT[excess.column]} in {leg.kind} of {found[leg.step].step.name}"
-            if not excess.decided:
-                what += " (or could not be shown not to)"
-            findings.append(Finding(Code.GLUE, what, excess.amount, unit, f"{excess.time:.6g} s"))
+    for excess in settle([np.array([leg.t0, leg.t1]) for leg in follows], COARSEST_S, followers.judge):
+        unit = "rad" if excess.column == 3 else "m"
+        what = f"the tool {WHAT[excess.column]} in {followers.told(excess.of)}"
+        if not excess.decided:
+            what += " (or could not be shown not to)"
+        findings.append(Finding(Code.GLUE, what, excess.amount, unit, f"{excess.time:.6g} s"))
+    for i, leg in enumerate(follows):
         if leg.kind is not LegKind.FOLLOW:
-            outer = np.array([leg.t0 if leg.kind is LegKind.APPROACH else leg.t1])
-            missing = follower.height - float(follower.error(outer)[0][0, 2])
+            outer = leg.t0 if leg.kind is LegKind.APPROACH else leg.t1
+            missing = followers.height[i] - float(followers.error(np.array([i]), np.array([outer]))[0][0, 2])
             if not missing <= GLUE_M:
-                what = f"{leg.kind} of {found[leg.step].step.name} is shorter than asked"
-                findings.append(Finding(Code.GLUE, what, missing, "m", f"{outer[0]:.6g} s"))
+                what = f"{followers.told(i)} is shorter than asked"
+                findings.append(Finding(Code.GLUE, what, missing, "m", f"{outer:.6g} s"))
     return findings
 
 
-class _Follower:
-    """The difference of the tool from the control point that it follows in one leg."""
+class _Followers:
+    """The difference of the tool from the control points that it follows in glued legs."""
 
-    def __init__(self, scene: Scene, ranges: Ranges, leg: Leg, target: Target) -> None:
-        self.scene, self.ranges, self.target, self.leg = scene, ranges, target, leg
-        self.height = 0.0
-        if isinstance(target.step, Pick | Place) and leg.kind is not LegKind.FOLLOW:
-            self.height = target.step.approach_m if leg.kind is LegKind.APPROACH else target.step.depart_m
+    def __init__(self, scene: Scene, ranges: Ranges, legs: list[Leg], targets: list[Target]) -> None:
+        self.scene, self.ranges, self.legs, self.targets = scene, ranges, legs, targets
+        self.following = np.array([leg.kind is LegKind.FOLLOW for leg in legs], dtype=bool)
+        self.height = np.array([_height(leg, target) for leg, target in zip(legs, targets, strict=True)])
+        self.turns = np.array([target.turns for target in targets], dtype=bool)
 
-    def error(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Tool less control point at times t (T,): (T, 3) m and (T,) rad."""
-        tool, goal = tool_motion(self.scene, self.ranges.spline, t), self.target.motion(self.scene, t)
-        turned = wrapped(tool.yaw - goal.yaw) if self.target.turns else np.zeros(len(t))
-        return tool.p - goal.p, turned
+    def told(self, i: int) -> str:
+        return f"{self.legs[i].kind} of {self.targets[i].step.name}"
 
-    def judge(self, a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def error(self, of: IntArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Tool less control point of legs (T,) at times t (T,): (T, 3) m and (T,) rad."""
+        tool = tool_motion(self.scene, self.ranges.spline, t)
+        e, turned = tool.p.copy(), tool.yaw.copy()
+        for i in np.unique(of):
+            rows = np.flatnonzero(of == i)
+            goal = self.targets[i].motion(self.scene, t[rows])
+            e[rows] -= goal.p
+            turned[rows] -= goal.yaw
+        return e, np.where(self.turns[of], wrapped(turned), 0.0)
+
+    def judge(self, of: IntArray, a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Excess of distance, of depth, of height and of yaw over what is allowed (see `settle`)."""
-        e, yaw = self.error(np.concatenate([a, b]))
-        following = self.leg.kind is LegKind.FOLLOW
-        off = np.sqrt((e[:, : 3 if following else 2] ** 2).sum(-1)) - GLUE_M
-        taken = np.stack([off, -e[:, 2] - GLUE_M, e[:, 2] - self.height - GLUE_M, np.abs(yaw) - GLUE_RAD], -1)
+        both = np.tile(of, 2)
+        e, yaw = self.error(both, np.concatenate([a, b]))
+        off = np.sqrt(e[:, 0] ** 2 + e[:, 1] ** 2 + self.following[both] * e[:, 2] ** 2) - GLUE_M
+        high = e[:, 2] - self.height[both] - GLUE_M
+        taken = np.stack([off, -e[:, 2] - GLUE_M, high, np.abs(yaw) - GLUE_RAD], -1)
         taken = np.maximum(taken[: len(a)], taken[len(a) :])
-        m = self.accelerations(a, b)
-        across = np.sqrt((m[:, : 3 if following else 2] ** 2).sum(-1))
+        m = self.accelerations(of, a, b)
+        across = np.sqrt(m[:, 0] ** 2 + m[:, 1] ** 2 + self.following[of] * m[:, 2] ** 2)
         bent = np.stack([across, m[:, 2], m[:, 2], m[:, 3]], -1)
         return taken + bent * (b - a)[:, None] ** 2 / 8, taken
 
-    def accelerations(self, a: FloatArray, b: FloatArray) -> FloatArray:
+    def accelerations(self, of: IntArray, a: FloatArray, b: FloatArray) -> FloatArray:
         """Bounds (N, 4) of the size of the second derivatives of x, y, z and yaw of the difference."""
         scene, many, robot = self.scene, len(a), self.scene.robot
-        axes = np.concatenate([np.eye(3), np.eye(3)[:1]])
-        n = np.tile(axes, (many, 1))
+        n = np.tile(np.concatenate([np.eye(3), np.eye(3)[:1]]), (many, 1))
         reach = math.hypot(scene.tool.tcp.x, scene.tool.tcp.y)
-        arms = np.tile([reach, reach, reach, YAW_ARM_M], many)
         swept = self.ranges.sweep(a, b)
         each = Sweep(*(np.repeat(column, 4, axis=0) for column in (swept.lower, swept.upper, swept.rate, swept.rate_d)))
         flange = np.full(4 * many, robot.links.index("flange"))
-        tool = robot.point_bounds(flange, arms, n, each)[1].reshape(many, 4)
-        law = scene.frames[self.target.frame].law.bounds(np.repeat(a, 4), np.repeat(b, 4), n)
-        arm = math.hypot(self.target.tool.x, self.target.tool.y) * np.hypot(n[:, 0], n[:, 1])
-        goal = (law.acceleration + arm * np.hypot(law.yaw_acceleration, law.yaw_rate**2)).reshape(many, 4)
-        turn = tool[:, 3] / YAW_ARM_M + law.yaw_acceleration.reshape(many, 4)[:, 3]
-        total = tool + goal
-        total[:, 3] = turn if self.target.turns else 0.0
-        return np.asarray(total)
+        arms = np.tile([reach, reach, reach, YAW_ARM_M], many)
+        total = np.array(robot.point_bounds(flange, arms, n, each)[1]).reshape(many, 4)
+        total[:, 3] /= YAW_ARM_M
+        for i in np.unique(of):
+            rows, target = np.flatnonzero(of == i), self.targets[i]
+            axes = np.tile(np.eye(3), (len(rows), 1))
+            law = scene.frames[target.frame].law.bounds(np.repeat(a[rows], 3), np.repeat(b[rows], 3), axes)
+            arm = math.hypot(target.tool.x, target.tool.y) * np.hypot(axes[:, 0], axes[:, 1])
+            goal = law.acceleration + arm * np.hypot(law.yaw_acceleration, law.yaw_rate**2)
+            total[rows, :3] += goal.reshape(-1, 3)
+            total[rows, 3] = total[rows, 3] + law.yaw_acceleration[::3] if target.turns else 0.0
+        return total
+
+
+def _height(leg: Leg, target: Target) -> float:
+    """How far above its point a leg begins or ends, m."""
+    if not isinstance(target.step, Pick | Place) or leg.kind is LegKind.FOLLOW:
+        return 0.0
+    return target.step.approach_m if leg.kind is LegKind.APPROACH else target.step.depart_m

@@ -17,11 +17,13 @@ from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.checker.spline import Spline, cut
 from planner.robots.protocol import Sweep
 
-TIGHT = 1e-13
-"""How far control values may stand out above the ends of a part, relative to the greatest of the whole spline: a few
-hundred roundings. Bounds that are claimed by others are compared with ours to 1e-9."""
+TIGHT = 1e-12
+"""How far control values may stand out above the ends of a part, relative to the greatest of the whole spline: some
+thousand roundings. Bounds that are claimed by others are compared with ours to 1e-9 (`rows.BOUND`)."""
 ROUNDS = 40
 """Rounds of cuts. Three are usual; after the last one bounds are still bounds."""
+NEWTON = 4
+"""Steps towards a stationary point in each round."""
 CLOSEST = 1e-9
 """Parts shorter than this share of their piece are not cut again: doubles hardly tell their ends apart."""
 
@@ -79,22 +81,20 @@ def ranges(line: Spline, combinations: FloatArray) -> Ranges:
     controls = (line.control[0], combinations @ line.control[1], combinations @ line.control[2])
     piece = np.arange(len(line.length))
     s0, s1 = np.zeros(len(piece)), np.ones(len(piece))
+    parts: Sequence[FloatArray] = controls
     rates = slice(2 * controls[0].shape[1], None)
     scale = TIGHT * _heights(controls)[:, rates].max(0)
     done: list[tuple[IntArray, FloatArray, FloatArray, FloatArray]] = []
     for attempt in range(ROUNDS):
-        parts = [cut(control[piece], s0, s1) for control in controls]
         top = _heights(parts)
-        ends = _heights([part[..., [0, -1]] for part in parts])
-        out = ~(top[:, rates] <= ends[:, rates] + scale)
+        out = ~(top[:, rates] <= _heights([part[..., [0, -1]] for part in parts])[:, rates] + scale)
         open_ = out.any(1) & (s1 - s0 > CLOSEST) & (attempt < ROUNDS - 1)
         done.append((piece[~open_], s0[~open_], s1[~open_], top[~open_]))
         if not open_.any():
             break
-        middle = _stationary(parts[1][open_], parts[2][open_], out[open_], midpoint=attempt % 4 == 3)
-        piece, s0, s1 = piece[open_], s0[open_], s1[open_]
-        split = s0 + middle * (s1 - s0)
-        piece, s0, s1 = np.tile(piece, 2), np.concatenate([s0, split]), np.concatenate([split, s1])
+        of, middle = _cuts(parts[1][open_], parts[2][open_], out[open_], midpoint=attempt % 4 == 3)
+        piece, s0, s1 = _divided(piece[open_], s0[open_], s1[open_], of, middle)
+        parts = [cut(control[piece], s0, s1) for control in controls]
     piece, s0, s1, top = (np.concatenate(column) for column in zip(*done, strict=True))
     order = np.lexsort((s0, piece))
     piece, s0, s1, top = piece[order], s0[order], s1[order], top[order]
@@ -109,17 +109,30 @@ def _heights(parts: Sequence[FloatArray]) -> FloatArray:
     return np.concatenate([q.max(-1), -q.min(-1), np.abs(rate).max(-1), np.abs(rate_d).max(-1)], axis=-1)
 
 
-def _stationary(rate: FloatArray, rate_d: FloatArray, out: BoolArray, *, midpoint: bool) -> FloatArray:
-    """Where, in (0, 1), to cut each part (N,): at the stationary point of the first bound that stands `out` (N, 2m)."""
-    middle = np.full(len(out), 0.5)
+def _cuts(rate: FloatArray, rate_d: FloatArray, out: BoolArray, *, midpoint: bool) -> tuple[IntArray, FloatArray]:
+    """Which parts to cut and where, in (0, 1): at the stationary point of every bound that stands `out` (N, 2m)."""
     if midpoint:
-        return middle
-    first, m = np.argmax(out, axis=1), rate.shape[1]
-    for control, offset in ((rate, 0), (rate_d, m)):
-        rows = np.flatnonzero((first >= offset) & (first < offset + m))
-        if len(rows):
-            middle[rows] = _peak(control[rows, first[rows] - offset])
-    return middle
+        return np.arange(len(out)), np.full(len(out), 0.5)
+    m, rows, where = rate.shape[1], [], []
+    for control, side in ((rate, out[:, :m]), (rate_d, out[:, m:])):
+        row, which = np.nonzero(side)
+        rows.append(row)
+        where.append(_peak(control[row, which]))
+    return np.concatenate(rows), np.concatenate(where)
+
+
+def _divided(
+    piece: IntArray, s0: FloatArray, s1: FloatArray, of: IntArray, middle: FloatArray
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """The parts (N,) of pieces, [s0, s1] each, cut at `middle` of part number `of`."""
+    part = np.concatenate([np.arange(len(piece)), of])
+    begin = np.concatenate([s0, s0[of] + middle * (s1 - s0)[of]])
+    order = np.lexsort((begin, part))
+    part, begin = part[order], begin[order]
+    last = np.append(part[1:] != part[:-1], True)
+    end = np.where(last, s1[part], np.append(begin[1:], 0.0))
+    wide = end > begin
+    return piece[part[wide]], begin[wide], end[wide]
 
 
 def _peak(control: FloatArray) -> FloatArray:
@@ -127,7 +140,7 @@ def _peak(control: FloatArray) -> FloatArray:
     degree, highest = control.shape[1] - 1, np.abs(control).argmax(1)
     control = control * np.where(control[np.arange(len(control)), highest] < 0, -1.0, 1.0)[:, None]
     s = highest / degree
-    for _ in range(6):
+    for _ in range(NEWTON):
         level = control
         while level.shape[1] > 3:
             level = level[:, :-1] + s[:, None] * np.diff(level, axis=1)

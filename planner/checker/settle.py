@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
+from planner.arrays import FloatArray, IntArray
 
 PARTS = 4
 """Into how many an undecided interval is cut: remainders shrink as h² or faster."""
@@ -16,50 +16,59 @@ ROUNDS = 10
 MOST = 200_000
 """Intervals in a round after which the search ends undecided, which is a refusal too."""
 
-Judge = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
-"""For intervals [a, b] (N,): upper bounds over each (N, C) of C quantities, and values that they take in it (N, C)."""
+Judge = Callable[[IntArray, FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
+"""For intervals [a, b] (N,) of items `of` (N,): upper bounds (N, C) over each of C quantities of the item, and values
+(N, C) that they take in it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Excess:
-    """Quantity number `column` exceeds zero by `amount` around `time`, or could not be shown not to."""
+    """Of item `of`, quantity number `column` exceeds zero by `amount` around `time`, or could not be shown not to."""
 
+    of: int
     column: int
     amount: float
     time: float
     decided: bool
 
 
-def settle(edges: FloatArray, coarsest: float, judge: Judge) -> Excess | None:
-    """None if every quantity stays at or below zero from first to last of `edges` (E,), s; else the worst excess.
+def settle(items: Sequence[FloatArray], coarsest: float, judge: Judge) -> list[Excess]:
+    """For each item of which a quantity exceeds zero somewhere, the worst that was found; nothing for the others.
 
-    Intervals do not cross edges, and are no longer than `coarsest` to begin with.
+    An item is its edges (E,), s: it is looked at from the first to the last. Intervals do not cross edges, and are no
+    longer than `coarsest` to begin with.
     """
-    length = np.diff(edges)
-    count = np.maximum(1, np.ceil(length / coarsest)).astype(np.int64)
-    part = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-    first, step = np.repeat(edges[:-1], count), np.repeat(length / count, count)
-    a = first + part * step
-    b = np.append(a[1:], edges[-1])
+    found: list[Excess] = []
+    cells = [_cells(edges, coarsest) for edges in items]
+    of = np.repeat(np.arange(len(cells)), [len(a) for a, _ in cells])
+    a, b = (np.concatenate([np.zeros(0), *(cell[k] for cell in cells)]) for k in (0, 1))
+    bound = np.zeros((0, 1))
     for _ in range(ROUNDS):
-        bound, taken = judge(a, b)
-        over = ~(taken <= 0)
-        if over.any():
-            return _worst(np.where(over, taken, -np.inf), a, decided=True)
-        left = ~(bound <= 0).all(1)
-        if not left.any():
-            return None
-        a, b, bound = a[left], b[left], bound[left]
-        if len(a) * PARTS > MOST:
+        if not len(of):
+            return found
+        bound, taken = judge(of, a, b)
+        broken = np.unique(of[~(taken <= 0).all(1)])
+        found += [_worst(int(i), taken[of == i], a[of == i], decided=True) for i in broken]
+        left = ~(bound <= 0).all(1) & ~np.isin(of, broken)
+        of, a, b, bound = of[left], a[left], b[left], bound[left]
+        if len(of) * PARTS > MOST:
             break
         edges = a[:, None] + (b - a)[:, None] * np.linspace(0.0, 1.0, PARTS + 1)
         edges[:, -1] = b
-        worst = _worst(bound, a, decided=False)
+        of, bound = np.repeat(of, PARTS), np.repeat(bound, PARTS, axis=0)
         a, b = edges[:, :-1].ravel(), edges[:, 1:].ravel()
-    return worst
+    return found + [_worst(int(i), bound[of == i], a[of == i], decided=False) for i in np.unique(of)]
 
 
-def _worst(amount: FloatArray, a: FloatArray, *, decided: bool) -> Excess:
+def _cells(edges: FloatArray, coarsest: float) -> tuple[FloatArray, FloatArray]:
+    length = np.diff(edges)
+    count = np.maximum(1, np.ceil(length / coarsest)).astype(np.int64)
+    part = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    a = np.repeat(edges[:-1], count) + part * np.repeat(length / count, count)
+    return a, np.append(a[1:], edges[-1])
+
+
+def _worst(of: int, amount: FloatArray, a: FloatArray, *, decided: bool) -> Excess:
     """The greatest amount (N, C); NaN counts as the greatest of all."""
     row, column = np.unravel_index(int(np.argmax(np.where(np.isnan(amount), np.inf, amount))), amount.shape)
-    return Excess(int(column), float(amount[row, column]), float(a[row]), decided)
+    return Excess(of, int(column), float(amount[row, column]), float(a[row]), decided)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from planner.arrays import FloatArray
+from planner.arrays import FloatArray, IntArray
 from planner.checker.meeting import MEET_M
 from planner.checker.order import TIME_S
 from planner.checker.settle import settle
@@ -56,14 +56,13 @@ def _on_conveyor(law: Conveyor | Linear, arrival: Arrival, target: Target) -> li
     if target.step.window.along is not None:
         low, high = target.step.window.along
 
-        def beyond(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
+        def beyond(_of: IntArray, a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
             ends = np.stack([along(a), along(b)])
             bent = law.bounds(a, b, np.tile(u, (len(a), 1))).acceleration * (b - a) ** 2 / 8
             taken = np.stack([low - ends.min(0), ends.max(0) - high], -1) - MEET_M
             return taken + bent[:, None], taken
 
-        excess = settle(np.array([arrival.time, arrival.until]), COARSEST_S, beyond)
-        if excess is not None:
+        for excess in settle([np.array([arrival.time, arrival.until])], COARSEST_S, beyond):
             where = f"{excess.time:.6g} s"
             findings.append(Finding(Code.WINDOW, f"{name} is outside its window", excess.amount + MEET_M, "m", where))
     return findings

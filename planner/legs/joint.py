@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import FloatArray
-from planner.legs.meeting import Branch
+from planner.legs.meeting import GRID_S, Branch
 from planner.legs.state import Knots, State
 from planner.outcome import Reason, Refusal
 from planner.scene import Scene
-from planner.timing import Profile, TimingRefusal, least_duration, time_joints
+from planner.timing import Profile, TimingRefusal, shortest_duration, time_joints
 
 MERGE_S = 1e-5
 """Switches of two profiles closer than this become one knot, s: between them jerk is rounding over h³."""
@@ -120,25 +120,23 @@ class JointMotion:
             return failed
         branch, begin = self.branch, self.state.time + self.shape.wait
         spent = sum(profile.duration for profile in self.prefix)
-        q, qd, qdd = self._from()
+        q = self._from()[0]
         rows = np.flatnonzero(branch.legal)
         if branch.still:
             return self._finish(int(rows[0]), None, begin)
-        least = least_duration(
-            q, qd, qdd, branch.q[rows], branch.qd[rows], branch.qdd[rows], self.velocity, self.acceleration, self.jerk
-        )
+        # velocity limits alone say that nothing earlier can be met; Ruckig says the rest
+        least = (np.abs(branch.q[rows] - q) / self.velocity).max(-1)
         rows = rows[branch.time[rows] >= begin + spent + least]
         asked = self.shape.late
         for _ in range(TRIES):
             if not len(rows):
                 break
             row = int(rows[0])
-            goal = self._goal(row)
-            shortest = self._last(goal, None)
+            shortest = self._shortest(self._goal(row))
             if isinstance(shortest, TimingRefusal):
-                rows = rows[branch.time[rows] >= branch.time[row] + max(0.004, shortest.excess)]
+                rows = rows[branch.time[rows] >= branch.time[row] + max(GRID_S, shortest.excess)]
                 continue
-            ready = begin + spent + shortest.duration
+            ready = begin + spent + shortest
             if ready > branch.time[row]:
                 rows = rows[branch.time[rows] >= ready]
                 continue
@@ -149,10 +147,17 @@ class JointMotion:
             reached = self._finish(row, float(branch.time[row]) - begin - spent, begin)
             if isinstance(reached, Reached):
                 return reached
-            rows = rows[branch.time[rows] >= branch.time[row] + max(0.004, reached.amount)]
+            rows = rows[branch.time[rows] >= branch.time[row] + max(GRID_S, reached.amount)]
         end = float(branch.time[branch.legal][-1])
-        need = begin + spent + (float(least.min()) if len(least) else 0.0)
+        need = begin + spent + float(least[-1])
         return Refusal("timing", Reason.WINDOW_MISSED, self.step, (), (begin, end), max(0.0, need - end), "s", "no meeting time is left")
+
+    def _shortest(self, goal: tuple[FloatArray, FloatArray, FloatArray]) -> float | TimingRefusal:
+        """How long the last leg takes at least, s."""
+        if self.shape.hop is None or self.lift is None:
+            return shortest_duration(*self._from(), *goal, self.velocity, self.acceleration, self.jerk)
+        found = self._arch(self._from(), goal, self.shape.hop, None)
+        return found if isinstance(found, TimingRefusal) else found.duration
 
     def _goal(self, row: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """The state to be met; a via control point is met with a velocity towards what is `ahead`."""

@@ -3,7 +3,8 @@
 from planner.timing.bounds import least_duration, rest_to_rest_time
 from planner.timing.combine import combine, to_trajectory
 from planner.timing.profile import Profile
-from planner.timing.solver import TimingRefusal, time_joints
+from planner.timing.question import TimingRefusal
+from planner.timing.solver import shortest_duration, time_joints
 
 __all__ = [
     "Profile",
@@ -11,6 +12,7 @@ __all__ = [
     "combine",
     "least_duration",
     "rest_to_rest_time",
+    "shortest_duration",
     "time_joints",
     "to_trajectory",
 ]

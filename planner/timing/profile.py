@@ -50,6 +50,10 @@ class Profile:
     start: State
     end: State
 
+    def __post_init__(self) -> None:
+        for array in (self.time, self.phases, *self.start, *self.end):
+            array.flags.writeable = False
+
     @property
     def n(self) -> int:
         """Number of joints."""

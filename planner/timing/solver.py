@@ -21,24 +21,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
-from typing import Any, Literal
+from typing import Any
 
-import numpy as np
 import ruckig
 
 from planner.arrays import FloatArray
-from planner.errors import InputError
 from planner.timing.ends import Cubics, missed
 from planner.timing.profile import Profile, finished
+from planner.timing.question import Limits, TimingRefusal, accepted, lowered_limits
 from planner.timing.straight import straight
 
-JERK_RESERVE = 0.02
-"""Fraction of the jerk limit that the solver does not get: merged switches and rounding took up to 0.006 in
-150,000 random motions (see `profile`)."""
-RATE_RESERVE = 1e-3
-"""Fraction of the velocity and acceleration limits that the solver does not get, likewise."""
-LIMIT_TOLERANCE = 1e-9
-"""Relative. States up to this beyond a limit count as at the limit: the tolerance of the trajectory's own check."""
 RESIDUAL = 1e-9
 """rad/s, m/s, rad/s², m/s². Slower than this counts as at rest for the solver; the end states stay as asked."""
 LONGEST = 600.0
@@ -48,27 +40,11 @@ DURATION_TOLERANCE = 1e-11
 BRIEF = 0.05
 """s. Shorter motions from rest to rest go straight if that takes no longer: the solver's switches, each joint having
 its own, then crowd within microseconds once in a thousand times, and knots cannot follow them."""
+SHORTEST = 1e-3
+"""s. What the fastest motion from rest to rest takes at least, also that to where the arm is: a controller's cycle. A
+goal that differs from the start by rounding would otherwise take a microsecond, too short for knots."""
 RETRIES = (1.0, 0.99, 0.95)
 """Factors on the solver's jerk limit, tried in turn when its root finding fails on a legal problem."""
-
-Reason = Literal["limits", "too short", "blocked", "too long", "no profile", "unsound"]
-
-
-@dataclass(frozen=True, slots=True)
-class TimingRefusal:
-    """Why there is no motion as asked.
-
-    limits      a given state is, or will inevitably come, beyond a limit; `excess` relative to it
-    too short   the earliest motion takes `excess` seconds longer than asked
-    blocked     shorter motions exist, but the next possible duration is `excess` seconds above the one asked
-    too long    it takes more than `LONGEST`; `excess` in seconds
-    no profile  the solver found none for a legal problem; `excess` is NaN
-    unsound     its profile does not end where it should; `excess` is how far, in units of what is allowed
-    """
-
-    reason: Reason
-    excess: float
-    detail: str
 
 
 @dataclass(slots=True)
@@ -89,9 +65,6 @@ def _desk(n: int) -> _Desk:
     return _desks[n]
 
 
-NAMES = ("q0", "v0", "a0", "q1", "v1", "a1", "velocity", "acceleration", "jerk")
-
-
 def time_joints(
     q0: FloatArray,
     v0: FloatArray,
@@ -110,89 +83,57 @@ def time_joints(
     through the knots keeps them, but never less than what the two states need.
 
     Arguments: positions, velocities, accelerations of n joints, each (n,), rad or m, and symmetric limits (n,);
-    `duration` in s or None. No move at all gives a profile of duration 0. Positions may leave the box of start and
-    goal: not checked here, like every position limit.
+    `duration` in s or None. From rest to rest the fastest motion takes `SHORTEST` at least; from a moving state to
+    itself it has the duration 0. Positions may leave the box of start and goal: not checked here, like every position
+    limit.
 
     Raises `InputError` for lengths that differ, numbers that are not finite, limits that are not positive, a negative
     duration. Source: Berscheid and Kröger, Jerk-limited Real-time Trajectory Generation with Arbitrary Target States
     (RSS 2021), by way of the library `ruckig`.
     """
-    rows = _accept((q0, v0, a0, q1, v1, a1, velocity, acceleration, jerk), duration)
+    rows = accepted((q0, v0, a0, q1, v1, a1, velocity, acceleration, jerk), duration)
     if duration is not None and not duration <= LONGEST:
         return TimingRefusal("too long", duration - LONGEST, f"{duration} s asked, {LONGEST} s allowed")
-    lowered = _lowered(rows)
+    lowered = lowered_limits(rows)
     if isinstance(lowered, TimingRefusal):
         return lowered
     desk = _desk(len(rows[0]))
     found = _solve(desk, rows, lowered, duration)
     if isinstance(found, TimingRefusal):
         return found
-    if duration is not None and not found <= duration + DURATION_TOLERANCE:
-        least = max(desk.found.independent_min_durations)
-        return TimingRefusal(
-            "blocked" if least <= duration else "too short",
-            found - duration,
-            f"{duration} s asked, joints alone take {least} s, together the next possible is {found} s",
-        )
-    if not found <= LONGEST:
-        return TimingRefusal("too long", found - LONGEST, f"takes {found} s, {LONGEST} s allowed")
-    if found < BRIEF and not any(map(any, (rows[1], rows[2], rows[4], rows[5]))):
-        brief = straight(rows[0], rows[3], *lowered, duration)
-        if brief is not None and brief.duration <= found * (1 + LIMIT_TOLERANCE):
+    if found < BRIEF and _at_rest(rows):
+        brief = straight(rows[0], rows[3], *lowered, max(found, SHORTEST) if duration is None else duration)
+        if brief is not None:
             return brief
     return _read(desk.found.profiles[0], rows, found if duration is None else duration)
 
 
-def _accept(arguments: tuple[FloatArray, ...], duration: float | None) -> list[list[float]]:
-    """The nine vectors as lists of equal length, finite, limits positive; `InputError` otherwise."""
-    rows: list[list[float]] = []
-    for name, argument in zip(NAMES, arguments, strict=True):
-        row = np.asarray(argument, dtype=np.float64).tolist()
-        if not isinstance(row, list) or len(row) != len(rows[0] if rows else row) or not row:
-            raise InputError(f"timing.{name}", argument, f"a vector of {len(rows[0]) if rows else 'some'} numbers")
-        rows.append(row)
-    for name, row in zip(NAMES, rows, strict=True):
-        if not all(map(math.isfinite, row)):
-            raise InputError(f"timing.{name}", row, "finite numbers")
-    for name, row in zip(NAMES[6:], rows[6:], strict=True):
-        if not min(row) > 0:
-            raise InputError(f"timing.{name}", row, "positive limits")
-    if duration is not None and not (math.isfinite(duration) and duration >= 0):
-        raise InputError("timing.duration", duration, "None, or a number of seconds from 0")
-    return rows
-
-
-def _lowered(rows: list[list[float]]) -> tuple[list[float], list[float], list[float]] | TimingRefusal:
-    """Velocity, acceleration and jerk limits for the solver: lowered, but never below what the end states need.
-
-    A state with acceleration a comes to the velocity v ± a|a|/(2j) whatever one does (equation P2: + after the start,
-    − before the goal). A state that needs the whole jerk limit for that gets it.
-    """
-    _, v0, a0, _, v1, a1, velocity, acceleration, jerk = rows
-    out: tuple[list[float], list[float], list[float]] = ([], [], [])
-    for i, (v, a, j) in enumerate(zip(velocity, acceleration, jerk, strict=True)):
-        need_a = max(abs(a0[i]), abs(a1[i]))
-        if not need_a <= a * (1 + LIMIT_TOLERANCE):
-            return TimingRefusal("limits", need_a / a - 1, f"joint {i}: acceleration {need_a}, limit {a}")
-        for lowered_j in (j * (1 - JERK_RESERVE), j):
-            after = v0[i] + a0[i] * abs(a0[i]) / (2 * lowered_j)
-            before = v1[i] - a1[i] * abs(a1[i]) / (2 * lowered_j)
-            need_v = max(abs(v0[i]), abs(v1[i]), abs(after), abs(before))
-            if need_v <= v * (1 + LIMIT_TOLERANCE):
-                break
-        else:
-            return TimingRefusal("limits", need_v / v - 1, f"joint {i}: velocity comes to {need_v}, limit {v}")
-        # The solver compares without tolerance: a few roundings more than is needed.
-        out[0].append(max(v * (1 - RATE_RESERVE), need_v * (1 + 1e-14)))
-        out[1].append(max(a * (1 - RATE_RESERVE), need_a * (1 + 1e-14)))
-        out[2].append(lowered_j)
-    return out
+def shortest_duration(
+    q0: FloatArray,
+    v0: FloatArray,
+    a0: FloatArray,
+    q1: FloatArray,
+    v1: FloatArray,
+    a1: FloatArray,
+    velocity: FloatArray,
+    acceleration: FloatArray,
+    jerk: FloatArray,
+) -> float | TimingRefusal:
+    """How long the fastest motion takes, s: `time_joints` without reading the profile, in a fifth of its time."""
+    rows = accepted((q0, v0, a0, q1, v1, a1, velocity, acceleration, jerk), None)
+    lowered = lowered_limits(rows)
+    if isinstance(lowered, TimingRefusal):
+        return lowered
+    found = _solve(_desk(len(rows[0])), rows, lowered, None)
+    if isinstance(found, TimingRefusal):
+        return found
+    return max(found, SHORTEST) if _at_rest(rows) else found
 
 
 def _solve(
     desk: _Desk,
     rows: list[list[float]],
-    lowered: tuple[list[float], list[float], list[float]],
+    lowered: Limits,
     duration: float | None,
 ) -> float | TimingRefusal:
     """Ask the solver; its duration. `desk.found` then holds the profile."""
@@ -214,9 +155,27 @@ def _solve(
         if result in (ruckig.Result.Working, ruckig.Result.Finished):
             found = float(desk.found.duration)
             if math.isfinite(found) and found >= 0:
-                return found
+                return _fits(found, desk, duration)
         failure = f"{result}"
     return TimingRefusal("no profile", math.nan, failure.splitlines()[0] if failure else "")
+
+
+def _fits(found: float, desk: _Desk, duration: float | None) -> float | TimingRefusal:
+    """The duration found, if it is the one asked for and not too long."""
+    if duration is not None and not found <= duration + DURATION_TOLERANCE:
+        least = max(desk.found.independent_min_durations)
+        return TimingRefusal(
+            "blocked" if least <= duration else "too short",
+            found - duration,
+            f"{duration} s asked, joints alone take {least} s, together the next possible is {found} s",
+        )
+    if not found <= LONGEST:
+        return TimingRefusal("too long", found - LONGEST, f"takes {found} s, {LONGEST} s allowed")
+    return found
+
+
+def _at_rest(rows: list[list[float]]) -> bool:
+    return not any(map(any, (rows[1], rows[2], rows[4], rows[5])))
 
 
 def _still(row: list[float]) -> list[float]:

@@ -29,7 +29,7 @@ def prism(outline: list[tuple[float, float]], triangles: list[tuple[int, int, in
     """An outline (anticlockwise) with its triangulation, raised by `height` about z = 0."""
     flat = np.array(outline)
     low = np.column_stack([flat, np.full(len(flat), -height / 2)])
-    high = low + [0.0, 0.0, height]
+    high = low + np.array([0.0, 0.0, height])
     found = [high[list(t)] for t in triangles] + [low[list(t)[::-1]] for t in triangles]
     for i in range(len(flat)):
         j = (i + 1) % len(flat)

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from scenes.catalogue.arm import Arm
 
 ENTRIES: dict[str, Entry] = {
-    entry.model: entry
-    for entry in (RH_6FRH5520, RH_6CRH6020, SR_3IA, BENCHMARK_SCARA, OVIEDO_SCARA, FIUBA_SCARA)
+    entry.model: entry for entry in (RH_6FRH5520, RH_6CRH6020, SR_3IA, BENCHMARK_SCARA, OVIEDO_SCARA, FIUBA_SCARA)
 }
 
 

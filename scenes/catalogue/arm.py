@@ -43,7 +43,9 @@ Conventions = tuple[JointConvention, ...]
 
 def converted(values: FloatArray, conventions: Conventions) -> FloatArray:
     """Joint values (..., n) of the maker in the planner's convention, or the other way round: the same map."""
-    return values * np.array([float(joint.sign) for joint in conventions]) + 0.0  # + 0.0: no negative zeros
+    signs = np.array([float(joint.sign) for joint in conventions])
+    turned: FloatArray = values * signs + 0.0  # + 0.0: no negative zeros
+    return turned
 
 
 @dataclass(frozen=True, eq=False)

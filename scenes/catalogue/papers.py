@@ -80,11 +80,11 @@ FIUBA_SCARA = Entry(
 def _problem_axis(name: str, ends: tuple[float, float], rates: tuple[float, float, float]) -> Axis:
     lifting = name == "z"
     unit = "m" if lifting else "rad"
-    values = [
+    lower, upper, velocity, acceleration, jerk = (
         Number(value, unit + suffix, "defined", PROBLEMS)
         for value, suffix in zip((*ends, *rates), ("", "", "_s", "_s2", "_s3"), strict=True)
-    ]
-    return Axis(name, "prismatic" if lifting else "revolute", *values)
+    )
+    return Axis(name, "prismatic" if lifting else "revolute", lower, upper, velocity, acceleration, jerk)
 
 
 BENCHMARK_SCARA = Entry(

@@ -27,6 +27,8 @@ class Document(BaseModel):
     exactly_one: ClassVar[tuple[Group, ...]] = ()
     at_most_one: ClassVar[tuple[Group, ...]] = ()
     twins: ClassVar[dict[str, tuple[str, str]]] = {}
+    nullable: ClassVar[bool] = False
+    """Whether null may stand for a number that there is not (in answers; never in requests)."""
     open_keys: ClassVar[bool] = False
     """Whether keys beyond the fields (joint names) are taken, their units converted alike."""
 
@@ -45,7 +47,7 @@ class Document(BaseModel):
             return data
         result = data
         for key, value in data.items():
-            if value is None:
+            if value is None and not cls.nullable:
                 raise _refusal("null", [key], "a value; leave the key out if there is none")
             twin = cls.twins.get(key) or (si_key(key) if cls.open_keys and isinstance(key, str) else None)
             if twin is not None:
@@ -72,17 +74,18 @@ class Document(BaseModel):
         required = set(schema.get("required", ()))
         rules: list[dict[str, Any]] = [{"oneOf": [_needs(key) for key in group]} for group in cls.exactly_one]
         rules += [
-            {"not": {"required": [first, second]}}
+            {"not": {"allOf": [_needs(first), _needs(second)]}}
             for group in cls.at_most_one
             for i, first in enumerate(group)
             for second in group[i + 1 :]
         ]
         for name, field in list(properties.items()):
-            _forget_null(field)
+            if not cls.nullable:
+                _forget_null(field)
             twin = next((key for key, (si, _) in cls.twins.items() if si == name), None)
             if twin is None:
                 continue
-            properties[twin] = _unbounded(field)
+            properties[twin] = _twin_of_field(field)
             both = [{"required": [name]}, {"required": [twin]}]
             rules.append({"oneOf": both} if name in required else {"not": {"required": [name, twin]}})
             required.discard(name)
@@ -108,22 +111,20 @@ def _forget_null(field: dict[str, Any]) -> None:
         del field["default"]
 
 
-def _unbounded(field: dict[str, Any]) -> dict[str, Any]:
-    """The schema of a field without the numbers that are stated in SI."""
-    numbers = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "default")
-    copy = {key: value for key, value in field.items() if key not in numbers}
+def _twin_of_field(field: dict[str, Any]) -> dict[str, Any]:
+    """The schema of a field in its other unit: the same, less the title and the numbers that are stated in SI."""
+    if "$ref" in field:
+        return {"type": "object", "additionalProperties": {"type": "number"}}
+    left_out = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "default", "title")
+    copy = {key: value for key, value in field.items() if key not in left_out}
     if isinstance(copy.get("items"), dict):
-        copy["items"] = _unbounded(copy["items"])
+        copy["items"] = _twin_of_field(copy["items"])
     return copy
 
 
 def _refusal(kind: str, keys: list[str], allowed: str) -> PydanticCustomError:
     # Braces in a name would be read as a template by PydanticCustomError: the text travels in the context only.
-    return PydanticCustomError(kind, "not allowed", {"keys": keys, "allowed": allowed})  # type: ignore[arg-type]
-
-
-def _number(**limits: float) -> Any:
-    return Field(**limits)  # type: ignore[arg-type]
+    return PydanticCustomError(kind, "not allowed", {"keys": keys, "allowed": allowed})
 
 
 Coordinate = Annotated[float, Field(ge=-bounds.FAR_M, le=bounds.FAR_M)]

@@ -39,8 +39,11 @@ COMPARISONS = {
 }
 
 
-def read(model: type[Model], document: object) -> Model:
-    """The document as `model`. Raises `DocumentError`: unknown fields first, for they are usually misspelt others."""
+def read(model: type[Model], document: object, prefix: Path = ()) -> Model:
+    """The document as `model`. Raises `DocumentError`: unknown fields first, for they are usually misspelt others.
+
+    `prefix`: where the document is, if it is part of another.
+    """
     try:
         return model.model_validate(document)
     except ValidationError as error:
@@ -50,8 +53,8 @@ def read(model: type[Model], document: object) -> Model:
         )
         told = [_fault(model, document, dict(fault)) for fault in faults[:MAX_FAULTS]]
         first = told[0]
-        more = tuple((dotted(path), allowed) for path, _, allowed in told[1:])
-        raise DocumentError(dotted(first[0]), first[1], first[2], more=more) from None
+        more = tuple((dotted((*prefix, *path)), allowed) for path, _, allowed in told[1:])
+        raise DocumentError(dotted((*prefix, *first[0])), first[1], first[2], more=more) from None
 
 
 def _fault(model: type[BaseModel], document: object, error: dict[str, Any]) -> tuple[Path, object, str]:
@@ -116,8 +119,11 @@ def _known(model: type[BaseModel], location: Path) -> str:
         return "no such field"
     names = [field.alias or name for name, field in here.model_fields.items()]
     close = difflib.get_close_matches(str(location[-1]), names, n=1, cutoff=0.5)
-    hint = f"; did you mean {close[0]}" + (f" or {twin_of(close[0])}" if twin_of(close[0]) else "") + "?" if close else ""
-    return f"one of {', '.join(sorted(names))}" + hint
+    known = f"one of {', '.join(sorted(names))}"
+    if not close:
+        return known
+    twin = twin_of(close[0])
+    return f"{known}; did you mean {close[0]}{f' or {twin}' if twin else ''}?"
 
 
 def _model_of(model: type[BaseModel], name: str) -> type[BaseModel] | None:

@@ -26,6 +26,8 @@ from scenes.documents.shapes import AttachedBody, LinkBody
 
 LinkName = Literal["base", "link1", "link2", "quill", "flange"]
 Pair = Annotated[list[Strength], Field(min_length=2, max_length=2)]
+Row = Annotated[list[Strength], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
+Rows = Annotated[list[Row], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
 
 
 class ToolDocument(Document):
@@ -97,7 +99,7 @@ class RobotDocument(Document):
     scara: ScaraDocument | None = None
     tool: ToolDocument
     base: PoseDocument = PoseDocument(at_m=[0.0, 0.0, 0.0])
-    limits: LimitsDocument = LimitsDocument()
+    limits: LimitsDocument = Field(default_factory=lambda: LimitsDocument.model_validate({}))
 
 
 class JointValues(Document):
@@ -123,13 +125,9 @@ class TrajectoryDocument(Document):
     joint_names: Annotated[list[str], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
     joint_units: Annotated[list[Literal["rad", "m"]], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
     time_s: Annotated[list[Instant], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
-    position: "Rows"
-    velocity: "Rows"
-    acceleration: "Rows"
-
-
-Row = Annotated[list[Strength], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
-Rows = Annotated[list[Row], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
+    position: Rows
+    velocity: Rows
+    acceleration: Rows
 
 
 class NeighbourDocument(Document):
@@ -138,6 +136,3 @@ class NeighbourDocument(Document):
     name: Name
     robot: RobotDocument
     trajectory: TrajectoryDocument
-
-
-TrajectoryDocument.model_rebuild()

@@ -1,4 +1,4 @@
-"""Meshes: read, checked, and covered by convex hulls. trimesh and scipy are imported when the first one is asked for."""
+"""Meshes: read, checked, and covered by convex hulls. trimesh and scipy come with the first of them."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 The space around the mesh is cut by planes across the axes; each cell's hull is that of the triangles' parts inside the
 cell, so whatever the cuts, every point of every triangle is in the hull of a cell (C7). A convex mesh is one hull, the
 solid itself. Otherwise the cell whose hull reaches furthest out of the solid is cut where the volume of the hulls falls
-most, until all are tight or there are enough pieces. Where pieces are enough and not tight, the cover is larger than the
+most, until all are tight or there are enough pieces. Where they are enough and not tight, the cover is larger than the
 solid: an arm may be kept out of a hollow that it could enter, never let through a wall.
 
 What is enclosed and touched by no hull is not covered: `planner.containment` answers for it, from the same triangles.
@@ -109,7 +109,8 @@ def _halves(triangles: FloatArray) -> tuple[_Cell, _Cell] | None:
     one across the longest extent. Of the best of them and the cuts through the middle, the one that leaves least
     volume times excess: it looks one step further.
     """
-    cuts, middles = [], []
+    cuts: list[_Cut] = []
+    middles: list[_Cut] = []
     for axis in range(3):
         extent = float(np.ptp(triangles[:, :, axis]))
         for i, (at, area) in enumerate(_levels(triangles, axis)):

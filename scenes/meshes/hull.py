@@ -54,20 +54,14 @@ def volume_of_hull(points: FloatArray) -> float:
 
 def thickened(points: FloatArray) -> FloatArray:
     """`points`, grown along each of their principal axes in which they extend by less than `THICKNESS_M`."""
-    middle = points.mean(0)
-    _, _, axes = np.linalg.svd(points - middle, full_matrices=True) if len(points) < 3 else _axes(points - middle)
-    for axis in axes:
+    centred = points - points.mean(0)
+    _, axes = np.linalg.eigh(centred.T @ centred)
+    for axis in axes.T:
         extent = float(np.ptp(points @ axis))
         if extent < THICKNESS_M:
             shift = axis * (THICKNESS_M / 2)
             points = np.concatenate([points - shift, points + shift])
     return points
-
-
-def _axes(centred: FloatArray) -> tuple[None, None, FloatArray]:
-    """Principal axes (3, 3) as rows, from the covariance: cheap for many points."""
-    _, vectors = np.linalg.eigh(centred.T @ centred)
-    return None, None, vectors.T
 
 
 def _quick(points: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
@@ -106,5 +100,5 @@ def _around(corners: FloatArray, equations: FloatArray) -> FloatArray:
 
 
 def _box(points: FloatArray) -> FloatArray:
-    low, high = points.min(0) - COVER_SLACK_M, points.max(0) + COVER_SLACK_M
-    return np.array([[(low, high)[i][0], (low, high)[j][1], (low, high)[k][2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    ends = np.stack([points.min(0) - COVER_SLACK_M, points.max(0) + COVER_SLACK_M])
+    return np.array([[x, y, z] for x in ends[:, 0] for y in ends[:, 1] for z in ends[:, 2]])

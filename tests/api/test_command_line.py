@@ -129,7 +129,7 @@ def raising(error: BaseException) -> Any:
 
 
 def test_a_fault_of_ours_is_one_line_and_exit_code_three(small_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("api.command_line.requests.plan_document", raising(ZeroDivisionError("what\nwas said")))
+    monkeypatch.setattr("api.targets.plan_document", raising(ZeroDivisionError("what\nwas said")))
     code, output, errors = run("plan", str(small_file))
     assert (code, output, errors.count("\n")) == (FAULT, "", 1)
     assert "ZeroDivisionError" in errors
@@ -140,7 +140,7 @@ def test_a_plan_that_its_own_checker_refuses_is_not_given(
     small_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     refused = {"ok": False, "findings": [{"what": "the gap is not there", "detail": ""}], "notice": ""}
-    monkeypatch.setattr("api.command_line.requests.check_document", lambda *_, **__: refused)
+    monkeypatch.setattr("api.targets.check_document", lambda *_, **__: refused)
     code, output, errors = run("plan", str(small_file), "--out", str(tmp_path / "plan.json"))
     assert (code, output) == (FAULT, "")
     assert "the gap is not there" in errors
@@ -148,7 +148,7 @@ def test_a_plan_that_its_own_checker_refuses_is_not_given(
 
 
 def test_an_interrupted_command_ends_quietly(small_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("api.command_line.requests.plan_document", raising(KeyboardInterrupt()))
+    monkeypatch.setattr("api.targets.plan_document", raising(KeyboardInterrupt()))
     assert run("plan", str(small_file)) == (INTERRUPTED, "", "assur: interrupted\n")
 
 

@@ -15,7 +15,7 @@ DOORS = {
     "pebble": ("api",),
     "fastapi": ("api",),
     "pydantic": ("scenes", "api"),
-    "ruamel": ("scenes",),
+    "yaml": ("scenes.yaml_text",),
     "typer": ("api",),
 }
 """Library → the modules (with what is below them) that may import it in the product."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import copy
+import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import orjson
 import pytest
 
 from benchmarks.problem_set import ProblemSet, ProblemSetError, read_problem_set
@@ -21,6 +21,11 @@ GOAL = {"pos": [0.4, 0.2, 0.1], "yaw": 1.0}
 SLOWLY_S = 1.0
 """Long enough for every limit on the way from START to GOAL."""
 STATIC: Match = "position"
+
+
+def as_bytes(document: Any) -> bytes:
+    """A line of a file."""
+    return json.dumps(document).encode()
 
 
 def _problem(*obstacles: dict[str, Any], goal: dict[str, Any] | None = None) -> dict[str, Any]:
@@ -228,7 +233,7 @@ def test_an_answer_that_the_checker_refused_or_never_saw_is_refused() -> None:
 def test_a_file_needs_one_line_for_every_problem_and_no_more() -> None:
     problem = _problem()
     problems = problem_set(problem)
-    line = orjson.dumps(_straight())
+    line = as_bytes(_straight())
 
     def kinds(*lines: bytes) -> list[str]:
         return [finding.text for finding in recheck_lines(problems, list(lines))[0]]
@@ -236,9 +241,9 @@ def test_a_file_needs_one_line_for_every_problem_and_no_more() -> None:
     assert kinds(line) == []
     assert kinds() == ["has no line"]
     assert kinds(line, line) == ["answered twice"]
-    assert kinds(line, orjson.dumps({**_straight(), "id": "other"})) == ["not a problem of this set"]
+    assert kinds(line, as_bytes({**_straight(), "id": "other"})) == ["not a problem of this set"]
     assert len(kinds(line, b"{")) == 1
-    assert kinds(orjson.dumps({"id": "hand-made", "status": "not_planned", "trajectory": None})) == []
+    assert kinds(as_bytes({"id": "hand-made", "status": "not_planned", "trajectory": None})) == []
 
 
 def test_a_file_that_is_no_problem_set_is_refused_by_name(tmp_path: Path) -> None:
@@ -250,9 +255,9 @@ def test_a_file_that_is_no_problem_set_is_refused_by_name(tmp_path: Path) -> Non
         wrong.append(spoilt)
     wrong.append({**good, "problems": [_problem(), _problem()]})
     path = tmp_path / "set.json"
-    path.write_bytes(orjson.dumps(good))
+    path.write_bytes(as_bytes(good))
     assert read_problem_set(path).problems[0]["id"] == "hand-made"
     for document in wrong:
-        path.write_bytes(orjson.dumps(document))
+        path.write_bytes(as_bytes(document))
         with pytest.raises(ProblemSetError, match=r"set\.json"):
             read_problem_set(path)

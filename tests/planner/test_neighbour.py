@@ -106,12 +106,19 @@ def test_a_bound_is_at_least_every_sample_inside_across_and_outside_of_the_plan(
     n = np.array([flat * math.cos(around), flat * math.sin(around), up])
     t = np.unique([*np.linspace(start, end, 300), *(knot for knot in TIMES if start <= knot <= end)])
     t = t[(start <= t) & (t <= end)]
-    found, within = bound(law, start, end, n), rates(law, t, n).max(axis=1)
-    assert (found >= within).all()
-    # The yaw's own rate is sharp, and what is said of its acceleration is √(ω̇² + ω⁴) at most.
-    turn, turn_d = within[2:]
-    assert found[2] <= turn * (1 + 1e-3) + 1e-6
-    assert found[3] <= math.hypot(turn_d, turn**2) * (1 + 1e-2) + max(1e-6, 0.05 * turn_d, 0.05 * turn**2)
+    assert (bound(law, start, end, n) >= rates(law, t, n).max(axis=1)).all()
+
+
+@pytest.mark.parametrize("link", LINKS)
+@given(start=st.floats(0.9, 2.6))
+def test_over_a_short_interval_the_bound_of_the_turning_is_sharp(link: int, start: float) -> None:
+    law, along = TrajectoryLaw(ARM, plan(), link), np.array([1.0, 0.0, 0.0])
+    end = start + 1e-4
+    turn, turn_d = rates(law, np.array([start, end]), along)[2:].max(axis=1)
+    found = bound(law, start, end, along)
+    # Up to h²/8 of the second derivatives of both, which a sweep allows for.
+    assert found[2] <= turn + 1e-4
+    assert found[3] <= math.hypot(turn_d, turn**2) + 1e-2
 
 
 def test_a_vertical_direction_sees_the_quill_alone() -> None:
@@ -119,15 +126,17 @@ def test_a_vertical_direction_sees_the_quill_alone() -> None:
     for link, name in enumerate(ARM.links):
         law = TrajectoryLaw(ARM, plan(), link)
         truth = rates(law, np.linspace(1.0, 2.5, 4000), up).max(axis=1)
-        np.testing.assert_allclose(bound(law, 0.0, 9.0, up)[:2], truth[:2], rtol=1e-3, atol=1e-12)
-        assert (truth[0] > 0) == (name in ("quill", "flange"))
+        found = bound(law, 0.0, 9.0, up)
+        moves = name in ("quill", "flange")
+        assert ((truth[:2] > 0) == moves).all()
+        assert ((found[:2] > 1e-9) == moves).all()
 
 
 @pytest.mark.parametrize("link", LINKS)
 def test_what_stands_still_has_no_bounds_to_speak_of(link: int) -> None:
     law = TrajectoryLaw(ARM, plan(), link)
     for start, end in ((0.0, 0.99), (2.51, 9.0), (3.0, 3.0)):
-        assert not bound(law, start, end, np.array([0.6, 0.0, 0.8])).any()
+        assert bound(law, start, end, np.array([0.6, 0.0, 0.8])).max() <= 1e-8
 
 
 def test_a_neighbour_is_known_where_it_says_and_nowhere_else() -> None:

@@ -1,0 +1,90 @@
+"""A question to the solver, made legal: finite vectors of one length, states within limits, limits lowered."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.errors import InputError
+
+JERK_RESERVE = 0.02
+"""Fraction of the jerk limit that the solver does not get: merged switches and rounding took up to 0.006 in
+150,000 random motions (see `profile`)."""
+RATE_RESERVE = 1e-3
+"""Fraction of the velocity and acceleration limits that the solver does not get, likewise."""
+LIMIT_TOLERANCE = 1e-9
+"""Relative. States up to this beyond a limit count as at the limit: the tolerance of the trajectory's own check."""
+
+Reason = Literal["limits", "too short", "blocked", "too long", "no profile", "unsound"]
+
+
+@dataclass(frozen=True, slots=True)
+class TimingRefusal:
+    """Why there is no motion as asked.
+
+    limits      a given state is, or will inevitably come, beyond a limit; `excess` relative to it
+    too short   the earliest motion takes `excess` seconds longer than asked
+    blocked     shorter motions exist, but the next possible duration is `excess` seconds above the one asked
+    too long    it takes more than `LONGEST`; `excess` in seconds
+    no profile  the solver found none for a legal problem; `excess` is NaN
+    unsound     its profile does not end where it should; `excess` is how far, in units of what is allowed
+    """
+
+    reason: Reason
+    excess: float
+    detail: str
+
+
+Limits = tuple[list[float], list[float], list[float]]
+"""Of velocity, acceleration and jerk, n numbers each."""
+NAMES = ("q0", "v0", "a0", "q1", "v1", "a1", "velocity", "acceleration", "jerk")
+
+
+def accepted(arguments: tuple[FloatArray, ...], duration: float | None) -> list[list[float]]:
+    """The nine vectors as lists of equal length, finite, limits positive; `InputError` otherwise."""
+    rows: list[list[float]] = []
+    for name, argument in zip(NAMES, arguments, strict=True):
+        row = np.asarray(argument, dtype=np.float64).tolist()
+        if not isinstance(row, list) or len(row) != len(rows[0] if rows else row) or not row:
+            raise InputError(f"timing.{name}", argument, f"a vector of {len(rows[0]) if rows else 'some'} numbers")
+        rows.append(row)
+    for name, row in zip(NAMES, rows, strict=True):
+        if not all(map(math.isfinite, row)):
+            raise InputError(f"timing.{name}", row, "finite numbers")
+    for name, row in zip(NAMES[6:], rows[6:], strict=True):
+        if not min(row) > 0:
+            raise InputError(f"timing.{name}", row, "positive limits")
+    if duration is not None and not (math.isfinite(duration) and duration >= 0):
+        raise InputError("timing.duration", duration, "None, or a number of seconds from 0")
+    return rows
+
+
+def lowered_limits(rows: list[list[float]]) -> Limits | TimingRefusal:
+    """Velocity, acceleration and jerk limits for the solver: lowered, but never below what the end states need.
+
+    A state with acceleration a comes to the velocity v ± a|a|/(2j) whatever one does (equation P2: + after the start,
+    − before the goal). A state that needs the whole jerk limit for that gets it.
+    """
+    _, v0, a0, _, v1, a1, velocity, acceleration, jerk = rows
+    out: Limits = ([], [], [])
+    for i, (v, a, j) in enumerate(zip(velocity, acceleration, jerk, strict=True)):
+        need_a = max(abs(a0[i]), abs(a1[i]))
+        if not need_a <= a * (1 + LIMIT_TOLERANCE):
+            return TimingRefusal("limits", need_a / a - 1, f"joint {i}: acceleration {need_a}, limit {a}")
+        for lowered_j in (j * (1 - JERK_RESERVE), j):
+            after = v0[i] + a0[i] * abs(a0[i]) / (2 * lowered_j)
+            before = v1[i] - a1[i] * abs(a1[i]) / (2 * lowered_j)
+            need_v = max(abs(v0[i]), abs(v1[i]), abs(after), abs(before))
+            if need_v <= v * (1 + LIMIT_TOLERANCE):
+                break
+        else:
+            return TimingRefusal("limits", need_v / v - 1, f"joint {i}: velocity comes to {need_v}, limit {v}")
+        # The solver compares without tolerance: a few roundings more than is needed.
+        out[0].append(max(v * (1 - RATE_RESERVE), need_v * (1 + 1e-14)))
+        out[1].append(max(a * (1 - RATE_RESERVE), need_a * (1 + 1e-14)))
+        out[2].append(lowered_j)
+    return out

@@ -1,0 +1,248 @@
+"""The one answer of command line, Python and service: an outcome as plain data that JSON can hold.
+
+The trajectory leaves in the maker's convention (names, signs, zeros), in rad and m, so that a controller can take it;
+everything else is SI and in the world frame. What has no number is null. Nothing in it is NaN or infinite.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Literal
+
+from planner.errors import FaultError
+from planner.outcome import (
+    Arrival,
+    Census,
+    CensusLine,
+    Certificate,
+    JointPeak,
+    Margins,
+    NotPlanned,
+    Outcome,
+    Plan,
+    Planned,
+    Refusal,
+)
+from scenes.build.cell import Cell
+from scenes.catalogue.arm import converted
+from scenes.documents.request import SCHEMA
+
+Detail = Literal["full", "digest"]
+
+NOTICE = (
+    "Proved against the model: robot data, time laws, shapes and uncertainties as requested and as listed under "
+    "assumptions. Not a safety function under ISO 10218 or ISO 13849; persons are not in the model."
+)
+"""What every answer says."""
+
+REALS = {
+    "t0": "t0_s",
+    "t1": "t1_s",
+    "normal": "normal",
+    "gap0": "gap0_m",
+    "gap1": "gap1_m",
+    "speed": "speed_m_s",
+    "acceleration": "acceleration_m_s2",
+}
+"""Columns of a certificate that hold numbers, and their keys."""
+INDICES = ("first", "first_piece", "second", "second_piece")
+"""Columns that hold whole numbers; their keys are the same."""
+MAY_BE_INFINITE = ("speed", "acceleration")
+"""Bounds: an infinite one is true, and null in JSON."""
+
+
+def answer_of(cell: Cell, outcome: Outcome, certificate: Detail = "full") -> dict[str, Any]:
+    """The answer. `certificate`: all its columns, or its digest and length only."""
+    if isinstance(outcome, Planned):
+        return _planned(cell, outcome, certificate)
+    return _not_planned(cell, outcome)
+
+
+def _planned(cell: Cell, outcome: Planned, detail: Detail) -> dict[str, Any]:
+    plan = outcome.plan
+    return {
+        "schema": SCHEMA,
+        "status": "planned",
+        "duration_s": _number(plan.trajectory.end - plan.trajectory.start),
+        "start_s": _number(plan.trajectory.start),
+        "trajectory": trajectory_document(cell, plan),
+        "arrivals": [_arrival(arrival) for arrival in plan.arrivals],
+        "legs": [
+            {
+                "kind": str(leg.kind),
+                "step": int(leg.step),
+                "from_s": _number(leg.t0),
+                "to_s": _number(leg.t1),
+                "note": leg.note,
+            }
+            for leg in plan.legs
+        ],
+        "contacts": [
+            {"bodies": list(contact.bodies), "from_s": _number(contact.t0), "to_s": _number(contact.t1)}
+            for contact in outcome.contacts
+        ],
+        "margins": _margins(outcome.margins),
+        "lower_bound_s": _optional(outcome.lower_bound_s),
+        "certificate": certificate_document(plan.certificate, detail),
+        "census": _census(outcome.census),
+        "first_s": _optional(outcome.first_s),
+        **_common(cell, outcome),
+    }
+
+
+def _not_planned(cell: Cell, outcome: NotPlanned) -> dict[str, Any]:
+    relaxation = outcome.relaxation
+    return {
+        "schema": SCHEMA,
+        "status": "not_planned",
+        "reason": str(outcome.reason),
+        "proved": bool(outcome.proved),
+        "sentence": outcome.sentence,
+        "refusal": None if outcome.refusal is None else _refusal(outcome.refusal),
+        "relaxation": None
+        if relaxation is None
+        else {"what": relaxation.what, "value": relaxation.value, "duration_s": _optional(relaxation.duration_s)},
+        "tried": list(outcome.tried),
+        "details": {key: _optional(value) for key, value in outcome.details.items()},
+        "census": _census(outcome.census),
+        **_common(cell, outcome),
+    }
+
+
+def _common(cell: Cell, outcome: Outcome) -> dict[str, Any]:
+    return {
+        "assumptions": list(outcome.assumptions),
+        "seed": int(outcome.seed),
+        "elapsed_s": _number(outcome.elapsed_s),
+        "cut_by_clock": bool(outcome.cut_by_clock),
+        "request_digest": cell.scene.digest,
+        "notice": NOTICE,
+    }
+
+
+def trajectory_document(cell: Cell, plan: Plan) -> dict[str, Any]:
+    """The knots in the maker's convention. Reading them back gives the planner's knots, bit by bit."""
+    trajectory = plan.trajectory
+    written = {
+        key: converted(values, cell.conventions)
+        for key, values in (("position", trajectory.q), ("velocity", trajectory.qd), ("acceleration", trajectory.qdd))
+    }
+    for key, values in written.items():
+        if not all(map(math.isfinite, values.ravel().tolist())):
+            raise FaultError(f"a trajectory's {key} is not finite")
+    return {
+        "joint_names": [joint.name for joint in cell.conventions],
+        "joint_units": [joint.unit for joint in cell.conventions],
+        "time_s": trajectory.time.tolist(),
+        **{key: values.tolist() for key, values in written.items()},
+    }
+
+
+def certificate_document(certificate: Certificate, detail: Detail) -> dict[str, Any]:
+    """The proof: digest and number of rows, and the columns if asked in full."""
+    head = {"digest": certificate.digest, "rows": len(certificate)}
+    if detail == "digest":
+        return head
+    columns: dict[str, Any] = {"names": list(certificate.names)}
+    for name in INDICES:
+        columns[name] = getattr(certificate, name).tolist()
+    for name, key in REALS.items():
+        values = getattr(certificate, name).tolist()
+        if name in MAY_BE_INFINITE:
+            values = [None if value == math.inf else _number(value) for value in values]
+        columns[key] = values
+    return {**head, **columns}
+
+
+def _arrival(arrival: Arrival) -> dict[str, Any]:
+    return {
+        "control_point": arrival.control_point,
+        "step": int(arrival.step),
+        "time_s": _number(arrival.time),
+        "until_s": _number(arrival.until),
+        "at_m": [_number(x) for x in (arrival.pose.x, arrival.pose.y, arrival.pose.z)],
+        "yaw_rad": _number(arrival.pose.yaw),
+        "yaw_offset_rad": _number(arrival.yaw_offset),
+        "matched": bool(arrival.matched),
+        "along_m": None if arrival.along_m is None else _number(arrival.along_m),
+        "window_left_s": None if arrival.window_left_s is None else _number(arrival.window_left_s),
+    }
+
+
+def _margins(margins: Margins) -> dict[str, Any]:
+    nearest = margins.nearest
+    return {
+        "peaks": [_peak(peak) for peak in margins.peaks],
+        "binds": margins.binds,
+        "nearest": None
+        if nearest is None
+        else {
+            "gap_m": _number(nearest.gap_m),
+            "time_s": _number(nearest.time),
+            "bodies": list(nearest.bodies),
+            "phase": str(nearest.phase),
+        },
+        "tool_acceleration_m_s2": _optional(margins.tool_acceleration),
+        "tool_acceleration_limit_m_s2": _optional(margins.tool_acceleration_limit),
+        "singularity": _optional(margins.singularity),
+    }
+
+
+def _peak(peak: JointPeak) -> dict[str, Any]:
+    found: dict[str, Any] = {"joint": peak.joint}
+    for name in ("velocity", "acceleration", "jerk"):
+        found[name] = _number(getattr(peak, name))
+        found[f"{name}_ratio"] = _number(getattr(peak, f"{name}_ratio"))
+    return found
+
+
+def _census(census: Census) -> dict[str, Any]:
+    return {
+        "candidates": int(census.candidates),
+        "refused": int(census.refused),
+        "lines": [_line(line) for line in census.lines],
+    }
+
+
+def _line(line: CensusLine) -> dict[str, Any]:
+    return {
+        "stage": line.stage,
+        "reason": str(line.reason),
+        "step": int(line.step),
+        "bodies": list(line.bodies),
+        "count": int(line.count),
+        "interval_s": _interval(line.interval),
+        "least": _optional(line.least),
+        "most": _optional(line.most),
+        "unit": line.unit,
+        "detail": line.detail,
+    }
+
+
+def _refusal(refusal: Refusal) -> dict[str, Any]:
+    return {
+        "stage": refusal.stage,
+        "reason": str(refusal.reason),
+        "step": int(refusal.step),
+        "bodies": list(refusal.bodies),
+        "interval_s": _interval(refusal.interval),
+        "amount": _optional(refusal.amount),
+        "unit": refusal.unit,
+        "detail": refusal.detail,
+    }
+
+
+def _interval(interval: tuple[float, float] | None) -> list[float | None] | None:
+    return None if interval is None else [_optional(x) for x in interval]
+
+
+def _number(value: float) -> float:
+    """A number that a plan depends on. Raises `FaultError` if it is none."""
+    if not math.isfinite(value):
+        raise FaultError("an answer holds a number that is not finite")
+    return float(value)
+
+
+def _optional(value: float | None) -> float | None:
+    """A number that only informs: null where there is none."""
+    return float(value) if value is not None and math.isfinite(value) else None

@@ -1,0 +1,88 @@
+"""A plan as a document, for the checker: the answer that it came in, of which only the plan is looked at."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from scenes import bounds
+from scenes.documents.model import Angle, Document, Instant, Point
+from scenes.documents.robots import TrajectoryDocument
+
+Number = Annotated[float, Field(ge=-1e300, le=1e300)]
+Reals = Annotated[list[Number], Field(max_length=bounds.MAX_ROWS)]
+Bounds = Annotated[list[Number | None], Field(max_length=bounds.MAX_ROWS)]
+Indices = Annotated[list[Annotated[int, Field(ge=-1, le=2**31)]], Field(max_length=bounds.MAX_ROWS)]
+Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
+Text = Annotated[str, Field(max_length=bounds.MAX_TEXT)]
+
+
+class LegDocument(Document):
+    """A stretch of the plan; `step` counts from 0."""
+
+    kind: Literal["WAIT", "MOVE", "ARCH", "APPROACH", "FOLLOW", "DEPART"]
+    step: Annotated[int, Field(ge=-1, le=bounds.MAX_STEPS)]
+    from_s: Instant
+    to_s: Instant
+    note: Text
+
+
+class ArrivalDocument(Document):
+    """The tool point met a control point."""
+
+    nullable: ClassVar[bool] = True
+
+    control_point: Text
+    step: Annotated[int, Field(ge=0, le=bounds.MAX_STEPS)]
+    time_s: Instant
+    until_s: Instant
+    at_m: Point
+    yaw_rad: Angle
+    yaw_offset_rad: Angle
+    matched: bool
+    along_m: Number | None
+    window_left_s: Number | None
+
+
+class CertificateDocument(Document):
+    """The proof in columns; a null bound is infinite."""
+
+    digest: Text
+    rows: Annotated[int, Field(ge=0, le=bounds.MAX_ROWS)]
+    names: Annotated[list[Text], Field(max_length=8 * bounds.MAX_BODIES)]
+    t0_s: Reals
+    t1_s: Reals
+    first: Indices
+    first_piece: Indices
+    second: Indices
+    second_piece: Indices
+    normal: Annotated[list[Vector], Field(max_length=bounds.MAX_ROWS)]
+    gap0_m: Reals
+    gap1_m: Reals
+    speed_m_s: Bounds
+    acceleration_m_s2: Bounds
+
+
+class PlanDocument(Document):
+    """A planned answer. What the checker does not read may be left out, and is not looked at."""
+
+    schema_: Literal["assur/1"] = Field(alias="schema")
+    status: Literal["planned"]
+    trajectory: TrajectoryDocument
+    legs: Annotated[list[LegDocument], Field(max_length=8 * bounds.MAX_STEPS)]
+    arrivals: Annotated[list[ArrivalDocument], Field(max_length=bounds.MAX_STEPS)]
+    certificate: CertificateDocument
+    request_digest: Text | None = None
+    duration_s: Any = 0
+    start_s: Any = 0
+    contacts: Any = 0
+    margins: Any = 0
+    lower_bound_s: Any = 0
+    census: Any = 0
+    assumptions: Any = 0
+    seed: Any = 0
+    elapsed_s: Any = 0
+    first_s: Any = 0
+    cut_by_clock: Any = 0
+    notice: Any = 0

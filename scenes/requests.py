@@ -1,0 +1,111 @@
+"""The doors of this package: what the service, the command line and Python call.
+
+A request is a plain document (dict, list, str, float, int, bool). Whatever is wrong with it is an `InputError` that
+names the field as it was written. Reading and building load no native library; planning does.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from scenes.catalogue import robots
+from scenes.documents.read import read
+from scenes.documents.request import SCHEMA, RequestDocument
+from scenes.json_text import parse_json
+from scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet, with_files
+
+if TYPE_CHECKING:
+    from planner.scene import Scene
+    from scenes.build.cell import Cell
+
+__all__ = [
+    "Scenario",
+    "cell_of",
+    "check_document",
+    "load_scenario",
+    "parse_json",
+    "plan_document",
+    "plan_scenario",
+    "request_digest",
+    "request_schema",
+    "robots",
+    "scene_of",
+    "shipped",
+    "shipped_scenarios",
+    "unmet",
+    "validate",
+]
+
+
+def validate(document: object) -> RequestDocument:
+    """The request in SI, its shape and units checked. Names are looked up, and meshes read, when a scene is built."""
+    return read(RequestDocument, document)
+
+
+def request_digest(document: object) -> str:
+    """SHA-256 of the request in SI with every default written out: the same for requests that mean the same."""
+    return validate(document).digest
+
+
+def request_schema() -> dict[str, Any]:
+    """JSON Schema of a request, with both ways to write each quantity."""
+    schema = RequestDocument.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA, **schema}
+
+
+def cell_of(document: object, *, folder: Path | None = None) -> Cell:
+    """Scene and joint conventions of a request. `folder`: below which mesh files may be named (command line only)."""
+    from scenes.build.cell import cell_of as build
+
+    whole = document if folder is None else with_files(document, folder)
+    return build(whole, validate(whole))
+
+
+def scene_of(document: object, *, folder: Path | None = None) -> Scene:
+    """The planner's scene of a request. Raises `InputError` naming the field."""
+    return cell_of(document, folder=folder).scene
+
+
+def plan_document(
+    document: object, *, folder: Path | None = None, certificate: Literal["full", "digest"] = "full"
+) -> dict[str, Any]:
+    """The answer to a request: planned, or not planned and why. Raises `InputError` naming the field."""
+    from planner.pipeline import plan
+    from scenes.answer import answer_of
+
+    cell = cell_of(document, folder=folder)
+    return answer_of(cell, plan(cell.scene), certificate)
+
+
+def plan_scenario(scenario: Scenario, *, certificate: Literal["full", "digest"] = "full") -> dict[str, Any]:
+    """The answer to a scenario's request. Raises `InputError` with the line in the scenario's file."""
+    with scenario.located():
+        return plan_document(scenario.request, folder=scenario.folder, certificate=certificate)
+
+
+def check_document(request: object, plan: object, *, folder: Path | None = None) -> dict[str, Any]:
+    """The checker's verdict on a planned answer with a full certificate. Raises `InputError` naming the field."""
+    from planner.checker import check
+    from scenes.answer import NOTICE
+    from scenes.plans import plan_of
+
+    cell = cell_of(request, folder=folder)
+    verdict = check(cell.scene, plan_of(plan, cell.conventions))
+    findings = [
+        {
+            "code": str(finding.code),
+            "what": finding.what,
+            "amount": finding.amount if abs(finding.amount) < float("inf") else None,
+            "unit": finding.unit,
+            "where": finding.where,
+        }
+        for finding in verdict.findings
+    ]
+    return {
+        "schema": SCHEMA,
+        "ok": verdict.ok,
+        "findings": findings,
+        "request_digest": cell.scene.digest,
+        "notice": NOTICE,
+    }

@@ -1,0 +1,171 @@
+"""Scenario files: why a cell exists, the request, and what is expected of its answer."""
+
+from __future__ import annotations
+
+import base64
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from planner.errors import InputError
+from scenes.bounds import MAX_MESH_BYTES, MAX_TEXT, MAX_YAML_BYTES
+from scenes.documents.model import Document, Instant
+from scenes.documents.read import read
+from scenes.documents.request import RequestDocument
+from scenes.faults import DocumentError, dotted
+from scenes.yaml_text import Lines, parse_yaml
+
+CELLS = Path(__file__).parent / "cells"
+"""The shipped scenarios."""
+FORMATS = {".stl": "stl", ".obj": "obj", ".ply": "ply", ".glb": "glb"}
+"""Endings of the mesh files that a scenario may name."""
+
+
+class RangeDocument(Document):
+    """From `min` to `max`, either of which may be left out."""
+
+    min: Instant | None = None
+    max: Instant | None = None
+
+
+class ExpectDocument(Document):
+    """What a scenario's answer must be."""
+
+    status: Literal["planned", "not_planned"]
+    duration_s: RangeDocument | None = None
+    reason: str | None = None
+    proved: bool | None = None
+    mentions: Annotated[list[str], Field(max_length=32)] = Field(default_factory=list)
+    """Words found in the sentence, the census, the relaxation or what binds."""
+    matched: Annotated[list[str], Field(max_length=64)] = Field(default_factory=list)
+    """Control points that are met with their velocity."""
+    relaxation: str | None = None
+    """Words found in the relaxation."""
+
+
+class ScenarioDocument(Document):
+    """A scenario file."""
+
+    about: Annotated[str, Field(min_length=1, max_length=MAX_TEXT)]
+    request: RequestDocument
+    expect: ExpectDocument
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """A scenario: its name is its file's, `folder` its file's folder, `lines` where each of its values stands."""
+
+    name: str
+    about: str
+    request: dict[str, Any]
+    expect: dict[str, Any]
+    folder: Path
+    lines: Lines
+
+    @contextmanager
+    def located(self) -> Iterator[None]:
+        """An `InputError` about the request, raised inside, gets the line of the file."""
+        try:
+            yield
+        except InputError as error:
+            raise _with_line(error, self.lines, "request.") from error
+
+
+def load_scenario(path: Path) -> Scenario:
+    """The scenario in a YAML file. Raises `DocumentError` with the line, or `OSError` for a file that is not there."""
+    with path.open("rb") as file:
+        text = file.read(MAX_YAML_BYTES + 1)
+    document, lines = parse_yaml(text)
+    try:
+        read(ScenarioDocument, document)
+    except InputError as error:
+        raise _with_line(error, lines, "") from error
+    about = " ".join(document["about"].split())
+    return Scenario(path.stem, about, document["request"], document["expect"], path.parent, lines)
+
+
+@lru_cache(maxsize=1)
+def shipped_scenarios() -> dict[str, str]:
+    """Name and purpose of each shipped scenario, by name."""
+    return {path.stem: load_scenario(path).about for path in sorted(CELLS.glob("*.yaml"))}
+
+
+def shipped(name: str) -> Scenario:
+    """A shipped scenario. Raises `InputError` for a name that is none; no other file is ever opened."""
+    names = sorted(path.stem for path in CELLS.glob("*.yaml"))
+    if name not in names:
+        raise InputError("scenario", name, f"one of {', '.join(names)}")
+    return load_scenario(CELLS / f"{name}.yaml")
+
+
+def _with_line(error: InputError, lines: Lines, prefix: str) -> DocumentError:
+    """The error with the line of its field, or of the innermost mapping around it that the file has."""
+    more = error.more if isinstance(error, DocumentError) else ()
+    field = prefix + error.field
+    line = getattr(error, "line", None)
+    while line is None and field:
+        line = lines.get(field)
+        field = field[: max(field.rfind("."), field.rfind("["), 0)]
+    return DocumentError(error.field, error.value, error.allowed, line=line or 1, more=more)
+
+
+def with_files(request: Any, folder: Path) -> Any:
+    """The request with the bytes of every mesh file that it names, which must lie below `folder`, in their place."""
+    return _inlined(request, (), folder.resolve())
+
+
+def _inlined(value: Any, path: tuple[str | int, ...], folder: Path) -> Any:
+    if isinstance(value, dict):
+        if path and path[-1] == "mesh" and isinstance(value.get("file"), str):
+            return _inlined_mesh(value, path, folder)
+        return {key: _inlined(item, (*path, str(key)), folder) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_inlined(item, (*path, i), folder) for i, item in enumerate(value)]
+    return value
+
+
+def _inlined_mesh(mesh: dict[str, Any], path: tuple[str | int, ...], folder: Path) -> dict[str, Any]:
+    name = mesh["file"]
+    field = dotted((*path, "file"))
+    allowed = f"a file below the scenario's own folder, ending in {', '.join(FORMATS)}"
+    if "\0" in name or Path(name).is_absolute() or Path(name).suffix.lower() not in FORMATS:
+        raise DocumentError(field, name, allowed)
+    found = Path(os.path.normpath(folder / name))
+    # Links are refused, not followed: what a name leads to must be seen from the name.
+    if not found.is_relative_to(folder) or found.resolve() != found or not found.is_file():
+        raise DocumentError(field, name, allowed)
+    if found.stat().st_size > MAX_MESH_BYTES:
+        raise DocumentError(field, name, f"a file of up to {MAX_MESH_BYTES} bytes")
+    inlined = {key: value for key, value in mesh.items() if key != "file"}
+    inlined.setdefault("format", FORMATS[found.suffix.lower()])
+    return {**inlined, "data": base64.b64encode(found.read_bytes()).decode("ascii")}
+
+
+def unmet(expect: dict[str, Any], answer: dict[str, Any]) -> list[str]:
+    """What of a scenario's `expect` the answer does not hold, in words; [] if it holds all of it."""
+    wanted = read(ExpectDocument, expect)
+    found = []
+    if answer["status"] != wanted.status:
+        found.append(f"status is {answer['status']}, not {wanted.status}")
+    for key in ("reason", "proved"):
+        want = getattr(wanted, key)
+        if want is not None and answer.get(key) != want:
+            found.append(f"{key} is {answer.get(key)}, not {want}")
+    if wanted.duration_s is not None:
+        duration = answer.get("duration_s", float("nan"))
+        low, high = wanted.duration_s.min, wanted.duration_s.max
+        if not ((low is None or duration >= low) and (high is None or duration <= high)):
+            found.append(f"duration_s is {duration}, not from {low} to {high}")
+    told = str([answer.get(key) for key in ("sentence", "refusal", "census", "relaxation", "margins", "legs")])
+    found += [f"{words!r} is not mentioned" for words in wanted.mentions if words not in told]
+    met = {arrival["control_point"] for arrival in answer.get("arrivals", ()) if arrival["matched"]}
+    found += [f"{name} is not met with its velocity" for name in wanted.matched if name not in met]
+    if wanted.relaxation is not None and wanted.relaxation not in str(answer.get("relaxation")):
+        found.append(f"relaxation is {answer.get('relaxation')}, not {wanted.relaxation}")
+    return found

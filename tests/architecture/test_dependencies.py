@@ -1,0 +1,55 @@
+"""What the product imports is what `pyproject.toml` declares: a fresh environment has all of it, and nothing idle."""
+
+from __future__ import annotations
+
+import re
+import sys
+import tomllib
+from importlib.metadata import packages_distributions
+
+from tests.architecture.source_tree import BESIDE, PRODUCT, ROOT, imports, sources
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+OPTIONAL = frozenset({"matplotlib"})
+"""Imported only behind an extra of its own name's purpose (`plot`)."""
+
+
+BROUGHT = {"pydantic-core": "pydantic"}
+"""Imported, but chosen by the library that is declared: they are made for each other, release by release."""
+
+
+def _plain(requirement: str) -> str:
+    """The name of a requirement as an index writes it."""
+    return re.sub(r"[-_.]+", "-", re.split(r"[<>=!~\[; ]", requirement)[0]).lower()
+
+
+def _imported(*packages: str) -> dict[str, str]:
+    """Distribution → a place where it is imported."""
+    owners = packages_distributions()
+    found = {}
+    for source in sources(*packages):
+        for module, line in imports(source.tree):
+            top = module.partition(".")[0]
+            if top not in sys.stdlib_module_names and top not in (*PRODUCT, *BESIDE):
+                for owner in owners.get(top, [top]):
+                    name = _plain(owner)
+                    found[BROUGHT.get(name, name)] = f"{source.path}:{line}"
+    return found
+
+
+def test_every_library_that_the_product_imports_is_declared() -> None:
+    declared = {_plain(requirement) for requirement in PROJECT["dependencies"]}
+    extra = {name: where for name, where in _imported(*PRODUCT).items() if name not in declared | OPTIONAL}
+    assert extra == {}
+
+
+def test_every_library_that_is_declared_is_imported() -> None:
+    declared = {_plain(requirement) for requirement in PROJECT["dependencies"]}
+    assert declared - set(_imported(*PRODUCT)) == set()
+
+
+def test_every_library_that_tests_and_benchmarks_import_comes_with_their_extra() -> None:
+    given = [*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["test"]]
+    declared = {_plain(requirement) for requirement in given}
+    extra = {name: where for name, where in _imported(*BESIDE).items() if name not in declared}
+    assert extra == {}

@@ -1,0 +1,352 @@
+"""Requests that must be refused, each by one change to a good one, with the field that the refusal must name.
+
+Shared by the tests of documents, service and command line. Every change leaves plain JSON.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+Change = Callable[[dict[str, Any]], None]
+
+
+@dataclass(frozen=True)
+class Bad:
+    """A kind of bad request: `change` spoils a copy of the good one, `field` is what the error must name."""
+
+    name: str
+    change: Change
+    field: str
+
+
+@dataclass(frozen=True)
+class BadText:
+    """Bytes that are no request at all; `field` is named where there is one to name."""
+
+    name: str
+    data: bytes
+    field: str | None
+
+
+GOOD_REQUEST: dict[str, Any] = {
+    "schema": "assur/1",
+    "robot": {
+        "model": "mitsubishi-rh-6frh5520",
+        "tool": {
+            "tcp_mm": [0, 0, -100],
+            "mass_kg": 0.45,
+            "bodies": [{"name": "cup", "shape": {"cylinder": {"radius_mm": 15, "height_mm": 100}}, "at_mm": [0, 0, -50]}],
+        },
+        "limits": {"acceleration": 0.6, "j4_deg": [-270, 270]},
+    },
+    "start": {"at_s": 0.0, "joints": {"j1_deg": 17.2, "j2_deg": 68.8, "j3_mm": 250, "j4_deg": 0}},
+    "frames": {
+        "belt": {"conveyor": {"at_mm": [0, 350, 50], "speed_mm_s": 250}, "uncertainty": {"speed_mm_s": 2}},
+        "dial": {"turntable": {"at_mm": [340, -150, 60], "rate_deg_s": 60}},
+        "gate": {"swing": {"pivot_mm": [600, 300, 160], "amplitude_deg": 50, "period_s": 1.6}},
+    },
+    "bodies": [
+        {"name": "bed", "shape": {"box": {"size_mm": [1400, 300, 50]}}, "pose": {"at_mm": [0, 350, 25]}},
+        {
+            "name": "part",
+            "shape": {"mesh": {"asset": "bracket", "unit": "mm"}},
+            "pose": {"frame": "belt", "at_mm": [-450, 0, 10], "yaw_deg": 33},
+            "mass_kg": 0.12,
+            "yaw_symmetry": 2,
+        },
+        {
+            "name": "bar",
+            "shape": {"capsule": {"radius_mm": 15, "length_mm": 200, "axis": "x"}},
+            "pose": {"frame": "gate", "at_mm": [0, 0, 0]},
+        },
+        {"name": "plate", "shape": {"cylinder": {"radius_mm": 190, "height_mm": 20}}, "pose": {"frame": "dial", "at_mm": [0, 0, -10]}},
+    ],
+    "task": [
+        {
+            "pick": {
+                "part": "part",
+                "grasp_mm": [0, 0, 10],
+                "window_mm": [-300, 250],
+                "approach": {"mm": 30},
+                "dwell_ms": 80,
+                "depart": {"mm": 40},
+            }
+        },
+        {
+            "place": {
+                "part": "part",
+                "to": {"frame": "dial", "at_mm": [150, 0, 10], "yaw_deg": 0},
+                "approach": {"mm": 20},
+                "dwell_ms": 60,
+                "depart": {"mm": 30},
+                "contact_with": ["plate"],
+            }
+        },
+        {"move": {"to": {"at_mm": [350, 0, 120]}}},
+    ],
+    "options": {
+        "seed": 1,
+        "budget_s": 1.0,
+        "stop": "first",
+        "clearance_mm": {"travel": 8, "near": 1.5},
+        "singularity_margin": 0.2,
+    },
+}
+"""A small pick and place, quickly planned."""
+
+
+def _at(*path: str | int) -> Callable[[dict[str, Any]], Any]:
+    def find(document: Any) -> Any:
+        for part in path:
+            document = document[part]
+        return document
+
+    return find
+
+
+def put(*path: str | int, value: Any) -> Change:
+    """Sets the value at `path`."""
+
+    def change(document: dict[str, Any]) -> None:
+        _at(*path[:-1])(document)[path[-1]] = value
+
+    return change
+
+
+def drop(*path: str | int) -> Change:
+    """Removes the value at `path`."""
+
+    def change(document: dict[str, Any]) -> None:
+        del _at(*path[:-1])(document)[path[-1]]
+
+    return change
+
+
+def add(*path: str | int, value: Any) -> Change:
+    """Appends to the list at `path`."""
+
+    def change(document: dict[str, Any]) -> None:
+        _at(*path)(document).append(value)
+
+    return change
+
+
+PART, PICK, PLACE = ("bodies", 1), ("task", 0, "pick"), ("task", 1, "place")
+BELT, TOOL = ("frames", "belt", "conveyor"), ("robot", "tool")
+BOX = {"name": "extra", "shape": {"box": {"size_mm": [10, 10, 10]}}, "pose": {"at_mm": [0, -500, 5]}}
+OPEN_STL = b"solid x\n" + b"facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\nendfacet\n" * 4
+JOINT = {"name": "a", "range_deg": [-90, 90], "velocity_deg_s": 100, "acceleration_deg_s2": 1000, "jerk_deg_s3": 10000}
+LIFT = {"name": "c", "range_mm": [0, 100], "velocity_mm_s": 100, "acceleration_mm_s2": 1000, "jerk_mm_s3": 10000}
+
+
+def _inline(**changes: Any) -> Change:
+    """An inline robot in place of the model, spoilt by `changes`; the start is made to fit it."""
+
+    def change(document: dict[str, Any]) -> None:
+        joints = [dict(JOINT), {**JOINT, "name": "b"}, dict(LIFT), {**JOINT, "name": "d"}]
+        scara = {"l1_mm": 300, "l2_mm": 300, "joints": joints, "bodies": [], "self_pairs": []}
+        for key, value in changes.items():
+            if key.startswith("joint_"):
+                joints[int(key[6:])].update(value)
+            else:
+                scara[key] = value
+        document["robot"] = {"scara": scara, "tool": document["robot"]["tool"]}
+        document["start"]["joints"] = {"a_deg": 0, "b_deg": 60, "c_mm": 50, "d_deg": 0}
+
+    return change
+
+
+def _neighbour(**changes: Any) -> Change:
+    """A neighbour with a trajectory of two knots, spoilt by `changes`."""
+
+    def change(document: dict[str, Any]) -> None:
+        rest = [[0.0] * 4, [0.0] * 4]
+        trajectory: dict[str, Any] = {
+            "joint_names": ["j1", "j2", "j3", "j4"],
+            "joint_units": ["rad", "rad", "m", "rad"],
+            "time_s": [0.0, 1.0],
+            "position": [[0.0, 1.0, 0.3, 0.0], [0.2, 1.0, 0.3, 0.0]],
+            "velocity": rest,
+            "acceleration": rest,
+        }
+        robot = {"model": "mitsubishi-rh-6frh5520", "base": {"at_mm": [2000, 0, 0]}, "tool": {"tcp_mm": [0, 0, 0]}}
+        trajectory.update(changes)
+        document["neighbours"] = [{"name": "other", "robot": robot, "trajectory": trajectory}]
+
+    return change
+
+
+def _ride_on_the_part(document: dict[str, Any]) -> None:
+    document["bodies"].append({**BOX, "pose": {"body": "part", "at_mm": [0, 0, 20]}})
+
+
+def _pick_twice(document: dict[str, Any]) -> None:
+    document["task"][1] = document["task"][0]
+
+
+def _data(content: bytes, form: str = "stl") -> dict[str, Any]:
+    return {"mesh": {"data": base64.b64encode(content).decode(), "format": form, "unit": "mm"}}
+
+
+BAD_REQUESTS: tuple[Bad, ...] = (
+    # the document as such
+    Bad("unknown field", put("color", value="red"), "color"),
+    Bad("expect in a request", put("expect", value={"status": "planned"}), "expect"),
+    Bad("schema left out", drop("schema"), "schema"),
+    Bad("schema of another version", put("schema", value="assur/2"), "schema"),
+    Bad("null for a value", put("carry", value=None), "carry"),
+    Bad("list for a mapping", put("frames", value=[]), "frames"),
+    Bad("mapping for a list", put("bodies", value={}), "bodies"),
+    Bad("robot left out", drop("robot"), "robot"),
+    # units
+    Bad("no unit in the key", put(*BELT, "speed", value=250), "frames.belt.conveyor.speed"),
+    Bad("both twins", put(*BELT, "speed_m_s", value=0.25), "frames.belt.conveyor.speed_mm_s"),
+    Bad("a unit that does not fit", put(*BELT, "yaw_mm", value=3), "frames.belt.conveyor.yaw_mm"),
+    Bad("text for a number", put(*BELT, "speed_mm_s", value="250"), "frames.belt.conveyor.speed_mm_s"),
+    Bad("boolean for a number", put(*BELT, "speed_mm_s", value=True), "frames.belt.conveyor.speed_mm_s"),
+    Bad("two coordinates", put(*BELT, "at_mm", value=[0, 350]), "frames.belt.conveyor.at_mm"),
+    Bad("metres taken for millimetres", put(*BELT, "at_m", value=[0, 350, 50]), "frames.belt.conveyor.at_mm"),
+    Bad("a coordinate beyond every cell", put("bodies", 0, "pose", "at_mm", value=[0, 0, 1e9]), "bodies[0].pose.at_mm[2]"),
+    # robot
+    Bad("unknown model", put("robot", "model", value="puma-560"), "robot.model"),
+    Bad("model and inline", put("robot", "scara", value={}), "robot.scara"),
+    Bad("neither model nor inline", drop("robot", "model"), "robot"),
+    Bad("no tool", drop("robot", "tool"), "robot.tool"),
+    Bad("no tool point", drop(*TOOL, "tcp_mm"), "robot.tool.tcp_m"),
+    Bad("negative mass", put(*TOOL, "mass_kg", value=-1), "robot.tool.mass_kg"),
+    Bad("scale above one", put("robot", "limits", "velocity", value=1.5), "robot.limits.velocity"),
+    Bad("scale of zero", put("robot", "limits", "jerk", value=0), "robot.limits.jerk"),
+    Bad("wider range", put("robot", "limits", "j4_deg", value=[-400, 270]), "robot.limits.j4_deg"),
+    Bad("range upside down", put("robot", "limits", "j1_deg", value=[90, -90]), "robot.limits.j1_deg"),
+    Bad("range of an unknown joint", put("robot", "limits", "j9_deg", value=[-1, 1]), "robot.limits.j9_deg"),
+    Bad("inline with two joints", _inline(joints=[JOINT, JOINT]), "robot.scara.joints"),
+    Bad("inline with a turning lift", _inline(joint_2={"range_deg": [0, 9], "range_mm": [0, 9]}), "robot.scara.joints[2].range_mm"),
+    Bad("inline lift in degrees", _inline(joints=[JOINT, {**JOINT, "name": "b"}, {**JOINT, "name": "c"}]), "robot.scara.joints[2].range_deg"),
+    Bad("inline joints of one name", _inline(joint_1={"name": "a"}), "robot.scara.joints[1].name"),
+    Bad("inline range upside down", _inline(joint_0={"range_deg": [90, -90]}), "robot.scara.joints[0].range_deg"),
+    Bad("inline zero of a turning joint", _inline(joint_0={"zero_mm": 3}), "robot.scara.joints[0].zero_mm"),
+    Bad("inline sign of two", _inline(joint_0={"sign": 2}), "robot.scara.joints[0].sign"),
+    Bad("inline pair of unknown links", _inline(self_pairs=[["base", "hand"]]), "robot.scara.self_pairs[0][1]"),
+    Bad("inline quill that is no solid of revolution", _inline(bodies=[{**BOX, "pose": 0}]), "robot.scara.bodies[0].pose"),
+    # start
+    Bad("no start", drop("start"), "start"),
+    Bad("a joint left out", drop("start", "joints", "j2_deg"), "start.joints.j2_rad"),
+    Bad("joint in the wrong unit", put("start", "joints", "j3_deg", value=0), "start.joints.j3_deg"),
+    Bad("joint without unit", put("start", "joints", "j1", value=0), "start.joints.j1"),
+    Bad("velocity of one joint only", put("start", "velocity", value={"j1_deg_s": 5}), "start.velocity.j2_rad_s"),
+    # frames
+    Bad("frame without law", put("frames", "belt", value={}), "frames.belt"),
+    Bad("frame with two laws", put("frames", "belt", "fixed", value={"at_m": [0, 0, 0]}), "frames.belt.conveyor"),
+    Bad("unknown law", put("frames", "belt", value={"teleport": {}}), "frames.belt"),
+    Bad("frame called world", put("frames", "world", value={"fixed": {"at_m": [0, 0, 0]}}), "frames.world"),
+    Bad("frame with a slash", put("frames", "a/b", value={"fixed": {"at_m": [0, 0, 0]}}), "frames.a/b"),
+    Bad("period of zero", put("frames", "gate", "swing", "period_s", value=0), "frames.gate.swing.period_s"),
+    Bad("validity upside down", put("frames", "belt", "valid_s", value=[5, 1]), "frames.belt.valid_s"),
+    Bad("negative uncertainty", put("frames", "belt", "uncertainty", value={"position_mm": -1}), "frames.belt.uncertainty.position_mm"),
+    Bad("one keyframe", put("frames", "gate", value={"keyframes": {"points": [{"time_s": 0, "at_m": [0, 0, 0]}]}}), "frames.gate.keyframes.points"),
+    Bad(
+        "keyframes out of order",
+        put("frames", "gate", value={"keyframes": {"points": [{"time_s": t, "at_m": [0, 0, 0]} for t in (1, 0)]}}),
+        "frames.gate.keyframes",
+    ),
+    Bad(
+        "overlapping changes of speed",
+        put(*BELT, "changes", value=[{"at_s": t, "speed_m_s": t, "acceleration_m_s2": 1e-3, "jerk_m_s3": 1} for t in (1, 2)]),
+        "frames.belt.conveyor.changes",
+    ),
+    Bad("a change of speed without jerk", put(*BELT, "changes", value=[{"at_s": 1, "speed_m_s": 0, "acceleration_m_s2": 1}]), "frames.belt.conveyor.changes[0].jerk_m_s3"),
+    Bad("indexer that both turns and travels", put("frames", "gate", value={"indexer": {"at_m": [0, 0, 0], "step_deg": 9, "step_mm": 9, "move_s": 1, "dwell_s": 1}}), "frames.gate.indexer.step_mm"),
+    # bodies
+    Bad("two bodies of one name", add("bodies", value={**BOX, "name": "bed"}), "bodies[4].name"),
+    Bad("a body called like the tool's", add("bodies", value={**BOX, "name": "cup"}), "bodies[4].name"),
+    Bad("a body called like the robot's", add("bodies", value={**BOX, "name": "link-1"}), "bodies[4].name"),
+    Bad("name with a space", put("bodies", 0, "name", value="belt bed"), "bodies[0].name"),
+    Bad("body without pose", drop("bodies", 0, "pose"), "bodies[0].pose"),
+    Bad("body in an unknown frame", put(*PART, "pose", "frame", value="belt2"), "bodies[1].pose.frame"),
+    Bad("body in a frame and on a body", put(*PART, "pose", "body", value="bed"), "bodies[1].pose.body"),
+    Bad("body on a later body", put("bodies", 0, "pose", value={"body": "plate", "at_mm": [0, 0, 0]}), "bodies[0].pose.body"),
+    Bad("body on a part that is picked", _ride_on_the_part, "bodies[4].pose.body"),
+    Bad("no shape", put("bodies", 0, "shape", value={}), "bodies[0].shape"),
+    Bad("two shapes", put("bodies", 0, "shape", "sphere", value={"radius_mm": 3}), "bodies[0].shape.sphere"),
+    Bad("negative size", put("bodies", 0, "shape", "box", "size_mm", value=[10, 10, -10]), "bodies[0].shape.box.size_mm[2]"),
+    Bad("a sheet of nothing", put("bodies", 0, "shape", "box", "size_mm", value=[10, 10, 1e-4]), "bodies[0].shape.box.size_mm[2]"),
+    Bad("unknown axis", put("bodies", 2, "shape", "capsule", "axis", value="w"), "bodies[2].shape.capsule.axis"),
+    Bad("fraction of a symmetry", put(*PART, "yaw_symmetry", value=2.5), "bodies[1].yaw_symmetry"),
+    # meshes
+    Bad("mesh without unit", drop(*PART, "shape", "mesh", "unit"), "bodies[1].shape.mesh.unit"),
+    Bad("mesh in furlongs", put(*PART, "shape", "mesh", "unit", value="furlong"), "bodies[1].shape.mesh.unit"),
+    Bad("asset that is not shipped", put(*PART, "shape", "mesh", "asset", value="teapot"), "bodies[1].shape.mesh.asset"),
+    Bad("asset by path", put(*PART, "shape", "mesh", "asset", value="../assets/bracket"), "bodies[1].shape.mesh.asset"),
+    Bad("mesh by file", put(*PART, "shape", "mesh", value={"file": "bracket.stl", "unit": "mm"}), "bodies[1].shape.mesh.file"),
+    Bad("mesh by URL", put(*PART, "shape", "mesh", value={"url": "http://localhost/x.stl", "unit": "mm"}), "bodies[1].shape.mesh"),
+    Bad("mesh that is not base64", put(*PART, "shape", "mesh", value={"data": "***", "format": "stl", "unit": "mm"}), "bodies[1].shape.mesh.data"),
+    Bad("mesh without format", put(*PART, "shape", "mesh", value={"data": "AAAA", "unit": "mm"}), "bodies[1].shape.mesh.format"),
+    Bad("mesh as an archive", put(*PART, "shape", value=_data(b"PK\x03\x04" + bytes(200))), "bodies[1].shape.mesh.data"),
+    Bad("mesh that is open", put(*PART, "shape", value=_data(OPEN_STL + b"endsolid x\n")), "bodies[1].shape.mesh.data"),
+    Bad("mesh of the wrong format", put(*PART, "shape", value=_data(OPEN_STL, "glb")), "bodies[1].shape.mesh.data"),
+    # neighbours
+    Bad("neighbour's joints of other names", _neighbour(joint_names=["a", "b", "c", "d"]), "neighbours[0].trajectory.joint_names"),
+    Bad("neighbour's joints in degrees", _neighbour(joint_units=["deg", "deg", "mm", "deg"]), "neighbours[0].trajectory.joint_units[0]"),
+    Bad("neighbour's rows too few", _neighbour(position=[[0.0] * 4] * 3), "neighbours[0].trajectory.position"),
+    Bad("neighbour's row too short", _neighbour(velocity=[[0.0] * 4, [0.0] * 3]), "neighbours[0].trajectory.velocity[1]"),
+    Bad("neighbour's times backwards", _neighbour(time_s=[1.0, 0.0]), "neighbours[0].trajectory.time_s"),
+    Bad("neighbour that never stops", _neighbour(velocity=[[0.0] * 4, [0.1, 0, 0, 0]]), "neighbours[0].trajectory.velocity"),
+    # task
+    Bad("no task", drop("task"), "task"),
+    Bad("empty task", put("task", value=[]), "task"),
+    Bad("too many steps", put("task", value=[{"move": {"to": {"at_mm": [350, 0, 120]}}}] * 65), "task"),
+    Bad("step of two kinds", put("task", 2, "follow", value={}), "task[2].follow"),
+    Bad("step of no kind", put("task", 2, value={}), "task[2]"),
+    Bad("two steps of one name", put("task", 2, "move", "name", value="pick-1"), "task[2].move.name"),
+    Bad("part that is not there", put(*PICK, "part", value="nut"), "task[0].pick.part"),
+    Bad("place before pick", drop("task", 0), "task[0].place.part"),
+    Bad("place of another part", put(*PLACE, "part", value="bed"), "task[1].place.part"),
+    Bad("a second pick with a full gripper", _pick_twice, "task[1].pick.part"),
+    Bad("place without yaw", drop(*PLACE, "to", "yaw_deg"), "task[1].place.to.yaw_rad"),
+    Bad("place with a free yaw", put(*PLACE, "to", value={"frame": "dial", "at_mm": [150, 0, 10], "yaw_free": True}), "task[1].place.to.yaw_free"),
+    Bad("yaw and free yaw", put("task", 2, "move", "to", value={"at_m": [0.3, 0, 0.1], "yaw_deg": 3, "yaw_free": True}), "task[2].move.to.yaw_free"),
+    Bad("target in an unknown frame", put("task", 2, "move", "to", "frame", value="moon"), "task[2].move.to.frame"),
+    Bad("window in millimetres on a dial", put(*PLACE, "window_mm", value=[0, 1]), "task[1].place.window_mm"),
+    Bad("window upside down", put(*PICK, "window_mm", value=[250, -300]), "task[0].pick.window_mm"),
+    Bad("negative approach", put(*PICK, "approach", value={"mm": -3}), "task[0].pick.approach.mm"),
+    Bad("no dwell", drop(*PICK, "dwell_ms"), "task[0].pick.dwell_s"),
+    Bad("contact with what is not there", put(*PLACE, "contact_with", value=["table"]), "task[1].place.contact_with[0]"),
+    Bad("contact of the part with itself", put(*PLACE, "contact_with", value=["part"]), "task[1].place.contact_with[0]"),
+    Bad("unknown manner", put("task", 2, "move", "match", value="roughly"), "task[2].move.match"),
+    # options, execution, carry
+    Bad("no time at all", put("options", "budget_s", value=0), "options.budget_s"),
+    Bad("all day", put("options", "budget_s", value=86400), "options.budget_s"),
+    Bad("a fraction of a seed", put("options", "seed", value=1.5), "options.seed"),
+    Bad("negative seed", put("options", "seed", value=-1), "options.seed"),
+    Bad("one clearance for both", put("options", "clearance_mm", value={"travel": 8}), "options.clearance_mm.near"),
+    Bad("negative clearance", put("options", "clearance_mm", value={"travel": 8, "near": -1}), "options.clearance_mm.near"),
+    Bad("margin of one", put("options", "singularity_margin", value=1), "options.singularity_margin"),
+    Bad("unknown elbow", put("options", "elbow", value="up"), "options.elbow"),
+    Bad("text for a boolean", put("execution", value={"belt_correction": "yes"}), "execution.belt_correction"),
+    Bad("carry limit of zero", put("carry", value={"acceleration_m_s2": 0}), "carry.acceleration_m_s2"),
+)
+
+DEEP = 2_000
+
+BAD_TEXTS: tuple[BadText, ...] = (
+    BadText("empty", b"", None),
+    BadText("not JSON", b"plan, please", None),
+    BadText("cut short", b'{"schema": "assur/1"', None),
+    BadText("not UTF-8", b'{"schema": "\xff"}', None),
+    BadText("byte order mark", b'\xef\xbb\xbf{"schema": "assur/1"}', None),
+    BadText("UTF-16", '{"schema": "assur/1"}'.encode("utf-16"), None),
+    BadText("NaN", b'{"start": {"at_s": NaN}}', "start.at_s"),
+    BadText("Infinity", b'{"options": {"budget_s": Infinity}}', "options.budget_s"),
+    BadText("minus Infinity", b'{"task": [{"move": -Infinity}]}', "task[0].move"),
+    BadText("1e999", b'{"options": {"budget_s": 1e999}}', "options.budget_s"),
+    BadText("a number of a thousand digits", b'{"seed": ' + b"9" * 1_000 + b"}", "seed"),
+    BadText("a whole number beyond 2**53", b'{"options": {"seed": 9007199254740994}}', "options.seed"),
+    BadText("lone surrogate", b'{"schema": "\\ud800"}', "schema"),
+    BadText("key given twice", b'{"schema": "assur/1", "robot": {"model": "a", "model": "b"}}', "robot.model"),
+    BadText("nesting of 2,000 lists", b"[" * DEEP + b"]" * DEEP, None),
+    BadText("nesting of 2,000 mappings", b'{"a":' * DEEP + b"1" + b"}" * DEEP, None),
+    BadText("a hundred levels", b'{"frames":' + b'{"a":' * 100 + b"1" + b"}" * 101, None),
+)
