@@ -178,7 +178,9 @@ class Sampler:
         if family == "arch":
             tops = self._tops()
             low, high = (min(tops), max(tops)) if tops else (0.0, 0.0)
-            hop = Hop(float(rng.uniform(low, high)) if rng.random() < 0.5 else high, float(rng.random()), float(rng.random()))
+            hop = Hop(
+                float(rng.uniform(low, high)) if rng.random() < 0.5 else high, float(rng.random()), float(rng.random())
+            )
         elif family in ("1 via", "2 vias"):
             vias = self._vias(1 if family == "1 via" else 2, option)
         elif rng.random() < 0.5 and not self._cartesian():
@@ -208,7 +210,9 @@ class Sampler:
             if robot.lift is not None:
                 z = robot.lift
                 low = max(float(start[z]), float(goal[z])) if rng.random() < 0.7 else float(limits.lower[z])
-                q[z] = rng.uniform(min(low, limits.upper[z]), limits.upper[z]) if rng.random() < 0.6 else limits.upper[z]
+                q[z] = (
+                    rng.uniform(min(low, limits.upper[z]), limits.upper[z]) if rng.random() < 0.6 else limits.upper[z]
+                )
             pace = float(rng.choice([0.0, 0.4, 0.8, 1.2]))
             found.append(Via(np.clip(q, limits.lower, limits.upper), pace))
         return tuple(found)
@@ -229,7 +233,11 @@ class Sampler:
         )
         hop = shape.hop
         if hop is not None:
-            hop = Hop(hop.top, float(np.clip(hop.rise + rng.normal(0, 0.15), 0, 1)), float(np.clip(hop.fall + rng.normal(0, 0.15), 0, 1)))
+            hop = Hop(
+                hop.top,
+                float(np.clip(hop.rise + rng.normal(0, 0.15), 0, 1)),
+                float(np.clip(hop.fall + rng.normal(0, 0.15), 0, 1)),
+            )
         wait, late = shape.wait, shape.late
         if self._moving() and self.chain.state.resting and rng.random() < 0.5:
             wait = max(0.0, wait + float(rng.normal(0.0, 0.1)))
@@ -244,9 +252,7 @@ BASE = {"arch": 0.6, "1 via": 1.6, "2 vias": 0.8, "wait": 0.3, "later": 0.5}
 """Weights of the families before anything is known."""
 
 
-def options(
-    scene: Scene, chain: Chain, found: list[tuple[float, Meetings]], most: int = 12
-) -> tuple[Option, ...]:
+def options(scene: Scene, chain: Chain, found: list[tuple[float, Meetings]], most: int = 12) -> tuple[Option, ...]:
     """Branches of all turns of the part, those with the least possible duration first."""
     limits, state = scene.robot.limits, chain.state
     result = []

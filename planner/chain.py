@@ -18,8 +18,8 @@ from planner.legs.straight import straight
 from planner.outcome import Arrival, Leg, LegKind, Reason, Refusal
 from planner.phases import Carried, Phase, held, initial_rides, phases
 from planner.scene import Move, Pick, Place, Scene
-from planner.timing import TimingRefusal, time_joints
 from planner.solids import standing
+from planner.timing import TimingRefusal, time_joints
 from planner.trajectory import Trajectory
 
 
@@ -173,7 +173,9 @@ def _line(scene: Scene, chain: Chain, point: ControlPoint, wait: float, mode: in
     if mode != chain.mode:
         names = scene.robot.modes
         detail = f"a straight leg cannot change from {names[chain.mode]} to {names[mode]}"
-        return Refusal("straight", Reason.NEAR_SINGULARITY, chain.step, (), None, scene.options.singularity_margin, "1", detail)
+        return Refusal(
+            "straight", Reason.NEAR_SINGULARITY, chain.step, (), None, scene.options.singularity_margin, "1", detail
+        )
     if chain.glued_to is not None:
         before = chain.glued_to
 
@@ -186,7 +188,9 @@ def _line(scene: Scene, chain: Chain, point: ControlPoint, wait: float, mode: in
         def left(t: FloatArray) -> Motion:
             return Motion.still(pose, np.shape(t))
     else:
-        return Refusal("straight", Reason.MOTION_LIMIT, chain.step, detail="a straight leg begins at rest or in a frame")
+        return Refusal(
+            "straight", Reason.MOTION_LIMIT, chain.step, detail="a straight leg begins at rest or in a frame"
+        )
     return straight(scene, chain.step, state, mode, left, lambda t: point.flange(t, point.approach))
 
 
@@ -232,9 +236,7 @@ def _assembled(
     beyond = _beyond(scene, chain.step, trajectory)
     if beyond is not None:
         return beyond
-    legs = tuple(
-        Leg(s.kind, chain.step, float(s.knots.time[0]), float(s.knots.time[-1]), s.note) for s in stretches
-    )
+    legs = tuple(Leg(s.kind, chain.step, float(s.knots.time[0]), float(s.knots.time[-1]), s.note) for s in stretches)
     arrival = _arrival(scene, chain, point, sample, trajectory, begin, end)
     after = _after(scene, chain, point, sample, legs, arrival, knots)
     ours = phases(scene, after.legs, after.arrivals)[len(chain.legs) :]
@@ -337,5 +339,3 @@ def _arrival(
         along_m=None if along is None else float(along),
         window_left_s=left[0] if bounded and left else None,
     )
-
-

@@ -67,7 +67,11 @@ def _because(refusal: Refusal | CensusLine) -> str:
         case Reason.JOINT_LIMIT:
             return f"{bodies or 'a joint'} would have to go {number} beyond its limit" if number else detail
         case Reason.NEAR_SINGULARITY:
-            return f"the arm would be too near a singular position ({detail})" if detail else "the arm would be too near a singular position"
+            return (
+                f"the arm would be too near a singular position ({detail})"
+                if detail
+                else "the arm would be too near a singular position"
+            )
         case Reason.SELF_COLLISION:
             return f"the arm would hit itself: {bodies}"
         case Reason.BODY_COLLISION:

@@ -36,14 +36,32 @@ def _start_beyond_limits(scene: Scene) -> Refusal | None:
     for i, joint in enumerate(scene.robot.joints):
         unit = "rad" if joint.kind == "revolute" else "m"
         if not over[i] <= 0:
-            return Refusal("start", Reason.JOINT_LIMIT, 0, (joint.name,), None, float(over[i]), unit, f"{joint.name} starts beyond its limit")
+            return Refusal(
+                "start",
+                Reason.JOINT_LIMIT,
+                0,
+                (joint.name,),
+                None,
+                float(over[i]),
+                unit,
+                f"{joint.name} starts beyond its limit",
+            )
         for what, value, limit in (
             ("velocity", start.qd[i], limits.velocity[i]),
             ("acceleration", start.qdd[i], limits.acceleration[i]),
         ):
             if not abs(value) <= limit * (1 + START_RATIO):
                 detail = f"the start {what} of {joint.name} is beyond its limit"
-                return Refusal("start", Reason.MOTION_LIMIT, 0, (joint.name,), None, float(abs(value) - limit), unit + "/s..", detail)
+                return Refusal(
+                    "start",
+                    Reason.MOTION_LIMIT,
+                    0,
+                    (joint.name,),
+                    None,
+                    float(abs(value) - limit),
+                    unit + "/s..",
+                    detail,
+                )
     return None
 
 
@@ -53,7 +71,9 @@ def _laws_over(scene: Scene) -> Refusal | None:
         low, high = frame.law.valid
         if not low <= start <= high:
             detail = f"the law of {frame.name} is known from {low:g} s to {high:g} s, the start is at {start:g} s"
-            return Refusal("start", Reason.LAW_ENDS, 0, (frame.name,), (low, high), max(low - start, start - high), "s", detail)
+            return Refusal(
+                "start", Reason.LAW_ENDS, 0, (frame.name,), (low, high), max(low - start, start - high), "s", detail
+            )
     return None
 
 
@@ -68,7 +88,9 @@ def _start_collides(scene: Scene, prover: Prover) -> Refusal | None:
         return Refusal("start", Reason.START_IN_COLLISION, 0, names, (t, t), short, "m", detail)
     within = _enclosed(scene, prover, solids, scene.start.q, t, frozenset())
     if within is not None:
-        return Refusal("start", Reason.START_IN_COLLISION, 0, within, (t, t), math.nan, "m", f"{within[0]} is inside {within[1]}")
+        return Refusal(
+            "start", Reason.START_IN_COLLISION, 0, within, (t, t), math.nan, "m", f"{within[0]} is inside {within[1]}"
+        )
     return None
 
 
@@ -128,7 +150,10 @@ def _pair(
             return max(0.0, need - float(gap[k])), f"{first} touches {second}"
         distance, _ = separate(p, r, int(k))
         if not distance - SLACK_M > need:
-            return need - distance, f"{first} is {1e3 * distance:.2f} mm from {second} where {1e3 * need:.2f} mm are asked"
+            return (
+                need - distance,
+                f"{first} is {1e3 * distance:.2f} mm from {second} where {1e3 * need:.2f} mm are asked",
+            )
     return None
 
 
@@ -163,7 +188,10 @@ def _points(scene: Scene, prover: Prover) -> Refusal | None:
         offsets = yaw_offsets(scene, step)
         if isinstance(step, Place) and (carried is None or carried.part != step.part):
             return None  # the scene's constructor has refused this already
-        found = [_point(scene, prover, control_point(scene, number, rides, carried, o), rides, carried) for o in offsets or ()]
+        found = [
+            _point(scene, prover, control_point(scene, number, rides, carried, o), rides, carried)
+            for o in offsets or ()
+        ]
         if found and all(refusal is not None for refusal in found):
             return found[0]
         if isinstance(step, Pick):
@@ -209,7 +237,9 @@ def _point(
         names, short, detail = found or (enclosed or ("", ""), math.nan, "")
         if enclosed is not None:
             names, detail = enclosed, f"{enclosed[0]} would be inside {enclosed[1]}"
-        refusals.append(Refusal("control point", Reason.CONTROL_POINT_IN_COLLISION, point.step, names, None, short, "m", detail))
+        refusals.append(
+            Refusal("control point", Reason.CONTROL_POINT_IN_COLLISION, point.step, names, None, short, "m", detail)
+        )
     return refusals[0] if refusals else None
 
 

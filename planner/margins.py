@@ -26,9 +26,7 @@ FINER = 17
 def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Margins:
     """The margins of a plan. Peaks are exact extrema; clearance and tool acceleration are looked for at times."""
     limits = scene.robot.limits
-    report = check_limits(
-        trajectory, limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk
-    )
+    report = check_limits(trajectory, limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk)
     kinds = (report.velocity, report.acceleration, report.jerk)
     tops = [np.maximum(np.abs(kind.lower), np.abs(kind.upper)) for kind in kinds]
     peaks = tuple(
@@ -131,4 +129,3 @@ def contacts(phases: tuple[Phase, ...]) -> tuple[Contact, ...]:
             else:
                 held.append((phase.t0, phase.t1))
     return tuple(Contact(bodies, t0, t1) for bodies, held in sorted(spans.items()) for t0, t1 in held)
-

@@ -1,6 +1,6 @@
 """The story of a request, in one page.
 
-    scene ─► what is impossible? ─► search (candidates ─► dyad ─► Ruckig ─► screening ─► FCL ─► proof) ─► check ─► outcome
+scene ─► what is impossible? ─► search (candidates ─► dyad ─► Ruckig ─► screening ─► FCL ─► proof) ─► check ─► outcome
 """
 
 from __future__ import annotations

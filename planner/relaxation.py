@@ -33,7 +33,9 @@ def relax(scene: Scene, step: int, blocker: str | None, deadline: float) -> tupl
         tried.append(f"{what}: {value}")
         found = _attempt(changed, min(left, ATTEMPT_S if what != "budget" else left))
         if found.best is not None:
-            return Relaxation(what, _reached(scene, found, what, value, step), found.best.state.time - scene.start.time), tuple(tried)
+            return Relaxation(
+                what, _reached(scene, found, what, value, step), found.best.state.time - scene.start.time
+            ), tuple(tried)
     return None, tuple(tried)
 
 
@@ -56,7 +58,11 @@ def changes(scene: Scene, step: int, blocker: str | None) -> Iterator[tuple[str,
     what, options = scene.task[step], scene.options
     if what.window != Window():
         yield "window", "open", _step(scene, step, replace(what, window=Window()))
-    yield "budget", f"{4 * options.budget_s:g} s", replace(scene, options=replace(options, budget_s=4 * options.budget_s))
+    yield (
+        "budget",
+        f"{4 * options.budget_s:g} s",
+        replace(scene, options=replace(options, budget_s=4 * options.budget_s)),
+    )
     if options.elbow != "auto" and len(scene.robot.modes) > 1:
         yield "elbow", "auto", replace(scene, options=replace(options, elbow="auto"))
     if isinstance(what, Move) and what.match == "velocity":
@@ -91,7 +97,11 @@ def _dwells(scene: Scene, step: int, what: Step) -> Iterator[tuple[str, str, Sce
 
 
 def _belts(scene: Scene, step: int, what: Step) -> Iterator[tuple[str, str, Scene]]:
-    name = scene.index[what.part].frame if isinstance(what, Pick) else (what.to.frame if isinstance(what, Place) else what.target.frame)
+    name = (
+        scene.index[what.part].frame
+        if isinstance(what, Pick)
+        else (what.to.frame if isinstance(what, Place) else what.target.frame)
+    )
     frame = scene.frames[name]
     if name == WORLD or not isinstance(frame.law, Conveyor) or frame.law.changes:
         return

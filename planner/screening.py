@@ -24,6 +24,7 @@ from planner.solids import COVER, Carriers, Solids, carriers
 STEP_S = 0.02
 """Sampling of drafts, s. It decides how much work a colliding draft causes, not what is accepted."""
 
+
 class Timed(Protocol):
     """A timed motion in phases: an outline or a draft."""
 
@@ -115,9 +116,7 @@ MOST_ASKED = 4
 """Rows of one draft about which FCL is asked, deepest first; the prover asks about the others."""
 
 
-def _required(
-    prover: Prover, solids: Solids, members: list[tuple[int, Phase]], a: IntArray, b: IntArray
-) -> FloatArray:
+def _required(prover: Prover, solids: Solids, members: list[tuple[int, Phase]], a: IntArray, b: IntArray) -> FloatArray:
     """(phases, pairs) metres; -inf for pairs that may touch."""
     scene = prover.scene
     frames = tuple(scene.frames)

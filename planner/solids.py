@@ -93,7 +93,9 @@ def _units(body: Body, position: FloatArray, rotation: FloatArray) -> list[_Unit
             half = tuple(float(x) for x in (high - low) / 2)  # type: ignore[assignment]
         turned = rotation @ piece.rotation
         found.append(
-            _Unit(number, shape, position + rotation @ centre, turned, half, disc, ball, reach(piece, position, rotation))
+            _Unit(
+                number, shape, position + rotation @ centre, turned, half, disc, ball, reach(piece, position, rotation)
+            )
         )
     return found
 
@@ -173,6 +175,26 @@ def _flatten(placed: list[tuple[str, int, list[_Unit]]], links: int, robot_bodie
         shapes=tuple(unit.shape for _, _, unit in units),
         robot_bodies=robot_bodies,
     )
+
+
+def asked_pairs(scene: Scene, solids: Solids) -> tuple[IntArray, IntArray]:
+    """The robot's bodies against all others, and against each other where the robot's `self_pairs` ask for it."""
+    roots = np.array(solids.roots, dtype=np.int64)
+    mine, others = roots[: solids.robot_bodies], roots[solids.robot_bodies :]
+    first, second = np.repeat(mine, len(others)), np.tile(others, len(mine))
+    name = scene.robot.links
+    wanted = {frozenset(links) for links in scene.robot.self_pairs}
+    own = [
+        (a, b)
+        for i, a in enumerate(mine)
+        for b in mine[i + 1 :]
+        if frozenset((name[solids.carrier[a]], name[solids.carrier[b]])) in wanted
+        and solids.carrier[a] != solids.carrier[b]
+    ]
+    if own:
+        first = np.concatenate([first, [a for a, _ in own]])
+        second = np.concatenate([second, [b for _, b in own]])
+    return first, second
 
 
 @dataclass(frozen=True, slots=True)

@@ -70,7 +70,9 @@ class ControlPoint:
         """Times at which the glue may begin, as closed intervals in order; empty: the dwell does not fit."""
         law = self.scene.frames[self.frame].law
         low = max(self.scene.start.time, law.valid[0])
-        high = min(law.valid[1], math.inf if self.scene.options.latest_end_s is None else self.scene.options.latest_end_s)
+        high = min(
+            law.valid[1], math.inf if self.scene.options.latest_end_s is None else self.scene.options.latest_end_s
+        )
         found = [(low, high)]
         if self.window.time is not None:
             found = [(max(low, self.window.time[0]), min(high, self.window.time[1]))]
@@ -141,5 +143,9 @@ def control_point(
         dwell = what.duration_s
     if isinstance(what, Move):
         matched, via = what.match == "velocity", what.via
-    point = rides[what.part][1] if isinstance(what, Pick) else (what.to.pose if isinstance(what, Place) else what.target.pose)
+    point = (
+        rides[what.part][1]
+        if isinstance(what, Pick)
+        else (what.to.pose if isinstance(what, Place) else what.target.pose)
+    )
     return ControlPoint(scene, step, frame, pose, approach, depart, dwell, matched, via, yaw_offset, point)

@@ -111,7 +111,16 @@ def glue(scene: Scene, point: ControlPoint, state: State, mode: int, effort: flo
         if isinstance(worst, Refusal):
             return worst
         effort *= min(0.8, 0.95 / worst)
-    return Refusal("glued", Reason.MOTION_LIMIT, point.step, (point.frame,), None, worst - 1, "1", "the frame's own motion is too fast")
+    return Refusal(
+        "glued",
+        Reason.MOTION_LIMIT,
+        point.step,
+        (point.frame,),
+        None,
+        worst - 1,
+        "1",
+        "the frame's own motion is too fast",
+    )
 
 
 def _way(scene: Scene, point: ControlPoint, high: float, low: float, effort: float) -> Profile | Refusal | None:
@@ -204,9 +213,7 @@ def _filled(switches: FloatArray, spacing: float) -> FloatArray:
     return np.concatenate([*parts, t[-1:]])
 
 
-def _off_path(
-    robot: Robot, trajectory: Trajectory, point: ControlPoint, heights: _Heights, t: FloatArray
-) -> float:
+def _off_path(robot: Robot, trajectory: Trajectory, point: ControlPoint, heights: _Heights, t: FloatArray) -> float:
     """How far, m, the flange is from its path at times t at most."""
     position, _ = robot.forward(trajectory.evaluate(t))
     path = point.flange(t).p.copy()
@@ -230,11 +237,14 @@ def _limits(scene: Scene, point: ControlPoint, knots: Knots) -> float | Refusal 
     if not report.position.ok:
         joint = report.position.joint or 0
         over = max(
-            float(limits.lower[joint] - report.position.lower[joint]), float(report.position.upper[joint] - limits.upper[joint])
+            float(limits.lower[joint] - report.position.lower[joint]),
+            float(report.position.upper[joint] - limits.upper[joint]),
         )
         name, unit = scene.robot.joints[joint].name, "rad" if scene.robot.joints[joint].kind == "revolute" else "m"
         span = (float(knots.time[0]), float(knots.time[-1]))
-        return Refusal("glued", Reason.JOINT_LIMIT, point.step, (name,), span, over, unit, f"{name} is beyond its limit")
+        return Refusal(
+            "glued", Reason.JOINT_LIMIT, point.step, (name,), span, over, unit, f"{name} is beyond its limit"
+        )
     ratios = [report.velocity.ratio.max() ** 2, report.acceleration.ratio.max(), report.jerk.ratio.max() ** (2 / 3)]
     return float(max(ratios))
 

@@ -150,7 +150,16 @@ class JointMotion:
             rows = rows[branch.time[rows] >= branch.time[row] + max(GRID_S, reached.amount)]
         end = float(branch.time[branch.legal][-1])
         need = begin + spent + float(least[-1])
-        return Refusal("timing", Reason.WINDOW_MISSED, self.step, (), (begin, end), max(0.0, need - end), "s", "no meeting time is left")
+        return Refusal(
+            "timing",
+            Reason.WINDOW_MISSED,
+            self.step,
+            (),
+            (begin, end),
+            max(0.0, need - end),
+            "s",
+            "no meeting time is left",
+        )
 
     def _shortest(self, goal: tuple[FloatArray, FloatArray, FloatArray]) -> float | TimingRefusal:
         """How long the last leg takes at least, s."""

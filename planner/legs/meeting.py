@@ -61,9 +61,7 @@ def times(scene: Scene, point: ControlPoint, earliest: float, lead: float) -> Fl
     return np.concatenate(found) if found else np.zeros(0)
 
 
-def meetings(
-    scene: Scene, point: ControlPoint, earliest: float, lead: float, modes: tuple[int, ...]
-) -> Meetings:
+def meetings(scene: Scene, point: ControlPoint, earliest: float, lead: float, modes: tuple[int, ...]) -> Meetings:
     """The branches in which `point` can be met, `point.approach` above it, from `earliest` on."""
     robot = scene.robot
     above = point.approach
@@ -86,7 +84,9 @@ def meetings(
             margin = float(np.nanmax(found.margin[assembled]))
             need = scene.options.singularity_margin
             detail = f"{robot.modes[mode]}: margin {margin:.3f} where {need:.3f} is asked"
-            refusals.append(Refusal("inverse", Reason.NEAR_SINGULARITY, point.step, (), _span(t), need - margin, "1", detail))
+            refusals.append(
+                Refusal("inverse", Reason.NEAR_SINGULARITY, point.step, (), _span(t), need - margin, "1", detail)
+            )
             continue
         here = list(_turned(robot, mode, t, found.q, found.qd, found.qdd, safe, point.still))
         if not here:
@@ -146,11 +146,24 @@ def _span(t: FloatArray) -> tuple[float, float]:
 
 def _unreachable(point: ControlPoint, code: IntArray, t: FloatArray, mode: str, known: BoolArray) -> Refusal:
     if not known.any():
-        return Refusal("inverse", Reason.LAW_ENDS, point.step, (point.frame,), _span(t), detail="the frame's law has ended")
+        return Refusal(
+            "inverse", Reason.LAW_ENDS, point.step, (point.frame,), _span(t), detail="the frame's law has ended"
+        )
     worst = code[known]
     if (worst == Code.OUT_OF_REACH).all():
-        return Refusal("inverse", Reason.OUT_OF_REACH, point.step, (), _span(t), detail=f"{mode}: no joint position reaches it")
-    return Refusal("inverse", Reason.NEAR_SINGULARITY, point.step, (), _span(t), 0.0, "1", f"{mode}: the arm is stretched or folded")
+        return Refusal(
+            "inverse", Reason.OUT_OF_REACH, point.step, (), _span(t), detail=f"{mode}: no joint position reaches it"
+        )
+    return Refusal(
+        "inverse",
+        Reason.NEAR_SINGULARITY,
+        point.step,
+        (),
+        _span(t),
+        0.0,
+        "1",
+        f"{mode}: the arm is stretched or folded",
+    )
 
 
 def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArray, mode: str) -> Refusal:
@@ -170,7 +183,14 @@ def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArr
     unit = "rad" if robot.joints[joint].kind == "revolute" else "m"
     name = robot.joints[joint].name
     return Refusal(
-        "inverse", Reason.JOINT_LIMIT, point.step, (name,), _span(t), float(worst[row, joint]), unit, f"{mode}: {name} is beyond its limit"
+        "inverse",
+        Reason.JOINT_LIMIT,
+        point.step,
+        (name,),
+        _span(t),
+        float(worst[row, joint]),
+        unit,
+        f"{mode}: {name} is beyond its limit",
     )
 
 
@@ -184,12 +204,25 @@ def window_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refusal
         if not whole:
             law = scene.frames[point.frame].law
             if not law.valid[1] >= scene.start.time:
-                return Refusal("window", Reason.LAW_ENDS, point.step, (point.frame,), None, scene.start.time - law.valid[1], "s")
-            return Refusal("window", Reason.WINDOW_MISSED, point.step, (), None, detail="the point is never inside its window")
+                return Refusal(
+                    "window", Reason.LAW_ENDS, point.step, (point.frame,), None, scene.start.time - law.valid[1], "s"
+                )
+            return Refusal(
+                "window", Reason.WINDOW_MISSED, point.step, (), None, detail="the point is never inside its window"
+            )
         low, high = max(whole, key=lambda span: span[1] - span[0])
         short = point.dwell - (high - low)
         detail = f"the window is open for {1e3 * (high - low):.0f} ms, the glue takes {1e3 * point.dwell:.0f} ms"
-        return Refusal("window", Reason.WINDOW_MISSED, point.step, (), (low, high), short, "s", detail + _way(point, high, high + short))
+        return Refusal(
+            "window",
+            Reason.WINDOW_MISSED,
+            point.step,
+            (),
+            (low, high),
+            short,
+            "s",
+            detail + _way(point, high, high + short),
+        )
     low, high = intervals[-1]
     detail = "the arm comes after the window has closed" + _way(point, high, earliest)
     return Refusal("window", Reason.WINDOW_MISSED, point.step, (), (low, high), earliest - high, "s", detail)

@@ -152,7 +152,10 @@ def _worst(scene: Scene, step: int, knots: Knots) -> float | Refusal:
     )
     if not report.position.ok:
         joint = report.position.joint or 0
-        low, high = limits.lower[joint] - report.position.lower[joint], report.position.upper[joint] - limits.upper[joint]
+        low, high = (
+            limits.lower[joint] - report.position.lower[joint],
+            report.position.upper[joint] - limits.upper[joint],
+        )
         name, unit = scene.robot.joints[joint].name, "rad" if scene.robot.joints[joint].kind == "revolute" else "m"
         detail = f"{name} is beyond its limit"
         return Refusal("straight", Reason.JOINT_LIMIT, step, (name,), None, float(max(low, high)), unit, detail)

@@ -115,3 +115,21 @@ def test_a_problem_of_another_kind_is_refused_by_name() -> None:
     problem["obstacles"][0] = {"type": "cone", "pos": [0.0, 0.0, 0.0], "yaw": 0.0}
     with pytest.raises(ValueError, match="obstacle-0: unknown type 'cone'"):
         request(problem, SETS["static"].limits, Manners())
+
+
+def test_the_catalogue_knows_the_same_robot() -> None:
+    problems = SETS["static"]
+    document = request(problems.problems[0], problems.limits, Manners())
+    inline = scene_of(document).robot
+    named = scene_of({**document, "robot": {"model": "benchmark-scara", "tool": {"tcp_m": [0.0, 0.0, 0.0]}}}).robot
+    assert isinstance(inline, Scara)
+    assert isinstance(named, Scara)
+    assert (named.l1, named.l2, named.joints, named.self_pairs) == (inline.l1, inline.l2, inline.joints, ())
+    for name in ("lower", "upper", "velocity", "acceleration", "jerk"):
+        assert np.allclose(getattr(named.limits, name), getattr(inline.limits, name), rtol=1e-15, atol=0.0)
+    for one, other in zip(named.bodies, inline.bodies, strict=True):
+        assert one.link == other.link
+        for mine, yours in zip(one.body.pieces, other.body.pieces, strict=True):
+            assert mine.shape == yours.shape
+            assert np.allclose(mine.position, yours.position, rtol=0.0, atol=1e-15)
+            assert np.array_equal(mine.rotation, yours.rotation)

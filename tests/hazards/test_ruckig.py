@@ -40,7 +40,7 @@ def _duration(**changed: Any) -> float:
     return float(found.duration)
 
 
-def _timed(duration: float | None = None, **changed: Any) -> Profile | TimingRefusal:
+def _timed(*, duration: Any = None, **changed: Any) -> Profile | TimingRefusal:
     """The same question to our door."""
     states = {"q0": [0.0], "v0": [0.0], "a0": [0.0], "q1": [1.0], "v1": [0.0], "a1": [0.0], **LIMITS, **changed}
     return time_joints(**{name: np.array(value, dtype=np.float64) for name, value in states.items()}, duration=duration)

@@ -38,7 +38,9 @@ GOOD_REQUEST: dict[str, Any] = {
         "tool": {
             "tcp_mm": [0, 0, -100],
             "mass_kg": 0.45,
-            "bodies": [{"name": "cup", "shape": {"cylinder": {"radius_mm": 15, "height_mm": 100}}, "at_mm": [0, 0, -50]}],
+            "bodies": [
+                {"name": "cup", "shape": {"cylinder": {"radius_mm": 15, "height_mm": 100}}, "at_mm": [0, 0, -50]}
+            ],
         },
         "limits": {"acceleration": 0.6, "j4_deg": [-270, 270]},
     },
@@ -62,7 +64,11 @@ GOOD_REQUEST: dict[str, Any] = {
             "shape": {"capsule": {"radius_mm": 15, "length_mm": 200, "axis": "x"}},
             "pose": {"frame": "gate", "at_mm": [0, 0, 0]},
         },
-        {"name": "plate", "shape": {"cylinder": {"radius_mm": 190, "height_mm": 20}}, "pose": {"frame": "dial", "at_mm": [0, 0, -10]}},
+        {
+            "name": "plate",
+            "shape": {"cylinder": {"radius_mm": 190, "height_mm": 20}},
+            "pose": {"frame": "dial", "at_mm": [0, 0, -10]},
+        },
     ],
     "task": [
         {
@@ -137,7 +143,9 @@ def add(*path: str | int, value: Any) -> Change:
 PART, PICK, PLACE = ("bodies", 1), ("task", 0, "pick"), ("task", 1, "place")
 BELT, TOOL = ("frames", "belt", "conveyor"), ("robot", "tool")
 BOX = {"name": "extra", "shape": {"box": {"size_mm": [10, 10, 10]}}, "pose": {"at_mm": [0, -500, 5]}}
-OPEN_STL = b"solid x\n" + b"facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\nendfacet\n" * 4
+OPEN_STL = (
+    b"solid x\n" + b"facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\nendfacet\n" * 4
+)
 JOINT = {"name": "a", "range_deg": [-90, 90], "velocity_deg_s": 100, "acceleration_deg_s2": 1000, "jerk_deg_s3": 10000}
 LIFT = {"name": "c", "range_mm": [0, 100], "velocity_mm_s": 100, "acceleration_mm_s2": 1000, "jerk_mm_s3": 10000}
 
@@ -179,6 +187,11 @@ def _neighbour(**changes: Any) -> Change:
     return change
 
 
+def _belt_in_metres(document: dict[str, Any]) -> None:
+    conveyor = document["frames"]["belt"]["conveyor"]
+    conveyor["at_m"] = conveyor.pop("at_mm")
+
+
 def _ride_on_the_part(document: dict[str, Any]) -> None:
     document["bodies"].append({**BOX, "pose": {"body": "part", "at_mm": [0, 0, 20]}})
 
@@ -208,8 +221,12 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad("text for a number", put(*BELT, "speed_mm_s", value="250"), "frames.belt.conveyor.speed_mm_s"),
     Bad("boolean for a number", put(*BELT, "speed_mm_s", value=True), "frames.belt.conveyor.speed_mm_s"),
     Bad("two coordinates", put(*BELT, "at_mm", value=[0, 350]), "frames.belt.conveyor.at_mm"),
-    Bad("metres taken for millimetres", put(*BELT, "at_m", value=[0, 350, 50]), "frames.belt.conveyor.at_mm"),
-    Bad("a coordinate beyond every cell", put("bodies", 0, "pose", "at_mm", value=[0, 0, 1e9]), "bodies[0].pose.at_mm[2]"),
+    Bad("metres taken for millimetres", _belt_in_metres, "frames.belt.conveyor.at_m[1]"),
+    Bad(
+        "a coordinate beyond every cell",
+        put("bodies", 0, "pose", "at_mm", value=[0, 0, 1e9]),
+        "bodies[0].pose.at_mm[2]",
+    ),
     # robot
     Bad("unknown model", put("robot", "model", value="puma-560"), "robot.model"),
     Bad("model and inline", put("robot", "scara", value={}), "robot.scara"),
@@ -223,14 +240,31 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad("range upside down", put("robot", "limits", "j1_deg", value=[90, -90]), "robot.limits.j1_deg"),
     Bad("range of an unknown joint", put("robot", "limits", "j9_deg", value=[-1, 1]), "robot.limits.j9_deg"),
     Bad("inline with two joints", _inline(joints=[JOINT, JOINT]), "robot.scara.joints"),
-    Bad("inline with a turning lift", _inline(joint_2={"range_deg": [0, 9], "range_mm": [0, 9]}), "robot.scara.joints[2].range_mm"),
-    Bad("inline lift in degrees", _inline(joints=[JOINT, {**JOINT, "name": "b"}, {**JOINT, "name": "c"}]), "robot.scara.joints[2].range_deg"),
+    Bad(
+        "inline with a turning lift",
+        _inline(joint_2={"range_deg": [0, 9], "range_mm": [0, 9]}),
+        "robot.scara.joints[2].range_mm",
+    ),
+    Bad(
+        "inline lift in degrees",
+        _inline(joints=[JOINT, {**JOINT, "name": "b"}, {**JOINT, "name": "c"}]),
+        "robot.scara.joints[2].range_deg",
+    ),
     Bad("inline joints of one name", _inline(joint_1={"name": "a"}), "robot.scara.joints[1].name"),
     Bad("inline range upside down", _inline(joint_0={"range_deg": [90, -90]}), "robot.scara.joints[0].range_deg"),
     Bad("inline zero of a turning joint", _inline(joint_0={"zero_mm": 3}), "robot.scara.joints[0].zero_mm"),
     Bad("inline sign of two", _inline(joint_0={"sign": 2}), "robot.scara.joints[0].sign"),
     Bad("inline pair of unknown links", _inline(self_pairs=[["base", "hand"]]), "robot.scara.self_pairs[0][1]"),
-    Bad("inline quill that is no solid of revolution", _inline(bodies=[{**BOX, "pose": 0}]), "robot.scara.bodies[0].pose"),
+    Bad(
+        "inline quill that is no solid of revolution",
+        _inline(bodies=[{"name": "rod", "link": "quill", "shape": BOX["shape"], "at_mm": [0, 0, 0]}]),
+        "robot.scara.bodies[0].shape",
+    ),
+    Bad(
+        "inline body on no link",
+        _inline(bodies=[{"name": "rod", "shape": BOX["shape"], "at_mm": [0, 0, 0]}]),
+        "robot.scara.bodies[0].link",
+    ),
     # start
     Bad("no start", drop("start"), "start"),
     Bad("a joint left out", drop("start", "joints", "j2_deg"), "start.joints.j2_rad"),
@@ -245,8 +279,16 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad("frame with a slash", put("frames", "a/b", value={"fixed": {"at_m": [0, 0, 0]}}), "frames.a/b"),
     Bad("period of zero", put("frames", "gate", "swing", "period_s", value=0), "frames.gate.swing.period_s"),
     Bad("validity upside down", put("frames", "belt", "valid_s", value=[5, 1]), "frames.belt.valid_s"),
-    Bad("negative uncertainty", put("frames", "belt", "uncertainty", value={"position_mm": -1}), "frames.belt.uncertainty.position_mm"),
-    Bad("one keyframe", put("frames", "gate", value={"keyframes": {"points": [{"time_s": 0, "at_m": [0, 0, 0]}]}}), "frames.gate.keyframes.points"),
+    Bad(
+        "negative uncertainty",
+        put("frames", "belt", "uncertainty", value={"position_mm": -1}),
+        "frames.belt.uncertainty.position_mm",
+    ),
+    Bad(
+        "one keyframe",
+        put("frames", "gate", value={"keyframes": {"points": [{"time_s": 0, "at_m": [0, 0, 0]}]}}),
+        "frames.gate.keyframes.points",
+    ),
     Bad(
         "keyframes out of order",
         put("frames", "gate", value={"keyframes": {"points": [{"time_s": t, "at_m": [0, 0, 0]} for t in (1, 0)]}}),
@@ -254,11 +296,27 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     ),
     Bad(
         "overlapping changes of speed",
-        put(*BELT, "changes", value=[{"at_s": t, "speed_m_s": t, "acceleration_m_s2": 1e-3, "jerk_m_s3": 1} for t in (1, 2)]),
-        "frames.belt.conveyor.changes",
+        put(
+            *BELT,
+            "changes",
+            value=[{"at_s": t, "speed_m_s": t, "acceleration_m_s2": 1e-3, "jerk_m_s3": 1} for t in (1, 2)],
+        ),
+        "frames.belt.conveyor.changes[1].at_s",
     ),
-    Bad("a change of speed without jerk", put(*BELT, "changes", value=[{"at_s": 1, "speed_m_s": 0, "acceleration_m_s2": 1}]), "frames.belt.conveyor.changes[0].jerk_m_s3"),
-    Bad("indexer that both turns and travels", put("frames", "gate", value={"indexer": {"at_m": [0, 0, 0], "step_deg": 9, "step_mm": 9, "move_s": 1, "dwell_s": 1}}), "frames.gate.indexer.step_mm"),
+    Bad(
+        "a change of speed without jerk",
+        put(*BELT, "changes", value=[{"at_s": 1, "speed_m_s": 0, "acceleration_m_s2": 1}]),
+        "frames.belt.conveyor.changes[0].jerk_m_s3",
+    ),
+    Bad(
+        "indexer that both turns and travels",
+        put(
+            "frames",
+            "gate",
+            value={"indexer": {"at_m": [0, 0, 0], "step_deg": 9, "step_mm": 9, "move_s": 1, "dwell_s": 1}},
+        ),
+        "frames.gate.indexer.step_mm",
+    ),
     # bodies
     Bad("two bodies of one name", add("bodies", value={**BOX, "name": "bed"}), "bodies[4].name"),
     Bad("a body called like the tool's", add("bodies", value={**BOX, "name": "cup"}), "bodies[4].name"),
@@ -267,33 +325,79 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad("body without pose", drop("bodies", 0, "pose"), "bodies[0].pose"),
     Bad("body in an unknown frame", put(*PART, "pose", "frame", value="belt2"), "bodies[1].pose.frame"),
     Bad("body in a frame and on a body", put(*PART, "pose", "body", value="bed"), "bodies[1].pose.body"),
-    Bad("body on a later body", put("bodies", 0, "pose", value={"body": "plate", "at_mm": [0, 0, 0]}), "bodies[0].pose.body"),
+    Bad(
+        "body on a later body",
+        put("bodies", 0, "pose", value={"body": "plate", "at_mm": [0, 0, 0]}),
+        "bodies[0].pose.body",
+    ),
     Bad("body on a part that is picked", _ride_on_the_part, "bodies[4].pose.body"),
     Bad("no shape", put("bodies", 0, "shape", value={}), "bodies[0].shape"),
     Bad("two shapes", put("bodies", 0, "shape", "sphere", value={"radius_mm": 3}), "bodies[0].shape.sphere"),
-    Bad("negative size", put("bodies", 0, "shape", "box", "size_mm", value=[10, 10, -10]), "bodies[0].shape.box.size_mm[2]"),
-    Bad("a sheet of nothing", put("bodies", 0, "shape", "box", "size_mm", value=[10, 10, 1e-4]), "bodies[0].shape.box.size_mm[2]"),
+    Bad(
+        "negative size",
+        put("bodies", 0, "shape", "box", "size_mm", value=[10, 10, -10]),
+        "bodies[0].shape.box.size_mm[2]",
+    ),
+    Bad(
+        "a sheet of nothing",
+        put("bodies", 0, "shape", "box", "size_mm", value=[10, 10, 1e-4]),
+        "bodies[0].shape.box.size_mm[2]",
+    ),
     Bad("unknown axis", put("bodies", 2, "shape", "capsule", "axis", value="w"), "bodies[2].shape.capsule.axis"),
     Bad("fraction of a symmetry", put(*PART, "yaw_symmetry", value=2.5), "bodies[1].yaw_symmetry"),
     # meshes
     Bad("mesh without unit", drop(*PART, "shape", "mesh", "unit"), "bodies[1].shape.mesh.unit"),
     Bad("mesh in furlongs", put(*PART, "shape", "mesh", "unit", value="furlong"), "bodies[1].shape.mesh.unit"),
-    Bad("asset that is not shipped", put(*PART, "shape", "mesh", "asset", value="teapot"), "bodies[1].shape.mesh.asset"),
+    Bad(
+        "asset that is not shipped", put(*PART, "shape", "mesh", "asset", value="teapot"), "bodies[1].shape.mesh.asset"
+    ),
     Bad("asset by path", put(*PART, "shape", "mesh", "asset", value="../assets/bracket"), "bodies[1].shape.mesh.asset"),
-    Bad("mesh by file", put(*PART, "shape", "mesh", value={"file": "bracket.stl", "unit": "mm"}), "bodies[1].shape.mesh.file"),
-    Bad("mesh by URL", put(*PART, "shape", "mesh", value={"url": "http://localhost/x.stl", "unit": "mm"}), "bodies[1].shape.mesh"),
-    Bad("mesh that is not base64", put(*PART, "shape", "mesh", value={"data": "***", "format": "stl", "unit": "mm"}), "bodies[1].shape.mesh.data"),
-    Bad("mesh without format", put(*PART, "shape", "mesh", value={"data": "AAAA", "unit": "mm"}), "bodies[1].shape.mesh.format"),
-    Bad("mesh as an archive", put(*PART, "shape", value=_data(b"PK\x03\x04" + bytes(200))), "bodies[1].shape.mesh.data"),
+    Bad(
+        "mesh by file",
+        put(*PART, "shape", "mesh", value={"file": "bracket.stl", "unit": "mm"}),
+        "bodies[1].shape.mesh.file",
+    ),
+    Bad(
+        "mesh by URL",
+        put(*PART, "shape", "mesh", value={"url": "http://localhost/x.stl", "unit": "mm"}),
+        "bodies[1].shape.mesh",
+    ),
+    Bad(
+        "mesh that is not base64",
+        put(*PART, "shape", "mesh", value={"data": "***", "format": "stl", "unit": "mm"}),
+        "bodies[1].shape.mesh.data",
+    ),
+    Bad(
+        "mesh without format",
+        put(*PART, "shape", "mesh", value={"data": "AAAA", "unit": "mm"}),
+        "bodies[1].shape.mesh.format",
+    ),
+    Bad(
+        "mesh as an archive", put(*PART, "shape", value=_data(b"PK\x03\x04" + bytes(200))), "bodies[1].shape.mesh.data"
+    ),
     Bad("mesh that is open", put(*PART, "shape", value=_data(OPEN_STL + b"endsolid x\n")), "bodies[1].shape.mesh.data"),
     Bad("mesh of the wrong format", put(*PART, "shape", value=_data(OPEN_STL, "glb")), "bodies[1].shape.mesh.data"),
     # neighbours
-    Bad("neighbour's joints of other names", _neighbour(joint_names=["a", "b", "c", "d"]), "neighbours[0].trajectory.joint_names"),
-    Bad("neighbour's joints in degrees", _neighbour(joint_units=["deg", "deg", "mm", "deg"]), "neighbours[0].trajectory.joint_units[0]"),
+    Bad(
+        "neighbour's joints of other names",
+        _neighbour(joint_names=["a", "b", "c", "d"]),
+        "neighbours[0].trajectory.joint_names",
+    ),
+    Bad(
+        "neighbour's joints in degrees",
+        _neighbour(joint_units=["deg", "deg", "mm", "deg"]),
+        "neighbours[0].trajectory.joint_units[0]",
+    ),
     Bad("neighbour's rows too few", _neighbour(position=[[0.0] * 4] * 3), "neighbours[0].trajectory.position"),
-    Bad("neighbour's row too short", _neighbour(velocity=[[0.0] * 4, [0.0] * 3]), "neighbours[0].trajectory.velocity[1]"),
+    Bad(
+        "neighbour's row too short", _neighbour(velocity=[[0.0] * 4, [0.0] * 3]), "neighbours[0].trajectory.velocity[1]"
+    ),
     Bad("neighbour's times backwards", _neighbour(time_s=[1.0, 0.0]), "neighbours[0].trajectory.time_s"),
-    Bad("neighbour that never stops", _neighbour(velocity=[[0.0] * 4, [0.1, 0, 0, 0]]), "neighbours[0].trajectory.velocity"),
+    Bad(
+        "neighbour that never stops",
+        _neighbour(velocity=[[0.0] * 4, [0.1, 0, 0, 0]]),
+        "neighbours[0].trajectory.velocity",
+    ),
     # task
     Bad("no task", drop("task"), "task"),
     Bad("empty task", put("task", value=[]), "task"),
@@ -306,15 +410,27 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad("place of another part", put(*PLACE, "part", value="bed"), "task[1].place.part"),
     Bad("a second pick with a full gripper", _pick_twice, "task[1].pick.part"),
     Bad("place without yaw", drop(*PLACE, "to", "yaw_deg"), "task[1].place.to.yaw_rad"),
-    Bad("place with a free yaw", put(*PLACE, "to", value={"frame": "dial", "at_mm": [150, 0, 10], "yaw_free": True}), "task[1].place.to.yaw_free"),
-    Bad("yaw and free yaw", put("task", 2, "move", "to", value={"at_m": [0.3, 0, 0.1], "yaw_deg": 3, "yaw_free": True}), "task[2].move.to.yaw_free"),
+    Bad(
+        "place with a free yaw",
+        put(*PLACE, "to", value={"frame": "dial", "at_mm": [150, 0, 10], "yaw_free": True}),
+        "task[1].place.to.yaw_free",
+    ),
+    Bad(
+        "yaw and free yaw",
+        put("task", 2, "move", "to", value={"at_m": [0.3, 0, 0.1], "yaw_deg": 3, "yaw_free": True}),
+        "task[2].move.to.yaw_free",
+    ),
     Bad("target in an unknown frame", put("task", 2, "move", "to", "frame", value="moon"), "task[2].move.to.frame"),
     Bad("window in millimetres on a dial", put(*PLACE, "window_mm", value=[0, 1]), "task[1].place.window_mm"),
     Bad("window upside down", put(*PICK, "window_mm", value=[250, -300]), "task[0].pick.window_mm"),
     Bad("negative approach", put(*PICK, "approach", value={"mm": -3}), "task[0].pick.approach.mm"),
     Bad("no dwell", drop(*PICK, "dwell_ms"), "task[0].pick.dwell_s"),
-    Bad("contact with what is not there", put(*PLACE, "contact_with", value=["table"]), "task[1].place.contact_with[0]"),
-    Bad("contact of the part with itself", put(*PLACE, "contact_with", value=["part"]), "task[1].place.contact_with[0]"),
+    Bad(
+        "contact with what is not there", put(*PLACE, "contact_with", value=["table"]), "task[1].place.contact_with[0]"
+    ),
+    Bad(
+        "contact of the part with itself", put(*PLACE, "contact_with", value=["part"]), "task[1].place.contact_with[0]"
+    ),
     Bad("unknown manner", put("task", 2, "move", "match", value="roughly"), "task[2].move.match"),
     # options, execution, carry
     Bad("no time at all", put("options", "budget_s", value=0), "options.budget_s"),
@@ -322,7 +438,11 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad("a fraction of a seed", put("options", "seed", value=1.5), "options.seed"),
     Bad("negative seed", put("options", "seed", value=-1), "options.seed"),
     Bad("one clearance for both", put("options", "clearance_mm", value={"travel": 8}), "options.clearance_mm.near"),
-    Bad("negative clearance", put("options", "clearance_mm", value={"travel": 8, "near": -1}), "options.clearance_mm.near"),
+    Bad(
+        "negative clearance",
+        put("options", "clearance_mm", value={"travel": 8, "near": -1}),
+        "options.clearance_mm.near",
+    ),
     Bad("margin of one", put("options", "singularity_margin", value=1), "options.singularity_margin"),
     Bad("unknown elbow", put("options", "elbow", value="up"), "options.elbow"),
     Bad("text for a boolean", put("execution", value={"belt_correction": "yes"}), "execution.belt_correction"),

@@ -27,6 +27,8 @@ from planner.shapes import Body, Hull, Piece, box, capsule, cylinder, reach, sph
 from planner.trajectory import Trajectory
 
 MODE = 1
+Height = Callable[[FloatArray], tuple[FloatArray, ...]]
+"""A height above a point at times (T,), with its first two rates."""
 SLACK_M = 1e-9
 
 
@@ -133,7 +135,7 @@ class Hand:
     def arrive(self, step: int, t: float, until: float, *, matched: bool = True, yaw_offset: float = 0.0) -> None:
         trajectory = self.trajectory()
         p, yaw = self.scene.robot.forward(trajectory.evaluate(np.array(t)))
-        pose = Pose(*(float(x) for x in p), float(yaw)).then(self.scene.tool.tcp)
+        pose = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)).then(self.scene.tool.tcp)
         self.arrivals.append(Arrival(step, self.scene.task[step].name, t, until, pose, matched, yaw_offset))
 
     def trajectory(self) -> Trajectory:
@@ -143,9 +145,7 @@ class Hand:
         return proved(self.scene, self.trajectory(), tuple(self.legs), tuple(self.arrivals))
 
 
-def above(
-    scene: Scene, name: str, pose: Pose, height: Callable[[FloatArray], tuple[FloatArray, ...]] | float = 0.0
-) -> Callable[[FloatArray], Motion]:
+def above(scene: Scene, name: str, pose: Pose, height: Height | float = 0.0) -> Callable[[FloatArray], Motion]:
     """The motion of a tool pose in a frame, lifted by a height with its rates."""
 
     def motion(t: FloatArray) -> Motion:
@@ -158,7 +158,7 @@ def above(
     return motion
 
 
-def ramp(t0: float, t1: float, high: float, low: float) -> Callable[[FloatArray], tuple[FloatArray, ...]]:
+def ramp(t0: float, t1: float, high: float, low: float) -> Height:
     """A height that goes from one level to another, at rest at both."""
     length = t1 - t0
 
@@ -178,36 +178,39 @@ def start_at(robot: Scara, tcp: Pose, tool: Pose, time: float = 0.0) -> Start:
 
 
 def crossing(
-    options: Options | None = None, ball_speed: float = 0.1, bodies: tuple[WorldBody, ...] = (), **changes: object
+    options: Options | None = None, ball_speed: float = 0.02, bodies: tuple[WorldBody, ...] = (), **changes: object
 ) -> Scene:
-    """One move past a ball that crosses, over a floor, beside a carton and a wedge."""
+    """Up out of a carton, then past a ball that comes near, to a place beside a wedge, over a floor."""
     robot = arm()
     frames = {
         "world": WORLD,
-        "ball": frame("ball", Linear(Pose(0.1, 0.33, 0.2), (ball_speed, 0.0, 0.0))),
+        "ball": frame("ball", Linear(Pose(0.1, 0.33, 0.2), (0.8 * ball_speed, -0.6 * ball_speed, 0.0))),
     }
     around = (
         WorldBody(solid("floor", box(2.0, 2.0, 0.02)), "world", Pose(z=-0.02)),
         WorldBody(solid("ball", sphere(0.03)), "ball"),
-        WorldBody(carton(), "world", Pose(0.28, 0.05, 0.03, 0.3)),
+        WorldBody(carton(), "world", Pose(0.3, -0.1, 0.03, 0.3)),
         WorldBody(wedge(), "world", Pose(0.22, 0.2, 0.0, 0.1)),
         *bodies,
     )
-    task = (Move("there", Target("world", Pose(0.2, 0.25, 0.2, 0.4))),)
-    start = start_at(robot, TOOL.tcp, Pose(0.3, -0.1, 0.15))
+    task = (
+        Move("up", Target("world", Pose(0.3, -0.1, 0.15))),
+        Move("there", Target("world", Pose(0.2, 0.25, 0.2, 0.4))),
+    )
+    start = start_at(robot, TOOL.tcp, Pose(0.3, -0.1, 0.05))
     given = options or Options(clearance=Clearance(0.003, 0.001), stay_safe_s=0.1)
     scene = Scene(robot, TOOL, start, frames, around, task, given, digest="crossing")
     return replace(scene, **changes)  # type: ignore[arg-type]
 
 
-def crossed(scene: Scene, t1: float = 0.6) -> Plan:
-    """The plan for `crossing`: a wait, then one quintic."""
+def crossed(scene: Scene) -> Plan:
+    """The plan for `crossing`: a wait, and one quintic a move."""
     hand = Hand(scene)
-    step = scene.task[0]
-    assert isinstance(step, Move)
     hand.wait(0, 0.1)
-    hand.go(0, above(scene, step.target.frame, step.target.pose), t1)
-    hand.arrive(0, t1, t1, matched=step.match == "velocity" and not step.via)
+    for number, (step, t) in enumerate(zip(scene.task, (0.4, 1.0), strict=True)):
+        assert isinstance(step, Move)
+        hand.go(number, above(scene, step.target.frame, step.target.pose), t)
+        hand.arrive(number, t, t, matched=step.match == "velocity" and not step.via)
     return hand.plan()
 
 
@@ -400,12 +403,7 @@ class PlainProver:
         cb = pb + rb @ (box_of(b.body) if m < 0 else b.body.pieces[m]).position
         line = cb - ca
         flat = np.array([line[0], line[1], 0.0])
-        found = [
-            up,
-            -up,
-            *(ra[:, i] * s for i in (0, 1) for s in (1, -1)),
-            *(rb[:, i] * s for i in (0, 1) for s in (1, -1)),
-        ]
+        found = [up, -up, *(r[:, i] * s for r in (ra, rb) for i in (0, 1) for s in (1, -1))]
         found += [v / np.linalg.norm(v) for v in (line, flat) if np.linalg.norm(v) > 1e-6]
         return sorted(found, key=lambda n: -self.gap(a, k, b, m, n, t))[:3]
 
@@ -498,6 +496,10 @@ COLUMNS = (
     *("t0", "t1", "first", "first_piece", "second", "second_piece"),
     *("normal", "gap0", "gap1", "speed", "acceleration"),
 )
+
+
+BODIES_OF_CROSSING = {"post": WorldBody(solid("post", cylinder(0.02, 0.1)), "world", Pose(-0.5, -0.5, 0.05))}
+"""Bodies that `crossing` may have besides, far from everything."""
 
 
 @cache

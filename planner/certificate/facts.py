@@ -1,0 +1,151 @@
+"""What is true of a phase over intervals: placements, bounds of point motion, required distances, and claims from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.arrays import FloatArray, IntArray
+from planner.certificate.claim import Claim
+from planner.phases import Phase
+from planner.requirement import CONTACT_GAP, clearance, uncertainty
+from planner.robots.protocol import Sweep
+from planner.scene import Scene
+from planner.separation import Placed, gaps, place
+from planner.solids import Carriers, Solids, carriers, standing
+from planner.sweep import sweep
+from planner.trajectory import Trajectory
+
+
+@dataclass(frozen=True, slots=True)
+class Intervals:
+    """A table of intervals with all carriers at start, middle and end, and the arm's sweep over them."""
+
+    t0: FloatArray
+    t1: FloatArray
+    where: Carriers
+    swept: Sweep
+
+    def __len__(self) -> int:
+        return len(self.t0)
+
+
+class Facts:
+    """The facts of one phase of one trajectory, for the arrangement of solids that the phase has."""
+
+    def __init__(self, scene: Scene, solids: Solids, phase: Phase, trajectory: Trajectory) -> None:
+        self.scene, self.solids, self.phase, self.trajectory = scene, solids, phase, trajectory
+        self.frames = tuple(scene.frames.values())
+        self.exempt = self._exempt()
+
+    def _exempt(self) -> tuple[tuple[int, int], ...]:
+        """Numbers of the bodies that may touch, in both orders."""
+        number = {name: i for i, name in enumerate(self.solids.names)}
+        found = []
+        for first, second in sorted(self.phase.exempt):
+            if first in number and second in number:
+                found += [(number[first], number[second]), (number[second], number[first])]
+        return tuple(found)
+
+    def intervals(self, t0: FloatArray, t1: FloatArray) -> Intervals:
+        t = np.concatenate([t0, (t0 + t1) / 2, t1])
+        where = carriers(self.scene, standing(self.trajectory, t), t)
+        return Intervals(t0, t1, where, sweep(self.trajectory, t0, t1, self.scene.robot.rate_matrix))
+
+    def at(self, table: Intervals, row: IntArray, unit: IntArray) -> Placed:
+        return place(self.solids, table.where, row, unit)
+
+    def vertical(self, table: Intervals, row: IntArray, a: IntArray, b: IntArray) -> FloatArray:
+        """(r, 1, 3): up or down, from a to b."""
+        am, bm = self.at(table, row + len(table), a), self.at(table, row + len(table), b)
+        n = np.zeros((len(row), 1, 3))
+        n[:, 0, 2] = np.where(bm.centre[:, 2] >= am.centre[:, 2], 1.0, -1.0)
+        return n
+
+    def claim(self, table: Intervals, row: IntArray, a: IntArray, b: IntArray, normals: FloatArray) -> Claim:
+        """The best of the normals (r, N, 3) for each row."""
+        count, many = normals.shape[:2]
+        size = len(table)
+        each = [gaps(self.at(table, row + k * size, a), self.at(table, row + k * size, b), normals) for k in range(3)]
+        wide = np.repeat(np.arange(count), many)
+        flat = normals.reshape(-1, 3)
+        speed_a, acceleration_a = self.bounds(table, row[wide], a[wide], flat)
+        speed_b, acceleration_b = self.bounds(table, row[wide], b[wide], flat)
+        speed, acceleration = (
+            (speed_a + speed_b).reshape(count, many),
+            (acceleration_a + acceleration_b).reshape(count, many),
+        )
+        h = (table.t1 - table.t0)[row][:, None]
+        gap0, gap_mid, gap1 = each
+        least = np.fmax((gap0 + gap1 - speed * h) / 2, np.minimum(gap0, gap1) - acceleration * h**2 / 8)
+        required = self.required(table, row, a, b, speed_b.reshape(count, many), flat, wide)
+        best = np.argmax(np.where(np.isnan(least - required), -np.inf, least - required), axis=1)
+        pick = np.arange(count), best
+        return Claim(
+            normals[pick],
+            gap0[pick],
+            gap_mid[pick],
+            gap1[pick],
+            speed[pick],
+            acceleration[pick],
+            least[pick],
+            required[pick],
+        )
+
+    def bounds(self, table: Intervals, row: IntArray, unit: IntArray, n: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Bounds (r,) of |n·ẋ| and |n·ẍ| over the rows' intervals, for all points of their units."""
+        solids, swept = self.solids, table.swept
+        carrier = solids.carrier[unit]
+        speed, acceleration = np.zeros(len(row)), np.zeros(len(row))
+        mine = np.flatnonzero(carrier < solids.links)
+        if len(mine):
+            r = row[mine]
+            part = Sweep(swept.lower[r], swept.upper[r], swept.rate[r], swept.rate_d[r])
+            speed[mine], acceleration[mine] = self.scene.robot.point_bounds(
+                carrier[mine], solids.reach[unit[mine]], n[mine], part
+            )
+        for k in np.unique(carrier[carrier >= solids.links]):
+            rows = np.flatnonzero(carrier == k)
+            found = self.frame_bounds(int(k), table.t0[row[rows]], table.t1[row[rows]], unit[rows], n[rows])
+            speed[rows], acceleration[rows] = found
+        return speed, acceleration
+
+    def frame_bounds(
+        self, carrier: int, t0: FloatArray, t1: FloatArray, unit: IntArray, n: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """The same for units that all ride on one frame of the cell."""
+        bound = self.frames[carrier - self.solids.links].law.bounds(t0, t1, n)
+        across = np.hypot(n[:, 0], n[:, 1]) * self.solids.reach[unit]
+        speed = bound.speed + across * bound.yaw_rate
+        return speed, bound.acceleration + across * np.hypot(bound.yaw_acceleration, bound.yaw_rate**2)
+
+    def required(
+        self,
+        table: Intervals,
+        row: IntArray,
+        a: IntArray,
+        b: IntArray,
+        speed_b: FloatArray,
+        flat: FloatArray,
+        wide: IntArray,
+    ) -> FloatArray:
+        """(r, N) metres: equation C5."""
+        scene, phase, solids = self.scene, self.phase, self.solids
+        base = clearance(scene, phase)
+        found = np.full(speed_b.shape, base)
+        carrier = solids.carrier[b]
+        t1 = table.t1[row]
+        tolerance = scene.execution.start_tolerance_s
+        for k in np.unique(carrier[carrier >= solids.links]):
+            rows = np.flatnonzero(carrier == k)
+            frame = self.frames[k - solids.links].name
+            found[rows] += (scene.execution.tracking_m + uncertainty(scene, phase, frame, t1[rows]))[:, None]
+            if tolerance > 0:
+                every = np.flatnonzero(carrier[wide] == k)
+                r = row[wide[every]]
+                late, _ = self.frame_bounds(int(k), table.t0[r], table.t1[r] + tolerance, b[wide[every]], flat[every])
+                found[rows] += tolerance * late.reshape(len(rows), -1)
+        for first, second in self.exempt:
+            found[(solids.body[a] == first) & (solids.body[b] == second)] = CONTACT_GAP
+        return found

@@ -1,0 +1,229 @@
+"""Proves phases, round by round: what is not proved is halved, boxes become pieces, and FCL decides what touches."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from planner.arrays import BoolArray, FloatArray, IntArray
+from planner.certificate.claim import Claim, put, take
+from planner.certificate.facts import Facts, Intervals
+from planner.certificate.rows import Rows, Unproved, no_rows
+from planner.collision import Collider
+from planner.gjk import separate
+from planner.phases import Phase
+from planner.requirement import SLACK_M
+from planner.scene import Scene
+from planner.separation import Placed, centre_normals, face_normals
+from planner.solids import COVER, Solids, SolidsMaker, asked_pairs
+from planner.trajectory import Trajectory
+
+COARSEST_S = 0.02
+"""Intervals with which a phase begins, where vertical order alone does not prove it, s."""
+FINEST_S = 2e-5
+"""Intervals are halved no further than this, s: what is not proved by then is NOT_CERTIFIED."""
+MOST_ROWS = 200_000
+"""A phase that needs more rows than this is not certified: it would be neither quick nor small."""
+
+
+class Prover:
+    """Proves phases of one scene. Keeps the arrangements and the FCL objects of the scene."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.solids = SolidsMaker(scene)
+        self.collider = Collider()
+        self._asked: dict[int, tuple[IntArray, IntArray]] = {}
+
+    def asked(self, solids: Solids) -> tuple[IntArray, IntArray]:
+        """Units (P,), (P,) of all pairs of bodies that must be kept apart in this arrangement."""
+        if id(solids) not in self._asked:
+            self._asked[id(solids)] = asked_pairs(self.scene, solids)
+        return self._asked[id(solids)]
+
+    def prove(self, phase: Phase, trajectory: Trajectory) -> Rows | Unproved:
+        """Rows that cover every asked pair over the whole phase, or the first pair that resists."""
+        if not phase.t1 > phase.t0:
+            return no_rows(self.solids(phase.carried, phase.rides))
+        return _Proof(self, phase, trajectory).run()
+
+
+class _Proof:
+    """The proof of one phase, round by round."""
+
+    def __init__(self, prover: Prover, phase: Phase, trajectory: Trajectory) -> None:
+        self.prover, self.phase = prover, phase
+        self.solids = prover.solids(phase.carried, phase.rides)
+        self.facts = Facts(prover.scene, self.solids, phase, trajectory)
+        self.done: list[tuple[IntArray, IntArray, FloatArray, FloatArray, Claim]] = []
+
+    def run(self) -> Rows | Unproved:
+        a, b = self.prover.asked(self.solids)
+        phase = self.phase
+        whole = self.facts.intervals(np.array([phase.t0]), np.array([phase.t1]))
+        row = np.zeros(len(a), dtype=np.int64)
+        claim = self.facts.claim(whole, row, a, b, self.facts.vertical(whole, row, a, b))
+        left = self.keep(whole, row, a, b, claim)
+        a, b = a[left], b[left]
+        count = max(1, int(np.ceil((phase.t1 - phase.t0) / COARSEST_S)))
+        edges = np.linspace(phase.t0, phase.t1, count + 1)
+        edges[-1] = phase.t1
+        table = self.facts.intervals(edges[:-1], edges[1:])
+        row = np.repeat(np.arange(count), len(a))
+        seed = np.tile(np.array([0.0, 0.0, 1.0]), (len(a) * count, 1))
+        return self.rounds(table, row, np.tile(a, count), np.tile(b, count), seed)
+
+    def rounds(self, table: Intervals, row: IntArray, a: IntArray, b: IntArray, seed: FloatArray) -> Rows | Unproved:
+        while len(row):
+            if len(row) > MOST_ROWS:
+                return self.unproved(table, row, a, b, 0, np.nan, np.nan, touching=False)
+            middle = row + len(table)
+            am, bm = self.facts.at(table, middle, a), self.facts.at(table, middle, b)
+            normals = np.concatenate([centre_normals(am, bm), seed[:, None]], axis=1)
+            claim = self.facts.claim(table, row, a, b, normals)
+            rest = self.keep(table, row, a, b, claim)
+            row, a, b, claim, am, bm = row[rest], a[rest], b[rest], take(claim, rest), am.rows(rest), bm.rows(rest)
+            close = ~(claim.gap_mid - SLACK_M > claim.required)
+            if close.any():
+                claim = self.look_closer(table, row, a, b, am, bm, claim, close)
+                rest = self.keep(table, row, a, b, claim)
+                row, a, b, claim, am, bm = row[rest], a[rest], b[rest], take(claim, rest), am.rows(rest), bm.rows(rest)
+                close = ~(claim.gap_mid - SLACK_M > claim.required)
+            boxes = close & ((self.solids.piece[a] == COVER) | (self.solids.piece[b] == COVER))
+            solid = np.flatnonzero(close & ~boxes)
+            if len(solid):
+                resisted = self.ask(table, row, a, b, am, bm, claim, solid)
+                if resisted is not None:
+                    return resisted
+                # GJK's normals: some rows may be proved by them at once
+                rest = self.keep(table, row, a, b, claim)
+                row, a, b, claim, boxes = row[rest], a[rest], b[rest], take(claim, rest), boxes[rest]
+            fine = np.flatnonzero(~boxes & ~(table.t1[row] - table.t0[row] > FINEST_S))
+            if len(fine):
+                i = int(fine[0])
+                return self.unproved(table, row, a, b, i, claim.gap_mid[i], claim.required[i], touching=False)
+            table, row, a, b, seed = self.refine(table, row, a, b, claim.normal, boxes)
+        return self.rows()
+
+    def refine(
+        self, table: Intervals, row: IntArray, a: IntArray, b: IntArray, normal: FloatArray, boxes: BoolArray
+    ) -> tuple[Intervals, IntArray, IntArray, IntArray, FloatArray]:
+        """The next round: boxes become pieces on the same interval, everything else halves its interval."""
+        old, whole = np.unique(row[boxes], return_inverse=True)
+        halved, place_in = np.unique(row[~boxes], return_inverse=True)
+        middle = (table.t0[halved] + table.t1[halved]) / 2
+        t0 = np.concatenate([table.t0[old], table.t0[halved], middle])
+        t1 = np.concatenate([table.t1[old], middle, table.t1[halved]])
+        rows = [place_in + len(old), place_in + len(old) + len(halved)]
+        firsts, seconds, seeds = [a[~boxes]] * 2, [b[~boxes]] * 2, [normal[~boxes]] * 2
+        for i, k in zip(np.flatnonzero(boxes), whole, strict=True):
+            one, other = self._pieces(int(a[i])), self._pieces(int(b[i]))
+            rows.append(np.full(len(one) * len(other), k))
+            firsts.append(np.repeat(one, len(other)))
+            seconds.append(np.tile(other, len(one)))
+            seeds.append(np.tile(normal[i], (len(one) * len(other), 1)))
+        return (
+            self.facts.intervals(t0, t1),
+            np.concatenate(rows),
+            np.concatenate(firsts),
+            np.concatenate(seconds),
+            np.concatenate(seeds),
+        )
+
+    def _pieces(self, unit: int) -> IntArray:
+        if self.solids.piece[unit] != COVER:
+            return np.array([unit], dtype=np.int64)
+        return np.array(self.solids.pieces[int(self.solids.body[unit])], dtype=np.int64)
+
+    def look_closer(
+        self,
+        table: Intervals,
+        row: IntArray,
+        a: IntArray,
+        b: IntArray,
+        am: Placed,
+        bm: Placed,
+        claim: Claim,
+        close: BoolArray,
+    ) -> Claim:
+        """Face normals for the rows that the first normals do not part."""
+        which = np.flatnonzero(close)
+        faces = face_normals(am.rows(which), bm.rows(which))
+        closer = self.facts.claim(table, row[which], a[which], b[which], faces)
+        return put(claim, which, take(claim, which).better(closer))
+
+    def ask(
+        self,
+        table: Intervals,
+        row: IntArray,
+        a: IntArray,
+        b: IntArray,
+        am: Placed,
+        bm: Placed,
+        claim: Claim,
+        solid: IntArray,
+    ) -> Unproved | None:
+        """FCL, then GJK, about rows that nothing parted yet; `claim` takes the normals that GJK found."""
+        solid = solid[np.argsort(claim.gap_mid[solid] - claim.required[solid], kind="stable")]
+        for i in solid:
+            allowed = claim.required[i] < 0
+            if not allowed and self.prover.collider.touch(am, bm, int(i)):
+                return self.unproved(table, row, a, b, int(i), claim.gap_mid[i], claim.required[i], touching=True)
+            distance, normal = separate(am, bm, int(i))
+            if normal is None:
+                return self.unproved(table, row, a, b, int(i), claim.gap_mid[i], claim.required[i], touching=True)
+            one = np.array([i])
+            found = self.facts.claim(table, row[one], a[one], b[one], normal[None, None])
+            if not found.gap_mid[0] - SLACK_M > found.required[0]:
+                gap = max(distance, float(found.gap_mid[0]))
+                return self.unproved(table, row, a, b, int(i), gap, found.required[0], touching=False)
+            for name in Claim.__slots__:
+                getattr(claim, name)[i] = getattr(found, name)[0]
+        return None
+
+    def unproved(
+        self,
+        table: Intervals,
+        row: IntArray,
+        a: IntArray,
+        b: IntArray,
+        i: int,
+        gap: float,
+        required: float,
+        *,
+        touching: bool,
+    ) -> Unproved:
+        names, body = self.solids.names, self.solids.body
+        middle = float(table.t0[row[i]] + table.t1[row[i]]) / 2
+        of_robot = bool(body[b[i]] < self.solids.robot_bodies)
+        bodies = (names[body[a[i]]], names[body[b[i]]])
+        return Unproved(bodies, middle, float(gap), float(required), touching, of_robot)
+
+    def keep(self, table: Intervals, row: IntArray, a: IntArray, b: IntArray, claim: Claim) -> BoolArray:
+        """Stores the rows that are proved; returns which are not."""
+        proved = claim.proved
+        if proved.any():
+            r = row[proved]
+            self.done.append((a[proved], b[proved], table.t0[r], table.t1[r], take(claim, proved)))
+        rest: BoolArray = ~proved
+        return rest
+
+    def rows(self) -> Rows:
+        if not self.done:
+            return no_rows(self.solids)
+        first, second, t0, t1, claims = zip(*self.done, strict=True)
+
+        def column(name: str) -> FloatArray:
+            return np.concatenate([getattr(claim, name) for claim in claims])
+
+        return Rows(
+            self.solids,
+            np.concatenate(t0),
+            np.concatenate(t1),
+            np.concatenate(first),
+            np.concatenate(second),
+            column("normal"),
+            column("gap0"),
+            column("gap1"),
+            column("speed"),
+            column("acceleration"),
+        )

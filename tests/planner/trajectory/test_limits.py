@@ -1,0 +1,114 @@
+"""Limits held to exact extremes: what is accepted, what is refused, by which joint, when."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planner.errors import InputError
+from planner.trajectory import JERK_TOLERANCE, LIMIT_TOLERANCE, Trajectory, check_limits, keeps_limits
+from tests.planner.trajectory.splines import Floats, spline, splines
+
+KINDS = ("position", "velocity", "acceleration", "jerk")
+
+
+def snug(path: Trajectory) -> list[Floats]:
+    """Limits that the trajectory just keeps: lower, upper, velocity, acceleration, jerk."""
+    low, high = path.extrema(0)
+    rates = [np.maximum(-a, b) for a, b in (path.extrema(d) for d in (1, 2, 3))]
+    return [low, high, *rates]
+
+
+def moving(seed: int) -> Trajectory:
+    return spline(seed, pieces=6, n=3)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_trajectory_at_its_limits_keeps_them_with_ratio_one(seed: int) -> None:
+    path = moving(seed)
+    report = check_limits(path, *snug(path))
+    assert report.ok
+    for check, kind in zip(report.checks, KINDS, strict=True):
+        assert (check.kind, check.ok, check.joint, check.time) == (kind, True, None, None)
+        assert check.ratio == pytest.approx(np.ones(3), abs=1e-12)
+
+
+@pytest.mark.parametrize("kind", range(4))
+@pytest.mark.parametrize("joint", range(3))
+def test_a_limit_lowered_by_ten_tolerances_is_broken_by_that_joint_there(kind: int, joint: int) -> None:
+    for seed in range(4):
+        path = moving(seed)
+        limits = [limit.copy() for limit in snug(path)]
+        tolerance = JERK_TOLERANCE if kind == 3 else LIMIT_TOLERANCE
+        which = 1 if kind == 0 else kind + 1
+        width = (limits[1] - limits[0])[joint] / 2 if kind == 0 else limits[which][joint]
+        for share, ok in ((0.5, True), (10.0, False)):
+            lowered = [limit.copy() for limit in limits]
+            lowered[which][joint] -= share * tolerance * width
+            report = check_limits(path, *lowered)
+            assert report.ok is ok
+            assert keeps_limits(path, *lowered) is ok
+            check = report.checks[kind]
+            assert check.ok is ok
+            if not ok:
+                assert check.joint == joint
+                assert check.time is not None
+                value = path.evaluate(check.time, kind)[joint]
+                top = check.upper[joint] if kind == 0 else max(check.upper[joint], -check.lower[joint])
+                assert (value if kind == 0 else abs(value)) == pytest.approx(top, rel=1e-3)
+                others = [c.ok for k, c in enumerate(report.checks) if k != kind]
+                assert all(others)
+
+
+def test_the_first_break_is_the_first_in_time() -> None:
+    t = np.linspace(0, 4, 41)
+    # Joint 0 swings out from 2 s on, joint 1 already at 1 s but less far.
+    bump = lambda t, at, high: high * np.exp(-((t - at) ** 2) * 20)  # noqa: E731
+    q = np.stack([bump(t, 2.5, 1.0), bump(t, 1.0, 0.6)], 1)
+    qd = q * np.stack([-40 * (t - 2.5), -40 * (t - 1.0)], 1)
+    qdd = q * np.stack([(40 * (t - 2.5)) ** 2 - 40, (40 * (t - 1.0)) ** 2 - 40], 1)
+    wide = np.full(2, 1e6)
+    report = check_limits(Trajectory(t, q, qd, qdd), -wide, np.full(2, 0.5), wide, wide, wide)
+    assert (report.position.ok, report.position.joint) == (False, 1)
+    assert report.position.time == pytest.approx(1.0 - np.sqrt(np.log(1.2) / 20), abs=1e-4)
+    assert report.velocity.ok
+    assert not report.ok
+
+
+def test_an_excess_between_samples_is_found() -> None:
+    # Velocity rises above 1 in the middle of a single piece whose knots and middle neighbours are below it.
+    path = Trajectory([0.0, 1.0], [[0.0], [0.9]], [[0.0], [0.0]], [[0.0], [0.0]])  # type: ignore[arg-type]
+    peak = 0.9 * 15 / 8
+    wide = np.full(1, 1e3)
+    assert keeps_limits(path, -wide, wide, np.array([peak * (1 + 1e-10)]), wide, wide)
+    assert not keeps_limits(path, -wide, wide, np.array([peak * (1 - 1e-8)]), wide, wide)
+    report = check_limits(path, -wide, wide, np.array([peak * (1 - 1e-8)]), wide, wide)
+    assert report.velocity.time == pytest.approx(0.5, abs=1e-3)
+
+
+@given(splines, st.floats(0.5, 2.0), st.integers(0, 3))
+def test_the_quick_answer_is_the_full_one(path: Trajectory, factor: float, kind: int) -> None:
+    limits = snug(path)
+    middle, half = (limits[0] + limits[1]) / 2, np.maximum((limits[1] - limits[0]) / 2, 1e-6)
+    rates = [np.maximum(rate, 1e-6) for rate in limits[2:]]
+    halves = [half, *rates]
+    halves[kind] = halves[kind] * factor
+    arguments = (middle - halves[0], middle + halves[0], *halves[1:])
+    assert keeps_limits(path, *arguments) is check_limits(path, *arguments).ok
+
+
+@pytest.mark.parametrize(
+    ("which", "value"),
+    [(0, np.nan), (1, np.inf), (2, 0.0), (3, -1.0), (4, np.nan), (0, 5.0)],
+)
+def test_limits_that_are_none_are_refused(which: int, value: float) -> None:
+    path = moving(0)
+    for check in (check_limits, keeps_limits):
+        limits = snug(path)
+        limits[which] = np.array([1e3, 1e3, value]) if which else np.array([-1e3, -1e3, 1e3 * value])
+        with pytest.raises(InputError):
+            check(path, *limits)  # type: ignore[operator]
+        with pytest.raises(InputError):
+            check(path, *(limit[:2] for limit in snug(path)))  # type: ignore[operator]

@@ -1,0 +1,191 @@
+"""Knots and the quintic between them: evaluation against SciPy, what the constructor refuses, joining and cutting."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.interpolate import BPoly
+
+from planner.errors import FaultError, InputError
+from planner.trajectory import Trajectory
+from tests.planner.trajectory.splines import REGIMES, constant_jerk, spline, splines
+
+SCALE = (1.0, 3.0, 30.0, 300.0)
+
+
+@pytest.mark.parametrize("regime", REGIMES)
+@pytest.mark.parametrize("derivative", range(4))
+def test_evaluation_is_scipys_piecewise_polynomial_through_the_same_states(regime: str, derivative: int) -> None:
+    path = spline(3, regime)
+    second = BPoly.from_derivatives(path.time, np.stack([path.q, path.qd, path.qdd], 1))
+    t = np.concatenate([path.time[:-1], np.random.default_rng(0).uniform(path.start, path.end, 500)])
+    wanted = second(t) if derivative == 0 else second.derivative(derivative)(t)
+    # Both round: a derivative of a piece of length h by the spacing of q over h to its order.
+    rounding = 1e-14 * np.abs(path.q).max() / path.steps.min() ** derivative
+    assert np.abs(path.evaluate(t, derivative) - wanted).max() <= 1e-12 * SCALE[derivative] * 40 + rounding
+
+
+@given(splines)
+def test_at_its_knots_a_trajectory_is_in_the_states_given_to_the_bit(path: Trajectory) -> None:
+    for derivative, states in enumerate((path.q, path.qd)):
+        assert np.array_equal(path.evaluate(path.time, derivative), states)
+    # The acceleration is stored halved, which is exact too.
+    assert np.array_equal(path.evaluate(path.time, 2), path.qdd)
+    for k in (0, -1):
+        assert all(map(np.array_equal, path.state(float(path.time[k])), (path.q[k], path.qd[k], path.qdd[k])))
+
+
+@given(splines)
+def test_all_ways_to_evaluate_agree(path: Trajectory) -> None:
+    t = np.linspace(path.start, path.end, 37)[:-1]
+    index, tau = path.piece(t)
+    c, b = path.coefficients[index], [path.bernstein(d)[index] for d in range(4)]
+    s = (tau / path.steps[index])[:, None]
+    states = path.states_on_piece(index, tau)
+    for d in range(3):
+        assert np.allclose(states[d], path.evaluate(t, d), rtol=1e-13, atol=1e-12 * SCALE[d])
+        assert np.array_equal(path.on_piece(index, tau, d), path.evaluate(t, d))
+    powers = sum(c[..., k] * tau[:, None] ** k for k in range(6))
+    assert np.allclose(powers, path.evaluate(t), rtol=1e-12, atol=1e-12)
+    for d in range(4):
+        rows = b[d]
+        while rows.shape[-1] > 1:
+            rows = (1 - s[..., None]) * rows[..., :-1] + s[..., None] * rows[..., 1:]
+        scale = np.abs(b[d]).max()
+        assert np.allclose(rows[..., 0], path.evaluate(t, d), rtol=0, atol=1e-12 * scale)
+
+
+def test_at_an_inner_knot_the_jerk_is_that_of_the_piece_to_its_right() -> None:
+    jerk = np.array([[6.0], [-3.0], [1.0]])
+    path = constant_jerk(np.array([0.0, 0.5, 1.0, 2.0]), jerk, np.zeros((3, 1)))
+    assert path.evaluate(np.array([0.0, 0.5, 1.0]), 3) == pytest.approx(jerk, abs=1e-12)
+    assert path.evaluate(2.0, 3) == pytest.approx([1.0], abs=1e-12)
+
+
+def test_outside_its_knots_a_trajectory_is_not_a_number() -> None:
+    path = spline(1)
+    beside = [np.nextafter(path.start, -np.inf), np.nextafter(path.end, np.inf), np.nan, np.inf, -np.inf]
+    for derivative in range(4):
+        values = path.evaluate(np.array([beside, [path.start] * 5]), derivative)
+        assert np.isnan(values[0]).all()
+        assert np.isfinite(values[1]).all()
+        assert values.shape == (2, 5, path.n)
+    assert np.isnan(path.evaluate(np.nan)).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("time", [0.0, 1.0, 1.0]),
+        ("time", [0.0, 2.0, 1.0]),
+        ("time", [0.0, 1.0, np.nan]),
+        ("time", [0.0, 1.0, np.inf]),
+        ("time", [0.0]),
+        ("time", [[0.0, 1.0, 2.0]]),
+        ("time", "soon"),
+        ("q", [[0.0], [1.0], [np.nan]]),
+        ("q", [[0.0], [1.0]]),
+        ("q", [0.0, 1.0, 2.0]),
+        ("qd", [[0.0, 0.0], [1.0, 0.0], [1.0, 0.0]]),
+        ("qdd", [[0.0], [np.inf], [0.0]]),
+    ],
+)
+def test_knots_that_are_no_motion_are_refused_by_name(name: str, value: object) -> None:
+    good = {"time": [0.0, 1.0, 2.0], "q": [[0.0]] * 3, "qd": [[0.0]] * 3, "qdd": [[0.0]] * 3}
+    assert Trajectory(**good).n == 1  # type: ignore[arg-type]
+    with pytest.raises(InputError) as refused:
+        Trajectory(**{**good, name: value})  # type: ignore[arg-type]
+    assert refused.value.field == f"trajectory.{name}"
+
+
+def test_a_trajectory_of_no_joints_is_refused() -> None:
+    with pytest.raises(InputError, match="at least one joint"):
+        Trajectory(np.arange(3.0), *np.zeros((3, 3, 0)))
+
+
+def test_nothing_of_a_trajectory_can_be_changed() -> None:
+    q = np.zeros((2, 1))
+    path = Trajectory(np.arange(2.0), q, q, q)
+    q[0] = 1.0
+    assert not path.q.any()
+    for array in (path.time, path.q, path.qd, path.qdd, path.coefficients, path.steps, path.bernstein(0)):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+    with pytest.raises(AttributeError):
+        path.q = q  # type: ignore[misc]
+
+
+def test_only_knots_travel_between_processes() -> None:
+    path = spline(5)
+    before = len(pickle.dumps(path))
+    path.extrema(0)
+    assert len(pickle.dumps(path)) == before
+    other = pickle.loads(pickle.dumps(path))
+    assert all(np.array_equal(getattr(path, name), getattr(other, name)) for name in ("time", "q", "qd", "qdd"))
+
+
+@given(splines, st.floats(-600, 600))
+def test_a_shifted_trajectory_is_the_same_motion_with_the_same_jerk(path: Trajectory, by: float) -> None:
+    later = path.shifted(by)
+    assert np.abs(later.time - path.time - by).max() <= 1.2e-13
+    for derivative, allowed in enumerate((1e-12, 1e-9, 1e-5, 1e-2)):
+        a, b = path.bernstein(derivative), later.bernstein(derivative)
+        assert np.abs(a - b).max() <= allowed * max(1.0, np.abs(a).max()), derivative
+
+
+def test_joined_trajectories_are_both_motions() -> None:
+    path = spline(8, pieces=9)
+    parts = [path.clip(a, b) for a, b in ((path.time[0], path.time[3]), (path.time[3], path.time[4]))]
+    parts.append(path.clip(float(path.time[4]), path.end))
+    whole = parts[0].join(*parts[1:])
+    assert all(np.array_equal(getattr(path, name), getattr(whole, name)) for name in ("time", "q", "qd", "qdd"))
+    assert path.join().end == path.end
+
+
+@pytest.mark.parametrize(
+    ("name", "gap", "allowed"),
+    [("time", 2e-9, 1e-10), ("q", 2e-9, 1e-10), ("qd", 2e-8, 1e-9), ("qdd", 2e-6, 1e-7)],
+)
+def test_trajectories_that_do_not_meet_are_not_joined(name: str, gap: float, allowed: float) -> None:
+    path = spline(8)
+    a, b = path.clip(path.start, float(path.time[4])), path.clip(float(path.time[4]), path.end)
+
+    def moved(by: float) -> Trajectory:
+        return Trajectory(*(getattr(b, k) + (by if k == name else 0.0) for k in ("time", "q", "qd", "qdd")))
+
+    assert a.join(moved(allowed)).end == pytest.approx(path.end)
+    with pytest.raises(FaultError, match="where they meet"):
+        a.join(moved(gap))
+    with pytest.raises(FaultError, match="joints"):
+        a.join(spline(1, n=2))
+
+
+@given(splines, st.floats(0, 0.6), st.floats(0.65, 1.0))
+def test_a_part_cut_out_is_the_same_polynomials(path: Trajectory, a: float, b: float) -> None:
+    t0, t1 = path.start + a * path.duration, path.start + b * path.duration
+    part = path.clip(t0, t1)
+    t = np.linspace(part.start, part.end, 50)[1:-1]
+    assert (part.start, part.end) == (t0, t1)
+    for derivative, allowed in enumerate((1e-12, 1e-11, 1e-8)):
+        scale = np.abs(path.bernstein(derivative)).max()
+        assert np.abs(part.evaluate(t, derivative) - path.evaluate(t, derivative)).max() <= allowed * scale
+
+
+def test_nothing_is_cut_out_beyond_the_ends() -> None:
+    path = spline(2)
+    for t0, t1 in ((path.start - 1, path.end), (path.start, path.end + 1), (path.end, path.start), (np.nan, path.end)):
+        with pytest.raises(FaultError, match="clip"):
+            path.clip(t0, t1)
+
+
+def test_rest_at_an_end_is_exact_rest() -> None:
+    zero, some = np.zeros((2, 2)), np.array([[0.0, 0.0], [0.0, 1e-300]])
+    assert Trajectory(np.arange(2.0), zero, zero, zero).rest_at_end
+    for qd, qdd in ((some, zero), (zero, some)):
+        path = Trajectory(np.arange(2.0), zero, qd, qdd)
+        assert path.rest_at_start
+        assert not path.rest_at_end
