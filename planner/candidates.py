@@ -9,13 +9,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from planner.arrays import FloatArray
 from planner.chain import Chain, Sample
 from planner.frames import Fixed
-from planner.legs.joint import Hop, Shape, Via
-from planner.legs.meeting import Branch, Meetings
+from planner.legs.arched import Hop
+from planner.legs.joint import Shape, Via
 from planner.scene import Move, Scene
-from planner.timing import least_duration
+from planner.ways import Option
 
 FIRST_RANDOM = 12
 """Samples in the first random batch of a chain; later ones are larger."""
@@ -27,21 +26,7 @@ ELITE = 6
 """Best drafts that are kept for mutation."""
 HOPS = ((0.5, 0.5), (1.0, 1.0), (0.2, 0.2))
 """Overlaps of an arch that are tried first: half, none (corners stopped at), four fifths."""
-LOOKED_AT = 300
-"""Meeting times, about, at which a lower bound of the duration orders the branches."""
 FAMILIES = ("arch", "1 via", "2 vias", "wait", "later")
-
-
-@dataclass(frozen=True, eq=False)
-class Option:
-    """A branch of a control point, with the turn of a symmetric part it belongs to and a lower bound of its duration
-    (`least`, less `grain`: the spacing of the meeting times that were looked at)."""
-
-    meeting: Meetings
-    yaw_offset: float
-    branch: Branch
-    least: float
-    grain: float
 
 
 @dataclass(eq=False)
@@ -250,52 +235,3 @@ class Sampler:
 
 BASE = {"arch": 0.6, "1 via": 1.6, "2 vias": 0.8, "wait": 0.3, "later": 0.5}
 """Weights of the families before anything is known."""
-
-
-def options(scene: Scene, chain: Chain, found: list[tuple[float, Meetings]], most: int = 12) -> tuple[Option, ...]:
-    """Branches of all turns of the part, those with the least possible duration first."""
-    limits, state = scene.robot.limits, chain.state
-    result = []
-    for yaw_offset, meeting in found:
-        for branch in meeting.branches:
-            rows = np.flatnonzero(branch.legal)
-            stride = 1 + len(branch.time) // LOOKED_AT
-            rows = rows[::stride]
-            least = least_duration(
-                state.q,
-                state.qd,
-                state.qdd,
-                branch.q[rows],
-                branch.qd[rows],
-                branch.qdd[rows],
-                limits.velocity,
-                limits.acceleration,
-                limits.jerk,
-            )
-            least = np.atleast_1d(least)
-            if not branch.still:
-                # the earliest grid time at which the lower bound would allow the meeting
-                ready = branch.time[rows] >= state.time + least
-                least = branch.time[rows][ready][:1] - state.time if ready.any() else np.array([np.inf])
-            grain = 0.0 if branch.still else stride * float(np.diff(branch.time).max(initial=0.0))
-            result.append(Option(meeting, yaw_offset, branch, float(least.min()), grain))
-    result.sort(key=lambda option: option.least)
-    return tuple(result[:most])
-
-
-def ahead(scene: Scene, chain: Chain, q: FloatArray) -> FloatArray | None:
-    """Joints (n,) near those of the control point behind the next one, for a via that is flown by; None: no such."""
-    from planner.legs.control_point import control_point
-
-    step = scene.task[chain.step]
-    if not (isinstance(step, Move) and step.via) or chain.step + 1 >= len(scene.task):
-        return None
-    behind = control_point(scene, chain.step + 1, chain.rides, chain.carried, 0.0)
-    motion = behind.flange(np.array([chain.state.time]), behind.approach)
-    found = scene.robot.inverse(motion, chain.mode, 0)
-    if not np.isfinite(found.q).all():
-        return None
-    turns = np.round((q - found.q[0]) / (2 * np.pi))
-    revolute = np.array([joint.kind == "revolute" for joint in scene.robot.joints])
-    result: FloatArray = np.where(revolute, found.q[0] + 2 * np.pi * turns, found.q[0])
-    return result

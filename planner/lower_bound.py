@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from planner.arrays import FloatArray
-from planner.candidates import Option
 from planner.legs.control_point import ControlPoint, control_point
 from planner.phases import held, initial_rides, yaw_offsets
 from planner.robots.turns import equivalents
 from planner.scene import Pick, Place, Scene
+from planner.ways import Option
 
 
 def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:

@@ -7,16 +7,18 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from planner.candidates import Option, Sampler, ahead, options
+from planner.candidates import Sampler
 from planner.census import Counter, refused_proof
 from planner.certificate import Prover, Rows, Unproved
-from planner.chain import Chain, Draft, Outline, Sample, finished, is_straight, outline, prepared, straight_draft
+from planner.chain import Chain, Draft, Outline, Sample, prepared
+from planner.continuation import finished, is_straight, outline, straight_draft
 from planner.legs.meeting import Meetings
 from planner.legs.state import State
 from planner.outcome import Refusal
 from planner.phases import initial_rides, yaw_offsets
 from planner.scene import Scene
 from planner.screening import screen
+from planner.ways import Option, ahead, options
 
 BEAM = 4
 """Chains of one length that are continued in a round."""

@@ -6,18 +6,20 @@ match by construction and approach and retreat are straight in the frame of the 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from planner.arrays import FloatArray
 from planner.legs.control_point import ControlPoint
+from planner.legs.limits import rates
 from planner.legs.state import Knots, State, Stretch
 from planner.outcome import LegKind, Reason, Refusal
 from planner.robots.protocol import Code, Robot
 from planner.scene import Scene
 from planner.timing import Profile, TimingRefusal, time_joints
-from planner.trajectory import Trajectory, check_limits
+from planner.trajectory import Trajectory
 
 SPACING_S = 0.02
 """Knots of a glued leg are at most this far apart to begin with, s."""
@@ -94,6 +96,7 @@ def lead_time(scene: Scene, point: ControlPoint, effort: float) -> float | Refus
 
 def glue(scene: Scene, point: ControlPoint, state: State, mode: int, effort: float) -> Glued | Refusal:
     """The glued block that begins in `state`, which must be that of the flange `point.approach` above the point."""
+    worst = math.inf
     for _ in range(ROUNDS):
         down = _way(scene, point, point.approach, 0.0, effort)
         up = _way(scene, point, 0.0, point.depart, effort)
@@ -105,11 +108,12 @@ def glue(scene: Scene, point: ControlPoint, state: State, mode: int, effort: flo
         knots = _knots(scene, point, state, mode, heights)
         if isinstance(knots, Refusal):
             return knots
-        worst = _limits(scene, point, knots)
-        if worst is None:
+        fast = rates(scene, "glued", point.step, knots)
+        if isinstance(fast, Refusal):
+            return fast
+        if fast.ok:
             return _cut(heights, knots)
-        if isinstance(worst, Refusal):
-            return worst
+        worst = max(fast.velocity**2, fast.acceleration, fast.jerk ** (2 / 3))
         effort *= min(0.8, 0.95 / worst)
     return Refusal(
         "glued",
@@ -219,34 +223,6 @@ def _off_path(robot: Robot, trajectory: Trajectory, point: ControlPoint, heights
     path = point.flange(t).p.copy()
     path[:, 2] += heights.evaluate(t)[0]
     return float(np.sqrt(((position - path) ** 2).sum(-1)).max())
-
-
-def _limits(scene: Scene, point: ControlPoint, knots: Knots) -> float | Refusal | None:
-    """None: all limits are kept. A number: the ratio by which a rate exceeds its limit. A refusal: a position does."""
-    limits = scene.robot.limits
-    report = check_limits(
-        Trajectory(knots.time, knots.q, knots.qd, knots.qdd),
-        limits.lower,
-        limits.upper,
-        limits.velocity,
-        limits.acceleration,
-        limits.jerk,
-    )
-    if report.ok:
-        return None
-    if not report.position.ok:
-        joint = report.position.joint or 0
-        over = max(
-            float(limits.lower[joint] - report.position.lower[joint]),
-            float(report.position.upper[joint] - limits.upper[joint]),
-        )
-        name, unit = scene.robot.joints[joint].name, "rad" if scene.robot.joints[joint].kind == "revolute" else "m"
-        span = (float(knots.time[0]), float(knots.time[-1]))
-        return Refusal(
-            "glued", Reason.JOINT_LIMIT, point.step, (name,), span, over, unit, f"{name} is beyond its limit"
-        )
-    ratios = [report.velocity.ratio.max() ** 2, report.acceleration.ratio.max(), report.jerk.ratio.max() ** (2 / 3)]
-    return float(max(ratios))
 
 
 def _cut(heights: _Heights, knots: Knots) -> Glued:

@@ -16,12 +16,13 @@ import numpy as np
 from planner.arrays import FloatArray
 from planner.frames.motion import Motion
 from planner.legs.glued import PATH_M, REFINEMENTS, SPACING_S, continued
+from planner.legs.limits import rates
 from planner.legs.state import Knots, State, Stretch
 from planner.outcome import LegKind, Reason, Refusal
 from planner.robots.protocol import Code
 from planner.scene import Scene
 from planner.timing import Profile, TimingRefusal, time_joints
-from planner.trajectory import Trajectory, check_limits
+from planner.trajectory import Trajectory
 
 ROUNDS = 12
 """Rounds of scaling the phase law until all joints keep their limits."""
@@ -87,9 +88,10 @@ def straight(scene: Scene, step: int, state: State, mode: int, left: Along, met:
         knots = _knots(scene, step, state, mode, line)
         if isinstance(knots, Refusal):
             return knots
-        ratio = _worst(scene, step, knots)
-        if isinstance(ratio, Refusal):
-            return ratio
+        fast = rates(scene, "straight", step, knots)
+        if isinstance(fast, Refusal):
+            return fast
+        ratio = max(fast.velocity, fast.acceleration**0.5, fast.jerk ** (1 / 3))
         if 0.9 <= ratio <= 1.0:
             return Stretch(LegKind.MOVE, knots, "straight")
         if ratio < 0.9 and scale > 1e3:
@@ -137,27 +139,3 @@ def _refused(
     left = scene.robot.singular_distance(q[least])
     detail = f"the line comes within {1e3 * float(left):.1f} mm of a singular position (margin {margin[least]:.3f})"
     return Refusal("straight", Reason.NEAR_SINGULARITY, step, (), span, asked - float(margin[least]), "1", detail)
-
-
-def _worst(scene: Scene, step: int, knots: Knots) -> float | Refusal:
-    """The factor by which the phase law is too fast (> 1) or could be faster (< 1)."""
-    limits = scene.robot.limits
-    report = check_limits(
-        Trajectory(knots.time, knots.q, knots.qd, knots.qdd),
-        limits.lower,
-        limits.upper,
-        limits.velocity,
-        limits.acceleration,
-        limits.jerk,
-    )
-    if not report.position.ok:
-        joint = report.position.joint or 0
-        low, high = (
-            limits.lower[joint] - report.position.lower[joint],
-            report.position.upper[joint] - limits.upper[joint],
-        )
-        name, unit = scene.robot.joints[joint].name, "rad" if scene.robot.joints[joint].kind == "revolute" else "m"
-        detail = f"{name} is beyond its limit"
-        return Refusal("straight", Reason.JOINT_LIMIT, step, (name,), None, float(max(low, high)), unit, detail)
-    ratios = report.velocity.ratio.max(), report.acceleration.ratio.max() ** 0.5, report.jerk.ratio.max() ** (1 / 3)
-    return float(max(ratios))

@@ -1,0 +1,127 @@
+"""Arches: the lift joint goes up and down while the others go across, timed apart and laid over each other.
+
+On a standard cycle of 25/300/25 mm, overlapping the corners takes half of the time that stopping at them does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.timing import Profile, TimingRefusal, time_joints
+
+JointState = tuple[FloatArray, FloatArray, FloatArray]
+"""q, q̇, q̈, each (n,)."""
+MERGE_S = 1e-5
+"""Switches of two profiles closer than this become one knot, s: between them jerk is rounding over h³."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hop:
+    """Over an arch: the lift joint goes to `top`, the other joints set out when `rise` of the way up (in time) is done
+    and arrive when `fall` of the way down is left. 1: corners are stopped at; 0: full overlap."""
+
+    top: float
+    rise: float
+    fall: float
+
+
+def arch(
+    start: JointState,
+    goal: JointState,
+    hop: Hop,
+    lift_joint: int,
+    limits: tuple[FloatArray, FloatArray, FloatArray],
+    duration: float | None,
+) -> Arched | TimingRefusal:
+    """The arch from one joint state to another, the fastest or the one that takes `duration` seconds.
+
+    The lift joint goes up and down, the others across, overlapping at the corners where both ends of the way across
+    are at rest; at a moving end there is no time to spare, so the joints across fill it.
+    """
+    lift = [lift_joint]
+    across = [i for i in range(len(start[0])) if i != lift_joint]
+    v, a, j = limits
+    none = np.zeros(1)
+    top = np.array([hop.top])
+    up = time_joints(*(x[lift] for x in start), top, none, none, v[lift], a[lift], j[lift])
+    down = time_joints(top, none, none, *(x[lift] for x in goal), v[lift], a[lift], j[lift])
+    if isinstance(up, TimingRefusal):
+        return up
+    if isinstance(down, TimingRefusal):
+        return down
+    resting = not (start[1][across].any() or start[2][across].any())
+    arriving = not (goal[1][across].any() or goal[2][across].any())
+    before = hop.rise * up.duration if resting else 0.0
+    after = hop.fall * down.duration if arriving else 0.0
+    ends = (*(x[across] for x in start), *(x[across] for x in goal))
+    flat = time_joints(*ends, v[across], a[across], j[across])
+    if isinstance(flat, TimingRefusal):
+        return flat
+    total = max(before + flat.duration + after, up.duration + down.duration)
+    if duration is not None:
+        if total > duration:
+            return TimingRefusal("too short", total - duration, "the arch takes longer")
+        total = duration
+    if not resting or not arriving:
+        # moving ends leave no time to spare at that end: the joints across fill it
+        asked = total - before - after
+        if asked > flat.duration + MERGE_S:
+            flat = time_joints(*ends, v[across], a[across], j[across], asked)
+            if isinstance(flat, TimingRefusal):
+                return flat
+    return Arched(up, down, flat, before, total, lift_joint, across)
+
+
+@dataclass(frozen=True, eq=False)
+class Arched:
+    """Three profiles laid over each other: lift up from 0, lift down to the end, the others from `before` on."""
+
+    up: Profile
+    down: Profile
+    flat: Profile
+    before: float
+    total: float
+    lift: int
+    across: list[int]
+
+    @property
+    def duration(self) -> float:
+        return self.total
+
+    def evaluate(self, t: FloatArray, order: int) -> FloatArray:
+        """Derivative number `order` (T, n) at times t (T,) within the arch."""
+        x = np.zeros((len(t), len(self.across) + 1))
+        x[:, self.across] = _held(self.flat, t - self.before, order)
+        rising = t <= self.up.duration
+        fall = self.total - self.down.duration
+        x[:, self.lift] = np.where(rising, _held(self.up, t, order)[:, 0], _held(self.down, t - fall, order)[:, 0])
+        return x
+
+    def knots(self, offset: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        fall = self.total - self.down.duration
+        switches = np.concatenate(
+            [self.up.switches(), fall + self.down.switches(), self.before + self.flat.switches(), [0.0, self.total]]
+        )
+        t = np.unique(np.clip(switches, 0.0, self.total))
+        keep = np.concatenate([[True], np.diff(t) > MERGE_S])
+        t = t[keep]
+        t[-1] = self.total
+        parts = []
+        for order in range(3):
+            x = self.evaluate(t, order)
+            # the ends are the states asked for, to the bit
+            x[0, self.lift], x[0, self.across] = self.up.start[order][0], self.flat.start[order]
+            x[-1, self.lift], x[-1, self.across] = self.down.end[order][0], self.flat.end[order]
+            parts.append(x)
+        return offset + t, parts[0], parts[1], parts[2]
+
+
+def _held(profile: Profile, t: FloatArray, order: int) -> FloatArray:
+    """A profile (T, n) at times t, its end states held before it begins and after it is over."""
+    inside = profile.evaluate(np.clip(t, 0.0, profile.duration), order)
+    for edge, rows in ((0, t <= 0.0), (1, t >= profile.duration)):
+        inside[rows] = (profile.start, profile.end)[edge][order]
+    return inside

@@ -1,0 +1,44 @@
+"""Whether a Cartesian leg keeps the joints' limits, by the exact extrema of its spline; and by how much it does not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from planner.legs.state import Knots
+from planner.outcome import Reason, Refusal
+from planner.scene import Scene
+from planner.trajectory import Trajectory, check_limits
+
+
+@dataclass(frozen=True, slots=True)
+class Rates:
+    """Peaks of velocity, acceleration and jerk over their limits, the worst joint each; `ok`: all are kept."""
+
+    velocity: float
+    acceleration: float
+    jerk: float
+    ok: bool
+
+
+def rates(scene: Scene, stage: str, step: int, knots: Knots) -> Rates | Refusal:
+    """How fast the leg is; a refusal where a joint position is beyond its limit, which no slowing down mends."""
+    limits = scene.robot.limits
+    report = check_limits(
+        Trajectory(knots.time, knots.q, knots.qd, knots.qdd),
+        limits.lower,
+        limits.upper,
+        limits.velocity,
+        limits.acceleration,
+        limits.jerk,
+    )
+    if not report.position.ok:
+        joint = report.position.joint or 0
+        below = float(limits.lower[joint] - report.position.lower[joint])
+        above = float(report.position.upper[joint] - limits.upper[joint])
+        what = scene.robot.joints[joint]
+        unit = "rad" if what.kind == "revolute" else "m"
+        span = (float(knots.time[0]), float(knots.time[-1]))
+        detail = f"{what.name} is beyond its limit"
+        return Refusal(stage, Reason.JOINT_LIMIT, step, (what.name,), span, max(below, above), unit, detail)
+    peaks = (float(kind.ratio.max()) for kind in (report.velocity, report.acceleration, report.jerk))
+    return Rates(*peaks, ok=report.ok)

@@ -1,0 +1,104 @@
+"""What is in the way of the arm at one time and posture: the first pair that is too near, or a mesh that encloses it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from planner.arrays import FloatArray, IntArray
+from planner.certificate import Prover
+from planner.containment import inside
+from planner.gjk import separate
+from planner.phases import Phase, pair
+from planner.requirement import SLACK_M, clearance, uncertainty
+from planner.scene import Scene
+from planner.separation import likely_gaps, place, rough_gaps
+from planner.solids import Carriers, Solids, carriers
+
+
+def closest(
+    scene: Scene,
+    prover: Prover,
+    solids: Solids,
+    phase: Phase,
+    q: FloatArray,
+    exempt: frozenset[tuple[str, str]],
+    among: frozenset[str] | None = None,
+) -> tuple[tuple[str, str], float, str] | None:
+    """The first pair nearer than required at the phase's beginning; `among`: only these bodies of the surroundings,
+    against what hangs on the flange."""
+    t = np.array([phase.t0])
+    where = carriers(scene, q[None], t)
+    a, b = prover.asked(solids)
+    need = _required(scene, phase, solids, b)
+    for i in np.flatnonzero(~(rough_gaps(solids, where, a, b)[0] - SLACK_M > need)):
+        x, y = int(a[i]), int(b[i])
+        names = (solids.names[solids.body[x]], solids.names[solids.body[y]])
+        own = bool(solids.body[y] < solids.robot_bodies)
+        if pair(*names) in exempt or (among is not None and (own or names[1] not in among)):
+            continue
+        if among is not None and scene.robot.links[solids.carrier[x]] not in ("flange", "quill"):
+            continue
+        found = _pair(prover, solids, where, (x, y), float(need[i]))
+        if found is not None:
+            return names, *found
+    return None
+
+
+def _required(scene: Scene, phase: Phase, solids: Solids, b: IntArray) -> FloatArray:
+    """Metres (P,) asked between the arm and units `b` at the beginning of a phase."""
+    asked = clearance(scene, phase)
+    extra = [
+        scene.execution.tracking_m + float(uncertainty(scene, phase, name, np.array(phase.t0))) for name in scene.frames
+    ]
+    frame = solids.carrier[b] - solids.links
+    found: FloatArray = np.where(frame >= 0, asked + np.array(extra)[np.maximum(frame, 0)], asked)
+    return found
+
+
+def _pair(
+    prover: Prover, solids: Solids, where: Carriers, units: tuple[int, int], need: float
+) -> tuple[float, str] | None:
+    """By how much two bodies are nearer than `need`, and in words; None: they are not."""
+    one, other = (np.array(solids.pieces[int(solids.body[unit])]) for unit in units)
+    row = np.zeros(len(one) * len(other), dtype=np.int64)
+    p, r = place(solids, where, row, np.repeat(one, len(other))), place(solids, where, row, np.tile(other, len(one)))
+    gap = likely_gaps(p, r)
+    first, second = (solids.names[solids.body[unit]] for unit in units)
+    for k in np.argsort(gap, kind="stable"):
+        if gap[k] - SLACK_M > need:
+            return None
+        if prover.collider.touch(p, r, int(k)):
+            return max(0.0, need - float(gap[k])), f"{first} touches {second}"
+        distance, _ = separate(p, r, int(k))
+        if not distance - SLACK_M > need:
+            return (
+                need - distance,
+                f"{first} is {1e3 * distance:.2f} mm from {second} where {1e3 * need:.2f} mm are asked",
+            )
+    return None
+
+
+def enclosed(
+    scene: Scene, solids: Solids, q: FloatArray, t: float, exempt: frozenset[tuple[str, str]]
+) -> tuple[str, str] | None:
+    """A body of the arm and the mesh whose surface encloses its centre (a mesh is hollow to FCL and to support gaps)."""
+    where = carriers(scene, q[None], np.array([t]))
+    for world in scene.bodies:
+        if world.body.surface is None or world.name not in solids.names:
+            continue
+        number = solids.names.index(world.name)
+        carrier = int(solids.carrier[solids.roots[number]])
+        turn, origin = where.rotation[0, carrier], where.position[0, carrier]
+        c, s = math.cos(world.pose.yaw), math.sin(world.pose.yaw)
+        yaw = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        for mine in range(solids.robot_bodies):
+            if pair(solids.names[mine], world.name) in exempt:
+                continue
+            units = np.array(solids.pieces[mine])
+            points = place(solids, where, np.zeros(len(units), dtype=np.int64), units).centre
+            local = ((points - origin) @ turn - world.pose.position) @ yaw
+            if inside(world.body.surface, local).any():
+                return solids.names[mine], world.name
+    return None

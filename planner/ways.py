@@ -1,0 +1,76 @@
+"""The ways in which a control point can be met, those with the least possible duration first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.chain import Chain
+from planner.legs.control_point import control_point
+from planner.legs.meeting import Branch, Meetings
+from planner.scene import Move, Scene
+from planner.timing import least_duration
+
+LOOKED_AT = 300
+"""Meeting times, about, at which a lower bound of the duration orders the branches."""
+
+
+@dataclass(frozen=True, eq=False)
+class Option:
+    """A branch of a control point, with the turn of a symmetric part it belongs to and a lower bound of its duration
+    (`least`, less `grain`: the spacing of the meeting times that were looked at)."""
+
+    meeting: Meetings
+    yaw_offset: float
+    branch: Branch
+    least: float
+    grain: float
+
+
+def options(scene: Scene, chain: Chain, found: list[tuple[float, Meetings]], most: int = 12) -> tuple[Option, ...]:
+    """Branches of all turns of the part, those with the least possible duration first."""
+    limits, state = scene.robot.limits, chain.state
+    result = []
+    for yaw_offset, meeting in found:
+        for branch in meeting.branches:
+            rows = np.flatnonzero(branch.legal)
+            stride = 1 + len(branch.time) // LOOKED_AT
+            rows = rows[::stride]
+            least = least_duration(
+                state.q,
+                state.qd,
+                state.qdd,
+                branch.q[rows],
+                branch.qd[rows],
+                branch.qdd[rows],
+                limits.velocity,
+                limits.acceleration,
+                limits.jerk,
+            )
+            least = np.atleast_1d(least)
+            if not branch.still:
+                # the earliest grid time at which the lower bound would allow the meeting
+                ready = branch.time[rows] >= state.time + least
+                least = branch.time[rows][ready][:1] - state.time if ready.any() else np.array([np.inf])
+            grain = 0.0 if branch.still else stride * float(np.diff(branch.time).max(initial=0.0))
+            result.append(Option(meeting, yaw_offset, branch, float(least.min()), grain))
+    result.sort(key=lambda option: option.least)
+    return tuple(result[:most])
+
+
+def ahead(scene: Scene, chain: Chain, q: FloatArray) -> FloatArray | None:
+    """Joints (n,) near those of the control point behind the next one, for a via that is flown by; None: no such."""
+    step = scene.task[chain.step]
+    if not (isinstance(step, Move) and step.via) or chain.step + 1 >= len(scene.task):
+        return None
+    behind = control_point(scene, chain.step + 1, chain.rides, chain.carried, 0.0)
+    motion = behind.flange(np.array([chain.state.time]), behind.approach)
+    found = scene.robot.inverse(motion, chain.mode, 0)
+    if not np.isfinite(found.q).all():
+        return None
+    turns = np.round((q - found.q[0]) / (2 * np.pi))
+    revolute = np.array([joint.kind == "revolute" for joint in scene.robot.joints])
+    result: FloatArray = np.where(revolute, found.q[0] + 2 * np.pi * turns, found.q[0])
+    return result
