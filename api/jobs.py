@@ -28,7 +28,7 @@ FIRST_PLAN: dict[str, Any] = {
     "start": {"joints": {"j1_deg": 0, "j2_deg": 60, "j3_mm": 250, "j4_deg": 0}},
     "bodies": [{"name": "post", "shape": {"box": {"size_m": [0.05, 0.05, 0.2]}}, "pose": {"at_m": [0.3, 0.25, 0.1]}}],
     "task": [{"move": {"to": {"at_m": [0.4, 0.0, 0.25]}}}],
-    "options": {"max_candidates": 20, "stop": "first", "elbow": "auto"},
+    "options": {"budget_s": 10.0, "max_candidates": 20, "stop": "first", "elbow": "auto"},
 }
 """The request that a new worker plans first: small, and it passes through every library."""
 

@@ -17,6 +17,7 @@ from api.problems import FieldError, Problem, shown
 from api.settings import Settings
 from api.workers import Workers
 from planner.errors import InputError
+from scenes.faults import fault
 from scenes.requests import parse_json, shipped, validate
 
 INLINE_BYTES = 32 << 10
@@ -66,17 +67,14 @@ class Service:
     def _wall(self, document: dict[str, Any]) -> float:
         """When a worker that plans `document` is killed: after both its budgets and the grace, s.
 
-        A count of candidates has no clock, so it may take the largest budget. Raises the `Problem` of a request that
-        is not valid or asks for more than the service gives.
+        Raises the `Problem` of a request that is not valid or asks for more than the service gives.
         """
         options = _told(validate, document).options
         largest = self.settings.max_budget_s
         for name in ("budget_s", "explain_budget_s"):
-            value = getattr(options, name)
-            if value is not None and not value <= largest:
-                raise Problem.of_input(InputError(f"options.{name}", value, f"at most {largest:g} s on this service"))
-        budget_s = largest if options.max_candidates is not None else options.budget_s
-        return float(budget_s + options.explain_budget_s + self.settings.grace_s)
+            if not getattr(options, name) <= largest:
+                raise Problem.of_input(fault(document, ("options", name), f"at most {largest:g} s on this service"))
+        return float(options.budget_s + options.explain_budget_s + self.settings.grace_s)
 
     async def _work(self, job: Any, arguments: tuple[Any, ...], key: str, wall_s: float) -> jobs.Answer:
         reply: jobs.Reply = await self.workers.run(job, arguments, key, wall_s)

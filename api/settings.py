@@ -14,6 +14,7 @@ from math import isfinite
 from typing import Any
 
 from planner.errors import InputError
+from scenes.bounds import MAX_BUDGET_S
 
 PREFIX = "ASSUR_"
 LOG_LEVELS = ("debug", "info", "warning", "error")
@@ -80,7 +81,7 @@ class Settings:
     queue: int = _setting(8, _whole(0, 10_000), "requests that may wait for a worker; one more gets 503")
     queue_wait_s: float = _setting(30.0, _seconds(0.1, 3600.0), "longest wait for a worker; then 503")
     max_budget_s: float = _setting(
-        10.0, _seconds(0.01, 600.0), "largest budget_s and explain_budget_s that a request may ask for"
+        MAX_BUDGET_S, _seconds(0.01, MAX_BUDGET_S), "largest budget_s and explain_budget_s that a request may ask for"
     )
     grace_s: float = _setting(0.5, _seconds(0.1, 60.0), "time beyond both budgets after which a worker is killed")
     check_s: float = _setting(30.0, _seconds(0.1, 600.0), "time after which a check is killed")

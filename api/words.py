@@ -91,9 +91,10 @@ def _rate(number: dict[str, Any]) -> str:
 
 def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
     """What a planned answer says."""
-    legs = table("leg", ">from s", ">to s", "")
+    names = {arrival["step"]: arrival["control_point"] for arrival in answer["arrivals"]}
+    legs = table("leg", ">from s", ">to s", "for", "")
     for leg in answer["legs"]:
-        row(legs, leg["kind"], f"{leg['from_s']:.3f}", f"{leg['to_s']:.3f}", leg["note"])
+        row(legs, leg["kind"], f"{leg['from_s']:.3f}", f"{leg['to_s']:.3f}", names.get(leg["step"], ""), leg["note"])
     yield legs
     yield ""
     arrivals = table("arrival", ">at s", ">x mm", ">y mm", ">z mm", ">along mm", ">window left s", "speed")
@@ -111,7 +112,9 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
     yield arrivals
     yield ""
     margins = answer["margins"]
-    yield f"duration            {answer['duration_s']:.3f} s; no plan takes less than {answer['lower_bound_s']:.3f} s"
+    bound = answer["lower_bound_s"]
+    least = f"; no plan takes less than {bound:.3f} s" if bound else ""
+    yield f"duration            {answer['duration_s']:.3f} s{least}"
     yield f"what binds          {margins['binds']}"
     nearest = margins["nearest"]
     yield "smallest clearance  " + (
@@ -153,13 +156,26 @@ def refusal(line: dict[str, Any]) -> str:
     if line["bodies"]:
         words.append(f"({' and '.join(line['bodies'])})")
     interval = line.get("interval_s")
-    if interval is not None:
-        words.append(f"between {interval[0]:.3f} and {interval[1]:.3f} s")
+    if interval is not None and None not in interval:
+        first, last = (f"{instant:.3f}" for instant in interval)
+        words.append(f"at {first} s" if first == last else f"between {first} and {last} s")
     least, most = amount(line["least"], line["unit"]), amount(line["most"], line["unit"])
     if least:
         words.append(f"by {least}" if least == most else f"by {least} to {most}")
     words.append(f"[step {line['step'] + 1}, {line['stage']}]")
-    return " ".join(words)
+    if line["detail"] and not line["bodies"]:
+        words.append(f": {line['detail']}")
+    return " ".join(words).replace("] :", "]:")
+
+
+def assumed(assumptions: list[str]) -> Iterator[str]:
+    """What is assumed, without the sources: those are in the document and in `assur robots --json`."""
+    if assumptions:
+        yield ""
+        yield "assumed, not known (sources: --json):"
+        for assumption in assumptions:
+            about, _, rest = assumption.partition(": ")
+            yield f"  {about}: {rest.partition(': ')[0]}"
 
 
 def everything(answer: dict[str, Any]) -> Iterator[Table | str]:
@@ -169,9 +185,6 @@ def everything(answer: dict[str, Any]) -> Iterator[Table | str]:
     yield from census(answer["census"])
     if answer["cut_by_clock"]:
         yield "The clock cut the search off; another run may find another plan."
-    if answer["assumptions"]:
-        yield ""
-        yield "assumed, not known:"
-        yield from (f"  {assumption}" for assumption in answer["assumptions"])
+    yield from assumed(answer["assumptions"])
     yield ""
     yield answer["notice"]

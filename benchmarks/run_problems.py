@@ -93,6 +93,7 @@ def answer(problem: Problem, problems: ProblemSet, manners: Manners) -> Document
         "status": "error",
         "match": manners.match,
         "first_s": None,
+        "proved_s": None,
         "elapsed_s": None,
         "duration_s": None,
         "trajectory": None,
@@ -113,13 +114,16 @@ def _planned(document: Document) -> Document:
     elapsed = time.perf_counter() - began
     if isinstance(outcome, NotPlanned):
         return {"status": "not_planned", "elapsed_s": elapsed, "reason": f"{outcome.reason}: {outcome.sentence}"}
-    # With stop: first the clock stops with the answer in hand; with stop: budget the planner says when it had one.
-    first = elapsed if document["options"]["stop"] == "first" else built + outcome.first_s
+    # With stop: first the clock stops with the answer in hand, which the planner's own last check and the margins are
+    # part of; with stop: budget only the planner can say when it had one.
+    proved = built + outcome.first_s
+    first = elapsed if document["options"]["stop"] == "first" else proved
     verdict = check(scene, outcome.plan)
     found = None if verdict.ok else "; ".join(str(finding) for finding in verdict.findings)
     return {
         "status": "planned",
         "first_s": first,
+        "proved_s": proved,
         "elapsed_s": elapsed,
         "duration_s": outcome.plan.trajectory.end,
         "trajectory": trajectory(outcome.plan),

@@ -18,12 +18,14 @@ def figures(lines: Sequence[Document]) -> dict[str, str]:
     """The figures of a run in the order of the table: counts over all problems, times over the solved ones."""
     solved = [line for line in lines if line["status"] == "planned" and line["checked"]]
     first = np.array([line["first_s"] for line in solved])
+    proved = np.array([line["proved_s"] for line in solved])
     duration = np.array([line["duration_s"] for line in solved])
     return {
         "problems": str(len(lines)),
         f"solved within {FAST_S:g} s": _share(int((first <= FAST_S).sum()), len(lines)),
         f"solved within {SOON_S:g} s": _share(int((first <= SOON_S).sum()), len(lines)),
         "first answer, p50 / p95 / longest": _quantiles(first * 1e3, "{:.1f}") + " ms",
+        "proof found, p50 / p95 / longest": _quantiles(proved * 1e3, "{:.1f}") + " ms",
         "duration, p50 / p95 / longest": _quantiles(duration, "{:.3f}") + " s",
         "refused by the checker": str(sum(line["status"] == "planned" and not line["checked"] for line in lines)),
         "errors": str(sum(line["status"] == "error" for line in lines)),

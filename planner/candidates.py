@@ -82,10 +82,10 @@ class Sampler:
         tops = self._tops()
         if not tops or self._cartesian():
             return []
-        paces = {"through": 0.7} if self._is_via() else {}
+        through = 0.7 if self._is_via() else 0.0
         hops = HOPS[:1] if self._is_via() else HOPS
         return [
-            (option, Sample(option.yaw_offset, option.branch, Shape(hop=Hop(top, rise, fall), **paces), "arch"))
+            (option, Sample(option.yaw_offset, option.branch, Shape(hop=Hop(top, rise, fall), through=through), "arch"))
             for option in self.options[:2]
             for top in tops[:1]
             for rise, fall in hops

@@ -51,7 +51,7 @@ class Sample:
 
 @dataclass(frozen=True, eq=False)
 class Draft:
-    """A candidate continuation of a chain by one step: timed, within the limits of position, not yet known to be free."""
+    """A candidate continuation of a chain by one step: timed, within limits of position, not yet known to be free."""
 
     chain: Chain
     sample: Sample

@@ -50,7 +50,7 @@ class Collider:
         return self._objects[key][1]
 
     def touch(self, a: Placed, b: Placed, row: int) -> bool:
-        """Whether the units in row `row` of a and b have a point in common. Raises `FaultError` on a pose that is not one."""
+        """Whether the units in row `row` of a and b have a point in common. Raises `FaultError` on what is no pose."""
         one = self._posed(a, row, "a")
         other = self._posed(b, row, "b")
         return bool(fcl.collide(one, other, fcl.CollisionRequest(), fcl.CollisionResult()) > 0)

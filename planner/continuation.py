@@ -97,7 +97,7 @@ def _line(scene: Scene, chain: Chain, point: ControlPoint, wait: float, mode: in
             return before.flange(t, before.depart)
     elif state.resting:
         p, yaw = scene.robot.forward(state.q)
-        pose = Pose(*(float(x) for x in p), float(yaw))
+        pose = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw))
 
         def left(t: FloatArray) -> Motion:
             return Motion.still(pose, np.shape(t))
@@ -143,9 +143,9 @@ def _assembled(
     if latest is not None and not knots.time[-1] <= latest:
         over = float(knots.time[-1]) - latest
         return Refusal("timing", Reason.WINDOW_MISSED, chain.step, (), None, over, "s", "the motion ends too late")
-    over = _laws_over(scene, chain.step, float(knots.time[-1]))
-    if over is not None:
-        return over
+    unknown = _laws_over(scene, chain.step, float(knots.time[-1]))
+    if unknown is not None:
+        return unknown
     trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
     beyond = _beyond(scene, chain.step, trajectory)
     if beyond is not None:
@@ -238,7 +238,7 @@ def _arrival(
     end: float,
 ) -> Arrival:
     p, yaw = scene.robot.forward(trajectory.evaluate(np.array(begin)))
-    pose = Pose(*(float(x) for x in p), float(yaw)).then(scene.tool.tcp)
+    pose = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)).then(scene.tool.tcp)
     along = point.along(np.array(begin))
     left = [high - begin for low, high in point.intervals if low - 1e-12 <= begin <= high + 1e-12]
     bounded = point.window.time is not None or point.window.along is not None

@@ -129,7 +129,7 @@ def _support_of(placed: Placed, row: int) -> tuple[Support, Vector, float]:
 
 
 def separate(a: Placed, b: Placed, row: int) -> tuple[float, FloatArray | None]:
-    """Distance, m, of the units in row `row` and the unit normal (3,) from a to b that shows it; (0.0, None): they meet."""
+    """Distance, m, of the units in row `row` and unit normal (3,) from a to b that shows it; (0.0, None): they meet."""
     support_a, centre_a, ball_a = _support_of(a, row)
     support_b, centre_b, ball_b = _support_of(b, row)
 

@@ -15,9 +15,9 @@ from planner.ways import Option
 def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
     """Seconds from the start to the end of the task: the way to the first control point, then ways and dwells.
 
-    `first`: the ways to the first control point, whose lower bounds hold for every mode, turn and meeting time looked at,
-    whose spacing is taken off. Later ways are bounded by velocity alone, and
-    only between points that stand still and have one yaw.
+    `first`: the ways to the first control point, whose lower bounds hold for every mode, turn and meeting time looked
+    at, whose spacing is taken off. Later ways are bounded by velocity alone, and only between points that stand still
+    and have one yaw.
     """
     rides, carried = initial_rides(scene), None
     total = min((_first(option) for option in first), default=0.0)

@@ -1,4 +1,4 @@
-"""What is in the way of the arm at one time and posture: the first pair that is too near, or a mesh that encloses it."""
+"""What is in the way of the arm at one time and posture: the first pair that is too near, or a mesh around it."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def _pair(
 def enclosed(
     scene: Scene, solids: Solids, q: FloatArray, t: float, exempt: frozenset[tuple[str, str]]
 ) -> tuple[str, str] | None:
-    """A body of the arm and the mesh whose surface encloses its centre (a mesh is hollow to FCL and to support gaps)."""
+    """A body of the arm and the mesh whose surface encloses its centre (a mesh is hollow to FCL and to gaps)."""
     where = carriers(scene, q[None], np.array([t]))
     for world in scene.bodies:
         if world.body.surface is None or world.name not in solids.names:

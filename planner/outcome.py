@@ -63,8 +63,8 @@ class Arrival:
 
     `along_m`: distance of the control point's frame along its conveyor (None: no conveyor);
     `window_left_s`: time left in its window; `matched`: velocity matched, too. For a follow, pick or place `time` is
-    when the glue begins and `until` when it ends (attach, detach); elsewhere until = time. `yaw_offset`: by how much the
-    tool was turned about the part's vertical axis, where the part's symmetry (or a free yaw) leaves the choice.
+    when the glue begins and `until` when it ends (attach, detach); elsewhere until = time. `yaw_offset`: by how much
+    the tool was turned about the part's vertical axis, where the part's symmetry (or a free yaw) leaves the choice.
     """
 
     step: int

@@ -17,7 +17,7 @@ from planner.explanation import leading, sentence
 from planner.feasibility import impossible
 from planner.lower_bound import lower_bound
 from planner.margins import contacts, margins
-from planner.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Reason, Refusal
+from planner.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Reason, Refusal, Relaxation
 from planner.phases import phases
 from planner.relaxation import relax, worth_trying
 from planner.scene import Scene
@@ -81,13 +81,13 @@ def _not_found(scene: Scene, clock: _Clock, found: Found) -> NotPlanned:
     census = found.census.census()
     line = leading(census, found.deepest)
     refusal = None if line is None else _as_refusal(line)
-    proved = census.candidates == 0 and line is not None and _for_all_times(scene, line)
+    proved = census.candidates == 0 and line is not None and _for_all_times(line)
     return _not_planned(
         scene, clock, refusal, census, proved=proved, cut=found.cut_by_clock, deepest=found.deepest, line=line
     )
 
 
-def _for_all_times(scene: Scene, line: CensusLine) -> bool:
+def _for_all_times(line: CensusLine) -> bool:
     """Whether a refusal before any candidate holds for all times: it does not depend on how the arm came here."""
     if line.stage == "window":
         return line.step == 0 or "the glue takes" in line.detail
@@ -110,7 +110,8 @@ def _not_planned(
     line: CensusLine | None = None,
 ) -> NotPlanned:
     options = scene.options
-    relaxation, tried = None, ()
+    relaxation: Relaxation | None = None
+    tried: tuple[str, ...] = ()
     if options.explain_budget_s > 0 and worth_trying(refusal):
         deadline = time.perf_counter() + options.explain_budget_s
         relaxation, tried = relax(scene, min(deepest, len(scene.task) - 1), _blocker(scene, census, deepest), deadline)

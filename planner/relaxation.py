@@ -34,7 +34,7 @@ def relax(scene: Scene, step: int, blocker: str | None, deadline: float) -> tupl
         found = _attempt(changed, min(left, ATTEMPT_S if what != "budget" else left))
         if found.best is not None:
             return Relaxation(
-                what, _reached(scene, found, what, value, step), found.best.state.time - scene.start.time
+                what, _reached(found, what, value, step), found.best.state.time - scene.start.time
             ), tuple(tried)
     return None, tuple(tried)
 
@@ -44,7 +44,7 @@ def _attempt(scene: Scene, budget: float) -> Found:
     return Search(replace(scene, options=options), Prover(scene), time.perf_counter()).run()
 
 
-def _reached(scene: Scene, found: Found, what: str, value: str, step: int) -> str:
+def _reached(found: Found, what: str, value: str, step: int) -> str:
     """A window that was opened altogether is reported as what the plan used of it."""
     if what != "window" or found.best is None:
         return value
@@ -68,7 +68,7 @@ def changes(scene: Scene, step: int, blocker: str | None) -> Iterator[tuple[str,
     if isinstance(what, Move) and what.match == "velocity":
         yield "match", "position", _step(scene, step, replace(what, match="position"))
     yield from _dwells(scene, step, what)
-    yield from _belts(scene, step, what)
+    yield from _belts(scene, what)
     near, travel = options.clearance.near_m, options.clearance.travel_m
     if near > 0 or travel > 0:
         for share in (0.5, 0.0):
@@ -96,7 +96,7 @@ def _dwells(scene: Scene, step: int, what: Step) -> Iterator[tuple[str, str, Sce
             yield "dwell", f"{1e3 * dwell:.0f} ms", _step(scene, step, replace(what, dwell_s=dwell))
 
 
-def _belts(scene: Scene, step: int, what: Step) -> Iterator[tuple[str, str, Scene]]:
+def _belts(scene: Scene, what: Step) -> Iterator[tuple[str, str, Scene]]:
     name = (
         scene.index[what.part].frame
         if isinstance(what, Pick)

@@ -17,7 +17,7 @@ from planner.certificate import Prover
 from planner.gjk import separate
 from planner.outcome import Reason, Refusal
 from planner.phases import Phase, pair
-from planner.requirement import CONTACT_GAP, SLACK_M, worst
+from planner.requirement import SLACK_M, clearance, is_certain, worst
 from planner.separation import Placed, likely_gaps, place, rough_gaps
 from planner.solids import COVER, Carriers, Solids, carriers
 
@@ -104,8 +104,7 @@ def _screen_group(
         refusal = None
         for i in order[:MOST_ASKED]:
             phase = members[int(samples.phase[row[i]])][1]
-            t = float(samples.t[row[i]])
-            refusal = _ask(prover, solids, phase, samples, int(row[i]), t, one, other, int(i), float(need[i]))
+            refusal = _ask(prover, solids, phase, samples, int(row[i]), one, other, int(i), float(need[i]))
             if refusal is not None:
                 break
         result[int(draft)] = Screened(refusal, share)
@@ -119,13 +118,17 @@ MOST_ASKED = 4
 def _required(prover: Prover, solids: Solids, members: list[tuple[int, Phase]], a: IntArray, b: IntArray) -> FloatArray:
     """(phases, pairs) metres; -inf for pairs that may touch."""
     scene = prover.scene
-    frames = tuple(scene.frames)
+    drifts = not is_certain(scene)
+    known: dict[tuple[object, ...], FloatArray] = {}
     found = np.zeros((len(members), len(a)))
     own = solids.carrier[b] < solids.links
+    frame = np.maximum(solids.carrier[b] - solids.links, 0)
     for k, (_, phase) in enumerate(members):
-        by_frame = np.array([worst(scene, phase, name) for name in frames])
-        asked = scene.options.clearance.near_m if phase.near else scene.options.clearance.travel_m
-        found[k] = np.where(own, asked, by_frame[np.maximum(solids.carrier[b] - solids.links, 0)])
+        key = (phase.near, phase.glued, phase.beside, phase.t1 if drifts else None)
+        if key not in known:
+            by_frame = np.array([worst(scene, phase, name) for name in scene.frames])
+            known[key] = np.where(own, clearance(scene, phase), by_frame[frame])
+        found[k] = known[key]
         if phase.exempt:
             for i in range(len(a)):
                 if pair(solids.names[solids.body[a[i]]], solids.names[solids.body[b[i]]]) in phase.exempt:
@@ -139,29 +142,31 @@ def _ask(
     phase: Phase,
     samples: _Samples,
     time_row: int,
-    t: float,
     one: Placed,
     other: Placed,
     i: int,
     need: float,
 ) -> Refusal | None:
-    """What FCL, and where it says free GJK, say about one row; boxes of several pieces are opened first."""
-    if need == CONTACT_GAP:
-        return None
+    """What FCL, and where it says free GJK, say about row `i`; boxes of several pieces are opened first."""
     first, second = int(one.unit[i]), int(other.unit[i])
-    pairs = [(x, y) for x in _opened(solids, first) for y in _opened(solids, second)]
-    row = np.full(len(pairs), time_row)
-    p = place(solids, samples.where, row, np.array([x for x, _ in pairs]))
-    q = place(solids, samples.where, row, np.array([y for _, y in pairs]))
-    gap = likely_gaps(p, q)
+    if solids.piece[first] == COVER or solids.piece[second] == COVER:
+        pairs = [(x, y) for x in _opened(solids, first) for y in _opened(solids, second)]
+        row = np.full(len(pairs), time_row)
+        one = place(solids, samples.where, row, np.array([x for x, _ in pairs]))
+        other = place(solids, samples.where, row, np.array([y for _, y in pairs]))
+        gap = likely_gaps(one, other)
+        order = np.argsort(gap, kind="stable")
+        rows = order[~(gap[order] - SLACK_M > need)]
+    else:
+        rows = np.array([i])
     names = (solids.names[solids.body[first]], solids.names[solids.body[second]])
     reason = Reason.SELF_COLLISION if solids.body[second] < solids.robot_bodies else Reason.BODY_COLLISION
-    for k in np.argsort(gap, kind="stable"):
-        if gap[k] - SLACK_M > need:
-            break
-        if prover.collider.touch(p, q, int(k)):
-            return Refusal("screening", reason, phase.step, names, (t, t), float(need - gap[k]), "m", "touch")
-        distance, _ = separate(p, q, int(k))
+    t = float(samples.t[time_row])
+    for k in rows:
+        if prover.collider.touch(one, other, int(k)):
+            depth = need - float(likely_gaps(one.rows(slice(k, k + 1)), other.rows(slice(k, k + 1)))[0])
+            return Refusal("screening", reason, phase.step, names, (t, t), depth, "m", "touch")
+        distance, _ = separate(one, other, int(k))
         if not distance - SLACK_M > need:
             return Refusal("screening", reason, phase.step, names, (t, t), float(need - distance), "m", "too close")
     return None

@@ -1,4 +1,4 @@
-"""The beam: explores continuations of proved chains, step by step, until a budget is spent or the first plan is found."""
+"""The beam: explores continuations of proved chains, step by step, until a budget is spent or a first plan found."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
+from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.solids import Carriers, Solids
 
 ROUNDS = 3
@@ -27,9 +27,9 @@ class Placed:
     centre: FloatArray
     axes: FloatArray
 
-    def rows(self, key: object) -> Placed:
+    def rows(self, key: BoolArray | IntArray) -> Placed:
         """Some of the rows."""
-        return Placed(self.solids, self.unit[key], self.centre[key], self.axes[key])  # type: ignore[index]
+        return Placed(self.solids, self.unit[key], self.centre[key], self.axes[key])
 
 
 def place(solids: Solids, where: Carriers, row: IntArray, unit: IntArray) -> Placed:

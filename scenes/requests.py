@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from scenes.catalogue import robots
 from scenes.documents.read import read
 from scenes.documents.request import SCHEMA, RequestDocument
+from scenes.faults import located
 from scenes.json_text import parse_json
 from scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet, with_files
 
@@ -75,7 +76,9 @@ def plan_document(
     from scenes.answer import answer_of
 
     cell = cell_of(document, folder=folder)
-    return answer_of(cell, plan(cell.scene), certificate)
+    with located(document):
+        outcome = plan(cell.scene)
+    return answer_of(cell, outcome, certificate)
 
 
 def plan_scenario(scenario: Scenario, *, certificate: Literal["full", "digest"] = "full") -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What is true of a phase over intervals: placements, bounds of point motion, required distances, and claims from them."""
+"""What is true of a phase over intervals: placements, bounds of motion, required distances, and claims from them."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import FloatArray
-from planner.timing import Profile, TimingRefusal, time_joints
+from planner.timing import Profile, Settled, Sketch, TimingRefusal, sketch_joints
 
 JointState = tuple[FloatArray, FloatArray, FloatArray]
 """q, q̇, q̈, each (n,)."""
@@ -46,8 +46,9 @@ def arch(
     v, a, j = limits
     none = np.zeros(1)
     top = np.array([hop.top])
-    up = time_joints(*(x[lift] for x in start), top, none, none, v[lift], a[lift], j[lift])
-    down = time_joints(top, none, none, *(x[lift] for x in goal), v[lift], a[lift], j[lift])
+    (q0, qd0, qdd0), (q1, qd1, qdd1) = start, goal
+    up = sketch_joints(q0[lift], qd0[lift], qdd0[lift], top, none, none, v[lift], a[lift], j[lift])
+    down = sketch_joints(top, none, none, q1[lift], qd1[lift], qdd1[lift], v[lift], a[lift], j[lift])
     if isinstance(up, TimingRefusal):
         return up
     if isinstance(down, TimingRefusal):
@@ -56,8 +57,12 @@ def arch(
     arriving = not (goal[1][across].any() or goal[2][across].any())
     before = hop.rise * up.duration if resting else 0.0
     after = hop.fall * down.duration if arriving else 0.0
-    ends = (*(x[across] for x in start), *(x[across] for x in goal))
-    flat = time_joints(*ends, v[across], a[across], j[across])
+
+    def across_in(seconds: float | None) -> Profile | TimingRefusal:
+        begin, end = (q0[across], qd0[across], qdd0[across]), (q1[across], qd1[across], qdd1[across])
+        return sketch_joints(*begin, *end, v[across], a[across], j[across], seconds)
+
+    flat = across_in(None)
     if isinstance(flat, TimingRefusal):
         return flat
     total = max(before + flat.duration + after, up.duration + down.duration)
@@ -69,7 +74,7 @@ def arch(
         # moving ends leave no time to spare at that end: the joints across fill it
         asked = total - before - after
         if asked > flat.duration + MERGE_S:
-            flat = time_joints(*ends, v[across], a[across], j[across], asked)
+            flat = across_in(asked)
             if isinstance(flat, TimingRefusal):
                 return flat
     return Arched(up, down, flat, before, total, lift_joint, across)
@@ -79,9 +84,9 @@ def arch(
 class Arched:
     """Three profiles laid over each other: lift up from 0, lift down to the end, the others from `before` on."""
 
-    up: Profile
-    down: Profile
-    flat: Profile
+    up: Sketch | Settled
+    down: Sketch | Settled
+    flat: Sketch | Settled
     before: float
     total: float
     lift: int
@@ -91,30 +96,36 @@ class Arched:
     def duration(self) -> float:
         return self.total
 
-    def evaluate(self, t: FloatArray, order: int) -> FloatArray:
-        """Derivative number `order` (T, n) at times t (T,) within the arch."""
-        x = np.zeros((len(t), len(self.across) + 1))
-        x[:, self.across] = _held(self.flat, t - self.before, order)
-        rising = t <= self.up.duration
+    def positions(self, t: FloatArray) -> FloatArray:
+        """q (T, n) at times t (T,) from the beginning of the arch, the joints standing still before and after."""
+        x = np.empty((len(t), len(self.across) + 1))
+        x[:, self.across] = self.flat.positions(t - self.before)
         fall = self.total - self.down.duration
-        x[:, self.lift] = np.where(rising, _held(self.up, t, order)[:, 0], _held(self.down, t - fall, order)[:, 0])
+        x[:, self.lift] = np.where(
+            t <= self.up.duration, self.up.positions(t)[:, 0], self.down.positions(t - fall)[:, 0]
+        )
         return x
 
     def knots(self, offset: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        fall = self.total - self.down.duration
+        """Knots (time, q, q̇, q̈) at the switches of all three, for an arch that begins at `offset` s."""
+        up, down, flat = self.up.profile, self.down.profile, self.flat.profile
+        fall = self.total - down.duration
         switches = np.concatenate(
-            [self.up.switches(), fall + self.down.switches(), self.before + self.flat.switches(), [0.0, self.total]]
+            [up.switches(), fall + down.switches(), self.before + flat.switches(), [0.0, self.total]]
         )
         t = np.unique(np.clip(switches, 0.0, self.total))
         keep = np.concatenate([[True], np.diff(t) > MERGE_S])
         t = t[keep]
         t[-1] = self.total
+        rising = t <= up.duration
         parts = []
         for order in range(3):
-            x = self.evaluate(t, order)
+            x = np.empty((len(t), len(self.across) + 1))
+            x[:, self.across] = _held(flat, t - self.before, order)
+            x[:, self.lift] = np.where(rising, _held(up, t, order)[:, 0], _held(down, t - fall, order)[:, 0])
             # the ends are the states asked for, to the bit
-            x[0, self.lift], x[0, self.across] = self.up.start[order][0], self.flat.start[order]
-            x[-1, self.lift], x[-1, self.across] = self.down.end[order][0], self.flat.end[order]
+            x[0, self.lift], x[0, self.across] = up.start[order][0], flat.start[order]
+            x[-1, self.lift], x[-1, self.across] = down.end[order][0], flat.end[order]
             parts.append(x)
         return offset + t, parts[0], parts[1], parts[2]
 

@@ -99,7 +99,7 @@ class ControlPoint:
         return [(self._edge(grid, a, -1, window), self._edge(grid, b - 1, 1, window)) for a, b in edges.reshape(-1, 2)]
 
     def _edge(self, grid: FloatArray, index: int, side: int, window: tuple[float, float]) -> float:
-        """The time between grid point `index`, inside, and its neighbour at `side`, outside, still inside the window."""
+        """The last time inside the window between grid point `index`, inside, and its neighbour at `side`, outside."""
         inner, neighbour = float(grid[index]), index + side
         if not 0 <= neighbour < len(grid):
             return inner

@@ -171,7 +171,7 @@ def _knots(scene: Scene, point: ControlPoint, state: State, mode: int, heights: 
 def joint_states(
     scene: Scene, point: ControlPoint, state: State, mode: int, heights: _Heights, t: FloatArray
 ) -> Knots | Refusal:
-    """Joint knots (T, n) of the flange at the heights above the moving point at times t, turns continued from `state`."""
+    """Joint knots (T, n) of the flange at the heights above the moving point at times t, turned on from `state`."""
     h, hd, hdd = heights.evaluate(t)
     motion = point.flange(t)
     p, v, a = motion.p.copy(), motion.v.copy(), motion.a.copy()

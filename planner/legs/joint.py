@@ -13,7 +13,7 @@ from planner.legs.meeting import GRID_S, Branch
 from planner.legs.state import Knots, State
 from planner.outcome import Reason, Refusal
 from planner.scene import Scene
-from planner.timing import Profile, TimingRefusal, shortest_duration, time_joints
+from planner.timing import Settled, Sketch, TimingRefusal, shortest_duration, sketch_joints
 
 VIA_VELOCITY = 0.9
 """Share of a velocity limit up to which a via is flown by: the rest is left to Ruckig."""
@@ -56,7 +56,7 @@ class Reached:
     """
 
     state: State
-    profiles: tuple[tuple[float, Profile | Arched], ...]
+    profiles: tuple[tuple[float, Sketch | Settled | Arched], ...]
     end: float
     row: int
 
@@ -70,12 +70,14 @@ class Reached:
         for number, (begin, profile) in enumerate(self.profiles):
             rows = t >= begin if number else np.ones(len(t), dtype=bool)
             if rows.any():
-                found[rows] = profile.evaluate(np.clip(t[rows] - begin, 0.0, profile.duration), 0)
+                found[rows] = profile.positions(t[rows] - begin)
         return found
 
     def knots(self) -> Knots:
         """Knots in absolute time; the last is at `end` to the bit, so that it and the control point agree."""
-        parts = [Knots(*profile.knots(begin)) for begin, profile in self.profiles]
+        parts = [
+            Knots(*(way if isinstance(way, Arched) else way.profile).knots(begin)) for begin, way in self.profiles
+        ]
         result = parts[0]
         for part in parts[1:]:
             result = result.then(part)
@@ -97,7 +99,7 @@ class JointMotion:
         self.jerk = limits.jerk * shape.effort**1.5
         self.lift = scene.robot.lift
         self.state = state
-        self.prefix: list[Profile] = []
+        self.prefix: list[Sketch | Settled] = []
 
     def meet(self) -> Reached | Refusal:
         """The earliest meeting on the branch's grid that this shape reaches (or `late` seconds later).
@@ -188,7 +190,7 @@ class JointMotion:
         stations = [q, *(via.q for via in shape.vias), self.branch.q[row]]
         for i, via in enumerate(shape.vias, start=1):
             v = self._passing(stations[i - 1], via.q, stations[i + 1], via.pace)
-            found = time_joints(*self._from(), via.q, v, np.zeros_like(v), self.velocity, self.acceleration, self.jerk)
+            found = sketch_joints(*self._from(), via.q, v, np.zeros_like(v), self.velocity, self.acceleration, self.jerk)
             if isinstance(found, TimingRefusal):
                 return Refusal("timing", Reason.MOTION_LIMIT, self.step, detail=f"via: {found.detail}")
             self.prefix.append(found)
@@ -196,11 +198,11 @@ class JointMotion:
 
     def _last(
         self, goal: tuple[FloatArray, FloatArray, FloatArray], duration: float | None
-    ) -> Profile | Arched | TimingRefusal:
+    ) -> Sketch | Settled | Arched | TimingRefusal:
         start = self._from()
         if self.shape.hop is not None:
             return self._arch(start, goal, duration)
-        return time_joints(*start, *goal, self.velocity, self.acceleration, self.jerk, duration)
+        return sketch_joints(*start, *goal, self.velocity, self.acceleration, self.jerk, duration)
 
     def _finish(self, row: int, duration: float | None, begin: float) -> Reached | Refusal:
         branch = self.branch

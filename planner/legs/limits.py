@@ -40,5 +40,5 @@ def rates(scene: Scene, stage: str, step: int, knots: Knots) -> Rates | Refusal:
         span = (float(knots.time[0]), float(knots.time[-1]))
         detail = f"{what.name} is beyond its limit"
         return Refusal(stage, Reason.JOINT_LIMIT, step, (what.name,), span, max(below, above), unit, detail)
-    peaks = (float(kind.ratio.max()) for kind in (report.velocity, report.acceleration, report.jerk))
-    return Rates(*peaks, ok=report.ok)
+    velocity, acceleration, jerk = (float(k.ratio.max()) for k in (report.velocity, report.acceleration, report.jerk))
+    return Rates(velocity, acceleration, jerk, report.ok)

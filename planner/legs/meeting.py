@@ -1,7 +1,7 @@
 """When and how the arm can be at a control point: joint states over a grid of meeting times, branch by branch.
 
-A branch is a working mode and a choice of full turns. The inverse kinematics of the whole grid is one batch of the dyad;
-the search for the earliest meeting then only has to ask Ruckig.
+A branch is a working mode and a choice of full turns. The inverse kinematics of the whole grid is one batch of the
+dyad; the search for the earliest meeting then only has to ask Ruckig.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Meetings:
     refusals: tuple[Refusal, ...]
 
 
-def times(scene: Scene, point: ControlPoint, earliest: float, lead: float) -> FloatArray:
+def times(point: ControlPoint, earliest: float, lead: float) -> FloatArray:
     """Grid (G,) of meeting times from `earliest` on; the glue begins `lead` seconds after a meeting."""
     if point.still:
         return np.array([earliest])
@@ -65,7 +65,7 @@ def meetings(scene: Scene, point: ControlPoint, earliest: float, lead: float, mo
     """The branches in which `point` can be met, `point.approach` above it, from `earliest` on."""
     robot = scene.robot
     above = point.approach
-    t = times(scene, point, earliest, lead)
+    t = times(point, earliest, lead)
     if not len(t):
         return Meetings(point, above, (), (window_missed(scene, point, earliest + lead),))
     motion = point.flange(t, above)
@@ -75,9 +75,10 @@ def meetings(scene: Scene, point: ControlPoint, earliest: float, lead: float, mo
     refusals: list[Refusal] = []
     for mode in modes:
         found = robot.inverse(motion, mode, 2)
-        assembled = _assembled(scene, found.code, found.qd, found.qdd, point)
+        assembled = _assembled(found.code, found.qd, found.qdd)
         if not assembled.any():
-            refusals.append(_unreachable(point, found.code, t, robot.modes[mode], np.isfinite(motion.p).all(-1)))
+            known = np.asarray(np.isfinite(motion.p).all(-1))
+            refusals.append(_unreachable(point, found.code, t, robot.modes[mode], known))
             continue
         safe = ~_near_singular(scene, point, found.margin) & assembled
         if not safe.any():
@@ -95,15 +96,14 @@ def meetings(scene: Scene, point: ControlPoint, earliest: float, lead: float, mo
     return Meetings(point, above, tuple(branches), tuple(refusals))
 
 
-def _assembled(scene: Scene, code: IntArray, qd: FloatArray, qdd: FloatArray, point: ControlPoint) -> BoolArray:
+def _assembled(code: IntArray, qd: FloatArray, qdd: FloatArray) -> BoolArray:
     """Rows that are assembled; a stretched arm will do where the point is met at rest and no margin is asked."""
-    finite: BoolArray = np.isfinite(qd).all(-1) & np.isfinite(qdd).all(-1)
-    result: BoolArray = (code == Code.ASSEMBLED) & finite
-    return result
+    finite = np.isfinite(qd).all(-1) & np.isfinite(qdd).all(-1)
+    return np.asarray((code == Code.ASSEMBLED) & finite)
 
 
 def _near_singular(scene: Scene, point: ControlPoint, margin: FloatArray) -> BoolArray:
-    """The margin is asked of points that are met with a matched velocity or along a Cartesian leg, and not of others."""
+    """The margin is asked of points met with a matched velocity or along a Cartesian leg, and not of others."""
     moving = point.glued or (point.matched and not point.still and not point.via)
     if not moving:
         return np.zeros(margin.shape, dtype=bool)
@@ -179,16 +179,16 @@ def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArr
             over[:, i] = np.maximum(lower - x, x - upper)
     worst = np.maximum(over, 0.0)
     row = int(np.argmin(worst.max(1)))
-    joint = int(np.argmax(worst[row]))
-    unit = "rad" if robot.joints[joint].kind == "revolute" else "m"
-    name = robot.joints[joint].name
+    most = int(np.argmax(worst[row]))
+    unit = "rad" if robot.joints[most].kind == "revolute" else "m"
+    name = robot.joints[most].name
     return Refusal(
         "inverse",
         Reason.JOINT_LIMIT,
         point.step,
         (name,),
         _span(t),
-        float(worst[row, joint]),
+        float(worst[row, most]),
         unit,
         f"{mode}: {name} is beyond its limit",
     )

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
+from planner.arrays import FloatArray, IntArray
 from planner.frames.motion import Motion
 from planner.legs.glued import PATH_M, REFINEMENTS, SPACING_S, continued
 from planner.legs.limits import rates
@@ -79,9 +79,9 @@ def straight(scene: Scene, step: int, state: State, mode: int, left: Along, met:
     """
     scale = 1.0
     for _ in range(ROUNDS):
-        limits = [np.array([FIRST[order] * scale ** (order + 1)]) for order in range(3)]
+        v, a, j = (np.array([FIRST[order] * scale ** (order + 1)]) for order in range(3))
         none = np.zeros(1)
-        phase = time_joints(none, none, none, np.ones(1), none, none, *limits)
+        phase = time_joints(none, none, none, np.ones(1), none, none, v, a, j)
         if isinstance(phase, TimingRefusal):
             return Refusal("straight", Reason.MOTION_LIMIT, step, detail=phase.detail)
         line = _Line(left, met, phase, state.time)
@@ -123,7 +123,7 @@ def _knots(scene: Scene, step: int, state: State, mode: int, line: _Line) -> Kno
 
 
 def _refused(
-    scene: Scene, step: int, t: FloatArray, motion: Motion, code: FloatArray, margin: FloatArray, q: FloatArray
+    scene: Scene, step: int, t: FloatArray, motion: Motion, code: IntArray, margin: FloatArray, q: FloatArray
 ) -> Refusal | None:
     if not np.isfinite(motion.p).all():
         return Refusal("straight", Reason.LAW_ENDS, step, (), (float(t[0]), float(t[-1])))

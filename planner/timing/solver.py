@@ -23,12 +23,14 @@ from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any
 
+import numpy as np
 import ruckig
 
 from planner.arrays import FloatArray
 from planner.timing.ends import Cubics, missed
-from planner.timing.profile import Profile, finished
+from planner.timing.profile import Profile
 from planner.timing.question import Limits, TimingRefusal, accepted, lowered_limits
+from planner.timing.sketch import Settled, Sketch
 from planner.timing.straight import straight
 
 RESIDUAL = 1e-9
@@ -91,6 +93,23 @@ def time_joints(
     duration. Source: Berscheid and Kröger, Jerk-limited Real-time Trajectory Generation with Arbitrary Target States
     (RSS 2021), by way of the library `ruckig`.
     """
+    found = sketch_joints(q0, v0, a0, q1, v1, a1, velocity, acceleration, jerk, duration)
+    return found if isinstance(found, TimingRefusal) else found.profile
+
+
+def sketch_joints(
+    q0: FloatArray,
+    v0: FloatArray,
+    a0: FloatArray,
+    q1: FloatArray,
+    v1: FloatArray,
+    a1: FloatArray,
+    velocity: FloatArray,
+    acceleration: FloatArray,
+    jerk: FloatArray,
+    duration: float | None = None,
+) -> Sketch | Settled | TimingRefusal:
+    """`time_joints` without the profile, which is made when it is asked for: candidates are looked at first."""
     rows = accepted((q0, v0, a0, q1, v1, a1, velocity, acceleration, jerk), duration)
     if duration is not None and not duration <= LONGEST:
         return TimingRefusal("too long", duration - LONGEST, f"{duration} s asked, {LONGEST} s allowed")
@@ -104,7 +123,7 @@ def time_joints(
     if found < BRIEF and _at_rest(rows):
         brief = straight(rows[0], rows[3], *lowered, max(found, SHORTEST) if duration is None else duration)
         if brief is not None:
-            return brief
+            return Settled(brief)
     return _read(desk.found.profiles[0], rows, found if duration is None else duration)
 
 
@@ -182,8 +201,8 @@ def _still(row: list[float]) -> list[float]:
     return [x if abs(x) >= RESIDUAL else 0.0 for x in row]
 
 
-def _read(joints: Sequence[Any], rows: list[list[float]], duration: float) -> Profile | TimingRefusal:
-    """The solver's phases, brake phases included, with exact ends."""
+def _read(joints: Sequence[Any], rows: list[list[float]], duration: float) -> Sketch | TimingRefusal:
+    """The solver's phases, brake phases included."""
     braked = any(joint.brake.duration > 0 for joint in joints)
     cubics = []
     for number, joint in enumerate(joints):
@@ -197,4 +216,5 @@ def _read(joints: Sequence[Any], rows: list[list[float]], duration: float) -> Pr
         if not miss <= 1:
             return TimingRefusal("unsound", miss, f"the solver misses the goal of joint {number}")
         cubics.append(cubic)
-    return finished(cubics, rows[:6], duration)
+    ends = np.array(rows[:6])
+    return Sketch(duration, (ends[0], ends[1], ends[2]), (ends[3], ends[4], ends[5]), tuple(cubics))

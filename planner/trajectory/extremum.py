@@ -69,7 +69,10 @@ def maxima(rows: FloatArray, group: IntArray, taken: FloatArray, slack: FloatArr
 
     `rows` (m, d+1) Bernstein coefficients, `group` (m,) the group of each row, `taken` (G,) values that each group
     certainly takes (its largest end coefficient, over all its rows). Groups without rows get what is `taken`.
+    Raises `FaultError` for coefficients that are not finite.
     """
+    if not np.isfinite(rows).all():
+        raise FaultError("polynomial pieces with coefficients that are not finite")
     taken = taken.copy()
     bound = taken.copy()
     for attempt in range(ROUNDS):

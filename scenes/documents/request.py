@@ -63,7 +63,9 @@ class RequestDocument(Document):
     schema_: Literal["assur/1"] = Field(alias="schema")
     robot: RobotDocument
     start: StartDocument
-    frames: Annotated[dict[Name, FrameDocument], Field(max_length=bounds.MAX_FRAMES)] = Field(default_factory=dict)
+    frames: Annotated[dict[Name, FrameDocument], Field(max_length=bounds.MAX_FRAMES)] = Field(
+        default_factory=dict, json_schema_extra={"additionalProperties": False}
+    )
     bodies: Annotated[list[BodyDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=list)
     neighbours: Annotated[list[NeighbourDocument], Field(max_length=bounds.MAX_NEIGHBOURS)] = Field(
         default_factory=list

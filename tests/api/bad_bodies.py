@@ -12,13 +12,13 @@ from api.settings import PLAN_BODY_BYTES
 
 @dataclass(frozen=True)
 class BadBody:
-    """A body, the HTTP status that it deserves, the end of the field's name (empty: the body as a whole), and whether
+    """A body, the HTTP status that it deserves, the field that is named ("request": the text as a whole), and whether
     only the service refuses it, by a limit of its own."""
 
     name: str
     body: bytes
     status: int
-    field: str = ""
+    field: str = "request"
     service_only: bool = False
 
 
@@ -71,7 +71,7 @@ BAD_BODIES = (
     BadBody("2,000 arrays deep", _nested(2000, "[", "]"), 400),
     BadBody("2,000 objects deep", _nested(2000, '{"a":', "}"), 400),
     BadBody("100,000 arrays deep", _nested(100_000, "[", "]"), 400),
-    BadBody("100 deep inside a field", _with('"elbow"', "[" * 100 + "]" * 100), 400, "options"),
+    BadBody("100 deep inside a field", _with('"elbow"', "[" * 100 + "]" * 100), 400, "options.elbow[0][0]"),
     BadBody("unclosed and deep", b"[" * 500_000, 400),
     BadBody("an array at the top", b"[]", 422, "body"),
     BadBody("a number at the top", b"1", 422, "body"),
@@ -85,15 +85,17 @@ BAD_BODIES = (
     BadBody("a scenario that is null", b'{"scenario": null}', 422, "scenario"),
     BadBody("a scenario with a control character", b'{"scenario": "\\u001b[31m"}', 422, "scenario"),
     BadBody("a scenario and more", b'{"scenario": "demo", "options": {}}', 422, "options"),
-    BadBody("a whole scenario file", json.dumps({"about": "", "request": FIRST_PLAN, "expect": {}}).encode(), 422),
+    BadBody(
+        "a whole scenario file", json.dumps({"about": "", "request": FIRST_PLAN, "expect": {}}).encode(), 422, "about"
+    ),
     BadBody("a huge list", _request(task=[{}] * 100_000), 422, "task"),
     BadBody("a huge list of numbers", _request(task=[0] * 300_000), 422, "task"),
-    BadBody("a huge name", _request(bodies=[{"name": "n" * 500_000}]), 422),
-    BadBody("50,000 unknown fields", _request(**{f"f{i}": i for i in range(50_000)}), 422),
-    BadBody("a budget above the service's", _request(options={"budget_s": 10.5}), 422, "options.budget_s", True),
+    BadBody("a huge name", _request(bodies=[{"name": "n" * 500_000}]), 422, "bodies[0].name"),
+    BadBody("50,000 unknown fields", _request(**{f"f{i}": i for i in range(50_000)}), 422, "f0"),
+    BadBody("a budget above the service's", _request(options={"budget_s": 30.5}), 422, "options.budget_s", True),
     BadBody(
-        "an explain budget above it", _request(options={"explain_budget_s": 11}), 422, "options.explain_budget_s", True
+        "an explain budget above it", _request(options={"explain_budget_s": 31}), 422, "options.explain_budget_s", True
     ),
-    BadBody("a budget in the twin unit", _request(options={"budget_ms": 10_500}), 422, "options.budget_ms", True),
+    BadBody("a budget in the twin unit", _request(options={"budget_ms": 30_500}), 422, "options.budget_ms", True),
     BadBody("one byte too many", _request().ljust(PLAN_BODY_BYTES + 1), 413, "body", True),
 )

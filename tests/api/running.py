@@ -14,7 +14,7 @@ import uvicorn
 from api.app import create_app
 from api.settings import Settings
 
-PATIENT = Settings(workers=1, queue=8, grace_s=30.0)
+PATIENT = Settings(workers=1, queue=8, max_budget_s=30.0, grace_s=30.0)
 """The tests share their processors with other tests: nothing here is about how fast a plan is."""
 
 

@@ -50,7 +50,7 @@ def test_the_request_that_the_kinds_start_from_is_not_bad_itself(client: httpx.C
 @pytest.mark.parametrize("bad", BAD_BODIES, ids=lambda bad: bad.name)
 def test_a_bad_body_is_refused_over_http(client: httpx.Client, bad: BadBody) -> None:
     document = problem(client.post("/v1/plans", content=bad.body, headers=JSON), bad.status)
-    assert document["errors"][0]["field"].endswith(bad.field)
+    assert document["errors"][0]["field"] == bad.field
     assert document["errors"][0]["allowed"] != ""
 
 

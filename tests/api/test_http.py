@@ -11,7 +11,8 @@ import pytest
 
 from api.documents import to_json
 from api.problems import MEDIA_TYPE
-from scenes.requests import check_document, robots, shipped_scenarios
+from api.settings import Settings
+from scenes.requests import check_document, robots, shipped_scenarios, validate
 
 TIMES = ("elapsed_s", "first_s")
 """What differs between two runs of the same request."""
@@ -201,3 +202,10 @@ def test_an_address_or_method_that_is_not_there_is_a_problem(
     assert answer.headers["content-type"] == MEDIA_TYPE
     assert answer.json()["status"] == status
     assert (status == 405) == ("allow" in answer.headers)
+
+
+@pytest.mark.parametrize("name", shipped_scenarios())
+def test_a_service_with_the_usual_settings_takes_every_shipped_scenario(client: httpx.Client, name: str) -> None:
+    options = validate(client.get(f"/v1/scenes/{name}").json()).options
+    assert options.budget_s <= Settings().max_budget_s
+    assert options.explain_budget_s <= Settings().max_budget_s

@@ -17,7 +17,7 @@ from benchmarks.translation import Document, Manners
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "benchmarks" / "problems"
-FIELDS = {"id", "status", "match", "first_s", "elapsed_s", "duration_s", "trajectory", "checked", "reason"}
+FIELDS = {"id", "status", "match", "first_s", "proved_s", "elapsed_s", "duration_s", "trajectory", "checked", "reason"}
 
 
 @pytest.mark.parametrize(
@@ -69,6 +69,7 @@ def test_the_figures_count_only_what_the_checker_accepted() -> None:
             "id": "x",
             "status": status,
             "first_s": first,
+            "proved_s": first,
             "duration_s": 0.5,
             "checked": checked,
             "reason": "R: why",

@@ -103,8 +103,14 @@ def test_each_value_knows_its_line() -> None:
 
 
 JSON_VALUES = st.recursive(
-    st.none() | st.booleans() | st.integers(-(2**53), 2**53) | st.floats(-1e9, 1e9) | st.from_regex(r"[a-z ]{0,6}", fullmatch=True),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.from_regex(r"[a-z]{3,6}", fullmatch=True), inner, max_size=3),
+    st.none()
+    | st.booleans()
+    | st.integers(-(2**53), 2**53)
+    | st.floats(-1e9, 1e9)
+    | st.from_regex(r"[a-z ]{0,6}", fullmatch=True),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.from_regex(r"[a-z]{3,6}", fullmatch=True), inner, max_size=3)
+    ),
     max_leaves=12,
 )
 

@@ -410,7 +410,10 @@ class PlainProver:
     def bounds(self, side: _Side, k: int, n: FloatArray, t0: float, t1: float) -> tuple[float, float]:
         piece = box_of(side.body) if k < 0 else side.body.pieces[k]
         if side.mine:
-            t = np.clip(np.linspace(t0, t1, 33), self.trajectory.start, self.trajectory.end)
+            knots = self.trajectory.time
+            edges = np.unique(np.concatenate([[t0, t1], knots[(knots > t0) & (knots < t1)]]))
+            t = np.concatenate([np.linspace(a, b, 33) for a, b in zip(edges, [*edges[1:], t1], strict=True)])
+            t = np.clip(t, self.trajectory.start, self.trajectory.end)
             c = self.scene.robot.rate_matrix
             q, qd, qdd = (self.trajectory.evaluate(t, order) for order in range(3))
             rate, rate_d = np.abs(qd @ c.T).max(0) * 1.02, np.abs(qdd @ c.T).max(0) * 1.02

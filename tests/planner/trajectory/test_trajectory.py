@@ -25,7 +25,7 @@ def test_evaluation_is_scipys_piecewise_polynomial_through_the_same_states(regim
     t = np.concatenate([path.time[:-1], np.random.default_rng(0).uniform(path.start, path.end, 500)])
     wanted = second(t) if derivative == 0 else second.derivative(derivative)(t)
     # Both round: a derivative of a piece of length h by the spacing of q over h to its order.
-    rounding = 1e-14 * np.abs(path.q).max() / path.steps.min() ** derivative
+    rounding = 1e-13 * np.abs(path.q).max() / path.steps.min() ** derivative
     assert np.abs(path.evaluate(t, derivative) - wanted).max() <= 1e-12 * SCALE[derivative] * 40 + rounding
 
 
@@ -170,9 +170,13 @@ def test_a_part_cut_out_is_the_same_polynomials(path: Trajectory, a: float, b: f
     part = path.clip(t0, t1)
     t = np.linspace(part.start, part.end, 50)[1:-1]
     assert (part.start, part.end) == (t0, t1)
-    for derivative, allowed in enumerate((1e-12, 1e-11, 1e-8)):
+    for derivative in range(3):
         scale = np.abs(path.bernstein(derivative)).max()
-        assert np.abs(part.evaluate(t, derivative) - path.evaluate(t, derivative)).max() <= allowed * scale
+        # Position and velocity of the new knots are rounded, and their pieces may be short.
+        h = part.steps.min()
+        rounding = 1e-14 * (np.abs(path.q).max() / h**derivative + np.abs(path.qd).max() / h ** max(derivative - 1, 0))
+        gap = np.abs(part.evaluate(t, derivative) - path.evaluate(t, derivative)).max()
+        assert gap <= 1e-12 * scale + rounding
 
 
 def test_nothing_is_cut_out_beyond_the_ends() -> None:

@@ -56,7 +56,10 @@ def test_the_second_reading_is_not_blind() -> None:
 def faults(value: Any, schema: dict[str, Any], path: str = "") -> Any:
     """What of the schema (the part of JSON Schema that ours uses) the value does not keep."""
     if "$ref" in schema:
-        schema = {**SCHEMA["$defs"][schema["$ref"].rsplit("/", 1)[1]], **{k: v for k, v in schema.items() if k != "$ref"}}
+        schema = {
+            **SCHEMA["$defs"][schema["$ref"].rsplit("/", 1)[1]],
+            **{k: v for k, v in schema.items() if k != "$ref"},
+        }
     kinds = {"object": dict, "array": list, "string": str, "number": (int, float), "integer": int, "boolean": bool}
     if "type" in schema and not isinstance(value, kinds[schema["type"]]):
         yield f"{path}: not {schema['type']}"

@@ -78,7 +78,11 @@ def in_si(value: Any) -> Any:
         return value
     found: dict[str, Any] = {}
     for key, item in value.items():
-        for ending, si, factor in (("_deg_s", "_rad_s", math.pi / 180), ("_mm_s", "_m_s", 1e-3), ("_deg", "_rad", math.pi / 180)):
+        for ending, si, factor in (
+            ("_deg_s", "_rad_s", math.pi / 180),
+            ("_mm_s", "_m_s", 1e-3),
+            ("_deg", "_rad", math.pi / 180),
+        ):
             if key.endswith(ending):
                 found[key.removesuffix(ending) + si] = _scaled(item, factor)
                 break

@@ -1,0 +1,153 @@
+"""What is no plan gets findings: never an exception, never a yes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from planner.checker import Code, check
+from planner.outcome import Plan
+from tests.planner.checker.hand_made import COLUMNS, belt_case, crossing_case, sealed
+
+KNOTS = ("time", "q", "qd", "qdd")
+
+
+def loose(plan: Plan, **columns: Any) -> Any:
+    """The plan with knots that no `Trajectory` would accept."""
+    knots = {name: getattr(plan.trajectory, name) for name in KNOTS} | columns
+    return replace(plan, trajectory=SimpleNamespace(**knots))  # type: ignore[arg-type]
+
+
+def refused(plan: Any) -> None:
+    scene, _ = crossing_case()
+    verdict = check(scene, plan)
+    assert not verdict.ok
+    assert {finding.code for finding in verdict.findings} == {Code.FORM}
+
+
+@pytest.mark.parametrize("name", KNOTS)
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_knots_that_are_not_finite_are_refused(name: str, value: float) -> None:
+    _, plan = crossing_case()
+    values = getattr(plan.trajectory, name).copy()
+    values.flat[-1] = value
+    refused(loose(plan, **{name: values}))
+
+
+def test_time_that_does_not_increase_is_refused() -> None:
+    _, plan = crossing_case()
+    time = plan.trajectory.time
+    for wrong in (time[::-1].copy(), np.zeros_like(time), np.array([0.0, 0.1, 0.1, 1.0])):
+        refused(loose(plan, time=wrong))
+
+
+@pytest.mark.parametrize("name", KNOTS)
+@pytest.mark.parametrize("wrong", [None, "q", 3.0, np.zeros(0), np.zeros((4, 3)), np.zeros((4, 4), dtype=int), [[0.0]]])
+def test_knots_of_another_shape_or_kind_are_refused(name: str, wrong: Any) -> None:
+    _, plan = crossing_case()
+    refused(loose(plan, **{name: wrong}))
+
+
+def test_a_single_knot_is_refused() -> None:
+    _, plan = crossing_case()
+    refused(loose(plan, **{name: getattr(plan.trajectory, name)[:1] for name in KNOTS}))
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_columns_of_the_certificate_that_are_short_or_not_numbers_are_refused(name: str) -> None:
+    _, plan = crossing_case()
+    column = getattr(plan.certificate, name)
+    wrong: list[Any] = [column[:-1], None, "rows", column.astype(object), column[None]]
+    if column.dtype == np.float64:
+        wrong.append(np.where(np.arange(column.size).reshape(column.shape) == 3, np.nan, column))
+    else:
+        wrong.append(column.astype(np.float64))
+    for values in wrong:
+        refused(replace(plan, certificate=replace(plan.certificate, **{name: values})))
+
+
+def test_names_that_are_not_different_texts_are_refused() -> None:
+    _, plan = crossing_case()
+    names = plan.certificate.names
+    for wrong in (list(names), (*names[:-1], names[0]), (*names[:-1], 7)):
+        refused(replace(plan, certificate=replace(plan.certificate, names=wrong)))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"step": 2},
+        {"step": -1},
+        {"step": True},
+        {"step": 0.0},
+        {"t0": np.nan},
+        {"t1": "x"},
+        {"kind": "MOVE"},
+        {"note": 5},
+    ],
+)
+def test_legs_of_no_step_time_or_kind_are_refused(changes: dict[str, Any]) -> None:
+    _, plan = crossing_case()
+    refused(replace(plan, legs=(replace(plan.legs[0], **changes), *plan.legs[1:])))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"step": 2},
+        {"step": None},
+        {"time": np.nan},
+        {"until": np.inf},
+        {"pose": None},
+        {"pose": SimpleNamespace(x=np.nan, y=0.0, z=0.0, yaw=0.0)},
+        {"yaw_offset": np.nan},
+        {"along_m": np.nan},
+        {"window_left_s": "long"},
+        {"control_point": None},
+    ],
+)
+def test_arrivals_at_no_step_time_or_place_are_refused(changes: dict[str, Any]) -> None:
+    _, plan = crossing_case()
+    refused(replace(plan, arrivals=(replace(plan.arrivals[0], **changes), *plan.arrivals[1:])))
+
+
+@given(
+    what=st.sampled_from(["legs", "arrivals", "rows", "knots"]),
+    seed=st.integers(0, 2**32 - 1),
+    value=st.floats(allow_nan=False, allow_infinity=False, min_value=-1e300, max_value=1e300),
+)
+@example(what="legs", seed=0, value=-1e300)
+@example(what="rows", seed=5, value=1e300)
+def test_any_number_anywhere_is_answered(what: str, seed: int, value: float) -> None:
+    """One number of a right plan is replaced by any other; the checker answers, and does not accept it."""
+    scene, plan = belt_case()
+    rng = np.random.default_rng(seed)
+    changed: Any
+    if what == "legs":
+        i, name = int(rng.integers(len(plan.legs))), str(rng.choice(["t0", "t1"]))
+        changed = replace(plan, legs=(*plan.legs[:i], replace(plan.legs[i], **{name: value}), *plan.legs[i + 1 :]))  # type: ignore[arg-type]
+    elif what == "arrivals":
+        i, name = int(rng.integers(3)), str(rng.choice(["time", "until", "yaw_offset"]))
+        moved = replace(plan.arrivals[i], **{name: value})  # type: ignore[arg-type]
+        changed = replace(plan, arrivals=(*plan.arrivals[:i], moved, *plan.arrivals[i + 1 :]))
+    elif what == "rows":
+        name = str(rng.choice(["t0", "t1", "normal", "gap0", "gap1"]))
+        column = getattr(plan.certificate, name).copy()
+        column.flat[rng.integers(column.size)] = value
+        changed = replace(plan, certificate=replace(plan.certificate, **{name: column}))
+    else:
+        name = str(rng.choice(["q", "qd", "qdd"]))
+        column = getattr(plan.trajectory, name).copy()
+        column.flat[rng.integers(column.size)] += value
+        changed = loose(plan, **{name: column})
+    verdict = check(scene, sealed(scene, changed))
+    assert verdict.ok == (not verdict.findings)
+    if abs(value) > 100:
+        # A gap claimed far too small, and only that, may be true and needless: the next row may do the same work.
+        assert not verdict.ok

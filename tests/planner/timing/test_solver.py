@@ -1,0 +1,280 @@
+"""The door to Ruckig: what it refuses, and that it refuses nothing that is legal."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+import ruckig
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planner.errors import InputError
+from planner.timing import Profile, TimingRefusal, shortest_duration, solver, time_joints, to_trajectory
+from planner.timing.solver import BRIEF, LONGEST, SHORTEST
+from planner.trajectory import check_limits
+from tests.planner.timing.legs import MANNERS, ROBOTS, question
+
+ZERO, ONE = np.zeros(2), np.ones(2)
+PLAIN: dict[str, Any] = {
+    "q0": ZERO,
+    "v0": ZERO,
+    "a0": ZERO,
+    "q1": ONE,
+    "v1": ZERO,
+    "a1": ZERO,
+    "velocity": ONE,
+    "acceleration": 2 * ONE,
+    "jerk": 50 * ONE,
+}
+
+
+def ask(**changed: Any) -> Profile | TimingRefusal:
+    return time_joints(**{**PLAIN, **changed})
+
+
+@pytest.mark.parametrize("name", list(PLAIN))
+@pytest.mark.parametrize("value", [[1.0, np.nan], [np.inf, 1.0], [1.0], [1.0, 1.0, 1.0], [], [[1.0, 1.0]], 1.0])
+def test_vectors_that_are_not_finite_or_not_of_one_length_are_bad_input_by_name(name: str, value: Any) -> None:
+    with pytest.raises(InputError) as refused:
+        ask(**{name: np.array(value)})
+    # A first vector of another length shows at the second.
+    assert refused.value.field == f"timing.{name}" or name == "q0"
+    with pytest.raises(InputError):
+        shortest_duration(**{**PLAIN, name: np.array(value)})
+
+
+@pytest.mark.parametrize("name", ["velocity", "acceleration", "jerk"])
+@pytest.mark.parametrize("value", [0.0, -1.0])
+def test_limits_that_are_not_positive_are_bad_input(name: str, value: float) -> None:
+    with pytest.raises(InputError, match="positive"):
+        ask(**{name: np.array([1.0, value])})
+
+
+@pytest.mark.parametrize("duration", [math.nan, -1e-9, math.inf, -math.inf])
+def test_a_duration_that_is_none_is_bad_input(duration: float) -> None:
+    with pytest.raises(InputError, match="duration"):
+        ask(duration=duration)
+
+
+@pytest.mark.parametrize(
+    ("changed", "excess"),
+    [
+        ({"v0": np.array([1.1, 0.0])}, 0.1),
+        ({"v1": np.array([0.0, -1.5])}, 0.5),
+        ({"a0": np.array([0.0, 2.2])}, 0.1),
+        ({"a1": np.array([-3.0, 0.0])}, 0.5),
+        # 0.99 m/s and 2 m/s²: 0.04 m/s more before the acceleration is gone at 50 m/s³.
+        ({"v0": np.array([0.99, 0.0]), "a0": np.array([2.0, 0.0])}, 0.03),
+        ({"v1": np.array([0.0, 0.99]), "a1": np.array([0.0, -2.0])}, 0.03),
+    ],
+)
+def test_a_state_that_is_or_will_be_beyond_a_limit_is_refused_with_its_share(changed: Any, excess: float) -> None:
+    refused = ask(**changed)
+    assert isinstance(refused, TimingRefusal)
+    assert refused.reason == "limits"
+    assert refused.excess == pytest.approx(excess, abs=1e-9)
+    assert isinstance(shortest_duration(**{**PLAIN, **changed}), TimingRefusal)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"v0": np.array([1.0, 0.0])},
+        {"v0": np.array([0.9995, -1.0]), "v1": np.array([-1.0, 0.9999])},
+        {"a0": np.array([2.0, -1.999]), "a1": np.array([-2.0, 2.0])},
+        {"v0": np.array([0.96, 0.0]), "a0": np.array([2.0, 0.0])},
+        {"v1": np.array([0.96, 0.0]), "a1": np.array([-2.0, 0.0])},
+        {"v0": np.array([-1.0, 0.0]), "a0": np.array([2.0, 0.0])},
+    ],
+)
+def test_a_state_at_a_limit_is_legal_and_its_motion_keeps_the_limit(changed: Any) -> None:
+    profile = ask(**changed)
+    assert isinstance(profile, Profile)
+    report = check_limits(to_trajectory(profile), -9 * ONE, 9 * ONE, *(PLAIN[k] for k in list(PLAIN)[6:]))
+    assert report.ok
+
+
+def test_a_duration_that_is_too_short_is_refused_with_the_seconds_missing() -> None:
+    profile = ask()
+    assert isinstance(profile, Profile)
+    refused = ask(duration=profile.duration - 0.125)
+    assert isinstance(refused, TimingRefusal)
+    assert (refused.reason, refused.excess) == ("too short", pytest.approx(0.125))
+    at_last = ask(duration=profile.duration)
+    assert isinstance(at_last, Profile)
+    assert at_last.duration == profile.duration
+    assert ask(duration=profile.duration - 2e-11) != at_last
+
+
+def blocked_question() -> dict[str, Any]:
+    """One joint at speed towards a goal just ahead, to arrive at speed: sooner or much later, nothing between."""
+    one = np.ones(1)
+    return {
+        "q0": 0 * one,
+        "v0": 0.9 * one,
+        "a0": 0 * one,
+        "q1": 0.3 * one,
+        "v1": 0.9 * one,
+        "a1": 0 * one,
+        "velocity": one,
+        "acceleration": one,
+        "jerk": 10 * one,
+    }
+
+
+def test_a_duration_in_a_blocked_interval_is_refused_with_the_seconds_to_its_end() -> None:
+    asked = blocked_question()
+    shortest = time_joints(**asked)
+    assert isinstance(shortest, Profile)
+    found = [time_joints(**asked, duration=shortest.duration + x) for x in np.linspace(0, 5, 101)[1:]]
+    refused = [one for one in found if isinstance(one, TimingRefusal)]
+    assert refused
+    assert {one.reason for one in refused} == {"blocked"}
+    for x, one in zip(np.linspace(0, 5, 101)[1:], found, strict=True):
+        if isinstance(one, TimingRefusal):
+            later = time_joints(**asked, duration=shortest.duration + x + one.excess)
+            assert isinstance(later, Profile)
+
+
+def test_a_motion_of_more_than_ten_minutes_is_refused() -> None:
+    for refused in (ask(q1=np.array([1e6, 1.0])), ask(duration=LONGEST * 1.01)):
+        assert isinstance(refused, TimingRefusal)
+        assert refused.reason == "too long"
+        assert refused.excess > 0
+    assert isinstance(shortest_duration(**{**PLAIN, "q1": 1e6 * ONE}), TimingRefusal)
+    assert isinstance(ask(duration=LONGEST), Profile)
+
+
+class Broken:
+    """Stands in for Ruckig's objects."""
+
+    def __init__(self, failing: int, error: Exception | None, result: Any = None) -> None:
+        self.failing, self.error, self.result = failing, error, result
+        self.asked: list[float] = []
+
+    def validate_input(self, *_: object) -> bool:
+        return True
+
+    def calculate(self, given: Any, found: Any) -> Any:
+        self.asked.append(given.max_jerk[0])
+        if len(self.asked) <= self.failing:
+            if self.error is not None:
+                raise self.error
+            return self.result
+        return ruckig.Ruckig(2).calculate(given, found)
+
+
+ERRORS = (ruckig.RuckigError("step 2"), ValueError("-101 is not a valid Result"), None)
+
+
+@pytest.mark.parametrize("error", ERRORS)
+@pytest.mark.parametrize("failing", [1, 2, 3])
+def test_a_failure_of_the_solver_is_tried_again_with_less_jerk_and_then_a_refusal(
+    monkeypatch: pytest.MonkeyPatch, error: Exception | None, failing: int
+) -> None:
+    broken = Broken(failing, error, ruckig.Result.ErrorSynchronizationCalculation)
+    desk = solver._Desk(broken, ruckig.InputParameter(2), ruckig.Trajectory(2))
+    monkeypatch.setitem(solver._desks, 2, desk)
+    answer = ask()
+    assert len(broken.asked) == min(failing + 1, 3)
+    assert broken.asked == sorted(broken.asked, reverse=True)
+    if failing < 3:
+        assert isinstance(answer, Profile)
+    else:
+        assert isinstance(answer, TimingRefusal)
+        assert answer.reason == "no profile"
+        assert math.isnan(answer.excess)
+        assert answer.detail
+
+
+def test_a_profile_that_misses_its_goal_is_refused_as_unsound(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Elsewhere(Broken):
+        def calculate(self, given: Any, found: Any) -> Any:
+            given.target_position = [x + 1e-6 for x in given.target_position]
+            return super().calculate(given, found)
+
+    desk = solver._Desk(Elsewhere(0, None), ruckig.InputParameter(2), ruckig.Trajectory(2))
+    monkeypatch.setitem(solver._desks, 2, desk)
+    answer = ask()
+    assert isinstance(answer, TimingRefusal)
+    assert answer.reason == "unsound"
+    assert answer.excess == pytest.approx(10, rel=1e-3)
+
+
+def test_no_waypoint_is_ever_given_to_the_solver() -> None:
+    ask()
+    ask(duration=3.0)
+    for desk in solver._desks.values():
+        assert desk.given.intermediate_positions == []
+        assert desk.solver.max_number_of_waypoints == 0
+
+
+@pytest.mark.parametrize("residual", [1e-9 * 0.99, 1e-12, 1e-14, 1e-300])
+def test_residual_velocities_are_at_rest_for_the_solver_and_kept_in_the_knots(residual: float) -> None:
+    sign = np.array([1.0, -1.0])
+    profile = ask(v0=residual * sign, v1=-residual * sign, a0=residual * sign)
+    assert isinstance(profile, Profile)
+    plain = ask()
+    assert isinstance(plain, Profile)
+    assert profile.duration == plain.duration
+    _, _, qd, qdd = profile.knots()
+    assert np.array_equal(qd[0], residual * sign)
+    assert np.array_equal(qd[-1], -residual * sign)
+    assert np.array_equal(qdd[0], residual * sign)
+
+
+@pytest.mark.parametrize("way", [0.0, 1e-16, 1e-12, 1e-9, 1e-7, 1e-5, 1e-3])
+def test_tiny_moves_take_a_millisecond_at_least_and_keep_their_limits(way: float) -> None:
+    q0 = np.array([2.9, -1.7])
+    profile = ask(q0=q0, q1=q0 + np.array([way, -way / 3]))
+    assert isinstance(profile, Profile)
+    assert profile.duration >= SHORTEST
+    report = check_limits(to_trajectory(profile, 4.0), -9 * ONE, 9 * ONE, *(PLAIN[k] for k in list(PLAIN)[6:]))
+    assert report.ok
+    low, high = to_trajectory(profile).extrema(0)
+    assert (low >= np.minimum(profile.start[0], profile.end[0]) - 1e-12).all()
+    assert (high <= np.maximum(profile.start[0], profile.end[0]) + 1e-12).all()
+
+
+def test_a_brief_motion_from_rest_to_rest_goes_straight_and_takes_no_longer() -> None:
+    rng, straight = np.random.default_rng(0), 0
+    for _ in range(300):
+        asked = question(rng, "real", "rest")
+        found, least = time_joints(*asked), shortest_duration(*asked)
+        assert isinstance(found, Profile)
+        assert isinstance(least, float)
+        assert found.duration == least
+        if found.duration < BRIEF:
+            share = (found.evaluate(np.linspace(0, found.duration, 20)) - asked.q0) / (asked.q1 - asked.q0)
+            straight += bool(np.ptp(share, axis=1).max() <= 1e-8)
+    assert straight > 50
+
+
+@given(st.integers(0, 10**6), st.sampled_from(ROBOTS), st.sampled_from(MANNERS), st.integers(1, 5))
+def test_the_shortest_duration_is_that_of_the_profile_and_can_be_asked_for(
+    seed: int, robot: str, manner: str, n: int
+) -> None:
+    asked = question(np.random.default_rng(seed), robot, manner, n)
+    profile, shortest = time_joints(*asked), shortest_duration(*asked)
+    assert isinstance(profile, Profile)
+    assert isinstance(shortest, float)
+    assert profile.duration == shortest
+    again = time_joints(*asked, duration=shortest)
+    assert isinstance(again, Profile)
+    assert again.duration == shortest
+
+
+def test_a_duration_of_zero_is_for_a_state_that_stays() -> None:
+    stays = ask(q1=ZERO, duration=0.0)
+    assert isinstance(stays, Profile)
+    assert stays.duration == 0
+    moving = np.array([0.5, 0.1])
+    itself = ask(q1=ZERO, v0=moving, v1=moving)
+    assert isinstance(itself, Profile)
+    assert itself.evaluate(0.0, 1) == pytest.approx(moving)
+    refused = ask(duration=0.0)
+    assert isinstance(refused, TimingRefusal)
+    assert refused.reason == "too short"

@@ -1,0 +1,225 @@
+"""The catalogue: the numbers of their sources, a status for each, and arms whose solids do not stand in their own way."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import fcl
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planner.errors import InputError
+from planner.frames.motion import Pose
+from planner.robots.scara import Scara
+from planner.shapes import Piece, Primitive
+from scenes.catalogue import ENTRIES, arm_named, entry_of, robots
+from scenes.catalogue.arm import JointConvention, converted
+from scenes.catalogue.entry import SURE
+
+LISTED = {robot["model"]: robot for robot in robots()}
+RAD = math.pi / 180
+
+AUTHORITIES: dict[str, dict[str, Any]] = {
+    # l1, l2 (m); ranges, velocities, accelerations in SI, as the makers give them
+    "mitsubishi-rh-6frh5520": {
+        "lengths": (0.325, 0.225),
+        "range": [(-170 * RAD, 170 * RAD), (-145 * RAD, 145 * RAD), (0.133, 0.333), (-2 * math.pi, 2 * math.pi)],
+        "velocity": [400 * RAD, 670 * RAD, 2.4, 2500 * RAD],
+        "acceleration": [125.64, 210.42, 43.02, 785.34],
+    },
+    "mitsubishi-rh-6crh6020": {
+        "lengths": (0.325, 0.275),
+        "range": [(-132 * RAD, 132 * RAD), (-150 * RAD, 150 * RAD), (-0.051, 0.149), (-2 * math.pi, 2 * math.pi)],
+        "velocity": [420 * RAD, 720 * RAD, 1.1, 2500 * RAD],
+        "acceleration": [131.94, 226.08, 19.8, 785.34],
+    },
+    "fanuc-sr-3ia": {
+        "lengths": (0.2, 0.2),
+        "range": [(-142 * RAD, 142 * RAD), (-145 * RAD, 145 * RAD), (-0.2, 0.0), (-4 * math.pi, 4 * math.pi)],
+        "velocity": [720 * RAD, 780 * RAD, 1.8, 3000 * RAD],
+    },
+    "oviedo-scara": {"lengths": (0.08, 0.05)},
+    "fiuba-scara": {"lengths": (0.2, 0.2)},
+    "benchmark-scara": {"lengths": (0.325, 0.275)},
+}
+
+
+@pytest.mark.parametrize("model", sorted(AUTHORITIES))
+def test_an_arm_has_the_numbers_of_its_source(model: str) -> None:
+    arm, known = arm_named(model), AUTHORITIES[model]
+    assert (arm.l1, arm.l2) == known["lengths"]
+    if "range" in known:
+        np.testing.assert_allclose(np.array(known["range"]).T, [arm.limits.lower, arm.limits.upper], rtol=1e-15, atol=0)
+    for name in ("velocity", "acceleration"):
+        if name in known:
+            np.testing.assert_allclose(getattr(arm.limits, name), known[name], rtol=1e-15)
+    if model != "benchmark-scara":
+        np.testing.assert_allclose(arm.limits.jerk, arm.limits.acceleration / 0.02, rtol=1e-12)
+
+
+def test_the_benchmark_robot_is_that_of_the_problems_to_the_bit() -> None:
+    problems = json.loads((Path("benchmarks") / "problems" / "static.json").read_text())
+    limits = arm_named("benchmark-scara").limits
+    for name, key in (
+        ("lower", "qmin"),
+        ("upper", "qmax"),
+        ("velocity", "vmax"),
+        ("acceleration", "amax"),
+        ("jerk", "jmax"),
+    ):
+        assert getattr(limits, name).tolist() == problems[key]
+
+
+def test_every_robot_that_is_named_is_there_and_nothing_else() -> None:
+    assert set(ENTRIES) == set(LISTED) == set(AUTHORITIES)
+    with pytest.raises(InputError, match="benchmark-scara"):
+        entry_of("unimate")
+
+
+@pytest.mark.parametrize("model", sorted(ENTRIES))
+def test_every_number_has_a_source_and_a_status_and_is_an_assumption_unless_it_is_sure(model: str) -> None:
+    entry = entry_of(model)
+    assumptions = entry.assumptions()
+    for what, number in entry.numbers():
+        assert number.source
+        told = [line for line in assumptions if line.startswith(f"{model}: {what} ")]
+        assert len(told) == (0 if number.status in SURE else 1)
+        assert all(number.status in line and f"{number.value:g}" in line for line in told)
+    assert any("solids" in line for line in assumptions) == (entry.solids_status not in SURE)
+    assert json.loads(json.dumps(LISTED[model], allow_nan=False))["assumptions"] == list(assumptions)
+
+
+def test_statuses_of_the_real_robots_are_as_their_sources_are() -> None:
+    for model in ("mitsubishi-rh-6frh5520", "mitsubishi-rh-6crh6020"):
+        for joint in LISTED[model]["joints"]:
+            assert {joint[name]["status"] for name in ("lower", "upper", "velocity")} == {"vendor"}
+            assert joint["acceleration"]["status"] == "vendor_config"
+            assert joint["jerk"]["status"] == "estimated"
+    for joint in LISTED["fanuc-sr-3ia"]["joints"]:
+        assert {joint[name]["status"] for name in ("lower", "upper", "velocity")} == {"third_party"}
+        assert {joint[name]["status"] for name in ("acceleration", "jerk")} == {"estimated"}
+
+
+def test_the_placeholder_accelerations_are_what_is_said_of_them() -> None:
+    for model in ("mitsubishi-rh-6frh5520", "mitsubishi-rh-6crh6020"):
+        limits = arm_named(model).limits
+        np.testing.assert_allclose(limits.acceleration / limits.velocity, 18.0, rtol=0.005)
+
+
+def test_mitsubishi_counts_the_height_of_the_flange_and_fanuc_downwards() -> None:
+    for model, maker, height in (
+        ("mitsubishi-rh-6frh5520", 0.133, 0.133),
+        ("mitsubishi-rh-6frh5520", 0.333, 0.333),
+        ("mitsubishi-rh-6crh6020", -0.051, -0.051),
+        ("fanuc-sr-3ia", 0.0, 0.25),
+        ("fanuc-sr-3ia", 0.2, 0.05),
+    ):
+        robot, arm = _robot(model), arm_named(model)
+        q = converted(np.array([0.0, 0.5, maker, 0.0]), arm.conventions)
+        assert robot.forward(q)[0][2] == pytest.approx(height, abs=1e-15)
+
+
+def test_the_papers_conventions() -> None:
+    # Oviedo: l3 = z_A - z_D with z_A = 150 mm; theta2 against Denavit-Hartenberg's. Figure 5, D above 100, -20, 50 mm.
+    robot, arm = _robot("oviedo-scara"), arm_named("oviedo-scara")
+    q = converted(np.array([0.3, 0.4, 0.1]), arm.conventions)
+    point, _ = robot.forward(q)
+    expected = [
+        0.08 * math.cos(0.3) + 0.05 * math.cos(0.3 - 0.4),
+        0.08 * math.sin(0.3) + 0.05 * math.sin(0.3 - 0.4),
+        0.05,
+    ]
+    np.testing.assert_allclose(point, expected, atol=1e-15)
+    # Buenos Aires: POSE1 = [200, 200, -100] at 0, 90 degrees, -100 mm, -90 degrees, with yaw 0 (2.2).
+    point, yaw = _robot("fiuba-scara").forward(np.array([0.0, math.pi / 2, -0.1, -math.pi / 2]))
+    np.testing.assert_allclose([*point, float(yaw)], [0.2, 0.2, -0.1, 0.0], atol=1e-15)
+
+
+SIGNS = st.sampled_from([1, -1])
+VALUES = st.floats(-1e3, 1e3)
+
+
+@given(st.lists(st.tuples(SIGNS, VALUES), min_size=1, max_size=4))
+def test_converting_to_the_maker_and_back_is_exact(joints: list[tuple[Any, float]]) -> None:
+    conventions = tuple(JointConvention(f"j{i}", "revolute", sign) for i, (sign, _) in enumerate(joints))
+    values = np.array([value for _, value in joints]) + 0.0
+    assert converted(converted(values, conventions), conventions).tobytes() == values.tobytes()
+
+
+def _robot(model: str) -> Scara:
+    arm = arm_named(model)
+    return arm.robot(Pose(), arm.limits)
+
+
+def _objects(robot: Scara, q: Any) -> list[tuple[str, Any]]:
+    """The robot's solids as FCL objects, by a second way from q to poses: link frames by hand."""
+    phi1, phi2 = q[0], q[0] + q[1]
+    elbow = np.array([robot.l1 * np.cos(phi1), robot.l1 * np.sin(phi1), 0.0])
+    flange = elbow + [robot.l2 * np.cos(phi2), robot.l2 * np.sin(phi2), q[2]]
+    frames = [(np.zeros(3), 0.0), (np.zeros(3), phi1), (elbow, phi2), (flange, 0.0), (flange, phi2)]
+    found = []
+    for body in robot.bodies:
+        origin, yaw = frames[body.link]
+        c, s = np.cos(yaw), np.sin(yaw)
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        for piece in body.body.pieces:
+            pose = fcl.Transform(turn @ piece.rotation, origin + turn @ piece.position)
+            found.append((robot.links[body.link], fcl.CollisionObject(_shape(piece), pose)))
+    return found
+
+
+def _shape(piece: Piece) -> Any:
+    assert isinstance(piece.shape, Primitive)
+    x, y, z = (2 * h for h in piece.shape.half)
+    return fcl.Box(x, y, z) if piece.shape.kind == "box" else fcl.Cylinder(piece.shape.disc, z)
+
+
+def _meet(one: Any, other: Any) -> bool:
+    return bool(fcl.collide(one, other, fcl.CollisionRequest(), fcl.CollisionResult()))
+
+
+@pytest.mark.parametrize("model", sorted(ENTRIES))
+def test_an_arm_without_tool_never_meets_itself_within_its_limits(model: str) -> None:
+    robot = _robot(model)
+    rng = np.random.default_rng(11)
+    lower, upper = robot.limits.lower, robot.limits.upper
+    corners = [np.where([(k >> i) & 1 for i in range(len(lower))], lower, upper) for k in range(2 ** len(lower))]
+    for q in [*corners, *rng.uniform(lower, upper, (150, len(lower)))]:
+        objects = _objects(robot, q)
+        for first, one in objects:
+            for second, other in objects:
+                if (first, second) in robot.self_pairs:
+                    assert not _meet(one, other), (first, second, q.tolist())
+
+
+@pytest.mark.parametrize("model", sorted(ENTRIES))
+def test_the_quill_slides_through_link_2_everywhere_so_that_pair_is_left_out(model: str) -> None:
+    robot = _robot(model)
+    assert ("link2", "quill") not in robot.self_pairs
+    for z in (robot.limits.lower[2], robot.limits.upper[2]):
+        q = np.zeros(len(robot.joints))
+        q[1], q[2] = 0.7, z
+        objects = dict(_objects(robot, q))
+        assert _meet(objects["link2"], objects["quill"])
+
+
+def test_a_wide_tool_can_meet_column_and_links_so_those_pairs_are_asked() -> None:
+    for model in ("mitsubishi-rh-6frh5520", "mitsubishi-rh-6crh6020", "fanuc-sr-3ia"):
+        assert {("base", "flange"), ("link1", "flange"), ("link2", "flange")} <= set(_robot(model).self_pairs)
+
+
+@pytest.mark.parametrize("model", sorted(ENTRIES))
+def test_the_base_of_an_arm_may_stand_anywhere(model: str) -> None:
+    arm = arm_named(model)
+    base = Pose(0.3, -0.2, 0.5, 0.7)
+    moved, q = arm.robot(base, arm.limits), (arm.limits.lower + arm.limits.upper) / 2 + 0.01
+    point, _ = _robot(model).forward(q)
+    expected = base.then(Pose(*(float(x) for x in point)))
+    np.testing.assert_allclose(moved.forward(q)[0], [expected.x, expected.y, expected.z], atol=1e-15)
+    heights = [float(p[2]) for p in moved.placements(q)[0][:3]]
+    assert heights == pytest.approx([0.5 + arm.zero_m] * 3)
