@@ -17,6 +17,7 @@ from planner.outcome import Arrival, Leg, LegKind, Reason, Refusal
 from planner.phases import Phase, held, initial_rides, phases
 from planner.scene import Move, Pick, Place, Scene
 from planner.timing import TimingRefusal, time_joints
+from planner.tool_motion import RESERVE, carrying_peak
 from planner.trajectory import Trajectory
 
 
@@ -132,6 +133,7 @@ def _assembled(
     last = stretches[-1].knots.last
     final = chain.step == len(scene.task) - 1
     if final and scene.options.end == "rest" and not last.resting:
+        # what hangs on a moving frame comes to rest by a leg of its own
         stop = _to_rest(scene, chain.step, last, sample.stop_pace)
         if isinstance(stop, Refusal):
             return stop
@@ -156,7 +158,20 @@ def _assembled(
     ours = phases(scene, after.legs, after.arrivals)[len(chain.legs) :]
     if not final:
         ours = ours[: len(legs)]  # the arm does not stand still here
+    heavy = _too_hard(scene, chain.step, trajectory, ours)
+    if heavy is not None:
+        return heavy
     return Draft(chain, sample, tuple(stretches), legs, arrival, knots, trajectory, after, ours)
+
+
+def _too_hard(scene: Scene, step: int, trajectory: Trajectory, ours: tuple[Phase, ...]) -> Refusal | None:
+    """Whether the carried part would be accelerated harder than it may be."""
+    limit = scene.carry_acceleration
+    peak = carrying_peak(scene, trajectory, ours) if limit is not None else None
+    if limit is None or peak is None or peak[0] <= limit * (1 - RESERVE):
+        return None
+    detail = f"{peak[0]:.1f} m/s² where {limit:g} m/s² are allowed"
+    return Refusal("limits", Reason.CARRY_LIMIT, step, (), (peak[1], peak[1]), peak[0] - limit, "m/s²", detail)
 
 
 def _after(

@@ -29,7 +29,7 @@ def sentence(scene: Scene, refusal: Refusal | CensusLine | None, census: Census,
     step = scene.task[refusal.step].name
     what = _because(refusal)
     tail = ""
-    if isinstance(refusal, CensusLine) and refusal.stage in SEARCHED:
+    if isinstance(refusal, CensusLine) and refusal.stage in SEARCHED and census.candidates:
         tail = f" ({refusal.count} of {census.candidates} candidates{_span(refusal)})"
         if cut:
             tail += f"; the budget of {budget:g} s was spent"

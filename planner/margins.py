@@ -6,13 +6,12 @@ import numpy as np
 
 from planner.arrays import FloatArray
 from planner.certificate import Prover
-from planner.frames.motion import Motion
 from planner.outcome import Contact, JointPeak, Margins, Nearest
 from planner.phases import Phase, pair
-from planner.robots.protocol import Robot
 from planner.scene import Scene
 from planner.separation import centre_normals, face_normals, gaps, place, rough_gaps
 from planner.solids import carriers, standing
+from planner.tool_motion import tool_motion
 from planner.trajectory import Trajectory, check_limits
 
 INSTANTS = 64
@@ -53,13 +52,6 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         tool_acceleration_limit=scene.carry_acceleration,
         singularity=float(scene.robot.margin(trajectory.evaluate(t)).min()),
     )
-
-
-def tool_motion(scene: Scene, trajectory: Trajectory, t: FloatArray) -> Motion:
-    """Motion of the tool point in the world at times t (T,)."""
-    robot: Robot = scene.robot
-    q, qd, qdd, qddd = (trajectory.evaluate(t, order) for order in range(4))
-    return robot.link_motion(robot.links.index("flange"), q, qd, qdd, qddd).at(scene.tool.tcp)
 
 
 def nearest(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Nearest | None:

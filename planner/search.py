@@ -14,7 +14,7 @@ from planner.chain import Chain, Draft, Outline, Sample, prepared
 from planner.continuation import finished, is_straight, outline, straight_draft
 from planner.legs.meeting import Meetings
 from planner.legs.state import State
-from planner.outcome import Refusal
+from planner.outcome import Reason, Refusal
 from planner.phases import initial_rides, yaw_offsets
 from planner.scene import Scene
 from planner.screening import screen
@@ -28,6 +28,10 @@ PROVED_A_BATCH = 3
 """Continuations proved in one batch before the others of the batch are left alone."""
 PROOFS_A_BATCH = 6
 """Proofs begun in one batch: what passes fine screening is nearly always proved."""
+SLOWED = 4
+"""Times that a way which pulls too hard at the part is timed again."""
+SLOWER = 0.93
+"""... with this share of what would be just enough if accelerations scaled with the limits."""
 ANY_YAW = 8
 """Yaws that are tried where a control point leaves the yaw free."""
 
@@ -162,7 +166,7 @@ class Search:
         for number, way in enumerate(free):
             if number >= PROOFS_A_BATCH or proved >= PROVED_A_BATCH or time.perf_counter() >= self.deadline:
                 return
-            candidate = finished(self.scene, way) if isinstance(way, Outline) else way
+            candidate = self._finished(way) if isinstance(way, Outline) else way
             if isinstance(candidate, Refusal):
                 self.found.census.add(candidate)
                 continue
@@ -179,6 +183,25 @@ class Search:
             self._add(chain)
             if self.scene.options.stop == "first":
                 return
+
+    def _finished(self, way: Outline) -> Draft | Refusal:
+        """The whole continuation; what pulls too hard at the part is timed again, slower."""
+        made = finished(self.scene, way)
+        for _ in range(SLOWED):
+            limit = self.scene.carry_acceleration
+            if not (isinstance(made, Refusal) and made.reason is Reason.CARRY_LIMIT and limit is not None):
+                break
+            share = SLOWER * limit / (limit + made.amount)
+            sample, shape = way.sample, way.sample.shape
+            slower = replace(
+                sample, shape=replace(shape, effort=share * shape.effort), glue_effort=share * sample.glue_effort
+            )
+            again = outline(self.scene, way.chain, way.meeting, slower, ahead(self.scene, way.chain, way.chain.state.q))
+            if isinstance(again, Refusal):
+                return again
+            way = again
+            made = finished(self.scene, way)
+        return made
 
     def _proved(self, candidate: Draft) -> Chain | None:
         """The chain that a draft leads to, with the proofs of all its phases."""

@@ -192,6 +192,10 @@ def joint_states(
     q = continued(scene.robot, found.q, state.q)
     q[0], qd, qdd = state.q, found.qd.copy(), found.qdd.copy()
     qd[0], qdd[0] = state.qd, state.qdd
+    if point.still:
+        # at rest to the bit, not to 1e-17: what follows may wait here
+        rest = (t >= heights.end) | ((t >= heights.met) & (t <= heights.left))
+        qd[rest] = qdd[rest] = 0.0
     return Knots(t, q, qd, qdd)
 
 

@@ -12,14 +12,13 @@ R7  Motions of any length are answered: refused beyond `LONGEST`.
 R8  Vectors of the wrong length read foreign memory: lengths checked here.
 R9  Positions overshoot when ends move, and there are no position limits: for the caller to check, on extrema.
 R10 Infinite limits switch to another family of profiles: finite limits only.
-R12 It holds the GIL: processes, never threads; the objects below are reused and every field set at every call.
+R12 It holds the GIL: processes, never threads. Objects are new at every call (2 µs): nothing is left from the last one.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any
 
@@ -47,24 +46,6 @@ SHORTEST = 1e-3
 goal that differs from the start by rounding would otherwise take a microsecond, too short for knots."""
 RETRIES = (1.0, 0.99, 0.95)
 """Factors on the solver's jerk limit, tried in turn when its root finding fails on a legal problem."""
-
-
-@dataclass(slots=True)
-class _Desk:
-    """The solver's objects for n joints. Every field of `given` is set at every call, `found` is copied from."""
-
-    solver: Any
-    given: Any
-    found: Any
-
-
-_desks: dict[int, _Desk] = {}
-
-
-def _desk(n: int) -> _Desk:
-    if n not in _desks:
-        _desks[n] = _Desk(ruckig.Ruckig(n), ruckig.InputParameter(n), ruckig.Trajectory(n))
-    return _desks[n]
 
 
 def time_joints(
@@ -143,20 +124,16 @@ def shortest_duration(
     lowered = lowered_limits(rows)
     if isinstance(lowered, TimingRefusal):
         return lowered
-    found = _solve(_desk(len(rows[0])), rows, lowered, None)
+    found = _solve(rows, lowered, None)
     if isinstance(found, TimingRefusal):
         return found
-    return max(found, SHORTEST) if _at_rest(rows) else found
+    return max(found.duration, SHORTEST) if _at_rest(rows) else float(found.duration)
 
 
-def _solve(
-    desk: _Desk,
-    rows: list[list[float]],
-    lowered: Limits,
-    duration: float | None,
-) -> float | TimingRefusal:
-    """Ask the solver; its duration. `desk.found` then holds the profile."""
-    given = desk.given
+def _solve(rows: list[list[float]], lowered: Limits, duration: float | None) -> Any:
+    """The solver's trajectory, or a `TimingRefusal`. (The library ships no types.)"""
+    n = len(rows[0])
+    solver, given, found = ruckig.Ruckig(n), ruckig.InputParameter(n), ruckig.Trajectory(n)
     given.current_position, given.target_position = rows[0], rows[3]
     given.current_velocity, given.current_acceleration = _still(rows[1]), _still(rows[2])
     given.target_velocity, given.target_acceleration = _still(rows[4]), _still(rows[5])
@@ -166,31 +143,30 @@ def _solve(
     for factor in RETRIES:
         given.max_jerk = [j * factor for j in lowered[2]]
         try:
-            desk.solver.validate_input(given, True, True)
-            result = desk.solver.calculate(given, desk.found)
+            solver.validate_input(given, True, True)
+            result = solver.calculate(given, found)
         except (ruckig.RuckigError, ValueError) as error:
             failure = str(error).strip()
             continue
         if result in (ruckig.Result.Working, ruckig.Result.Finished):
-            found = float(desk.found.duration)
-            if math.isfinite(found) and found >= 0:
-                return _fits(found, desk, duration)
+            if math.isfinite(found.duration) and found.duration >= 0:
+                return _unfit(found, duration) or found
         failure = f"{result}"
     return TimingRefusal("no profile", math.nan, failure.splitlines()[0] if failure else "")
 
 
-def _fits(found: float, desk: _Desk, duration: float | None) -> float | TimingRefusal:
-    """The duration found, if it is the one asked for and not too long."""
-    if duration is not None and not found <= duration + DURATION_TOLERANCE:
-        least = max(desk.found.independent_min_durations)
+def _unfit(found: Any, duration: float | None) -> TimingRefusal | None:
+    """Why the duration found is not the one asked for, or too long."""
+    if duration is not None and not found.duration <= duration + DURATION_TOLERANCE:
+        least = max(found.independent_min_durations)
         return TimingRefusal(
             "blocked" if least <= duration else "too short",
-            found - duration,
-            f"{duration} s asked, joints alone take {least} s, together the next possible is {found} s",
+            found.duration - duration,
+            f"{duration} s asked, joints alone take {least} s, together the next possible is {found.duration} s",
         )
-    if not found <= LONGEST:
-        return TimingRefusal("too long", found - LONGEST, f"takes {found} s, {LONGEST} s allowed")
-    return found
+    if not found.duration <= LONGEST:
+        return TimingRefusal("too long", found.duration - LONGEST, f"takes {found.duration} s, {LONGEST} s allowed")
+    return None
 
 
 def _at_rest(rows: list[list[float]]) -> bool:

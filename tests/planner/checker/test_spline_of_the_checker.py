@@ -153,7 +153,7 @@ def test_a_limit_just_below_the_extremum_is_broken_and_just_above_is_kept(
     bounds |= {name: rates[k] for k, name in enumerate(("velocity", "acceleration", "jerk"), start=1)}
     sign = 1 if above else -1
     if kind == 0:
-        width = (high[0] - low[0] + 2.0)[joint] / 2
+        width = (high[0] - low[0] + 1.0)[joint] / 2
         bounds["upper"][joint] = high[0][joint] - tolerance * width * (1 - sign * 1e-2)
     else:
         exact = max(abs(low[kind][joint]), abs(high[kind][joint]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +12,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Question:
-    """Two states and limits, in the order of `time_joints`."""
+    """Two states and limits."""
 
     q0: Floats
     v0: Floats
@@ -25,8 +24,22 @@ class Question:
     acceleration: Floats
     jerk: Floats
 
-    def __iter__(self) -> Iterator[Floats]:
-        return iter(self.__dict__.values())
+    @property
+    def args(self) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats, Floats, Floats, Floats]:
+        """In the order of `time_joints`."""
+        return (*self.start, *self.goal, *self.limits)
+
+    @property
+    def start(self) -> tuple[Floats, Floats, Floats]:
+        return self.q0, self.v0, self.a0
+
+    @property
+    def goal(self) -> tuple[Floats, Floats, Floats]:
+        return self.q1, self.v1, self.a1
+
+    @property
+    def limits(self) -> tuple[Floats, Floats, Floats]:
+        return self.velocity, self.acceleration, self.jerk
 
     @property
     def n(self) -> int:

@@ -15,7 +15,7 @@ WIDE = 1e3
 
 
 def timed(asked: Question, duration: float | None = None) -> Profile:
-    found = time_joints(*asked, duration=duration)
+    found = time_joints(*asked.args, duration=duration)
     assert isinstance(found, Profile), found
     return found
 
@@ -29,7 +29,7 @@ def test_no_leg_breaks_a_limit(robot: str, manner: str) -> None:
         asked = question(rng, robot, manner)
         profile = timed(asked)
         path = to_trajectory(profile, start_time=rng.uniform(0, 5))
-        limits = (np.full(4, -WIDE), np.full(4, WIDE), *list(asked)[6:])
+        limits = (np.full(4, -WIDE), np.full(4, WIDE), *asked.limits)
         assert keeps_limits(path, *limits), (asked, check_limits(path, *limits))
 
 
@@ -39,14 +39,14 @@ def test_no_leg_of_a_given_duration_breaks_a_limit(robot: str) -> None:
     for k in range(300):
         asked = question(rng, robot, MANNERS[k % 4])
         wanted = timed(asked).duration * rng.choice([1.0, 1.0 + 1e-6, rng.uniform(1, 2)])
-        profile = time_joints(*asked, duration=wanted)
+        profile = time_joints(*asked.args, duration=wanted)
         if isinstance(profile, TimingRefusal):
             assert profile.reason == "blocked"
             blocked += 1
             continue
         assert profile.duration == wanted
         path = to_trajectory(profile, start_time=rng.uniform(0, 5))
-        limits = (np.full(4, -WIDE), np.full(4, WIDE), *list(asked)[6:])
+        limits = (np.full(4, -WIDE), np.full(4, WIDE), *asked.limits)
         assert keeps_limits(path, *limits), (asked, check_limits(path, *limits))
     assert blocked < 30
 
@@ -70,9 +70,9 @@ def test_the_spline_repeats_the_solvers_cubics(manner: str) -> None:
         asked = question(rng, "problems", manner, least=1e-2)
         profile = timed(asked)
         solver, given, found = ruckig.Ruckig(4), ruckig.InputParameter(4), ruckig.Trajectory(4)
-        for name, value in zip(("position", "velocity", "acceleration"), list(asked)[:3], strict=True):
+        for name, value in zip(("position", "velocity", "acceleration"), asked.start, strict=True):
             setattr(given, f"current_{name}", value.tolist())
-        for name, value in zip(("position", "velocity", "acceleration"), list(asked)[3:6], strict=True):
+        for name, value in zip(("position", "velocity", "acceleration"), asked.goal, strict=True):
             setattr(given, f"target_{name}", value.tolist())
         needed = np.maximum(np.abs(asked.v0), np.abs(asked.v1)) * (1 + 1e-14)
         given.max_velocity = np.maximum(asked.velocity * (1 - RATE_RESERVE), needed).tolist()
@@ -99,7 +99,7 @@ def test_the_same_question_gets_the_same_bytes_whatever_was_asked_before() -> No
     order = rng.permutation(60)
     for k in order:
         # A refused question in between, one with a duration, one that fails its check.
-        time_joints(*asked[k - 1], duration=1e-6)
-        time_joints(*asked[k - 2], duration=9.0)
+        time_joints(*asked[k - 1].args, duration=1e-6)
+        time_joints(*asked[k - 2].args, duration=9.0)
         again = timed(asked[k]).knots(0.3)
         assert all(map(np.array_equal, first[k], again))

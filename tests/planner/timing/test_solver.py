@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.errors import InputError
-from planner.timing import Profile, TimingRefusal, shortest_duration, solver, time_joints, to_trajectory
+from planner.timing import Profile, TimingRefusal, shortest_duration, time_joints, to_trajectory
 from planner.timing.solver import BRIEF, LONGEST, SHORTEST
 from planner.trajectory import check_limits
 from tests.planner.timing.legs import MANNERS, ROBOTS, question
@@ -149,22 +149,31 @@ def test_a_motion_of_more_than_ten_minutes_is_refused() -> None:
 
 
 class Broken:
-    """Stands in for Ruckig's objects."""
+    """Stands in for Ruckig's solver: fails a few times, and then is Ruckig."""
 
-    def __init__(self, failing: int, error: Exception | None, result: Any = None) -> None:
-        self.failing, self.error, self.result = failing, error, result
+    def __init__(self, failing: int, error: Exception | None, aside: float = 0.0) -> None:
+        self.failing, self.error, self.aside = failing, error, aside
         self.asked: list[float] = []
+        self.given: Any = None
+        self.real = ruckig.Ruckig(2)
 
-    def validate_input(self, *_: object) -> bool:
-        return True
+    def __call__(self, n: int) -> Broken:
+        assert n == 2
+        return self
+
+    def validate_input(self, given: Any, *checks: bool) -> bool:
+        assert checks == (True, True)
+        return bool(self.real.validate_input(given, *checks))
 
     def calculate(self, given: Any, found: Any) -> Any:
         self.asked.append(given.max_jerk[0])
+        self.given = given
         if len(self.asked) <= self.failing:
             if self.error is not None:
                 raise self.error
-            return self.result
-        return ruckig.Ruckig(2).calculate(given, found)
+            return ruckig.Result.ErrorSynchronizationCalculation
+        given.target_position = [x + self.aside for x in given.target_position]
+        return self.real.calculate(given, found)
 
 
 ERRORS = (ruckig.RuckigError("step 2"), ValueError("-101 is not a valid Result"), None)
@@ -175,9 +184,8 @@ ERRORS = (ruckig.RuckigError("step 2"), ValueError("-101 is not a valid Result")
 def test_a_failure_of_the_solver_is_tried_again_with_less_jerk_and_then_a_refusal(
     monkeypatch: pytest.MonkeyPatch, error: Exception | None, failing: int
 ) -> None:
-    broken = Broken(failing, error, ruckig.Result.ErrorSynchronizationCalculation)
-    desk = solver._Desk(broken, ruckig.InputParameter(2), ruckig.Trajectory(2))
-    monkeypatch.setitem(solver._desks, 2, desk)
+    broken = Broken(failing, error)
+    monkeypatch.setattr(ruckig, "Ruckig", broken)
     answer = ask()
     assert len(broken.asked) == min(failing + 1, 3)
     assert broken.asked == sorted(broken.asked, reverse=True)
@@ -191,25 +199,21 @@ def test_a_failure_of_the_solver_is_tried_again_with_less_jerk_and_then_a_refusa
 
 
 def test_a_profile_that_misses_its_goal_is_refused_as_unsound(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Elsewhere(Broken):
-        def calculate(self, given: Any, found: Any) -> Any:
-            given.target_position = [x + 1e-6 for x in given.target_position]
-            return super().calculate(given, found)
-
-    desk = solver._Desk(Elsewhere(0, None), ruckig.InputParameter(2), ruckig.Trajectory(2))
-    monkeypatch.setitem(solver._desks, 2, desk)
+    monkeypatch.setattr(ruckig, "Ruckig", Broken(0, None, aside=1e-6))
     answer = ask()
     assert isinstance(answer, TimingRefusal)
     assert answer.reason == "unsound"
     assert answer.excess == pytest.approx(10, rel=1e-3)
 
 
-def test_no_waypoint_is_ever_given_to_the_solver() -> None:
-    ask()
-    ask(duration=3.0)
-    for desk in solver._desks.values():
-        assert desk.given.intermediate_positions == []
-        assert desk.solver.max_number_of_waypoints == 0
+def test_no_waypoint_is_ever_given_to_the_solver(monkeypatch: pytest.MonkeyPatch) -> None:
+    watched = Broken(0, None)
+    monkeypatch.setattr(ruckig, "Ruckig", watched)
+    for duration in (None, 3.0):
+        ask(duration=duration)
+        assert watched.given.intermediate_positions == []
+        assert watched.given.minimum_duration == duration
+    assert watched.real.max_number_of_waypoints == 0
 
 
 @pytest.mark.parametrize("residual", [1e-9 * 0.99, 1e-12, 1e-14, 1e-300])
@@ -243,7 +247,7 @@ def test_a_brief_motion_from_rest_to_rest_goes_straight_and_takes_no_longer() ->
     rng, straight = np.random.default_rng(0), 0
     for _ in range(300):
         asked = question(rng, "real", "rest")
-        found, least = time_joints(*asked), shortest_duration(*asked)
+        found, least = time_joints(*asked.args), shortest_duration(*asked.args)
         assert isinstance(found, Profile)
         assert isinstance(least, float)
         assert found.duration == least
@@ -258,11 +262,11 @@ def test_the_shortest_duration_is_that_of_the_profile_and_can_be_asked_for(
     seed: int, robot: str, manner: str, n: int
 ) -> None:
     asked = question(np.random.default_rng(seed), robot, manner, n)
-    profile, shortest = time_joints(*asked), shortest_duration(*asked)
+    profile, shortest = time_joints(*asked.args), shortest_duration(*asked.args)
     assert isinstance(profile, Profile)
     assert isinstance(shortest, float)
     assert profile.duration == shortest
-    again = time_joints(*asked, duration=shortest)
+    again = time_joints(*asked.args, duration=shortest)
     assert isinstance(again, Profile)
     assert again.duration == shortest
 

@@ -1,0 +1,119 @@
+"""Shapes of a document as convex pieces, bodies as they sit in the cell, on a tool or on a link."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from planner.frames.motion import Pose
+from planner.scene import WORLD, WorldBody
+from planner.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
+from scenes.build.frames import placed
+from scenes.documents.shapes import AttachedBody, BodyDocument, MeshDocument, PlaceInCell, ShapeDocument
+from scenes.documents.task import TargetDocument
+from scenes.faults import Path, fault, located
+
+
+def solid(document: object, path: Path, name: str, shape: ShapeDocument) -> Body:
+    """The body in its own frame. Raises `DocumentError` at the field below `path` that the solid refuses."""
+    if shape.mesh is not None:
+        return _mesh(document, (*path, "mesh"), name, shape.mesh)
+    return Body(name, (_piece(document, path, shape),))
+
+
+def _piece(document: object, path: Path, shape: ShapeDocument) -> Piece:
+    if shape.box is not None:
+        with located(document, *path, "box"):
+            return Piece(box(*shape.box.size_m))
+    if shape.sphere is not None:
+        with located(document, *path, "sphere"):
+            return Piece(sphere(shape.sphere.radius_m))
+    if shape.cylinder is not None:
+        with located(document, *path, "cylinder"):
+            primitive = cylinder(shape.cylinder.radius_m, shape.cylinder.height_m)
+            return Piece(primitive, rotation=AXES[shape.cylinder.axis])
+    if shape.capsule is not None:
+        with located(document, *path, "capsule"):
+            primitive = capsule(shape.capsule.radius_m, shape.capsule.length_m)
+            return Piece(primitive, rotation=AXES[shape.capsule.axis])
+    raise fault(document, path, "exactly one of box, sphere, cylinder, capsule, mesh")
+
+
+def _mesh(document: object, path: Path, name: str, mesh: MeshDocument) -> Body:
+    from scenes.meshes import covered
+
+    if mesh.file is not None:
+        raise fault(document, (*path, "file"), "an asset's name or inline data: a request never names a file")
+    if mesh.data is not None and mesh.format is None:
+        raise fault(document, (*path, "format"), "stl, obj, ply or glb, which must be given with data")
+    with located(document, *path):
+        cover = covered(mesh)
+    return Body(name, cover.pieces, cover.surface)
+
+
+def attached(document: object, path: Path, item: AttachedBody, lower_m: float = 0.0) -> Body:
+    """A body at its pose in its carrier's frame, `lower_m` lower: its pieces and surface moved there."""
+    body = solid(document, (*path, "shape"), item.name, item.shape)
+    at = np.array(item.at_m) - [0.0, 0.0, lower_m]
+    turn = _turn(item.yaw_rad)
+    pieces = tuple(Piece(p.shape, at + turn @ p.position, turn @ p.rotation) for p in body.pieces)
+    surface = body.surface
+    if surface is not None:
+        vertices = surface[0] @ turn.T + at
+        vertices.flags.writeable = False
+        surface = (vertices, surface[1])
+    return Body(item.name, pieces, surface)
+
+
+def _turn(yaw: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+Places = dict[str, tuple[str, Pose]]
+"""Where each body of the cell sits: frame, and pose in it."""
+
+
+def world_bodies(document: object, bodies: Sequence[BodyDocument], frames: Sequence[str], places: Places) -> list[WorldBody]:
+    """The bodies of the surroundings, in order; `places` (which may hold a neighbour's already) is filled with them."""
+    found = []
+    for i, item in enumerate(bodies):
+        path: Path = ("bodies", i)
+        if item.name in places:
+            raise fault(document, (*path, "name"), "a name that no other body has")
+        frame, pose = resolve(document, (*path, "pose"), item.pose, item.pose.yaw_rad, frames, places)
+        body = solid(document, (*path, "shape"), item.name, item.shape)
+        places[item.name] = (frame, pose)
+        found.append(WorldBody(body, frame, pose, item.mass_kg, item.yaw_symmetry))
+    return found
+
+
+def resolve(
+    document: object,
+    path: Path,
+    place: PlaceInCell | TargetDocument,
+    yaw: float,
+    frames: Sequence[str],
+    places: Places,
+) -> tuple[str, Pose]:
+    """Frame and pose of a place that may be relative to a body (one that was named before)."""
+    pose = placed(place.at_m, yaw)
+    if place.body is not None:
+        if place.body not in places:
+            raise fault(document, (*path, "body"), f"a body that is named before: {_choices(places)}")
+        frame, carrier = places[place.body]
+        return frame, carrier.then(pose)
+    frame = WORLD if place.frame is None else place.frame
+    if frame not in frames:
+        raise fault(document, (*path, "frame"), f"one of {_choices(frames)}")
+    return frame, pose
+
+
+MOST_CHOICES = 12
+
+
+def _choices(names: Sequence[str] | Places) -> str:
+    shown = sorted(names)
+    more = f" and {len(shown) - MOST_CHOICES} more" if len(shown) > MOST_CHOICES else ""
+    return ", ".join(shown[:MOST_CHOICES]) + more if shown else "none is there"

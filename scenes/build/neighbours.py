@@ -1,0 +1,77 @@
+"""Other robots in the cell: each of their links is a frame that moves as their own trajectory says."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from planner.errors import InputError
+from planner.frames import Fixed, Frame
+from planner.frames.motion import Pose
+from planner.robots.scara import BASE, Scara
+from planner.scene import WorldBody
+from planner.shapes import Body
+from scenes.build.bodies import Places
+from scenes.build.robots import arm, scara, tool
+from scenes.catalogue.arm import Conventions, converted
+from scenes.documents.robots import NeighbourDocument, TrajectoryDocument
+from scenes.faults import Path, fault, located
+
+if TYPE_CHECKING:
+    from planner.trajectory import Trajectory
+
+
+def trajectory_of(document: object, path: Path, item: TrajectoryDocument, conventions: Conventions) -> Trajectory:
+    """The planner's trajectory from one in the maker's convention. Raises `DocumentError` at the field at fault."""
+    from planner.trajectory import Trajectory
+
+    names = [joint.name for joint in conventions]
+    units = [joint.unit for joint in conventions]
+    if item.joint_names != names:
+        raise fault(document, (*path, "joint_names"), f"{names}")
+    if item.joint_units != units:
+        raise fault(document, (*path, "joint_units"), f"{units}")
+    arrays = []
+    for key in ("position", "velocity", "acceleration"):
+        rows = getattr(item, key)
+        if len(rows) != len(item.time_s):
+            raise fault(document, (*path, key), f"{len(item.time_s)} rows, one for each time")
+        for k, row in enumerate(rows):
+            if len(row) != len(names):
+                raise fault(document, (*path, key, k), f"{len(names)} numbers, one for each joint")
+        arrays.append(converted(np.array(rows, dtype=np.float64), conventions))
+    try:
+        return Trajectory(np.array(item.time_s, dtype=np.float64), *arrays)
+    except InputError as error:
+        key = "time_s" if "time" in error.field else ""
+        raise fault(document, (*path, key) if key else path, error.allowed) from error
+
+
+def add_neighbour(
+    document: object, path: Path, item: NeighbourDocument, frames: dict[str, Frame], places: Places
+) -> list[WorldBody]:
+    """Puts a neighbour's links among the frames and gives its bodies, all called NEIGHBOUR/name."""
+    from planner.neighbour import TrajectoryLaw
+
+    its_arm = arm(document, (*path, "robot"), item.robot)
+    robot: Scara = scara(document, (*path, "robot"), item.robot, its_arm)
+    trajectory = trajectory_of(document, (*path, "trajectory"), item.trajectory, its_arm.conventions)
+    if not (trajectory.rest_at_start and trajectory.rest_at_end):
+        raise fault(document, (*path, "trajectory", "velocity"), "rest at its first and last knot: it stands still before and after")
+    for number, link in enumerate(robot.links):
+        name = f"{item.name}/{link}"
+        with located(document, *path, "trajectory"):
+            law = Fixed(robot.base) if number == BASE else TrajectoryLaw(robot, trajectory, number)
+        frames[name] = Frame(name, law)
+    its_tool = tool(document, (*path, "robot", "tool"), item.robot.tool)
+    carried = [(body.body, robot.links[body.link]) for body in robot.bodies]
+    carried += [(body, "flange") for body in its_tool.bodies]
+    found = []
+    for body, link in carried:
+        renamed = Body(f"{item.name}/{body.name}", body.pieces, body.surface)
+        if renamed.name in places:
+            raise fault(document, (*path, "robot"), f"bodies with different names; {body.name} is there twice")
+        places[renamed.name] = (f"{item.name}/{link}", Pose())
+        found.append(WorldBody(renamed, f"{item.name}/{link}"))
+    return found
