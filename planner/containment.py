@@ -12,10 +12,9 @@ from planner.arrays import BoolArray, FloatArray, IntArray
 
 BLOCK = 1 << 18
 """Triangle-point pairs that are worked on at a time: about 40 MB."""
-INSIDE = 0.5
-"""Winding number from which on a point counts as enclosed. It is 1 inside, 0 outside, and 1/2 on a face."""
-ROUNDING = 1e-6
-"""How far a winding number may be off: sums of 200,000 arctangents are good to 1e-10."""
+ENCLOSED = 0.05
+"""Winding number from which on a point counts as enclosed. Off the surface it is a whole number to 1e-10, so any share
+would do; a small one counts what is on a face (1/2), on an edge or at all but the sharpest corners as enclosed, too."""
 
 
 def winding_number(surface: tuple[FloatArray, IntArray], points: FloatArray) -> FloatArray:
@@ -26,8 +25,8 @@ def winding_number(surface: tuple[FloatArray, IntArray], points: FloatArray) -> 
         tan(Ω/2) = a·(b×c) / (|a||b||c| + (a·b)|c| + (b·c)|a| + (c·a)|b|)
 
     Arguments: `surface` = vertices (m, 3) in metres and faces (f, 3), closed, outward by the right-hand rule; `points`
-    (N, 3) in metres, in the same frame. On the surface: the share of a small ball that is inside; at a corner of the
-    surface 0 of the triangles that meet there count. A point that is not finite: NaN. Not checked: that it is closed.
+    (N, 3) in metres, in the same frame. On the surface: the share of a small ball that is inside (a triangle in whose
+    plane the point lies counts nothing). A point that is not finite: NaN. Not checked: that the surface is closed.
     """
     vertices, faces = surface
     corners = vertices[faces]
@@ -38,15 +37,15 @@ def winding_number(surface: tuple[FloatArray, IntArray], points: FloatArray) -> 
         la, lb, lc = (np.sqrt((v * v).sum(-1)) for v in (a, b, c))
         volume = (a * np.cross(b, c)).sum(-1)
         rest = la * lb * lc + (a * b).sum(-1) * lc + (b * c).sum(-1) * la + (c * a).sum(-1) * lb
-        total += np.arctan2(volume, rest).sum(0)
+        total += np.where(volume == 0.0, 0.0, np.arctan2(volume, rest)).sum(0)
     return total / (2 * np.pi)
 
 
 def inside(surface: tuple[FloatArray, IntArray], points: FloatArray) -> BoolArray:
     """Whether each point (N, 3) is enclosed by the surface, (N,); fail closed: a point that is not finite is inside.
 
-    Points on a face count as enclosed. Arguments as for `winding_number`.
+    Points on a face or edge count as enclosed. Arguments as for `winding_number`.
     """
     with np.errstate(invalid="ignore"):
-        outside: BoolArray = np.abs(winding_number(surface, points)) < INSIDE - ROUNDING
+        outside: BoolArray = np.abs(winding_number(surface, points)) < ENCLOSED
     return ~outside

@@ -33,7 +33,20 @@ def sentence(scene: Scene, refusal: Refusal | CensusLine | None, census: Census,
         tail = f" ({refusal.count} of {census.candidates} candidates{_span(refusal)})"
         if cut:
             tail += f"; the budget of {budget:g} s was spent"
-    return f"{step}: {what}{tail}."
+    return f"{step}: {what}{_others(refusal, census)}{tail}."
+
+
+def _others(refusal: Refusal | CensusLine, census: Census) -> str:
+    """Bodies that are in the way about as often, at the same step."""
+    if not isinstance(refusal, CensusLine) or refusal.reason is not Reason.BODY_COLLISION:
+        return ""
+    seen, found = set(refusal.bodies[1:]), []
+    for line in census.lines:
+        same = (line.reason, line.step) == (refusal.reason, refusal.step)
+        if same and 2 * line.count >= refusal.count and not seen.issuperset(line.bodies[1:]):
+            seen |= set(line.bodies[1:])
+            found.append(f"{line.bodies[0]} with {' and '.join(line.bodies[1:])}")
+    return f"; likewise {', '.join(found[:2])}" if found else ""
 
 
 def _span(line: CensusLine) -> str:

@@ -98,9 +98,9 @@ def _points(scene: Scene, prover: Prover) -> Refusal | None:
             return None  # the scene's constructor has refused this already
         found = [
             _point(scene, prover, control_point(scene, number, rides, carried, o), rides, carried)
-            for o in offsets or ()
+            for o in (offsets if offsets is not None else (0.0,))
         ]
-        if found and all(refusal is not None for refusal in found):
+        if all(r is not None and (offsets is not None or _whatever_the_yaw(scene, prover, r, carried)) for r in found):
             return found[0]
         if isinstance(step, Pick):
             carried = held(scene, step, (offsets or (0.0,))[0])
@@ -149,6 +149,16 @@ def _point(
             Refusal("control point", Reason.CONTROL_POINT_IN_COLLISION, point.step, names, None, short, "m", detail)
         )
     return refusals[0] if refusals else None
+
+
+def _whatever_the_yaw(scene: Scene, prover: Prover, refusal: Refusal, carried: Carried | None) -> bool:
+    """Whether turning the tool about its axis changes nothing for the body that is in the way."""
+    tcp = scene.tool.tcp
+    solids = prover.solids(carried, ())
+    number = solids.names.index(refusal.bodies[0])
+    units = np.array(solids.pieces[number])
+    on_quill = scene.robot.links[solids.carrier[units[0]]] == "quill"
+    return tcp.x == 0.0 and tcp.y == 0.0 and (on_quill or bool((solids.reach[units] == 0.0).all()))
 
 
 def _known(scene: Scene, frame: str, t: float) -> bool:

@@ -31,7 +31,8 @@ def relax(scene: Scene, step: int, blocker: str | None, deadline: float) -> tupl
             tried.append("the explain budget was spent")
             break
         tried.append(f"{what}: {value}")
-        found = _attempt(changed, min(left, ATTEMPT_S) if what != "budget" else min(4 * scene.options.budget_s, left / 2))
+        longest = ATTEMPT_S if what != "budget" else min(4 * scene.options.budget_s, left / 2)
+        found = _attempt(changed, min(left, longest))
         if found.best is not None:
             return Relaxation(
                 what, _reached(found, what, value, step), found.best.state.time - scene.start.time

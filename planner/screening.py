@@ -42,6 +42,8 @@ class Screened:
 
     refusal: Refusal | None
     bad: float
+    also: tuple[Refusal, ...] = ()
+    """The deepest confirmed encounters with other bodies of the surroundings."""
 
 
 def screen(prover: Prover, drafts: Sequence[Timed], step: float = STEP_S) -> list[Screened]:
@@ -101,18 +103,27 @@ def _screen_group(
         mine = np.flatnonzero(samples.owner[row] == draft)
         share = len(np.unique(row[mine])) / max(1, int((samples.owner == draft).sum()))
         order = mine[np.argsort(gap[mine], kind="stable")]
-        refusal = None
-        for i in order[:MOST_ASKED]:
+        confirmed: list[Refusal] = []
+        asked: dict[int, int] = {}
+        for i in order:
+            # a few rows of each body that is in the way, deepest first, until one is confirmed
+            body = int(solids.body[other.unit[i]])
+            if asked.get(body, 0) >= MOST_ASKED or (len(asked) >= MOST_BODIES and body not in asked):
+                continue
+            asked[body] = asked.get(body, 0) + 1
             phase = members[int(samples.phase[row[i]])][1]
             refusal = _ask(prover, solids, phase, samples, int(row[i]), one, other, int(i), float(need[i]))
             if refusal is not None:
-                break
-        result[int(draft)] = Screened(refusal, share)
+                confirmed.append(refusal)
+                asked[body] = MOST_ASKED
+        result[int(draft)] = Screened(confirmed[0] if confirmed else None, share, tuple(confirmed[1:]))
     return result
 
 
 MOST_ASKED = 4
-"""Rows of one draft about which FCL is asked, deepest first; the prover asks about the others."""
+"""Rows of one draft and body about which FCL is asked, deepest first; the prover asks about the others."""
+MOST_BODIES = 3
+"""Bodies about which FCL is asked for one draft: one refuses it, the others are told in the census."""
 
 
 def _required(prover: Prover, solids: Solids, members: list[tuple[int, Phase]], a: IntArray, b: IntArray) -> FloatArray:
@@ -164,7 +175,7 @@ def _ask(
     t = float(samples.t[time_row])
     for k in rows:
         if prover.collider.touch(one, other, int(k)):
-            depth = need - float(likely_gaps(one.rows(slice(k, k + 1)), other.rows(slice(k, k + 1)))[0])
+            depth = need - float(likely_gaps(one.rows(np.array([k])), other.rows(np.array([k])))[0])
             return Refusal("screening", reason, phase.step, names, (t, t), depth, "m", "touch")
         distance, _ = separate(one, other, int(k))
         if not distance - SLACK_M > need:

@@ -141,6 +141,8 @@ class Search:
             sampler.learn(way.sample, screened.bad)
             if screened.refusal is not None:
                 self.found.census.add(screened.refusal)
+                for also in screened.also:
+                    self.found.census.note(also)
             else:
                 free.append(way)
         self._prove(sorted(free, key=lambda way: way.end))
@@ -175,6 +177,8 @@ class Search:
                 rest = screen(self.prover, [candidate])[0]
                 if rest.refusal is not None:
                     self.found.census.add(rest.refusal)
+                    for also in rest.also:
+                        self.found.census.note(also)
                     continue
             chain = self._proved(candidate)
             if chain is None:

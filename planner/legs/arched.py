@@ -58,7 +58,7 @@ def arch(
     before = hop.rise * up.duration if resting else 0.0
     after = hop.fall * down.duration if arriving else 0.0
 
-    def across_in(seconds: float | None) -> Profile | TimingRefusal:
+    def across_in(seconds: float | None) -> Sketch | Settled | TimingRefusal:
         begin, end = (q0[across], qd0[across], qdd0[across]), (q1[across], qd1[across], qdd1[across])
         return sketch_joints(*begin, *end, v[across], a[across], j[across], seconds)
 

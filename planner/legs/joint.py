@@ -75,9 +75,7 @@ class Reached:
 
     def knots(self) -> Knots:
         """Knots in absolute time; the last is at `end` to the bit, so that it and the control point agree."""
-        parts = [
-            Knots(*(way if isinstance(way, Arched) else way.profile).knots(begin)) for begin, way in self.profiles
-        ]
+        parts = [Knots(*(way if isinstance(way, Arched) else way.profile).knots(begin)) for begin, way in self.profiles]
         result = parts[0]
         for part in parts[1:]:
             result = result.then(part)
@@ -190,7 +188,8 @@ class JointMotion:
         stations = [q, *(via.q for via in shape.vias), self.branch.q[row]]
         for i, via in enumerate(shape.vias, start=1):
             v = self._passing(stations[i - 1], via.q, stations[i + 1], via.pace)
-            found = sketch_joints(*self._from(), via.q, v, np.zeros_like(v), self.velocity, self.acceleration, self.jerk)
+            limits = self.velocity, self.acceleration, self.jerk
+            found = sketch_joints(*self._from(), via.q, v, np.zeros_like(v), *limits)
             if isinstance(found, TimingRefusal):
                 return Refusal("timing", Reason.MOTION_LIMIT, self.step, detail=f"via: {found.detail}")
             self.prefix.append(found)

@@ -29,6 +29,9 @@ ROUNDS = 12
 FIRST = (2.0, 8.0, 80.0)
 """First guess of the phase law's limits, 1/s, 1/s², 1/s³."""
 
+LOOKS = 201
+"""Points of a line at which its distance from a singular position is looked at."""
+
 Along = Callable[[FloatArray], Motion]
 
 
@@ -139,3 +142,21 @@ def _refused(
     left = scene.robot.singular_distance(q[least])
     detail = f"the line comes within {1e3 * float(left):.1f} mm of a singular position (margin {margin[least]:.3f})"
     return Refusal("straight", Reason.NEAR_SINGULARITY, step, (), span, asked - float(margin[least]), "1", detail)
+
+
+def mode_changes(scene: Scene, step: int, state: State, modes: tuple[int, int], left: Along, met: Along) -> Refusal:
+    """Why a straight leg cannot begin in one working mode and end in another, with how near it comes to where the
+    modes meet (frames as they are when it begins)."""
+    robot, t = scene.robot, np.array([state.time])
+    begin, end = left(t), met(t)
+    s = np.linspace(0.0, 1.0, LOOKS)
+    p = begin.p + s[:, None] * (end.p - begin.p)
+    still = np.zeros_like(p)
+    none = np.zeros(LOOKS)
+    found = robot.inverse(Motion(p, still, still, still, np.full(LOOKS, begin.yaw[0]), none, none, none), modes[0], 0)
+    change = f"a straight leg cannot change from {robot.modes[modes[0]]} to {robot.modes[modes[1]]}"
+    if not np.isfinite(found.q).all():
+        return Refusal("straight", Reason.OUT_OF_REACH, step, detail=f"{change}, and the line leaves the workspace")
+    nearest = float(robot.singular_distance(found.q).min())
+    detail = f"{change}: the line comes no nearer than {1e3 * nearest:.1f} mm to a singular position"
+    return Refusal("straight", Reason.NEAR_SINGULARITY, step, (), None, nearest, "m", detail)

@@ -97,15 +97,14 @@ def sketch_joints(
     lowered = lowered_limits(rows)
     if isinstance(lowered, TimingRefusal):
         return lowered
-    desk = _desk(len(rows[0]))
-    found = _solve(desk, rows, lowered, duration)
+    found = _solve(rows, lowered, duration)
     if isinstance(found, TimingRefusal):
         return found
-    if found < BRIEF and _at_rest(rows):
-        brief = straight(rows[0], rows[3], *lowered, max(found, SHORTEST) if duration is None else duration)
+    if found.duration < BRIEF and _at_rest(rows):
+        brief = straight(rows[0], rows[3], *lowered, max(found.duration, SHORTEST) if duration is None else duration)
         if brief is not None:
             return Settled(brief)
-    return _read(desk.found.profiles[0], rows, found if duration is None else duration)
+    return _read(found.profiles[0], rows, found.duration if duration is None else duration)
 
 
 def shortest_duration(
@@ -148,9 +147,9 @@ def _solve(rows: list[list[float]], lowered: Limits, duration: float | None) -> 
         except (ruckig.RuckigError, ValueError) as error:
             failure = str(error).strip()
             continue
-        if result in (ruckig.Result.Working, ruckig.Result.Finished):
-            if math.isfinite(found.duration) and found.duration >= 0:
-                return _unfit(found, duration) or found
+        good = result in (ruckig.Result.Working, ruckig.Result.Finished)
+        if good and math.isfinite(found.duration) and found.duration >= 0:
+            return _unfit(found, duration) or found
         failure = f"{result}"
     return TimingRefusal("no profile", math.nan, failure.splitlines()[0] if failure else "")
 

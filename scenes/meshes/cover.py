@@ -12,6 +12,7 @@ What is enclosed and touched by no hull is not covered: `planner.containment` an
 from __future__ import annotations
 
 import heapq
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,6 +39,9 @@ MANY = 600
 """From this many triangles on, only cuts through the middle are tried: the better cuts come in the smaller cells."""
 ENOUGH = 400
 """Triangles from whose corners the volume of a hull is estimated, to compare cuts."""
+DIRECTIONS = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if x or y or z])
+"""Directions in which the outermost corners are always among them."""
+GOLDEN = (math.sqrt(5) - 1) / 2
 LEAST_SHARE = 1e-3
 """A cut keeps this share of the cell's extent from its ends."""
 FINALISTS = 3
@@ -131,10 +135,16 @@ def _halves(triangles: FloatArray) -> tuple[_Cell, _Cell] | None:
 
 
 def _some(triangles: FloatArray) -> FloatArray:
-    """Corners of the triangles, or of enough of them to compare volumes."""
+    """Corners of the triangles, or enough of them to compare hulls: the outermost ones, and some that are spread.
+
+    They are picked in steps of the golden section, for a mesh is often a grid, and a regular step would pick a line.
+    """
     if len(triangles) <= ENOUGH:
         return triangles.reshape(-1, 3)
-    return triangles[:: 1 + len(triangles) // ENOUGH, 0]
+    points = triangles[:, 0]
+    outermost = np.argmax(points @ DIRECTIONS.T, axis=0)
+    spread = (np.arange(ENOUGH) * GOLDEN % 1.0 * len(points)).astype(int)
+    return points[np.concatenate([outermost, spread])]
 
 
 def _levels(triangles: FloatArray, axis: int) -> list[tuple[float, float]]:

@@ -204,8 +204,8 @@ def test_an_address_or_method_that_is_not_there_is_a_problem(
     assert (status == 405) == ("allow" in answer.headers)
 
 
-@pytest.mark.parametrize("name", shipped_scenarios())
-def test_a_service_with_the_usual_settings_takes_every_shipped_scenario(client: httpx.Client, name: str) -> None:
-    options = validate(client.get(f"/v1/scenes/{name}").json()).options
-    assert options.budget_s <= Settings().max_budget_s
-    assert options.explain_budget_s <= Settings().max_budget_s
+def test_a_service_with_the_usual_settings_takes_every_shipped_scenario(client: httpx.Client) -> None:
+    for name in shipped_scenarios():
+        options = validate(client.get(f"/v1/scenes/{name}").json()).options
+        assert options.budget_s <= Settings().max_budget_s, name
+        assert options.explain_budget_s <= Settings().max_budget_s, name

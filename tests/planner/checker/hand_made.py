@@ -129,7 +129,8 @@ class Hand:
         """Along `tool`, a knot every 5 ms."""
         t0 = self.now
         t = np.linspace(t0, t1, 2 + int((t1 - t0) / 0.005))[1:]
-        self._knots(t, *joints_at(self.scene.robot, self.scene.tool.tcp, tool(t)))  # type: ignore[arg-type]
+        if t1 > t0:
+            self._knots(t, *joints_at(self.scene.robot, self.scene.tool.tcp, tool(t)))  # type: ignore[arg-type]
         self.leg(kind, step, t1)
 
     def arrive(self, step: int, t: float, until: float, *, matched: bool = True, yaw_offset: float = 0.0) -> None:
@@ -347,19 +348,15 @@ class PlainProver:
             if least - 2 * SLACK_M >= required + late:
                 self.rows.append((t0, t1, a.name, k, b.name, m, n, g0, g1, v, acc))
                 return
-        if t1 - t0 < 2e-4:
-            if k < 0 or m < 0:
-                for i in range(len(a.body.pieces)) if k < 0 else [k]:
-                    for j in range(len(b.body.pieces)) if m < 0 else [m]:
-                        self._pair(phase, a, i, b, j, t0, t1)
-                return
-            raise FaultError(f"{a.name} {k} and {b.name} {m} cannot be kept apart by hand at {t0}")
-        if t1 - t0 < 0.02 and (k < 0 or m < 0):
+        middle = (t0 + t1) / 2
+        best = max(self.gap(a, k, b, m, n, middle) for n in self._normals(a, k, b, m, middle))
+        if (k < 0 or m < 0) and not best > required:
             for i in range(len(a.body.pieces)) if k < 0 else [k]:
                 for j in range(len(b.body.pieces)) if m < 0 else [m]:
                     self._pair(phase, a, i, b, j, t0, t1)
             return
-        middle = (t0 + t1) / 2
+        if t1 - t0 < 2e-4:
+            raise FaultError(f"{a.name} {k} and {b.name} {m} cannot be kept apart by hand at {t0}")
         self._pair(phase, a, k, b, m, t0, middle)
         self._pair(phase, a, k, b, m, middle, t1)
 

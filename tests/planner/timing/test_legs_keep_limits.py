@@ -14,8 +14,12 @@ from tests.planner.timing.legs import MANNERS, ROBOTS, Question, question
 WIDE = 1e3
 
 
+def timed_or_refused(asked: Question, duration: float | None = None) -> Profile | TimingRefusal:
+    return time_joints(*asked.args, duration=duration)
+
+
 def timed(asked: Question, duration: float | None = None) -> Profile:
-    found = time_joints(*asked.args, duration=duration)
+    found = timed_or_refused(asked, duration)
     assert isinstance(found, Profile), found
     return found
 
@@ -99,7 +103,7 @@ def test_the_same_question_gets_the_same_bytes_whatever_was_asked_before() -> No
     order = rng.permutation(60)
     for k in order:
         # A refused question in between, one with a duration, one that fails its check.
-        time_joints(*asked[k - 1].args, duration=1e-6)
-        time_joints(*asked[k - 2].args, duration=9.0)
+        timed_or_refused(asked[k - 1], 1e-6)
+        timed_or_refused(asked[k - 2], 9.0)
         again = timed(asked[k]).knots(0.3)
         assert all(map(np.array_equal, first[k], again))

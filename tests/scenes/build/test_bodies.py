@@ -68,8 +68,16 @@ def test_a_convex_mesh_is_solid_and_a_hollow_one_keeps_its_surface() -> None:
 
 
 def test_a_place_on_a_body_is_a_place_in_that_bodys_frame() -> None:
-    tray = {"name": "tray", "shape": {"box": {"size_mm": [90, 90, 4]}}, "pose": {"frame": "belt", "at_mm": [100, 10, 2], "yaw_deg": 90}}
-    screw = {"name": "screw", "shape": {"sphere": {"radius_mm": 2}}, "pose": {"body": "tray", "at_mm": [30, 0, 4], "yaw_deg": 10}}
+    tray = {
+        "name": "tray",
+        "shape": {"box": {"size_mm": [90, 90, 4]}},
+        "pose": {"frame": "belt", "at_mm": [100, 10, 2], "yaw_deg": 90},
+    }
+    screw = {
+        "name": "screw",
+        "shape": {"sphere": {"radius_mm": 2}},
+        "pose": {"body": "tray", "at_mm": [30, 0, 4], "yaw_deg": 10},
+    }
     placed = cell(tray, screw).index["screw"]
     assert placed.frame == "belt"
     assert (placed.pose.x, placed.pose.y, placed.pose.z) == pytest.approx((0.1, 0.04, 0.006))

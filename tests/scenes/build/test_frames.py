@@ -95,9 +95,7 @@ def test_keyframes_pass_their_points_and_are_not_known_beyond_them() -> None:
 
 
 def test_uncertainty_and_validity_belong_to_the_frame() -> None:
-    made = frame(
-        {"fixed": {"at_m": [0, 0, 0]}}, uncertainty={"position_mm": 0.5, "speed_mm_s": 2}, valid_s=[0, 4]
-    )
+    made = frame({"fixed": {"at_m": [0, 0, 0]}}, uncertainty={"position_mm": 0.5, "speed_mm_s": 2}, valid_s=[0, 4])
     assert (made.uncertainty.position_m, made.uncertainty.speed_m_s) == (0.0005, 0.002)
     assert made.law.valid == (0.0, 4.0)
     assert np.isnan(made.law.motion(np.array([-0.1, 4.1])).p).all()

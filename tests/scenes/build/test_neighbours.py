@@ -25,7 +25,9 @@ def with_neighbour(**changes: Any) -> dict[str, Any]:
             "base": {"at_mm": [800, 0, 0], "yaw_deg": 180},
             "tool": {
                 "tcp_mm": [0, 0, -50],
-                "bodies": [{"name": "cup", "shape": {"cylinder": {"radius_mm": 10, "height_mm": 50}}, "at_mm": [0, 0, -25]}],
+                "bodies": [
+                    {"name": "cup", "shape": {"cylinder": {"radius_mm": 10, "height_mm": 50}}, "at_mm": [0, 0, -25]}
+                ],
             },
         },
         "trajectory": {

@@ -31,7 +31,9 @@ MITSUBISHI = {"j1_deg": 10, "j2_deg": 20, "j3_mm": 250, "j4_deg": 30}
 def test_limits_are_scaled_and_ranges_narrowed_and_nothing_else_changes() -> None:
     plain = scene_of(request("mitsubishi-rh-6frh5520", MITSUBISHI)).robot.limits
     narrow = scene_of(
-        request("mitsubishi-rh-6frh5520", MITSUBISHI, acceleration=0.6, velocity=0.5, j4_deg=[-270, 180], j3_mm=[133, 300])
+        request(
+            "mitsubishi-rh-6frh5520", MITSUBISHI, acceleration=0.6, velocity=0.5, j4_deg=[-270, 180], j3_mm=[133, 300]
+        )
     ).robot.limits
     np.testing.assert_allclose(narrow.velocity, 0.5 * plain.velocity)
     np.testing.assert_allclose(narrow.acceleration, 0.6 * plain.acceleration)
@@ -84,8 +86,18 @@ def inline(axes: int = 4, **changes: Any) -> dict[str, Any]:
         {"name": "C", **turn},
     ][:axes]
     solids = [
-        {"name": "post", "link": "base", "shape": {"cylinder": {"radius_mm": 50, "height_mm": 400}}, "at_mm": [0, 0, 200]},
-        {"name": "rod", "link": "quill", "shape": {"cylinder": {"radius_mm": 9, "height_mm": 300}}, "at_mm": [0, 0, 150]},
+        {
+            "name": "post",
+            "link": "base",
+            "shape": {"cylinder": {"radius_mm": 50, "height_mm": 400}},
+            "at_mm": [0, 0, 200],
+        },
+        {
+            "name": "rod",
+            "link": "quill",
+            "shape": {"cylinder": {"radius_mm": 9, "height_mm": 300}},
+            "at_mm": [0, 0, 150],
+        },
     ]
     found = request("benchmark-scara", {})
     found["robot"] = {

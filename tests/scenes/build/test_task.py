@@ -70,13 +70,21 @@ def test_every_field_of_a_follow() -> None:
 def test_a_target_on_a_body_is_a_target_in_that_bodys_frame() -> None:
     (step,) = scene({"move": {"to": {"body": "plate", "at_mm": [0, 150, 30], "yaw_deg": 0}}}).task
     assert isinstance(step, Move)
-    assert step.target == Target("dial", Pose(0, 0.15, 0.02))
+    assert (step.target.frame, step.target.yaw_free) == ("dial", False)
+    pose = step.target.pose
+    assert (pose.x, pose.y, pose.z, pose.yaw) == pytest.approx((0, 0.15, 0.02, 0))
 
 
 def test_a_part_may_be_picked_again_where_it_was_placed() -> None:
     again = {"pick": {**GOOD_REQUEST["task"][0]["pick"], "name": "again"}}
     again["pick"].pop("window_mm")
-    back = {"place": {**GOOD_REQUEST["task"][1]["place"], "to": {"frame": "belt", "at_mm": [0, 0, 10], "yaw_deg": 0}, "window_mm": [-100, 100]}}
+    back = {
+        "place": {
+            **GOOD_REQUEST["task"][1]["place"],
+            "to": {"frame": "belt", "at_mm": [0, 0, 10], "yaw_deg": 0},
+            "window_mm": [-100, 100],
+        }
+    }
     steps = scene(*GOOD_REQUEST["task"][:2], again, back).task
     assert [step.name for step in steps] == ["pick-1", "place-2", "again", "place-4"]
     windowed = {"pick": {**GOOD_REQUEST["task"][0]["pick"], "name": "again"}}
