@@ -99,7 +99,7 @@ def _tetrahedron(a: Vector, b: Vector, c: Vector, d: Vector) -> tuple[Vector, li
 
 
 def _support_of(placed: Placed, row: int) -> tuple[Support, Vector, float]:
-    """Support point of the core of one unit, its centre, and the radius of its ball."""
+    """Support point of the core of one unit, a point inside it, and the radius of its ball."""
     solids, unit = placed.solids, int(placed.unit[row])
     c: Vector = tuple(placed.centre[row].tolist())
     columns: list[Vector] = [tuple(column) for column in placed.axes[row].T.tolist()]
@@ -111,7 +111,9 @@ def _support_of(placed: Placed, row: int) -> tuple[Support, Vector, float]:
             found: Vector = tuple(vertices[int(np.argmax(vertices @ np.array(n)))].tolist())
             return found
 
-        return of_hull, c, 0.0
+        # the origin of a hull may be anywhere, outside of it too
+        middle: Vector = tuple(vertices.mean(0).tolist())
+        return of_hull, middle, 0.0
     half, disc = solids.half[unit].tolist(), float(solids.disc[unit])
 
     def of_primitive(n: Vector) -> Vector:

@@ -112,7 +112,7 @@ def _screen_group(
                 continue
             asked[body] = asked.get(body, 0) + 1
             phase = members[int(samples.phase[row[i]])][1]
-            refusal = _ask(prover, solids, phase, samples, int(row[i]), one, other, int(i), float(need[i]))
+            refusal = _ask(prover, solids, phase, samples, int(row[i]), one, other, int(i), gap[i], float(need[i]))
             if refusal is not None:
                 confirmed.append(refusal)
                 asked[body] = MOST_ASKED
@@ -156,18 +156,21 @@ def _ask(
     one: Placed,
     other: Placed,
     i: int,
+    gap_i: float,
     need: float,
 ) -> Refusal | None:
     """What FCL, and where it says free GJK, say about row `i`; boxes of several pieces are opened first."""
+    gap = {i: gap_i}
     first, second = int(one.unit[i]), int(other.unit[i])
     if solids.piece[first] == COVER or solids.piece[second] == COVER:
         pairs = [(x, y) for x in _opened(solids, first) for y in _opened(solids, second)]
         row = np.full(len(pairs), time_row)
         one = place(solids, samples.where, row, np.array([x for x, _ in pairs]))
         other = place(solids, samples.where, row, np.array([y for _, y in pairs]))
-        gap = likely_gaps(one, other)
-        order = np.argsort(gap, kind="stable")
-        rows = order[~(gap[order] - SLACK_M > need)]
+        gaps = likely_gaps(one, other)
+        gap = {k: float(gaps[k]) for k in range(len(pairs))}
+        order = np.argsort(gaps, kind="stable")
+        rows = order[~(gaps[order] - SLACK_M > need)]
     else:
         rows = np.array([i])
     names = (solids.names[solids.body[first]], solids.names[solids.body[second]])
@@ -175,7 +178,7 @@ def _ask(
     t = float(samples.t[time_row])
     for k in rows:
         if prover.collider.touch(one, other, int(k)):
-            depth = need - float(likely_gaps(one.rows(np.array([k])), other.rows(np.array([k])))[0])
+            depth = need - float(gap[int(k)])
             return Refusal("screening", reason, phase.step, names, (t, t), depth, "m", "touch")
         distance, _ = separate(one, other, int(k))
         if not distance - SLACK_M > need:
