@@ -41,7 +41,7 @@ def assembled(
     if latest is not None and not knots.time[-1] <= latest:
         over = float(knots.time[-1]) - latest
         return Refusal("timing", Reason.WINDOW_MISSED, chain.step, (), None, over, "s", "the motion ends too late")
-    unknown = _laws_over(scene, chain.step, float(knots.time[-1]))
+    unknown = laws_over(scene, chain.step, float(knots.time[-1]))
     if unknown is not None:
         return unknown
     trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
@@ -114,12 +114,13 @@ def _to_rest(scene: Scene, step: int, state: State, pace: float) -> Stretch | Re
     return Stretch(LegKind.MOVE, Knots(*found.knots(state.time)), "comes to rest")
 
 
-def _laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
-    """Whether a frame's law ends before the arm has stood still for as long as is asked."""
+def laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
+    """Whether a frame's law ends before the arm, started late, has stood still for as long as is asked."""
     stay = scene.options.stay_safe_s if scene.options.end == "rest" else 0.0
+    needed = end + stay + scene.execution.start_tolerance_s
     for frame in scene.frames.values():
-        if not end + stay <= frame.law.valid[1]:
-            late = end + stay - frame.law.valid[1]
+        if not needed <= frame.law.valid[1]:
+            late = needed - frame.law.valid[1]
             detail = f"the law of {frame.name} ends at {frame.law.valid[1]:g} s"
             return Refusal("timing", Reason.LAW_ENDS, step, (frame.name,), None, late, "s", detail)
     return None

@@ -20,7 +20,7 @@ FIRST_RANDOM = 12
 """Samples in the first random batch of a chain; later ones are larger."""
 MOST_RANDOM = 32
 """... up to this many: large batches are cheaper a sample, small ones react sooner."""
-MUTATED = 0.35
+MUTATED = 0.25
 """Share of random samples that are mutations of the best drafts so far, once there are any."""
 ELITE = 6
 """Best drafts that are kept for mutation."""
@@ -184,14 +184,20 @@ class Sampler:
         found = []
         for share in shares:
             q = start + share * (goal - start)
-            kind = rng.random()
             free = np.array([joint.kind == "revolute" for joint in robot.joints])
             free[3:] = False  # the wrist only turns with the way; it clears nothing
-            if kind < 0.5:
-                spread = 0.15 * (limits.upper - limits.lower)
+            kind = rng.choice(len(VIAS), p=VIAS)
+            spread = SPREAD * (limits.upper - limits.lower)
+            if kind == 0:
                 q = np.where(free, q + rng.normal(0.0, 1.0, len(q)) * spread, q)
-            else:
+            elif kind == 1:
                 q = np.where(free, rng.uniform(limits.lower, limits.upper), q)
+            else:
+                # one joint near an end of its range: a folded arm passes where a stretched one does not
+                joint = int(rng.choice(np.flatnonzero(free)[1:]))
+                q = np.where(free, q + rng.normal(0.0, 0.5, len(q)) * spread, q)
+                edge = limits.upper if rng.random() < 0.5 else limits.lower
+                q[joint] = edge[joint] * (1 - 0.3 * rng.random())
             if robot.lift is not None:
                 z = robot.lift
                 low = max(float(start[z]), float(goal[z])) if rng.random() < 0.7 else float(limits.lower[z])
@@ -233,5 +239,9 @@ class Sampler:
         return option, replace(parent, shape=replace(shape, vias=vias, hop=hop, wait=wait, late=late))
 
 
-BASE = {"arch": 0.6, "1 via": 1.6, "2 vias": 0.8, "wait": 0.3, "later": 0.5}
+VIAS = (0.3, 0.4, 0.3)
+"""Shares of vias near the way, anywhere, and with a folded arm."""
+SPREAD = 0.2
+"""Spread of vias near the way, in ranges of the joints."""
+BASE = {"arch": 0.3, "1 via": 1.6, "2 vias": 1.6, "wait": 0.3, "later": 0.5}
 """Weights of the families before anything is known."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from planner.arrays import FloatArray
-from planner.assembly import assembled
+from planner.assembly import assembled, laws_over
 from planner.chain import Chain, Draft, Outline, Sample
 from planner.frames.motion import Motion, Pose
 from planner.legs.control_point import ControlPoint
@@ -30,6 +30,9 @@ def outline(
         missed = _window_refusal(meeting.point, reached.end, chain.step)
         if missed is not None:
             return missed
+    unknown = laws_over(scene, chain.step, reached.end)
+    if unknown is not None:
+        return unknown
     start = initial_rides(scene)
     moved = tuple((name, *ride) for name, ride in sorted(chain.rides.items()) if ride != start[name])
     way = Phase(chain.state.time, reached.end, LegKind.MOVE, chain.step, chain.carried, moved, frozenset(), None, ())

@@ -6,11 +6,12 @@ import numpy as np
 
 from planner.arrays import FloatArray
 from planner.certificate import Prover
+from planner.gjk import separate
 from planner.outcome import Contact, JointPeak, Margins, Nearest
 from planner.phases import Phase, pair
 from planner.scene import Scene
-from planner.separation import centre_normals, face_normals, gaps, place, rough_gaps
-from planner.solids import carriers, standing
+from planner.separation import centre_normals, face_normals, gaps, likely_gaps, place, rough_gaps
+from planner.solids import COVER, Carriers, Solids, carriers, standing
 from planner.tool_motion import tool_motion
 from planner.trajectory import Trajectory, check_limits
 
@@ -96,18 +97,38 @@ def _nearest(
     where = carriers(prover.scene, standing(trajectory, t), t)
     rough = rough_gaps(solids, where, a[which], b[which])
     row, column = np.unravel_index(np.argsort(rough, axis=None, kind="stable"), rough.shape)
-    gap = np.array([])
+    best = (np.inf, float(t[0]), int(which[0]))
     # the roughly nearest first: what is roughly further than the nearest found so far need not be looked at
     for first in range(0, len(row), BATCH):
-        if first and not rough[row[first], column[first]] < gap.min():
+        if not rough[row[first], column[first]] < best[0]:
             break
         part = slice(first, first + BATCH)
-        one = place(solids, where, row[part], a[which[column[part]]])
-        other = place(solids, where, row[part], b[which[column[part]]])
-        normals = np.concatenate([centre_normals(one, other), face_normals(one, other)], axis=1)
-        gap = np.append(gap, gaps(one, other, normals).max(1))
-    i = int(np.argmin(gap))
-    return float(gap[i]), float(t[row[i]]), int(which[column[i]])
+        units_a, units_b = a[which[column[part]]], b[which[column[part]]]
+        one, other = place(solids, where, row[part], units_a), place(solids, where, row[part], units_b)
+        gap = gaps(one, other, np.concatenate([centre_normals(one, other), face_normals(one, other)], axis=1)).max(1)
+        for k in np.argsort(gap, kind="stable"):
+            if not gap[k] < best[0]:
+                break
+            true = float(gap[k])
+            if solids.piece[units_a[k]] == COVER or solids.piece[units_b[k]] == COVER:
+                true = _between_pieces(solids, where, int(row[part][k]), int(units_a[k]), int(units_b[k]))
+            if true < best[0]:
+                best = true, float(t[row[part][k]]), int(which[column[part][k]])
+    return best
+
+
+def _between_pieces(solids: Solids, where: Carriers, row: int, first: int, second: int) -> float:
+    """Distance, m, of two bodies of several pieces at one time: the nearest pair of pieces, by GJK."""
+    ones, others = (np.array(solids.pieces[int(solids.body[unit])]) for unit in (first, second))
+    rows = np.full(len(ones) * len(others), row)
+    one = place(solids, where, rows, np.repeat(ones, len(others)))
+    other = place(solids, where, rows, np.tile(others, len(ones)))
+    gap, best = likely_gaps(one, other), np.inf
+    for k in np.argsort(gap, kind="stable"):
+        if not gap[k] < best:
+            break
+        best = min(best, separate(one, other, int(k))[0])
+    return float(best)
 
 
 def contacts(phases: tuple[Phase, ...]) -> tuple[Contact, ...]:

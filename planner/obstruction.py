@@ -83,22 +83,35 @@ def _pair(
 def enclosed(
     scene: Scene, solids: Solids, q: FloatArray, t: float, exempt: frozenset[tuple[str, str]]
 ) -> tuple[str, str] | None:
-    """A body of the arm and the mesh whose surface encloses its centre (a mesh is hollow to FCL and to gaps)."""
+    """A body of the arm and the mesh whose surface encloses a point of it (a mesh is hollow to FCL and to gaps)."""
     where = carriers(scene, q[None], np.array([t]))
+    points = [(mine, _reference_points(solids, where, mine)) for mine in range(solids.robot_bodies)]
     for world in scene.bodies:
         if world.body.surface is None or world.name not in solids.names:
             continue
-        number = solids.names.index(world.name)
-        carrier = int(solids.carrier[solids.roots[number]])
+        vertices = world.body.surface[0]
+        low, high = vertices.min(0), vertices.max(0)
+        carrier = int(solids.carrier[solids.roots[solids.names.index(world.name)]])
         turn, origin = where.rotation[0, carrier], where.position[0, carrier]
         c, s = math.cos(world.pose.yaw), math.sin(world.pose.yaw)
         yaw = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        for mine in range(solids.robot_bodies):
-            if pair(solids.names[mine], world.name) in exempt:
+        for mine, here in points:
+            local = ((here - origin) @ turn - world.pose.position) @ yaw
+            # a point outside the box round the surface is outside the surface; NaN is not outside
+            near = ~((local < low) | (local > high)).any(-1)
+            if pair(solids.names[mine], world.name) in exempt or not near.any():
                 continue
-            units = np.array(solids.pieces[mine])
-            points = place(solids, where, np.zeros(len(units), dtype=np.int64), units).centre
-            local = ((points - origin) @ turn - world.pose.position) @ yaw
-            if inside(world.body.surface, local).any():
+            if inside(world.body.surface, local[near]).any():
                 return solids.names[mine], world.name
     return None
+
+
+def _reference_points(solids: Solids, where: Carriers, body: int) -> FloatArray:
+    """A point (m, 3) inside each convex piece of a body, world."""
+    units = np.array(solids.pieces[body])
+    placed = place(solids, where, np.zeros(len(units), dtype=np.int64), units)
+    points = placed.centre.copy()
+    for k, hull in enumerate(solids.hull[units]):
+        if hull >= 0:
+            points[k] += placed.axes[k] @ solids.hulls[int(hull)].vertices.mean(0)
+    return points

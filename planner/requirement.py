@@ -50,6 +50,6 @@ CONTACT_GAP = -CONTACT_M
 
 def worst(scene: Scene, phase: Phase, frame: str) -> float:
     """An upper bound of what is required of bodies in `frame` over the phase, without the term of a late start, m."""
-    late = float(uncertainty(scene, phase, frame, np.array(phase.t1)))
-    found = clearance(scene, phase) + scene.execution.tracking_m + late
+    latest = np.array(phase.t1 + scene.execution.start_tolerance_s)
+    found = clearance(scene, phase) + scene.execution.tracking_m + float(uncertainty(scene, phase, frame, latest))
     return found if math.isfinite(found) else math.inf

@@ -3,4 +3,55 @@
 Arrows point inwards only: `scenes` knows `planner`, `planner` knows nothing of it. Units, the makers' joint
 conventions and every limit of size live here, at the border. Importing anything of this package loads neither fcl, nor
 ruckig, nor trimesh, nor scipy: they come when a scene is planned or a mesh is read.
+
+The short way in, `load`, `plan` and `check`, works on plain documents; the other doors are in `scenes.requests`.
 """
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Literal
+
+__all__ = ["check", "load", "plan"]
+
+
+def load(name: str | Path) -> dict[str, Any]:
+    """The request in a scenario file (YAML), in a request file (``.json``), or in the shipped scenario of that name.
+
+    A plain document of its own each time: change it, plan it, post it. Mesh files that a scenario names, which must lie
+    below its folder, are in it already. As on the command line, a file that is there comes before a scenario's name.
+    Raises `InputError` naming the field (in YAML with its line), or `OSError` for a file that cannot be read.
+    """
+    from scenes.requests import load_scenario, parse_json, shipped
+    from scenes.scenarios import with_files
+
+    path = Path(name)
+    if path.suffix.lower() == ".json":
+        document: dict[str, Any] = with_files(parse_json(path.read_bytes()), path.parent)
+        return document
+    is_file = path.is_file() or path.suffix.lower() in (".yaml", ".yml")
+    scenario = load_scenario(path) if is_file else shipped(str(name))
+    with scenario.located():
+        request: dict[str, Any] = with_files(scenario.request, scenario.folder)
+    return request
+
+
+def plan(request: object, *, certificate: Literal["full", "digest"] = "full") -> dict[str, Any]:
+    """The answer to a request: ``status`` is ``planned``, or ``not_planned`` and then it says why.
+
+    `certificate`: the whole table of the proof, which `check` needs, or its digest and size.
+    Raises `InputError` naming the field that is not right.
+    """
+    from scenes.requests import plan_document
+
+    return plan_document(request, certificate=certificate)
+
+
+def check(request: object, answer: object) -> dict[str, Any]:
+    """What the checker, which trusts no planner, says of a planned answer: ``{"ok": ..., "findings": [...]}``.
+
+    Raises `InputError` for what is no plan with a certificate in full.
+    """
+    from scenes.requests import check_document
+
+    return check_document(request, answer)

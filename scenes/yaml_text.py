@@ -3,7 +3,7 @@
 Built from the event stream of PyYAML's libyaml parser without recursion and without any of its constructors, so what a
 scalar means is decided here by the core schema of YAML 1.2 (`on` is text, `1e3` is a number, `1:30` is text, `010` is
 ten). Refused: anchors, aliases, merge keys, tags, keys that are not text or look like a boolean, keys given twice,
-numbers that are not finite, more than one document, deep nesting, long files. Why so: docs/decisions/yaml.md.
+numbers that are not finite, more than one document, deep nesting, long files. Why so: docs/decisions/0003-documents.md.
 """
 
 from __future__ import annotations

@@ -140,7 +140,8 @@ class Facts:
         for k in np.unique(carrier[carrier >= solids.links]):
             rows = np.flatnonzero(carrier == k)
             frame = self.frames[k - solids.links].name
-            found[rows] += (scene.execution.tracking_m + uncertainty(scene, phase, frame, t1[rows]))[:, None]
+            late_t1 = t1[rows] + tolerance  # the arm may be there as late as that
+            found[rows] += (scene.execution.tracking_m + uncertainty(scene, phase, frame, late_t1))[:, None]
             if tolerance > 0:
                 every = np.flatnonzero(carrier[wide] == k)
                 r = row[wide[every]]

@@ -56,6 +56,7 @@ class _Proof:
         self.facts = Facts(prover.scene, self.solids, phase, trajectory)
         self.done: list[tuple[IntArray, IntArray, FloatArray, FloatArray, Claim]] = []
 
+    @np.errstate(invalid="ignore")  # where a law is not known there is NaN, and nothing is proved by it
     def run(self) -> Rows | Unproved:
         a, b = self.prover.asked(self.solids)
         phase = self.phase

@@ -44,14 +44,18 @@ def _inside(
     solids, t = stage.solids, np.array([phase.t0])
     position, rotation = stage.where(ranges.spline.state(t)[0], t)
     findings = []
+    all_points, owners = _points(stage, number, np.flatnonzero(new[hollow].any(0)), position[0], rotation[0])
     for shell in hollow:
-        surface = solids.bodies[shell].surface
-        others = np.flatnonzero(new[shell])
-        if surface is None or not len(others):
+        surface, asked = solids.bodies[shell].surface, new[shell, owners]
+        if surface is None or not asked.any():
             continue
-        points, owner = _points(stage, number, others, position[0], rotation[0])
+        points, owner = all_points[asked], owners[asked]
         p, turn = _pose(stage, number, shell, position[0], rotation[0])
-        held = inside(surface, (points - p) @ turn)
+        local, box = (points - p) @ turn, solids.box[shell]
+        # What is outside its box is outside the surface; NaN is not outside.
+        near = ~(np.abs(local - solids.position[box]) > solids.half[box]).any(1)
+        held = np.zeros(len(points), dtype=bool)
+        held[near] = inside(surface, local[near])
         for k in np.unique(owner[held]):
             what = f"{solids.bodies[k].name} begins inside {solids.bodies[shell].name}"
             findings.append(Finding(Code.CONTAINMENT, what, where=f"{phase.t0:.6g} s"))

@@ -55,7 +55,7 @@ def legs(scene: Scene, plan_legs: tuple[Leg, ...], ranges: Ranges) -> list[Findi
     line = ranges.spline
     if not plan_legs:
         return [Finding(Code.LEGS, "a plan without legs")]
-    findings = _possible(scene)
+    findings: list[Finding] = []
     edges = [(line.start, plan_legs[0].t0), *((a.t1, b.t0) for a, b in pairwise(plan_legs))]
     edges.append((plan_legs[-1].t1, line.end))
     for i, (one, other) in enumerate(edges):
@@ -72,16 +72,6 @@ def legs(scene: Scene, plan_legs: tuple[Leg, ...], ranges: Ranges) -> list[Findi
         own = tuple(leg for leg in plan_legs if leg.step == number)
         findings += _of_step(step, number, own, last=number == len(scene.task) - 1)
     return findings + _waits(plan_legs, ranges)
-
-
-def _possible(scene: Scene) -> list[Finding]:
-    """A task that picks with a full gripper, or places what it does not hold, has no right plan."""
-    held: str | None = None
-    for number, step in enumerate(scene.task):
-        if (isinstance(step, Pick) and held is not None) or (isinstance(step, Place) and held != step.part):
-            return [Finding(Code.LEGS, f"step {number} cannot be done while the gripper holds {held or 'nothing'}")]
-        held = step.part if isinstance(step, Pick) else None if isinstance(step, Place) else held
-    return []
 
 
 def pattern(step: Step, *, last: bool) -> str:

@@ -89,8 +89,9 @@ def proved(
     n, speed, acceleration = c.normal[i], c.speed[i], c.acceleration[i]
     seats = [stage.seat[rows.phase, body] for body in (rows.first, rows.second)]
     pieces = [rows.first_piece, rows.second_piece]
-    spans, span = np.unique(np.stack([rows.t0, rows.t1]), axis=1, return_inverse=True)
-    swept = _each(ranges.sweep(spans[0], spans[1]), span.ravel())
+    # Many rows share an interval; complex numbers sort by both of its ends at once.
+    spans, span = np.unique(rows.t0 + 1j * rows.t1, return_inverse=True)
+    swept = _each(ranges.sweep(spans.real.copy(), spans.imag.copy()), span)
     bounds = [stage.bounds(seats[k], pieces[k], n, rows.t0, rows.t1, swept) for k in (0, 1)]
     own_speed, own_acceleration = bounds[0][0] + bounds[1][0], bounds[0][1] + bounds[1][1]
     gap0, gap1 = _gaps(stage, ranges, seats, pieces, n, rows)

@@ -53,22 +53,30 @@ class Solids:
             found[rows] += (local[rows] @ self.vertices[k].T).max(1)
         return np.asarray(found)
 
-    def reach(self, body: int, offset: FloatArray) -> FloatArray:
-        """How far turning about a carrier's z axis moves the solids of a body (count + 1,), m; the box is the last.
+    def reach(self, body: IntArray, offset: FloatArray) -> tuple[IntArray, FloatArray]:
+        """How far turning about a carrier's z axis moves the solids of bodies (K,) at `offset` (K, 4): x, y, z, yaw.
 
-        A bound of the horizontal distance from that axis of the points of a solid, the body being at `offset`
-        (x, y, z, yaw) in its carrier. An upright solid of revolution looks the same however it turns, so its points may
-        be taken to move as its centre does. For the box, that bound serves which the pieces in it give.
+        The first place of each body (K,), and the reaches in m: of its pieces, and behind them of its box. A reach is a
+        bound of the horizontal distance from that axis of the points of a solid. An upright solid of revolution looks
+        the same however it turns, so its points may be taken to move as its centre does. What bounds the points of all
+        pieces serves for the box, too: a gap of boxes is a gap of what is in them.
         """
-        solid = np.arange(self.first[body], self.first[body] + self.count[body])
-        pieces = self._radius(solid, offset)
-        box = self._radius(self.box[[body]], offset)
-        return np.append(pieces, np.minimum(box, pieces.max()))
+        sizes = self.count[body] + 1
+        start = np.cumsum(sizes) - sizes
+        of = np.repeat(np.arange(len(body)), sizes)
+        place = np.arange(len(of)) - start[of]
+        boxed = place == sizes[of] - 1
+        solid = np.where(boxed, self.box[body[of]], self.first[body[of]] + place)
+        found = self._radius(solid, offset[of])
+        if len(body):
+            widest = np.maximum.reduceat(np.where(boxed, 0.0, found), start)
+            found = np.where(boxed, np.minimum(found, widest[of]), found)
+        return start, found
 
     def _radius(self, solid: IntArray, offset: FloatArray) -> FloatArray:
-        c, s = np.cos(offset[3]), np.sin(offset[3])
-        turn = np.array([[c, -s], [s, c]])
-        centre = self.position[solid, :2] @ turn.T + offset[:2]
+        c, s = np.cos(offset[:, 3]), np.sin(offset[:, 3])
+        turn = np.stack([np.stack([c, -s], -1), np.stack([s, c], -1)], -2)
+        centre = (turn @ self.position[solid, :2, None])[..., 0] + offset[:, :2]
         axes = turn @ self.rotation[solid, :2, :]
         corners = centre[:, None, :] + (_SIGNS * self.half[solid][:, None, :]) @ np.swapaxes(axes, 1, 2)
         found = np.hypot(corners[..., 0], corners[..., 1]).max(1) + self.disc[solid] + self.ball[solid]

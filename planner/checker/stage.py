@@ -111,15 +111,6 @@ def stage(scene: Scene, table: Solids, phases: tuple[Phase, ...]) -> Stage:
             carrier, pose = moved.get(name, (carrier, pose))
             seat[i, b] = found.setdefault((b, carrier, pose), len(found))
     offset = np.array([(pose.x, pose.y, pose.z, pose.yaw) for _, _, pose in found]).reshape(-1, 4)
-    reaches = [table.reach(b, offset[k]) for k, (b, _, _) in enumerate(found)]
-    sizes = np.array([len(each) for each in reaches], dtype=np.int64)
-    return Stage(
-        scene,
-        table,
-        seat,
-        np.array([b for b, _, _ in found], dtype=np.int64),
-        np.array([carrier for _, carrier, _ in found], dtype=np.int64),
-        offset,
-        np.cumsum(sizes) - sizes,
-        np.concatenate([np.zeros(0), *reaches]),
-    )
+    body = np.array([b for b, _, _ in found], dtype=np.int64)
+    carriers = np.array([carrier for _, carrier, _ in found], dtype=np.int64)
+    return Stage(scene, table, seat, body, carriers, offset, *table.reach(body, offset))

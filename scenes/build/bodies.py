@@ -75,7 +75,9 @@ Places = dict[str, tuple[str, Pose]]
 """Where each body of the cell sits: frame, and pose in it."""
 
 
-def world_bodies(document: object, bodies: Sequence[BodyDocument], frames: Sequence[str], places: Places) -> list[WorldBody]:
+def world_bodies(
+    document: object, bodies: Sequence[BodyDocument], frames: Sequence[str], places: Places
+) -> list[WorldBody]:
     """The bodies of the surroundings, in order; `places` (which may hold a neighbour's already) is filled with them."""
     found = []
     for i, item in enumerate(bodies):

@@ -91,5 +91,3 @@ def _options(document: object, item: OptionsDocument, modes: tuple[str, ...]) ->
         stay_safe_s=item.stay_safe_s,
         latest_end_s=item.latest_end_s,
     )
-
-

@@ -58,7 +58,8 @@ def add_neighbour(
     robot: Scara = scara(document, (*path, "robot"), item.robot, its_arm)
     trajectory = trajectory_of(document, (*path, "trajectory"), item.trajectory, its_arm.conventions)
     if not (trajectory.rest_at_start and trajectory.rest_at_end):
-        raise fault(document, (*path, "trajectory", "velocity"), "rest at its first and last knot: it stands still before and after")
+        allowed = "rest at its first and last knot: it stands still before and after"
+        raise fault(document, (*path, "trajectory", "velocity"), allowed)
     for number, link in enumerate(robot.links):
         name = f"{item.name}/{link}"
         with located(document, *path, "trajectory"):

@@ -8,8 +8,8 @@ import numpy as np
 
 from planner.arrays import FloatArray
 from planner.errors import InputError
-from planner.robots.protocol import Limits, RobotBody
 from planner.robots.planar import upright
+from planner.robots.protocol import Limits, RobotBody
 from planner.robots.scara import LINKS, QUILL, Scara
 from planner.scene import Start, Tool
 from scenes.build.bodies import attached
@@ -67,9 +67,7 @@ def start(document: object, item: StartDocument, conventions: Conventions) -> St
     return Start(item.at_s, q, qd, qdd)
 
 
-def joint_values(
-    document: object, path: Path, values: JointValues, conventions: Conventions, rate: str
-) -> FloatArray:
+def joint_values(document: object, path: Path, values: JointValues, conventions: Conventions, rate: str) -> FloatArray:
     """The planner's values (n,) from a mapping of maker's joints; `rate`: what follows rad or m in the unit."""
     keys = [_key(joint, rate) for joint in conventions]
     given = values.model_extra or {}
@@ -102,9 +100,7 @@ def _rates(limits: Limits) -> tuple[FloatArray, FloatArray, FloatArray]:
     return limits.velocity, limits.acceleration, limits.jerk
 
 
-def _ranges(
-    document: object, path: Path, ranges: dict[str, Sequence[float]], of: Arm
-) -> tuple[FloatArray, FloatArray]:
+def _ranges(document: object, path: Path, ranges: dict[str, Sequence[float]], of: Arm) -> tuple[FloatArray, FloatArray]:
     lower, upper = of.limits.lower.copy(), of.limits.upper.copy()
     keys = [_key(joint) for joint in of.conventions]
     for key, (first, last) in ranges.items():

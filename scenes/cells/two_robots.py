@@ -1,4 +1,4 @@
-"""Plans the other robot of the two-robots cells, and writes its trajectories there: ``python -m scenes.cells.two_robots``.
+"""Plans the other robot of the two-robots cells and writes its trajectories: ``python -m scenes.cells.two_robots``.
 
 Its own request is two-robots-neighbour.yaml. In two-robots.yaml it does the whole of it; in two-robots-parked.yaml it
 stops at the nest, as after a fault: the steps behind the one at the nest are left out. Whatever stands between the two
@@ -38,8 +38,8 @@ def knots(trajectory: dict[str, Any]) -> str:
 
 def main() -> None:
     """Plan and write both."""
-    for name, steps in STEPS.items():
-        answer = plan_document(neighbour_request(steps), certificate="digest")
+    answers = {name: plan_document(neighbour_request(steps), certificate="digest") for name, steps in STEPS.items()}
+    for name, answer in answers.items():
         if answer["status"] != "planned":
             raise SystemExit(answer["sentence"])
         path = CELLS / name

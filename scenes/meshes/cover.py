@@ -144,7 +144,8 @@ def _some(triangles: FloatArray) -> FloatArray:
     points = triangles[:, 0]
     outermost = np.argmax(points @ DIRECTIONS.T, axis=0)
     spread = (np.arange(ENOUGH) * GOLDEN % 1.0 * len(points)).astype(int)
-    return points[np.concatenate([outermost, spread])]
+    some: FloatArray = points[np.concatenate([outermost, spread])]
+    return some
 
 
 def _levels(triangles: FloatArray, axis: int) -> list[tuple[float, float]]:

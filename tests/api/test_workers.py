@@ -7,6 +7,8 @@ import os
 import signal
 import time
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import psutil
@@ -42,6 +44,36 @@ async def until(true: Callable[[], bool], within_s: float = 60.0) -> None:
             await asyncio.sleep(0.02)
 
 
+@dataclass
+class Held:
+    """A job that runs until it is released: it reads a pipe to which nobody has written yet."""
+
+    pipe: Path
+    end: int = -1
+
+    def job(self, workers: Workers) -> asyncio.Task[Any]:
+        """The job, given to a worker; it returns what `release` writes."""
+        return asyncio.create_task(workers.run(Path.read_bytes, (self.pipe,), "held", 90.0))
+
+    async def begun(self) -> None:
+        """Returns when the job runs: a pipe can be opened for writing only once it is read."""
+        while self.end < 0:
+            try:
+                self.end = os.open(self.pipe, os.O_WRONLY | os.O_NONBLOCK)
+            except OSError:
+                await asyncio.sleep(0.01)
+
+    def release(self) -> None:
+        os.write(self.end, b"released")
+        os.close(self.end)
+
+
+@pytest.fixture
+def held(tmp_path: Path) -> Held:
+    os.mkfifo(tmp_path / "pipe")
+    return Held(tmp_path / "pipe")
+
+
 async def pid_of(workers: Workers, key: str = "pid") -> int:
     pid: int = await workers.run(os.getpid, (), key, 30.0)
     return pid
@@ -69,13 +101,14 @@ def is_full(workers: Workers) -> bool:
     return workers.full
 
 
-def test_jobs_run_in_processes_of_their_own_at_the_same_time() -> None:
+def test_jobs_run_in_processes_of_their_own_at_the_same_time(held: Held) -> None:
     async def story(workers: Workers) -> None:
-        slow = asyncio.create_task(workers.run(time.sleep, (1.0,), "slow", 30.0))
-        await asyncio.sleep(0.2)
+        job = held.job(workers)
+        await held.begun()
         assert await pid_of(workers) != os.getpid()
-        assert not slow.done()
-        await slow
+        assert not job.done()
+        held.release()
+        assert await job == b"released"
 
     with_workers(SETTINGS, story)
 
@@ -108,22 +141,21 @@ def test_workers_whose_first_plan_fails_are_never_ready_and_give_no_seat() -> No
     asyncio.run(tell())
 
 
-def test_a_killed_worker_costs_its_own_request_only_and_is_replaced() -> None:
+def test_a_killed_worker_costs_its_own_request_only_and_is_replaced(held: Held) -> None:
     async def story(workers: Workers) -> None:
-        innocent = asyncio.create_task(workers.run(time.sleep, (2.0,), "innocent", 30.0))
-        await asyncio.sleep(0.1)
+        innocent = held.job(workers)
+        await held.begun()
         victim = await pid_of(workers)
-        guilty = asyncio.create_task(workers.run(time.sleep, (20.0,), "guilty", 30.0))
+        guilty = asyncio.create_task(workers.run(time.sleep, (60.0,), "guilty", 90.0))
         await asyncio.sleep(0.3)
         os.kill(victim, signal.SIGKILL)
         problem = await refused(guilty)
         assert problem.kind == "worker-crashed"
         assert "SIGKILL" in problem.detail
+        assert await pid_of(workers) != victim
         assert not innocent.done()
-        await innocent
-        await until(lambda: workers.ready)
-        pids = {await pid_of(workers) for _ in range(4)}
-        assert victim not in pids
+        held.release()
+        assert await innocent == b"released"
 
     with_workers(SETTINGS, story)
 
@@ -172,30 +204,34 @@ def test_a_job_whose_caller_has_gone_is_killed() -> None:
     with_workers(Settings(workers=1), story)
 
 
-def test_one_request_more_than_seats_and_queue_is_told_when_to_come_again() -> None:
+def test_one_request_more_than_seats_and_queue_is_told_when_to_come_again(held: Held) -> None:
     async def story(workers: Workers) -> None:
-        accepted = [asyncio.create_task(workers.run(time.sleep, (1.5,), "a", 20.0)) for _ in range(3)]
-        await asyncio.sleep(0.1)
+        running = held.job(workers)
+        waiting = asyncio.create_task(pid_of(workers))
+        await held.begun()
         assert is_full(workers)
         problem = await refused(pid_of(workers))
         assert problem.kind == "busy"
         assert 1 <= int(problem.headers["Retry-After"]) <= 60
-        await asyncio.gather(*accepted)
+        held.release()
+        assert await running == b"released"
+        assert await waiting
         assert not is_full(workers)
         assert await pid_of(workers)
 
-    with_workers(SETTINGS, story)
+    with_workers(Settings(workers=1, queue=1), story)
 
 
-def test_a_request_that_waited_too_long_for_a_worker_is_told_so() -> None:
+def test_a_request_that_waited_too_long_for_a_worker_is_told_so(held: Held) -> None:
     async def story(workers: Workers) -> None:
-        first = asyncio.create_task(workers.run(time.sleep, (2.0,), "a", 20.0))
-        await asyncio.sleep(0.1)
+        first = held.job(workers)
+        await held.begun()
         assert (await refused(pid_of(workers))).kind == "busy"
-        await first
+        held.release()
+        assert await first == b"released"
         assert await pid_of(workers)
 
-    with_workers(Settings(workers=1, queue=1, queue_wait_s=0.3), story)
+    with_workers(Settings(workers=1, queue=1, queue_wait_s=0.5), story)
 
 
 def test_a_request_that_crashed_two_workers_is_not_given_a_third_and_others_are_served() -> None:
@@ -240,14 +276,15 @@ def test_a_worker_is_replaced_after_its_share_of_jobs() -> None:
     with_workers(Settings(workers=1, max_tasks=2), story)
 
 
-def test_a_worker_is_deaf_to_the_signal_that_stops_the_service() -> None:
+def test_a_worker_is_deaf_to_the_signals_that_stop_the_service(held: Held) -> None:
     async def story(workers: Workers) -> None:
         pid = await pid_of(workers)
-        job = asyncio.create_task(workers.run(time.sleep, (1.0,), "drained", 30.0))
-        await asyncio.sleep(0.2)
+        job = held.job(workers)
+        await held.begun()
         os.kill(pid, signal.SIGTERM)
         os.kill(pid, signal.SIGINT)
-        await job
+        held.release()
+        assert await job == b"released"
         assert await pid_of(workers) == pid
 
     with_workers(Settings(workers=1), story)

@@ -81,7 +81,7 @@ def test_a_pose_that_is_none_is_a_fault() -> None:
         with pytest.raises(FaultError):
             collider.touch(replace(a, centre=a.centre + bad), b, 0)
         with pytest.raises(FaultError):
-            collider.touch(a, replace(b, axes=b.axes * bad), 0)
+            collider.touch(a, replace(b, axes=np.full_like(b.axes, bad)), 0)
     for scale in (0.0, 1e-3, 1 + 1e-8, 2.0):
         with pytest.raises(FaultError):
             collider.touch(replace(a, axes=a.axes * scale), b, 0)

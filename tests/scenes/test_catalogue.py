@@ -1,4 +1,4 @@
-"""The catalogue: the numbers of their sources, a status for each, and arms whose solids do not stand in their own way."""
+"""The catalogue: the numbers of their sources, a status for each, and arms that do not stand in their own way."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ def _objects(robot: Scara, q: Any) -> list[tuple[str, Any]]:
     """The robot's solids as FCL objects, by a second way from q to poses: link frames by hand."""
     phi1, phi2 = q[0], q[0] + q[1]
     elbow = np.array([robot.l1 * np.cos(phi1), robot.l1 * np.sin(phi1), 0.0])
-    flange = elbow + [robot.l2 * np.cos(phi2), robot.l2 * np.sin(phi2), q[2]]
+    flange = elbow + np.array([robot.l2 * np.cos(phi2), robot.l2 * np.sin(phi2), q[2]])
     frames = [(np.zeros(3), 0.0), (np.zeros(3), phi1), (elbow, phi2), (flange, 0.0), (flange, phi2)]
     found = []
     for body in robot.bodies:

@@ -21,10 +21,8 @@ from planner.shapes import Body, Piece, box, sphere
 from tests.planner.checker.hand_made import belt_case, crossing, crossing_case, proved, solid
 
 CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
-FACES = np.array(
-    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4]]
-    + [[1, 5, 7], [1, 7, 3]]
-)
+QUADS = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+FACES = np.array([triangle for a, b, c, d in QUADS for triangle in ((a, b, c), (a, c, d))])
 
 
 def shell(name: str, half: float, *, hollow: bool = True) -> Body:
@@ -80,9 +78,8 @@ def test_a_small_body_inside_a_hollow_tool_is_found() -> None:
     scene = crossing(bodies=(pebble,))
     bell = Body("bell", shell("bell", 0.02).pieces, shell("bell", 0.02).surface)
     for height, wanted in ((-0.03, ["pebble begins inside bell"]), (0.2, [])):
-        moved = Body(
-            "bell", tuple(Piece(p.shape, p.position + [0, 0, height]) for p in bell.pieces), _moved(bell, height)
-        )
+        up = np.array([0.0, 0.0, height])
+        moved = Body("bell", tuple(Piece(p.shape, p.position + up) for p in bell.pieces), _moved(bell, height))
         assert found(replace(scene, tool=replace(scene.tool, bodies=(moved,))), plan) == wanted
 
 

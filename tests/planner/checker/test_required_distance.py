@@ -54,7 +54,8 @@ def read(scene: Scene, phase: Phase, one: str, other: str, n: np.ndarray, t0: fl
         unsure = u(frame) + sum(u(name) for name in phase.beside if name != frame)
     law = scene.frames[frame].law.bounds(np.array([t0]), np.array([late]), n[None])
     table = solids(scene)
-    arm = table.reach(table.number[world], np.array([pose.x, pose.y, pose.z, pose.yaw]))[-1] * np.hypot(n[0], n[1])
+    number, place = np.array([table.number[world]]), np.array([[pose.x, pose.y, pose.z, pose.yaw]])
+    arm = table.reach(number, place)[1][-1] * np.hypot(n[0], n[1])
     speed = float((law.speed + arm * law.yaw_rate)[0])
     return clearance + scene.execution.tracking_m + wait * speed + unsure
 

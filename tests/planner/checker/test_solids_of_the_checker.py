@@ -49,6 +49,10 @@ TABLE = solids(SCENE)
 NAMES = [body.name for body in BODIES]
 
 
+def reach_of(body: int, offset: FloatArray) -> FloatArray:
+    return TABLE.reach(np.array([body]), offset[None])[1]
+
+
 def points(piece: Piece, rng: np.random.Generator) -> FloatArray:
     """Points (m, 3) of a solid, its outermost among them, in its body."""
     shape = piece.shape
@@ -98,7 +102,7 @@ def test_turning_moves_no_support_faster_than_the_reach(
     n /= np.linalg.norm(n)
     body = TABLE.number[name]
     offset = Pose(*place, yaw)
-    reaches = TABLE.reach(body, np.array([*place, yaw]))
+    reaches = reach_of(body, np.array([*place, yaw]))
     across = math.hypot(n[0], n[1])
     for k, piece in enumerate(TABLE.bodies[body].pieces):
         centre = offset.position
@@ -118,5 +122,14 @@ def test_turning_moves_no_support_faster_than_the_reach(
 
 def test_a_pin_on_the_axis_does_not_move_when_it_turns() -> None:
     pin = TABLE.number["pin"]
-    assert (TABLE.reach(pin, np.zeros(4)) == 0).all()
-    assert TABLE.reach(pin, np.array([0.3, 0.4, 1.0, 2.0])) == pytest.approx([0.5, 0.5])
+    assert (reach_of(pin, np.zeros(4)) == 0).all()
+    assert reach_of(pin, np.array([0.3, 0.4, 1.0, 2.0])) == pytest.approx([0.5, 0.5])
+
+
+def test_many_bodies_are_measured_as_one_at_a_time() -> None:
+    rng = np.random.default_rng(0)
+    bodies = rng.choice(len(TABLE.count), 40)
+    offsets = rng.normal(size=(40, 4))
+    start, found = TABLE.reach(bodies, offsets)
+    for k, body in enumerate(bodies):
+        assert (found[start[k] : start[k] + TABLE.count[body] + 1] == reach_of(int(body), offsets[k])).all()

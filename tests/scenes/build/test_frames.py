@@ -82,7 +82,7 @@ def test_a_swing_swings_about_its_pivot() -> None:
 
 
 def test_keyframes_pass_their_points_and_are_not_known_beyond_them() -> None:
-    points = [{"time_s": t, "at_mm": [100 * t, 0, 0], "yaw_deg": 10 * t} for t in (0, 1, 3)]
+    points: list[dict[str, Any]] = [{"time_s": t, "at_mm": [100 * t, 0, 0], "yaw_deg": 10 * t} for t in (0, 1, 3)]
     law = {"keyframes": {"points": points}}
     for point in points:
         position, yaw = at(law, float(point["time_s"]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from scenes.requests import cell_of, scene_of
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 
-def request(model: str, joints: dict[str, float], **limits: Any) -> dict[str, Any]:
+def request(model: str, joints: Mapping[str, float], **limits: Any) -> dict[str, Any]:
     """A move with a robot of the catalogue, from these joints."""
     found = copy.deepcopy(GOOD_REQUEST)
     found["robot"] = {"model": model, "tool": {"tcp_mm": [0, 0, 0]}, "limits": limits}
@@ -51,7 +52,7 @@ def test_the_whole_range_is_not_wider_than_itself() -> None:
 def test_a_range_of_a_joint_that_counts_downwards_is_turned_over() -> None:
     limits = scene_of(request("fanuc-sr-3ia", FANUC, j3_mm=[20, 150])).robot.limits
     assert (limits.lower[2], limits.upper[2]) == pytest.approx((-0.15, -0.02))
-    with pytest.raises(InputError, match="0 to 0.2 m"):
+    with pytest.raises(InputError, match=r"0 to 0\.2 m"):
         scene_of(request("fanuc-sr-3ia", FANUC, j3_mm=[-20, 150]))
 
 

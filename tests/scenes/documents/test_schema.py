@@ -60,7 +60,14 @@ def faults(value: Any, schema: dict[str, Any], path: str = "") -> Any:
             **SCHEMA["$defs"][schema["$ref"].rsplit("/", 1)[1]],
             **{k: v for k, v in schema.items() if k != "$ref"},
         }
-    kinds = {"object": dict, "array": list, "string": str, "number": (int, float), "integer": int, "boolean": bool}
+    kinds: dict[str, tuple[type, ...]] = {
+        "object": (dict,),
+        "array": (list,),
+        "string": (str,),
+        "number": (int, float),
+        "integer": (int,),
+        "boolean": (bool,),
+    }
     if "type" in schema and not isinstance(value, kinds[schema["type"]]):
         yield f"{path}: not {schema['type']}"
         return
@@ -110,7 +117,10 @@ def _keeps(value: dict[str, Any], rule: dict[str, Any]) -> bool:
         return all(key in value for key in rule["required"])
     if "not" in rule:
         return not _keeps(value, rule["not"])
-    for word, holds in (("oneOf", lambda n, _: n == 1), ("anyOf", lambda n, _: n >= 1), ("allOf", lambda n, m: n == m)):
-        if word in rule:
-            return bool(holds(sum(_keeps(value, part) for part in rule[word]), len(rule[word])))
+    if "oneOf" in rule:
+        return sum(_keeps(value, part) for part in rule["oneOf"]) == 1
+    if "anyOf" in rule:
+        return any(_keeps(value, part) for part in rule["anyOf"])
+    if "allOf" in rule:
+        return all(_keeps(value, part) for part in rule["allOf"])
     raise AssertionError(rule)

@@ -18,7 +18,8 @@ from planner.arrays import FloatArray
 from planner.errors import InputError
 from scenes.bounds import LARGEST_MESH_M, MAX_FACES, SMALLEST_MESH_M
 from scenes.documents.shapes import MeshDocument
-from scenes.meshes import covered, load as loading
+from scenes.meshes import covered
+from scenes.meshes import load as loading
 from scenes.meshes.assets import asset, asset_names
 from scenes.meshes.load import load
 from scenes.meshes.surface import closed_surface, volume_of
@@ -27,10 +28,10 @@ from tests.scenes.meshes.solids import CUBE, SOLIDS, binary_stl, surface
 
 def exported(corners: FloatArray, form: str) -> bytes:
     """The file that trimesh writes of these triangles."""
-    mesh = trimesh.Trimesh(**trimesh.triangles.to_kwargs(corners))
-    mesh.merge_vertices()
+    vertices, faces = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    mesh: Any = trimesh.Trimesh(vertices, faces.reshape(-1, 3), process=False)
     content = mesh.export(file_type=form)
-    return content if isinstance(content, bytes) else content.encode()
+    return content if isinstance(content, bytes) else bytes(content, "ascii")
 
 
 @pytest.mark.parametrize("form", ["stl", "stl_ascii", "obj", "ply", "glb"])
@@ -231,13 +232,12 @@ def test_t8_a_surface_inside_out_is_refused() -> None:
 
 
 def test_a_scene_of_several_nodes_is_put_together_where_they_stand() -> None:
-    scene = trimesh.Scene()
+    scene: Any = trimesh.Scene()
     cube = trimesh.creation.box((10, 10, 10))
-    for x in (0.0, 30.0):
-        scene.add_geometry(cube, transform=trimesh.transformations.translation_matrix([x, 0, 0]))
-    mirror = np.diag([-1.0, 1.0, 1.0, 1.0])
-    mirror[0, 3] = 60.0
-    scene.add_geometry(cube, transform=mirror)
+    for x, sign in ((0.0, 1.0), (30.0, 1.0), (60.0, -1.0)):
+        place = np.diag([sign, 1.0, 1.0, 1.0])
+        place[0, 3] = x
+        scene.add_geometry(cube, transform=place)
     found = load(scene.export(file_type="glb"), "glb", "mm")
     assert len(found.faces) == 36
     np.testing.assert_allclose(np.ptp(found.vertices, axis=0), [0.07, 0.01, 0.01], atol=1e-9)

@@ -1,0 +1,303 @@
+"""``python docs/decisions/measure.py WHAT``: prints the figures that docs/decisions cite.
+
+rows      rows of the certificate as it is, by first order only (C2), and without the combinations of joint rates
+contacts  what the approach axis alone would say of the contacts that are proved
+grown     pairs further apart than the clearance that FCL refuses when the arm is grown by it
+grid      grids of meeting times against one of 1 ms
+sketches  candidates that were timed, and how many of them needed an exact profile
+
+Each part runs the planner as it is, and beside it the planner with the one choice undone. Counts are the same on every
+machine as long as no clock ends a search; times are not.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+
+import planner.certificate.facts
+import planner.legs.joint
+import planner.legs.meeting
+import planner.timing.sketch
+import planner.timing.solver
+from benchmarks.translation import Manners, request
+from planner import Scene, plan
+from planner.certificate import Prover
+from planner.certificate.facts import Facts
+from planner.certificate.rows import Rows
+from planner.gjk import separate
+from planner.outcome import Plan, Planned
+from planner.phases import Phase, phases
+from planner.separation import rough_gaps
+from planner.shapes import Primitive
+from planner.sweep import sweep
+from scenes.requests import scene_of, shipped, shipped_scenarios
+
+ROOT = Path(__file__).parents[2]
+SETS = ("static", "moving_bodies", "moving_goal")
+PATIENT_S = 30.0
+"""Longest search, s: long enough that a count ends it."""
+CANDIDATES = 400
+"""The count that does."""
+OUT = Console(width=110)
+
+
+def problems(name: str, limit: int, match: str = "position") -> Iterator[tuple[str, Scene]]:
+    """The first problems of a set as scenes, at the clearance of the benchmark, 0."""
+    found = json.loads((ROOT / "benchmarks" / "problems" / f"{name}.json").read_text(encoding="utf-8"))
+    limits = {key: tuple(value) for key, value in found.items() if key in ("qmin", "qmax", "vmax", "amax", "jmax")}
+    manners = Manners(PATIENT_S, "first", "velocity" if match == "velocity" else "position")
+    for problem in found["problems"][:limit]:
+        document = request(problem, limits, manners)
+        document["options"]["max_candidates"] = CANDIDATES
+        yield problem["id"], scene_of(document)
+
+
+def solved(name: str, limit: int) -> Iterator[tuple[str, Scene, Plan]]:
+    for problem, scene in problems(name, limit):
+        outcome = plan(scene)
+        if isinstance(outcome, Planned):
+            yield problem, scene, outcome.plan
+
+
+@contextmanager
+def swapped(owner: Any, name: str, other: Any) -> Iterator[None]:
+    """`owner.name` is `other` inside the block."""
+    kept = getattr(owner, name)
+    setattr(owner, name, other)
+    try:
+        yield
+    finally:
+        setattr(owner, name, kept)
+
+
+def table(*columns: str) -> Table:
+    made = Table(box=None, pad_edge=False)
+    for i, column in enumerate(columns):
+        made.add_column(column, justify="left" if i == 0 else "right")
+    return made
+
+
+def first_order(kept: Callable[..., Any]) -> Callable[..., Any]:
+    """Bounds of point motion that know no acceleration: only (C2) is left."""
+
+    def bounds(facts: Facts, *arguments: Any) -> Any:
+        speed, acceleration = kept(facts, *arguments)
+        return speed, np.full_like(acceleration, np.inf)
+
+    return bounds
+
+
+def joint_by_joint(trajectory: Any, t0: Any, t1: Any, rate_matrix: Any) -> Any:
+    """Sums of the bounds of each joint's rate, where the planner bounds the combinations themselves."""
+    each = sweep(trajectory, t0, t1, np.eye(trajectory.n))
+    size = np.abs(rate_matrix).T
+    return replace(each, rate=each.rate @ size, rate_d=each.rate_d @ size)
+
+
+def proof(scene: Scene, made: Plan) -> tuple[int, bool]:
+    """Rows of the proof of a plan, and whether it is whole."""
+    prover, count = Prover(scene), 0
+    for phase in phases(scene, made.legs, made.arrivals):
+        found = prover.prove(phase, made.trajectory)
+        if not isinstance(found, Rows):
+            return count, False
+        count += len(found.t0)
+    return count, True
+
+
+def rows(limit: int) -> None:
+    """Decisions 0003 and 0008."""
+    variants: dict[str, Any] = {
+        "as it is": None,
+        "first order only": (Facts, "bounds", first_order(Facts.bounds)),
+        "joint by joint": (planner.certificate.facts, "sweep", joint_by_joint),
+    }
+    found = table("set", "proof", "plans", "rows, median", "rows, all", "not proved")
+    for name in SETS:
+        plans = list(solved(name, limit))
+        for title, change in variants.items():
+            if change is None:
+                counts = [proof(scene, made) for _, scene, made in plans]
+            else:
+                with swapped(*change):
+                    counts = [proof(scene, made) for _, scene, made in plans]
+            whole = [count for count, ok in counts if ok]
+            middle = f"{np.median(whole):.0f}" if whole else ""
+            found.add_row(name, title, str(len(counts)), middle, str(sum(whole)), str(len(counts) - len(whole)))
+    OUT.print(found)
+
+
+def contacts(limit: int) -> None:
+    """Decision 0004. Of every pair that may touch, the least gap along the vertical and along the proved normals."""
+    found = table("scenario", "pair", "legs", "along the approach axis, mm", "as proved, mm")
+    for name in list(shipped_scenarios())[:limit]:
+        scene = scene_of(shipped(name).request, folder=shipped(name).folder)
+        options = replace(scene.options, stop="first", budget_s=PATIENT_S, max_candidates=CANDIDATES)
+        scene = replace(scene, options=replace(options, explain_budget_s=0.0))
+        outcome = plan(scene)
+        if not isinstance(outcome, Planned):
+            continue
+        least: dict[tuple[str, str], tuple[float, float, set[str]]] = {}
+        prover = Prover(scene)
+        for phase in phases(scene, outcome.plan.legs, outcome.plan.arrivals):
+            for pair, vertical, proved in touching(scene, prover, phase, outcome.plan):
+                one, other, kinds = least.get(pair, (np.inf, np.inf, set()))
+                least[pair] = min(one, vertical), min(other, proved), kinds | {str(phase.kind)}
+        for pair, (vertical, proved, kinds) in least.items():
+            found.add_row(name, " / ".join(pair), " ".join(sorted(kinds)), f"{1e3 * vertical:.2f}", f"{1e3 * proved:.2f}")
+    OUT.print(found)
+
+
+def touching(scene: Scene, prover: Prover, phase: Phase, made: Plan) -> Iterator[tuple[tuple[str, str], float, float]]:
+    """Of each exempt pair of a phase: gap along the vertical every 20 ms, and gap of the rows, m; least of both."""
+    if not (phase.exempt and phase.t1 > phase.t0):
+        return
+    solids = prover.solids(phase.carried, phase.rides)
+    facts = Facts(scene, solids, phase, made.trajectory)
+    proved = prover.prove(phase, made.trajectory)
+    assert isinstance(proved, Rows)
+    edges = np.linspace(phase.t0, phase.t1, 2 + int((phase.t1 - phase.t0) / 0.02))
+    table_ = facts.intervals(edges[:-1], edges[1:])
+    for first, second in facts.exempt:
+        mine = (solids.body[proved.first] == first) & (solids.body[proved.second] == second)
+        if not mine.any():
+            continue
+        a, b = (np.array(solids.pieces[body]) for body in (first, second))
+        least = np.inf
+        for i in a:
+            for j in b:
+                row = np.arange(len(table_))
+                one, other = np.full(len(row), i), np.full(len(row), j)
+                claim = facts.claim(table_, row, one, other, facts.vertical(table_, row, one, other))
+                least = min(least, float(np.minimum(claim.gap0, claim.gap1).min()))
+        gap = float(np.minimum(proved.gap0[mine], proved.gap1[mine]).min())
+        yield (solids.names[first], solids.names[second]), least, gap
+
+
+def grown(limit: int) -> None:
+    """Decision 0005."""
+    found = table("set", "clearance, mm", "pairs beyond it, within twice it", "refused all the same")
+    for name in SETS:
+        for clearance in (0.002, 0.008):
+            far, refused = 0, 0
+            for _, scene, made in solved(name, limit):
+                counts = near_pairs(scene, made, clearance)
+                far, refused = far + counts[0], refused + counts[1]
+            share = f"{refused} ({100 * refused / far:.0f} %)" if far else "0"
+            found.add_row(name, f"{1e3 * clearance:g}", str(far), share)
+    OUT.print(found)
+
+
+def near_pairs(scene: Scene, made: Plan, clearance: float) -> tuple[int, int]:
+    """Poses every 5 ms: pairs from one to two clearances apart, and those of them that touch with the arm grown."""
+    prover = Prover(scene)
+    solids = prover.solids(None, ())
+    a, b = prover.asked(solids)
+    phase = phases(scene, made.legs, made.arrivals)[0]
+    facts = Facts(scene, solids, phase, made.trajectory)
+    t = np.arange(made.trajectory.start, made.trajectory.end, 0.005)
+    at = facts.intervals(t, t)
+    where = replace(at.where, position=at.where.position[: len(t)], rotation=at.where.rotation[: len(t)])
+    shapes = {id(shape): larger(shape, clearance) for shape in solids.shapes if isinstance(shape, Primitive)}
+    fat = SimpleNamespace(shapes=[shapes.get(id(shape), shape) for shape in solids.shapes], names=solids.names)
+    fat.body = solids.body
+    far = refused = 0
+    for row, k in np.argwhere(rough_gaps(solids, where, a, b) < 2 * clearance):
+        one, other = facts.at(at, np.array([row]), a[[k]]), facts.at(at, np.array([row]), b[[k]])
+        distance, normal = separate(one, other, 0)
+        if normal is None or not clearance < distance < 2 * clearance:
+            continue
+        far += 1
+        refused += prover.collider.touch(replace(one, solids=fat), other, 0)
+    return far, refused
+
+
+def larger(shape: Primitive, by: float) -> Primitive:
+    """The primitive of the same kind that holds the shape grown by `by`: what a library without sums can be given."""
+    half = tuple(h + by if h > 0 else 0.0 for h in shape.half)
+    if shape.kind == "capsule":
+        half = shape.half
+    disc = shape.disc + by if shape.disc > 0 else 0.0
+    return Primitive(shape.kind, (half[0], half[1], half[2]), disc, shape.ball + by if shape.ball > 0 else 0.0)
+
+
+def grid(limit: int) -> None:
+    """Decision 0006. First plans to moving goals; durations against those of 1 ms, over problems that all solve."""
+    found: dict[float, dict[str, float]] = {}
+    spent: dict[float, list[float]] = defaultdict(list)
+    for step in (0.001, 0.002, 0.004, 0.008, 0.016):
+        found[step] = {}
+        with swapped(planner.legs.meeting, "GRID_S", step), swapped(planner.legs.joint, "GRID_S", step):
+            for problem, scene in problems("moving_goal", limit):
+                began = time.perf_counter()
+                outcome = plan(scene)
+                spent[step].append(time.perf_counter() - began)
+                if isinstance(outcome, Planned):
+                    found[step][problem] = outcome.plan.trajectory.end
+    everywhere = set.intersection(*(set(each) for each in found.values()))
+    made = table("grid, ms", "solved", "longer than at 1 ms, mean ms", "most, ms", "planning, median ms")
+    for step, each in found.items():
+        more = [1e3 * (each[name] - found[0.001][name]) for name in everywhere]
+        cost = f"{1e3 * np.median(spent[step]):.1f}"
+        made.add_row(f"{1e3 * step:g}", str(len(each)), f"{np.mean(more):.1f}", f"{max(more):.1f}", cost)
+    OUT.print(made)
+
+
+def sketches(limit: int) -> None:
+    """Decision 0007."""
+    counts = {"read": 0, "finished": 0}
+    seconds = {"read": 0.0, "finished": 0.0}
+
+    def counted(name: str, kept: Callable[..., Any]) -> Callable[..., Any]:
+        def inner(*arguments: Any) -> Any:
+            began = time.perf_counter()
+            result = kept(*arguments)
+            seconds[name] += time.perf_counter() - began
+            counts[name] += 1
+            return result
+
+        return inner
+
+    made = table("set", "motions timed", "profiles made", "a sketch, µs", "a profile more, µs")
+    for name in SETS:
+        for key in counts:
+            counts[key], seconds[key] = 0, 0.0
+        with (
+            swapped(planner.timing.solver, "_read", counted("read", planner.timing.solver._read)),
+            swapped(planner.timing.sketch, "finished", counted("finished", planner.timing.sketch.finished)),
+        ):
+            for _ in solved(name, limit):
+                pass
+        each = [f"{1e6 * seconds[key] / max(counts[key], 1):.0f}" for key in counts]
+        made.add_row(name, str(counts["read"]), str(counts["finished"]), *each)
+    OUT.print(made)
+
+
+WHAT = {"rows": rows, "contacts": contacts, "grown": grown, "grid": grid, "sketches": sketches}
+
+
+def main(
+    what: Annotated[str, typer.Argument(help=", ".join(WHAT))],
+    limit: Annotated[int, typer.Option(min=1, help="Problems of each set, or scenarios, to look at.")] = 40,
+) -> None:
+    """Print the figures that docs/decisions cite."""
+    if what not in WHAT:
+        raise typer.BadParameter("one of " + ", ".join(WHAT), param_hint="WHAT")
+    WHAT[what](limit)
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,320 @@
+"""The prover: certifies what stays apart by 1.1 times the clearance, never what comes closer than the clearance."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, example, given, settings
+from hypothesis import strategies as st
+
+from planner.certificate import Prover, Rows, Unproved
+from planner.collision import Collider
+from planner.errors import FaultError
+from planner.outcome import LegKind
+from planner.phases import CONTACT_M, Phase
+from planner.scene import Clearance, Execution, Scene, Tool
+from planner.separation import place
+from planner.shapes import Body, box, cylinder, sphere
+from planner.solids import COVER, carriers
+from planner.trajectory import Trajectory
+from planner.frames import Frame, Uncertainty
+from planner.frames.motion import Pose
+from tests.planner.cells import CUP, Around, arm, cell, go, mesh_box, solid, stands
+from tests.planner.certificate.moving_ball import LAWS, SHAPES, Encounter, encounter, motion, true_gap
+
+CLEARANCES = (0.0002, 0.001, 0.005, 0.02)
+SMALLEST_BALL = 0.002
+
+
+def covered(rows: Rows, phase: Phase, scene: Scene) -> bool:
+    """Whether the rows cover every pair of pieces over the phase: by the pieces or by the boxes of their bodies."""
+    solids = rows.solids
+    mine = [k for k in range(solids.robot_bodies)]
+    others = range(solids.robot_bodies, len(solids.names))
+    names = scene.robot.links
+    wanted = {frozenset(pair) for pair in scene.robot.self_pairs}
+    asked = [(a, b) for a in mine for b in others]
+    for i, a in enumerate(mine):
+        for b in mine[i + 1 :]:
+            links = [int(solids.carrier[solids.roots[k]]) for k in (a, b)]
+            if links[0] != links[1] and frozenset(names[k] for k in links) in wanted:
+                asked.append((a, b))
+    for a, b in asked:
+        of_pair = (solids.body[rows.first] == a) & (solids.body[rows.second] == b)
+        for x in solids.pieces[a]:
+            for y in solids.pieces[b]:
+                for_x = (rows.first == x) | (solids.piece[rows.first] == COVER)
+                for_y = (rows.second == y) | (solids.piece[rows.second] == COVER)
+                spans = sorted(zip(rows.t0[of_pair & for_x & for_y], rows.t1[of_pair & for_x & for_y], strict=True))
+                reached = phase.t0
+                for t0, t1 in spans:
+                    if t0 > reached:
+                        return False
+                    reached = max(reached, t1)
+                if reached < phase.t1:
+                    return False
+    return True
+
+
+def asked(case: Encounter, clearance: float, share: float) -> tuple[Scene, Phase]:
+    """A scene in which the ball stays `share` times the clearance away, by the choice of its radius."""
+    least, _ = case.nearest()
+    radius = least - share * clearance
+    assume(radius >= SMALLEST_BALL)
+    return case.scene(radius, clearance=Clearance(clearance, 0.0)), case.phase()
+
+
+@settings(max_examples=90)
+@given(st.integers(0, 10**6), st.sampled_from(SHAPES), st.sampled_from(LAWS), st.sampled_from(CLEARANCES))
+def test_what_stays_apart_by_1_1_clearances_is_certified_and_covered(
+    seed: int, kind: str, how: str, clearance: float
+) -> None:
+    case = encounter(seed, kind, how)
+    scene, phase = asked(case, clearance, 1.1)
+    rows = Prover(scene).prove(phase, case.path)
+    assert isinstance(rows, Rows), rows
+    assert covered(rows, phase, scene)
+
+
+@settings(max_examples=60)
+@given(st.integers(0, 10**6), st.sampled_from(SHAPES), st.sampled_from(LAWS), st.sampled_from(CLEARANCES))
+def test_what_comes_closer_than_the_clearance_is_never_certified(
+    seed: int, kind: str, how: str, clearance: float
+) -> None:
+    case = encounter(seed, kind, how)
+    scene, phase = asked(case, clearance, 1.0 - 1e-6 / clearance)
+    found = Prover(scene).prove(phase, case.path)
+    assert isinstance(found, Unproved)
+    assert found.bodies == ("ball", "thing")
+    assert not found.of_robot
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 10**6), st.sampled_from(SHAPES), st.sampled_from(LAWS))
+def test_a_refusal_names_a_time_at_which_the_pair_really_is_too_close(seed: int, kind: str, how: str) -> None:
+    case = encounter(seed, kind, how)
+    least, _ = case.nearest()
+    assume(least > SMALLEST_BALL)
+    for deep in (0.001, 0.02):
+        scene = case.scene(least + deep, clearance=Clearance(0.002, 0.0))
+        found = Prover(scene).prove(case.phase(), case.path)
+        assert isinstance(found, Unproved)
+        there = float(case.apart(np.array([found.time]))[0]) - (least + deep)
+        assert there <= 0.002 + 1e-9
+        assert found.touching == (there <= 0)
+        if there > 0:
+            assert found.gap == pytest.approx(there, abs=1e-6)
+        assert found.required == 0.002
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 10**6), st.sampled_from(SHAPES), st.sampled_from(LAWS), st.integers(2, 4))
+def test_bodies_of_several_pieces_are_certified_piece_by_piece(seed: int, kind: str, how: str, pieces: int) -> None:
+    case = encounter(seed, kind, how, pieces)
+    scene, phase = asked(case, 0.001, 1.1)
+    rows = Prover(scene).prove(phase, case.path)
+    assert isinstance(rows, Rows), rows
+    assert covered(rows, phase, scene)
+    scene, phase = asked(case, 0.001, 0.999)
+    assert isinstance(Prover(scene).prove(phase, case.path), Unproved)
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 10**6), st.sampled_from(SHAPES), st.sampled_from(LAWS), st.integers(1, 3))
+def test_no_row_claims_more_than_the_densely_sampled_gap(seed: int, kind: str, how: str, pieces: int) -> None:
+    case = encounter(seed, kind, how, pieces)
+    scene, phase = asked(case, 0.001, 1.1)
+    rows = Prover(scene).prove(phase, case.path)
+    assert isinstance(rows, Rows)
+    h = rows.t1 - rows.t0
+    lipschitz = (rows.gap0 + rows.gap1 - rows.speed * h) / 2
+    bent = np.minimum(rows.gap0, rows.gap1) - rows.acceleration * h**2 / 8
+    assert (np.maximum(lipschitz, bent) - 1e-9 >= 0.001).all()
+    assert np.abs(np.linalg.norm(rows.normal, axis=1) - 1.0).max() <= 1e-12
+    for i in np.random.default_rng(seed).permutation(len(h))[:40]:
+        t = np.linspace(rows.t0[i], rows.t1[i], 21)
+        of = (rows.solids.names[rows.solids.body[rows.second[i]]], int(rows.solids.piece[rows.second[i]]))
+        true = true_gap(scene, case.path, rows.normal[i], t, of)
+        if of[1] != COVER:
+            assert true[0] == pytest.approx(rows.gap0[i], abs=1e-11)
+            assert true[-1] == pytest.approx(rows.gap1[i], abs=1e-11)
+        assert true.min() >= max(lipschitz[i], bent[i]) - 1e-12
+        # the two bounds themselves: how fast the true gap changes, and how far it leaves its chord
+        assert np.abs(np.diff(true)).max(initial=0.0) <= rows.speed[i] * h[i] / 20 + 1e-12
+
+
+@given(st.integers(0, 10**6), st.sampled_from(LAWS))
+@settings(max_examples=20)
+def test_rows_keep_the_order_of_their_pair_and_lie_in_the_phase(seed: int, how: str) -> None:
+    case = encounter(seed, "box", how)
+    scene, phase = asked(case, 0.001, 1.1)
+    middle = (phase.t0 + phase.t1) / 2
+    part = replace(phase, t0=phase.t0 + 0.1 * (middle - phase.t0), t1=middle)
+    rows = Prover(scene).prove(part, case.path)
+    assert isinstance(rows, Rows)
+    assert (rows.t0 >= part.t0).all()
+    assert (rows.t1 <= part.t1).all()
+    assert (rows.t1 > rows.t0).all()
+    assert (rows.solids.body[rows.first] < rows.solids.robot_bodies).all()
+    assert covered(rows, part, scene)
+
+
+def test_a_phase_of_no_length_needs_no_rows() -> None:
+    case = encounter(3, "box", "world")
+    rows = Prover(case.scene(0.01)).prove(case.phase(t1=case.path.start), case.path)
+    assert isinstance(rows, Rows)
+    assert not len(rows.t0)
+
+
+def standing_beside(gap: float, **changes: object) -> tuple[Scene, Phase, Trajectory]:
+    """A ball that stands `gap` above a table for two seconds."""
+    q = np.array([0.0, 1.0, 0.15, 0.0])
+    path = Trajectory(np.array([0.0, 2.0]), np.stack([q, q]), np.zeros((2, 4)), np.zeros((2, 4)))
+    table = stands("table", box(2.0, 2.0, 0.1), 0.0, 0.0, 0.15 - 0.02 - gap - 0.05, frame=str(changes.pop("on", "world")))
+    tool = Tool(Pose(), (solid("ball", sphere(0.02)),))
+    scene = cell(go(0.3, 0.0), bodies=(table,), robot=arm(bare=True), tool=tool, **changes)  # type: ignore[arg-type]
+    return scene, Phase(0.0, 2.0, LegKind.FOLLOW, 0, None, (), frozenset(), None, ()), path
+
+
+TOUCHING = frozenset({("ball", "table")})
+
+
+@pytest.mark.parametrize(("gap", "may"), [(0.0, True), (-0.9 * CONTACT_M, True), (-1.1 * CONTACT_M, False), (-0.01, False)])
+def test_an_allowed_contact_is_held_to_a_tenth_of_a_millimetre(gap: float, may: bool) -> None:
+    scene, phase, path = standing_beside(gap, clearance=Clearance(0.001, 0.001))
+    assert isinstance(Prover(scene).prove(replace(phase, exempt=TOUCHING), path), Rows) == may
+
+
+def test_without_the_allowance_a_contact_is_refused() -> None:
+    scene, phase, path = standing_beside(0.0)
+    found = Prover(scene).prove(phase, path)
+    assert isinstance(found, Unproved)
+    other = frozenset({("cup", "table")})
+    assert isinstance(Prover(scene).prove(replace(phase, exempt=other), path), Unproved)
+
+
+@pytest.mark.parametrize(("kind", "need"), [(LegKind.FOLLOW, 0.001), (LegKind.APPROACH, 0.001), (LegKind.MOVE, 0.004)])
+def test_each_leg_asks_for_its_own_clearance(kind: LegKind, need: float) -> None:
+    for share, may in ((1.01, True), (0.99, False)):
+        scene, phase, path = standing_beside(share * need, clearance=Clearance(0.004, 0.001))
+        assert isinstance(Prover(scene).prove(replace(phase, kind=kind), path), Rows) == may
+
+
+@pytest.mark.parametrize(("gap", "may"), [(0.0231, True), (0.0229, False)])
+def test_uncertainty_grows_with_the_time_since_the_start_and_tracking_is_added(gap: float, may: bool) -> None:
+    execution = Execution(tracking_m=0.001)
+    world = Frame("world", cell(go(0.3, 0.0)).frames["world"].law, Uncertainty(0.002, 0.01))
+    # 1 mm of tracking, 2 mm of position, and 10 mm/s for the 2 s until the end: 23 mm
+    scene, phase, path = standing_beside(gap, execution=execution, frames=(world,))
+    assert isinstance(Prover(scene).prove(phase, path), Rows) == may
+    early = replace(phase, t1=1.0)
+    assert isinstance(Prover(scene).prove(early, path), Rows)
+
+
+@pytest.mark.parametrize(("gap", "may"), [(0.0251, True), (0.0249, False)])
+def test_a_late_start_counts_for_uncertainty(gap: float, may: bool) -> None:
+    execution = Execution(tracking_m=0.001, start_tolerance_s=0.2)
+    world = Frame("world", cell(go(0.3, 0.0)).frames["world"].law, Uncertainty(0.002, 0.01))
+    scene, phase, path = standing_beside(gap, execution=execution, frames=(world,))
+    assert isinstance(Prover(scene).prove(phase, path), Rows) == may
+
+
+@settings(max_examples=15)
+@given(st.integers(0, 10**6), st.sampled_from(["conveyor", "linear", "turntable", "swing"]), st.sampled_from([0.01, 0.1]))
+def test_what_is_certified_with_a_start_tolerance_stays_clear_however_late_it_starts(
+    seed: int, how: str, late: float
+) -> None:
+    case = encounter(seed, "box", how)
+    least, _ = case.nearest()
+    assume(least > 0.02)
+    scene = case.scene(0.01, clearance=Clearance(0.001, 0.0), execution=Execution(start_tolerance_s=late))
+    rows = Prover(scene).prove(case.phase(), case.path)
+    delayed = [
+        Encounter(
+            Trajectory(case.path.time + d, case.path.q, case.path.qd, case.path.qdd), case.around, case.frames
+        ).nearest()[0]
+        for d in (0.0, 0.37 * late, late)
+    ]
+    if isinstance(rows, Rows):
+        assert min(delayed) - 0.01 >= 0.001
+    else:
+        assert min(delayed) - 0.01 <= 0.25  # what is far away is never refused
+
+
+def test_belt_correction_leaves_nothing_towards_the_same_belt_and_counts_towards_the_rest() -> None:
+    fixed = cell(go(0.3, 0.0)).frames["world"].law
+    belt = Frame("belt", fixed, Uncertainty(0.004, 0.0))
+    shift = Execution(belt_correction=True)
+    for on, glued, beside, need in (
+        ("belt", None, (), 0.004),
+        ("belt", "belt", (), 0.0),
+        ("world", "belt", (), 0.004),
+        ("world", None, ("belt",), 0.004),
+        ("belt", None, ("belt",), 0.004),
+        ("world", None, (), 0.0),
+    ):
+        for gap, may in ((need + 1e-4, True), (need - 1e-4, False)):
+            scene, phase, path = standing_beside(gap, on=on, frames=(belt,), execution=shift)
+            found = Prover(scene).prove(replace(phase, glued=glued, beside=beside), path)
+            assert isinstance(found, Rows) == may, (on, glued, beside, gap)
+
+
+@settings(max_examples=12)
+@given(st.integers(0, 10**6))
+def test_an_arm_that_fcl_sees_touching_a_mesh_is_never_certified(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    x, y = rng.uniform(-0.4, 0.4, 2)
+    bodies = (
+        Around(mesh_box("bin", 0.1, 0.15, 0.12), "world", Pose(float(x), float(y), float(rng.uniform(0.0, 0.3)))),
+        stands("post", cylinder(0.03, 0.3), 0.35, float(y), 0.15),
+    )
+    path = motion(rng)
+    scene = cell(go(0.3, 0.0), bodies=bodies, robot=arm(column=True), tool=CUP)
+    phase = Phase(path.start, path.end, LegKind.MOVE, 0, None, (), frozenset(), None, ())
+    prover = Prover(scene)
+    found = prover.prove(phase, path)
+    solids = prover.solids(None, ())
+    t = np.linspace(path.start, path.end, 150)
+    where = carriers(scene, path.evaluate(t), t)
+    units, row = [], []
+    a, b = prover.asked(solids)
+    pairs = [
+        (x, y) for i in range(len(a)) for x in solids.pieces[solids.body[a[i]]] for y in solids.pieces[solids.body[b[i]]]
+    ]
+    for x_, y_ in pairs:
+        units += [(x_, y_)] * len(t)
+        row += list(range(len(t)))
+    one = place(solids, where, np.array(row), np.array([u for u, _ in units]))
+    other = place(solids, where, np.array(row), np.array([u for _, u in units]))
+    collider = Collider()
+    touching = any(collider.touch(one, other, k) for k in range(0, len(row), 3))
+    if touching:
+        assert isinstance(found, Unproved)
+    if isinstance(found, Rows):
+        assert covered(found, phase, scene)
+
+
+def test_a_body_that_holds_the_arm_inside_its_box_but_touches_nothing_is_certified() -> None:
+    """Boxes of whole bodies overlap all the time here: only the pieces tell."""
+    q = np.array([0.0, 1.0, 0.1, 0.0])
+    p, _ = arm(bare=True).forward(q)
+    path = Trajectory(np.array([0.0, 1.0]), np.stack([q, q]), np.zeros((2, 4)), np.zeros((2, 4)))
+    bin_ = Around(mesh_box("bin", 0.2, 0.2, 0.2), "world", Pose(float(p[0]), float(p[1]), 0.1))
+    tool = Tool(Pose(), (solid("ball", sphere(0.02)),))
+    scene = cell(go(0.3, 0.0), bodies=(bin_,), robot=arm(bare=True), tool=tool)
+    rows = Prover(scene).prove(Phase(0.0, 1.0, LegKind.MOVE, 0, None, (), frozenset(), None, ()), path)
+    assert isinstance(rows, Rows)
+    assert set(rows.solids.piece[rows.second]) == set(range(6))
+
+
+def test_unknown_laws_are_never_certified() -> None:
+    case = encounter(5, "box", "turntable")
+    short = replace(case.frames[0], law=replace(case.frames[0].law, valid=(-10.0, case.path.end - 0.05)))  # type: ignore[type-var]
+    far = Around(Body("thing", case.around.body.pieces), "moving", Pose(5.0, 0.0, 0.0))
+    known = Encounter(case.path, far, case.frames)
+    assert isinstance(Prover(known.scene(0.01)).prove(known.phase(), case.path), Rows)
+    unknown = Encounter(case.path, far, (short,))
+    with pytest.raises(FaultError):  # nobody plans beyond a law's end: it would be a fault to ask
+        Prover(unknown.scene(0.01)).prove(unknown.phase(), case.path)

@@ -1,0 +1,94 @@
+"""The digest changes with everything that is said, and with nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+
+from planner.digest import digest
+from planner.frames.motion import Pose
+from planner.outcome import Arrival, Certificate, Leg, LegKind
+from planner.trajectory import Trajectory
+
+KNOTS = Trajectory(np.array([0.0, 1.0]), np.zeros((2, 3)), np.zeros((2, 3)), np.zeros((2, 3)))
+LEGS = (Leg(LegKind.WAIT, 0, 0.0, 0.5, "why"), Leg(LegKind.MOVE, 0, 0.5, 1.0))
+ARRIVALS = (Arrival(0, "there", 1.0, 1.0, Pose(1.0, 2.0, 3.0, 0.1), True, 0.0, None, 0.25),)
+ROWS = Certificate(
+    names=("a", "b"),
+    t0=np.array([0.0, 1.0]),
+    t1=np.array([1.0, 2.0]),
+    first=np.array([0, 1]),
+    first_piece=np.array([0, -1]),
+    second=np.array([1, 0]),
+    second_piece=np.array([-1, 2]),
+    normal=np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]),
+    gap0=np.array([0.1, 0.2]),
+    gap1=np.array([0.3, 0.4]),
+    speed=np.array([0.5, 0.6]),
+    acceleration=np.array([0.7, 0.8]),
+)
+
+
+def of(**changes: Any) -> str:
+    given: dict[str, Any] = {
+        "scene_digest": "scene",
+        "trajectory": KNOTS,
+        "legs": LEGS,
+        "arrivals": ARRIVALS,
+        "certificate": ROWS,
+    }
+    return digest(**{**given, **changes})
+
+
+def test_the_same_things_have_the_same_digest() -> None:
+    same = Trajectory(*(np.array(getattr(KNOTS, name).tolist()) for name in ("time", "q", "qd", "qdd")))
+    assert of(trajectory=same) == of()
+    assert of(certificate=replace(ROWS, digest="whatever it was")) == of()
+    assert len(of()) == 64
+
+
+def test_minus_zero_is_zero() -> None:
+    """Which of the two a number is does not survive every way of writing it down."""
+    negative = Trajectory(KNOTS.time, -KNOTS.q, KNOTS.qd, KNOTS.qdd)
+    assert of(trajectory=negative) == of()
+    assert of(legs=(replace(LEGS[0], t0=-0.0), LEGS[1])) == of()
+
+
+def test_every_number_and_every_word_counts() -> None:
+    seen = {of(), of(scene_digest="other"), of(legs=LEGS[:1]), of(arrivals=())}
+    for name in ("time", "q", "qd", "qdd"):
+        values = getattr(KNOTS, name).copy()
+        values.flat[-1] += 1e-15 if name != "time" else 1e-12
+        seen.add(of(trajectory=replace(KNOTS, **{name: values})))
+    changed: dict[str, Any] = {"kind": LegKind.ARCH, "step": 1, "t0": 0.1, "t1": 0.6, "note": ""}
+    assert set(changed) == {field.name for field in fields(Leg)}
+    seen |= {of(legs=(replace(LEGS[0], **{name: value}), LEGS[1])) for name, value in changed.items()}
+    arrived: dict[str, Any] = {
+        "step": 1,
+        "control_point": "here",
+        "time": 0.9,
+        "until": 1.1,
+        "pose": Pose(1.0, 2.0, 3.0, 0.2),
+        "matched": False,
+        "yaw_offset": 0.1,
+        "along_m": 0.0,
+        "window_left_s": None,
+    }
+    assert set(arrived) == {field.name for field in fields(Arrival)}
+    seen |= {of(arrivals=(replace(ARRIVALS[0], **{name: value}),)) for name, value in arrived.items()}
+    columns = [field.name for field in fields(Certificate) if field.name not in ("names", "digest")]
+    for name in columns:
+        values = getattr(ROWS, name).copy()
+        values.flat[-1] += 1
+        seen.add(of(certificate=replace(ROWS, **{name: values})))
+    seen.add(of(certificate=replace(ROWS, names=("a", "c"))))
+    assert len(seen) == 4 + 4 + len(changed) + len(arrived) + len(columns) + 1
+
+
+def test_words_do_not_run_into_each_other() -> None:
+    assert of(certificate=replace(ROWS, names=("ab", "c"))) != of(certificate=replace(ROWS, names=("a", "bc")))
+    assert of(certificate=replace(ROWS, names=("a", "b", ""))) != of(certificate=replace(ROWS, names=("a", "b")))
+    short = replace(ROWS, gap0=ROWS.gap0[:1], gap1=np.append(ROWS.gap0[1:], ROWS.gap1))
+    assert of(certificate=short) != of()

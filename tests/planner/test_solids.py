@@ -1,0 +1,172 @@
+"""Units of the bodies of a cell: what stands for what, and what is asked against what."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planner.frames import Turntable
+from planner.frames.motion import Pose
+from planner.phases import Carried
+from planner.robots.scara import FLANGE
+from planner.scene import Scene
+from planner.shapes import Body, Piece, box, corners, cylinder, sphere, support
+from planner.solids import COVER, SolidsMaker, asked_pairs, bounding_box, carriers, standing
+from planner.trajectory import Trajectory
+from tests.planner.cells import CUP, Around, arm, block, cell, frame, go, mesh_box, solid, stands, table_to_table
+from tests.planner.convex import anywhere, grid_aligned
+
+
+def scene_of_all() -> Scene:
+    bodies = (
+        stands("post", cylinder(0.02, 0.2), 0.3, 0.3, 0.1),
+        Around(mesh_box("bin", 0.2, 0.2, 0.1), "world", Pose(-0.3, 0.3, 0.05)),
+        Around(solid("wedge", block(0.1, 0.05, 0.05, (0.05, 0.0, 0.0))), "dial", Pose(0.1, 0.0, 0.0, 1.0)),
+        stands("part", box(0.02, 0.02, 0.02), 0.2, -0.2, 0.01),
+    )
+    dial = frame("dial", Turntable(Pose(0.3, -0.3, 0.05), 1.0, valid=(0.0, 5.0)))
+    return cell(go(0.3, 0.0), bodies=bodies, frames=(dial,), robot=arm(column=True), tool=CUP)
+
+
+@given(st.lists(st.one_of(grid_aligned(), anywhere()), min_size=1, max_size=4), st.integers(0, 10**6))
+def test_a_bounding_box_holds_all_pieces_and_little_more(pieces: list[Piece], seed: int) -> None:
+    found = bounding_box(Body("body", tuple(pieces)))
+    n = np.random.default_rng(seed).normal(size=(50, 3))
+    for direction in (*np.eye(3), *-np.eye(3), *n):
+        highest = max(support(piece, direction) for piece in pieces)
+        assert highest <= support(found, direction) + 1e-12
+    for axis in (*np.eye(3), *-np.eye(3)):
+        assert support(found, axis) - max(support(piece, axis) for piece in pieces) <= 2e-9
+
+
+def test_a_primitive_is_one_unit_and_everything_else_has_its_box_first() -> None:
+    scene = scene_of_all()
+    solids = SolidsMaker(scene)(None, ())
+    units = {
+        name: [int(solids.piece[i]) for i in range(len(solids.body)) if solids.names[solids.body[i]] == name]
+        for name in solids.names
+    }
+    assert units["post"] == [0]
+    assert units["bin"] == [COVER, 0, 1, 2, 3, 4, 5]
+    assert units["wedge"] == [COVER, 0]
+    for number, name in enumerate(solids.names):
+        root = solids.roots[number]
+        assert solids.names[solids.body[root]] == name
+        assert solids.piece[root] == units[name][0]
+        assert [int(solids.piece[i]) for i in solids.pieces[number]] == [p for p in units[name] if p != COVER]
+        assert all(solids.body[i] == number for i in solids.pieces[number])
+
+
+def test_units_ride_on_the_carriers_of_their_bodies() -> None:
+    scene = scene_of_all()
+    solids = SolidsMaker(scene)(None, ())
+    q, t = np.array([[0.4, -1.0, 0.1, 2.0]]), np.array([0.7])
+    where = carriers(scene, q, t)
+    p, rotation = scene.robot.placements(q)
+    assert np.array_equal(where.position[0, :5], p[0])
+    assert np.array_equal(where.rotation[0, :5], rotation[0])
+    cup = solids.names.index("cup")
+    assert solids.carrier[solids.roots[cup]] == FLANGE
+    dial = 5 + list(scene.frames).index("dial")
+    assert solids.carrier[solids.roots[solids.names.index("wedge")]] == dial
+    turned = Pose(0.3, -0.3, 0.05, 0.7)
+    assert np.allclose(where.position[0, dial], turned.position, atol=1e-15)
+    assert np.allclose(where.rotation[0, dial][:2, 0], [np.cos(0.7), np.sin(0.7)], atol=1e-15)
+    # a place in the world by another way: pose in pose
+    unit = solids.pieces[solids.names.index("wedge")][0]
+    there = where.position[0, dial] + where.rotation[0, dial] @ solids.centre[unit]
+    assert np.allclose(there, turned.then(Pose(0.1, 0.0, 0.0, 1.0)).position, atol=1e-15)
+
+
+def test_where_a_law_is_not_known_nothing_is_known() -> None:
+    scene = scene_of_all()
+    where = carriers(scene, np.zeros((2, 4)), np.array([1.0, 6.0]))
+    dial = 5 + list(scene.frames).index("dial")
+    assert np.isfinite(where.position[0]).all()
+    assert np.isnan(where.position[1, dial]).all()
+    assert np.isnan(where.rotation[1, dial][:2, :2]).all()
+
+
+def test_every_body_of_the_arm_is_asked_against_every_body_around_and_its_own_as_the_robot_says() -> None:
+    scene = scene_of_all()
+    solids = SolidsMaker(scene)(None, ())
+    a, b = asked_pairs(scene, solids)
+    found = [(solids.names[solids.body[x]], solids.names[solids.body[y]]) for x, y in zip(a, b, strict=True)]
+    around = [body.name for body in scene.bodies]
+    link = {each.body.name: scene.robot.links[each.link] for each in scene.robot.bodies} | {"cup": "flange"}
+    wanted = set(itertools.product(link, around))
+    own = {frozenset(two) for two in itertools.combinations(link, 2)}
+    own = {two for two in own if frozenset(link[name] for name in two) in set(map(frozenset, scene.robot.self_pairs))}
+    assert own
+    assert len(found) == len(set(found))
+    assert {frozenset(two) for two in found} == {frozenset(two) for two in wanted} | own
+    # whole bodies are asked: by their only piece or by their box
+    assert set(a) | set(b) <= set(solids.roots)
+    assert all(x < solids.robot_bodies for x in solids.body[a])
+
+
+def test_bodies_on_one_link_are_never_asked() -> None:
+    scene = scene_of_all()
+    robot = arm(column=True)
+    odd = replace(robot, self_pairs=(("flange", "flange"), ("base", "quill")))
+    tool = replace(CUP, bodies=(*CUP.bodies, solid("second cup", sphere(0.01))))
+    scene = replace(scene, robot=odd, tool=tool)
+    solids = SolidsMaker(scene)(None, ())
+    a, b = asked_pairs(scene, solids)
+    assert (solids.carrier[a] != solids.carrier[b]).all()
+
+
+def test_a_carried_part_is_the_arms_and_no_longer_around() -> None:
+    scene = table_to_table()
+    make = SolidsMaker(scene)
+    carried = Carried("part", Pose(0.01, 0.0, -0.07, 0.4))
+    solids = make(carried, ())
+    assert solids.names.count("part") == 1
+    number = solids.names.index("part")
+    assert number < solids.robot_bodies
+    assert solids.carrier[solids.roots[number]] == FLANGE
+    assert np.allclose(solids.centre[solids.roots[number]], carried.in_flange.position)
+    a, b = asked_pairs(scene, solids)
+    pairs = {(solids.names[solids.body[x]], solids.names[solids.body[y]]) for x, y in zip(a, b, strict=True)}
+    assert {("part", "left-table"), ("part", "right-table")} <= pairs
+    assert not any(second == "part" for _, second in pairs)
+
+
+def test_a_part_that_was_moved_rides_where_it_was_put() -> None:
+    scene = scene_of_all()
+    make = SolidsMaker(scene)
+    solids = make(None, (("part", "dial", Pose(0.05, 0.0, 0.03, 0.2)),))
+    root = solids.roots[solids.names.index("part")]
+    assert solids.carrier[root] == 5 + list(scene.frames).index("dial")
+    assert np.allclose(solids.centre[root], [0.05, 0.0, 0.03])
+    assert make(None, (("part", "dial", Pose(0.05, 0.0, 0.03, 0.2)),)) is solids
+    assert make(None, ()) is not solids
+
+
+@given(st.one_of(grid_aligned(), anywhere()), st.integers(0, 10**6))
+def test_no_point_of_a_unit_is_further_from_its_carriers_axis_than_its_reach(piece: Piece, seed: int) -> None:
+    pose = Pose(0.1, -0.2, 0.05, 0.7)
+    scene = cell(go(0.3, 0.0), bodies=(Around(Body("body", (piece, piece)), "world", pose),), robot=arm(bare=True))
+    solids = SolidsMaker(scene)(None, ())
+    rng = np.random.default_rng(seed)
+    for unit in range(len(solids.body)):
+        shape = solids.shapes[unit]
+        grown = 0.0 if isinstance(shape, type(block(1, 1, 1))) else shape.disc + shape.ball
+        points = solids.centre[unit] + corners(shape) @ solids.rotation[unit].T
+        assert np.hypot(points[:, 0], points[:, 1]).max() + grown <= solids.reach[unit] + 1e-12 or not solids.reach[unit]
+        n = rng.normal(size=3)
+        n[2] = 0.0
+        n /= np.linalg.norm(n)
+        furthest = support(Piece(shape, solids.centre[unit], solids.rotation[unit]), n)
+        assert abs(furthest) <= solids.reach[unit] + 1e-12 or not solids.reach[unit]
+
+
+def test_an_arm_stands_before_its_first_knot_and_after_its_last() -> None:
+    q = np.array([[0.0, 1.0, 0.1, 0.0], [0.5, 0.5, 0.2, 1.0]])
+    path = Trajectory(np.array([1.0, 2.0]), q, np.zeros((2, 4)), np.zeros((2, 4)))
+    found = standing(path, np.array([-5.0, 1.0, 2.0, 9.0]))
+    assert np.array_equal(found, q[[0, 0, 1, 1]])

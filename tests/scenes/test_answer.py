@@ -1,0 +1,277 @@
+"""The answer: everything of an outcome, finite, in the maker's convention, and the same plan when it is read back."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import json
+import math
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from planner.errors import FaultError, InputError
+from planner.outcome import (
+    Census,
+    CensusLine,
+    Certificate,
+    NotPlanned,
+    Outcome,
+    Plan,
+    Planned,
+    Reason,
+    Refusal,
+    Relaxation,
+)
+from planner.pipeline import plan
+from planner.trajectory import Trajectory
+from scenes.answer import NOTICE, answer_of, certificate_document, trajectory_document
+from scenes.build.cell import Cell
+from scenes.json_text import parse_json
+from scenes.plans import plan_of
+from scenes.requests import cell_of, check_document, plan_document
+from tests.scenes.bad_requests import GOOD_REQUEST
+
+FANUC: dict[str, Any] = {
+    "schema": "assur/1",
+    "robot": {"model": "fanuc-sr-3ia", "tool": {"tcp_mm": [0, 0, -20]}},
+    "start": {"joints": {"j1_deg": 0, "j2_deg": 60, "j3_mm": 20, "j4_deg": 0}},
+    "task": [{"move": {"name": "down", "to": {"at_mm": [250, 100, 120], "yaw_deg": 30}}}],
+    "options": {"max_candidates": 5, "stop": "first"},
+}
+"""A move downwards of an arm whose lift counts downwards."""
+
+
+@cache
+def good() -> tuple[Cell, Outcome]:
+    cell = cell_of(GOOD_REQUEST)
+    return cell, plan(cell.scene)
+
+
+@cache
+def fanuc() -> tuple[Cell, Planned]:
+    cell = cell_of(FANUC)
+    outcome = plan(cell.scene)
+    assert isinstance(outcome, Planned)
+    return cell, outcome
+
+
+def through_json(document: Any) -> Any:
+    return parse_json(json.dumps(document, allow_nan=False).encode())
+
+
+def test_an_answer_says_all_that_is_promised() -> None:
+    answer = answer_of(*good())
+    assert answer["status"] == "planned"
+    assert {
+        "duration_s", "trajectory", "arrivals", "legs", "margins", "certificate", "census", "assumptions", "seed",
+        "elapsed_s", "notice", "contacts", "lower_bound_s", "first_s", "cut_by_clock", "request_digest", "start_s",
+    } <= set(answer)  # fmt: skip
+    assert answer["trajectory"]["joint_names"] == ["j1", "j2", "j3", "j4"]
+    assert answer["trajectory"]["joint_units"] == ["rad", "rad", "m", "rad"]
+    knots = len(answer["trajectory"]["time_s"])
+    for key in ("position", "velocity", "acceleration"):
+        assert np.array(answer["trajectory"][key]).shape == (knots, 4)
+    assert [arrival["control_point"] for arrival in answer["arrivals"]] == ["pick-1", "place-2", "move-3"]
+    assert all(arrival["matched"] for arrival in answer["arrivals"][:2])
+    assert answer["duration_s"] == answer["trajectory"]["time_s"][-1] - answer["trajectory"]["time_s"][0]
+    assert answer["duration_s"] >= answer["lower_bound_s"] > 0
+    assert answer["notice"] == NOTICE
+    for words in ("ISO 10218", "ISO 13849", "persons are not in the model", "Proved against the model"):
+        assert words in NOTICE
+
+
+def test_an_answer_is_plain_json_and_its_plan_is_the_same_plan_again() -> None:
+    cell, outcome = good()
+    assert isinstance(outcome, Planned)
+    again = plan_of(through_json(answer_of(cell, outcome)), cell.conventions)
+    _assert_same(again, outcome.plan)
+
+
+def test_the_checker_accepts_the_answer_and_refuses_it_with_a_knot_moved() -> None:
+    answer = through_json(answer_of(*good()))
+    verdict = check_document(GOOD_REQUEST, answer)
+    assert verdict["ok"] is True
+    assert verdict["findings"] == []
+    assert verdict["request_digest"] == answer["request_digest"]
+    middle = len(answer["trajectory"]["time_s"]) // 2
+    answer["trajectory"]["position"][middle][0] += 0.02
+    refused = through_json(check_document(GOOD_REQUEST, answer))
+    assert refused["ok"] is False
+    assert all(finding["code"] and finding["what"] for finding in refused["findings"])
+
+
+def test_a_plan_for_another_request_is_refused() -> None:
+    answer = through_json(answer_of(*good()))
+    other = copy.deepcopy(GOOD_REQUEST)
+    other["options"]["seed"] = 2
+    assert check_document(other, answer)["ok"] is False
+
+
+def test_the_makers_convention_leaves_and_comes_back_to_the_bit() -> None:
+    cell, outcome = fanuc()
+    answer = through_json(answer_of(cell, outcome))
+    q, j3 = outcome.plan.trajectory.q, np.array(answer["trajectory"]["position"])[:, 2]
+    assert j3[0] == 0.02
+    assert j3[-1] > j3[0]  # down is up in numbers
+    np.testing.assert_array_equal(j3, -q[:, 2])
+    tool_z = cell.scene.robot.forward(q[-1])[0][2] - 0.02
+    assert tool_z == pytest.approx(0.12, abs=1e-6)
+    assert j3[-1] == pytest.approx(0.25 - 0.14, abs=1e-6)
+    _assert_same(plan_of(answer, cell.conventions), outcome.plan)
+    assert check_document(FANUC, answer)["ok"] is True
+
+
+FINITE = st.floats(-9.0, 9.0)
+
+
+@given(arrays(np.float64, (3, 4), elements=FINITE), arrays(np.float64, (3, 4), elements=FINITE))
+def test_any_knots_survive_the_makers_convention_and_json(q: Any, qd: Any) -> None:
+    cell, outcome = fanuc()
+    trajectory = Trajectory(np.array([0.0, 0.5, 1.25]), q + 0.0, qd + 0.0, np.zeros((3, 4)))
+    changed = dataclasses.replace(outcome.plan, trajectory=trajectory)
+    answer = answer_of(cell, dataclasses.replace(outcome, plan=changed))
+    found = plan_of(through_json(answer), cell.conventions).trajectory
+    assert found.q.tobytes() == trajectory.q.tobytes()
+    assert found.qd.tobytes() == trajectory.qd.tobytes()
+
+
+def test_a_digest_is_enough_to_keep_and_not_enough_to_check() -> None:
+    answer = answer_of(*good(), certificate="digest")
+    assert set(answer["certificate"]) == {"digest", "rows"}
+    assert answer["certificate"]["rows"] > 0
+    with pytest.raises(InputError) as caught:
+        check_document(GOOD_REQUEST, answer)
+    assert caught.value.field == "plan.certificate"
+
+
+def test_infinite_bounds_are_null_and_infinite_again() -> None:
+    certificate = _certificate(speed=np.array([1.0, math.inf]), acceleration=np.array([math.inf, math.inf]))
+    written = through_json(certificate_document(certificate, "full"))
+    assert written["speed_m_s"] == [1.0, None]
+    cell, outcome = fanuc()
+    answer = answer_of(
+        cell, dataclasses.replace(outcome, plan=dataclasses.replace(outcome.plan, certificate=certificate))
+    )
+    read = plan_of(through_json(answer), cell.conventions).certificate
+    np.testing.assert_array_equal(read.speed, certificate.speed)
+    np.testing.assert_array_equal(read.acceleration, certificate.acceleration)
+
+
+@pytest.mark.parametrize("column", ["gap0", "t1", "speed", "normal"])
+def test_a_number_that_is_not_one_is_a_fault_of_ours_and_never_leaves(column: str) -> None:
+    values = np.full((2, 3) if column == "normal" else 2, np.nan)
+    with pytest.raises((FaultError, ValueError)):
+        json.dumps(certificate_document(_certificate(**{column: values}), "full"), allow_nan=False)
+
+
+def test_a_trajectory_that_is_not_finite_never_leaves() -> None:
+    cell, outcome = fanuc()
+
+    class Broken:
+        time = np.array([0.0, 1.0])
+        q = qd = qdd = np.full((2, 4), np.nan)
+
+    with pytest.raises(FaultError):
+        trajectory_document(cell, dataclasses.replace(outcome.plan, trajectory=Broken()))  # type: ignore[arg-type]
+
+
+def test_a_refusal_says_all_that_is_promised_and_its_missing_numbers_are_null() -> None:
+    cell, _ = fanuc()
+    line = CensusLine("screen", Reason.BODY_COLLISION, 0, ("bar", "cup"), 9, (0.1, math.inf), math.nan, 0.02, "m", "")
+    refused = NotPlanned(
+        reason=Reason.WINDOW_MISSED,
+        proved=True,
+        sentence="the part passes 34 ms too early",
+        refusal=Refusal("meet", Reason.WINDOW_MISSED, 0, amount=0.034, unit="s"),
+        census=Census(9, 9, (line,)),
+        relaxation=Relaxation("window", "+20 mm", 1.25),
+        tried=("window",),
+        assumptions=("x: y",),
+        seed=3,
+        elapsed_s=0.2,
+        cut_by_clock=True,
+        details={"late_s": 0.034, "none": math.nan},
+    )
+    answer = through_json(answer_of(cell, refused))
+    assert (answer["status"], answer["reason"], answer["proved"]) == ("not_planned", "WINDOW_MISSED", True)
+    assert answer["details"] == {"late_s": 0.034, "none": None}
+    assert answer["relaxation"] == {"what": "window", "value": "+20 mm", "duration_s": 1.25}
+    assert answer["refusal"]["amount"] == 0.034
+    (told,) = answer["census"]["lines"]
+    assert (told["interval_s"], told["least"], told["most"], told["bodies"]) == (
+        [0.1, None],
+        None,
+        0.02,
+        ["bar", "cup"],
+    )
+    assert answer["notice"] == NOTICE
+    bare = through_json(answer_of(cell, dataclasses.replace(refused, refusal=None, relaxation=None)))
+    assert (bare["refusal"], bare["relaxation"]) == (None, None)
+    with pytest.raises(InputError) as caught:
+        check_document(FANUC, bare)
+    assert caught.value.field == "plan.status"
+
+
+SPOILT: dict[str, tuple[Any, Any, str]] = {
+    "not a mapping": (None, [], "plan"),
+    "unknown field": (("colour",), 1, "plan.colour"),
+    "no trajectory": (("trajectory",), None, "plan.trajectory"),
+    "joints of another robot": (("trajectory", "joint_names"), ["a", "b", "c", "d"], "plan.trajectory.joint_names"),
+    "times that run back": (("trajectory", "time_s", 1), -5.0, "plan.trajectory.time_s"),
+    "a row too short": (("trajectory", "velocity", 1), [0.0], "plan.trajectory.velocity[1]"),
+    "text for a number": (("trajectory", "position", 0, 0), "0", "plan.trajectory.position[0][0]"),
+    "unknown leg": (("legs", 0, "kind"), "DANCE", "plan.legs[0].kind"),
+    "an arrival at no time": (("arrivals", 0, "time_s"), "soon", "plan.arrivals[0].time_s"),
+    "columns of different lengths": (("certificate", "gap0_m"), [], "plan.certificate.gap0_m"),
+    "more rows than it says": (("certificate", "rows"), 0, "plan.certificate.t0_s"),
+    "a normal of two numbers": (("certificate", "normal", 0), [0.0, 1.0], "plan.certificate.normal[0]"),
+    "an index that is no number": (("certificate", "first", 0), 0.5, "plan.certificate.first[0]"),
+}
+
+
+@pytest.mark.parametrize("name", sorted(SPOILT))
+def test_a_plan_that_is_no_plan_is_bad_input_at_its_field(name: str) -> None:
+    path, value, field = SPOILT[name]
+    answer = through_json(answer_of(*fanuc()))
+    if path is None:
+        answer = value
+    else:
+        here = answer
+        for part in path[:-1]:
+            here = here[part]
+        here[path[-1]] = value
+    with pytest.raises(InputError) as caught:
+        check_document(FANUC, answer)
+    assert caught.value.field == field
+
+
+def test_a_request_counted_in_candidates_has_the_same_answer_each_time() -> None:
+    first, second = plan_document(FANUC), plan_document(FANUC)
+    for answer in (first, second):
+        del answer["elapsed_s"], answer["first_s"]
+    assert first == second
+
+
+def _certificate(**columns: Any) -> Certificate:
+    reals = {name: np.zeros(2) for name in ("t0", "t1", "gap0", "gap1", "speed", "acceleration")}
+    whole = {name: np.zeros(2, dtype=np.int64) for name in ("first", "first_piece", "second", "second_piece")}
+    return Certificate(**{"names": ("a", "b"), "normal": np.zeros((2, 3)), **reals, **whole, **columns})
+
+
+def _assert_same(one: Plan, other: Plan) -> None:
+    for name in ("time", "q", "qd", "qdd"):
+        assert getattr(one.trajectory, name).tobytes() == (getattr(other.trajectory, name) + 0.0).tobytes()
+    assert (one.legs, one.arrivals) == (other.legs, other.arrivals)
+    for field in dataclasses.fields(Certificate):
+        a, b = getattr(one.certificate, field.name), getattr(other.certificate, field.name)
+        if isinstance(a, np.ndarray):
+            np.testing.assert_array_equal(a, b)
+            assert a.dtype.kind == b.dtype.kind
+        else:
+            assert a == b

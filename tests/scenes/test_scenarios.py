@@ -1,0 +1,196 @@
+"""Scenario files: read with their lines, files only below their own folder, expectations that are really looked at."""
+
+from __future__ import annotations
+
+import copy
+import json
+import pickle
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from planner.errors import InputError
+from scenes.faults import DocumentError
+from scenes.requests import (
+    check_document,
+    load_scenario,
+    plan_scenario,
+    scene_of,
+    shipped,
+    shipped_scenarios,
+    unmet,
+    validate,
+)
+from tests.scenes.bad_requests import GOOD_REQUEST
+from tests.scenes.meshes.solids import SOLIDS, binary_stl
+
+DEMO = Path("scenes") / "cells" / "demo.yaml"
+
+
+def written(folder: Path, request: Any, name: str = "cell.yaml", **more: Any) -> Path:
+    """A scenario file of this request."""
+    document = {"about": "a test", "request": request, "expect": {"status": "planned"}, **more}
+    (folder / name).write_text(json.dumps(document, indent=1))
+    return folder / name
+
+
+def test_each_shipped_scenario_says_why_it_exists_and_is_a_valid_request() -> None:
+    found = shipped_scenarios()
+    assert "demo" in found
+    for name, about in found.items():
+        assert len(about) > 20
+        assert "\n" not in about
+        validate(shipped(name).request)
+
+
+@pytest.mark.parametrize("name", ["nowhere", "../cells/demo", "demo.yaml", "", "DEMO"])
+def test_no_other_scenario_is_opened(name: str) -> None:
+    with pytest.raises(InputError) as caught:
+        shipped(name)
+    assert caught.value.field == "scenario"
+
+
+def test_the_demo_is_planned_as_it_expects_and_checked() -> None:
+    scenario = shipped("demo")
+    answer = plan_scenario(scenario)
+    assert unmet(scenario.expect, answer) == []
+    assert check_document(scenario.request, answer, folder=scenario.folder)["ok"] is True
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "field"),
+    [
+        ("speed_mm_s: 250", "speed: 250", "request.frames.belt.conveyor.speed"),
+        ("status: planned", "status: perhaps", "expect.status"),
+        ("about: >", "abuot: >", "abuot"),
+        ("seed: 1", "seed: one", "request.options.seed"),
+        ("dwell_ms: 80", "dwell_ms: 80\n        wait: 3", "request.task[0].pick.wait"),
+    ],
+)
+def test_a_fault_is_told_with_its_line(tmp_path: Path, old: str, new: str, field: str) -> None:
+    text = DEMO.read_text()
+    assert text.count(old) == 1
+    spoilt = text.replace(old, new)
+    (tmp_path / "cell.yaml").write_text(spoilt)
+    with pytest.raises(DocumentError) as caught:
+        load_scenario(tmp_path / "cell.yaml")
+    last = new.rsplit("\n", maxsplit=1)[-1]
+    line = next(i for i, row in enumerate(spoilt.splitlines(), 1) if last.strip() in row)
+    assert (caught.value.field, caught.value.line) == (field, line)
+    assert pickle.loads(pickle.dumps(caught.value)).line == line
+
+
+def test_a_field_that_is_missing_is_told_at_the_line_of_what_lacks_it(tmp_path: Path) -> None:
+    lines = [row for row in DEMO.read_text().splitlines() if "tcp_mm" not in row]
+    (tmp_path / "cell.yaml").write_text("\n".join(lines))
+    with pytest.raises(DocumentError) as caught:
+        load_scenario(tmp_path / "cell.yaml")
+    assert caught.value.field == "request.robot.tool.tcp_m"
+    assert "tool:" in lines[(caught.value.line or 0) - 1]
+
+
+def test_a_fault_of_meaning_gets_its_line_too(tmp_path: Path) -> None:
+    spoilt = DEMO.read_text().replace("frame: dial, at_mm: [150", "frame: disc, at_mm: [150")
+    (tmp_path / "cell.yaml").write_text(spoilt)
+    with pytest.raises(DocumentError) as caught:
+        plan_scenario(load_scenario(tmp_path / "cell.yaml"))
+    assert caught.value.field == "task[1].place.to.frame"
+    assert "disc" in spoilt.splitlines()[(caught.value.line or 0) - 1]
+
+
+def with_mesh(name: str) -> dict[str, Any]:
+    request = copy.deepcopy(GOOD_REQUEST)
+    request["bodies"][1]["shape"]["mesh"] = {"file": name, "unit": "mm"}
+    return request
+
+
+def test_a_scenario_may_name_mesh_files_below_its_own_folder(tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "meshes" / "part.STL").write_bytes(binary_stl(SOLIDS["bracket"]))
+    scenario = load_scenario(written(tmp_path, with_mesh("meshes/part.STL")))
+    scene = scene_of(scenario.request, folder=scenario.folder)
+    assert len(scene.index["part"].body.pieces) == 2
+    with pytest.raises(InputError) as caught:
+        scene_of(scenario.request)
+    assert caught.value.field == "bodies[1].shape.mesh.file"
+
+
+def test_the_digest_of_a_request_with_a_file_depends_on_what_is_in_the_file(tmp_path: Path) -> None:
+    digests = set()
+    for solid in ("bracket", "tray"):
+        (tmp_path / "part.stl").write_bytes(binary_stl(SOLIDS[solid]))
+        digests.add(scene_of(with_mesh("part.stl"), folder=tmp_path).digest)
+    assert len(digests) == 2
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "../outside.stl",
+        "inside/../../outside.stl",
+        "link.stl",
+        "linked/outside.stl",
+        "missing.stl",
+        "secret.txt",
+        "a\0.stl",
+        "inside",
+    ],
+)
+def test_no_other_file_is_ever_read(tmp_path: Path, name: str) -> None:
+    folder = tmp_path / "cell"
+    (folder / "inside").mkdir(parents=True)
+    (tmp_path / "outside.stl").write_bytes(binary_stl(SOLIDS["bracket"]))
+    (folder / "secret.txt").write_text("secret")
+    (folder / "link.stl").symlink_to(tmp_path / "outside.stl")
+    (folder / "linked").symlink_to(tmp_path)
+    for spelt in (name, str(tmp_path / "outside.stl"), f"/{name}"):
+        with pytest.raises(InputError) as caught:
+            scene_of(with_mesh(spelt), folder=folder)
+        assert caught.value.field == "bodies[1].shape.mesh.file"
+
+
+ANSWER: dict[str, Any] = {
+    "status": "planned",
+    "duration_s": 1.5,
+    "arrivals": [{"control_point": "a", "matched": True}, {"control_point": "b", "matched": False}],
+    "margins": {"binds": "j2 acceleration"},
+    "census": {"lines": [{"bodies": ["gate", "cup"]}]},
+    "relaxation": None,
+}
+
+
+@pytest.mark.parametrize(
+    "expect",
+    [
+        {"status": "planned"},
+        {"status": "planned", "duration_s": {"max": 1.5}},
+        {"status": "planned", "duration_s": {"min": 1, "max": 2}},
+        {"status": "planned", "matched": ["a"], "mentions": ["gate", "j2"]},
+    ],
+)
+def test_expectations_that_hold(expect: dict[str, Any]) -> None:
+    assert unmet(expect, ANSWER) == []
+
+
+@pytest.mark.parametrize(
+    "expect",
+    [
+        {"status": "not_planned"},
+        {"status": "planned", "duration_s": {"max": 1.4}},
+        {"status": "planned", "duration_s": {"min": 1.6}},
+        {"status": "planned", "matched": ["b"]},
+        {"status": "planned", "matched": ["c"]},
+        {"status": "planned", "mentions": ["fence"]},
+        {"status": "planned", "reason": "TIMED_OUT"},
+        {"status": "planned", "proved": True},
+        {"status": "planned", "relaxation": "window"},
+    ],
+)
+def test_each_expectation_can_fail(expect: dict[str, Any]) -> None:
+    assert len(unmet(expect, ANSWER)) == 1
+
+
+def test_a_duration_that_is_not_there_meets_no_expectation() -> None:
+    refused = {"status": "not_planned", "arrivals": []}
+    assert unmet({"status": "not_planned", "duration_s": {"max": 9}}, refused)
