@@ -26,11 +26,14 @@ FIRST_PLAN: dict[str, Any] = {
         },
     },
     "start": {"joints": {"j1_deg": 0, "j2_deg": 60, "j3_mm": 250, "j4_deg": 0}},
-    "bodies": [{"name": "post", "shape": {"box": {"size_m": [0.05, 0.05, 0.2]}}, "pose": {"at_m": [0.3, 0.25, 0.1]}}],
+    "bodies": [
+        {"name": "post", "shape": {"box": {"size_m": [0.05, 0.05, 0.2]}}, "pose": {"at_m": [0.3, 0.25, 0.1]}},
+        {"name": "part", "shape": {"mesh": {"asset": "bracket", "unit": "mm"}}, "pose": {"at_m": [0.4, -0.2, 0.02]}},
+    ],
     "task": [{"move": {"to": {"at_m": [0.4, 0.0, 0.25]}}}],
     "options": {"budget_s": 10.0, "max_candidates": 20, "stop": "first", "elbow": "auto"},
 }
-"""The request that a new worker plans first: small, and it passes through every library."""
+"""The request that a new worker plans first: small, and it passes through every library, that for meshes too."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ would do; a small one counts what is on a face (1/2), on an edge or at all but t
 def winding_number(surface: tuple[FloatArray, IntArray], points: FloatArray) -> FloatArray:
     """How often the surface goes round each point (N, 3): (N,); 1 inside, 0 outside, the solid angle over 4π.
 
-    For a triangle seen from the point at a, b, c (van Oosterom and Strackee, 1983; equation S2):
+    For a triangle seen from the point at a, b, c (van Oosterom and Strackee, 1983; equation S3 in docs/meshes.md):
 
         tan(Ω/2) = a·(b×c) / (|a||b||c| + (a·b)|c| + (b·c)|a| + (c·a)|b|)
 

@@ -66,8 +66,8 @@ def as_written(document: object, path: Sequence[str | int]) -> tuple[Path, objec
     found: list[str | int] = []
     for part in path:
         if isinstance(document, dict):
-            key = written_key(document, str(part))
-            found.append(str(part) if key is None else key)
+            key = part if part in document else written_key(document, str(part))
+            found.append(str(part if key is None else key))
             document = NOTHING if key is None else document[key]
         elif isinstance(document, list) and isinstance(part, int) and 0 <= part < len(document):
             found.append(part)

@@ -28,6 +28,7 @@ from rich.console import Console
 from rich.table import Table
 
 import planner.certificate.facts
+import planner.certificate.proof
 import planner.legs.joint
 import planner.legs.meeting
 import planner.timing.sketch
@@ -51,6 +52,8 @@ PATIENT_S = 30.0
 """Longest search, s: long enough that a count ends it."""
 CANDIDATES = 400
 """The count that does."""
+COARSEST = (0.02, 0.16)
+"""Intervals to begin with, s: the planner's own, and longer ones, at which bounds matter more."""
 OUT = Console(width=110)
 
 
@@ -70,6 +73,17 @@ def solved(name: str, limit: int) -> Iterator[tuple[str, Scene, Plan]]:
         outcome = plan(scene)
         if isinstance(outcome, Planned):
             yield problem, scene, outcome.plan
+
+
+def shipped_plans(limit: int) -> Iterator[tuple[str, Scene, Plan]]:
+    """The shipped scenarios that are planned, with their clearances; the first plan of each."""
+    for name in list(shipped_scenarios())[:limit]:
+        scene = scene_of(shipped(name).request, folder=shipped(name).folder)
+        options = replace(scene.options, stop="first", budget_s=PATIENT_S, max_candidates=CANDIDATES)
+        scene = replace(scene, options=replace(options, explain_budget_s=0.0))
+        outcome = plan(scene)
+        if isinstance(outcome, Planned):
+            yield name, scene, outcome.plan
 
 
 @contextmanager
@@ -121,39 +135,32 @@ def proof(scene: Scene, made: Plan) -> tuple[int, bool]:
 def rows(limit: int) -> None:
     """Decisions 0003 and 0008."""
     variants: dict[str, Any] = {
-        "as it is": None,
+        "as it is": (Facts, "bounds", Facts.bounds),
         "first order only": (Facts, "bounds", first_order(Facts.bounds)),
         "joint by joint": (planner.certificate.facts, "sweep", joint_by_joint),
     }
-    found = table("set", "proof", "plans", "rows, median", "rows, all", "not proved")
-    for name in SETS:
-        plans = list(solved(name, limit))
-        for title, change in variants.items():
-            if change is None:
-                counts = [proof(scene, made) for _, scene, made in plans]
-            else:
-                with swapped(*change):
+    found = table("set", "begin with, ms", "proof", "plans", "rows, median", "rows, all", "not proved")
+    for name in (*SETS, "shipped scenarios"):
+        plans = list(solved(name, limit) if name in SETS else shipped_plans(limit))
+        for coarsest in COARSEST:
+            for title, change in variants.items():
+                with swapped(planner.certificate.proof, "COARSEST_S", coarsest), swapped(*change):
                     counts = [proof(scene, made) for _, scene, made in plans]
-            whole = [count for count, ok in counts if ok]
-            middle = f"{np.median(whole):.0f}" if whole else ""
-            found.add_row(name, title, str(len(counts)), middle, str(sum(whole)), str(len(counts) - len(whole)))
+                whole = [count for count, ok in counts if ok]
+                middle = f"{np.median(whole):.0f}" if whole else ""
+                cells = (len(counts), middle, sum(whole), len(counts) - len(whole))
+                found.add_row(name, f"{1e3 * coarsest:g}", title, *map(str, cells))
     OUT.print(found)
 
 
 def contacts(limit: int) -> None:
     """Decision 0004. Of every pair that may touch, the least gap along the vertical and along the proved normals."""
     found = table("scenario", "pair", "legs", "along the approach axis, mm", "as proved, mm")
-    for name in list(shipped_scenarios())[:limit]:
-        scene = scene_of(shipped(name).request, folder=shipped(name).folder)
-        options = replace(scene.options, stop="first", budget_s=PATIENT_S, max_candidates=CANDIDATES)
-        scene = replace(scene, options=replace(options, explain_budget_s=0.0))
-        outcome = plan(scene)
-        if not isinstance(outcome, Planned):
-            continue
+    for name, scene, made in shipped_plans(limit):
         least: dict[tuple[str, str], tuple[float, float, set[str]]] = {}
         prover = Prover(scene)
-        for phase in phases(scene, outcome.plan.legs, outcome.plan.arrivals):
-            for pair, vertical, proved in touching(scene, prover, phase, outcome.plan):
+        for phase in phases(scene, made.legs, made.arrivals):
+            for pair, vertical, proved in touching(scene, prover, phase, made):
                 one, other, kinds = least.get(pair, (np.inf, np.inf, set()))
                 least[pair] = min(one, vertical), min(other, proved), kinds | {str(phase.kind)}
         for pair, (vertical, proved, kinds) in least.items():
@@ -248,41 +255,40 @@ def grid(limit: int) -> None:
                 if isinstance(outcome, Planned):
                     found[step][problem] = outcome.plan.trajectory.end
     everywhere = set.intersection(*(set(each) for each in found.values()))
-    made = table("grid, ms", "solved", "longer than at 1 ms, mean ms", "most, ms", "planning, median ms")
+    made = table("grid, ms", "solved", "longer than at 1 ms: quarter, half, three quarters, ms", "planning, median ms")
     for step, each in found.items():
         more = [1e3 * (each[name] - found[0.001][name]) for name in everywhere]
         cost = f"{1e3 * np.median(spent[step]):.1f}"
-        made.add_row(f"{1e3 * step:g}", str(len(each)), f"{np.mean(more):.1f}", f"{max(more):.1f}", cost)
+        quarters = ", ".join(f"{x:.1f}" for x in np.quantile(more, (0.25, 0.5, 0.75))) if more else ""
+        made.add_row(f"{1e3 * step:g}", str(len(each)), quarters, cost)
     OUT.print(made)
 
 
 def sketches(limit: int) -> None:
     """Decision 0007."""
-    counts = {"read": 0, "finished": 0}
-    seconds = {"read": 0.0, "finished": 0.0}
+    seconds: dict[str, list[float]] = {"read": [], "finished": []}
 
     def counted(name: str, kept: Callable[..., Any]) -> Callable[..., Any]:
         def inner(*arguments: Any) -> Any:
             began = time.perf_counter()
             result = kept(*arguments)
-            seconds[name] += time.perf_counter() - began
-            counts[name] += 1
+            seconds[name].append(time.perf_counter() - began)
             return result
 
         return inner
 
     made = table("set", "motions timed", "profiles made", "a sketch, µs", "a profile more, µs")
     for name in SETS:
-        for key in counts:
-            counts[key], seconds[key] = 0, 0.0
+        for each in seconds.values():
+            each.clear()
         with (
             swapped(planner.timing.solver, "_read", counted("read", planner.timing.solver._read)),
             swapped(planner.timing.sketch, "finished", counted("finished", planner.timing.sketch.finished)),
         ):
             for _ in solved(name, limit):
                 pass
-        each = [f"{1e6 * seconds[key] / max(counts[key], 1):.0f}" for key in counts]
-        made.add_row(name, str(counts["read"]), str(counts["finished"]), *each)
+        middle = [f"{1e6 * np.median(each):.0f}" for each in seconds.values() if each]
+        made.add_row(name, *(str(len(each)) for each in seconds.values()), *middle)
     OUT.print(made)
 
 

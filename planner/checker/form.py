@@ -18,6 +18,9 @@ INDICES = ("first", "first_piece", "second", "second_piece")
 def form(scene: Scene, plan: Plan) -> list[Finding]:
     """What of knots, legs, arrivals and certificate is missing, not finite, of the wrong kind or shape."""
     findings = _knots(plan.trajectory, len(scene.robot.joints))
+    for name in ("legs", "arrivals"):
+        if not isinstance(getattr(plan, name, None), tuple):
+            return [*findings, Finding(Code.FORM, f"{name} must be a tuple")]
     for i, leg in enumerate(plan.legs):
         if not _leg(leg, len(scene.task)):
             findings.append(Finding(Code.FORM, f"leg {i} is not a leg of this task: {leg!r:.100}"))

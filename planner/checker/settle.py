@@ -13,6 +13,8 @@ PARTS = 4
 """Into how many an undecided interval is cut: remainders shrink as h² or faster."""
 ROUNDS = 10
 """After ten rounds intervals of 10 ms are 10 ns long. What is not decided by then is refused."""
+FIRST = 20_000
+"""Intervals between two edges to begin with, at most: 100 s of glue; what lasts longer begins with longer ones."""
 MOST = 200_000
 """Intervals in a round after which the search ends undecided, which is a refusal too."""
 
@@ -36,7 +38,7 @@ def settle(items: Sequence[FloatArray], coarsest: float, judge: Judge) -> list[E
     """For each item of which a quantity exceeds zero somewhere, the worst that was found; nothing for the others.
 
     An item is its edges (E,), s: it is looked at from the first to the last. Intervals do not cross edges, and are no
-    longer than `coarsest` to begin with.
+    longer than `coarsest` to begin with (or as long as `FIRST` of them make them).
     """
     found: list[Excess] = []
     cells = [_cells(edges, coarsest) for edges in items]
@@ -62,7 +64,7 @@ def settle(items: Sequence[FloatArray], coarsest: float, judge: Judge) -> list[E
 
 def _cells(edges: FloatArray, coarsest: float) -> tuple[FloatArray, FloatArray]:
     length = np.diff(edges)
-    count = np.maximum(1, np.ceil(length / coarsest)).astype(np.int64)
+    count = np.clip(np.ceil(length / coarsest), 1, FIRST).astype(np.int64)
     part = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     a = np.repeat(edges[:-1], count) + part * np.repeat(length / count, count)
     return a, np.append(a[1:], edges[-1])

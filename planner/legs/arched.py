@@ -10,12 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import FloatArray
-from planner.timing import Profile, Settled, Sketch, TimingRefusal, sketch_joints
+from planner.timing import Settled, Sketch, TimingRefusal, combine, sketch_joints
 
 JointState = tuple[FloatArray, FloatArray, FloatArray]
 """q, q̇, q̈, each (n,)."""
-MERGE_S = 1e-5
-"""Switches of two profiles closer than this become one knot, s: between them jerk is rounding over h³."""
+SPARE_S = 1e-12
+"""A way across that is shorter than its time by more than this is timed again, s: before a moving end nothing can stand
+still, and this is what counts as one time when profiles are combined."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +74,7 @@ def arch(
     if not resting or not arriving:
         # moving ends leave no time to spare at that end: the joints across fill it
         asked = total - before - after
-        if asked > flat.duration + MERGE_S:
+        if asked > flat.duration + SPARE_S:
             flat = across_in(asked)
             if isinstance(flat, TimingRefusal):
                 return flat
@@ -109,30 +110,6 @@ class Arched:
     def knots(self, offset: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Knots (time, q, q̇, q̈) at the switches of all three, for an arch that begins at `offset` s."""
         up, down, flat = self.up.profile, self.down.profile, self.flat.profile
-        fall = self.total - down.duration
-        switches = np.concatenate(
-            [up.switches(), fall + down.switches(), self.before + flat.switches(), [0.0, self.total]]
-        )
-        t = np.unique(np.clip(switches, 0.0, self.total))
-        keep = np.concatenate([[True], np.diff(t) > MERGE_S])
-        t = t[keep]
-        t[-1] = self.total
-        rising = t <= up.duration
-        parts = []
-        for order in range(3):
-            x = np.empty((len(t), len(self.across) + 1))
-            x[:, self.across] = _held(flat, t - self.before, order)
-            x[:, self.lift] = np.where(rising, _held(up, t, order)[:, 0], _held(down, t - fall, order)[:, 0])
-            # the ends are the states asked for, to the bit
-            x[0, self.lift], x[0, self.across] = up.start[order][0], flat.start[order]
-            x[-1, self.lift], x[-1, self.across] = down.end[order][0], flat.end[order]
-            parts.append(x)
-        return offset + t, parts[0], parts[1], parts[2]
-
-
-def _held(profile: Profile, t: FloatArray, order: int) -> FloatArray:
-    """A profile (T, n) at times t, its end states held before it begins and after it is over."""
-    inside = profile.evaluate(np.clip(t, 0.0, profile.duration), order)
-    for edge, rows in ((0, t <= 0.0), (1, t >= profile.duration)):
-        inside[rows] = (profile.start, profile.end)[edge][order]
-    return inside
+        offsets = (0.0, self.total - down.duration, self.before)
+        whole = combine((up, down, flat), offsets, self.total, ([self.lift], [self.lift], self.across))
+        return whole.knots(offset)

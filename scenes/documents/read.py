@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from planner.errors import FaultError
 from scenes.documents.model import NAME, REFERENCE
 from scenes.faults import DocumentError, Path, as_written, dotted
 from scenes.units import from_si, si_key, twin_of
@@ -63,14 +64,7 @@ def _fault(model: type[BaseModel], document: object, error: dict[str, Any]) -> t
     if "keys" in context:
         location += tuple(context["keys"][:1])
     path, value = as_written(document, location)
-    if kind in ("model_type", "model_attributes_type", "dict_type") and isinstance(value, dict):
-        path, value = _bad_key(path, value)
     return path, value, _allowed(model, kind, context, location, path)
-
-
-def _bad_key(path: Path, value: dict[object, object]) -> tuple[Path, object]:
-    key = next((key for key in value if not isinstance(key, str)), None)
-    return (path, value) if key is None else ((*path, str(key)), value[key])
 
 
 def _allowed(model: type[BaseModel], kind: str, context: dict[str, Any], location: Path, path: Path) -> str:
@@ -116,7 +110,7 @@ def _known(model: type[BaseModel], location: Path) -> str:
         if isinstance(part, str) and here is not None:
             here = _model_of(here, part)
     if here is None:
-        return "no such field"
+        raise FaultError(f"no model has the fields around {dotted(location)}")
     names = [field.alias or name for name, field in here.model_fields.items()]
     close = difflib.get_close_matches(str(location[-1]), names, n=1, cutoff=0.5)
     known = f"one of {', '.join(sorted(names))}"

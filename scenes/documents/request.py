@@ -37,7 +37,7 @@ class OptionsDocument(Document):
     explain_budget_s: Annotated[float, Field(ge=0.0, le=bounds.MAX_BUDGET_S)] = 0.0
     clearance_m: ClearanceDocument = ClearanceDocument(travel=0.0, near=0.0)
     singularity_margin: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.05
-    elbow: Literal["keep", "auto", "left", "right"] = "keep"
+    elbow: Annotated[str, Field(pattern=r"^[a-z][a-z-]{0,31}$")] = "keep"
     end: Literal["rest", "moving"] = "rest"
     stay_safe_s: Duration = 0.0
     latest_end_s: Instant | None = None

@@ -1,7 +1,7 @@
 """A closed surface covered, by construction, with convex hulls: the union of the hulls contains every triangle.
 
 The space around the mesh is cut by planes across the axes; each cell's hull is that of the triangles' parts inside the
-cell, so whatever the cuts, every point of every triangle is in the hull of a cell (C7). A convex mesh is one hull, the
+cell, so whatever the cuts, every point of every triangle is in the hull of a cell (M1). A convex mesh is one hull, the
 solid itself. Otherwise the cell whose hull reaches furthest out of the solid is cut where the volume of the hulls falls
 most, until all are tight or there are enough pieces. Where they are enough and not tight, the cover is larger than the
 solid: an arm may be kept out of a hollow that it could enter, never let through a wall.
@@ -22,7 +22,7 @@ from planner.shapes import Piece
 from scenes.meshes.clip import SAME_M, clip
 from scenes.meshes.excess import doubled_area, excess
 from scenes.meshes.hull import hull_of, rough_hull, volume_of_hull
-from scenes.meshes.merge import merged
+from scenes.meshes.merge import convex_groups
 from scenes.meshes.surface import SMALLEST_VOLUME_M3, Surface, volume_of
 
 MAX_PIECES = 64
@@ -78,8 +78,12 @@ def cover(surface: Surface) -> Cover:
                 heapq.heappush(cells, half)
     found = sorted(done + cells, key=lambda cell: tuple(cell.triangles.reshape(-1, 3).mean(0)))
     worst_m = max(cell.excess for cell in found)
-    hulls = merged([hull_of(cell.triangles.reshape(-1, 3)) for cell in found])
-    return Cover(tuple(Piece(hull) for hull in hulls), (surface.vertices, surface.faces), worst_m)
+    points = [cell.triangles.reshape(-1, 3) for cell in found]
+    hulls = [hull_of(some) for some in points]
+    groups = convex_groups(hulls)
+    # A group's hull is made of the points themselves, so that rounding does not add up from hull to hull.
+    joined = (hulls[g[0]] if len(g) == 1 else hull_of(np.concatenate([points[i] for i in g])) for g in groups)
+    return Cover(tuple(Piece(hull) for hull in joined), (surface.vertices, surface.faces), worst_m)
 
 
 class _Cell:

@@ -192,6 +192,18 @@ def _belt_in_metres(document: dict[str, Any]) -> None:
     conveyor["at_m"] = conveyor.pop("at_mm")
 
 
+def _twin_cups(document: dict[str, Any]) -> None:
+    bodies = document["robot"]["tool"]["bodies"]
+    bodies.append(bodies[0])
+
+
+def _wristless(document: dict[str, Any]) -> None:
+    document["robot"]["model"] = "oviedo-scara"
+    document["robot"].pop("limits")
+    document["start"]["joints"] = {"theta1_deg": 0, "theta2_deg": 60, "l3_mm": 50}
+    document["task"][0]["pick"]["grasp_yaw_deg"] = 90
+
+
 def _ride_on_the_part(document: dict[str, Any]) -> None:
     document["bodies"].append({**BOX, "pose": {"body": "part", "at_mm": [0, 0, 20]}})
 
@@ -233,6 +245,7 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad("neither model nor inline", drop("robot", "model"), "robot"),
     Bad("no tool", drop("robot", "tool"), "robot.tool"),
     Bad("no tool point", drop(*TOOL, "tcp_mm"), "robot.tool.tcp_m"),
+    Bad("two bodies of the tool of one name", _twin_cups, "robot.tool.bodies[0].name"),
     Bad("negative mass", put(*TOOL, "mass_kg", value=-1), "robot.tool.mass_kg"),
     Bad("scale above one", put("robot", "limits", "velocity", value=1.5), "robot.limits.velocity"),
     Bad("scale of zero", put("robot", "limits", "jerk", value=0), "robot.limits.jerk"),
@@ -406,6 +419,7 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad("step of no kind", put("task", 2, value={}), "task[2]"),
     Bad("two steps of one name", put("task", 2, "move", "name", value="pick-1"), "task[2].move.name"),
     Bad("part that is not there", put(*PICK, "part", value="nut"), "task[0].pick.part"),
+    Bad("a grasp turned by a wrist that is not there", _wristless, "task[0].pick.grasp_yaw_deg"),
     Bad("place before pick", drop("task", 0), "task[0].place.part"),
     Bad("place of another part", put(*PLACE, "part", value="bed"), "task[1].place.part"),
     Bad("a second pick with a full gripper", _pick_twice, "task[1].pick.part"),

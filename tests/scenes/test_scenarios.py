@@ -150,6 +150,15 @@ def test_no_other_file_is_ever_read(tmp_path: Path, name: str) -> None:
         assert caught.value.field == "bodies[1].shape.mesh.file"
 
 
+def test_a_mesh_file_that_is_too_long_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import scenes.scenarios as module
+
+    (tmp_path / "part.stl").write_bytes(binary_stl(SOLIDS["bracket"]))
+    monkeypatch.setattr(module, "MAX_MESH_BYTES", 100)
+    with pytest.raises(InputError, match="up to 100 bytes"):
+        scene_of(with_mesh("part.stl"), folder=tmp_path)
+
+
 ANSWER: dict[str, Any] = {
     "status": "planned",
     "duration_s": 1.5,

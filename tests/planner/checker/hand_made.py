@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -500,6 +501,13 @@ COLUMNS = (
 
 BODIES_OF_CROSSING = {"post": WorldBody(solid("post", cylinder(0.02, 0.1)), "world", Pose(-0.5, -0.5, 0.05))}
 """Bodies that `crossing` may have besides, far from everything."""
+
+
+def asking(scene: Scene, number: int, **changes: Any) -> Scene:
+    """The scene with a step changed."""
+    task: list[Any] = list(scene.task)
+    task[number] = replace(task[number], **changes)
+    return replace(scene, task=tuple(task))
 
 
 @cache

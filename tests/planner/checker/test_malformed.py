@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from planner.checker import Code, check
 from planner.outcome import Plan
-from tests.planner.checker.hand_made import COLUMNS, belt_case, crossing_case, sealed
+from planner.scene import Window
+from tests.planner.checker.hand_made import COLUMNS, asking, belt_case, crossing_case, sealed
 
 KNOTS = ("time", "q", "qd", "qdd")
 
@@ -29,6 +30,13 @@ def refused(plan: Any) -> None:
     verdict = check(scene, plan)
     assert not verdict.ok
     assert {finding.code for finding in verdict.findings} == {Code.FORM}
+
+
+@pytest.mark.parametrize("name", ["legs", "arrivals"])
+@pytest.mark.parametrize("wrong", [None, [], 3, "legs"])
+def test_legs_and_arrivals_that_are_none_are_refused(name: str, wrong: Any) -> None:
+    _, plan = crossing_case()
+    refused(replace(plan, **{name: wrong}))
 
 
 @pytest.mark.parametrize("name", KNOTS)
@@ -123,10 +131,14 @@ def test_arrivals_at_no_step_time_or_place_are_refused(changes: dict[str, Any]) 
     value=st.floats(allow_nan=False, allow_infinity=False, min_value=-1e300, max_value=1e300),
 )
 @example(what="legs", seed=0, value=-1e300)
+@example(what="arrivals", seed=0, value=1e300)
+@example(what="arrivals", seed=1, value=1e300)
+@example(what="arrivals", seed=3, value=-1e300)
 @example(what="rows", seed=5, value=1e300)
 def test_any_number_anywhere_is_answered(what: str, seed: int, value: float) -> None:
     """One number of a right plan is replaced by any other; the checker answers, and does not accept it."""
     scene, plan = belt_case()
+    scene = asking(scene, 0, window=Window(time=(0.7, 0.8), along=(-0.03, -0.02)))
     rng = np.random.default_rng(seed)
     changed: Any
     if what == "legs":

@@ -27,6 +27,7 @@ from planner.scene import Arch, Scene, Target, Window
 from planner.trajectory import Trajectory
 from tests.planner.checker.hand_made import (
     BODIES_OF_CROSSING,
+    asking,
     belt_case,
     crossing,
     crossing_case,
@@ -42,13 +43,6 @@ from tests.planner.checker.hand_made import (
 def codes(verdict: Verdict) -> set[Code]:
     assert verdict.ok == (not verdict.findings)
     return {finding.code for finding in verdict.findings}
-
-
-def asking(scene: Scene, number: int, **changes: Any) -> Scene:
-    """The scene with a step changed."""
-    task: list[Any] = list(scene.task)
-    task[number] = replace(task[number], **changes)
-    return replace(scene, task=tuple(task))
 
 
 def target_of(scene: Scene, number: int, **changes: Any) -> Target:

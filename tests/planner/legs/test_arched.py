@@ -107,7 +107,7 @@ def test_what_is_screened_is_what_will_run(seed: int, rise: float, fall: float) 
     rng = np.random.default_rng(seed)
     found = made(state(rng), state(rng), Hop(0.22, rise, fall))
     t = np.linspace(0.0, found.duration, 300)
-    assert np.abs(found.positions(t) - path(found).evaluate(np.minimum(t, path(found).end))).max() <= 1e-6
+    assert np.abs(found.positions(t) - path(found).evaluate(np.minimum(t, path(found).end))).max() <= 2e-5
 
 
 def corner(arched: Arched) -> FloatArray:

@@ -145,6 +145,19 @@ def test_a_limit_is_told_in_the_unit_that_was_written() -> None:
     assert caught.value.allowed == "at most 100000 (mm_s)"
 
 
+def test_a_key_that_is_no_text_is_told_by_its_name() -> None:
+    number: Any = 7
+    for spoilt, field in (({**GOOD_REQUEST, number: 1}, "7"), ({**GOOD_REQUEST, "frames": {number: {}}}, "frames.7")):
+        with pytest.raises(InputError) as caught:
+            validate(spoilt)
+        assert (caught.value.field, caught.value.allowed) == (field, "keys that are text" if field == "7" else "text")
+    documents: tuple[object, ...] = ([], "request", None, 7)
+    for document in documents:
+        with pytest.raises(InputError) as caught:
+            validate(document)
+        assert (caught.value.field, caught.value.allowed) == ("request", "a mapping of fields")
+
+
 def test_a_misspelt_key_is_told_before_the_one_that_is_missing_and_the_likeliest_is_named() -> None:
     with pytest.raises(InputError) as caught:
         read(ConveyorDocument, {"at_mm": [0, 0, 0], "sped_mm_s": 10})

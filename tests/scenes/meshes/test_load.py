@@ -244,6 +244,27 @@ def test_a_scene_of_several_nodes_is_put_together_where_they_stand() -> None:
     assert volume_of(found.corners) == pytest.approx(3e-6, rel=1e-6)
 
 
+def test_a_mesh_that_is_shown_often_is_counted_as_often_as_it_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(loading, "MAX_FACES", 30)
+    scene: Any = trimesh.Scene()
+    cube = trimesh.creation.box((10, 10, 10))
+    for x in (0.0, 20.0, 40.0):
+        place = np.eye(4)
+        place[0, 3] = x
+        scene.add_geometry(cube, transform=place)
+    assert "30 triangles" in refused(scene.export(file_type="glb"), "glb").allowed
+
+
+def test_points_without_faces_are_no_mesh() -> None:
+    library: Any = trimesh
+    refused(library.PointCloud(CUBE.reshape(-1, 3)).export(file_type="ply"), "ply")
+    refused(b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "obj")
+
+
+def test_a_unit_that_is_none_is_refused() -> None:
+    assert refused(binary_stl(CUBE), "stl", "ft").field == "mesh.unit"
+
+
 def test_the_assets_are_what_their_maker_makes() -> None:
     from scenes.assets.make_assets import ASSETS, stl
 

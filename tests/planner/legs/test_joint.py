@@ -1,0 +1,235 @@
+"""Joint legs: they meet a branch in its exact state at a time of its grid, within all limits, by vias that are flown by."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planner.frames import Conveyor, Law, Swing, Turntable
+from planner.frames.motion import Pose
+from planner.legs.arched import Hop
+from planner.legs.control_point import control_point
+from planner.legs.joint import JointMotion, Reached, Shape, Via
+from planner.legs.meeting import GRID_S, Branch, meetings
+from planner.legs.state import State
+from planner.outcome import Reason, Refusal
+from planner.phases import initial_rides
+from planner.scene import Scene, Window
+from planner.trajectory import Trajectory, check_limits
+from tests.planner.cells import cell, frame, go, limits
+
+NONE = np.zeros(4)
+LIMITS = limits()
+LAWS: dict[str, Law] = {
+    "conveyor": Conveyor(Pose(-0.2, 0.35, 0.1), 0.2),
+    "turntable": Turntable(Pose(0.35, 0.1, 0.1), 1.2),
+    "swing": Swing(Pose(0.3, -0.1, 0.1), 0.7, 1.3),
+}
+
+
+def scene_on(law: Law, **manners: object) -> Scene:
+    where = Pose(0.08, 0.0, 0.02, 0.4) if not isinstance(law, Conveyor) else Pose(0.0, 0.0, 0.02, 0.4)
+    return cell(
+        go(where.x, where.y, where.z, where.yaw, "moving", **manners), frames=(frame("moving", law),)  # type: ignore[arg-type]
+    )
+
+
+def branches(scene: Scene, state: State) -> tuple[Branch, ...]:
+    point = control_point(scene, 0, initial_rides(scene), None, 0.0)
+    found = meetings(scene, point, state.time, 0.0, (0, 1)).branches
+    assert found
+    return found
+
+
+def state(rng: np.random.Generator, moving: float = 0.0) -> State:
+    q = rng.uniform(0.6 * LIMITS.lower, 0.6 * LIMITS.upper)
+    q[2] = rng.uniform(0.1, 0.2)
+    qd = moving * rng.uniform(-1, 1, 4) * LIMITS.velocity
+    return State(float(rng.uniform(-1, 2)), q, qd, NONE)
+
+
+def shape(rng: np.random.Generator, kind: str) -> Shape:
+    def via() -> Via:
+        return Via(rng.uniform(0.7 * LIMITS.lower, 0.7 * LIMITS.upper) + np.array([0, 0, 0.12, 0]), float(rng.random()))
+
+    vias = tuple(via() for _ in range({"1 via": 1, "2 vias": 2}.get(kind, 0)))
+    hop = Hop(0.25, float(rng.random()), float(rng.random())) if kind == "arch" else None
+    wait = float(rng.random()) if kind == "wait" else 0.0
+    late = float(rng.random()) if kind == "late" else 0.0
+    return Shape(wait, late, vias, hop, effort=float(rng.choice([1.0, 0.7, 0.4])))
+
+
+KINDS = st.sampled_from(["direct", "1 via", "2 vias", "arch", "wait", "late"])
+
+
+def check_leg(scene: Scene, begin: State, branch: Branch, found: Reached, how: Shape) -> None:
+    """All that a joint leg promises."""
+    knots = found.knots()
+    assert np.array_equal(knots.q[0], begin.q)
+    assert np.array_equal(knots.qd[0], begin.qd)
+    assert knots.time[0] == begin.time + how.wait
+    last = knots.last
+    assert last.time == found.end
+    if not branch.still:
+        assert found.end == branch.time[found.row]
+        assert branch.legal[found.row]
+    for have, asked in ((last.q, branch.q), (last.qd, branch.qd), (last.qdd, branch.qdd)):
+        assert np.abs(have - asked[found.row]).max() <= 1e-9
+    trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
+    report = check_limits(
+        trajectory, np.full(4, -99.0), np.full(4, 99.0), LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk
+    )
+    assert report.ok, report
+    # the flange by forward kinematics, against the law: no inverse kinematics
+    p, yaw = scene.robot.forward(trajectory.evaluate(np.array(found.end)))
+    target = scene.task[0].target  # type: ignore[union-attr]
+    wanted = scene.frames[target.frame].law.motion(np.array(found.end)).at(target.pose)
+    assert np.abs(p - wanted.p).max() <= 1e-9
+    assert abs(math.remainder(float(yaw - wanted.yaw), 2 * math.pi)) <= 1e-9
+
+
+@settings(max_examples=80)
+@given(st.integers(0, 10**6), st.sampled_from(sorted(LAWS)), KINDS, st.booleans())
+def test_a_leg_to_a_moving_point_meets_its_state_at_a_grid_time_within_all_limits(
+    seed: int, law: str, kind: str, moving: bool
+) -> None:
+    rng = np.random.default_rng(seed)
+    begin = state(rng, 0.2 if moving and kind != "wait" else 0.0)
+    scene = scene_on(LAWS[law])
+    for branch in branches(scene, begin)[:3]:
+        how = shape(rng, kind)
+        if moving and how.effort < 1:
+            how = replace(how, effort=1.0)
+        found = JointMotion(scene, 0, begin, how, branch).meet()
+        if isinstance(found, Refusal):
+            assert found.reason in (Reason.WINDOW_MISSED, Reason.MOTION_LIMIT)
+            continue
+        check_leg(scene, begin, branch, found, how)
+
+
+@given(st.integers(0, 10**6), KINDS)
+def test_a_leg_to_a_point_that_stands_meets_its_state(seed: int, kind: str) -> None:
+    rng = np.random.default_rng(seed)
+    begin = state(rng)
+    scene = cell(go(0.35, float(rng.uniform(-0.3, 0.3)), 0.12, float(rng.uniform(-3, 3))))
+    for branch in branches(scene, begin)[:3]:
+        how = shape(rng, kind)
+        found = JointMotion(scene, 0, begin, how, branch).meet()
+        assert isinstance(found, Reached), found
+        check_leg(scene, begin, branch, found, how)
+
+
+@given(st.integers(0, 10**6), st.sampled_from(sorted(LAWS)))
+def test_what_is_met_in_position_only_is_met_at_rest(seed: int, law: str) -> None:
+    begin = state(np.random.default_rng(seed))
+    scene = scene_on(LAWS[law], match="position")
+    branch = branches(scene, begin)[0]
+    found = JointMotion(scene, 0, begin, Shape(), branch).meet()
+    assert isinstance(found, Reached)
+    assert found.knots().last.resting
+    check_leg(scene, begin, branch, found, Shape())
+
+
+@given(st.integers(0, 10**6), st.sampled_from(sorted(LAWS)))
+def test_no_earlier_time_of_the_grid_could_have_been_met_directly(seed: int, law: str) -> None:
+    """Rendezvous: the earliest T whose shortest duration is no more than T, give or take a step of the grid."""
+    from planner.timing import shortest_duration
+
+    begin = state(np.random.default_rng(seed))
+    scene = scene_on(LAWS[law])
+    branch = branches(scene, begin)[0]
+    found = JointMotion(scene, 0, begin, Shape(), branch).meet()
+    assert isinstance(found, Reached)
+    rates = LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk
+    earlier = [i for i in np.flatnonzero(branch.legal) if branch.time[i] < found.end - 2 * GRID_S]
+    for i in earlier[:: max(1, len(earlier) // 40)]:
+        least = shortest_duration(begin.q, begin.qd, begin.qdd, branch.q[i], branch.qd[i], branch.qdd[i], *rates)
+        if isinstance(least, float) and begin.time + least <= branch.time[i]:
+            # it was possible to be there sooner only if no motion of exactly that time exists (blocked)
+            exact = JointMotion(scene, 0, begin, Shape(), replace(branch, legal=np.arange(len(branch.time)) == i)).meet()
+            assert isinstance(exact, Refusal), (branch.time[i], found.end)
+
+
+def test_vias_are_flown_by_with_a_velocity() -> None:
+    begin = State(0.0, np.array([-0.8, 1.0, 0.1, 0.0]), NONE, NONE)
+    scene = cell(go(0.35, 0.3, 0.12))
+    branch = branches(scene, begin)[0]
+    via = Via(np.array([0.1, 0.9, 0.22, 0.4]), 0.8)
+    found = JointMotion(scene, 0, begin, Shape(vias=(via,)), branch).meet()
+    assert isinstance(found, Reached)
+    knots = found.knots()
+    trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
+    passed = found.profiles[1][0]
+    assert np.abs(trajectory.evaluate(np.array(passed)) - via.q).max() <= 1e-9
+    assert np.abs(trajectory.evaluate(np.array(passed), 1)).max() > 0.3
+    stopping = JointMotion(scene, 0, begin, Shape(vias=(Via(via.q, 0.0),)), branch).meet()
+    assert isinstance(stopping, Reached)
+    assert np.array_equal(stopping.knots().qd[np.searchsorted(stopping.knots().time, stopping.profiles[1][0])], NONE)
+
+
+def test_a_control_point_that_is_a_via_is_passed_towards_what_is_ahead() -> None:
+    begin = State(0.0, np.array([-0.8, 1.0, 0.1, 0.0]), NONE, NONE)
+    scene = cell(go(0.35, 0.1, 0.12, via=True), go(0.2, 0.4, 0.12, name="next"))
+    branch = branches(scene, begin)[0]
+    ahead = branch.q[0] + np.array([0.5, 0.1, 0.0, 0.0])
+    found = JointMotion(scene, 0, begin, Shape(through=0.7), branch, ahead).meet()
+    assert isinstance(found, Reached)
+    last = found.knots().last
+    assert np.abs(last.q - branch.q[0]).max() <= 1e-9
+    assert last.qd[0] > 0.1
+    standing = JointMotion(scene, 0, begin, Shape(through=0.0), branch, ahead).meet()
+    assert isinstance(standing, Reached)
+    assert standing.knots().last.resting
+
+
+def test_a_later_meeting_is_later_and_a_wait_is_waited() -> None:
+    begin = State(0.5, np.array([-0.8, 1.0, 0.1, 0.0]), NONE, NONE)
+    scene = scene_on(LAWS["turntable"])
+    branch = branches(scene, begin)[0]
+    first, late, waited = (
+        JointMotion(scene, 0, begin, how, branch).meet() for how in (Shape(), Shape(late=0.3), Shape(wait=0.4))
+    )
+    assert isinstance(first, Reached)
+    assert isinstance(late, Reached)
+    assert isinstance(waited, Reached)
+    assert late.end >= first.end + 0.3
+    assert waited.begin == 0.9
+    assert np.array_equal(waited.at(np.array([0.5, 0.7, 0.9])), np.tile(begin.q, (3, 1)))
+
+
+def test_less_effort_takes_longer_and_uses_less() -> None:
+    begin = State(0.0, np.array([-0.8, 1.0, 0.1, 0.0]), NONE, NONE)
+    scene = cell(go(0.35, 0.3, 0.12))
+    branch = branches(scene, begin)[0]
+    legs = [JointMotion(scene, 0, begin, Shape(effort=share), branch).meet() for share in (1.0, 0.25)]
+    assert all(isinstance(leg, Reached) for leg in legs)
+    knots = [leg.knots() for leg in legs]  # type: ignore[union-attr]
+    peak = [Trajectory(k.time, k.q, k.qd, k.qdd).extrema(2) for k in knots]
+    assert legs[1].end >= 1.9 * legs[0].end  # type: ignore[union-attr]
+    assert max(np.abs(x / LIMITS.acceleration).max() for x in peak[1]) <= 0.25 + 1e-9
+
+
+def test_a_window_that_is_too_early_is_missed_with_seconds() -> None:
+    begin = State(0.0, np.array([-0.8, 1.0, 0.1, 0.0]), NONE, NONE)
+    scene = scene_on(LAWS["turntable"], window=Window(time=(0.0, 0.1)))
+    found = JointMotion(scene, 0, begin, Shape(), branches(scene, begin)[0]).meet()
+    assert isinstance(found, Refusal)
+    assert found.reason is Reason.WINDOW_MISSED
+    assert found.unit == "s"
+    assert found.amount > 0.01
+
+
+@pytest.mark.parametrize("pace", [0.0, 0.5, 5.0])
+def test_no_via_is_passed_faster_than_the_joints_allow(pace: float) -> None:
+    begin = State(0.0, np.array([-2.0, 1.0, 0.1, 0.0]), NONE, NONE)
+    scene = cell(go(0.2, 0.45, 0.12))
+    branch = branches(scene, begin)[0]
+    how = Shape(vias=(Via(np.array([-0.3, 0.9, 0.22, 0.4]), pace),))
+    found = JointMotion(scene, 0, begin, how, branch).meet()
+    if isinstance(found, Reached):
+        check_leg(scene, begin, branch, found, how)
