@@ -130,7 +130,7 @@ def _point(
     solids = prover.solids(carried, moved)
     kind = LegKind.FOLLOW if point.glued else LegKind.MOVE
     phase = Phase(t, t, kind, point.step, carried, moved, frozenset(), point.frame if point.glued else None, ())
-    exempt = _contacts(scene, point)
+    exempt = _contacts(scene, point, rides)
     refusals = []
     for mode in range(len(scene.robot.modes)):
         solution = scene.robot.inverse(point.flange(np.array([t])).at_rest(), mode, 0)
@@ -166,11 +166,11 @@ def _known(scene: Scene, frame: str, t: float) -> bool:
     return low <= t <= high
 
 
-def _contacts(scene: Scene, point: ControlPoint) -> frozenset[tuple[str, str]]:
+def _contacts(scene: Scene, point: ControlPoint, rides: dict[str, tuple[str, Pose]]) -> frozenset[tuple[str, str]]:
     step = scene.task[point.step]
     if isinstance(step, Pick):
         return frozenset(pair(body.name, step.part) for body in scene.tool.bodies)
     if isinstance(step, Place):
-        names = resting_on(scene, step.part, step.to.frame, step.to.pose, step.contact_with)
+        names = resting_on(scene, step.part, step.to.frame, step.to.pose, step.contact_with, rides)
         return frozenset(pair(name, step.part) for name in names)
     return frozenset()

@@ -49,9 +49,8 @@ def closest(
 def _required(scene: Scene, phase: Phase, solids: Solids, b: IntArray) -> FloatArray:
     """Metres (P,) asked between the arm and units `b` at the beginning of a phase."""
     asked = clearance(scene, phase)
-    extra = [
-        scene.execution.tracking_m + float(uncertainty(scene, phase, name, np.array(phase.t0))) for name in scene.frames
-    ]
+    late = np.array(phase.t0 + scene.execution.start_tolerance_s)
+    extra = [scene.execution.tracking_m + float(uncertainty(scene, phase, name, late)) for name in scene.frames]
     frame = solids.carrier[b] - solids.links
     found: FloatArray = np.where(frame >= 0, asked + np.array(extra)[np.maximum(frame, 0)], asked)
     return found

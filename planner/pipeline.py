@@ -5,6 +5,7 @@ scene ─► what is impossible? ─► search (candidates ─► dyad ─► Ru
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 
@@ -81,7 +82,7 @@ def _not_found(scene: Scene, clock: _Clock, found: Found) -> NotPlanned:
     census = found.census.census()
     line = leading(census, found.deepest)
     refusal = None if line is None else _as_refusal(line)
-    proved = census.candidates == 0 and line is not None and _for_all_times(line)
+    proved = census.candidates == 0 and not found.cut_by_clock and line is not None and _for_all_times(line)
     return _not_planned(
         scene, clock, refusal, census, proved=proved, cut=found.cut_by_clock, deepest=found.deepest, line=line
     )
@@ -90,7 +91,8 @@ def _not_found(scene: Scene, clock: _Clock, found: Found) -> NotPlanned:
 def _for_all_times(line: CensusLine) -> bool:
     """Whether a refusal before any candidate holds for all times: it does not depend on how the arm came here."""
     if line.stage == "window":
-        return line.step == 0 or "the glue takes" in line.detail
+        # no number: it was not looked at for all times
+        return math.isfinite(line.least) and (line.step == 0 or "the glue takes" in line.detail)
     return line.stage == "inverse" and line.interval is not None and line.interval[0] == line.interval[1]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -152,8 +153,8 @@ class Scene:
             raise InputError("task", self.task, "at least one step")
         names = [body.name for body in self.bodies] + [b.body.name for b in self.robot.bodies]
         names += [body.name for body in self.tool.bodies]
-        for name in names:
-            if names.count(name) > 1:
+        for name, count in Counter(names).items():
+            if count > 1:
                 raise InputError("bodies", name, "names that are unique, the robot's and the tool's bodies included")
         for i, body in enumerate(self.bodies):
             if body.frame not in self.frames:
@@ -162,6 +163,19 @@ class Scene:
         for i, step in enumerate(self.task):
             self._check_step(f"task[{i}]", step)
         self._check_hands()
+        self._check_wrist()
+
+    def _check_wrist(self) -> None:
+        """An arm that cannot turn its tool at will cannot lay down a part as it should lie."""
+        if "yaw" in self.robot.coordinates:
+            return
+        if self.tool.tcp.x != 0.0 or self.tool.tcp.y != 0.0:
+            allowed = f"a tool point on the flange's axis: {self.robot.name} has no wrist to turn it with"
+            raise InputError("robot.tool.tcp", (self.tool.tcp.x, self.tool.tcp.y), allowed)
+        for i, step in enumerate(self.task):
+            if isinstance(step, Pick | Place):
+                allowed = f"move and follow: {self.robot.name} has no wrist, so parts would turn as the arm goes"
+                raise InputError(f"task[{i}]", step.name, allowed)
 
     def _check_step(self, field: str, step: Step) -> None:
         target = step.to if isinstance(step, Place) else getattr(step, "target", None)

@@ -19,6 +19,8 @@ HORIZON_S = 60.0
 """Windows along a conveyor are looked for this long after the start, s."""
 WINDOW_STEP_S = 0.005
 """Sampling of a control point's way along its conveyor, s; ends are then found by bisection."""
+BISECTIONS = 40
+"""A step of the grid, halved as often, is below what doubles know of a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +51,7 @@ class ControlPoint:
     @property
     def glued(self) -> bool:
         """Whether the tool is guided along the frame for a time."""
-        return self.dwell > 0 or self.approach > 0 or self.depart > 0
+        return not isinstance(self.scene.task[self.step], Move)
 
     @property
     def window(self) -> Window:
@@ -91,12 +93,50 @@ class ControlPoint:
     def _inside(self, window: tuple[float, float]) -> list[tuple[float, float]]:
         start = self.scene.start.time
         grid = np.arange(start, start + HORIZON_S + WINDOW_STEP_S, WINDOW_STEP_S)
-        way = self.along(grid)
-        if way is None:
-            raise InputError(f"task[{self.step}].window_mm", window, "a window in millimetres only on a conveyor")
+        way = self._ways(grid, window)
+        # what passes the whole window between two times of the grid gets a third one, inside
+        side = np.sign(way - np.clip(way, *window))
+        passed = [self._passed(grid[i], grid[i + 1], window) for i in np.flatnonzero(side[1:] * side[:-1] < 0)]
+        grid = np.sort(np.concatenate([grid, passed]))
+        way = self._ways(grid, window)
         inside = (way >= window[0]) & (way <= window[1])
         edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
         return [(self._edge(grid, a, -1, window), self._edge(grid, b - 1, 1, window)) for a, b in edges.reshape(-1, 2)]
+
+    def _ways(self, t: FloatArray, window: tuple[float, float]) -> FloatArray:
+        way = self.along(t)
+        if way is None:
+            raise InputError(f"task[{self.step}].window_mm", window, "a window in millimetres only on a conveyor")
+        return way
+
+    def _passed(self, before: float, after: float, window: tuple[float, float]) -> float:
+        """A time inside the window, which is passed between the two."""
+        middle = sum(window) / 2
+        low = float(np.sign(self._along(before) - middle))
+        for _ in range(BISECTIONS):
+            t = (before + after) / 2
+            if window[0] <= self._along(t) <= window[1]:
+                return t
+            before, after = (t, after) if low * (self._along(t) - middle) > 0 else (before, t)
+        return before
+
+    def _along(self, t: float) -> float:
+        way = self.along(np.array(t))
+        return math.nan if way is None else float(way)
+
+    def never_inside(self) -> tuple[float, str, str]:
+        """By how much, its unit, and in words: why the point is in its window at no time that is looked at."""
+        if self.window.along is None:
+            return math.nan, "", "the window is over before the start"
+        grid = np.array([self.scene.start.time + HORIZON_S * k / 1000 for k in range(1001)])
+        way = self.along(grid)
+        low, high = self.window.along
+        if way is None or not np.isfinite(way).all():
+            return math.nan, "", "the point is not inside its window while its motion is known"
+        leaving = way[-1] >= way[-2] if way[-1] > high else way[-1] <= way[-2]
+        if not leaving:
+            return math.nan, "", f"the point is not inside its window in the next {HORIZON_S:g} s"
+        return float(np.maximum(low - way, way - high).min()), "m", "the point is never inside its window"
 
     def _edge(self, grid: FloatArray, index: int, side: int, window: tuple[float, float]) -> float:
         """The last time inside the window between grid point `index`, inside, and its neighbour at `side`, outside."""
@@ -104,7 +144,7 @@ class ControlPoint:
         if not 0 <= neighbour < len(grid):
             return inner
         outer = float(grid[neighbour])
-        for _ in range(40):
+        for _ in range(BISECTIONS):
             middle = (inner + outer) / 2
             way = self.along(np.array(middle))
             if way is not None and window[0] <= float(way) <= window[1]:

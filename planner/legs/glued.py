@@ -105,6 +105,9 @@ def glue(scene: Scene, point: ControlPoint, state: State, mode: int, effort: flo
         if isinstance(up, Refusal):
             return up
         heights = _Heights(state.time, down, point.dwell, up)
+        if not heights.end > heights.begin:
+            touch = Knots(np.array([state.time]), state.q[None], state.qd[None], state.qdd[None])
+            return Glued((Stretch(LegKind.FOLLOW, touch),), state.time, state.time)
         knots = _knots(scene, point, state, mode, heights)
         if isinstance(knots, Refusal):
             return knots
@@ -238,7 +241,8 @@ def _cut(heights: _Heights, knots: Knots) -> Glued:
     ]
     stretches = []
     for kind, t0, t1 in marks:
-        if t1 > t0:
+        # a follow of no length still says when the part is taken or let go
+        if t1 > t0 or kind is LegKind.FOLLOW:
             rows = (knots.time >= t0 - 1e-12) & (knots.time <= t1 + 1e-12)
             stretches.append(Stretch(kind, Knots(knots.time[rows], knots.q[rows], knots.qd[rows], knots.qdd[rows])))
     return Glued(tuple(stretches), heights.met, heights.left)

@@ -22,7 +22,7 @@ GRID_S = 0.004
 MOST_TIMES = 2500
 """... and at most this many times, so a far horizon makes the grid coarser."""
 LOOK_AHEAD_S = 20.0
-"""Without a window or a latest end, meetings are looked for this long after the leg begins, s."""
+"""Meetings are looked for this long after they become possible, s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,15 +50,21 @@ class Meetings:
 
 def times(point: ControlPoint, earliest: float, lead: float) -> FloatArray:
     """Grid (G,) of meeting times from `earliest` on; the glue begins `lead` seconds after a meeting."""
-    if point.still:
+    if _any_time(point):
         return np.array([earliest])
     found = []
     for low, high in point.intervals:
-        low, high = max(low - lead, earliest), min(high - lead, earliest + LOOK_AHEAD_S)
+        low = max(low - lead, earliest)
+        high = min(high - lead, low + LOOK_AHEAD_S)
         if high >= low:
             step = max(GRID_S, (high - low) / MOST_TIMES)
             found.append(np.append(np.arange(low, high, step), high))
     return np.concatenate(found) if found else np.zeros(0)
+
+
+def _any_time(point: ControlPoint) -> bool:
+    """Whether it does not matter when the point is met: it stands still and has no window."""
+    return point.still and point.window.time is None
 
 
 def meetings(scene: Scene, point: ControlPoint, earliest: float, lead: float, modes: tuple[int, ...]) -> Meetings:
@@ -89,7 +95,7 @@ def meetings(scene: Scene, point: ControlPoint, earliest: float, lead: float, mo
                 Refusal("inverse", Reason.NEAR_SINGULARITY, point.step, (), _span(t), need - margin, "1", detail)
             )
             continue
-        here = list(_turned(robot, mode, t, found.q, found.qd, found.qdd, safe, point.still))
+        here = list(_turned(robot, mode, t, found.q, found.qd, found.qdd, safe, _any_time(point)))
         if not here:
             refusals.append(_beyond_limits(robot, point, t[safe], found.q[safe], robot.modes[mode]))
         branches += here
@@ -207,9 +213,7 @@ def window_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refusal
                 return Refusal(
                     "window", Reason.LAW_ENDS, point.step, (point.frame,), None, scene.start.time - law.valid[1], "s"
                 )
-            return Refusal(
-                "window", Reason.WINDOW_MISSED, point.step, (), None, detail="the point is never inside its window"
-            )
+            return Refusal("window", Reason.WINDOW_MISSED, point.step, (), None, *point.never_inside())
         low, high = max(whole, key=lambda span: span[1] - span[0])
         short = point.dwell - (high - low)
         detail = f"the window is open for {1e3 * (high - low):.0f} ms, the glue takes {1e3 * point.dwell:.0f} ms"

@@ -9,7 +9,8 @@ import numpy as np
 
 from planner.arrays import FloatArray
 from planner.errors import FaultError
-from planner.timing.profile import COINCIDENT, Profile
+from planner.timing.profile import Profile
+from planner.timing.writing import COINCIDENT
 from planner.trajectory import Trajectory
 
 MEETING_POSITION = 1e-9
@@ -63,7 +64,15 @@ def combine(
         phases[joint, : len(begins)] = coefficients
         phases[joint, len(begins) :] = coefficients[-1]
     states = np.stack([ends for _, _, ends in rows], -1)
-    return Profile(duration, time, phases, (states[0], states[1], states[2]), (states[3], states[4], states[5]))
+    limits = [np.max([profile.limits[:, k] for _, profile, k in parts[joint]], 0) for joint in range(len(rows))]
+    return Profile(
+        duration,
+        time,
+        phases,
+        (states[0], states[1], states[2]),
+        (states[3], states[4], states[5]),
+        np.stack(limits, -1),
+    )
 
 
 def _row(joint: int, parts: list[_Part], duration: float) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -12,25 +12,10 @@ from typing import Literal
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.errors import FaultError
+from planner.arrays import FloatArray, IntArray
 from planner.timing.ends import Cubics, ended
-from planner.trajectory.hermite import hulls
-from planner.trajectory.rounding import defect, moved, settled
+from planner.timing.writing import MERGE, Knots, clusters, middles, written
 
-MERGE = 1e-6
-"""s. Switches closer than this share one knot. From 1 µs up, velocities as doubles know a jerk to 0.03 rad/s³; a
-switch of jerk J that is off its knot by δ costs a jerk of up to 9 J δ/h on a neighbouring piece of length h, so δ is
-kept far below the shortest pieces that count."""
-CROWD = 5e-5
-"""s. Two pieces in a row below this, or one at an end, cannot shed their rounding on long neighbours."""
-WIDER = (4e-6, 1.6e-5)
-"""s. Merges that are tried there besides."""
-COINCIDENT = 1e-12
-"""s. Switches of several joints this close are one: J δ/h is lost in rounding for every h above `MERGE`."""
-
-Knots = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-"""Times (K,), q, q̇, q̈ (K, n)."""
 State = tuple[FloatArray, FloatArray, FloatArray]
 """q, q̇, q̈, each (n,)."""
 
@@ -42,6 +27,7 @@ class Profile:
     `time` (n, S) begins of the phases of each joint, not decreasing, from 0; phases of length zero are allowed. The
     last begins at the end and holds the end state. `phases` (n, S, 6): coefficients c0..c5 in the time since the
     begin of the phase. `start`, `end`: the states asked for, which the knots at both ends repeat to the bit.
+    `limits` (2, n): largest acceleration and jerk that the phases were made for.
     """
 
     duration: float
@@ -49,9 +35,10 @@ class Profile:
     phases: FloatArray
     start: State
     end: State
+    limits: FloatArray
 
     def __post_init__(self) -> None:
-        for array in (self.time, self.phases, *self.start, *self.end):
+        for array in (self.time, self.phases, *self.start, *self.end, self.limits):
             array.flags.writeable = False
 
     @property
@@ -63,16 +50,16 @@ class Profile:
         """q or a derivative (0 to 3) at times `t` (T,) or one time: (T, n) or (n,). Outside [0, duration]: NaN."""
         t = np.asarray(t, dtype=np.float64)
         flat = t.reshape(-1)
-        out = self._at(flat, self._active(flat, "right"))[derivative]
+        out = self.at(flat, self.active(flat, "right"))[derivative]
         out[~((flat >= 0) & (flat <= self.duration))] = np.nan
         return out.reshape(*t.shape, self.n)
 
-    def _active(self, t: FloatArray, side: Literal["left", "right"]) -> IntArray:
+    def active(self, t: FloatArray, side: Literal["left", "right"]) -> IntArray:
         """Per time and joint the phase that is under way at t (right) or ends at t (left), (T, n)."""
         past = np.array([row.searchsorted(t, side) for row in self.time])
         return np.asarray(np.maximum(past.T - 1, 0))
 
-    def _at(self, t: FloatArray, phase: IntArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    def at(self, t: FloatArray, phase: IntArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """q, q̇, q̈, q⃛ (T, n) at t (T,) by the polynomials of the given phases (T, n)."""
         joint = np.arange(self.n)
         tau = t[:, None] - self.time[joint, phase]
@@ -87,83 +74,18 @@ class Profile:
             q = q * tau + c[..., k]
         return q, v, 2 * a, 6 * jerk
 
-    def _clusters(self, merge: float) -> tuple[FloatArray, FloatArray]:
-        """Begins and ends of the clusters of switches that share a knot, from 0 to the duration."""
-        times = np.sort(self.time, axis=None).tolist()
-        last = self.duration
-        low, high = [0.0], [0.0]
-        for t in times:
-            if t > last - merge:
-                break
-            if t < low[-1] + merge:
-                high[-1] = t
-            else:
-                low.append(t)
-                high.append(t)
-        low.append(next(t for t in times if t > last - merge))
-        high.append(last)
-        return np.array(low), np.array(high)
-
     def switches(self) -> FloatArray:
         """Times at which a jerk jumps, of all joints, those closer than `MERGE` as one; both ends exactly."""
-        low, high = self._clusters(MERGE)
-        return self._middles(low, high)
-
-    def _middles(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        out = (low + high) / 2
-        out[0], out[-1] = 0.0, self.duration
-        return np.asarray(out)
+        return middles(self, *clusters(self, MERGE))
 
     def knots(self, offset: float = 0.0) -> Knots:
         """Knots (time, q, q̇, q̈) at all switches, for a motion that begins at `offset` s.
 
         First and last state are the ones asked for, to the bit. A joint whose own switch is not on the knot gets a
-        state between its polynomials before and after, weighted so that the longer piece bears the jump of its jerk.
-        States belong to the rounded times and velocities are settled so that short pieces keep their jerk
-        (`planner.trajectory.rounding`). Where short pieces crowd, wider merges are tried and the one with the least
-        jerk is taken. Raises `FaultError` for a motion of no duration.
+        state between its polynomials before and after. States belong to the rounded times, and are chosen so that
+        short pieces keep their jerk (`planner.timing.writing`). Raises `FaultError` for a motion of no duration.
         """
-        if not self.duration > 0:
-            raise FaultError("a motion of no duration has no knots")
-        knots = self._knots(offset, MERGE)
-        short = knots[0][1:] - knots[0][:-1] < CROWD
-        if short[0] or short[-1] or (short[1:] & short[:-1]).any():
-            knots = min((knots, *(self._knots(offset, merge) for merge in WIDER)), key=self._jerk_ratio)
-        return knots
-
-    def _jerk_ratio(self, knots: Knots) -> float:
-        """Largest jerk of the spline through `knots`, in units of the largest of the phases, over all joints."""
-        time, *states = knots
-        spline = np.abs(hulls(time[1:] - time[:-1], *states)[3]).max((0, 2))
-        phases = 6 * np.abs(self.phases[..., 3]).max(1)
-        return float((spline[phases > 0] / phases[phases > 0]).max(initial=0.0))
-
-    def _knots(self, offset: float, merge: float) -> Knots:
-        low, high = self._clusters(merge)
-        t = self._middles(low, high)
-        time, rest = moved(t, offset)
-        h = time[1:] - time[:-1]
-        states = list(self._at(t, self._active(high, "right"))[:3])
-        spread = high - low > COINCIDENT
-        if spread.any():
-            self._blend(states, t, low, spread)
-        wait = -rest[:, None]
-        q, qd, qdd = states[0] + wait * states[1], states[1] + wait * states[2], states[2]
-        for k, state in ((0, self.start), (-1, self.end)):
-            q[k], qd[k], qdd[k] = state
-        left_over = defect(h, q, qd, qdd)
-        left_over[spread[1:] | spread[:-1]] = 0.0
-        return time, q, *settled(h, qd, qdd, left_over)
-
-    def _blend(self, states: list[FloatArray], t: FloatArray, low: FloatArray, spread: BoolArray) -> None:
-        """Mix, at knots whose switches are spread, the polynomials before and after; never at the ends."""
-        inner = np.flatnonzero(spread)
-        inner = inner[(inner > 0) & (inner < len(t) - 1)]
-        phase = self._active(low[inner], "left")
-        before, after = t[inner] - t[inner - 1], t[inner + 1] - t[inner]
-        left = (after / (before + after))[:, None]
-        for state, before_it in zip(states, self._at(t[inner], phase), strict=False):
-            state[inner] = left * before_it + (1 - left) * state[inner]
+        return written(self, offset)
 
     def extrema(self) -> tuple[FloatArray, FloatArray]:
         """Smallest and largest position (n,), (n,), in closed form: stationary points of the cubics.
@@ -196,4 +118,5 @@ def finished(joints: list[Cubics], states: list[list[float]], duration: float) -
     """The profile of these phases, its ends made exact: `states` are q, q̇, q̈ at the start, then at the end."""
     time, phases = ended(joints, states, duration)
     ends = np.array(states)
-    return Profile(duration, time, phases, (ends[0], ends[1], ends[2]), (ends[3], ends[4], ends[5]))
+    limits = np.array([[joint.acceleration for joint in joints], [joint.jerk for joint in joints]])
+    return Profile(duration, time, phases, (ends[0], ends[1], ends[2]), (ends[3], ends[4], ends[5]), limits)

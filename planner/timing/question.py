@@ -39,8 +39,17 @@ class TimingRefusal:
     detail: str
 
 
-Limits = tuple[list[float], list[float], list[float]]
-"""Of velocity, acceleration and jerk, n numbers each."""
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What the solver is given, n numbers each: the most and the least velocity and acceleration, and the jerk."""
+
+    velocity: list[float]
+    backward: list[float]
+    acceleration: list[float]
+    braking: list[float]
+    jerk: list[float]
+
+
 NAMES = ("q0", "v0", "a0", "q1", "v1", "a1", "velocity", "acceleration", "jerk")
 
 
@@ -64,27 +73,32 @@ def accepted(arguments: tuple[FloatArray, ...], duration: float | None) -> list[
 
 
 def lowered_limits(rows: list[list[float]]) -> Limits | TimingRefusal:
-    """Velocity, acceleration and jerk limits for the solver: lowered, but never below what the end states need.
+    """Limits for the solver: lowered, but never below what the end states need, each direction by itself.
 
     A state with acceleration a comes to the velocity v ± a|a|/(2j) whatever one does (equation P2: + after the start,
     − before the goal). A state that needs the whole jerk limit for that gets it.
     """
     _, v0, a0, _, v1, a1, velocity, acceleration, jerk = rows
-    out: Limits = ([], [], [])
+    out = Limits([], [], [], [], [])
     for i, (v, a, j) in enumerate(zip(velocity, acceleration, jerk, strict=True)):
-        need_a = max(abs(a0[i]), abs(a1[i]))
-        if not need_a <= a * (1 + LIMIT_TOLERANCE):
-            return TimingRefusal("limits", need_a / a - 1, f"joint {i}: acceleration {need_a}, limit {a}")
+        need_a = (0.0, a0[i], a1[i])
+        worst = max(map(abs, need_a))
+        if not worst <= a * (1 + LIMIT_TOLERANCE):
+            return TimingRefusal("limits", worst / a - 1, f"joint {i}: acceleration {worst}, limit {a}")
         for lowered_j in (j * (1 - JERK_RESERVE), j):
             after = v0[i] + a0[i] * abs(a0[i]) / (2 * lowered_j)
             before = v1[i] - a1[i] * abs(a1[i]) / (2 * lowered_j)
-            need_v = max(abs(v0[i]), abs(v1[i]), abs(after), abs(before))
-            if need_v <= v * (1 + LIMIT_TOLERANCE):
+            need_v = (0.0, v0[i], v1[i], after, before)
+            worst = max(map(abs, need_v))
+            if worst <= v * (1 + LIMIT_TOLERANCE):
                 break
         else:
-            return TimingRefusal("limits", need_v / v - 1, f"joint {i}: velocity comes to {need_v}, limit {v}")
+            return TimingRefusal("limits", worst / v - 1, f"joint {i}: velocity comes to {worst}, limit {v}")
         # The solver compares without tolerance: a few roundings more than is needed.
-        out[0].append(max(v * (1 - RATE_RESERVE), need_v * (1 + 1e-14)))
-        out[1].append(max(a * (1 - RATE_RESERVE), need_a * (1 + 1e-14)))
-        out[2].append(lowered_j)
+        lowered_v, lowered_a = v * (1 - RATE_RESERVE), a * (1 - RATE_RESERVE)
+        out.velocity.append(max(lowered_v, max(need_v) * (1 + 1e-14)))
+        out.backward.append(min(-lowered_v, min(need_v) * (1 + 1e-14)))
+        out.acceleration.append(max(lowered_a, max(need_a) * (1 + 1e-14)))
+        out.braking.append(min(-lowered_a, min(need_a) * (1 + 1e-14)))
+        out.jerk.append(lowered_j)
     return out

@@ -101,10 +101,10 @@ def sketch_joints(
     if isinstance(found, TimingRefusal):
         return found
     if found.duration < BRIEF and _at_rest(rows):
-        brief = straight(rows[0], rows[3], *lowered, max(found.duration, SHORTEST) if duration is None else duration)
+        brief = straight(rows[0], rows[3], lowered, max(found.duration, SHORTEST) if duration is None else duration)
         if brief is not None:
             return Settled(brief)
-    return _read(found.profiles[0], rows, found.duration if duration is None else duration)
+    return _read(found.profiles[0], rows, lowered, found.duration if duration is None else duration)
 
 
 def shortest_duration(
@@ -136,11 +136,12 @@ def _solve(rows: list[list[float]], lowered: Limits, duration: float | None) -> 
     given.current_position, given.target_position = rows[0], rows[3]
     given.current_velocity, given.current_acceleration = _still(rows[1]), _still(rows[2])
     given.target_velocity, given.target_acceleration = _still(rows[4]), _still(rows[5])
-    given.max_velocity, given.max_acceleration = lowered[0], lowered[1]
+    given.max_velocity, given.min_velocity = lowered.velocity, lowered.backward
+    given.max_acceleration, given.min_acceleration = lowered.acceleration, lowered.braking
     given.minimum_duration = duration
     failure = ""
     for factor in RETRIES:
-        given.max_jerk = [j * factor for j in lowered[2]]
+        given.max_jerk = [j * factor for j in lowered.jerk]
         try:
             solver.validate_input(given, True, True)
             result = solver.calculate(given, found)
@@ -176,7 +177,7 @@ def _still(row: list[float]) -> list[float]:
     return [x if abs(x) >= RESIDUAL else 0.0 for x in row]
 
 
-def _read(joints: Sequence[Any], rows: list[list[float]], duration: float) -> Sketch | TimingRefusal:
+def _read(joints: Sequence[Any], rows: list[list[float]], lowered: Limits, duration: float) -> Sketch | TimingRefusal:
     """The solver's phases, brake phases included."""
     braked = any(joint.brake.duration > 0 for joint in joints)
     cubics = []
@@ -186,7 +187,8 @@ def _read(joints: Sequence[Any], rows: list[list[float]], duration: float) -> Sk
             brake = joint.brake
             t, p, v, a, j = brake.t + t, brake.p + p, brake.v + v, brake.a + a, brake.j + j
         # The solver lets a joint that is there early go on with constant acceleration: one more phase.
-        cubic = Cubics([0.0, *accumulate(t)], p, v, a, [*j, 0.0])
+        most = max(lowered.acceleration[number], -lowered.braking[number])
+        cubic = Cubics([0.0, *accumulate(t)], p, v, a, [*j, 0.0], most, lowered.jerk[number])
         miss = missed(cubic, (rows[3][number], rows[4][number], rows[5][number]), duration)
         if not miss <= 1:
             return TimingRefusal("unsound", miss, f"the solver misses the goal of joint {number}")

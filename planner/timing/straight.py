@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from planner.timing.ends import Cubics
 from planner.timing.profile import Profile, finished
+from planner.timing.question import Limits
 
 ROUNDING = 1e-10
 """Relative. A duration that the solver found rounds to a hair less than the closed form: limits are lowered by more."""
@@ -18,30 +19,29 @@ _SIGNS = (1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0)
 def straight(
     q0: list[float],
     q1: list[float],
-    velocity: list[float],
-    acceleration: list[float],
-    jerk: list[float],
+    limits: Limits,
     duration: float,
 ) -> Profile | None:
     """The motion q0 + s(t)(q1 − q0) from rest to rest in `duration` s; None if that is too short.
 
     s goes from 0 to 1 as fast as the limits of all joints together allow, and is then slowed down: by a factor f it
-    divides velocities by f, accelerations by f², jerks by f³. States and limits are n numbers each.
+    divides velocities by f, accelerations by f², jerks by f³. States are n numbers each.
     """
     way = [b - a for a, b in zip(q0, q1, strict=True)]
     still = [0.0] * len(way)
     states = [q0, still, still, q1, still, still]
     if not any(way):
-        return finished([Cubics([0.0], [q], [0.0], [0.0], [0.0]) for q in q0], states, duration)
+        rest = zip(q0, limits.acceleration, limits.jerk, strict=True)
+        return finished([Cubics([0.0], [q], [0.0], [0.0], [0.0], a, j) for q, a, j in rest], states, duration)
     v, a, j = (
-        min(limit / abs(d) for limit, d in zip(limits, way, strict=True) if d)
-        for limits in (velocity, acceleration, jerk)
+        min(limit / abs(d) for limit, d in zip(kind, way, strict=True) if d)
+        for kind in (limits.velocity, limits.acceleration, limits.jerk)
     )
     lengths = phase_lengths(v, a, j)
     least = sum(lengths)
     if not duration >= least * (1 - ROUNDING):
         return None
-    t, unit = [0.0], Cubics([0.0], [0.0], [0.0], [0.0], [0.0])
+    t, unit = [0.0], Cubics([0.0], [0.0], [0.0], [0.0], [0.0], a, j)
     for h, sign in zip(lengths, _SIGNS, strict=True):
         unit.j[-1] = sign * j
         for column, value in zip((unit.p, unit.v, unit.a), unit.at(-1, h), strict=True):
@@ -57,8 +57,10 @@ def straight(
             [d * x / slower for x in unit.v],
             [d * x / slower**2 for x in unit.a],
             [d * x / slower**3 for x in unit.j],
+            acceleration,
+            jerk,
         )
-        for q, d in zip(q0, way, strict=True)
+        for q, d, acceleration, jerk in zip(q0, way, limits.acceleration, limits.jerk, strict=True)
     ]
     return finished(joints, states, duration)
 

@@ -17,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from planner.arrays import FloatArray
+from planner.trajectory.hermite import hulls
 
 
 def defect(h: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> FloatArray:
@@ -41,6 +42,35 @@ def settled(h: FloatArray, qd: FloatArray, qdd: FloatArray, left_over: FloatArra
     qd[1:-1] += u[:-1] * share + u[1:] * (1 - share)
     qdd[1] += share[0] * 2 * u[0] / h[0]
     qdd[-2] -= (1 - share[-1]) * 2 * u[-1] / h[-1]
+    return qd, qdd
+
+
+def relaxed(
+    h: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray, jerk: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Velocities and accelerations (K, n) with which every piece comes as near as possible to its `jerk` (K-1, n).
+
+    Least squares over the Bernstein coefficients of the jerk of all pieces at once, linear in the velocities and
+    accelerations of the inner knots; positions and both ends stay. For knots so crowded that `settled`, which sees one
+    piece at a time, moves the trouble from one to the next. A thousand times slower.
+    """
+    size = len(h)
+    if size < 2:
+        return qd, qdd
+    # Rows of T2 for a piece: coefficients of the jerk from q̇0, q̈0, q̇1, q̈1, each in units of its own order of h.
+    piece = np.array([[-36, -9, -24, 3], [60, 9, 60, -9], [-24, -3, -36, 9]]) / 1.0
+    order = np.array([2, 1, 2, 1])
+    matrix = np.zeros((size, 3, size + 1, 2))
+    scale = np.minimum(np.append(h, np.inf), np.append(np.inf, h))
+    for k, length in enumerate(h):
+        matrix[k, :, k : k + 2] = (piece / length**order).reshape(3, 2, 2)
+    matrix *= np.stack([scale**2, scale], -1)
+    gap = jerk[:, None] - np.moveaxis(hulls(h, q, qd, qdd)[3], -1, 1)
+    inner = matrix[:, :, 1:-1].reshape(3 * size, 2 * (size - 1))
+    change = np.linalg.lstsq(inner, gap.reshape(3 * size, -1), rcond=None)[0].reshape(size - 1, 2, -1)
+    qd, qdd = qd.copy(), qdd.copy()
+    qd[1:-1] += change[:, 0] * (scale**2)[1:-1, None]
+    qdd[1:-1] += change[:, 1] * scale[1:-1, None]
     return qd, qdd
 
 

@@ -86,13 +86,17 @@ def until(true: Callable[[], bool], within_s: float = 60.0) -> None:
         time.sleep(0.02)
 
 
+def environment(**settings: str) -> dict[str, str]:
+    """This process's environment with these settings and no others, by their names without the prefix."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")}
+    return {**kept, **{f"ASSUR_{name}": value for name, value in settings.items()}}
+
+
 @contextlib.contextmanager
 def serving(**settings: str) -> Iterator[Server]:
-    """A service on a free port, with settings by their names without the prefix."""
-    kept = {name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")}
-    environment = {**kept, **{f"ASSUR_{name}": value for name, value in settings.items()}}
+    """A service on a free port, with these settings."""
     command = [sys.executable, "-m", "api.command_line", "serve", "--port", "0"]
-    process = subprocess.Popen(command, cwd=ROOT, env=environment, stderr=subprocess.PIPE)
+    process = subprocess.Popen(command, cwd=ROOT, env=environment(**settings), stderr=subprocess.PIPE)
     server = Server(process)
     reader = threading.Thread(target=server.read)
     reader.start()
@@ -306,11 +310,16 @@ def test_a_service_killed_without_warning_leaves_no_worker_behind() -> None:
         until(lambda: not worker.is_running() or worker.status() == psutil.STATUS_ZOMBIE)
 
 
+def started(port: str, **settings: str) -> subprocess.CompletedProcess[str]:
+    """A service that is expected to end by itself."""
+    command = [sys.executable, "-m", "api.command_line", "serve", "--port", port]
+    given = environment(**settings)
+    return subprocess.run(command, cwd=ROOT, env=given, capture_output=True, text=True, timeout=60, check=False)
+
+
 @pytest.mark.parametrize(("name", "value"), [("PORT", "http"), ("WORKER", "2"), ("MAX_BUDGET_S", "nan")])
 def test_a_service_with_a_wrong_setting_does_not_start_and_says_which(name: str, value: str) -> None:
-    command = [sys.executable, "-m", "api.command_line", "serve", "--port", "0"]
-    environment = {**os.environ, f"ASSUR_{name}": value}
-    run = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=60, check=False)
+    run = started("0", **{name: value})
     assert run.returncode == 2
     assert run.stderr.startswith(f"assur: ASSUR_{name}: got ")
     assert run.stderr.count("\n") == 1
@@ -319,7 +328,6 @@ def test_a_service_with_a_wrong_setting_does_not_start_and_says_which(name: str,
 def test_a_port_that_is_taken_is_bad_input() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])
-        command = [sys.executable, "-m", "api.command_line", "serve", "--port", port]
-        run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
+        run = started(port)
     assert run.returncode == 2
     assert "Traceback" not in run.stderr

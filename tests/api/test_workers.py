@@ -180,10 +180,13 @@ def test_a_worker_that_ends_by_itself_without_a_word_is_a_crash_too() -> None:
     with_workers(Settings(workers=1), story)
 
 
-def test_a_job_that_does_not_end_is_killed_and_the_next_is_served() -> None:
+@pytest.mark.parametrize(
+    ("job", "argument"), [(time.sleep, 60.0), (signal.raise_signal, signal.SIGSTOP)], ids=["asleep", "deaf to signals"]
+)
+def test_a_job_that_does_not_end_is_killed_and_the_next_is_served(job: Callable[..., Any], argument: Any) -> None:
     async def story(workers: Workers) -> None:
         stuck = await pid_of(workers)
-        problem = await refused(workers.run(time.sleep, (60.0,), "stuck", 0.5))
+        problem = await refused(workers.run(job, (argument,), "stuck", 0.5))
         assert problem.kind == "worker-timeout"
         assert await pid_of(workers) != stuck
         assert not alive(stuck)

@@ -55,7 +55,7 @@ MANNERS = ("rest", "moving", "at the limit", "accelerating")
 def limits(rng: np.random.Generator, robot: str, n: int) -> tuple[Floats, Floats, Floats]:
     """Velocity, acceleration, jerk: of the real robot (estimated jerk), of the problems, or drawn."""
     if robot == "real":
-        joints = rng.permutation(4)[:n]
+        joints = rng.integers(0, 4, n)
         return RH6[0][joints], RH6[1][joints], RH6[1][joints] / 0.02
     if robot == "problems":
         return np.full(n, 4.0), np.full(n, 30.0), np.full(n, 600.0)

@@ -70,9 +70,10 @@ def test_the_first_break_is_the_first_in_time() -> None:
     qdd = q * np.stack([(40 * (t - 2.5)) ** 2 - 40, (40 * (t - 1.0)) ** 2 - 40], 1)
     wide = np.full(2, 1e6)
     path = Trajectory(t, q, qd, qdd)
-    report = check_limits(path, -wide, np.full(2, 0.5), wide, wide, wide)
+    report = check_limits(path, np.full(2, -1.0), np.full(2, 0.5), wide, wide, wide)
     assert (report.position.ok, report.position.joint) == (False, 1)
     assert report.position.time == pytest.approx(1.0 - np.sqrt(np.log(1.2) / 20), abs=1e-3)
+    assert report.position.time is not None
     assert path.evaluate(report.position.time)[1] == pytest.approx(0.5, abs=1e-8)
     assert report.velocity.ok
     assert not report.ok

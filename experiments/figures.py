@@ -1,0 +1,86 @@
+"""The one style of all figures, and the door to matplotlib (the extra `plot`): no other module imports it to run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from planner.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+BLUE, ORANGE, GREEN, RED, PURPLE, SKY, INK, GREY = (
+    "#0072b2",
+    "#e69f00",
+    "#009e73",
+    "#d55e00",
+    "#cc79a7",
+    "#56b4e9",
+    "#222222",
+    "#888888",
+)
+"""Colours that stay apart for the colour-blind (Okabe and Ito), ink and grey."""
+
+PNG_DPI = 200
+"""Dots per inch of the PNG: a figure of 7 inches fills a page at print quality."""
+
+STYLE: dict[str, Any] = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib: the same figure on every machine
+    "font.size": 8,
+    "mathtext.fontset": "dejavusans",
+    "axes.titlesize": 8,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 5,
+    "axes.labelsize": 8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.7,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e3e3e3",
+    "grid.linewidth": 0.5,
+    "legend.fontsize": 7,
+    "legend.frameon": True,
+    "legend.framealpha": 0.9,
+    "legend.edgecolor": "#cccccc",
+    "legend.fancybox": False,
+    "lines.linewidth": 1.3,
+    "lines.markersize": 4,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "figure.constrained_layout.use": True,
+    "svg.hashsalt": "assur",  # names inside the file do not change from run to run
+}
+
+
+def write(draw: Callable[[Figure], None], size: tuple[float, float], stem: Path) -> list[Path]:
+    """Draw on a new figure of `size` inches and write it as `stem`.png and `stem`.svg; the paths.
+
+    The same figure gives the same bytes: no date is written. Raises `InputError` where matplotlib is not installed.
+    """
+    try:
+        import matplotlib as mpl
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ModuleNotFoundError as error:
+        raise InputError("reproduce", "no matplotlib", "an installation with the extra `plot`") from error
+    with mpl.rc_context({**mpl.rcParamsDefault, **STYLE}):
+        figure = Figure(figsize=size)
+        FigureCanvasAgg(figure)
+        draw(figure)
+        paths = [stem.with_name(f"{stem.name}.{kind}") for kind in ("png", "svg")]
+        figure.savefig(paths[0], dpi=PNG_DPI)
+        figure.savefig(paths[1], metadata={"Date": None})
+    return paths
+
+
+def plan_view(axes: Axes) -> None:
+    """Axes of a plane of the workspace in mm: equal scales."""
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("x [mm]")
+    axes.set_ylabel("y [mm]")

@@ -1,0 +1,155 @@
+"""Source 004, figures 2.1 to 2.7: POSE1 → POSE2 → POSE1 with parabolic blends, and the same move by Ruckig."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from experiments.experiment import Result
+from experiments.figures import BLUE, GREY, INK, ORANGE, plan_view
+from experiments.printed_joint_move import ParabolicBlend, inverse
+from planner.arrays import FloatArray
+from planner.errors import FaultError
+from planner.timing import Profile, TimingRefusal, time_joints
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+A = 0.2
+"""a1 = a2, m."""
+POSE1, POSE2 = (np.array([0.2, 0.2, -0.1]), 1), (np.array([0.2, 0.2, -0.2]), -1)
+"""Tool point, m, with yaw 0, and configuration index g."""
+TAU_S, SEGMENT_S = 0.1, 0.4
+"""Half of the source's t_acc = 200 ms, and the reading of its segments that gives its total of 1 s."""
+JERK_RAMP_S = 0.02
+"""The source has no jerk. Ruckig is given what the catalogue assumes: the acceleration is built up in 20 ms."""
+STEP_S = 1e-3
+
+
+def forward(q: FloatArray) -> FloatArray:
+    """Tool point in the plane, m, (..., 2)."""
+    first, second = q[..., 0], q[..., 0] + q[..., 1]
+    return A * np.stack([np.cos(first) + np.cos(second), np.sin(first) + np.sin(second)], -1)
+
+
+def poses() -> FloatArray:
+    """Joint vectors (3, 4) of POSE1, POSE2, POSE1."""
+    one, two = (inverse(p, np.array(0.0), A, A, g) for p, g in (POSE1, POSE2))
+    return np.stack([one, two, one])
+
+
+def by_ruckig(through: FloatArray, move: ParabolicBlend) -> list[Profile]:
+    """The same poses, each met and stopped at, with the speeds and accelerations of the blended move as limits."""
+    velocity = np.abs(move.velocities).max(0)
+    acceleration = np.abs(np.diff(move.velocities, axis=0)[[0, -1]]).max(0) / (2 * move.tau)
+    still, found = np.zeros(through.shape[1]), []
+    for q0, q1 in zip(through[:-1], through[1:], strict=True):
+        profile = time_joints(
+            q0, still, still, q1, still, still, velocity, acceleration, acceleration / JERK_RAMP_S, duration=None
+        )
+        if isinstance(profile, TimingRefusal):
+            raise FaultError(profile.detail)
+        found.append(profile)
+    return found
+
+
+def sampled(profiles: list[Profile]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Times (T,), q and q̇ (T, n) of profiles run one after the other."""
+    begins = np.cumsum([0.0, *(profile.duration for profile in profiles)])
+    parts = [np.append(np.arange(0.0, p.duration, STEP_S), p.duration) for p in profiles]
+    t = np.concatenate([begin + part for begin, part in zip(begins, parts, strict=False)])
+    q, qd = (np.concatenate([p.evaluate(part, k) for p, part in zip(profiles, parts, strict=True)]) for k in (0, 1))
+    return t, q, qd
+
+
+def run() -> Result:
+    """Numbers of both moves; angles in degrees where the source has degrees."""
+    through = poses()
+    move = ParabolicBlend(through, SEGMENT_S, TAU_S)
+    t = np.linspace(0.0, move.duration, round(move.duration / STEP_S) + 1)
+    q, qd = move.evaluate(t), move.evaluate(t, 1)
+    xy = forward(q)
+    middle = move.evaluate(move.passed[1:2])[0]
+    timed = by_ruckig(through, move)
+    ruckig_t, ruckig_q, ruckig_qd = sampled(timed)
+    ruckig_xy = forward(ruckig_q)
+    units = np.array([180 / np.pi, 180 / np.pi, 1e3, 180 / np.pi])
+    missed, point = (middle - through[1]) * units, forward(middle) * 1e3
+    numbers = {
+        "pose1_deg_mm": (through[0] * units).tolist(),
+        "pose2_deg_mm": (through[1] * units).tolist(),
+        "duration_s": move.duration,
+        "farthest_x_mm": 1e3 * float(xy[:, 0].max()),
+        "farthest_y_mm": 1e3 * float(xy[:, 1].max()),
+        "farthest_at_s": [float(t[: len(t) // 2][xy[: len(t) // 2, 0].argmax()]), float(t[500:][xy[500:, 0].argmax()])],
+        "off_the_diagonal_mm": 1e3 * float(np.abs(xy[:, 0] - xy[:, 1]).max()),
+        "missed_by_deg_mm": missed.tolist(),
+        "missed_by_formula_deg_mm": (move.missed_by[1] * units).tolist(),
+        "tool_at_the_middle_mm": [*point.tolist(), 1e3 * float(middle[2])],
+        "theta1_rate_minus_theta4_rate_rad_s": float(np.abs(qd[:, 0] - qd[:, 3]).max()),
+        "peak_rate_deg_s_mm_s": (np.abs(qd).max(0) * units).tolist(),
+        "acceleration_deg_s2_mm_s2": (np.abs(move.evaluate(t, 2)).max(0) * units).tolist(),
+        "end_misses_pose1_by": float(np.abs(q[-1] - through[2]).max()),
+        "ruckig_duration_s": sum(profile.duration for profile in timed),
+        "ruckig_peak_rate_deg_s_mm_s": (np.abs(ruckig_qd).max(0) * units).tolist(),
+        "ruckig_misses_pose2_by": float(np.abs(timed[0].evaluate(timed[0].duration) - through[1]).max()),
+        "ruckig_farthest_x_mm": 1e3 * float(ruckig_xy[:, 0].max()),
+    }
+    paragraph = (
+        f"The source reports joint values (0°, 90°, −100 mm, −90°) and (90°, −90°, −200 mm, 0°), a move of 1 s, "
+        f"equal curves of θ̇1 and θ̇4, a middle pose that is not reached, and a straight path out to x = y = 282.8 mm. "
+        f"Measured: the same joint values, {move.duration:.3f} s with τ = 100 ms and segments of 400 ms, "
+        f"max |θ̇1 − θ̇4| = {numbers['theta1_rate_minus_theta4_rate_rad_s']:.0e} rad/s, and "
+        f"x = y = {numbers['farthest_x_mm']:.2f} mm, on the diagonal to {numbers['off_the_diagonal_mm']:.0e} mm: the "
+        f"arm is stretched there, for it changes from right to left. POSE2 is missed by {missed[0]:.2f}°, "
+        f"{missed[1]:.2f}°, {missed[2]:.2f} mm and {missed[3]:.2f}°, as τ(v2 − v1)/4 says; in the plane the tool turns "
+        f"back {np.hypot(*(point - 200)):.1f} mm before it. The acceleration jumps, so the jerk is unbounded. Ruckig, "
+        f"with the same speeds and accelerations as limits and each acceleration built up in 20 ms, meets POSE2 "
+        f"exactly, stops there, and takes {numbers['ruckig_duration_s']:.2f} s. The source prints no formulas of its "
+        f"zones: these are one reading, chosen because it gives the total time."
+    )
+
+    def draw(figure: Figure) -> None:
+        top, bottom = figure.subfigures(2, 1, height_ratios=(1.25, 1))
+        axes = top.subplots(2, 4, sharex=True)
+        names = (r"\theta_1", r"\theta_2", "d_3", r"\theta_4")
+        for i, name in enumerate(names):
+            unit = "mm" if i == 2 else "°"
+            for row, ours, other in ((0, q, ruckig_q), (1, qd, ruckig_qd)):
+                axes[row, i].plot(ruckig_t, other[:, i] * units[i], color=ORANGE, ls="--", label="Ruckig, jerk-limited")
+                axes[row, i].plot(t, ours[:, i] * units[i], color=BLUE, label="parabolic blends (004)")
+            axes[0, i].plot(move.passed, through[:, i] * units[i], "o", mfc="w", color=INK, label="POSE1, POSE2, POSE1")
+            axes[0, i].set_title(f"({'abcd'[i]})")
+            axes[0, i].set_ylabel(f"${name}$ [{unit}]")
+            axes[1, i].set_ylabel(rf"$\dot{{{name.partition('_')[0]}}}_{name[-1]}$ [{unit}/s]")
+            axes[1, i].set_xlabel("t [s]")
+            axes[1, i].set_xticks([0, 0.5, 1])
+            if i != 2:
+                axes[0, i].set_yticks(np.arange(-90, 91, 45) if i == 1 else np.arange(-90, 1, 45) + 90 * (i == 0))
+        handles = axes[0, 0].get_legend_handles_labels()
+        top.legend(*handles, loc="outside upper center", ncols=3)
+        path, radius = bottom.subplots(1, 2)
+        path.plot(1e3 * ruckig_xy[:, 0], 1e3 * ruckig_xy[:, 1], color=ORANGE, ls="--")
+        path.plot(1e3 * xy[:, 0], 1e3 * xy[:, 1], color=BLUE)
+        path.plot(200, 200, "o", mfc="w", color=INK)
+        path.plot(*point, "s", color=BLUE)
+        arc = np.linspace(np.radians(36), np.radians(54), 60)
+        path.plot(400 * np.cos(arc), 400 * np.sin(arc), color=GREY, lw=0.8, ls=":")
+        note = {"textcoords": "offset points", "fontsize": 7, "color": INK}
+        path.annotate("POSE1 and POSE2", (200, 200), (10, -4), **note)
+        path.annotate(f"middle of the blended move\n({point[0]:.1f}, {point[1]:.1f}) mm", point, (10, -12), **note)
+        path.annotate("(282.8, 282.8) mm,\nstretched", (282.84, 282.84), (-12, -4), ha="right", **note)
+        path.annotate("edge of the workspace", (400 * np.cos(arc[-1]), 400 * np.sin(arc[-1])), (4, 2), **note)
+        plan_view(path)
+        path.set_title("(e) path of the tool in the plane")
+        radius.axhline(400, color=GREY, lw=0.8, ls=":")
+        radius.plot(ruckig_t, 1e3 * np.hypot(*ruckig_xy.T), color=ORANGE, ls="--")
+        radius.plot(t, 1e3 * np.hypot(*xy.T), color=BLUE)
+        radius.plot(move.passed, np.full(3, 200 * np.sqrt(2)), "o", mfc="w", color=INK)
+        radius.plot(0.5, np.hypot(*point), "s", color=BLUE)
+        radius.set_xlabel("t [s]")
+        radius.set_ylabel("distance from the base axis [mm]")
+        radius.set_title("(f) out to 400 mm, twice")
+
+    return Result(numbers, paragraph, (7.2, 5.8), draw)

@@ -1,0 +1,183 @@
+"""Every command that README and docs show is run as it stands there, in a folder of its own."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from tests.docs.pages import PAGES, ROOT, Command, commands, of_language, save_files
+
+ELSEWHERE = ("docs/service.md",)
+"""Its commands are run by tests/api/test_service_page.py."""
+SHOWN = [command for page in PAGES if page not in ELSEWHERE for command in commands(page)]
+RUN = ("assur", "python")
+"""Programs that are run here; `curl` is, against a service of its own."""
+ENVIRONMENT = {
+    **{name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")},
+    "PYTHONPATH": str(ROOT),
+    "COLUMNS": "110",
+}
+HOST = "http://127.0.0.1:8000"
+SHORTER = {"benchmarks.run_problems": ["--limit", "2"], "benchmarks.recheck": ["--partial"]}
+"""What the tests add to a command that would take minutes."""
+
+
+def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Runs a line of the shell: `assur` and `python` of this environment, files of the repository found from anywhere."""
+    program, *arguments = shlex.split(line)
+    where = [str(ROOT / word) if "/" in word and (ROOT / word).exists() else word for word in arguments]
+    head = [sys.executable, *(["-m", "api.command_line"] if program == "assur" else [])]
+    extra = SHORTER.get(arguments[1], []) if program == "python" and arguments[0] == "-m" else []
+    return subprocess.run(
+        [*head, *where, *extra], cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, check=False
+    )
+
+
+def signature(line: str) -> str:
+    """What a printed line says whatever its numbers are: its first cell, digits replaced."""
+    return re.sub(r"\d+(\.\d+)?", "#", re.split(r"\s{2,}|;", line.strip())[0])
+
+
+def unlike(shown: tuple[str, ...], printed: str) -> list[str]:
+    """Lines that are shown and are like no line that was printed, in order; ``...`` stands for any lines."""
+    there = iter([signature(line) for line in printed.splitlines()])
+    return [line for line in shown if line.strip() and line != "..." and signature(line) not in there]
+
+
+@pytest.mark.parametrize("page", sorted({command.page for command in SHOWN if command.program in RUN}))
+def test_every_command_of_a_page_succeeds_and_prints_what_is_shown(page: str, tmp_path: Path) -> None:
+    save_files(page, tmp_path)
+    (tmp_path / "out").mkdir()
+    ran = 0
+    for command in commands(page):
+        if command.program in RUN and not command.line.startswith("assur serve") and page not in MEASURED:
+            result = run(command.line, tmp_path)
+            assert result.returncode == 0, (command.line, result.stdout[-2000:], result.stderr[-2000:])
+            assert unlike(command.output, result.stdout) == [], (command.line, result.stdout)
+            ran += 1
+    assert ran or page in MEASURED
+
+
+MEASURED = tuple(page for page in PAGES if page.startswith("docs/decisions/"))
+"""Their commands take minutes; test_decisions.py runs each on less."""
+
+
+def test_a_line_that_is_not_printed_is_found() -> None:
+    assert unlike(("duration  1.2 s", "...", "plan checked"), "duration   3.4 s\n\nplan checked\n") == []
+    assert unlike(("plan checked",), "plan wrong\n") == ["plan checked"]
+    assert unlike(("b", "a"), "a\nb\n") == ["a"]
+
+
+def test_every_command_is_of_a_kind_that_is_held_to_something() -> None:
+    assert {command.program for command in SHOWN} <= {*RUN, "curl", "make"}
+    assert {block.language for block in of_language("sh", "bash", "shell")} <= {"sh"}
+
+
+def test_every_target_of_make_that_is_shown_is_there() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    targets = set(re.findall(r"^([a-z]+):", makefile, re.MULTILINE))
+    shown = {command.line.split()[1] for command in SHOWN if command.program == "make"}
+    assert shown >= {"demo", "test"}
+    assert shown <= targets
+
+
+@pytest.fixture(scope="module")
+def service() -> Iterator[str]:
+    """`assur serve` as a process of its own on a free port; its address."""
+    with socket.create_server(("127.0.0.1", 0)) as door:
+        port = door.getsockname()[1]
+    command = [sys.executable, "-m", "api.command_line", "serve", "--port", str(port)]
+    settings = {**ENVIRONMENT, "ASSUR_WORKERS": "1", "ASSUR_GRACE_S": "30"}
+    process = subprocess.Popen(command, cwd=ROOT, env=settings, stderr=subprocess.DEVNULL)
+    address = f"http://127.0.0.1:{port}"
+    try:
+        end = time.monotonic() + 120
+        while not ready(address):
+            assert process.poll() is None
+            assert time.monotonic() < end
+            time.sleep(0.1)
+        yield address
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(60) == 0
+    finally:
+        process.kill()
+        process.wait()
+
+
+def ready(address: str) -> bool:
+    try:
+        return httpx.get(f"{address}/readyz").status_code == 200
+    except httpx.TransportError:
+        return False
+
+
+def sent(line: str, folder: Path, address: str) -> Any:
+    """The JSON that a line of curl gets, sent by httpx; an option that is not understood is an error."""
+    _, *words = shlex.split(line.replace(HOST, address))
+    headers, body, target = {}, None, None
+    while words:
+        word = words.pop(0)
+        if word == "-H":
+            name, _, headers[name] = (part.strip() for part in words.pop(0).partition(":"))
+        elif word == "-d":
+            data = words.pop(0)
+            body = (folder / data[1:]).read_bytes() if data.startswith("@") else data.encode()
+        elif word != "-s":
+            assert target is None
+            assert word.startswith(address), word
+            target = word
+    assert target is not None
+    answer = httpx.request("GET" if body is None else "POST", target, headers=headers, content=body, timeout=120)
+    return answer.json()
+
+
+def lacking(shown: Any, got: Any, where: str = "") -> list[str]:
+    """What of the JSON that is shown the JSON that came has not."""
+    if isinstance(shown, dict) and isinstance(got, dict):
+        return [miss for key, value in shown.items() for miss in lacking(value, got.get(key), f"{where}.{key}")]
+    if isinstance(shown, list) and isinstance(got, list) and len(shown) <= len(got):
+        return [miss for i, value in enumerate(shown) for miss in lacking(value, got[i], f"{where}[{i}]")]
+    return [] if shown == got else [f"{where}: {got!r}"]
+
+
+CURLS = [command for command in SHOWN if command.program == "curl"]
+
+
+@pytest.mark.parametrize("command", CURLS, ids=[f"{command.page}-{i}" for i, command in enumerate(CURLS)])
+def test_every_call_is_answered_as_shown(command: Command, service: str, tmp_path: Path) -> None:
+    save_files(command.page, tmp_path)
+    answers = [sent(command.line, tmp_path, service)]
+    curl = shutil.which("curl")
+    if curl is not None:  # where it is, the very line is run, too
+        words = [curl, *shlex.split(command.line.replace(HOST, service))[1:]]
+        answers.append(json.loads(subprocess.run(words, cwd=tmp_path, capture_output=True, check=True).stdout))
+    for answer in answers:
+        if command.output:
+            assert lacking(json.loads("\n".join(command.output)), answer) == []
+        else:
+            assert answer["status"] == "planned", answer
+
+
+def test_what_is_lacking_in_an_answer_is_found() -> None:
+    assert lacking({"a": [1]}, {"a": [1, 2], "b": 3}) == []
+    assert lacking({"a": [1], "c": 0}, {"a": [2]}) == [".a[0]: 2", ".c: None"]
+
+
+def test_readme_shows_the_commands_that_a_newcomer_needs() -> None:
+    lines = [command.line for command in commands("README.md")]
+    assert {"make demo", "make test", "assur serve"} <= set(lines)
+    assert any(line.startswith("curl ") for line in lines)

@@ -1,0 +1,130 @@
+"""When a control point may be met: windows in seconds and along a belt, dwells, the ends of laws."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planner.errors import InputError
+from planner.frames import Change, Conveyor, Fixed, Law, Linear, Turntable
+from planner.frames.motion import Pose
+from planner.legs.control_point import ControlPoint, control_point
+from planner.phases import initial_rides
+from planner.scene import Follow, Window
+from tests.planner.cells import CRANKED, at, cell, frame, go, table_to_table
+
+
+def point(law: Law, window: Window = Window(), dwell: float = 0.0, x: float = 0.0, start: float = 0.0, **more: object) -> ControlPoint:  # noqa: B008
+    step = Follow("f", at(x, 0.0, 0.0, 0.0, "moving"), dwell, window)
+    scene = cell(step, frames=(frame("moving", law),), time=start, **more)  # type: ignore[arg-type]
+    return control_point(scene, 0, initial_rides(scene), None, 0.0)
+
+
+def allowed(found: ControlPoint, t: float) -> bool:
+    return any(low <= t <= high for low, high in found.intervals)
+
+
+BELT = Conveyor(Pose(-0.3, 0.4, 0.05, 0.3), 0.25)
+
+
+def test_without_a_window_the_glue_may_begin_from_the_start_on() -> None:
+    assert point(BELT, start=0.7).intervals == [(0.7, math.inf)]
+
+
+def test_a_window_in_seconds_holds_the_whole_glue() -> None:
+    assert point(BELT, Window(time=(1.0, 2.0)), 0.3).intervals == [(1.0, pytest.approx(1.7))]
+    assert point(BELT, Window(time=(1.0, 2.0)), 1.0).intervals == [(1.0, 1.0)]
+    assert point(BELT, Window(time=(1.0, 2.0)), 1.01).intervals == []
+    assert point(BELT, Window(time=(1.0, 2.0)), start=1.5).intervals == [(1.5, 2.0)]
+    assert point(BELT, Window(time=(1.0, 2.0)), start=2.5).intervals == []
+
+
+@given(st.floats(0.02, 0.6), st.floats(-0.3, 0.3), st.floats(0.0, 0.3), st.floats(0.0, 0.2))
+def test_a_window_along_a_belt_is_met_where_and_only_where_the_point_is_inside(
+    speed: float, x: float, low: float, dwell: float
+) -> None:
+    law = Conveyor(Pose(-0.3, 0.4, 0.05, 0.3), speed)
+    high = low + 0.1
+    found = point(law, Window(along=(low, high)), dwell, x)
+    # in closed form: the point is at x + speed t
+    first, last = max(0.0, (low - x) / speed), (high - x) / speed - dwell
+    if last < first - 1e-9 or (high - x) / speed > 59:
+        assert last < first or found.intervals == [] or (high - x) / speed > 59
+        return
+    assert len(found.intervals) == 1 or last - first < 1e-9
+    if found.intervals:
+        assert found.intervals[0] == pytest.approx((first, last), abs=1e-9)
+        for t in found.intervals[0]:
+            for now in (t, t + dwell):
+                way = found.along(np.array(now))
+                assert way is not None
+                assert low - 1e-12 <= float(way) <= high + 1e-12
+
+
+def test_a_belt_that_runs_backwards_and_one_that_stops_have_their_windows() -> None:
+    back = point(Conveyor(Pose(0.2, 0.4), -0.1), Window(along=(-0.05, -0.02)))
+    assert back.intervals == [pytest.approx((0.2, 0.5))]
+    stops = Conveyor(Pose(0.0, 0.4), 0.1, (Change(1.0, 0.0, 0.5, 5.0), Change(3.0, 0.1, 0.5, 5.0)))
+    found = point(stops, Window(along=(0.0, 0.15)), 0.5).intervals
+    assert len(found) == 1
+    low, high = found[0]
+    assert low == 0.0
+    way = point(stops).along(np.array([high + 0.5, high + 0.5 + 1e-3]))
+    assert way is not None
+    assert way[0] == pytest.approx(0.15, abs=1e-9)
+
+
+def test_a_drifting_body_has_a_way_along_its_velocity() -> None:
+    law = Linear(Pose(0.1, 0.2, 0.3), (0.3, 0.4, 0.0))
+    way = point(law, x=0.0).along(np.array([0.0, 2.0]))
+    assert way == pytest.approx([0.0, 1.0])
+
+
+@pytest.mark.parametrize("width", [0.005, 0.0004])
+def test_a_window_that_is_passed_in_less_than_a_grid_step_is_found(width: float) -> None:
+    fast = Conveyor(Pose(-0.3, 0.4), 0.5)
+    found = point(fast, Window(along=(0.1013, 0.1013 + width))).intervals
+    assert found == [pytest.approx((0.2026, 0.2026 + width / 0.5), abs=1e-9)]
+
+
+def test_both_windows_count() -> None:
+    found = point(BELT, Window(time=(0.5, 1.0), along=(0.0, 0.2)))
+    assert found.intervals == [pytest.approx((0.5, 0.8))]
+
+
+def test_a_law_that_ends_and_a_latest_end_bound_the_times() -> None:
+    assert point(Conveyor(Pose(), 0.1, valid=(-1.0, 5.0)), dwell=1.0).intervals == [(0.0, 4.0)]
+    assert point(BELT, latest_end_s=3.0, dwell=1.0).intervals == [(0.0, 2.0)]
+
+
+def test_millimetres_of_a_frame_that_is_no_conveyor_are_refused_by_name() -> None:
+    with pytest.raises(InputError, match="window"):
+        _ = point(Turntable(Pose(0.3, 0.0), 1.0), Window(along=(0.0, 0.1))).intervals
+    with pytest.raises(InputError, match="conveyor"):
+        _ = point(Fixed(Pose(0.3, 0.0)), Window(along=(0.0, 0.1))).intervals
+
+
+@given(st.floats(-3, 3), st.floats(0.0, 5.0), st.floats(0.0, 0.1))
+def test_the_flange_puts_the_tool_point_over_the_moving_target(yaw: float, t: float, above: float) -> None:
+    law = Turntable(Pose(0.3, 0.1, 0.05, yaw), 0.8)
+    scene = cell(go(0.1, 0.02, 0.03, 0.5, "dial"), frames=(frame("dial", law),), tool=CRANKED)
+    found = control_point(scene, 0, initial_rides(scene), None, 0.2)
+    flange = found.flange(np.array(t), above)
+    tool = Pose(*(float(v) for v in flange.p), float(flange.yaw)).then(scene.tool.tcp)
+    wanted = Pose(0.3, 0.1, 0.05, yaw + 0.8 * t).then(Pose(0.1, 0.02, 0.03 + above, 0.7))
+    for name in ("x", "y", "z"):
+        assert getattr(tool, name) == pytest.approx(getattr(wanted, name), abs=1e-12)
+    assert math.remainder(tool.yaw - wanted.yaw, 2 * math.pi) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_pick_knows_its_manners() -> None:
+    scene = table_to_table()
+    found = control_point(scene, 0, initial_rides(scene), None, 0.0)
+    assert (found.approach, found.dwell, found.depart) == (0.03, 0.05, 0.04)
+    assert found.glued
+    assert found.still
+    assert found.name == "pick"

@@ -1,0 +1,204 @@
+"""Glued blocks: with the frame to a micrometre at all times, down and up along the vertical, within all limits."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import event, given, settings
+from hypothesis import strategies as st
+
+from planner.arrays import FloatArray
+from planner.frames import Conveyor, Indexer, Law, Linear, Swing, Turntable
+from planner.frames.motion import Pose
+from planner.legs.control_point import ControlPoint, control_point
+from planner.legs.glued import Glued, glue, lead_time
+from planner.legs.state import State
+from planner.outcome import LegKind, Reason, Refusal
+from planner.phases import initial_rides
+from planner.robots.protocol import Code
+from planner.scene import Pick, Scene, Tool
+from planner.shapes import box
+from planner.trajectory import Trajectory, check_limits
+from tests.planner.cells import BARE, CRANKED, CUP, arm, cell, frame, limits, stands
+
+LIMITS = limits()
+FOLLOWED_M = 1e-6
+"""The promise of `planner.legs.glued`."""
+
+
+def law(kind: str, rng: np.random.Generator) -> tuple[Law, Pose]:
+    """A law in front of the arm, and a part's pose in it."""
+    yaw = float(rng.uniform(-3, 3))
+    if kind == "conveyor":
+        return Conveyor(Pose(-0.05, 0.38, 0.06, float(rng.uniform(-0.3, 0.3))), float(rng.uniform(-0.3, 0.3))), Pose(yaw=yaw)
+    if kind == "linear":
+        return Linear(Pose(0.05, 0.35, 0.06), (0.1, -0.08, 0.01)), Pose(yaw=yaw)
+    if kind == "turntable":
+        return Turntable(Pose(0.32, 0.12, 0.06), float(rng.uniform(-1.5, 1.5))), Pose(0.08, 0.0, 0.0, yaw)
+    if kind == "swing":
+        return Swing(Pose(0.3, 0.2, 0.06), 0.5, float(rng.uniform(1.0, 3.0))), Pose(0.1, 0.02, 0.0, yaw)
+    return Indexer(Pose(0.3, 0.15, 0.06), math.pi / 3, 0.4, 0.5), Pose(0.1, 0.0, 0.0, yaw)
+
+
+KINDS = st.sampled_from(["conveyor", "linear", "turntable", "swing"])
+
+
+def cell_with(where: Law, pose: Pose, tool: Tool, dwell: float = 0.1, **more: object) -> Scene:
+    part = stands("part", box(0.03, 0.03, 0.02), pose.x, pose.y, pose.z, pose.yaw, "moving")
+    step = Pick("pick", "part", Pose(z=0.01, yaw=0.2), 0.03, dwell, 0.04)
+    options = {"singularity_margin": 0.05, **more}
+    return cell(step, frames=(frame("moving", where),), bodies=(part,), robot=arm(j4=12.0), tool=tool, **options)  # type: ignore[arg-type]
+
+
+def begun(scene: Scene, t: float, mode: int) -> tuple[ControlPoint, State] | None:
+    """The control point, and the state of the arm above it at t."""
+    point = control_point(scene, 0, initial_rides(scene), None, 0.0)
+    found = scene.robot.inverse(point.flange(np.array(t), point.approach), mode, 2)
+    if found.code != Code.ASSEMBLED or not found.margin > 0.3:
+        return None
+    return point, State(t, found.q, found.qd, found.qdd)
+
+
+def whole(block: Glued) -> Trajectory:
+    knots = block.stretches[0].knots
+    for stretch in block.stretches[1:]:
+        knots = knots.then(stretch.knots)
+    return Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
+
+
+def tool_in_frame(scene: Scene, path: Trajectory, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Tool point (T, 3) and yaw (T,) in the frame, by forward kinematics and the law's pose alone."""
+    p, yaw = scene.robot.forward(path.evaluate(t))
+    c, s = np.cos(yaw), np.sin(yaw)
+    tcp = scene.tool.tcp
+    tool = p + np.stack([c * tcp.x - s * tcp.y, s * tcp.x + c * tcp.y, np.full(t.shape, tcp.z)], -1)
+    moved = scene.frames["moving"].law.motion(t)
+    d = tool - moved.p
+    c, s = np.cos(moved.yaw), np.sin(moved.yaw)
+    return np.stack([c * d[:, 0] + s * d[:, 1], -s * d[:, 0] + c * d[:, 1], d[:, 2]], -1), yaw + tcp.yaw - moved.yaw
+
+
+@settings(max_examples=60)
+@given(st.integers(0, 10**6), KINDS, st.sampled_from([BARE, CUP, CRANKED]), st.integers(0, 1))
+def test_a_block_stays_with_its_frame_to_a_micrometre_at_all_times(seed: int, kind: str, tool: Tool, mode: int) -> None:
+    rng = np.random.default_rng(seed)
+    where, pose = law(kind, rng)
+    scene = cell_with(where, pose, tool, float(rng.choice([0.0, 0.08, 0.4])))
+    start = begun(scene, float(rng.uniform(0.0, 0.5)), mode)
+    if start is None:
+        event("out of reach")
+        return
+    point, state = start
+    block = glue(scene, point, state, mode, 1.0)
+    if isinstance(block, Refusal):
+        assert block.reason in (Reason.MOTION_LIMIT, Reason.NEAR_SINGULARITY, Reason.OUT_OF_REACH, Reason.JOINT_LIMIT)
+        return
+    path = whole(block)
+    t = np.arange(path.start, path.end, 2e-4)
+    at, yaw = tool_in_frame(scene, path, t)
+    grasp = pose.then(Pose(z=0.01, yaw=0.2))
+    across = np.hypot(at[:, 0] - grasp.x, at[:, 1] - grasp.y)
+    assert across.max() <= FOLLOWED_M
+    assert np.abs(np.sin((yaw - grasp.yaw) / 2)).max() * 2 <= 1e-5
+    glued = (t >= block.begin) & (t <= block.end)
+    assert np.abs(at[glued, 2] - grasp.z).max(initial=0.0) <= FOLLOWED_M
+    height = at[:, 2] - grasp.z
+    assert height.min() >= -FOLLOWED_M
+    assert height[0] == pytest.approx(0.03, abs=1e-6)
+    assert height[-1] == pytest.approx(0.04, abs=2e-5)
+    down, up = height[t < block.begin], height[t > block.end]
+    assert (np.diff(down) <= 1e-7).all()
+    assert (np.diff(up) >= -1e-7).all()
+
+
+@settings(max_examples=60)
+@given(st.integers(0, 10**6), KINDS, st.integers(0, 1))
+def test_a_block_begins_in_its_state_keeps_all_limits_and_ends_with_the_frame(seed: int, kind: str, mode: int) -> None:
+    rng = np.random.default_rng(seed)
+    where, pose = law(kind, rng)
+    scene = cell_with(where, pose, CRANKED)
+    start = begun(scene, float(rng.uniform(0.0, 0.5)), mode)
+    if start is None:
+        event("out of reach")
+        return
+    point, state = start
+    block = glue(scene, point, state, mode, 1.0)
+    if isinstance(block, Refusal):
+        event("refused")
+        return
+    assert [s.kind for s in block.stretches] == [LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART]
+    path = whole(block)
+    first = block.stretches[0].knots
+    for have, asked in ((first.q[0], state.q), (first.qd[0], state.qd), (first.qdd[0], state.qdd)):
+        assert np.array_equal(have, asked)
+    assert path.start == state.time
+    assert block.end - block.begin == pytest.approx(0.1, abs=1e-12)
+    assert block.stretches[1].knots.time[0] == pytest.approx(block.begin, abs=1e-12)
+    assert block.stretches[1].knots.time[-1] == pytest.approx(block.end, abs=1e-12)
+    assert check_limits(
+        path, LIMITS.lower - 10, LIMITS.upper + 10, LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk
+    ).ok
+    assert np.abs(np.diff(path.q, axis=0)).max() < 1.0
+    # at the end it moves as the frame does: forward kinematics by differences, the law's own velocity
+    end = np.array([path.end - 2e-6, path.end - 1e-6, path.end])
+    p = tool_in_frame(scene, path, end)[0]
+    assert np.abs(np.diff(p, axis=0) / 1e-6).max() <= 1e-4
+
+
+def test_a_lead_is_the_time_of_the_way_down() -> None:
+    scene = cell_with(Conveyor(Pose(0.2, 0.3, 0.06), 0.1), Pose(), CUP)
+    start = begun(scene, 0.0, 0)
+    assert start is not None
+    point, state = start
+    lead = lead_time(scene, point, 1.0)
+    block = glue(scene, point, state, 0, 1.0)
+    assert isinstance(block, Glued)
+    assert block.begin - state.time == pytest.approx(lead, abs=1e-12)
+
+
+def test_a_frame_that_is_faster_than_the_arm_is_a_motion_limit() -> None:
+    scene = cell_with(Turntable(Pose(0.32, 0.12, 0.06), 30.0), Pose(0.08, 0.0), CUP)
+    point = control_point(scene, 0, initial_rides(scene), None, 0.0)
+    found = scene.robot.inverse(point.flange(np.array(0.0), point.approach), 0, 2)
+    block = glue(scene, point, State(0.0, found.q, found.qd, found.qdd), 0, 1.0)
+    assert isinstance(block, Refusal)
+    assert block.reason in (Reason.MOTION_LIMIT, Reason.JOINT_LIMIT)
+
+
+def test_a_belt_that_leaves_the_workspace_during_the_glue_is_out_of_reach() -> None:
+    scene = cell_with(Conveyor(Pose(0.3, 0.4, 0.06), 0.25), Pose(), CUP, dwell=2.0)
+    start = begun(scene, 0.0, 0)
+    assert start is not None
+    block = glue(scene, start[0], start[1], 0, 1.0)
+    assert isinstance(block, Refusal)
+    assert block.reason is Reason.OUT_OF_REACH
+
+
+def test_the_wrist_turns_on_and_on_with_a_dial_until_its_range_ends() -> None:
+    scene = cell_with(Turntable(Pose(0.32, 0.12, 0.06), 2.0), Pose(0.0, 0.0), CUP, dwell=3.0)
+    start = begun(scene, 0.0, 0)
+    assert start is not None
+    block = glue(scene, start[0], start[1], 0, 1.0)
+    assert isinstance(block, Glued)
+    path = whole(block)
+    assert abs(path.q[-1, 3] - path.q[0, 3]) > 2 * math.pi  # no jump by a turn on the way
+    longer = cell_with(Turntable(Pose(0.32, 0.12, 0.06), 2.0), Pose(0.0, 0.0), CUP, dwell=12.0)
+    again = begun(longer, 0.0, 0)
+    assert again is not None
+    refused = glue(longer, again[0], again[1], 0, 1.0)
+    assert isinstance(refused, Refusal)
+    assert refused.reason is Reason.JOINT_LIMIT
+    assert refused.bodies == ("theta4",)
+
+
+def test_near_a_singularity_a_block_is_refused_with_the_margin_that_is_missing() -> None:
+    where = Linear(Pose(0.348, 0.464, 0.06), (0.009, 0.012, 0.0))
+    scene = cell_with(where, Pose(), CUP, dwell=0.5, singularity_margin=0.4)
+    point = control_point(scene, 0, initial_rides(scene), None, 0.0)
+    found = scene.robot.inverse(point.flange(np.array(0.0), point.approach), 0, 2)
+    block = glue(scene, point, State(0.0, found.q, found.qd, found.qdd), 0, 1.0)
+    assert isinstance(block, Refusal)
+    assert block.reason is Reason.NEAR_SINGULARITY
+    assert 0 < block.amount <= 0.4

@@ -1,0 +1,110 @@
+"""Branches of a control point: every way in which the arm can be there, and why others are not."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planner.frames import Conveyor, Turntable
+from planner.frames.motion import Pose
+from planner.legs.control_point import control_point
+from planner.legs.meeting import LOOK_AHEAD_S, Meetings, meetings
+from planner.outcome import Reason
+from planner.phases import initial_rides
+from planner.scene import Follow, Scene, Window
+from tests.planner.cells import arm, at, cell, frame, go
+
+
+def met(scene: Scene, modes: tuple[int, ...] = (0, 1), earliest: float = 0.0, lead: float = 0.0) -> Meetings:
+    point = control_point(scene, 0, initial_rides(scene), None, 0.0)
+    return meetings(scene, point, earliest, lead, modes)
+
+
+DIAL = frame("dial", Turntable(Pose(0.35, 0.1, 0.05, 0.3), 1.0))
+
+
+@given(st.floats(0.0, 0.25), st.floats(-3, 3))
+def test_every_legal_row_of_every_branch_puts_the_flange_at_the_point(r: float, yaw: float) -> None:
+    scene = cell(go(r, 0.0, 0.06, yaw, "dial"), frames=(DIAL,), singularity_margin=0.0)
+    found = met(scene)
+    for branch in found.branches:
+        rows = np.flatnonzero(branch.legal)[::37]
+        p, turn = scene.robot.forward(branch.q[rows])
+        wanted = DIAL.law.motion(branch.time[rows]).at(Pose(r, 0.0, 0.06, yaw))
+        assert np.abs(p - wanted.p).max() <= 1e-9
+        assert np.abs(np.sin((turn - wanted.yaw) / 2)).max() <= 1e-9
+        assert scene.robot.within(branch.q[rows]).all()
+        assert (scene.robot.mode_of(branch.q[rows]) == branch.mode).all()
+        # velocities by the Jacobian, not by the inverse
+        rates = (scene.robot.jacobian(branch.q[rows]) @ branch.qd[rows][..., None])[..., 0]
+        assert np.abs(rates[:, :3] - wanted.v).max() <= 1e-8
+        assert np.abs(rates[:, 3] - wanted.yaw_d).max() <= 1e-8
+
+
+def test_all_modes_and_turns_within_the_range_are_branches() -> None:
+    for j4, turns in ((2 * math.pi, 2), (math.pi, 1), (4 * math.pi, 4)):
+        found = met(cell(go(0.35, 0.2, 0.1, 0.5), robot=arm(j4=j4)))
+        assert sorted(branch.mode for branch in found.branches) == [0] * turns + [1] * turns
+        q = np.array([branch.q[0] for branch in found.branches if branch.mode == 0])
+        assert len({round(float(x) / 1e-6) for x in q[:, 3]}) == turns
+        assert np.abs(np.diff(np.sort(q[:, 3])) - 2 * math.pi).max(initial=0.0) <= 1e-9
+
+
+def test_what_is_out_of_reach_beyond_a_limit_or_near_singular_says_so_with_a_number() -> None:
+    far = met(cell(go(0.7, 0.0)))
+    assert [refusal.reason for refusal in far.refusals] == [Reason.OUT_OF_REACH] * 2
+    high = met(cell(go(0.35, 0.2, 0.27)))
+    assert {refusal.reason for refusal in high.refusals} == {Reason.JOINT_LIMIT}
+    assert high.refusals[0].bodies == ("z",)
+    assert high.refusals[0].amount == pytest.approx(0.02)
+    assert high.refusals[0].unit == "m"
+    behind = met(cell(go(-0.5, -0.0, 0.1)))
+    assert Reason.JOINT_LIMIT in {refusal.reason for refusal in behind.refusals}
+    near = met(cell(Follow("f", at(0.599, 0.0), 0.1), singularity_margin=0.2))
+    assert {refusal.reason for refusal in near.refusals} == {Reason.NEAR_SINGULARITY}
+    theta2 = math.acos((0.599**2 - 0.325**2 - 0.275**2) / (2 * 0.325 * 0.275))
+    assert near.refusals[0].amount == pytest.approx(0.2 - math.sin(theta2), abs=1e-9)
+
+
+def test_a_point_met_at_rest_does_not_ask_for_a_margin() -> None:
+    assert met(cell(go(0.599, 0.0), singularity_margin=0.2)).branches
+
+
+def test_a_window_that_opens_long_after_the_start_is_not_missed() -> None:
+    late = 2 * LOOK_AHEAD_S
+    scene = cell(go(0.1, 0.0, 0.06, 0.0, "dial", window=Window(time=(late, late + 1.0))), frames=(DIAL,))
+    found = met(scene)
+    assert found.branches, found.refusals
+    assert late <= found.branches[0].time[0]
+    assert found.branches[0].time[-1] <= late + 1.0
+
+
+def test_a_part_that_comes_late_on_a_slow_belt_is_not_missed() -> None:
+    belt = frame("belt", Conveyor(Pose(-0.5, 0.35, 0.05), 0.01))
+    scene = cell(go(0.0, 0.0, 0.05, 0.0, "belt", window=Window(along=(0.4, 0.6))), frames=(belt,))
+    found = met(scene)
+    assert found.branches, found.refusals
+    assert found.branches[0].time[0] == pytest.approx(40.0, abs=1e-6)
+
+
+def test_the_glue_begins_a_lead_after_the_meeting() -> None:
+    scene = cell(Follow("f", at(0.1, 0.0, 0.06, 0.0, "dial"), 0.1, Window(time=(1.0, 2.0))), frames=(DIAL,))
+    found = met(scene, lead=0.3)
+    time = found.branches[0].time
+    assert time[0] == pytest.approx(0.7)
+    assert time[-1] == pytest.approx(1.6)
+
+
+def test_a_window_that_is_over_or_too_short_says_by_how_much() -> None:
+    over = met(cell(go(0.1, 0.0, 0.06, 0.0, "dial", window=Window(time=(0.0, 1.0))), frames=(DIAL,)), earliest=1.4)
+    assert over.refusals[0].reason is Reason.WINDOW_MISSED
+    assert over.refusals[0].amount == pytest.approx(0.4)
+    belt = frame("belt", Conveyor(Pose(-0.3, 0.35, 0.05), 0.5))
+    short = met(cell(Follow("f", at(0.0, 0.0, 0.05, 0.0, "belt"), 0.5, Window(along=(0.2, 0.3))), frames=(belt,)))
+    assert short.refusals[0].reason is Reason.WINDOW_MISSED
+    assert short.refusals[0].amount == pytest.approx(0.3)
+    assert "150 mm of belt" in short.refusals[0].detail

@@ -1,0 +1,185 @@
+"""Straight legs: on the line between two frames that move, with their velocities at both ends, within all limits."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import event, given, settings
+from hypothesis import strategies as st
+
+from planner.arrays import FloatArray
+from planner.frames.motion import Motion, Pose
+from planner.frames import Conveyor, Fixed, Law, Turntable
+from planner.legs.state import State, Stretch
+from planner.legs.straight import straight
+from planner.outcome import Reason, Refusal
+from planner.scene import Scene
+from planner.trajectory import Trajectory, check_limits
+from tests.planner.cells import arm, cell, go, limits
+
+LIMITS = limits()
+ON_THE_LINE_M = 2e-6
+"""The promise of `planner.legs.straight` is 1 µm half way between knots; 2 µm hold everywhere."""
+
+
+def along(law: Law, pose: Pose):  # type: ignore[no-untyped-def]  # noqa: ANN201
+    def motion(t: FloatArray) -> Motion:
+        return law.motion(np.asarray(t)).at(pose)
+
+    return motion
+
+
+def begin(scene: Scene, law: Law, pose: Pose, t: float, mode: int) -> State:
+    found = scene.robot.inverse(law.motion(np.array(t)).at(pose), mode, 2)
+    return State(t, found.q, found.qd, found.qdd)
+
+
+def path(leg: Stretch) -> Trajectory:
+    return Trajectory(leg.knots.time, leg.knots.q, leg.knots.qd, leg.knots.qdd)
+
+
+@st.composite
+def ends(draw: st.DrawFn) -> tuple[Law, Pose, Law, Pose]:
+    """A frame to leave and one to meet; on a grid, or anywhere."""
+    found: list[Law | Pose] = []
+    for side in (-1.0, 1.0):
+        kind = draw(st.sampled_from(["fixed", "belt", "dial"]))
+        x, y = draw(st.sampled_from([(0.3, 0.2), (0.25, 0.25), (0.35, 0.1)]))
+        z, yaw = draw(st.sampled_from([0.08, 0.15, 0.2])), draw(st.sampled_from([0.0, 0.5, -1.0, 2.0]))
+        if kind == "fixed":
+            found += [Fixed(Pose(x, side * y, z)), Pose(yaw=yaw)]
+        elif kind == "belt":
+            speed = draw(st.floats(-0.15, 0.15))
+            found += [Conveyor(Pose(x, side * y, z, draw(st.sampled_from([0.0, math.pi / 2, 1.0]))), speed), Pose(yaw=yaw)]
+        else:
+            found += [Turntable(Pose(x, side * y, z), draw(st.floats(-1.0, 1.0))), Pose(0.05, 0.0, 0.0, yaw)]
+    return found[0], found[1], found[2], found[3]  # type: ignore[return-value]
+
+
+@settings(max_examples=50)
+@given(ends(), st.integers(0, 1), st.floats(0.0, 1.0))
+def test_a_straight_leg_is_on_the_line_between_the_frames_at_all_times(
+    given_ends: tuple[Law, Pose, Law, Pose], mode: int, start: float
+) -> None:
+    first, pose, second, goal = given_ends
+    scene = cell(go(0.3, 0.0), robot=arm(j4=12.0), singularity_margin=0.05)
+    state = begin(scene, first, pose, start, mode)
+    leg = straight(scene, 0, state, mode, along(first, pose), along(second, goal))
+    if isinstance(leg, Refusal):
+        event(leg.reason)
+        assert leg.reason in (Reason.NEAR_SINGULARITY, Reason.OUT_OF_REACH, Reason.JOINT_LIMIT, Reason.MOTION_LIMIT)
+        return
+    event("straight")
+    found = path(leg)
+    t = np.arange(found.start, found.end, 5e-4)
+    p, yaw = scene.robot.forward(found.evaluate(t))
+    a, b = first.motion(t).at(pose), second.motion(t).at(goal)
+    way = b.p - a.p
+    s = ((p - a.p) * way).sum(-1) / (way * way).sum(-1)
+    assert np.linalg.norm(p - a.p - s[:, None] * way, axis=1).max() <= ON_THE_LINE_M
+    assert s.min() >= -1e-5
+    assert s.max() <= 1 + 1e-5
+    assert (np.diff(s) >= -1e-6).all()
+    # the yaw goes along in the same share
+    turn = math.remainder(float(b.yaw[0] - a.yaw[0]), 2 * math.pi)
+    expected = a.yaw + s * (turn + (b.yaw - b.yaw[0]) - (a.yaw - a.yaw[0]))
+    assert np.abs(np.sin((yaw - expected) / 2)).max() <= 1e-4
+
+
+@settings(max_examples=50)
+@given(ends(), st.integers(0, 1))
+def test_a_straight_leg_begins_and_ends_with_its_frames_and_keeps_all_limits(
+    given_ends: tuple[Law, Pose, Law, Pose], mode: int
+) -> None:
+    first, pose, second, goal = given_ends
+    scene = cell(go(0.3, 0.0), robot=arm(j4=12.0), singularity_margin=0.05)
+    state = begin(scene, first, pose, 0.2, mode)
+    leg = straight(scene, 0, state, mode, along(first, pose), along(second, goal))
+    if isinstance(leg, Refusal):
+        return
+    found = path(leg)
+    assert found.start == 0.2
+    assert np.abs(leg.knots.q[0] - state.q).max() <= 1e-12
+    assert np.abs(leg.knots.qd[0] - state.qd).max() <= 1e-9
+    q, qd, qdd = (found.evaluate(np.array([found.end]), k) for k in range(3))
+    tool = scene.robot.link_motion(scene.robot.links.index("flange"), q, qd, qdd, np.zeros_like(q))
+    wanted = second.motion(np.array([found.end])).at(goal)
+    assert np.abs(tool.p - wanted.p).max() <= 1e-9
+    assert np.abs(tool.v - wanted.v).max() <= 1e-8
+    assert np.abs(tool.a - wanted.a).max() <= 1e-6
+    assert np.abs(tool.yaw_d - wanted.yaw_d).max() <= 1e-8
+    assert check_limits(
+        found, LIMITS.lower - 10, LIMITS.upper + 10, LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk
+    ).ok
+
+
+def still(x: float, y: float, z: float = 0.1) -> tuple[Law, Pose]:
+    return Fixed(Pose(x, y, z)), Pose()
+
+
+def between(first: tuple[Law, Pose], second: tuple[Law, Pose], **options: object) -> Stretch | Refusal:
+    scene = cell(go(0.3, 0.0), robot=arm(j4=12.0), **options)  # type: ignore[arg-type]
+    return straight(scene, 0, begin(scene, *first, 0.0, 0), 0, along(*first), along(*second))
+
+
+def test_a_leg_uses_what_the_joints_allow() -> None:
+    leg = between(still(0.3, -0.2), still(0.3, 0.2))
+    assert isinstance(leg, Stretch)
+    found = path(leg)
+    peaks = [np.abs(np.array(found.extrema(k))).max(0) for k in (1, 2, 3)]
+    used = max(
+        float((peak / limit).max())
+        for peak, limit in zip(peaks, (LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk), strict=True)
+    )
+    assert used >= 0.6
+
+
+def test_a_line_past_the_folded_arm_is_refused_with_the_millimetres() -> None:
+    # the arm folded reaches to 50 mm; the line passes the base at 60 mm
+    leg = between(still(0.3, 0.06), still(-0.3, 0.06), singularity_margin=0.3)
+    assert isinstance(leg, Refusal)
+    assert leg.reason is Reason.NEAR_SINGULARITY
+    assert "10.0 mm" in leg.detail
+    theta2 = math.acos((0.06**2 - 0.325**2 - 0.275**2) / (2 * 0.325 * 0.275))
+    assert leg.amount == pytest.approx(0.3 - math.sin(theta2), abs=1e-3)
+
+
+def test_a_line_that_leaves_the_workspace_is_refused() -> None:
+    leg = between(still(0.5, -0.28), still(0.5, 0.28), singularity_margin=0.0)
+    assert isinstance(leg, Stretch)
+    gone = between(still(0.4, 0.4), still(0.75, 0.4), singularity_margin=0.0)
+    assert isinstance(gone, Refusal)
+    assert gone.reason is Reason.OUT_OF_REACH
+    inner = between(still(0.3, 0.02), still(-0.3, 0.02), singularity_margin=0.0)
+    assert isinstance(inner, Refusal)
+    assert inner.reason is Reason.OUT_OF_REACH
+
+
+def test_a_line_that_a_joint_cannot_follow_names_the_joint() -> None:
+    leg = between(still(0.3, 0.2, 0.1), still(0.3, -0.2, 0.3))
+    assert isinstance(leg, Refusal)
+    assert leg.reason is Reason.JOINT_LIMIT
+    assert leg.bodies == ("z",)
+    assert leg.amount == pytest.approx(0.05, abs=1e-6)
+
+
+def test_a_law_that_ends_on_the_way_is_refused() -> None:
+    belt = Conveyor(Pose(0.3, 0.2, 0.1), 0.1, valid=(-1.0, 0.05))
+    leg = between(still(0.3, -0.2), (belt, Pose()))
+    assert isinstance(leg, Refusal)
+    assert leg.reason is Reason.LAW_ENDS
+
+
+def test_where_a_straight_leg_cannot_change_the_elbow_it_says_how_near_it_comes() -> None:
+    """From left to right through the base's neighbourhood: the modes meet where the arm is stretched or folded."""
+    from planner.legs.straight import mode_changes
+
+    scene = cell(go(0.3, 0.0), robot=arm(j4=12.0))
+    first, second = still(0.3, 0.06), still(-0.3, 0.06)
+    state = begin(scene, *first, 0.0, 0)
+    found = mode_changes(scene, 0, state, (0, 1), along(*first), along(*second))
+    assert found.reason is Reason.NEAR_SINGULARITY
+    assert found.unit == "m"
+    assert found.amount == pytest.approx(0.01, abs=1e-4)
