@@ -176,13 +176,15 @@ def _ask(
     names = (solids.names[solids.body[first]], solids.names[solids.body[second]])
     reason = Reason.SELF_COLLISION if solids.body[second] < solids.robot_bodies else Reason.BODY_COLLISION
     t = float(samples.t[time_row])
+    # the standstill after the last leg belongs to the last step
+    step = phase.step if phase.step >= 0 else len(prover.scene.task) - 1
     for k in rows:
         if prover.collider.touch(one, other, int(k)):
             depth = need - float(gap[int(k)])
-            return Refusal("screening", reason, phase.step, names, (t, t), depth, "m", "touch")
+            return Refusal("screening", reason, step, names, (t, t), depth, "m", "touch")
         distance, _ = separate(one, other, int(k))
         if not distance - SLACK_M > need:
-            return Refusal("screening", reason, phase.step, names, (t, t), float(need - distance), "m", "too close")
+            return Refusal("screening", reason, step, names, (t, t), float(need - distance), "m", "too close")
     return None
 
 

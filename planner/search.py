@@ -129,6 +129,9 @@ class Search:
         """One batch of continuations; whether there was anything to try."""
         sampler = self._sampler(chain)
         batch = sampler.batch()
+        limit = self.scene.options.max_candidates
+        if limit is not None:
+            batch = batch[: max(0, limit - self.found.census.candidates)]
         ways: list[Outline | Draft] = []
         for option, sample in batch:
             if time.perf_counter() >= self.deadline:

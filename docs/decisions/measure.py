@@ -38,6 +38,7 @@ from planner import Scene, plan
 from planner.certificate import Prover
 from planner.certificate.facts import Facts
 from planner.certificate.rows import Rows
+from planner.errors import FaultError
 from planner.gjk import separate
 from planner.outcome import Plan, Planned
 from planner.phases import Phase, phases
@@ -133,7 +134,7 @@ def proof(scene: Scene, made: Plan) -> tuple[int, bool]:
 
 
 def rows(limit: int) -> None:
-    """Decisions 0003 and 0008."""
+    """Decisions 0004 and 0009."""
     variants: dict[str, Any] = {
         "as it is": (Facts, "bounds", Facts.bounds),
         "first order only": (Facts, "bounds", first_order(Facts.bounds)),
@@ -154,7 +155,7 @@ def rows(limit: int) -> None:
 
 
 def contacts(limit: int) -> None:
-    """Decision 0004. Of every pair that may touch, the least gap along the vertical and along the proved normals."""
+    """Decision 0005. Of every pair that may touch, the least gap along the vertical and along the proved normals."""
     found = table("scenario", "pair", "legs", "along the approach axis, mm", "as proved, mm")
     for name, scene, made in shipped_plans(limit):
         least: dict[tuple[str, str], tuple[float, float, set[str]]] = {}
@@ -164,7 +165,9 @@ def contacts(limit: int) -> None:
                 one, other, kinds = least.get(pair, (np.inf, np.inf, set()))
                 least[pair] = min(one, vertical), min(other, proved), kinds | {str(phase.kind)}
         for pair, (vertical, proved, kinds) in least.items():
-            found.add_row(name, " / ".join(pair), " ".join(sorted(kinds)), f"{1e3 * vertical:.2f}", f"{1e3 * proved:.2f}")
+            found.add_row(
+                name, " / ".join(pair), " ".join(sorted(kinds)), f"{1e3 * vertical:.2f}", f"{1e3 * proved:.2f}"
+            )
     OUT.print(found)
 
 
@@ -175,7 +178,8 @@ def touching(scene: Scene, prover: Prover, phase: Phase, made: Plan) -> Iterator
     solids = prover.solids(phase.carried, phase.rides)
     facts = Facts(scene, solids, phase, made.trajectory)
     proved = prover.prove(phase, made.trajectory)
-    assert isinstance(proved, Rows)
+    if not isinstance(proved, Rows):
+        raise FaultError(f"{phase.kind} is not proved again")
     edges = np.linspace(phase.t0, phase.t1, 2 + int((phase.t1 - phase.t0) / 0.02))
     table_ = facts.intervals(edges[:-1], edges[1:])
     for first, second in facts.exempt:
@@ -195,7 +199,7 @@ def touching(scene: Scene, prover: Prover, phase: Phase, made: Plan) -> Iterator
 
 
 def grown(limit: int) -> None:
-    """Decision 0005."""
+    """Decision 0006."""
     found = table("set", "clearance, mm", "pairs beyond it, within twice it", "refused all the same")
     for name in SETS:
         for clearance in (0.002, 0.008):
@@ -242,7 +246,7 @@ def larger(shape: Primitive, by: float) -> Primitive:
 
 
 def grid(limit: int) -> None:
-    """Decision 0006. First plans to moving goals; durations against those of 1 ms, over problems that all solve."""
+    """Decision 0007. First plans to moving goals; durations against those of 1 ms, over problems that all solve."""
     found: dict[float, dict[str, float]] = {}
     spent: dict[float, list[float]] = defaultdict(list)
     for step in (0.001, 0.002, 0.004, 0.008, 0.016):
@@ -265,7 +269,7 @@ def grid(limit: int) -> None:
 
 
 def sketches(limit: int) -> None:
-    """Decision 0007."""
+    """Decision 0008."""
     seconds: dict[str, list[float]] = {"read": [], "finished": []}
 
     def counted(name: str, kept: Callable[..., Any]) -> Callable[..., Any]:

@@ -192,9 +192,17 @@ def side_view(sheet: Sheet) -> None:
     sheet.polygon([(elbow - 42, 312), (wrist + 42, 312), (wrist + 42, 420), (elbow - 42, 420)])
     sheet.polygon([(elbow - 16, 278), (elbow + 16, 278), (elbow + 16, 312), (elbow - 16, 312)])
     sheet.polygon([(wrist - 7, flange), (wrist + 7, flange), (wrist + 7, 456), (wrist - 7, 456)], "white")
-    sheet.polygon([(wrist - 13, tip), (wrist + 13, tip), (wrist + 13, flange), (wrist - 13, flange)], "none", INK, "4 3")
+    sheet.polygon(
+        [(wrist - 13, tip), (wrist + 13, tip), (wrist + 13, flange), (wrist - 13, flange)], "none", INK, "4 3"
+    )
     for x, name in ((shoulder, "*θ*_1"), (elbow, "*θ*_2"), (wrist, "*z*, *θ*_4")):
-        sheet.line((x, 484 if x == wrist else 450), (x, {shoulder: floor + 4, elbow: 232, wrist: flange + 2}[x]), INK, 0.8, "9 3 2 3")
+        sheet.line(
+            (x, 484 if x == wrist else 450),
+            (x, {shoulder: floor + 4, elbow: 232, wrist: flange + 2}[x]),
+            INK,
+            0.8,
+            "9 3 2 3",
+        )
         sheet.text((x, 492 if x == wrist else 458), name, OURS)
     sheet.text((shoulder + 66, 249), "link1", INK, "middle", 14)
     sheet.text((elbow + 62, 360), "link2", INK, "middle", 14)

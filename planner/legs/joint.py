@@ -138,8 +138,9 @@ class JointMotion:
             if isinstance(reached, Reached):
                 return reached
             rows = rows[branch.time[rows] >= branch.time[row] + max(GRID_S, reached.amount)]
-        end = float(branch.time[branch.legal][-1])
-        need = begin + spent + float(least[-1])
+        last = int(np.flatnonzero(branch.legal)[-1])
+        end, soonest = float(branch.time[last]), self._shortest(self._goal(last))
+        need = begin + spent + (float(least[-1]) if isinstance(soonest, TimingRefusal) else soonest)
         return Refusal(
             "timing",
             Reason.WINDOW_MISSED,

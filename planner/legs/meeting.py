@@ -95,6 +95,12 @@ def meetings(scene: Scene, point: ControlPoint, earliest: float, lead: float, mo
                 Refusal("inverse", Reason.NEAR_SINGULARITY, point.step, (), _span(t), need - margin, "1", detail)
             )
             continue
+        over = np.maximum(np.abs(found.qd) / robot.limits.velocity, np.abs(found.qdd) / robot.limits.acceleration)
+        slow = safe & (over <= 1.0).all(-1)
+        if not slow.any():
+            refusals.append(_too_fast(robot, point, t[safe], over[safe], robot.modes[mode]))
+            continue
+        safe = slow
         here = list(_turned(robot, mode, t, found.q, found.qd, found.qdd, safe, _any_time(point)))
         if not here:
             refusals.append(_beyond_limits(robot, point, t[safe], found.q[safe], robot.modes[mode]))
@@ -170,6 +176,15 @@ def _unreachable(point: ControlPoint, code: IntArray, t: FloatArray, mode: str, 
         "1",
         f"{mode}: the arm is stretched or folded",
     )
+
+
+def _too_fast(robot: Robot, point: ControlPoint, t: FloatArray, over: FloatArray, mode: str) -> Refusal:
+    """The joint that would have to be faster than it can be even when the point is slowest for it; a share."""
+    row = int(np.argmin(over.max(1)))
+    joint = int(np.argmax(over[row]))
+    name, excess = robot.joints[joint].name, float(over[row, joint]) - 1
+    detail = f"{mode}: to move with {point.frame}, {name} would need {100 * excess:.0f} % more speed or acceleration"
+    return Refusal("inverse", Reason.MOTION_LIMIT, point.step, (name,), _span(t), excess, "1", detail)
 
 
 def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArray, mode: str) -> Refusal:

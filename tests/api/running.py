@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 import threading
 import time
 from collections.abc import Iterator
@@ -12,6 +11,7 @@ import httpx
 import uvicorn
 
 from api.app import create_app
+from api.serve import listening
 from api.settings import Settings
 
 PATIENT = Settings(workers=1, queue=8, max_budget_s=30.0, grace_s=30.0)
@@ -21,7 +21,7 @@ PATIENT = Settings(workers=1, queue=8, max_budget_s=30.0, grace_s=30.0)
 @contextmanager
 def running(settings: Settings = PATIENT) -> Iterator[httpx.Client]:
     """A client of a service that is ready; the service ends with the block."""
-    with socket.create_server(("127.0.0.1", 0)) as door:
+    with listening("127.0.0.1", 0) as door:
         server = uvicorn.Server(uvicorn.Config(create_app(settings), log_config=None, access_log=False, ws="none"))
         thread = threading.Thread(target=server.run, kwargs={"sockets": [door]})
         thread.start()

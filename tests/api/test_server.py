@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import copy
 import http.client
@@ -25,7 +26,9 @@ import pytest
 
 from api.jobs import FIRST_PLAN
 from api.problems import MEDIA_TYPE
+from api.serve import listening
 from api.settings import PLAN_BODY_BYTES
+from planner.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 SECRET = "the-customers-own-words"
@@ -331,3 +334,34 @@ def test_a_port_that_is_taken_is_bad_input() -> None:
         run = started(port)
     assert run.returncode == 2
     assert "Traceback" not in run.stderr
+
+
+def test_answers_on_a_kept_connection_do_not_wait_for_acknowledgements() -> None:
+    async def nodelay() -> int:
+        with listening("127.0.0.1", 0) as door:
+            seen: asyncio.Future[int] = asyncio.get_running_loop().create_future()
+
+            async def accepted(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+                connection = writer.get_extra_info("socket")
+                seen.set_result(connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY))
+                writer.close()
+
+            async with await asyncio.start_server(accepted, sock=door):
+                _, writer = await asyncio.open_connection(*door.getsockname())
+                value = await seen
+                writer.close()
+                return value
+
+    assert asyncio.run(nodelay()) == 1
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "::1"])
+def test_the_service_listens_on_names_and_on_both_kinds_of_address(host: str) -> None:
+    with listening(host, 0) as door:
+        assert door.getsockname()[1] > 0
+
+
+@pytest.mark.parametrize("host", ["203.0.113.1", "no-such-host.invalid"])
+def test_an_address_that_is_not_here_is_bad_input(host: str) -> None:
+    with pytest.raises(InputError, match="ASSUR_HOST"):
+        listening(host, 0)

@@ -1,0 +1,153 @@
+"""The tables of docs/api.md and docs/conventions.md are whole: every key, reason, code, default and sign of the code."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from planner.checker.verdict import Code
+from planner.outcome import LegKind, Reason
+from scenes import check, load, plan
+from scenes.catalogue import arm_named
+from scenes.documents.request import ExecutionDocument, OptionsDocument
+from scenes.requests import request_schema, robots
+from scenes.units import si_key, twin_of
+from tests.docs.pages import blocks, prose, spans
+
+API = "docs/api.md"
+WORDS = {word for span in spans(API) for word in re.findall(r"[A-Za-z_][\w]*", span)} | {
+    word for block in blocks(API) for word in re.findall(r"[A-Za-z_][\w]*", block.text)
+}
+"""Every name in code on the page."""
+
+
+def keys_of_requests() -> set[str]:
+    """SI keys of every document in a request."""
+    schema = request_schema()
+    documents = [schema, *schema["$defs"].values()]
+    every = {key for document in documents for key in document.get("properties", {})}
+    return {key for key in every if si_key(key) is None}
+
+
+def keys_of(document: Any) -> Iterator[str]:
+    """Every key of an answer."""
+    if isinstance(document, dict):
+        for key, value in document.items():
+            yield key
+            yield from keys_of(value)
+    elif isinstance(document, list) and document:
+        yield from keys_of(document[0])
+
+
+def test_every_key_of_a_request_is_explained() -> None:
+    keys = keys_of_requests()
+    assert "clearance_m" in keys
+    shown = WORDS | {twin for key in keys if (twin := twin_of(key)) and twin in WORDS}
+    assert {key for key in keys if key not in shown and twin_of(key) not in shown} == set()
+
+
+@pytest.fixture(scope="module")
+def planned() -> dict[str, Any]:
+    request = load("standard-cycle")
+    request["options"] |= {"stop": "first", "budget_s": 20}
+    return plan(request)
+
+
+def refused() -> dict[str, Any]:
+    request = load("standard-cycle")
+    request["start"]["joints"]["j1_deg"] = 180
+    return plan(request)
+
+
+COLUMNS = {"first", "first_piece", "second", "second_piece", "t0_s", "t1_s", "normal"} | {
+    "gap0_m",
+    "gap1_m",
+    "speed_m_s",
+    "acceleration_m_s2",
+    "names",
+}
+"""Of the certificate in full: docs/guarantees.md says what a row is."""
+EXPLAINED_IN_WORDS = {
+    *("velocity_ratio", "acceleration_ratio", "jerk_ratio", "joint", "jerk"),  # "per joint with their shares"
+    *("stage", "interval_s", "count", "least", "most", "unit", "detail", "amount"),  # of the census and the refusal
+}
+
+
+@pytest.mark.parametrize("status", ["planned", "not_planned"])
+def test_every_key_of_an_answer_is_explained(status: str, planned: dict[str, Any]) -> None:
+    answer = planned if status == "planned" else refused()
+    assert answer["status"] == status
+    assert set(keys_of(answer)) - WORDS - COLUMNS - EXPLAINED_IN_WORDS == set()
+
+
+def test_every_key_that_the_table_of_the_answer_names_is_there(planned: dict[str, Any]) -> None:
+    table = prose(API).split("## The answer")[1].split("Kinds of leg")[0]
+    there = {"planned": planned, "not planned": refused()}
+    rows = re.findall(r"^\| (`[^|]*) \| (planned|not planned|both) \|", table, re.MULTILINE)
+    assert len(rows) > 15
+    for names, of in rows:
+        for key in re.findall(r"`(\w+)`", names):
+            for status in there if of == "both" else [of]:
+                assert key in there[status], (key, status)
+
+
+def test_every_key_of_a_verdict_is_explained(planned: dict[str, Any]) -> None:
+    request = load("standard-cycle")
+    request["options"] |= {"stop": "first", "budget_s": 20}
+    assert check(request, planned)["ok"]
+    planned = {**planned, "arrivals": planned["arrivals"][1:]}
+    verdict = check(request, planned)
+    assert not verdict["ok"]
+    assert set(keys_of(verdict)) - WORDS == set()
+
+
+def test_the_tables_of_reasons_legs_and_codes_are_whole() -> None:
+    page = prose(API)
+    assert set(re.findall(r"^\| `([A-Z_]+)` \|", page, re.MULTILINE)) == {str(reason) for reason in Reason}
+    kinds = page.split("Kinds of leg: ")[1].split("\n\n")[0]
+    assert re.findall(r"`([A-Z_]+)`", kinds) == [str(kind) for kind in LegKind]
+    codes = page.split("Codes: ")[1].split("\n\n")[0]
+    assert re.findall(r"`([A-Z_]+)`", codes) == [str(code) for code in Code]
+
+
+@pytest.mark.parametrize(
+    ("heading", "document"), [("options", OptionsDocument()), ("execution", ExecutionDocument())], ids=str
+)
+def test_the_defaults_that_are_shown_are_the_documents_own(heading: str, document: Any) -> None:
+    section = prose(API).split(f"### `{heading}`")[1].split("\n##")[0]
+    rows = dict(re.findall(r"^\| `(\w+)` \| ([^|]+) \|", section, re.MULTILINE))
+    assert set(rows) == set(type(document).model_fields)
+    for key, shown in rows.items():
+        value = getattr(document, key)
+        written = (
+            {None: "none", True: "true", False: "false"}.get(value) if value is None or value in (True, False) else None
+        )
+        if key == "clearance_m":
+            written = f"{value.travel:g}, {value.near:g}"
+        elif isinstance(value, str):
+            written = f"`{value}`"
+        elif type(value) in (int, float):
+            written = f"{value:g}"
+        assert shown == written, key
+
+
+def test_the_table_of_joint_conventions_is_that_of_the_catalogue() -> None:
+    found = re.findall(
+        r"^\| `([\w-]+)` \| ([\w ]+) \| ([+ -]+) \| (\d+) \| (.+?) to (.+?) \| (.+?) to (.+?) \|$",
+        prose("docs/conventions.md"),
+        re.MULTILINE,
+    )
+    assert [row[0] for row in found] == [robot["model"] for robot in robots()]
+    for model, names, signs, zero, low, high, lowest, highest in found:
+        arm = arm_named(model)
+        lift = next(i for i, joint in enumerate(arm.conventions) if joint.kind == "prismatic")
+        assert names.split() == [joint.name for joint in arm.conventions]
+        assert [f"{sign}1" for sign in signs.split()] == [f"{joint.sign:+d}" for joint in arm.conventions]
+        assert float(zero) == 1e3 * arm.zero_m
+        ends = sorted(arm.conventions[lift].sign * float(end) for end in (low, high))
+        limits = [1e3 * arm.limits.lower[lift], 1e3 * arm.limits.upper[lift]]
+        assert ends == pytest.approx(limits)
+        assert [float(lowest), float(highest)] == pytest.approx([float(zero) + end for end in limits])

@@ -1,0 +1,92 @@
+"""Every Python, YAML and JSON block of README and docs is executed: run, planned, or held to the documents' rules."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from planner.errors import InputError
+from scenes import load, plan
+from scenes.requests import load_scenario, parse_json, unmet
+from scenes.yaml_text import parse_yaml
+from tests.docs.pages import Block, of_language, save_files
+from tests.docs.test_commands import ENVIRONMENT
+
+PYTHON = of_language("python")
+YAML = of_language("yaml", "yml")
+JSON = of_language("json")
+NOT_CODE = {"", "console", "sh", "text"}
+"""Languages of blocks that are no documents: formulas, commands, Docker's, output."""
+
+
+def ids(blocks: list[Block]) -> list[str]:
+    return [f"{block.page}:{block.line}" for block in blocks]
+
+
+@pytest.mark.parametrize("block", PYTHON, ids=ids(PYTHON))
+def test_every_python_block_runs_by_itself(block: Block, tmp_path: Path) -> None:
+    save_files(block.page, tmp_path)
+    ran = subprocess.run(
+        [sys.executable, "-W", "error", "-c", block.text],
+        cwd=tmp_path,
+        env=ENVIRONMENT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stderr == ""
+
+
+def whole(block: Block, base: dict[str, Any]) -> dict[str, Any]:
+    """The request that a fragment stands for: its keys in place of those of `base`."""
+    document, _ = parse_yaml(block.text.encode())
+    return {**base, **document}
+
+
+@pytest.mark.parametrize("block", YAML, ids=ids(YAML))
+def test_every_yaml_block_is_planned_by_itself_or_in_the_small_cell(block: Block, tmp_path: Path) -> None:
+    save_files(block.page, tmp_path)
+    if block.saved is not None:
+        scenario = load_scenario(tmp_path / block.saved)
+        assert unmet(scenario.expect, plan(scenario.request)) == []
+    else:
+        (base,) = (json.loads(other.text) for other in JSON if other.saved == "request.json")
+        answer = plan(whole(block, base), certificate="digest")
+        assert answer["status"] == "planned", answer.get("sentence")
+
+
+@pytest.mark.parametrize("block", JSON, ids=ids(JSON))
+def test_every_json_block_is_a_request_that_is_planned(block: Block, tmp_path: Path) -> None:
+    answer = plan(parse_json(block.text.encode()), certificate="digest")
+    assert answer["status"] == "planned"
+
+
+def test_a_fragment_that_is_not_right_is_refused() -> None:
+    (base,) = (json.loads(block.text) for block in JSON if block.saved == "request.json")
+    wrong = Block("x", 1, "yaml", "options: {clearance: 5}\n", None)
+    with pytest.raises(InputError) as caught:
+        plan(whole(wrong, base))
+    assert caught.value.field == "options.clearance"
+
+
+def test_the_small_cell_is_the_same_in_yaml_and_in_json(tmp_path: Path) -> None:
+    save_files("docs/api.md", tmp_path)
+    assert load(tmp_path / "cell.yaml") == load(tmp_path / "request.json")
+
+
+def test_no_block_is_of_a_language_that_nothing_executes() -> None:
+    shown = {block.language for block in of_language(*NOT_CODE, "python", "yaml", "json")}
+    every = {block.language for block in [*PYTHON, *YAML, *JSON]}
+    assert every | NOT_CODE >= shown
+    assert {"python", "yaml", "json"} <= shown
+
+
+def test_readme_shows_five_lines_of_python() -> None:
+    (block,) = (block for block in PYTHON if block.page == "README.md")
+    assert len([line for line in block.text.splitlines() if line.strip()]) <= 5
