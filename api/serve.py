@@ -45,27 +45,26 @@ def listening(host: str, port: int) -> socket.socket:
     It says that its protocol is TCP: asyncio switches Nagle's algorithm off only where it reads that, and with it on
     every answer on a connection that is kept waits 40 ms for an acknowledgement.
 
-    Raises `InputError` when the address is not there or is taken.
+    Raises `InputError` when no address of that name is here and free.
     """
+    found = []
     try:
-        family, kind, protocol, _, address = socket.getaddrinfo(
-            host, port, type=socket.SOCK_STREAM, proto=socket.IPPROTO_TCP, flags=socket.AI_PASSIVE
-        )[0]
+        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, proto=socket.IPPROTO_TCP)
+        reason = "it has no address"
+    except OSError as error:
+        reason = str(error.strerror)
+    for family, kind, protocol, _, address in found:
         door = socket.socket(family, kind, protocol)
-    except OSError as error:
-        raise _not_free(host, port, error) from error
-    try:
-        door.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # a restart need not wait for old connections
-        door.bind(address)
-        door.listen()
-    except OSError as error:
-        door.close()
-        raise _not_free(host, port, error) from error
-    return door
-
-
-def _not_free(host: str, port: int, error: OSError) -> InputError:
-    return InputError("ASSUR_HOST, ASSUR_PORT", f"{host}, {port}", f"a free address ({error.strerror})")
+        try:
+            door.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # a restart need not wait for old connections
+            door.bind(address)
+            door.listen()
+        except OSError as error:
+            door.close()
+            reason = str(error.strerror)
+        else:
+            return door
+    raise InputError("ASSUR_HOST, ASSUR_PORT", f"{host}, {port}", f"a free address ({reason})")
 
 
 def _stopped(_: int, __: FrameType | None) -> None:

@@ -84,7 +84,7 @@ def run() -> Result:
         f"The source multiplies four matrices to a closed T₀⁴ and inverts it geometrically. Over {STATES:,} random joint "
         f"vectors the product of the four factors of 4.1.5, with Rot_z mended, is the closed matrix to "
         f"{numbers['product_minus_printed_matrix']:.0e} in every entry, and the planner's arm stands in the same place "
-        f"to {numbers['product_minus_planner_position_m']:.0e} m with θ4 of the opposite sign, for this tool frame "
+        f"to {1e15 * ours.max():.0f} fm with θ4 of the opposite sign, for this tool frame "
         f"looks down. The joint angles come back to {numbers['round_trip_angle_where_margin_above_0.05_rad']:.0e} rad "
         f"where |sin θ2| > 0.05; nearer to a singular position the error grows as 1/|sin θ2|, which is what rounding of the "
         f"matrix does, while the matrix itself is met to {numbers['round_trip_matrix']:.0e}. As printed, Rot_z has a "
@@ -100,7 +100,6 @@ def run() -> Result:
         floor = 1e-17
         for values, colour, style, label in (
             (entries, BLUE, "-", "product, Rot$_z$ mended"),
-            (ours, GREEN, "--", "planner's arm [m]"),
             (np.abs(slip - closed).max((1, 2)), RED, "-", "product, Rot$_z$ as printed"),
             (theta4, ORANGE, "--", r"$\theta_4$ as printed [rad]"),
         ):
@@ -108,13 +107,13 @@ def run() -> Result:
         sorted_.set_xscale("log")
         sorted_.set_xlim(floor, 1e2)
         sorted_.set_ylim(0, 1.02)
-        sorted_.set_xlabel("largest difference from the printed $T_0^4$ [1, m or rad]")
+        sorted_.set_xlabel("difference from the printed $T_0^4$ [1, m]; of the angle [rad]")
         sorted_.set_ylabel("share of states")
         sorted_.legend(loc="center")
         sorted_.set_title("(b) the matrix, mended and as printed")
         trips.loglog(margin, np.maximum(angles, floor), ".", ms=1.5, color=BLUE, rasterized=True, label="state")
         guide = np.array([1e-6, 1.0])
-        trips.loglog(guide, 1e-15 / guide, color=INK, ls="--", lw=0.9, label=r"$10^{-15}/|\sin\theta_2|$")
+        trips.loglog(guide, 2e-15 / guide, color=INK, ls="--", lw=0.9, label=r"$2\cdot 10^{-15}/|\sin\theta_2|$")
         trips.set_xlabel(r"$|\sin\theta_2|$")
         trips.set_ylabel("error of the angles [rad]")
         trips.legend(loc="upper right")

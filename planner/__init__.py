@@ -1,4 +1,4 @@
-"""Jerk-limited motion of SCARA-class robots through moving control points among moving bodies, proved free of collision.
+"""Proved jerk-limited motion of SCARA-class robots through moving control points among moving bodies.
 
 ``from planner import Scene, check, plan``: `plan(scene)` gives an outcome (`planner.outcome`), `check(scene, plan)` a
 verdict. The three are looked up when they are first asked for, so ``import planner`` loads neither fcl nor ruckig.

@@ -16,16 +16,16 @@ from planner.legs.joint import Shape, Via
 from planner.scene import Move, Scene
 from planner.ways import Option
 
-FIRST_RANDOM = 12
-"""Samples in the first random batch of a chain; later ones are larger."""
+SIZES = (8, 8, 12, 16, 24)
+"""Samples in the first random batches of a chain: small ones react sooner ..."""
 MOST_RANDOM = 32
-"""... up to this many: large batches are cheaper a sample, small ones react sooner."""
+"""... and large ones are cheaper a sample, which counts where many are needed."""
 MUTATED = 0.25
 """Share of random samples that are mutations of the best drafts so far, once there are any."""
 ELITE = 6
 """Best drafts that are kept for mutation."""
-HOPS = ((0.5, 0.5), (1.0, 1.0), (0.2, 0.2))
-"""Overlaps of an arch that are tried first: half, none (corners stopped at), four fifths."""
+HOPS = ((0.5, 0.5), (1.0, 1.0))
+"""Overlaps of an arch that are tried first: half, none (corners stopped at)."""
 FAMILIES = ("arch", "1 via", "2 vias", "wait", "later")
 
 
@@ -54,7 +54,8 @@ class Sampler:
             found = self._arches()
             if found:
                 return found
-        size = min(MOST_RANDOM, FIRST_RANDOM * (1 + visit // 2))
+        later = visit - 2
+        size = SIZES[later] if 0 <= later < len(SIZES) else MOST_RANDOM
         return [self._random() for _ in range(size)]
 
     def learn(self, sample: Sample, bad: float) -> None:

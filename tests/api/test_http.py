@@ -90,11 +90,6 @@ def test_the_certificate_can_be_left_at_its_digest(client: httpx.Client, small: 
     assert set(digest) < set(full)
 
 
-def test_a_shipped_scenario_is_planned_by_its_name(client: httpx.Client) -> None:
-    answer = planned(client, {"scenario": "demo"}, certificate="digest")
-    assert answer["status"] == "planned"
-
-
 def test_the_scenarios_are_listed_with_why_they_exist_and_shown_as_requests(client: httpx.Client) -> None:
     listed = client.get("/v1/scenes").json()["scenes"]
     assert {scene["name"]: scene["about"] for scene in listed} == shipped_scenarios()

@@ -20,13 +20,14 @@ def modules_after(program: str) -> set[str]:
 
 
 SERVED = """
+from api.jobs import FIRST_PLAN
 from tests.api.running import running
 with running() as client:
     assert client.get("/v1/scenes").status_code == 200
     assert client.get("/v1/robots").status_code == 200
     assert client.get("/v1/schema").status_code == 200
     assert client.get("/openapi.json").status_code == 200
-    assert client.post("/v1/plans", json={"scenario": "demo"}).json()["status"] == "planned"
+    assert client.post("/v1/plans", json=FIRST_PLAN).json()["status"] == "planned"
     assert client.post("/v1/plans", json={"schema": "assur/1"}).status_code == 422
     assert client.post("/v1/plans/check", json={}).status_code == 422
 """

@@ -37,7 +37,7 @@ SHORTER = {"benchmarks.run_problems": ["--limit", "2"], "benchmarks.recheck": ["
 
 
 def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    """Runs a line of the shell: `assur` and `python` of this environment, files of the repository found from anywhere."""
+    """Runs a line of the shell: `assur` and `python` of this environment; files of the repository are found."""
     program, *arguments = shlex.split(line)
     where = [str(ROOT / word) if "/" in word and (ROOT / word).exists() else word for word in arguments]
     head = [sys.executable, *(["-m", "api.command_line"] if program == "assur" else [])]

@@ -1,4 +1,4 @@
-"""What the pages name is there: links, files, modules, settings, constants, reasons; and the drawing is the program's."""
+"""What the pages name is there: links, files, modules, settings, constants, reasons; the drawing is its program's."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SOURCES = "\n".join(
     for package in ("planner", "scenes", "api", "experiments", "benchmarks", "docs")
     for path in sorted((ROOT / package).rglob("*.py"))
 )
-CONSTANT = re.compile(r"\b[A-Z][A-Z0-9]*(?:_[A-Z0-9]+)+\b")
+CONSTANT = re.compile(r"\b[A-Z][A-Z0-9]+(?:_[A-Z0-9]+)+\b")
 IMAGE_OR_LINK = re.compile(r"\]\(([^)\s]+)\)")
 
 

@@ -1,0 +1,168 @@
+"""Sources 000, 001 and 004: the two assemblies of a dyad are the two solutions of a SCARA, under four names."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from experiments import printed_dh, printed_joint_move, printed_rrr
+from experiments.experiment import Result
+from experiments.figures import BLUE, GREY, INK, ORANGE
+from planner.arrays import FloatArray
+from planner.frames.motion import Motion
+from planner.robots.planar import principal
+from planner.robots.protocol import Limits
+from planner.robots.scara import MODES, Scara
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+L1, L2 = 0.325, 0.225
+"""m. A usual arm; 004's own, with links of 200 mm, is drawn beside it."""
+POINTS, SEED = 10_000, 2
+CONVENTION = {"left": (1, -1, -1), "right": (2, +1, +1)}
+"""Mode → assembly mode of 000, sign of the root of 001, index g of 004."""
+PRINTED = {"left": ("1", "−", "−1"), "right": ("2", "+", "+1")}
+
+
+def targets() -> FloatArray:
+    """Points (POINTS, 3) spread evenly over the workspace, from 1 mm beside its edges."""
+    random = np.random.default_rng(SEED)
+    radius = np.sqrt(random.uniform((L1 - L2 + 1e-3) ** 2, (L1 + L2 - 1e-3) ** 2, POINTS))
+    angle = random.uniform(-np.pi, np.pi, POINTS)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), random.uniform(-0.2, 0, POINTS)], -1)
+
+
+def formulations(p: FloatArray, l1: float, l2: float, mode: str) -> dict[str, FloatArray]:
+    """θ1 and θ2 (..., 2), Denavit-Hartenberg, of tool points p (..., 3) by each source, the yaw being 0."""
+    assembly, root, g = CONVENTION[mode]
+    zero = np.zeros(p.shape[:-1])
+    point = printed_rrr.Point(p[..., 0], p[..., 1], zero, zero, zero, zero)
+    (first, _, _), (second, _, _) = printed_rrr.scara(point, l1, l2, assembly)
+    tool = np.broadcast_to(np.diag([1.0, -1.0, -1.0, 1.0]), (*p.shape[:-1], 4, 4)).copy()
+    tool[..., :3, 3] = p
+    wide = np.full(4, 10.0)
+    robot = Scara("modes", l1, l2, 4, Limits(-wide, wide, wide, wide, wide))
+    still = np.zeros_like(p)
+    found = robot.inverse(Motion(p, still, still, still, zero, zero, zero, zero), MODES.index(mode), 0)
+    return {
+        "planner": found.q[..., :2],
+        "000": np.stack([first, -second], -1),  # its θ2 has the opposite sign
+        "001": printed_dh.inverse(tool, l1, l2, 0.0, root)[..., :2],
+        "004": printed_joint_move.inverse(p, zero, l1, l2, g)[..., :2],
+    }
+
+
+def run() -> Result:
+    """The largest differences of θ1 and θ2 between the formulations, per mode, over the workspace."""
+    p = targets()
+    worst: dict[str, dict[str, float]] = {}
+    crossed: dict[str, float] = {}
+    for mode in MODES:
+        found = formulations(p, L1, L2, mode)
+        ours = found.pop("planner")
+        worst[mode] = {name: float(np.abs(principal(q - ours)).max()) for name, q in found.items()}
+        other = formulations(p, L1, L2, MODES[1 - MODES.index(mode)])["planner"]
+        crossed[mode] = float(np.abs(other[:, 1] + ours[:, 1]).max())
+    numbers = {
+        "points": POINTS,
+        "largest_difference_from_planner_rad": worst,
+        "theta2_left_plus_theta2_right_rad": crossed["left"],
+        "convention": {
+            mode: {"theta2": "negative" if mode == "left" else "positive", "000": row[0], "001": row[1], "004": row[2]}
+            for mode, row in CONVENTION.items()
+        },
+    }
+    most = max(value for row in worst.values() for value in row.values())
+    paragraph = (
+        f"Source 000 has two assembly modes (φ = θ ± β), 001 two signs of a root, 004 an index g = sign(sin θ2), and 000 "
+        f"counts θ2 against Denavit-Hartenberg. In one convention, `right` is θ2 > 0, mode 2, +√ and g = +1, `left` is "
+        f"θ2 < 0, mode 1, −√ and g = −1. Over {POINTS:,} points spread over the workspace, to 1 mm from its edges, each "
+        f"of the three printed solutions gives the planner's θ1 and θ2 in the mode of this table, to {most:.0e} rad; "
+        f"θ2 of the two modes differs in its sign only."
+    )
+
+    def draw(figure: Figure) -> None:
+        left, right = figure.subplots(1, 2)
+        dyad(left)
+        arm_of_004(right)
+        handles, labels = left.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=4)
+
+    return Result(numbers, paragraph, (7.2, 3.9), draw)
+
+
+def dyad(axes: Axes) -> None:
+    """Figure 1 of 000: both assemblies of a dyad on the same A and B."""
+    d = np.array([0.36, 0.16, 0.0])
+    theta = np.arctan2(d[1], d[0])
+    for mode, colour in (("left", ORANGE), ("right", BLUE)):
+        chains(axes, d, L1, L2, mode, colour)
+        first = formulations(d, L1, L2, mode)["planner"][0]
+        arc = np.linspace(theta, first, 40)
+        axes.plot(90 * np.cos(arc), 90 * np.sin(arc), color=colour, lw=0.9)
+        middle = arc[20]
+        sign = "+" if mode == "left" else "−"
+        axes.annotate(
+            rf"{sign}$\beta$",
+            (105 * np.cos(middle), 105 * np.sin(middle)),
+            color=colour,
+            ha="center",
+            va="center",
+        )
+        elbow = 1e3 * L1 * np.array([np.cos(first), np.sin(first)])
+        axes.annotate(
+            f"C, mode {PRINTED[mode][0]}\n" + rf"$\varphi=\theta{sign}\beta$",
+            elbow,
+            (0, 8) if mode == "left" else (0, -24),
+            textcoords="offset points",
+            ha="center",
+            color=colour,
+        )
+    axes.plot([0, 1e3 * d[0]], [0, 1e3 * d[1]], color=GREY, lw=0.9, ls="--")
+    axes.annotate("A", (0, 0), (-10, -3), textcoords="offset points", color=INK)
+    axes.annotate("B", (1e3 * d[0], 1e3 * d[1]), (6, 2), textcoords="offset points", color=INK)
+    finished(axes, "(a) the two assemblies of the RRR dyad (000)", (-60, 460), (-160, 340))
+
+
+def arm_of_004(axes: Axes) -> None:
+    """The pose of 004's move in its two configurations."""
+    p = np.array([0.2, 0.2, 0.0])
+    for mode, colour in (("left", ORANGE), ("right", BLUE)):
+        chains(axes, p, 0.2, 0.2, mode, colour)
+        theta = np.degrees(formulations(p, 0.2, 0.2, mode)["planner"])
+        _, root, g = PRINTED[mode]
+        axes.annotate(
+            f"{mode}: g = {g}, {root}√\n" + rf"$\theta_1={theta[0]:.0f}°,\ \theta_2={theta[1]:.0f}°$",
+            (0, 200) if mode == "left" else (200, 0),
+            (0, 9) if mode == "left" else (0, -26),
+            textcoords="offset points",
+            ha="center",
+            color=colour,
+        )
+    finished(axes, "(b) the two solutions of 004's pose, and 001's root", (-110, 330), (-110, 310))
+
+
+def chains(axes: Axes, p: FloatArray, l1: float, l2: float, mode: str, colour: str) -> None:
+    """The arm by the planner as a line, and its elbow by each source as a mark of its own."""
+    marks = {"planner": ("", 0), "000": ("o", 11), "001": ("s", 7), "004": ("x", 5)}
+    for name, q in formulations(p, l1, l2, mode).items():
+        elbow = 1e3 * l1 * np.array([np.cos(q[0]), np.sin(q[0])])
+        wrist = elbow + 1e3 * l2 * np.array([np.cos(q.sum()), np.sin(q.sum())])
+        if name == "planner":
+            axes.plot(*np.stack([np.zeros(2), elbow, wrist], -1), color=colour, lw=2.5, label=f"planner, {mode}")
+        else:
+            mark, size = marks[name]
+            label = f"elbow by {name}" if mode == "right" else None
+            axes.plot(*elbow, mark, ms=size, mfc="none", color=INK, mew=0.9, ls="", label=label)
+
+
+def finished(axes: Axes, title: str, x: tuple[float, float], y: tuple[float, float]) -> None:
+    axes.set_title(title)
+    axes.set_aspect("equal")
+    axes.set_xlim(*x)
+    axes.set_ylim(*y)
+    axes.set_xlabel("x [mm]")
+    axes.set_ylabel("y [mm]")
