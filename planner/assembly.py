@@ -13,7 +13,7 @@ from planner.phases import Phase, held, phases
 from planner.scene import Pick, Place, Scene
 from planner.timing import TimingRefusal, time_joints
 from planner.tool_motion import RESERVE, carrying_peak
-from planner.trajectory import Trajectory
+from planner.trajectory import LIMIT_TOLERANCE, Trajectory
 
 
 def assembled(
@@ -130,7 +130,8 @@ def _beyond(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
     """Whether a joint leaves its range on the way (moving ends overshoot)."""
     low, high = trajectory.extrema(0)
     limits = scene.robot.limits
-    if np.all(low >= limits.lower) and np.all(high <= limits.upper):
+    slack = LIMIT_TOLERANCE * (limits.upper - limits.lower) / 2
+    if np.all(low >= limits.lower - slack) and np.all(high <= limits.upper + slack):
         return None
     over = np.maximum(limits.lower - low, high - limits.upper)
     joint = int(np.argmax(over))

@@ -45,6 +45,7 @@ from planner.phases import Phase, phases
 from planner.separation import rough_gaps
 from planner.shapes import Primitive
 from planner.sweep import sweep
+from planner.timing.profile import finished
 from scenes.requests import scene_of, shipped, shipped_scenarios
 
 ROOT = Path(__file__).parents[2]
@@ -223,7 +224,7 @@ def near_pairs(scene: Scene, made: Plan, clearance: float) -> tuple[int, int]:
     at = facts.intervals(t, t)
     where = replace(at.where, position=at.where.position[: len(t)], rotation=at.where.rotation[: len(t)])
     shapes = {id(shape): larger(shape, clearance) for shape in solids.shapes if isinstance(shape, Primitive)}
-    fat = SimpleNamespace(shapes=[shapes.get(id(shape), shape) for shape in solids.shapes], names=solids.names)
+    fat: Any = SimpleNamespace(shapes=[shapes.get(id(shape), shape) for shape in solids.shapes], names=solids.names)
     fat.body = solids.body
     far = refused = 0
     for row, k in np.argwhere(rough_gaps(solids, where, a, b) < 2 * clearance):
@@ -287,7 +288,7 @@ def sketches(limit: int) -> None:
             each.clear()
         with (
             swapped(planner.timing.solver, "_read", counted("read", planner.timing.solver._read)),
-            swapped(planner.timing.sketch, "finished", counted("finished", planner.timing.sketch.finished)),
+            swapped(planner.timing.sketch, "finished", counted("finished", finished)),
         ):
             for _ in solved(name, limit):
                 pass

@@ -185,8 +185,8 @@ def side_view(sheet: Sheet) -> None:
     floor, zero, flange, tip = 100.0, 290.0, 196.0, 146.0
     shoulder, elbow, wrist = 716.0, 848.0, 980.0
     sheet.line((620, floor), (1130, floor), INK, 1.2)
-    for x in range(628, 1130, 14):
-        sheet.line((x, floor), (x - 8, floor - 8), FAINT, 0.8)
+    for left in range(628, 1130, 14):
+        sheet.line((left, floor), (left - 8, floor - 8), FAINT, 0.8)
     sheet.polygon([(shoulder - 40, floor), (shoulder + 40, floor), (shoulder + 40, 232), (shoulder - 40, 232)])
     sheet.polygon([(shoulder - 42, 232), (elbow + 42, 232), (elbow + 42, 278), (shoulder - 42, 278)])
     sheet.polygon([(elbow - 42, 312), (wrist + 42, 312), (wrist + 42, 420), (elbow - 42, 420)])

@@ -29,6 +29,23 @@ class Hop:
     fall: float
 
 
+Vertical = tuple[Sketch | Settled, Sketch | Settled]
+"""The lift joint's way up and its way down."""
+
+
+def vertical(
+    start: JointState, goal: JointState, top: float, lift_joint: int, limits: tuple[FloatArray, FloatArray, FloatArray]
+) -> Vertical | TimingRefusal:
+    """The fastest ways of the lift joint from the start up to `top` and from there down to the goal."""
+    lift, none, height = [lift_joint], np.zeros(1), np.array([top])
+    (q0, qd0, qdd0), (q1, qd1, qdd1), (v, a, j) = start, goal, limits
+    up = sketch_joints(q0[lift], qd0[lift], qdd0[lift], height, none, none, v[lift], a[lift], j[lift])
+    if isinstance(up, TimingRefusal):
+        return up
+    down = sketch_joints(height, none, none, q1[lift], qd1[lift], qdd1[lift], v[lift], a[lift], j[lift])
+    return down if isinstance(down, TimingRefusal) else (up, down)
+
+
 def arch(
     start: JointState,
     goal: JointState,
@@ -36,24 +53,21 @@ def arch(
     lift_joint: int,
     limits: tuple[FloatArray, FloatArray, FloatArray],
     duration: float | None,
+    ways: Vertical | TimingRefusal | None = None,
 ) -> Arched | TimingRefusal:
     """The arch from one joint state to another, the fastest or the one that takes `duration` seconds.
 
     The lift joint goes up and down, the others across, overlapping at the corners where both ends of the way across
-    are at rest; at a moving end there is no time to spare, so the joints across fill it.
+    are at rest; at a moving end there is no time to spare, so the joints across fill it. `ways`: from `vertical`,
+    where they are known already.
     """
-    lift = [lift_joint]
     across = [i for i in range(len(start[0])) if i != lift_joint]
     v, a, j = limits
-    none = np.zeros(1)
-    top = np.array([hop.top])
     (q0, qd0, qdd0), (q1, qd1, qdd1) = start, goal
-    up = sketch_joints(q0[lift], qd0[lift], qdd0[lift], top, none, none, v[lift], a[lift], j[lift])
-    down = sketch_joints(top, none, none, q1[lift], qd1[lift], qdd1[lift], v[lift], a[lift], j[lift])
-    if isinstance(up, TimingRefusal):
-        return up
-    if isinstance(down, TimingRefusal):
-        return down
+    ways = vertical(start, goal, hop.top, lift_joint, limits) if ways is None else ways
+    if isinstance(ways, TimingRefusal):
+        return ways
+    up, down = ways
     resting = not (start[1][across].any() or start[2][across].any())
     arriving = not (goal[1][across].any() or goal[2][across].any())
     before = hop.rise * up.duration if resting else 0.0

@@ -8,7 +8,7 @@ import numpy as np
 
 from planner.arrays import FloatArray
 from planner.errors import FaultError
-from planner.legs.arched import Arched, Hop, arch
+from planner.legs.arched import Arched, Hop, Vertical, arch, vertical
 from planner.legs.meeting import GRID_S, Branch
 from planner.legs.state import Knots, State
 from planner.outcome import Reason, Refusal
@@ -97,6 +97,7 @@ class JointMotion:
         self.jerk = limits.jerk * shape.effort**1.5
         self.lift = scene.robot.lift
         self.state = state
+        self._verticals: dict[tuple[float, ...], Vertical | TimingRefusal] = {}
         self.prefix: list[Sketch | Settled] = []
 
     def meet(self) -> Reached | Refusal:
@@ -141,16 +142,11 @@ class JointMotion:
         last = int(np.flatnonzero(branch.legal)[-1])
         end, soonest = float(branch.time[last]), self._shortest(self._goal(last))
         need = begin + spent + (float(least[-1]) if isinstance(soonest, TimingRefusal) else soonest)
-        return Refusal(
-            "timing",
-            Reason.WINDOW_MISSED,
-            self.step,
-            (),
-            (begin, end),
-            max(0.0, need - end),
-            "s",
-            "no meeting time is left",
-        )
+        if not need > end:
+            detail = "no motion was found that takes exactly the time to a meeting"
+            return Refusal("timing", Reason.MOTION_LIMIT, self.step, (), (begin, end), detail=detail)
+        detail = "no meeting time is left"
+        return Refusal("timing", Reason.WINDOW_MISSED, self.step, (), (begin, end), need - end, "s", detail)
 
     def _shortest(self, goal: tuple[FloatArray, FloatArray, FloatArray]) -> float | TimingRefusal:
         """How long the last leg takes at least, s."""
@@ -224,4 +220,8 @@ class JointMotion:
         if self.shape.hop is None or self.lift is None:
             raise FaultError("an arch needs a hop and a lift joint")
         limits = self.velocity, self.acceleration, self.jerk
-        return arch(start, goal, self.shape.hop, self.lift, limits, duration)
+        # on a belt the lift joint meets all later points as it meets the first: its ways are timed once
+        key = tuple(float(x[self.lift]) for x in goal)
+        if key not in self._verticals:
+            self._verticals[key] = vertical(start, goal, self.shape.hop.top, self.lift, limits)
+        return arch(start, goal, self.shape.hop, self.lift, limits, duration, self._verticals[key])

@@ -116,6 +116,8 @@ def _knots(scene: Scene, step: int, state: State, mode: int, line: _Line) -> Kno
         if refusal is not None:
             return refusal
         q = continued(robot, found.q, state.q)
+        # the leg begins in the arm's own state, to the bit
+        q[0], found.qd[0], found.qdd[0] = state.q, state.qd, state.qdd
         knots = Knots(t, q, found.qd, found.qdd)
         middle = (t[1:] + t[:-1]) / 2
         position, _ = robot.forward(Trajectory(t, q, found.qd, found.qdd).evaluate(middle))

@@ -62,7 +62,8 @@ def accepted(arguments: tuple[FloatArray, ...], duration: float | None) -> list[
             raise InputError(f"timing.{name}", argument, f"a vector of {len(rows[0]) if rows else 'some'} numbers")
         rows.append(row)
     for name, row in zip(NAMES, rows, strict=True):
-        if not all(map(math.isfinite, row)):
+        # the sum of a row is finite only if every number is
+        if not math.isfinite(sum(row)):
             raise InputError(f"timing.{name}", row, "finite numbers")
     for name, row in zip(NAMES[6:], rows[6:], strict=True):
         if not min(row) > 0:
@@ -81,6 +82,13 @@ def lowered_limits(rows: list[list[float]]) -> Limits | TimingRefusal:
     _, v0, a0, _, v1, a1, velocity, acceleration, jerk = rows
     out = Limits([], [], [], [], [])
     for i, (v, a, j) in enumerate(zip(velocity, acceleration, jerk, strict=True)):
+        if _at_ease(v0[i], a0[i], v1[i], a1[i], v * (1 - RATE_RESERVE), a * (1 - RATE_RESERVE), j * (1 - JERK_RESERVE)):
+            out.velocity.append(v * (1 - RATE_RESERVE))
+            out.backward.append(-v * (1 - RATE_RESERVE))
+            out.acceleration.append(a * (1 - RATE_RESERVE))
+            out.braking.append(-a * (1 - RATE_RESERVE))
+            out.jerk.append(j * (1 - JERK_RESERVE))
+            continue
         need_a = (0.0, a0[i], a1[i])
         worst = max(map(abs, need_a))
         if not worst <= a * (1 + LIMIT_TOLERANCE):
@@ -102,3 +110,10 @@ def lowered_limits(rows: list[list[float]]) -> Limits | TimingRefusal:
         out.braking.append(min(-lowered_a, min(need_a) * (1 + 1e-14)))
         out.jerk.append(lowered_j)
     return out
+
+
+def _at_ease(v0: float, a0: float, v1: float, a1: float, v: float, a: float, j: float) -> bool:
+    """Whether both states, and what they lead to (P2), are within the lowered limits: nearly always."""
+    if not (-a <= a0 <= a and -a <= a1 <= a and -v <= v0 <= v and -v <= v1 <= v):
+        return False
+    return -v <= v0 + a0 * abs(a0) / (2 * j) <= v and -v <= v1 - a1 * abs(a1) / (2 * j) <= v

@@ -53,13 +53,6 @@ def test_a_plan_is_told_in_the_words_of_the_shop_and_checked(small_file: Path) -
     assert errors == ""
 
 
-def test_the_demo_is_planned_by_its_name() -> None:
-    code, output, _ = run("plan", "demo")
-    assert code == RIGHT
-    for words in ("APPROACH", "FOLLOW", "DEPART", "matched", "plan checked"):
-        assert words in output
-
-
 def test_a_request_that_is_not_planned_says_why_and_ends_with_one(far_file: Path) -> None:
     code, output, _ = run("plan", str(far_file))
     assert code == WRONG

@@ -158,12 +158,14 @@ def test_the_description_of_the_service_is_whole(client: httpx.Client) -> None:
         assert resolved(described, reference) is not None
 
 
-def test_every_example_in_the_description_is_planned(client: httpx.Client) -> None:
+def test_the_examples_in_the_description_are_the_demo_by_its_name_which_is_planned_and_in_full(
+    client: httpx.Client,
+) -> None:
     described = client.get("/openapi.json").json()
     body = described["paths"]["/v1/plans"]["post"]["requestBody"]["content"]["application/json"]
-    assert len(body["examples"]) == 2
-    for example in body["examples"].values():
-        assert planned(client, example["value"], certificate="digest")["status"] == "planned"
+    by_name, in_full = (example["value"] for example in body["examples"].values())
+    assert planned(client, by_name, certificate="digest")["status"] == "planned"
+    assert in_full == client.get(f"/v1/scenes/{by_name['scenario']}").json()
 
 
 def test_every_answer_bears_an_id_and_is_not_kept_by_caches(client: httpx.Client) -> None:

@@ -8,7 +8,6 @@ import re
 import shlex
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -31,6 +30,8 @@ ENVIRONMENT = {
     "PYTHONPATH": str(ROOT),
     "COLUMNS": "110",
 }
+OURS = ("benchmarks/", "docs/", "scenes/")
+"""Folders of the repository: what a command names below them is there already; everything else it makes."""
 HOST = "http://127.0.0.1:8000"
 SHORTER = {"benchmarks.run_problems": ["--limit", "2"], "benchmarks.recheck": ["--partial"]}
 """What the tests add to a command that would take minutes."""
@@ -39,7 +40,7 @@ SHORTER = {"benchmarks.run_problems": ["--limit", "2"], "benchmarks.recheck": ["
 def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
     """Runs a line of the shell: `assur` and `python` of this environment; files of the repository are found."""
     program, *arguments = shlex.split(line)
-    where = [str(ROOT / word) if "/" in word and (ROOT / word).exists() else word for word in arguments]
+    where = [str(ROOT / word) if word.startswith(OURS) else word for word in arguments]
     head = [sys.executable, *(["-m", "api.command_line"] if program == "assur" else [])]
     extra = SHORTER.get(arguments[1], []) if program == "python" and arguments[0] == "-m" else []
     return subprocess.run(
@@ -96,33 +97,28 @@ def test_every_target_of_make_that_is_shown_is_there() -> None:
 
 
 @pytest.fixture(scope="module")
-def service() -> Iterator[str]:
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """`assur serve` as a process of its own on a free port; its address."""
-    with socket.create_server(("127.0.0.1", 0)) as door:
-        port = door.getsockname()[1]
-    command = [sys.executable, "-m", "api.command_line", "serve", "--port", str(port)]
+    log = tmp_path_factory.mktemp("service") / "log"
+    command = [sys.executable, "-m", "api.command_line", "serve", "--port", "0"]
     settings = {**ENVIRONMENT, "ASSUR_WORKERS": "1", "ASSUR_GRACE_S": "30"}
-    process = subprocess.Popen(command, cwd=ROOT, env=settings, stderr=subprocess.DEVNULL)
-    address = f"http://127.0.0.1:{port}"
+    with log.open("wb") as stream:
+        process = subprocess.Popen(command, cwd=ROOT, env=settings, stderr=stream)
     try:
         end = time.monotonic() + 120
-        while not ready(address):
-            assert process.poll() is None
+        while '"ready": true' not in log.read_text(encoding="utf-8"):
+            assert process.poll() is None, log.read_text(encoding="utf-8")
             assert time.monotonic() < end
             time.sleep(0.1)
+        (port,) = re.findall(r'"event": "listening".*"port": (\d+)', log.read_text(encoding="utf-8"))
+        address = f"http://127.0.0.1:{port}"
+        assert httpx.get(f"{address}/readyz").status_code == 200
         yield address
         process.send_signal(signal.SIGTERM)
         assert process.wait(60) == 0
     finally:
         process.kill()
         process.wait()
-
-
-def ready(address: str) -> bool:
-    try:
-        return httpx.get(f"{address}/readyz").status_code == 200
-    except httpx.TransportError:
-        return False
 
 
 def sent(line: str, folder: Path, address: str) -> Any:

@@ -6,6 +6,7 @@ The flange of `arm` is between 50 and 250 mm high and reaches from 50 mm (folded
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -41,9 +42,9 @@ def solid(name: str, shape: Shape, x: float = 0.0, y: float = 0.0, z: float = 0.
 
 
 def arm(
-    *, bare: bool = False, column: bool = False, j4: float = 2 * math.pi, base: Pose | None = None, axes: int = 4
+    *, bare: bool = False, column: float = 0.0, j4: float = 2 * math.pi, base: Pose | None = None, axes: int = 4
 ) -> Scara:
-    """325 + 275 mm. `bare`: without bodies; `column`: with a column that the quill and the second link can hit."""
+    """325 + 275 mm. `bare`: without bodies; `column`: radius of a column that the quill can hit."""
     bodies: tuple[RobotBody, ...] = (
         RobotBody(solid("link-1", box(0.405, 0.08, 0.06), 0.1625, 0.0, 0.30), LINK1),
         RobotBody(solid("link-2", box(0.355, 0.08, 0.06), 0.1375, 0.0, 0.36), LINK2),
@@ -51,10 +52,10 @@ def arm(
     )
     pairs: tuple[tuple[str, str], ...] = ()
     if column:
-        bodies = (*bodies, RobotBody(solid("column", cylinder(0.08, 0.27), 0.0, 0.0, 0.135), BASE))
+        bodies = (*bodies, RobotBody(solid("column", cylinder(column, 0.27), 0.0, 0.0, 0.135), BASE))
         pairs = (("base", "quill"), ("base", "flange"), ("base", "link2"))
     full = limits(j4)
-    cut = Limits(*(getattr(full, name)[:axes] for name in Limits.__slots__)) if axes != 4 else full
+    cut = Limits(*(x[:axes] for x in (full.lower, full.upper, full.velocity, full.acceleration, full.jerk)))
     return Scara("test", 0.325, 0.275, axes, cut, base or Pose(), () if bare else bodies, () if bare else pairs)
 
 
@@ -69,9 +70,9 @@ def at(x: float, y: float, z: float = 0.1, yaw: float = 0.0, frame: str = "world
 
 
 def go(
-    x: float, y: float, z: float = 0.1, yaw: float = 0.0, frame: str = "world", name: str = "goal", **manners: object
+    x: float, y: float, z: float = 0.1, yaw: float = 0.0, frame: str = "world", name: str = "goal", **manners: Any
 ) -> Move:
-    return Move(name, at(x, y, z, yaw, frame), **manners)  # type: ignore[arg-type]
+    return Move(name, at(x, y, z, yaw, frame), **manners)
 
 
 def frame(name: str, law: Law, position: float = 0.0, speed: float = 0.0) -> Frame:
@@ -86,10 +87,10 @@ def stands(
     z: float = 0.0,
     yaw: float = 0.0,
     frame: str = "world",
-    **more: object,
+    **more: Any,
 ) -> Around:
     """A body of one piece, its centre where it is said."""
-    return Around(solid(name, shape), frame, Pose(x, y, z, yaw), **more)  # type: ignore[arg-type]
+    return Around(solid(name, shape), frame, Pose(x, y, z, yaw), **more)
 
 
 def cell(
@@ -102,24 +103,39 @@ def cell(
     time: float = 0.0,
     robot: Scara | None = None,
     tool: Tool = BARE,
-    execution: Execution = Execution(),  # noqa: B008
+    execution: Execution = Execution(),
     carry: float | None = None,
-    **options: object,
+    **options: Any,
 ) -> Scene:
     """A scene; without other `options` the first plan of at most 400 candidates, in any working mode."""
     none = (0.0,) * len(q)
     start = Start(time, np.array(q), np.array(qd or none), np.array(qdd or none))
-    manners = {"seed": 1, "budget_s": 30.0, "max_candidates": 400, "stop": "first", "elbow": "auto", **options}
+    manners: dict[str, Any] = {
+        "seed": 1,
+        "budget_s": 30.0,
+        "max_candidates": 400,
+        "stop": "first",
+        "elbow": "auto",
+        **options,
+    }
     laws = {each.name: each for each in (WORLD, *frames)}
     return Scene(
-        robot or arm(), tool, start, laws, bodies, task, Options(**manners), execution, carry  # type: ignore[arg-type]
+        robot or arm(),
+        tool,
+        start,
+        laws,
+        bodies,
+        task,
+        Options(**manners),
+        execution,
+        carry,
     )
 
 
 PART = box(0.06, 0.04, 0.02)
 
 
-def belt_and_dial(*after: Step, bodies: tuple[Around, ...] = (), fold: int = 1, **changes: object) -> Scene:
+def belt_and_dial(*after: Step, bodies: tuple[Around, ...] = (), fold: int = 1, **changes: Any) -> Scene:
     """Pick a part from a running belt, place it on a turning dial; `after` that, what else there is to do."""
     frames = (
         frame("belt", Conveyor(Pose(0.0, 0.40, 0.05), 0.25)),
@@ -136,11 +152,11 @@ def belt_and_dial(*after: Step, bodies: tuple[Around, ...] = (), fold: int = 1, 
         Place("place", "part", Target("dial", Pose(0.12, 0.0, 0.01)), 0.02, 0.06, 0.03),
         *after,
     )
-    options = {"clearance": Clearance(0.004, 0.001), "singularity_margin": 0.1, "tool": CUP}
-    return cell(*task, bodies=around, frames=frames, **{**options, **changes})  # type: ignore[arg-type]
+    options: dict[str, Any] = {"clearance": Clearance(0.004, 0.001), "singularity_margin": 0.1, "tool": CUP}
+    return cell(*task, bodies=around, frames=frames, **{**options, **changes})
 
 
-def table_to_table(*after: Step, shape: Shape = PART, fold: int = 1, **changes: object) -> Scene:
+def table_to_table(*after: Step, shape: Shape = PART, fold: int = 1, **changes: Any) -> Scene:
     """Pick a part from a table, place it on another."""
     around = (
         stands("left-table", box(0.2, 0.2, 0.04), 0.25, 0.30, 0.02),
@@ -152,8 +168,8 @@ def table_to_table(*after: Step, shape: Shape = PART, fold: int = 1, **changes: 
         Place("place", "part", Target("world", Pose(0.35, -0.25, 0.05, -0.4)), 0.03, 0.05, 0.03),
         *after,
     )
-    options = {"clearance": Clearance(0.004, 0.0005), "tool": CUP}
-    return cell(*task, bodies=around, **{**options, **changes})  # type: ignore[arg-type]
+    options: dict[str, Any] = {"clearance": Clearance(0.004, 0.0005), "tool": CUP}
+    return cell(*task, bodies=around, **{**options, **changes})
 
 
 def block(x: float, y: float, z: float, offset: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Hull:
@@ -174,7 +190,7 @@ def mesh_box(name: str, x: float, y: float, z: float, wall: float = 0.002) -> Bo
             sizes[axis] = wall
             centre = np.zeros(3)
             centre[axis] = side * (size - wall) / 2
-            walls.append(Piece(block(*sizes), centre))
+            walls.append(Piece(block(sizes[0], sizes[1], sizes[2]), centre))
     vertices, faces = hull.vertices.copy(), hull.faces.copy()
     vertices.flags.writeable = faces.flags.writeable = False
     return Body(name, tuple(walls), (vertices, faces))
@@ -196,7 +212,9 @@ def rotation(rng: np.random.Generator) -> FloatArray:
 def placed(pieces: list[tuple[Piece, Piece]]) -> tuple[Placed, Placed]:
     """Pairs of pieces as they are in the world, in the form in which the planner handles them."""
     bodies = tuple(
-        Around(Body(f"{side}{i}", (piece,))) for i, both in enumerate(pieces) for side, piece in zip("ab", both, strict=True)
+        Around(Body(f"{side}{i}", (piece,)))
+        for i, both in enumerate(pieces)
+        for side, piece in zip("ab", both, strict=True)
     )
     scene = cell(go(0.3, 0.0), bodies=bodies, robot=arm(bare=True))
     solids = SolidsMaker(scene)(None, ())

@@ -14,7 +14,7 @@ from planner.frames.motion import Pose
 from planner.phases import Carried
 from planner.robots.scara import FLANGE
 from planner.scene import Scene
-from planner.shapes import Body, Piece, box, corners, cylinder, sphere, support
+from planner.shapes import Body, Hull, Piece, box, corners, cylinder, sphere, support
 from planner.solids import COVER, SolidsMaker, asked_pairs, bounding_box, carriers, standing
 from planner.trajectory import Trajectory
 from tests.planner.cells import CUP, Around, arm, block, cell, frame, go, mesh_box, solid, stands, table_to_table
@@ -29,7 +29,7 @@ def scene_of_all() -> Scene:
         stands("part", box(0.02, 0.02, 0.02), 0.2, -0.2, 0.01),
     )
     dial = frame("dial", Turntable(Pose(0.3, -0.3, 0.05), 1.0, valid=(0.0, 5.0)))
-    return cell(go(0.3, 0.0), bodies=bodies, frames=(dial,), robot=arm(column=True), tool=CUP)
+    return cell(go(0.3, 0.0), bodies=bodies, frames=(dial,), robot=arm(column=0.08), tool=CUP)
 
 
 @given(st.lists(st.one_of(grid_aligned(), anywhere()), min_size=1, max_size=4), st.integers(0, 10**6))
@@ -111,7 +111,7 @@ def test_every_body_of_the_arm_is_asked_against_every_body_around_and_its_own_as
 
 def test_bodies_on_one_link_are_never_asked() -> None:
     scene = scene_of_all()
-    robot = arm(column=True)
+    robot = arm(column=0.08)
     odd = replace(robot, self_pairs=(("flange", "flange"), ("base", "quill")))
     tool = replace(CUP, bodies=(*CUP.bodies, solid("second cup", sphere(0.01))))
     scene = replace(scene, robot=odd, tool=tool)
@@ -155,14 +155,15 @@ def test_no_point_of_a_unit_is_further_from_its_carriers_axis_than_its_reach(pie
     rng = np.random.default_rng(seed)
     for unit in range(len(solids.body)):
         shape = solids.shapes[unit]
-        grown = 0.0 if isinstance(shape, type(block(1, 1, 1))) else shape.disc + shape.ball
+        grown = 0.0 if isinstance(shape, Hull) else shape.disc + shape.ball
         points = solids.centre[unit] + corners(shape) @ solids.rotation[unit].T
-        assert np.hypot(points[:, 0], points[:, 1]).max() + grown <= solids.reach[unit] + 1e-12 or not solids.reach[unit]
+        furthest = float(np.hypot(points[:, 0], points[:, 1]).max()) + grown
+        assert furthest <= solids.reach[unit] + 1e-12 or not solids.reach[unit]
         n = rng.normal(size=3)
         n[2] = 0.0
         n /= np.linalg.norm(n)
-        furthest = support(Piece(shape, solids.centre[unit], solids.rotation[unit]), n)
-        assert abs(furthest) <= solids.reach[unit] + 1e-12 or not solids.reach[unit]
+        along = support(Piece(shape, solids.centre[unit], solids.rotation[unit]), n)
+        assert abs(along) <= solids.reach[unit] + 1e-12 or not solids.reach[unit]
 
 
 def test_an_arm_stands_before_its_first_knot_and_after_its_last() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from planner.scene import Scene, Tool
 from planner.shapes import Body, Hull, Piece, box, capsule, cylinder, sphere, support
 from planner.timing import Profile, time_joints
 from planner.trajectory import Trajectory
-from tests.planner.cells import Around, arm, block, cell, go, rotation, solid
+from tests.planner.cells import Around, Shape, arm, block, cell, go, rotation, solid
 
 BALL = Pose(0.03, -0.02, -0.05)
 """Where the ball is on the flange."""
@@ -55,7 +56,8 @@ def law(rng: np.random.Generator, kind: str, there: FloatArray, t: float) -> Law
         return Turntable(Pose(x, y, z, yaw), float(rng.uniform(-3, 3)), at_time=t)
     if kind == "swing":
         return Swing(Pose(x, y, z, yaw), 0.8, float(rng.uniform(0.4, 2.0)), float(rng.uniform(0, 6)))
-    poses = tuple(Pose(*(float(v) for v in there + rng.normal(size=3) * 0.1), yaw + 0.5 * i) for i in range(5))
+    ways = there + rng.normal(size=(5, 3)) * 0.1
+    poses = tuple(Pose(float(p[0]), float(p[1]), float(p[2]), yaw + 0.5 * i) for i, p in enumerate(ways))
     return Keyframes([-1.0, 0.5, 1.5, 2.5, 8.0], poses)
 
 
@@ -63,7 +65,7 @@ LAWS = ("world", "conveyor", "linear", "turntable", "swing", "keyframes")
 SHAPES = ("box", "sphere", "cylinder", "capsule", "hull")
 
 
-def shape(kind: str) -> object:
+def shape(kind: str) -> Shape:
     """A solid of some centimetres."""
     return {
         "box": box(0.06, 0.1, 0.04),
@@ -130,16 +132,22 @@ class Encounter:
         gaps = self.apart(fine)
         return float(gaps.min()), float(fine[np.argmin(gaps)])
 
-    def scene(self, radius: float, **changes: object) -> Scene:
+    def scene(self, radius: float, **changes: Any) -> Scene:
         tool = Tool(Pose(), (solid("ball", sphere(radius), BALL.x, BALL.y, BALL.z),))
         return cell(
-            go(0.3, 0.0), bodies=(self.around,), frames=self.frames, robot=arm(bare=True), tool=tool, **changes  # type: ignore[arg-type]
+            go(0.3, 0.0),
+            bodies=(self.around,),
+            frames=self.frames,
+            robot=arm(bare=True),
+            tool=tool,
+            **changes,
         )
 
-    def phase(self, **changes: object) -> Phase:
-        facts = {"kind": LegKind.MOVE, "step": 0, "carried": None, "rides": (), "exempt": frozenset(), "glued": None}
+    def phase(self, **changes: Any) -> Phase:
+        facts: dict[str, Any] = {"kind": LegKind.MOVE, "step": 0, "carried": None, "rides": ()}
+        facts |= {"exempt": frozenset(), "glued": None}
         facts |= {"beside": (), "t0": self.path.start, "t1": self.path.end, **changes}
-        return Phase(**facts)  # type: ignore[arg-type]
+        return Phase(**facts)
 
 
 STILL = Linear(Pose(), (0.0, 0.0, 0.0))
@@ -156,7 +164,7 @@ def encounter(seed: int, kind: str, how: str, pieces: int = 1) -> Encounter:
     for k in range(pieces):
         offset = rng.normal(size=3) * (0.0 if pieces == 1 else 0.05)
         turn = rotation(rng) if rng.random() < 0.7 else np.eye(3)
-        parts.append(Piece(shape(kind if k == 0 else str(rng.choice(SHAPES))), offset, turn))  # type: ignore[arg-type]
+        parts.append(Piece(shape(kind if k == 0 else str(rng.choice(SHAPES))), offset, turn))
     body = Body("thing", tuple(parts))
     if how == "world":
         x, y, z = (float(v) for v in there)

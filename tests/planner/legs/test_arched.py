@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planner.arrays import FloatArray
-from planner.legs.arched import Arched, Hop, JointState, arch
+from planner.legs.arched import Arched, Hop, JointState, arch, vertical
 from planner.timing import Profile, TimingRefusal, time_joints
 from planner.trajectory import Trajectory, check_limits
 from tests.planner.cells import limits
@@ -29,8 +29,14 @@ def state(rng: np.random.Generator, speed: float = 0.0) -> JointState:
     return q, qd, qdd
 
 
+def over(start: JointState, goal: JointState, hop: Hop, duration: float | None = None) -> Arched | TimingRefusal:
+    ways = vertical(start, goal, hop.top, LIFT, RATES)
+    assert not isinstance(ways, TimingRefusal)
+    return arch(start, goal, hop, LIFT, RATES, ways, duration)
+
+
 def made(start: JointState, goal: JointState, hop: Hop, duration: float | None = None) -> Arched:
-    found = arch(start, goal, hop, LIFT, RATES, duration)
+    found = over(start, goal, hop, duration)
     assert isinstance(found, Arched), found
     return found
 
@@ -45,7 +51,7 @@ def parts(start: JointState, goal: JointState, top: float) -> tuple[float, float
         (tuple(x[across] for x in start), tuple(x[across] for x in goal), across),
         (high, tuple(x[lift] for x in goal), lift),
     ):
-        profile = time_joints(*a, *b, *(rate[joints] for rate in RATES))  # type: ignore[misc,arg-type]
+        profile = time_joints(*a, *b, *(rate[joints] for rate in RATES))
         assert isinstance(profile, Profile)
         found.append(profile.duration)
     return found[0], found[1], found[2]
@@ -94,7 +100,7 @@ def test_an_arch_keeps_every_limit_by_exact_extrema_and_goes_over_its_top(seed: 
 def test_knots_begin_and_end_in_the_states_that_were_asked_for_to_the_bit(seed: int, rise: float, fall: float) -> None:
     rng = np.random.default_rng(seed)
     start, goal = state(rng, float(rng.integers(2)) * 0.3), state(rng, float(rng.integers(2)) * 0.3)
-    found = arch(start, goal, Hop(0.22, rise, fall), LIFT, RATES, None)
+    found = over(start, goal, Hop(0.22, rise, fall))
     if isinstance(found, TimingRefusal):
         return
     _, q, qd, qdd = found.knots(0.0)
@@ -138,10 +144,10 @@ def test_an_arch_to_a_moving_end_takes_the_time_it_is_given_within_all_limits(
     rng = np.random.default_rng(seed)
     start, goal = state(rng), state(rng, 0.3)
     hop = Hop(0.22, rise, fall)
-    first = arch(start, goal, hop, LIFT, RATES, None)
+    first = over(start, goal, hop)
     if isinstance(first, TimingRefusal):
         return
-    found = arch(start, goal, hop, LIFT, RATES, first.duration + more)
+    found = over(start, goal, hop, first.duration + more)
     if isinstance(found, TimingRefusal):  # a duration may be blocked; the search then asks for another
         assert found.reason in ("blocked", "too short")
         return
@@ -153,6 +159,6 @@ def test_an_arch_in_less_time_than_it_takes_is_refused_with_the_seconds_that_are
     rng = np.random.default_rng(1)
     start, goal = state(rng), state(rng)
     whole = made(start, goal, Hop(0.22, 0.5, 0.5)).duration
-    found = arch(start, goal, Hop(0.22, 0.5, 0.5), LIFT, RATES, whole - 0.01)
+    found = over(start, goal, Hop(0.22, 0.5, 0.5), whole - 0.01)
     assert isinstance(found, TimingRefusal)
     assert found.excess == pytest.approx(0.01, abs=1e-9)

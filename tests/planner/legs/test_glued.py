@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -32,7 +33,8 @@ def law(kind: str, rng: np.random.Generator) -> tuple[Law, Pose]:
     """A law in front of the arm, and a part's pose in it."""
     yaw = float(rng.uniform(-3, 3))
     if kind == "conveyor":
-        return Conveyor(Pose(-0.05, 0.38, 0.06, float(rng.uniform(-0.3, 0.3))), float(rng.uniform(-0.3, 0.3))), Pose(yaw=yaw)
+        at = Pose(-0.05, 0.38, 0.06, float(rng.uniform(-0.3, 0.3)))
+        return Conveyor(at, float(rng.uniform(-0.3, 0.3))), Pose(yaw=yaw)
     if kind == "linear":
         return Linear(Pose(0.05, 0.35, 0.06), (0.1, -0.08, 0.01)), Pose(yaw=yaw)
     if kind == "turntable":
@@ -45,11 +47,11 @@ def law(kind: str, rng: np.random.Generator) -> tuple[Law, Pose]:
 KINDS = st.sampled_from(["conveyor", "linear", "turntable", "swing"])
 
 
-def cell_with(where: Law, pose: Pose, tool: Tool, dwell: float = 0.1, **more: object) -> Scene:
+def cell_with(where: Law, pose: Pose, tool: Tool, dwell: float = 0.1, **more: Any) -> Scene:
     part = stands("part", box(0.03, 0.03, 0.02), pose.x, pose.y, pose.z, pose.yaw, "moving")
     step = Pick("pick", "part", Pose(z=0.01, yaw=0.2), 0.03, dwell, 0.04)
-    options = {"singularity_margin": 0.05, **more}
-    return cell(step, frames=(frame("moving", where),), bodies=(part,), robot=arm(j4=12.0), tool=tool, **options)  # type: ignore[arg-type]
+    options: dict[str, Any] = {"singularity_margin": 0.05, **more}
+    return cell(step, frames=(frame("moving", where),), bodies=(part,), robot=arm(j4=12.0), tool=tool, **options)
 
 
 def begun(scene: Scene, t: float, mode: int) -> tuple[ControlPoint, State] | None:

@@ -1,9 +1,10 @@
-"""Joint legs: they meet a branch in its exact state at a time of its grid, within all limits, by vias that are flown by."""
+"""Joint legs: they meet a branch in its exact state at a time of its grid, within all limits, flying by their vias."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,10 +34,11 @@ LAWS: dict[str, Law] = {
 }
 
 
-def scene_on(law: Law, **manners: object) -> Scene:
+def scene_on(law: Law, **manners: Any) -> Scene:
     where = Pose(0.08, 0.0, 0.02, 0.4) if not isinstance(law, Conveyor) else Pose(0.0, 0.0, 0.02, 0.4)
     return cell(
-        go(where.x, where.y, where.z, where.yaw, "moving", **manners), frames=(frame("moving", law),)  # type: ignore[arg-type]
+        go(where.x, where.y, where.z, where.yaw, "moving", **manners),
+        frames=(frame("moving", law),),
     )
 
 
@@ -151,7 +153,8 @@ def test_no_earlier_time_of_the_grid_could_have_been_met_directly(seed: int, law
         least = shortest_duration(begin.q, begin.qd, begin.qdd, branch.q[i], branch.qd[i], branch.qdd[i], *rates)
         if isinstance(least, float) and begin.time + least <= branch.time[i]:
             # it was possible to be there sooner only if no motion of exactly that time exists (blocked)
-            exact = JointMotion(scene, 0, begin, Shape(), replace(branch, legal=np.arange(len(branch.time)) == i)).meet()
+            only = replace(branch, legal=np.arange(len(branch.time)) == i)
+            exact = JointMotion(scene, 0, begin, Shape(), only).meet()
             assert isinstance(exact, Refusal), (branch.time[i], found.end)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,10 +11,10 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from planner.arrays import FloatArray
-from planner.frames.motion import Motion, Pose
 from planner.frames import Conveyor, Fixed, Law, Turntable
+from planner.frames.motion import Motion, Pose
 from planner.legs.state import State, Stretch
-from planner.legs.straight import straight
+from planner.legs.straight import Along, mode_changes, straight
 from planner.outcome import Reason, Refusal
 from planner.scene import Scene
 from planner.trajectory import Trajectory, check_limits
@@ -24,7 +25,7 @@ ON_THE_LINE_M = 2e-6
 """The promise of `planner.legs.straight` is 1 µm half way between knots; 2 µm hold everywhere."""
 
 
-def along(law: Law, pose: Pose):  # type: ignore[no-untyped-def]  # noqa: ANN201
+def along(law: Law, pose: Pose) -> Along:
     def motion(t: FloatArray) -> Motion:
         return law.motion(np.asarray(t)).at(pose)
 
@@ -52,7 +53,8 @@ def ends(draw: st.DrawFn) -> tuple[Law, Pose, Law, Pose]:
             found += [Fixed(Pose(x, side * y, z)), Pose(yaw=yaw)]
         elif kind == "belt":
             speed = draw(st.floats(-0.15, 0.15))
-            found += [Conveyor(Pose(x, side * y, z, draw(st.sampled_from([0.0, math.pi / 2, 1.0]))), speed), Pose(yaw=yaw)]
+            heading = draw(st.sampled_from([0.0, math.pi / 2, 1.0]))
+            found += [Conveyor(Pose(x, side * y, z, heading), speed), Pose(yaw=yaw)]
         else:
             found += [Turntable(Pose(x, side * y, z), draw(st.floats(-1.0, 1.0))), Pose(0.05, 0.0, 0.0, yaw)]
     return found[0], found[1], found[2], found[3]  # type: ignore[return-value]
@@ -119,8 +121,8 @@ def still(x: float, y: float, z: float = 0.1) -> tuple[Law, Pose]:
     return Fixed(Pose(x, y, z)), Pose()
 
 
-def between(first: tuple[Law, Pose], second: tuple[Law, Pose], **options: object) -> Stretch | Refusal:
-    scene = cell(go(0.3, 0.0), robot=arm(j4=12.0), **options)  # type: ignore[arg-type]
+def between(first: tuple[Law, Pose], second: tuple[Law, Pose], **options: Any) -> Stretch | Refusal:
+    scene = cell(go(0.3, 0.0), robot=arm(j4=12.0), **options)
     return straight(scene, 0, begin(scene, *first, 0.0, 0), 0, along(*first), along(*second))
 
 
@@ -174,8 +176,6 @@ def test_a_law_that_ends_on_the_way_is_refused() -> None:
 
 def test_where_a_straight_leg_cannot_change_the_elbow_it_says_how_near_it_comes() -> None:
     """From left to right through the base's neighbourhood: the modes meet where the arm is stretched or folded."""
-    from planner.legs.straight import mode_changes
-
     scene = cell(go(0.3, 0.0), robot=arm(j4=12.0))
     first, second = still(0.3, 0.06), still(-0.3, 0.06)
     state = begin(scene, *first, 0.0, 0)
