@@ -24,6 +24,7 @@ BODY_PROBLEMS = ("bad-syntax", "too-slow", "too-large", "wrong-media-type", "bad
 WORKER_PROBLEMS = ("worker-crashed", "busy", "not-ready", "worker-timeout")
 
 router = APIRouter()
+# Routes that read files are plain functions: FastAPI runs those beside the event loop.
 
 
 def _service(request: Request) -> Service:
@@ -100,12 +101,12 @@ async def check(request: Request) -> Response:
 
 
 @router.get("/v1/robots", summary="The robot catalogue", responses=responses("Document"))
-async def list_robots() -> Response:
+def list_robots() -> Response:
     return json_response(to_json({"robots": robots()}))
 
 
 @router.get("/v1/scenes", summary="The shipped scenarios", responses=responses("Document"))
-async def list_scenes() -> Response:
+def list_scenes() -> Response:
     scenes = [{"name": name, "about": about} for name, about in shipped_scenarios().items()]
     return json_response(to_json({"scenes": scenes}))
 
@@ -115,7 +116,7 @@ async def list_scenes() -> Response:
     summary="The request of a shipped scenario, ready to be posted",
     responses=responses("Request", "not-found"),
 )
-async def show_scene(name: str) -> Response:
+def show_scene(name: str) -> Response:
     try:
         return json_response(to_json(scenario_request(name)))
     except InputError as error:
@@ -123,7 +124,7 @@ async def show_scene(name: str) -> Response:
 
 
 @router.get("/v1/schema", summary="JSON Schema of the request", responses=responses("Document"))
-async def schema() -> Response:
+def schema() -> Response:
     return json_response(to_json(request_schema()))
 
 

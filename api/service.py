@@ -20,9 +20,6 @@ from planner.errors import InputError
 from scenes.faults import fault
 from scenes.requests import parse_json, shipped, validate
 
-INLINE_BYTES = 32 << 10
-"""Bodies up to this length are parsed on the event loop (about a millisecond), longer ones beside it."""
-
 
 @dataclass
 class Service:
@@ -38,10 +35,7 @@ class Service:
 
     async def plan(self, body: bytes, certificate: jobs.Detail) -> jobs.Answer:
         """The answer to the request in `body`, or to the shipped scenario that it names. Raises `Problem`."""
-        if len(body) <= INLINE_BYTES:
-            order = self._read(body, certificate)
-        else:
-            order = await asyncio.to_thread(self._read, body, certificate)
+        order = await asyncio.to_thread(self._read, body, certificate)
         return await self._work(*order)
 
     async def check(self, body: bytes) -> jobs.Answer:
@@ -49,7 +43,7 @@ class Service:
         return await self._work(jobs.check, (body,), _digest("check", body), self.settings.check_s)
 
     def _read(self, body: bytes, certificate: jobs.Detail) -> tuple[Any, tuple[Any, ...], str, float]:
-        """What to do about `body`: job, its arguments, digest of the request, wall."""
+        """What to do about `body`: job, its arguments, digest of the request, wall. Runs beside the event loop."""
         try:
             document = parse_json(body)
         except InputError as error:

@@ -5,6 +5,7 @@ Lengths in millimetres, times in seconds. Texts that came from a request are pri
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -38,7 +39,8 @@ SAYS = {
 MARKS = {"vendor_config": " c", "third_party": " t", "estimated": " e"}
 """Marks behind a number of the catalogue that is not the maker's own word; `LEGEND` explains them."""
 LEGEND = "c: a maker's configuration file, perhaps a placeholder; t: second hand; e: estimated; else as its source says"
-MILLI = {"m": ("mm", 1e3), "s": ("ms", 1e3)}
+SHOWN_AS = {"m": ("mm", 1e3), "s": ("ms", 1e3), "rad": ("deg", math.degrees(1.0))}
+"""Units of the document, and what people are told instead."""
 
 
 def console(*, stderr: bool = False) -> Console:
@@ -50,10 +52,10 @@ def console(*, stderr: bool = False) -> Console:
 
 
 def amount(value: float | None, unit: str) -> str:
-    """A length in mm, a time in ms, anything else as it is; nothing for no number."""
+    """A length in mm, a time in ms, an angle in degrees, anything else as it is; nothing for no number."""
     if value is None:
         return ""
-    name, factor = MILLI.get(unit, (unit, 1.0))
+    name, factor = SHOWN_AS.get(unit, (unit, 1.0))
     return f"{value * factor:.3g} {name}".rstrip()
 
 
@@ -152,9 +154,7 @@ def census(document: dict[str, Any]) -> Iterator[str]:
 
 def refusal(line: dict[str, Any]) -> str:
     """One line of the census as a sentence: how many, why, by what, when, by how much."""
-    words = [f"{line['count']} times {SAYS.get(line['reason'], line['reason'])}"]
-    if line["bodies"]:
-        words.append(f"({' and '.join(line['bodies'])})")
+    words = [f"{line['count']} times {_event(line['reason'], line['bodies'])}"]
     interval = line.get("interval_s")
     if interval is not None and None not in interval:
         first, last = (f"{instant:.3f}" for instant in interval)
@@ -166,6 +166,15 @@ def refusal(line: dict[str, Any]) -> str:
     if line["detail"] and not line["bodies"]:
         words.append(f": {line['detail']}")
     return " ".join(words).replace("] :", "]:")
+
+
+def _event(reason: str, names: list[str]) -> str:
+    """What happened, and to whom: `names` are bodies, or the joint where a joint is at its limit."""
+    if reason in ("BODY_COLLISION", "SELF_COLLISION") and len(names) == 2:
+        return f"{names[0]} would hit {names[1]}"
+    if reason == "JOINT_LIMIT" and len(names) == 1:
+        return f"{names[0]} would pass its limit"
+    return SAYS.get(reason, reason) + (f" ({' and '.join(names)})" if names else "")
 
 
 def assumed(assumptions: list[str]) -> Iterator[str]:

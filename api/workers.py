@@ -10,10 +10,10 @@ import asyncio
 import logging
 import math
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from typing import Any
 
-from api.logs import event
+from api.logs import LOGGER, event
 from api.problems import Problem
 from api.seat import CrashedError, KilledError, NotBegunError, Seat
 from api.settings import Settings
@@ -171,7 +171,13 @@ class Workers:
             for number in [self._free.get_nowait() for _ in range(self._free.qsize())]:
                 self._leave(number)
 
-    def _background(self, work: Any) -> None:
+    def _background(self, work: Coroutine[Any, Any, None]) -> None:
         task = asyncio.get_running_loop().create_task(work)
         self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        task.add_done_callback(self._ended)
+
+    def _ended(self, task: asyncio.Task[None]) -> None:
+        self._tasks.discard(task)
+        fault = None if task.cancelled() else task.exception()
+        if fault is not None:
+            LOGGER.error("looking after the workers met a fault", exc_info=fault)

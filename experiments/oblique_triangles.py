@@ -76,8 +76,8 @@ def run() -> Result:
         f"plane) to {numbers['mended_minus_dyad_where_margin_above_0.05_rad']:.0e} rad over {TARGETS:,} targets with "
         f"|sin θ2| > 0.05, and nearer to singular positions to {numbers['mended_minus_dyad_times_margin_rad']:.0e} rad "
         f"divided by |sin θ2|. Where the target is above or below the shoulder the lower triangle is flat and they lose "
-        f"up to two digits more, which the dyad, having no such triangle, does not. Equation 1 as printed is wrong by up to {numbers['printed_eq_1_in_m_error_deg'][1]:.0f}° "
-        f"with metres, and by up to {numbers['printed_eq_1_in_mm_error_deg'][1]:.0f}° with millimetres."
+        f"up to two digits more, which the dyad, having no such triangle, does not. Equation 1 as printed is wrong "
+        f"by up to {numbers['printed_eq_1_in_m_error_deg'][1]:.0f}° with metres, and by up to {numbers['printed_eq_1_in_mm_error_deg'][1]:.0f}° with millimetres."
     )
 
     def draw(figure: Figure) -> None:
@@ -100,7 +100,7 @@ def run() -> Result:
         errors.loglog(guide, 2e-15 / guide, color=INK, ls="--", lw=0.9, label=r"$2\cdot 10^{-15}/|\sin\theta_2|$")
         errors.set_xlabel(r"$|\sin\theta_2|$")
         errors.set_ylabel("mended − dyad [rad]")
-        errors.legend(loc="upper right", markerscale=3)
+        errors.legend(loc="lower left", markerscale=3)
         errors.set_title("(c) both joint angles against the dyad")
 
     return Result(numbers, paragraph, (7.2, 4.4), draw)

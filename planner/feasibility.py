@@ -1,4 +1,4 @@
-"""Necessary conditions, tried before anything is sampled: what fails here fails for all times and all candidates."""
+"""Necessary conditions: what fails here fails for all times and all candidates."""
 
 from __future__ import annotations
 
@@ -20,9 +20,32 @@ START_RATIO = 1e-9
 """A start velocity or acceleration may exceed its limit by this share: rounding of unit conversions."""
 
 
-def impossible(scene: Scene, prover: Prover) -> Refusal | None:
-    """The first necessary condition that does not hold, or None."""
-    return _start_beyond_limits(scene) or _laws_over(scene) or _start_collides(scene, prover) or _points(scene, prover)
+def start_impossible(scene: Scene, prover: Prover) -> Refusal | None:
+    """The first necessary condition of the start that does not hold, or None."""
+    return _start_beyond_limits(scene) or _laws_over(scene) or _start_collides(scene, prover)
+
+
+def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
+    """A control point that can never be met: what hangs on the flange would be inside what stands still around it.
+
+    Asked only when the first candidates have failed: where they have not, the points can be met.
+    """
+    rides, carried = initial_rides(scene), None
+    for number, step in enumerate(scene.task):
+        offsets = yaw_offsets(scene, step)
+        if isinstance(step, Place) and (carried is None or carried.part != step.part):
+            return None  # the scene's constructor has refused this already
+        found = [
+            _point(scene, prover, control_point(scene, number, rides, carried, o), rides, carried)
+            for o in (offsets if offsets is not None else (0.0,))
+        ]
+        if all(r is not None and (offsets is not None or _whatever_the_yaw(scene, prover, r, carried)) for r in found):
+            return found[0]
+        if isinstance(step, Pick):
+            carried = held(scene, step, (offsets or (0.0,))[0])
+        if isinstance(step, Place):
+            carried, rides = None, {**rides, step.part: (step.to.frame, step.to.pose)}
+    return None
 
 
 def _start_beyond_limits(scene: Scene) -> Refusal | None:
@@ -86,26 +109,6 @@ def _start_collides(scene: Scene, prover: Prover) -> Refusal | None:
         return Refusal(
             "start", Reason.START_IN_COLLISION, 0, within, (t, t), math.nan, "m", f"{within[0]} is inside {within[1]}"
         )
-    return None
-
-
-def _points(scene: Scene, prover: Prover) -> Refusal | None:
-    """Control points that can never be met: what hangs on the flange would be inside what stands still around them."""
-    rides, carried = initial_rides(scene), None
-    for number, step in enumerate(scene.task):
-        offsets = yaw_offsets(scene, step)
-        if isinstance(step, Place) and (carried is None or carried.part != step.part):
-            return None  # the scene's constructor has refused this already
-        found = [
-            _point(scene, prover, control_point(scene, number, rides, carried, o), rides, carried)
-            for o in (offsets if offsets is not None else (0.0,))
-        ]
-        if all(r is not None and (offsets is not None or _whatever_the_yaw(scene, prover, r, carried)) for r in found):
-            return found[0]
-        if isinstance(step, Pick):
-            carried = held(scene, step, (offsets or (0.0,))[0])
-        if isinstance(step, Place):
-            carried, rides = None, {**rides, step.part: (step.to.frame, step.to.pose)}
     return None
 
 

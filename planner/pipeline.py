@@ -15,7 +15,7 @@ from planner.chain import Chain
 from planner.checker import check
 from planner.errors import FaultError
 from planner.explanation import leading, sentence
-from planner.feasibility import impossible
+from planner.feasibility import start_impossible
 from planner.lower_bound import lower_bound
 from planner.margins import contacts, margins
 from planner.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Reason, Refusal, Relaxation
@@ -43,10 +43,13 @@ def plan(scene: Scene, *, adaptive: bool = True) -> Outcome:
     """
     clock = _Clock(time.perf_counter())
     prover = Prover(scene)
-    never = impossible(scene, prover)
+    never = start_impossible(scene, prover)
     if never is not None:
         return _not_planned(scene, clock, never, Counter().census(), proved=True, cut=False, deepest=never.step)
     found = Search(scene, prover, clock.started, adaptive=adaptive).run()
+    if found.never is not None:
+        census = found.census.census()
+        return _not_planned(scene, clock, found.never, census, proved=True, cut=False, deepest=found.never.step)
     if found.best is None:
         return _not_found(scene, clock, found)
     return _planned(scene, clock, prover, found, found.best)

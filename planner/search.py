@@ -12,6 +12,7 @@ from planner.census import Counter, refused_proof
 from planner.certificate import Prover, Rows, Unproved
 from planner.chain import Chain, Draft, Outline, Sample, prepared
 from planner.continuation import finished, is_straight, outline, straight_draft
+from planner.feasibility import points_impossible
 from planner.legs.meeting import Meetings
 from planner.legs.state import State
 from planner.outcome import Reason, Refusal
@@ -45,6 +46,8 @@ class Found:
     cut_by_clock: bool = False
     deepest: int = 0
     first_ways: tuple[Option, ...] = ()
+    never: Refusal | None = None
+    """A necessary condition that does not hold, if that is what ended the search."""
     census: Counter = field(default_factory=Counter)
 
 
@@ -72,6 +75,10 @@ class Search:
                     if self._over():
                         return self.found
             round_number += 1
+            if round_number == 1 and self.found.best is None:
+                self.found.never = points_impossible(self.scene, self.prover)
+                if self.found.never is not None:
+                    return self.found
             if not explored:
                 return self.found
 
@@ -205,7 +212,7 @@ class Search:
             )
             again = outline(self.scene, way.chain, way.meeting, slower, ahead(self.scene, way.chain, way.chain.state.q))
             if isinstance(again, Refusal):
-                return again
+                return made  # the carry limit is why: at its own pace there was a way
             way = again
             made = finished(self.scene, way)
         return made

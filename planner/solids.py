@@ -211,13 +211,13 @@ def carriers(scene: Scene, q: FloatArray, t: FloatArray) -> Carriers:
     position = np.empty((len(t), links + frames, 3))
     rotation = np.zeros((len(t), links + frames, 3, 3))
     position[:, :links], rotation[:, :links] = scene.robot.placements(q)
-    for k, frame in enumerate(scene.frames.values(), start=links):
-        motion = frame.law.motion(t)
-        position[:, k] = motion.p
-        c, s = np.cos(motion.yaw), np.sin(motion.yaw)
-        rotation[:, k, 0, 0], rotation[:, k, 0, 1] = c, -s
-        rotation[:, k, 1, 0], rotation[:, k, 1, 1] = s, c
-        rotation[:, k, 2, 2] = 1.0
+    yaw = np.empty((len(t), frames))
+    for k, frame in enumerate(scene.frames.values()):
+        position[:, links + k], yaw[:, k] = frame.law.pose_at(t)
+    c, s = np.cos(yaw), np.sin(yaw)
+    rotation[:, links:, 0, 0], rotation[:, links:, 0, 1] = c, -s
+    rotation[:, links:, 1, 0], rotation[:, links:, 1, 1] = s, c
+    rotation[:, links:, 2, 2] = 1.0
     return Carriers(position, rotation)
 
 

@@ -31,6 +31,9 @@ class Fixed(KnownLaw):
     def _motion(self, t: FloatArray, /) -> Motion:
         return Motion.still(self.pose, t.shape)
 
+    def _pose(self, t: FloatArray, /) -> tuple[FloatArray, FloatArray]:
+        return np.broadcast_to(self.pose.position, (*t.shape, 3)), np.full(t.shape, self.pose.yaw)
+
     def _bounds(self, t0: FloatArray, _t1: FloatArray, _n: FloatArray, /) -> LawBounds:
         return LawBounds(*np.zeros((4, len(t0))))
 
@@ -63,6 +66,10 @@ class Linear(KnownLaw):
         p = still.p + (t - self.at_time)[..., None] * self._velocity
         v = still.v + self._velocity
         return Motion(p, v, still.a, still.j, still.yaw, still.yaw_d, still.yaw_dd, still.yaw_ddd)
+
+    def _pose(self, t: FloatArray, /) -> tuple[FloatArray, FloatArray]:
+        p = self.pose.position + (t - self.at_time)[:, None] * self._velocity
+        return p, np.full(t.shape, self.pose.yaw)
 
     def _bounds(self, t0: FloatArray, _t1: FloatArray, n: FloatArray, /) -> LawBounds:
         speed = np.abs(n @ self._velocity) + ROUNDING * math.hypot(*self.velocity)

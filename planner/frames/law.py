@@ -37,6 +37,10 @@ class Law(Protocol):
         """Pose and three derivatives at times `t` (...). Outside `valid`: NaN in every field of that row."""
         ...
 
+    def pose_at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Position (T, 3) and yaw (T,) at times `t` (T,): the first fields of `motion`, without the derivatives."""
+        ...
+
     def bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray) -> LawBounds:
         """Bounds over the intervals [t0, t1] (N,) along unit vectors `n` (N, 3). Outside `valid`: inf."""
         ...

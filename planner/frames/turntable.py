@@ -48,6 +48,14 @@ class Turntable(KnownLaw):
         found.v[..., 2] = self.rise
         return found
 
+    def _pose(self, t: FloatArray, /) -> tuple[FloatArray, FloatArray]:
+        if self.changes:
+            return super()._pose(t)
+        p = np.empty((*t.shape, 3))
+        p[:] = self.pose.position
+        p[:, 2] += self.rise * (t - self.at_time)
+        return p, self.pose.yaw + self.rate * (t - self.at_time)
+
     def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
         return LawBounds(np.abs(n[:, 2] * self.rise), np.zeros(t0.shape), *self._turn.fastest(t0, t1))
 

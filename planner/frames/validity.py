@@ -79,6 +79,15 @@ class KnownLaw(ABC):
             *(np.where(known, angle, math.nan) for angle in (found.yaw, found.yaw_d, found.yaw_dd, found.yaw_ddd)),
         )
 
+    def pose_at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Position (T, 3) and yaw (T,) at times `t` (T,), as `motion` has them; NaN where the time is not known."""
+        first, last = max(self.valid[0], -FURTHEST_S), min(self.valid[1], FURTHEST_S)
+        known = (first <= t) & (t <= last)
+        if known.all():
+            return self._pose(t)
+        p, yaw = self._pose(np.where(known, t, first))
+        return np.where(known[:, None], p, math.nan), np.where(known, yaw, math.nan)
+
     def bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray) -> LawBounds:
         """Bounds over the closed intervals [t0, t1] (N,) along unit vectors `n` (N, 3), see `LawBounds`.
 
@@ -103,3 +112,8 @@ class KnownLaw(ABC):
     @abstractmethod
     def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
         """As `bounds`; each interval is known and t0 <= t1."""
+
+    def _pose(self, t: FloatArray, /) -> tuple[FloatArray, FloatArray]:
+        """As `pose_at`; each time is finite and known. Laws that know a shorter way than their motion take it."""
+        motion = self._motion(t)
+        return motion.p, motion.yaw

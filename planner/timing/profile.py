@@ -50,8 +50,9 @@ class Profile:
         """q or a derivative (0 to 3) at times `t` (T,) or one time: (T, n) or (n,). Outside [0, duration]: NaN."""
         t = np.asarray(t, dtype=np.float64)
         flat = t.reshape(-1)
-        out = self.at(flat, self.active(flat, "right"))[derivative]
-        out[~((flat >= 0) & (flat <= self.duration))] = np.nan
+        held = np.minimum(np.maximum(flat, 0.0), self.duration)
+        out = self.at(held, self.active(held, "right"))[derivative]
+        out[held != flat] = np.nan
         return out.reshape(*t.shape, self.n)
 
     def active(self, t: FloatArray, side: Literal["left", "right"]) -> IntArray:
@@ -74,6 +75,15 @@ class Profile:
             q = q * tau + c[..., k]
         return q, v, 2 * a, 6 * jerk
 
+    def _moving(self, tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """q, q̇, q̈ of every phase at times `tau` (..., n, S) since its begin."""
+        q, v, a = (np.zeros_like(tau) for _ in range(3))
+        for k in range(5, -1, -1):
+            a = a * tau + v
+            v = v * tau + q
+            q = q * tau + self.phases[..., k]
+        return q, v, 2 * a
+
     def switches(self) -> FloatArray:
         """Times at which a jerk jumps, of all joints, those closer than `MERGE` as one; both ends exactly."""
         return middles(self, *clusters(self, MERGE))
@@ -88,10 +98,10 @@ class Profile:
         return written(self, offset)
 
     def extrema(self) -> tuple[FloatArray, FloatArray]:
-        """Smallest and largest position (n,), (n,), in closed form: stationary points of the cubics.
+        """Smallest and largest position (n,), (n,), in closed form: stationary points of the cubics, mended once.
 
-        Fourth and fifth order, which are of the size of the correction P1, enter at second order only. What runs is
-        the spline through the knots: its own extrema decide.
+        What the correction P1 adds in fourth and fifth order is met by one step of Newton's method. What runs is the
+        spline through the knots: its own extrema decide.
         """
         length = np.append(self.time[:, 1:], np.full((self.n, 1), self.duration), 1) - self.time
         c1, c2, c3 = self.phases[..., 1], self.phases[..., 2], self.phases[..., 3]
@@ -107,9 +117,10 @@ class Profile:
             ]
         )
         tau = np.where((roots > 0) & (roots <= length), roots, 0.0)
-        value = self.phases[..., 5]
-        for k in range(4, -1, -1):
-            value = value * tau + self.phases[..., k]
+        _, slope, bend = self._moving(tau)
+        step = np.divide(slope, bend, out=np.zeros_like(tau), where=bend != 0)
+        mended = np.where((tau > 0) & (tau < length), np.clip(tau - step, 0.0, length), tau)
+        value = self._moving(mended)[0]
         value = np.append(value.swapaxes(0, 1).reshape(self.n, -1), np.stack([self.start[0], self.end[0]], 1), 1)
         return value.min(1), value.max(1)
 

@@ -1,4 +1,4 @@
-"""A timed motion as the solver gave it: positions to within a micrometre, for screening; the exact profile on demand.
+"""A timed motion as the solver gave it: positions to some micrometres, for screening; the exact profile on demand.
 
 Most candidates are refused after a look at where they go. Making their ends exact costs more than timing them.
 """
@@ -37,7 +37,7 @@ class Sketch:
         return begins, rows * np.array([1.0, 1.0, 0.5, 1 / 6])[:, None]
 
     def positions(self, t: FloatArray) -> FloatArray:
-        """q (T, n) at times t (T,), the joints standing still before and after; off by what the solver is (1e-7)."""
+        """q (T, n) at times t (T,), the joints standing still before and after; off by some 1e-6."""
         begins, rows = self._columns
         t = np.minimum(np.maximum(t, 0.0), self.duration)[:, None]
         phase = (t[:, :, None] >= begins).sum(-1) - 1

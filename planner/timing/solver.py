@@ -66,9 +66,8 @@ def time_joints(
     through the knots keeps them, but never less than what the two states need.
 
     Arguments: positions, velocities, accelerations of n joints, each (n,), rad or m, and symmetric limits (n,);
-    `duration` in s or None. From rest to rest the fastest motion takes `SHORTEST` at least; from a moving state to
-    itself it has the duration 0. Positions may leave the box of start and goal: not checked here, like every position
-    limit.
+    `duration` in s or None. From rest to rest the fastest motion takes `SHORTEST` at least. Positions may leave the box
+    of start and goal: not checked here, like every position limit.
 
     Raises `InputError` for lengths that differ, numbers that are not finite, limits that are not positive, a negative
     duration. Source: Berscheid and Kröger, Jerk-limited Real-time Trajectory Generation with Arbitrary Target States

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 MERGE = 1e-6
 """s. Switches closer than this share one knot. From 1 µs up, velocities as doubles know a jerk to 0.03 rad/s³; wider
-merges cost more: at 10 µs one motion in a hundred would break its jerk limit."""
+merges cost more: at 10 µs one motion in a thousand would break a limit, at 30 µs one in a hundred."""
 WIDTHS = (1e-6, 4e-6, 1.6e-5)
 """s. Merges that are tried where that is not good enough."""
 ENOUGH = 0.5

@@ -155,14 +155,14 @@ class Trajectory:
         come back. Outside [start, end], and for a time that is NaN: NaN.
         """
         t = np.asarray(t, dtype=np.float64)
-        index, tau = self.piece(t)
-        value = self.on_piece(index, tau, derivative)
-        last = t == self.time[-1]
+        held = np.minimum(np.maximum(t, self.time[0]), self.time[-1])
+        value = self.on_piece(*self.piece(held), derivative)
+        last = held == self.time[-1]
         if derivative < 3 and last.any():
             value[last] = (self.q, self.qd, self.qdd)[derivative][-1]
-        inside = (t >= self.time[0]) & (t <= self.time[-1])
-        if not inside.all():
-            value[~inside] = np.nan
+        outside = held != t
+        if outside.any():
+            value[outside] = np.nan
         return value
 
     def state(self, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -61,6 +61,23 @@ def test_a_request_that_is_not_planned_says_why_and_ends_with_one(far_file: Path
     assert "plan checked" not in output
 
 
+def test_a_refusal_says_by_how_much_and_what_was_tried_and_would_help() -> None:
+    code, output, _ = run("plan", "behind-the-base-keep")
+    assert code == WRONG
+    for words in ("JOINT_LIMIT", "proved: no plan exists", "j1 would pass its limit", "deg", "what would help", "auto"):
+        assert words in output
+    assert "not as the file expects" not in output
+
+
+def test_an_answer_that_is_not_what_the_scenario_expects_is_told_so(tmp_path: Path) -> None:
+    shipped = (ROOT / "scenes" / "cells" / "behind-the-base-keep.yaml").read_text(encoding="utf-8")
+    file = tmp_path / "cell.yaml"
+    file.write_text(shipped.replace("status: not_planned", "status: planned"), encoding="utf-8")
+    code, output, _ = run("plan", str(file))
+    assert code == WRONG
+    assert "not as the file expects: status is not_planned, not planned" in output
+
+
 def without_times(document: dict[str, Any]) -> bytes:
     return to_json({name: value for name, value in document.items() if name not in TIMES})
 

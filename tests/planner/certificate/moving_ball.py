@@ -67,13 +67,14 @@ SHAPES = ("box", "sphere", "cylinder", "capsule", "hull")
 
 def shape(kind: str) -> Shape:
     """A solid of some centimetres."""
-    return {
+    known: dict[str, Shape] = {
         "box": box(0.06, 0.1, 0.04),
         "sphere": sphere(0.04),
         "cylinder": cylinder(0.03, 0.08),
         "capsule": capsule(0.02, 0.1),
         "hull": block(0.06, 0.1, 0.04),
-    }[kind]
+    }
+    return known[kind]
 
 
 def outside(piece: Piece, x: FloatArray) -> FloatArray:

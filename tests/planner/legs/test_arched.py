@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planner.arrays import FloatArray
-from planner.legs.arched import Arched, Hop, JointState, arch, vertical
+from planner.legs.arched import Arched, Hop, JointState, arch
 from planner.timing import Profile, TimingRefusal, time_joints
 from planner.trajectory import Trajectory, check_limits
 from tests.planner.cells import limits
@@ -30,9 +30,7 @@ def state(rng: np.random.Generator, speed: float = 0.0) -> JointState:
 
 
 def over(start: JointState, goal: JointState, hop: Hop, duration: float | None = None) -> Arched | TimingRefusal:
-    ways = vertical(start, goal, hop.top, LIFT, RATES)
-    assert not isinstance(ways, TimingRefusal)
-    return arch(start, goal, hop, LIFT, RATES, ways, duration)
+    return arch(start, goal, hop, LIFT, RATES, duration)
 
 
 def made(start: JointState, goal: JointState, hop: Hop, duration: float | None = None) -> Arched:

@@ -1,0 +1,197 @@
+"""Bounds over arbitrary intervals: never below dense samples of the truth, and tight."""
+
+from __future__ import annotations
+
+import gc
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from planner import sweep as sweeps
+from planner.errors import FaultError
+from planner.sweep import sweep
+from planner.timing import Profile, time_joints, to_trajectory
+from planner.trajectory import Trajectory
+from tests.planner.timing.legs import question
+from tests.planner.trajectory.splines import splines
+
+Floats = NDArray[np.float64]
+SCARA = np.array([[1.0, 0, 0, 0], [1, 1, 0, 0], [0, 0, 1, 0], [1, 1, 0, 1]])
+
+
+def rates(n: int) -> Floats:
+    """Every joint, sums of neighbours, and a difference that cancels."""
+    difference = np.zeros((1, n))
+    difference[0, :2] = [1.0, -1.0][:n]
+    return np.concatenate([np.eye(n), np.tril(np.ones((n, n))), difference])
+
+
+def intervals(path: Trajectory, rng: np.random.Generator, size: int) -> tuple[Floats, Floats]:
+    """Inside pieces, across them, on knots, points, and all of it."""
+    t0 = rng.uniform(path.start, path.end, size)
+    t1 = np.minimum(t0 + rng.exponential(path.duration * 10.0 ** -rng.integers(0, 4, size)), path.end)
+    knots = rng.choice(path.time, (2, size // 4))
+    t0[: size // 4], t1[: size // 4] = knots.min(0), knots.max(0)
+    t0[-1], t1[-1] = path.start, path.end
+    t1[-2] = t0[-2]
+    return t0, t1
+
+
+def joint_legs(seed: int) -> Trajectory:
+    """Three legs of a robot of four joints in one go: fast, and with long cruises."""
+    rng = np.random.default_rng(seed)
+    whole: Trajectory | None = None
+    for manner in ("moving", "rest", "moving"):
+        asked = question(rng, "real", manner, least=0.1)
+        profile = time_joints(asked.q0, 0 * asked.q0, 0 * asked.q0, *asked.args[3:])
+        assert isinstance(profile, Profile)
+        if whole is None:
+            whole = to_trajectory(profile, 0.5)
+            continue
+        back = time_joints(whole.q[-1], whole.qd[-1], whole.qdd[-1], *asked.goal, *_wide(asked.limits, whole))
+        assert isinstance(back, Profile)
+        whole = whole.join(to_trajectory(back, whole.end))
+    assert whole is not None
+    return whole
+
+
+def _wide(limits: tuple[Floats, Floats, Floats], path: Trajectory) -> tuple[Floats, Floats, Floats]:
+    return np.maximum(limits[0], 1.1 * np.abs(path.qd[-1])), limits[1], limits[2]
+
+
+def truth(path: Trajectory, a: float, b: float, c: Floats) -> list[Floats]:
+    """Largest |C q̇|, |C q̈|, and the range of q, over dense samples and knots of one interval."""
+    t = np.concatenate([np.linspace(a, b, 300), path.time[(path.time >= a) & (path.time <= b)]])
+    q, qd, qdd = (path.evaluate(t, d) for d in range(3))
+    return [np.abs(qd @ c.T).max(0), np.abs(qdd @ c.T).max(0), q.min(0), q.max(0)]
+
+
+@given(splines, st.integers(0, 1000))
+def test_no_bound_is_below_the_truth(path: Trajectory, seed: int) -> None:
+    c = rates(path.n)
+    t0, t1 = intervals(path, np.random.default_rng(seed), 24)
+    found = sweep(path, t0, t1, c)
+    for k in range(len(t0)):
+        rate, rate_d, low, high = truth(path, float(t0[k]), float(t1[k]), c)
+        assert (found.rate[k] >= rate).all()
+        assert (found.rate_d[k] >= rate_d).all()
+        assert (found.lower[k] <= low).all()
+        assert (found.upper[k] >= high).all()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_bounds_are_tight_on_joint_legs(seed: int) -> None:
+    path = joint_legs(seed)
+    rng = np.random.default_rng(seed)
+    for length, share in ((1e-3, 1.001), (5e-3, 1.02), (0.05, 1.15)):
+        t0 = rng.uniform(path.start, path.end - length, 60)
+        t1 = t0 + length
+        found = sweep(path, t0, t1, SCARA)
+        wanted = [truth(path, float(a), float(b), SCARA) for a, b in zip(t0, t1, strict=True)]
+        top = [np.stack([row[k] for row in wanted]) for k in range(4)]
+        scale = np.abs(path.qd @ SCARA.T).max(0), np.abs(path.qdd @ SCARA.T).max(0)
+        assert (found.rate <= top[0] * share + (share - 1) * scale[0]).all()
+        # The acceleration is piecewise linear: its bound is the truth.
+        assert (found.rate_d <= top[1] + 1e-2 * scale[1]).all()
+        room = length**2 * np.abs(path.qdd).max(0) / 8 * 1.1 + 1e-9
+        assert (found.upper <= top[3] + room).all()
+        assert (found.lower >= top[2] - room).all()
+
+
+def test_a_point_in_time_is_bounded_by_its_values() -> None:
+    path = joint_legs(1)
+    t = np.linspace(path.start, path.end, 50)
+    found = sweep(path, t, t, SCARA)
+    assert found.rate == pytest.approx(np.abs(path.evaluate(t, 1) @ SCARA.T), rel=1e-10, abs=1e-9)
+    assert found.rate_d == pytest.approx(np.abs(path.evaluate(t, 2) @ SCARA.T), rel=1e-10, abs=1e-8)
+    assert found.lower == pytest.approx(path.evaluate(t), abs=1e-11)
+    assert found.upper == pytest.approx(path.evaluate(t), abs=1e-11)
+
+
+def test_many_intervals_at_once_are_each_by_itself() -> None:
+    path = joint_legs(2)
+    t0, t1 = intervals(path, np.random.default_rng(0), 200)
+    whole = sweep(path, t0, t1, SCARA)
+    for k in range(0, 200, 7):
+        alone = sweep(path, t0[k : k + 1], t1[k : k + 1], SCARA)
+        for name in ("lower", "upper", "rate", "rate_d"):
+            # Sums in another order round differently.
+            assert getattr(whole, name)[k] == pytest.approx(getattr(alone, name)[0], rel=1e-13, abs=1e-13)
+    none = sweep(path, t0[:0], t1[:0], SCARA)
+    assert none.rate.shape == (0, 4)
+    assert none.lower.shape == (0, 4)
+
+
+def at_rest_at_both_ends() -> Trajectory:
+    asked = question(np.random.default_rng(5), "real", "rest", least=0.1)
+    profile = time_joints(*asked.args)
+    assert isinstance(profile, Profile)
+    return to_trajectory(profile, 1.0)
+
+
+def test_an_arm_at_rest_stands_still_before_and_after() -> None:
+    path = at_rest_at_both_ends()
+    before, after = np.array([-np.inf, path.start - 1]), np.array([path.end + 1, np.inf])
+    still = sweep(path, np.array([-np.inf, path.end + 0.5]), np.array([path.start - 0.5, np.inf]), SCARA)
+    assert (still.rate <= 1e-9).all()
+    assert (still.rate_d <= 1e-7).all()
+    for k, q in ((0, path.q[0]), (1, path.q[-1])):
+        assert still.lower[k] == pytest.approx(q, abs=1e-11)
+        assert still.upper[k] == pytest.approx(q, abs=1e-11)
+    around, inside = (
+        sweep(path, a, b, SCARA) for a, b in ((before, after), (np.full(2, path.start), np.full(2, path.end)))
+    )
+    for name in ("lower", "upper", "rate", "rate_d"):
+        assert np.array_equal(getattr(around, name), getattr(inside, name))
+
+
+@pytest.mark.parametrize("end", [0, -1])
+@pytest.mark.parametrize("what", ["qd", "qdd"])
+def test_an_arm_in_motion_at_an_end_is_not_known_beyond_it(end: int, what: str) -> None:
+    path = at_rest_at_both_ends()
+    states = {name: getattr(path, name).copy() for name in ("q", "qd", "qdd")}
+    states[what][end, 2] = 1e-12
+    path = Trajectory(path.time, **states)
+    edge = path.start if end == 0 else path.end
+    t0, t1 = np.array([edge - 0.1, edge, edge, edge - 0.1]), np.array([edge, edge, edge + 0.1, edge + 0.1])
+    found = sweep(path, t0, t1, SCARA)
+    known = [False, True, True, False] if end == 0 else [True, True, False, False]
+    for name in ("lower", "upper", "rate", "rate_d"):
+        assert np.isfinite(getattr(found, name)).all(1).tolist() == known
+    for k in np.flatnonzero(~np.array(known)):
+        assert (found.rate[k] == np.inf).all()
+        assert (found.rate_d[k] == np.inf).all()
+        assert (found.lower[k] == -np.inf).all()
+        assert (found.upper[k] == np.inf).all()
+
+
+@pytest.mark.parametrize(("t0", "t1"), [(1.2, 1.1), (np.nan, 1.1), (1.1, np.nan), (np.inf, -np.inf)])
+def test_an_interval_that_is_none_is_a_fault(t0: float, t1: float) -> None:
+    path = at_rest_at_both_ends()
+    with pytest.raises(FaultError, match="interval"):
+        sweep(path, np.array([1.1, t0]), np.array([1.2, t1]), SCARA)
+
+
+def test_shapes_that_do_not_fit_are_a_fault() -> None:
+    path, t = at_rest_at_both_ends(), np.array([1.1])
+    for t0, t1, c in ((t, np.array([1.2, 1.3]), SCARA), (t[None], t[None], SCARA), (t, t, SCARA[:, :3]), (t, t, t)):
+        with pytest.raises(FaultError):
+            sweep(path, t0, t1, c)
+
+
+def test_tables_are_those_of_the_rates_asked_for_and_go_with_their_trajectory() -> None:
+    path = at_rest_at_both_ends()
+    t0, t1 = np.array([path.start]), np.array([path.end])
+    for c in (SCARA, np.eye(4), 2 * SCARA, SCARA):
+        assert sweep(path, t0, t1, c).rate[0] == pytest.approx(truth(path, path.start, path.end, c)[0], rel=0.1)
+    known = len(sweeps._known)
+    changed = SCARA.copy()
+    before = sweep(path, t0, t1, changed).rate
+    changed *= 3
+    assert sweep(path, t0, t1, changed).rate == pytest.approx(3 * before, rel=1e-9)
+    del path
+    gc.collect()
+    assert len(sweeps._known) < known
