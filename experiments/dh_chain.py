@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from experiments import printed_dh as printed
-from experiments.experiment import Result
-from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
+from experiments.experiment import Drawing, Result
+from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED, Drawing
 from planner.arrays import FloatArray
 from planner.robots.planar import principal
 from planner.robots.protocol import Limits
 from planner.robots.scara import Scara
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-    from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 A1, A2, D4 = 0.325, 0.225, 0.06
 """m. The source has no numbers; these are a usual size."""
@@ -81,18 +77,18 @@ def run() -> Result:
         "printed_theta4_error_minus_theta1_plus_theta2_rad": float(np.abs(theta4 - dropped).max()),
     }
     paragraph = (
-        f"The source multiplies four matrices to a closed T₀⁴ and inverts it geometrically. Over {STATES:,} random joint "
-        f"vectors the product of the four factors of 4.1.5, with Rot_z mended, is the closed matrix to "
-        f"{numbers['product_minus_printed_matrix']:.0e} in every entry, and the planner's arm stands in the same place "
-        f"to {1e15 * ours.max():.0f} fm with θ4 of the opposite sign, for this tool frame "
-        f"looks down. The joint angles come back to {numbers['round_trip_angle_where_margin_above_0.05_rad']:.0e} rad "
-        f"where |sin θ2| > 0.05; nearer to a singular position the error grows as 1/|sin θ2|, which is what rounding of the "
-        f"matrix does, while the matrix itself is met to {numbers['round_trip_matrix']:.0e}. As printed, Rot_z has a "
+        f"The source multiplies four matrices to a closed T₀⁴ and inverts it geometrically. Over {STATES:,} random "
+        f"joint vectors the product of the four factors of 4.1.5, with Rot_z mended, is the closed matrix to "
+        f"{numbers['product_minus_printed_matrix']:.0e} in every entry, and the planner's arm stands in the same "
+        f"place to {1e15 * ours.max():.0f} fm with θ4 of the opposite sign, for this tool frame looks down. The "
+        f"joint angles come back to {numbers['round_trip_angle_where_margin_above_0.05_rad']:.0e} rad where |sin θ2| "
+        f"> 0.05; nearer to a singular position the error grows as 1/|sin θ2|, which is what rounding of the matrix "
+        f"does, while the matrix itself is met to {numbers['round_trip_matrix']:.0e}. As printed, Rot_z has a "
         f"determinant between {rotation.min():.2f} and {rotation.max():.2f} instead of 1, and θ4 is wrong by exactly "
         f"θ1 + θ2 (median {np.degrees(numbers['printed_theta4_error_median_rad']):.0f}°)."
     )
 
-    def draw(figure: Figure) -> None:
+    def draw(figure: Drawing) -> None:
         left, right = figure.subfigures(1, 2, width_ratios=(1.1, 1))
         chain(left.add_subplot(projection="3d"))
         sorted_, trips = right.subplots(2, 1)
@@ -122,7 +118,7 @@ def run() -> Result:
     return Result(numbers, paragraph, (7.2, 4.2), draw)
 
 
-def chain(axes: Axes3D) -> None:
+def chain(axes: Drawing) -> None:
     """The arm at SHOWN with the frames 0 to 4: x red, y green, z blue."""
     made = [np.eye(4), *printed.frames(SHOWN, A1, A2, D4)]
     origins = np.array([1e3 * frame[:3, 3] for frame in made])
@@ -131,7 +127,8 @@ def chain(axes: Axes3D) -> None:
         for axis, colour in enumerate((RED, GREEN, BLUE)):
             ends = np.stack([origin, origin + (90 if i < 3 else 50) * frame[:3, axis]], -1)
             axes.plot(*ends, color=colour, lw=1.4, label="xyz"[axis] if i == 0 else None)
-        axes.text(*(origin + (-35, -35, 12)), str(i), color=INK, fontsize=8, fontweight="bold")
+        x, y, z = origin
+        axes.text(x - 35, y - 35, z + 12, str(i), color=INK, fontsize=8, fontweight="bold")
     axes.set_xlim(-50, 450)
     axes.set_ylim(-50, 450)
     axes.set_zlim(-300, 100)

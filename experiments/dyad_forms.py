@@ -118,11 +118,6 @@ def relative(given: Given[N], l1: float, l2: float, sigma: int, f: Functions[N])
     )
 
 
-def newton(given: Given[float], l1: float, l2: float, guess: tuple[float, float], f: Functions[float]) -> int:
-    """Steps that Newton needs from this guess of C; 0 if it does not arrive."""
-    return _newton(given, l1, l2, guess, f)[2]
-
-
 def natural(
     given: Given[float], l1: float, l2: float, guess: tuple[float, float], f: Functions[float]
 ) -> Found[float] | None:
@@ -192,31 +187,33 @@ def natural_batch(
 
 
 def printed_single(given: Given[float], l1: float, l2: float, sigma: int) -> Found[float]:
-    """Figures 2 and 3 and equations 1 to 10 of 000 for plain floats, as mended in `printed_rrr`."""
+    """Figures 2 and 3 and equations 1 to 10 of 000 for plain floats, mended as in `printed_rrr`."""
     ax, ay, axd, ayd, axdd, aydd, bx, by, bxd, byd, bxdd, bydd = given
     x, y, xd, yd, xdd, ydd = bx - ax, by - ay, bxd - axd, byd - ayd, bxdd - axdd, bydd - aydd
     if x == 0:
-        theta, theta_d, theta_dd = math.copysign(math.pi / 2, y), -xd / y, (2 * xd * yd - xdd * y) / y**2
+        theta, theta_d, theta_dd = math.copysign(math.pi / 2, y), -xd / y, (2 * xd * yd - xdd * y) / (y * y)
     else:
-        theta = math.atan(y / x)
+        slope = y / x
+        theta = math.atan(slope)
         if x < 0:
             theta += math.pi if y >= 0 else -math.pi
-        theta_d = 1 / (1 + (y / x) ** 2) * (yd * x - y * xd) / x**2
-        square = x**2 + y**2
-        theta_dd = ((ydd * x - y * xdd) * square - (yd * x - y * xd) * 2 * (x * xd + y * yd)) / square**2
-    l = math.sqrt(x**2 + y**2)  # noqa: E741 - the source's letter
+        theta_d = 1 / (1 + slope * slope) * (yd * x - y * xd) / (x * x)
+        square = x * x + y * y
+        theta_dd = ((ydd * x - y * xdd) * square - (yd * x - y * xd) * 2 * (x * xd + y * yd)) / (square * square)
+    l = math.sqrt(x * x + y * y)  # noqa: E741 - the source's letter
     l_d = (x * xd + y * yd) / l
-    l_dd = ((xd**2 + x * xdd + yd**2 + y * ydd) * l - (x * xd + y * yd) * l_d) / l**2
-    a, a_d, a_dd = l1**2 + l**2 - l2**2, 2 * l * l_d, 2 * (l_d**2 + l * l_dd)  # (4)
+    l_dd = ((xd * xd + x * xdd + yd * yd + y * ydd) * l - (x * xd + y * yd) * l_d) / (l * l)
+    a, a_d, a_dd = l1 * l1 + l * l - l2 * l2, 2 * l * l_d, 2 * (l_d * l_d + l * l_dd)  # (4)
     b, b_d, b_dd = 2 * l1 * l, 2 * l1 * l_d, 2 * l1 * l_dd  # (5)
     ratio = a / b
     beta = math.acos(ratio)  # (1)
-    root, quotient = math.sqrt(1 - ratio**2), (a_d * b - a * b_d) / b**2
+    below, square = 1 - ratio * ratio, b * b
+    root, quotient = math.sqrt(below), (a_d * b - a * b_d) / square
     beta_d = -1 / root * quotient  # (2)
-    quotient_d = ((a_dd * b - a * b_dd) * b**2 - 2 * (a_d * b - a * b_d) * b * b_d) / b**4
-    beta_dd = -1 / root * (1 / (1 - ratio**2) * ratio * quotient**2 + quotient_d)  # (3)
+    quotient_d = ((a_dd * b - a * b_dd) * square - 2 * (a_d * b - a * b_d) * b * b_d) / (square * square)
+    beta_dd = -1 / root * (1 / below * ratio * (quotient * quotient) + quotient_d)  # (3)
     phi, phi_d, phi_dd = theta + sigma * beta, theta_d + sigma * beta_d, theta_dd + sigma * beta_dd  # (9), (10)
-    cos, sin = math.cos(phi), math.sin(phi)
+    cos, sin, rate = math.cos(phi), math.sin(phi), phi_d * phi_d
     return (
         phi,
         phi_d,
@@ -225,6 +222,6 @@ def printed_single(given: Given[float], l1: float, l2: float, sigma: int) -> Fou
         ay + l1 * sin,
         axd - l1 * sin * phi_d,  # (7)
         ayd + l1 * cos * phi_d,
-        axdd - l1 * (cos * phi_d**2 + sin * phi_dd),  # (8)
-        aydd + l1 * (-sin * phi_d**2 + cos * phi_dd),
+        axdd - l1 * (cos * rate + sin * phi_dd),  # (8)
+        aydd + l1 * (-sin * rate + cos * phi_dd),
     )

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+Drawing = Any
+"""A figure, or axes, of matplotlib, whose own types differ from release to release."""
 
 
 @dataclass(frozen=True)
@@ -21,4 +21,4 @@ class Result:
     numbers: dict[str, Any]
     paragraph: str
     size: tuple[float, float]
-    draw: Callable[[Figure], None]
+    draw: Callable[[Drawing], None]

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from experiments.experiment import Drawing
 from planner.errors import InputError
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY, INK, GREY = (
     "#0072b2",
@@ -58,7 +55,7 @@ STYLE: dict[str, Any] = {
 }
 
 
-def write(draw: Callable[[Figure], None], size: tuple[float, float], stem: Path) -> list[Path]:
+def write(draw: Callable[[Drawing], None], size: tuple[float, float], stem: Path) -> list[Path]:
     """Draw on a new figure of `size` inches and write it as `stem`.png and `stem`.svg; the paths.
 
     The same figure gives the same bytes: no date is written. Raises `InputError` where matplotlib is not installed.
@@ -69,7 +66,10 @@ def write(draw: Callable[[Figure], None], size: tuple[float, float], stem: Path)
         from matplotlib.figure import Figure
     except ModuleNotFoundError as error:
         raise InputError("reproduce", "no matplotlib", "an installation with the extra `plot`") from error
-    with mpl.rc_context({**mpl.rcParamsDefault, **STYLE}):
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        parameters: Any = mpl.rcParams
+        parameters.update(STYLE)
         figure = Figure(figsize=size)
         FigureCanvasAgg(figure)
         draw(figure)
@@ -79,7 +79,7 @@ def write(draw: Callable[[Figure], None], size: tuple[float, float], stem: Path)
     return paths
 
 
-def plan_view(axes: Axes) -> None:
+def plan_view(axes: Drawing) -> None:
     """Axes of a plane of the workspace in mm: equal scales."""
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x [mm]")

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from itertools import pairwise
 
 import numpy as np
 
-from experiments.experiment import Result
-from experiments.figures import BLUE, GREY, INK, ORANGE, plan_view
+from experiments.experiment import Drawing, Result
+from experiments.figures import BLUE, GREY, INK, ORANGE, Drawing, plan_view
 from experiments.printed_joint_move import ParabolicBlend, inverse
 from planner.arrays import FloatArray
 from planner.errors import FaultError
 from planner.timing import Profile, TimingRefusal, time_joints
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 A = 0.2
 """a1 = a2, m."""
@@ -44,7 +41,7 @@ def by_ruckig(through: FloatArray, move: ParabolicBlend) -> list[Profile]:
     velocity = np.abs(move.velocities).max(0)
     acceleration = np.abs(np.diff(move.velocities, axis=0)[[0, -1]]).max(0) / (2 * move.tau)
     still, found = np.zeros(through.shape[1]), []
-    for q0, q1 in zip(through[:-1], through[1:], strict=True):
+    for q0, q1 in pairwise(through):
         profile = time_joints(
             q0, still, still, q1, still, still, velocity, acceleration, acceleration / JERK_RAMP_S, duration=None
         )
@@ -98,19 +95,19 @@ def run() -> Result:
     }
     paragraph = (
         f"The source reports joint values (0°, 90°, −100 mm, −90°) and (90°, −90°, −200 mm, 0°), a move of 1 s, "
-        f"equal curves of θ̇1 and θ̇4, a middle pose that is not reached, and a straight path out to x = y = 282.8 mm. "
-        f"Measured: the same joint values, {move.duration:.3f} s with τ = 100 ms and segments of 400 ms, "
-        f"max |θ̇1 − θ̇4| = {numbers['theta1_rate_minus_theta4_rate_rad_s']:.0e} rad/s, and "
-        f"x = y = {numbers['farthest_x_mm']:.2f} mm, on the diagonal to {numbers['off_the_diagonal_mm']:.0e} mm: the "
-        f"arm is stretched there, for it changes from right to left. POSE2 is missed by {missed[0]:.2f}°, "
-        f"{missed[1]:.2f}°, {missed[2]:.2f} mm and {missed[3]:.2f}°, as τ(v2 − v1)/4 says; in the plane the tool turns "
-        f"back {np.hypot(*(point - 200)):.1f} mm before it. The acceleration jumps, so the jerk is unbounded. Ruckig, "
+        f"equal curves of θ̇1 and θ̇4, a middle pose that is not reached, and a straight path out to x = y = 282.8 "
+        f"mm. Measured: the same joint values, {move.duration:.3f} s with τ = 100 ms and segments of 400 ms, max "
+        f"|θ̇1 − θ̇4| = {numbers['theta1_rate_minus_theta4_rate_rad_s']:.0e} rad/s, and x = y = "
+        f"{numbers['farthest_x_mm']:.2f} mm, on the diagonal to {numbers['off_the_diagonal_mm']:.0e} mm: the arm is "
+        f"stretched there, for it changes from right to left. POSE2 is missed by {missed[0]:.2f}°, {missed[1]:.2f}°, "
+        f"{missed[2]:.2f} mm and {missed[3]:.2f}°, as τ(v2 − v1)/4 says; in the plane the tool turns back "
+        f"{np.hypot(*(point - 200)):.1f} mm before it. The acceleration jumps, so the jerk is unbounded. Ruckig, "
         f"with the same speeds and accelerations as limits and each acceleration built up in 20 ms, meets POSE2 "
         f"exactly, stops there, and takes {numbers['ruckig_duration_s']:.2f} s. The source prints no formulas of its "
         f"zones: these are one reading, chosen because it gives the total time."
     )
 
-    def draw(figure: Figure) -> None:
+    def draw(figure: Drawing) -> None:
         top, bottom = figure.subfigures(2, 1, height_ratios=(1.25, 1))
         axes = top.subplots(2, 4, sharex=True)
         names = (r"\theta_1", r"\theta_2", "d_3", r"\theta_4")
@@ -119,7 +116,14 @@ def run() -> Result:
             for row, ours, other in ((0, q, ruckig_q), (1, qd, ruckig_qd)):
                 axes[row, i].plot(ruckig_t, other[:, i] * units[i], color=ORANGE, ls="--", label="Ruckig, jerk-limited")
                 axes[row, i].plot(t, ours[:, i] * units[i], color=BLUE, label="parabolic blends (004)")
-            axes[0, i].plot(move.passed, through[:, i] * units[i], "o", mfc="w", color=INK, label="POSE1, POSE2, POSE1 at their times")
+            axes[0, i].plot(
+                move.passed,
+                through[:, i] * units[i],
+                "o",
+                mfc="w",
+                color=INK,
+                label="POSE1, POSE2, POSE1 at their times",
+            )
             axes[0, i].set_title(f"({'abcd'[i]})")
             axes[0, i].set_ylabel(f"${name}$ [{unit}]")
             axes[1, i].set_ylabel(rf"$\dot{{{name.partition('_')[0]}}}_{name[-1]}$ [{unit}/s]")

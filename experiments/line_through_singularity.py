@@ -14,33 +14,23 @@ singular circle: there the speeds stay bounded, and the acceleration of θ2 grow
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from experiments.experiment import Result
-from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, plan_view
+from experiments.experiment import Drawing, Result
+from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, Drawing, plan_view
+from experiments.line_requests import FASTEST_DEG_S, HALF, LINK, SPEED, decision
 from planner.arrays import FloatArray
 from planner.frames.motion import Motion
-from planner.outcome import Outcome, Planned, Reason
-from planner.pipeline import plan
+from planner.outcome import Reason
 from planner.robots.protocol import Limits
 from planner.robots.scara import Scara
-from scenes.requests import scene_of
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-LINK = 0.2
-"""l1 = l2 of the arm of 004, m."""
 UNEQUAL = (0.225, 0.175)
 """An arm as long, with a hole of 50 mm, m."""
-SPEED, HALF = 0.25, 0.2
-"""Of the tool, m/s, and half of the line's length, m."""
 DISTANCES_MM = (200, 100, 50, 20, 8, 4, 2, 1)
 SHOWN_MM = (100, 50, 20, 8)
-FASTEST_DEG_S = 300
-"""Limit of θ1 and θ2 in the catalogue's entry of this arm."""
 MODE = 1
 """Working mode `right`."""
 
@@ -70,63 +60,6 @@ def along(l1: float, l2: float, y: float) -> Line:
     arm = Scara("line", l1, l2, 3, Limits(-wide, wide, wide, wide, wide))
     found = arm.inverse(Motion(p, v, still, still, none, none, none, none), MODE, 2)
     return Line(t, found.q[:, :2], found.qd[:, :2], found.qdd[:, :2], found.margin)
-
-
-def request(h_mm: float, kind: str) -> dict[str, Any]:
-    """The line as a request: `constant speed` is a point on a belt that the tool follows, `any speed` a straight leg."""
-
-    def joint(name: str, turn_deg: float) -> dict[str, Any]:
-        rates = {"velocity_deg_s": FASTEST_DEG_S, "acceleration_deg_s2": 3000, "jerk_deg_s3": 150_000}
-        return {"name": name, "range_deg": [-turn_deg, turn_deg], **rates}
-
-    lift = {"velocity_mm_s": 1000, "acceleration_mm_s2": 10_000, "jerk_mm_s3": 500_000}
-    shaft = {"cylinder": {"radius_mm": 8, "height_mm": 100}}
-    scara = {
-        "l1_mm": 1e3 * LINK,
-        "l2_mm": 1e3 * LINK,
-        # No stops before the singular position: it is the margin that must refuse.
-        "joints": [joint("theta1", 720), joint("theta2", 180), {"name": "d3", "range_mm": [-250, -20], **lift}],
-        "bodies": [{"name": "shaft", "link": "quill", "shape": shaft, "at_mm": [0, 0, 50]}],
-        "self_pairs": [],
-    }
-    # A body far below: the request is about the arm alone.
-    floor = {"name": "floor", "shape": {"box": {"size_mm": [1000, 1000, 20]}}, "pose": {"at_mm": [0, 0, -800]}}
-    document: dict[str, Any] = {
-        "schema": "assur/1",
-        "robot": {"scara": scara, "tool": {"tcp_mm": [0, 0, 0]}},
-        "start": {"joints": {"theta1_deg": 150, "theta2_deg": 80, "d3_mm": -100}},
-        "bodies": [floor],
-        "options": {"max_candidates": 30, "budget_s": 20, "stop": "first", "elbow": "right", "seed": 1},
-    }
-    begin, end = [-1e3 * HALF, h_mm, -100], [1e3 * HALF, h_mm, -100]
-    if kind == "any speed":
-        document["task"] = [{"move": {"to": {"at_mm": begin}}}, {"move": {"to": {"at_mm": end}, "leg": "cartesian"}}]
-        return document
-    took = 2 * HALF / SPEED
-    document["frames"] = {"belt": {"conveyor": {"at_mm": begin, "speed_mm_s": 1e3 * SPEED, "at_s": 2}}}
-    glued = {"to": {"frame": "belt", "at_mm": [0, 0, 0], "yaw_free": True}, "duration_s": took}
-    document["task"] = [{"follow": {**glued, "window_s": [2, 2 + took + 1e-3]}}]
-    return document
-
-
-def decision(h_mm: float, kind: str) -> dict[str, Any]:
-    """What the planner answers to the line at this distance."""
-    scene = scene_of(request(h_mm, kind))
-    outcome: Outcome = plan(scene)
-    if isinstance(outcome, Planned):
-        leg = outcome.plan.legs[1]
-        rates = outcome.plan.trajectory.evaluate(np.linspace(leg.t0, leg.t1, 4001), 1)[:, :2]
-        return {
-            "answer": "planned",
-            "leg_s": leg.t1 - leg.t0,
-            "margin": outcome.margins.singularity,
-            "peak_deg_s": float(np.degrees(np.abs(rates).max())),
-        }
-    refused: dict[str, Any] = {"answer": str(outcome.reason), "sentence": outcome.sentence}
-    if outcome.reason == Reason.NEAR_SINGULARITY and outcome.refusal is not None:
-        refused["margin"] = scene.options.singularity_margin - outcome.refusal.amount
-        refused["margin_asked"] = scene.options.singularity_margin
-    return refused
 
 
 def slope(x: FloatArray, y: FloatArray) -> float:
@@ -175,23 +108,24 @@ def told(numbers: dict[str, Any], peak: dict[str, FloatArray], answers: dict[str
         said[kind] = "; ".join(f"{answer} at {', '.join(mm)} mm" for answer, mm in parts.items())
     margins = [row["margin"] for row in answers["constant speed"] if row["answer"] == Reason.NEAR_SINGULARITY]
     return (
-        f"The source says that near a singular position a constant speed of the tool asks for joint speeds that no drive "
-        f"reaches, and shows one figure of a SCARA without numbers. Measured, {1e3 * SPEED:.0f} mm/s along a line past "
-        f"the base axis of an arm with equal links: the base must turn at {np.degrees(peak['theta1'][0]):.0f}°/s at a "
-        f"distance of {DISTANCES_MM[0]} mm and at {np.degrees(peak['theta1'][-1]):,.0f}°/s at {DISTANCES_MM[-1]} mm, as "
-        f"v/h says; its acceleration grows as h^{numbers['exponents_below_10_mm']['theta1_acceleration']:.1f}. Not every "
-        f"singular position does this: past the hole of an arm with unequal links θ̇2 stays below "
-        f"{np.degrees(peak['hole_theta2'].max()):.0f}°/s, and its acceleration alone grows, as "
-        f"h^{numbers['exponents_below_10_mm']['hole_theta2_acceleration']:.1f}. The planner, asked for the same line at "
-        f"this constant speed (a point on a belt, to be followed): {said['constant speed']}. The refusals name the margin "
-        f"|sin θ2|, {margins[0]:.3f} to {margins[-1]:.3f}, where 0.05 is asked. Asked for the line at any speed (a "
-        f"straight leg): {said['any speed']}; it slows down, to {answers['any speed'][3]['leg_s']:.1f} s at "
-        f"{DISTANCES_MM[3]} mm, and keeps every joint within its {FASTEST_DEG_S}°/s."
+        f"The source says that near a singular position a constant speed of the tool asks for joint speeds that no "
+        f"drive reaches, and shows one figure of a SCARA without numbers. Measured, {1e3 * SPEED:.0f} mm/s along a "
+        f"line past the base axis of an arm with equal links: the base must turn at "
+        f"{np.degrees(peak['theta1'][0]):.0f}°/s at a distance of {DISTANCES_MM[0]} mm and at "
+        f"{np.degrees(peak['theta1'][-1]):,.0f}°/s at {DISTANCES_MM[-1]} mm, as v/h says; its acceleration grows as "
+        f"h^{numbers['exponents_below_10_mm']['theta1_acceleration']:.1f}. Not every singular position does this: "
+        f"past the hole of an arm with unequal links θ̇2 stays below {np.degrees(peak['hole_theta2'].max()):.0f}°/s, "
+        f"and its acceleration alone grows, as h^{numbers['exponents_below_10_mm']['hole_theta2_acceleration']:.1f}. "
+        f"The planner, asked for the same line at this constant speed (a point on a belt, to be followed): "
+        f"{said['constant speed']}. The refusals name the margin |sin θ2|, {margins[0]:.3f} to {margins[-1]:.3f}, "
+        f"where 0.05 is asked. Asked for the line at any speed (a straight leg): {said['any speed']}; it slows down, "
+        f"to {answers['any speed'][3]['leg_s']:.1f} s at {DISTANCES_MM[3]} mm, and keeps every joint within its "
+        f"{FASTEST_DEG_S}°/s."
     )
 
 
 def draw(
-    figure: Figure, lines: list[Line], peak: dict[str, FloatArray], answers: dict[str, list[dict[str, Any]]]
+    figure: Drawing, lines: list[Line], peak: dict[str, FloatArray], answers: dict[str, list[dict[str, Any]]]
 ) -> None:
     """Paths, θ̇1 along the lines, peaks against the distance, the planner's answers."""
     axes = figure.subplots(2, 2)
@@ -248,7 +182,9 @@ def draw(
         if "margin_asked" in row:
             note = f"{row['margin']:.3f}"
             answered.annotate(note, (x, 60), (0, 7), textcoords="offset points", ha="center", fontsize=7)
-    answered.annotate(r"margin $|\sin\theta_2|$, 0.05 asked:", (0.7, 60), (0, 18), textcoords="offset points", fontsize=7)
+    answered.annotate(
+        r"margin $|\sin\theta_2|$, 0.05 asked:", (0.7, 60), (0, 18), textcoords="offset points", fontsize=7
+    )
     answered.set_ylim(0, 560)
     answered.set_xlim(0.6, 250)
     answered.set_xlabel("distance h from the singular position [mm]")

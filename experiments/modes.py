@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from experiments import printed_dh, printed_joint_move, printed_rrr
-from experiments.experiment import Result
-from experiments.figures import BLUE, GREY, INK, ORANGE
+from experiments.experiment import Drawing, Result
+from experiments.figures import BLUE, GREY, INK, ORANGE, Drawing
 from planner.arrays import FloatArray
 from planner.frames.motion import Motion
 from planner.robots.planar import principal
 from planner.robots.protocol import Limits
 from planner.robots.scara import MODES, Scara
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 L1, L2 = 0.325, 0.225
 """m. A usual arm; 004's own, with links of 200 mm, is drawn beside it."""
@@ -77,14 +71,14 @@ def run() -> Result:
     }
     most = max(value for row in worst.values() for value in row.values())
     paragraph = (
-        f"Source 000 has two assembly modes (φ = θ ± β), 001 two signs of a root, 004 an index g = sign(sin θ2), and 000 "
-        f"counts θ2 against Denavit-Hartenberg. In one convention, `right` is θ2 > 0, mode 2, +√ and g = +1, `left` is "
-        f"θ2 < 0, mode 1, −√ and g = −1. Over {POINTS:,} points spread over the workspace, to 1 mm from its edges, each "
-        f"of the three printed solutions gives the planner's θ1 and θ2 in the mode of this table, to {most:.0e} rad; "
-        f"θ2 of the two modes differs in its sign only."
+        f"Source 000 has two assembly modes (φ = θ ± β), 001 two signs of a root, 004 an index g = sign(sin θ2), and "
+        f"000 counts θ2 against Denavit-Hartenberg. In one convention, `right` is θ2 > 0, mode 2, +√ and g = +1, "
+        f"`left` is θ2 < 0, mode 1, −√ and g = −1. Over {POINTS:,} points spread over the workspace, to 1 mm from "
+        f"its edges, each of the three printed solutions gives the planner's θ1 and θ2 in the mode of this table, to "
+        f"{most:.0e} rad; θ2 of the two modes differs in its sign only."
     )
 
-    def draw(figure: Figure) -> None:
+    def draw(figure: Drawing) -> None:
         left, right = figure.subplots(1, 2)
         dyad(left)
         arm_of_004(right)
@@ -94,7 +88,7 @@ def run() -> Result:
     return Result(numbers, paragraph, (7.2, 3.9), draw)
 
 
-def dyad(axes: Axes) -> None:
+def dyad(axes: Drawing) -> None:
     """Figure 1 of 000: both assemblies of a dyad on the same A and B."""
     d = np.array([0.36, 0.16, 0.0])
     theta = np.arctan2(d[1], d[0])
@@ -127,7 +121,7 @@ def dyad(axes: Axes) -> None:
     finished(axes, "(a) the two assemblies of the RRR dyad (000)", (-60, 460), (-160, 340))
 
 
-def arm_of_004(axes: Axes) -> None:
+def arm_of_004(axes: Drawing) -> None:
     """The pose of 004's move in its two configurations."""
     p = np.array([0.2, 0.2, 0.0])
     for mode, colour in (("left", ORANGE), ("right", BLUE)):
@@ -145,7 +139,7 @@ def arm_of_004(axes: Axes) -> None:
     finished(axes, "(b) the two solutions of 004's pose, and 001's root", (-110, 330), (-110, 310))
 
 
-def chains(axes: Axes, p: FloatArray, l1: float, l2: float, mode: str, colour: str) -> None:
+def chains(axes: Drawing, p: FloatArray, l1: float, l2: float, mode: str, colour: str) -> None:
     """The arm by the planner as a line, and its elbow by each source as a mark of its own."""
     marks = {"planner": ("", 0), "000": ("o", 11), "001": ("s", 7), "004": ("x", 5)}
     for name, q in formulations(p, l1, l2, mode).items():
@@ -159,7 +153,7 @@ def chains(axes: Axes, p: FloatArray, l1: float, l2: float, mode: str, colour: s
             axes.plot(*elbow, mark, ms=size, mfc="none", color=INK, mew=0.9, ls="", label=label)
 
 
-def finished(axes: Axes, title: str, x: tuple[float, float], y: tuple[float, float]) -> None:
+def finished(axes: Drawing, title: str, x: tuple[float, float], y: tuple[float, float]) -> None:
     axes.set_title(title)
     axes.set_aspect("equal")
     axes.set_xlim(*x)

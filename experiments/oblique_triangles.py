@@ -1,22 +1,18 @@
-"""Source 003: the half-angle formulas of two oblique triangles, mended, against the dyad in the arm's vertical plane."""
+"""Source 003: the half-angle formulas of two oblique triangles, mended, against the dyad in the vertical plane."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from experiments import printed_triangles as printed
-from experiments.experiment import Result
-from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
+from experiments.experiment import Drawing, Result
+from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED, Drawing
 from planner.arrays import FloatArray
 from planner.assur.codes import Code
 from planner.assur.rrr import LEFT, RRR
 from planner.robots.planar import principal
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 HEIGHT, LINK1, LINK2 = 0.300, 0.250, 0.160
 """m. The source gives no lengths; these are widely quoted for its RV-M1, without a maker's document."""
@@ -59,7 +55,7 @@ def run() -> Result:
     sides = (np.hypot(line, SWEPT_Z), height, np.hypot(line, SWEPT_Z - HEIGHT))
     right = printed.angle(*sides)
     in_m, in_mm = printed.printed_angle(*sides), printed.printed_angle(*(1e3 * side for side in sides))
-    numbers = {
+    numbers: dict[str, Any] = {
         "targets": TARGETS,
         "mended_minus_dyad_rad": float(error.max()),
         "mended_minus_dyad_where_margin_above_0.05_rad": float(error[(margin > 0.05) & ~flat].max()),
@@ -70,17 +66,19 @@ def run() -> Result:
         "printed_eq_1_in_mm_error_deg": spread(in_mm - right),
     }
     paragraph = (
-        f"The source solves the arm by two oblique triangles and names the law of tangents; what it prints are half-angle "
-        f"formulas with a slip: the product under the root is not divided, so that the angle depends on the unit of "
-        f"length. Mended, they give the joint angles of the planner's dyad (elbow up is its mode `left` in the vertical "
-        f"plane) to {numbers['mended_minus_dyad_where_margin_above_0.05_rad']:.0e} rad over {TARGETS:,} targets with "
-        f"|sin θ2| > 0.05, and nearer to singular positions to {numbers['mended_minus_dyad_times_margin_rad']:.0e} rad "
-        f"divided by |sin θ2|. Where the target is above or below the shoulder the lower triangle is flat and they lose "
-        f"up to two digits more, which the dyad, having no such triangle, does not. Equation 1 as printed is wrong "
-        f"by up to {numbers['printed_eq_1_in_m_error_deg'][1]:.0f}° with metres, and by up to {numbers['printed_eq_1_in_mm_error_deg'][1]:.0f}° with millimetres."
+        f"The source solves the arm by two oblique triangles and names the law of tangents; what it prints are "
+        f"half-angle formulas with a slip: the product under the root is not divided, so that the angle depends on "
+        f"the unit of length. Mended, they give the joint angles of the planner's dyad (elbow up is its mode `left` "
+        f"in the vertical plane) to {numbers['mended_minus_dyad_where_margin_above_0.05_rad']:.0e} rad over "
+        f"{TARGETS:,} targets with |sin θ2| > 0.05, and nearer to singular positions to "
+        f"{numbers['mended_minus_dyad_times_margin_rad']:.0e} rad divided by |sin θ2|. Where the target is above or "
+        f"below the shoulder the lower triangle is flat and they lose up to two digits more, which the dyad, having "
+        f"no such triangle, does not. Equation 1 as printed is wrong by up to "
+        f"{numbers['printed_eq_1_in_m_error_deg'][1]:.0f}° with metres, and by up to "
+        f"{numbers['printed_eq_1_in_mm_error_deg'][1]:.0f}° with millimetres."
     )
 
-    def draw(figure: Figure) -> None:
+    def draw(figure: Drawing) -> None:
         left, side = figure.subfigures(1, 2, width_ratios=(1, 1.05))
         triangles(left.subplots())
         swept, errors = side.subplots(2, 1)
@@ -111,7 +109,7 @@ def spread(error: FloatArray) -> list[float]:
     return [float(np.degrees(f(np.abs(error)))) for f in (np.min, np.max)]
 
 
-def triangles(axes: Axes) -> None:
+def triangles(axes: Drawing) -> None:
     """Figure 4 of the source at SHOWN, in the vertical plane, with the elbow as the dyad has it."""
     r, z = np.array(SHOWN[0]), np.array(SHOWN[1])
     first = float(by_dyad(r, z)[0][0])
@@ -126,7 +124,11 @@ def triangles(axes: Axes) -> None:
     upper = ((elbow, target, "a′", (5, 3)), (shoulder, elbow, "b′", (-14, 3)))
     for one, other, name, offset in (*sides, *upper):
         axes.annotate(name, 500 * (one + other), offset, textcoords="offset points", style="italic")
-    for corner, name, towards in ((shoulder, "$A_i$", (9, -22)), (shoulder, "$A_s$", (14, 16)), (elbow, "$D$", (-3, -20))):
+    for corner, name, towards in (
+        (shoulder, "$A_i$", (9, -22)),
+        (shoulder, "$A_s$", (14, 16)),
+        (elbow, "$D$", (-3, -20)),
+    ):
         axes.annotate(name, 1e3 * corner, towards, textcoords="offset points", color=RED)
     for corner, name, offset in (
         (origin, "origin", (8, -2)),

@@ -33,7 +33,7 @@ def inverse(p: Array, yaw: Array, a1: float, a2: float, g: int) -> Array:
     c1 = (along * p[..., 0] + across * p[..., 1]) / determinant  # (1.8)
     s1 = (along * p[..., 1] - across * p[..., 0]) / determinant
     theta1 = np.arctan2(s1, c1)  # (1.9)
-    return np.stack([theta1, theta2, p[..., 2], yaw - theta1 - theta2], -1)  # (1.3), (1.10)
+    return np.asarray(np.stack([theta1, theta2, p[..., 2], yaw - theta1 - theta2], -1), np.float64)  # (1.3), (1.10)
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class ParabolicBlend:
     @property
     def passed(self) -> Array:
         """Times (K,) of the poses."""
-        return self.tau + self.segment * np.arange(len(self.poses))
+        return np.asarray(self.tau + self.segment * np.arange(len(self.poses)), np.float64)
 
     @property
     def velocities(self) -> Array:
@@ -62,7 +62,7 @@ class ParabolicBlend:
     @property
     def missed_by(self) -> Array:
         """E3, for each pose (K, n); what it says of the first and last pose holds at their times, not at the ends."""
-        return self.tau * np.diff(self.velocities, axis=0) / 4
+        return np.asarray(self.tau * np.diff(self.velocities, axis=0) / 4)
 
     def evaluate(self, t: Array, derivative: int = 0) -> Array:
         """q, q̇ or q̈ (derivative 0, 1, 2) at times t (T,) in [0, duration], (T, n)."""
@@ -78,4 +78,4 @@ class ParabolicBlend:
         else:
             blend = (behind - before) / (2 * tau) + 0 * s
             straight = np.zeros_like(blend)
-        return np.where(np.abs(s) <= tau, blend, straight)
+        return np.asarray(np.where(np.abs(s) <= tau, blend, straight))

@@ -52,6 +52,6 @@ def _one(entry: Entry, folder: Path) -> Reproduced:
     document = {"experiment": entry.name, "source": entry.source, "numbers": result.numbers}
     numbers.write_text(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
     words = stem.with_name(f"{entry.name}.md")
-    text = f"## {entry.title}\n\nSource {entry.source}.\n\n{result.paragraph.strip()}\n\n![{entry.name}]({entry.name}.svg)\n"
-    words.write_text(text, encoding="utf-8")
+    parts = (f"## {entry.title}", f"Source {entry.source}.", result.paragraph, f"![{entry.name}]({entry.name}.svg)")
+    words.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
     return Reproduced(entry, result.paragraph, (*figures, numbers, words), time.perf_counter() - started)

@@ -7,13 +7,13 @@ spiral begins and to dwell on it for its 8 s.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from experiments import printed_rrr as printed
-from experiments.experiment import Result
-from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED, plan_view
+from experiments.experiment import Drawing, Result
+from experiments.figures import BLUE, GREY, INK, RED, Drawing, plan_view
 from planner.arrays import FloatArray
 from planner.assur.codes import Code
 from planner.errors import FaultError
@@ -22,9 +22,6 @@ from planner.outcome import LegKind, Planned
 from planner.pipeline import plan
 from planner.scene import Scene
 from scenes.requests import scene_of
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 LASTS_S, BEGINS_S = 8.0, 1.0
 """Length of the spiral, and when the planner's point begins it: the arm starts at 0 s, elsewhere and at rest."""
@@ -68,8 +65,8 @@ def inverse(scene: Scene, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatA
 
 
 def as_printed(joints: FloatArray) -> FloatArray:
-    """The source's θ1, θ2 = θ1 − θ_BC, l3 = −z (from the shoulder) of the planner's joints with derivatives (3, T, 3)."""
-    return joints * np.array([1.0, -1.0, -1.0])
+    """The source's θ1, θ2 = θ1 − θ_BC and l3 (down from the shoulder) of the planner's joints (3, T, 3)."""
+    return np.asarray(joints * np.array([1.0, -1.0, -1.0]))
 
 
 def run() -> Result:
@@ -122,18 +119,18 @@ def run() -> Result:
     found = numbers["plan"]
     paragraph = (
         f"The source drives a SCARA (150, 80, 50 mm) along a spiral for 8 s in one assembly mode, shows θ1 with two "
-        f"derivatives, and an indicator of singular configurations; it prints no values. Measured in assembly mode 2: θ1 "
-        f"from {numbers['range_theta1_deg'][0]:.1f}° to {numbers['range_theta1_deg'][1]:.1f}°, at most "
-        f"{numbers['peak_theta1_deg_s']:.1f}°/s; l3 from 100 mm to 20 mm; no singular configuration, |sin θ2| never below "
-        f"{numbers['margin_least']:.3f}. The printed equations, mended, agree with the planner's dyad to "
+        f"derivatives, and an indicator of singular configurations; it prints no values. Measured in assembly mode "
+        f"2: θ1 from {numbers['range_theta1_deg'][0]:.1f}° to {numbers['range_theta1_deg'][1]:.1f}°, at most "
+        f"{numbers['peak_theta1_deg_s']:.1f}°/s; l3 from 100 mm to 20 mm; no singular configuration, |sin θ2| never "
+        f"below {numbers['margin_least']:.3f}. The printed equations, mended, agree with the planner's dyad to "
         f"{max(numbers['printed_minus_planner_rad_m']):.0e} in every joint and derivative. As a control point on a "
-        f"turntable that turns 90°/s and climbs 10 mm/s, the spiral is an ordinary request: the arm starts elsewhere at "
-        f"rest, meets the point at {found['met_at_s']:.1f} s with its velocity, and dwells on it for 8 s; the proved plan "
-        f"leaves equation 16, at {len(t):,} times, by at most {found['tool_off_the_spiral_m']:.0e} m and "
+        f"turntable that turns 90°/s and climbs 10 mm/s, the spiral is an ordinary request: the arm starts elsewhere "
+        f"at rest, meets the point at {found['met_at_s']:.1f} s with its velocity, and dwells on it for 8 s; the "
+        f"proved plan leaves equation 16, at {len(t):,} times, by at most {found['tool_off_the_spiral_m']:.0e} m and "
         f"{found['velocity_off_the_spiral_m_s']:.0e} m/s."
     )
 
-    def draw(figure: Figure) -> None:
+    def draw(figure: Drawing) -> None:
         from matplotlib.lines import Line2D
 
         left, right = figure.subfigures(1, 2, width_ratios=(2.55, 1))
@@ -143,7 +140,7 @@ def run() -> Result:
         for k, (symbol, unit) in enumerate(rows):
             for i in range(3):
                 axes = curves[k, i]
-                axes.plot(t, ours[k, :, i] * scale[i], color=(BLUE, GREEN, ORANGE)[i], lw=2.4)
+                axes.plot(t, ours[k, :, i] * scale[i], color=BLUE, lw=2.4)
                 axes.plot(t, as_printed(planned)[k, :, i] * scale[i], color=INK, ls="--", lw=0.9)
                 name = f"{symbol}_{i + 1}" if i < 2 else dots[k] + "l_3"
                 axes.set_ylabel(f"${name}$ [{unit if i < 2 else unit.replace('°', 'mm')}]")
@@ -155,12 +152,16 @@ def run() -> Result:
         curves[1, 2].set_ylim(-13, 1)
         curves[2, 2].set_ylim(-1, 1)
         handles = [Line2D([], [], color=BLUE, lw=2.4), Line2D([], [], color=INK, ls="--", lw=0.9)]
-        left.legend(handles, ["equation 16", "plan that dwells on the moving point"], loc="outside upper center", ncols=2)
+        left.legend(
+            handles, ["equation 16", "plan that dwells on the moving point"], loc="outside upper center", ncols=2
+        )
         above, indicator = right.subplots(2, 1, height_ratios=(1.6, 1))
         q = joints[0, -1]
         elbow = 1e3 * printed.L_AB * np.array([np.cos(q[0]), np.sin(q[0])])
         above.plot(*(1e3 * p[:, :2].T), color=RED, lw=1.2, label="spiral")
-        above.plot(*np.stack([np.zeros(2), elbow, 1e3 * p[-1, :2]], -1), "o-", color=INK, lw=2.2, mfc="w", label="arm, 8 s")
+        above.plot(
+            *np.stack([np.zeros(2), elbow, 1e3 * p[-1, :2]], -1), "o-", color=INK, lw=2.2, mfc="w", label="arm, 8 s"
+        )
         around = np.linspace(-0.9, 0.9, 60)
         for radius in (printed.L_AB - printed.L_BC, printed.L_AB + printed.L_BC):
             arc = 1e3 * radius * np.array([np.cos(around), np.sin(around)])
@@ -176,7 +177,7 @@ def run() -> Result:
         indicator.set_xlabel("t [s]")
         indicator.set_ylabel("indicator [1]")
         indicator.legend(loc="center", bbox_to_anchor=(0.5, 0.33))
-        indicator.set_title("(e) singular positions: none")
+        indicator.set_title("(e) never singular")
 
     return Result(numbers, paragraph, (7.2, 5.2), draw)
 

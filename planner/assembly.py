@@ -7,13 +7,14 @@ import numpy as np
 from planner.chain import Chain, Draft, Sample
 from planner.frames.motion import Pose
 from planner.legs.control_point import ControlPoint
+from planner.legs.limits import rates
 from planner.legs.state import Knots, State, Stretch
 from planner.outcome import Arrival, Leg, LegKind, Reason, Refusal
 from planner.phases import Phase, held, phases
 from planner.scene import Pick, Place, Scene
 from planner.timing import TimingRefusal, time_joints
 from planner.tool_motion import RESERVE, carrying_peak
-from planner.trajectory import LIMIT_TOLERANCE, Trajectory
+from planner.trajectory import Trajectory
 
 
 def assembled(
@@ -45,7 +46,7 @@ def assembled(
     if unknown is not None:
         return unknown
     trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
-    beyond = _beyond(scene, chain.step, trajectory)
+    beyond = _beyond(scene, chain.step, knots)
     if beyond is not None:
         return beyond
     legs = tuple(Leg(s.kind, chain.step, float(s.knots.time[0]), float(s.knots.time[-1]), s.note) for s in stretches)
@@ -126,19 +127,15 @@ def laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
     return None
 
 
-def _beyond(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
-    """Whether a joint leaves its range on the way (moving ends overshoot)."""
-    low, high = trajectory.extrema(0)
-    limits = scene.robot.limits
-    slack = LIMIT_TOLERANCE * (limits.upper - limits.lower) / 2
-    if np.all(low >= limits.lower - slack) and np.all(high <= limits.upper + slack):
+def _beyond(scene: Scene, step: int, knots: Knots) -> Refusal | None:
+    """Whether a joint breaks a limit on the way: moving ends overshoot, and the spline as written is what counts."""
+    fast = rates(scene, "limits", step, knots)
+    if isinstance(fast, Refusal):
+        return fast
+    if fast.ok:
         return None
-    over = np.maximum(limits.lower - low, high - limits.upper)
-    joint = int(np.argmax(over))
-    what = scene.robot.joints[joint]
-    unit = "rad" if what.kind == "revolute" else "m"
-    detail = f"{what.name} leaves its range on the way"
-    return Refusal("limits", Reason.JOINT_LIMIT, step, (what.name,), None, float(over[joint]), unit, detail)
+    worst = max(fast.velocity, fast.acceleration, fast.jerk)
+    return Refusal("limits", Reason.MOTION_LIMIT, step, (), None, worst - 1, "1", "the spline breaks a limit")
 
 
 def _arrival(

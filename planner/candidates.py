@@ -54,6 +54,8 @@ class Sampler:
             found = self._arches()
             if found:
                 return found
+        if self._cartesian() and not self.chain.state.resting:
+            return []  # a straight leg from a moving frame has nothing to choose: it has been tried
         later = visit - 2
         size = SIZES[later] if 0 <= later < len(SIZES) else MOST_RANDOM
         return [self._random() for _ in range(size)]

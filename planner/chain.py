@@ -13,7 +13,7 @@ from planner.legs.joint import Reached, Shape
 from planner.legs.meeting import Branch, Meetings, meetings
 from planner.legs.state import Knots, State, Stretch
 from planner.outcome import Arrival, Leg, Refusal
-from planner.phases import Carried, Phase
+from planner.phases import Carried, Phase, initial_rides
 from planner.scene import Scene
 from planner.solids import standing
 from planner.trajectory import Trajectory
@@ -92,6 +92,7 @@ class Outline:
     sample: Sample
     reached: Reached
     phases: tuple[Phase, ...]
+    ahead: FloatArray | None = None
 
     @property
     def end(self) -> float:
@@ -100,3 +101,10 @@ class Outline:
     def at(self, t: FloatArray) -> FloatArray:
         """q (T, n) at times t."""
         return self.reached.at(t)
+
+
+def initial(scene: Scene) -> Chain:
+    """The chain of no steps."""
+    start = scene.start
+    mode = int(scene.robot.mode_of(start.q))
+    return Chain(0, State(start.time, start.q, start.qd, start.qdd), mode, None, initial_rides(scene))

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from planner.arrays import FloatArray
 from planner.assembly import assembled, laws_over
 from planner.chain import Chain, Draft, Outline, Sample
+from planner.errors import FaultError
 from planner.frames.motion import Motion, Pose
 from planner.legs.control_point import ControlPoint
 from planner.legs.glued import glue
@@ -36,7 +39,29 @@ def outline(
     start = initial_rides(scene)
     moved = tuple((name, *ride) for name, ride in sorted(chain.rides.items()) if ride != start[name])
     way = Phase(chain.state.time, reached.end, LegKind.MOVE, chain.step, chain.carried, moved, frozenset(), None, ())
-    return Outline(chain, meeting, sample, reached, (way,))
+    return Outline(chain, meeting, sample, reached, (way,), ahead)
+
+
+SLOWED = 4
+"""Times that a way which pulls too hard at the part is timed again."""
+SLOWER = 0.93
+"""... with this share of what would be just enough if accelerations scaled with the limits."""
+
+
+def carried_gently(scene: Scene, way: Outline) -> Draft | Refusal:
+    """`finished`, timed again, slower, where it pulls too hard at the part in the gripper."""
+    made, limit = finished(scene, way), scene.carry_acceleration
+    for _ in range(SLOWED):
+        if limit is None or not (isinstance(made, Refusal) and made.reason is Reason.CARRY_LIMIT):
+            break
+        share = SLOWER * limit / (limit + made.amount)
+        shape = replace(way.sample.shape, effort=share * way.sample.shape.effort)
+        sample = replace(way.sample, shape=shape, glue_effort=share * way.sample.glue_effort)
+        again = outline(scene, way.chain, way.meeting, sample, way.ahead)
+        if isinstance(again, Refusal):
+            return again
+        way, made = again, finished(scene, again)
+    return made
 
 
 def is_straight(scene: Scene, chain: Chain) -> bool:
@@ -68,6 +93,8 @@ def straight_draft(scene: Scene, chain: Chain, meeting: Meetings, sample: Sample
 def _continued(scene: Scene, chain: Chain, point: ControlPoint, sample: Sample, way: Stretch) -> Draft | Refusal:
     stretches = [way]
     if sample.shape.wait > 0:
+        if not chain.state.resting:
+            raise FaultError("an arm in motion cannot wait")
         waits = Knots.standing(chain.state, chain.state.time + sample.shape.wait)
         stretches.insert(0, Stretch(LegKind.WAIT, waits, "lets bodies pass"))
     begin = end = way.knots.last.time

@@ -22,12 +22,13 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
     rides, carried = initial_rides(scene), None
     total = min((_first(option) for option in first), default=0.0)
     before: list[FloatArray] = []
+    turned = False
     for number, step in enumerate(scene.task):
         offsets = yaw_offsets(scene, step)
         here: list[FloatArray] = []
         for offset in offsets or ():
             point = control_point(scene, number, rides, carried, offset)
-            if point.still:
+            if point.still and not (isinstance(step, Place) and turned):
                 here += _positions(scene, point)
             if offset == 0.0:
                 total += point.dwell
@@ -36,6 +37,8 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
             total += min(float(np.max(np.abs(a - b) / velocity)) for a in before for b in here)
         before = here
         if isinstance(step, Pick):
+            # in which of several turns the part is held is not known: nor where it is put down from
+            turned = len(offsets or ()) != 1
             carried = held(scene, step, (offsets or (0.0,))[0])
         if isinstance(step, Place):
             carried, rides = None, {**rides, step.part: (step.to.frame, step.to.pose)}

@@ -10,10 +10,7 @@ import time
 from dataclasses import dataclass
 
 from planner.census import Counter
-from planner.certificate import Prover, written
-from planner.chain import Chain
-from planner.checker import check
-from planner.errors import FaultError
+from planner.certificate import Prover
 from planner.explanation import leading, sentence
 from planner.feasibility import start_impossible
 from planner.lower_bound import lower_bound
@@ -23,7 +20,6 @@ from planner.phases import phases
 from planner.relaxation import relax, worth_trying
 from planner.scene import Scene
 from planner.search import Found, Search
-from planner.trajectory import Trajectory
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,8 +34,9 @@ class _Clock:
 def plan(scene: Scene, *, adaptive: bool = True) -> Outcome:
     """A jerk-limited trajectory through the scene's control points, proved free of collision, or why there is none.
 
-    `adaptive=False` samples without learning from what was refused (for experiments). Raises `FaultError` when the
-    checker refuses what the prover accepted: that is a defect of the planner, and no answer.
+    `adaptive=False` samples without learning from what was refused (for experiments). Every plan was accepted by the
+    checker. What the prover accepted and the checker refuses is a defect of the planner: it is no answer, and the
+    census tells it under the stage `checker`.
     """
     clock = _Clock(time.perf_counter())
     prover = Prover(scene)
@@ -50,26 +47,16 @@ def plan(scene: Scene, *, adaptive: bool = True) -> Outcome:
     if found.never is not None:
         census = found.census.census()
         return _not_planned(scene, clock, found.never, census, proved=True, cut=False, deepest=found.never.step)
-    if found.best is None:
+    if found.plan is None:
         return _not_found(scene, clock, found)
-    return _planned(scene, clock, prover, found, found.best)
+    return _planned(scene, clock, prover, found, found.plan)
 
 
-def _planned(scene: Scene, clock: _Clock, prover: Prover, found: Found, chain: Chain) -> Planned:
-    if chain.knots is None:
-        raise FaultError("a whole chain without knots")
-    knots = chain.knots
-    trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
-    of_plan = phases(scene, chain.legs, chain.arrivals)
-    proofs = list(chain.proofs)
-    certificate = written(scene, trajectory, chain.legs, chain.arrivals, proofs)
-    made = Plan(trajectory, chain.legs, chain.arrivals, certificate)
-    verdict = check(scene, made)
-    if not verdict.ok:
-        raise FaultError(f"the checker refuses a plan that was proved: {verdict.findings[:3]}")
+def _planned(scene: Scene, clock: _Clock, prover: Prover, found: Found, made: Plan) -> Planned:
+    of_plan = phases(scene, made.legs, made.arrivals)
     return Planned(
         plan=made,
-        margins=margins(scene, prover, trajectory, of_plan),
+        margins=margins(scene, prover, made.trajectory, of_plan),
         contacts=contacts(of_plan),
         lower_bound_s=lower_bound(scene, found.first_ways),
         census=found.census.census(),

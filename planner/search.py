@@ -10,13 +10,13 @@ import numpy as np
 from planner.candidates import Sampler
 from planner.census import Counter, refused_proof
 from planner.certificate import Prover, Rows, Unproved
-from planner.chain import Chain, Draft, Outline, Sample, prepared
-from planner.continuation import finished, is_straight, outline, straight_draft
+from planner.chain import Chain, Draft, Outline, Sample, initial, prepared
+from planner.completion import completed
+from planner.continuation import carried_gently, is_straight, outline, straight_draft
 from planner.feasibility import points_impossible
 from planner.legs.meeting import Meetings
-from planner.legs.state import State
-from planner.outcome import Reason, Refusal
-from planner.phases import initial_rides, yaw_offsets
+from planner.outcome import Plan, Refusal
+from planner.phases import yaw_offsets
 from planner.scene import Scene
 from planner.screening import screen
 from planner.ways import Option, ahead, options
@@ -29,10 +29,6 @@ PROVED_A_BATCH = 3
 """Continuations proved in one batch before the others of the batch are left alone."""
 PROOFS_A_BATCH = 6
 """Proofs begun in one batch: what passes fine screening is nearly always proved."""
-SLOWED = 4
-"""Times that a way which pulls too hard at the part is timed again."""
-SLOWER = 0.93
-"""... with this share of what would be just enough if accelerations scaled with the limits."""
 ANY_YAW = 8
 """Yaws that are tried where a control point leaves the yaw free."""
 
@@ -42,6 +38,7 @@ class Found:
     """What the search came to: the best whole chain, when the first was found, whether the clock ended it."""
 
     best: Chain | None = None
+    plan: Plan | None = None
     first_s: float = float("nan")
     cut_by_clock: bool = False
     deepest: int = 0
@@ -178,7 +175,7 @@ class Search:
         for number, way in enumerate(free):
             if number >= PROOFS_A_BATCH or proved >= PROVED_A_BATCH or time.perf_counter() >= self.deadline:
                 return
-            candidate = self._finished(way) if isinstance(way, Outline) else way
+            candidate = carried_gently(self.scene, way) if isinstance(way, Outline) else way
             if isinstance(candidate, Refusal):
                 self.found.census.add(candidate)
                 continue
@@ -198,25 +195,6 @@ class Search:
             if self.scene.options.stop == "first":
                 return
 
-    def _finished(self, way: Outline) -> Draft | Refusal:
-        """The whole continuation; what pulls too hard at the part is timed again, slower."""
-        made = finished(self.scene, way)
-        for _ in range(SLOWED):
-            limit = self.scene.carry_acceleration
-            if not (isinstance(made, Refusal) and made.reason is Reason.CARRY_LIMIT and limit is not None):
-                break
-            share = SLOWER * limit / (limit + made.amount)
-            sample, shape = way.sample, way.sample.shape
-            slower = replace(
-                sample, shape=replace(shape, effort=share * shape.effort), glue_effort=share * sample.glue_effort
-            )
-            again = outline(self.scene, way.chain, way.meeting, slower, ahead(self.scene, way.chain, way.chain.state.q))
-            if isinstance(again, Refusal):
-                return made  # the carry limit is why: at its own pace there was a way
-            way = again
-            made = finished(self.scene, way)
-        return made
-
     def _proved(self, candidate: Draft) -> Chain | None:
         """The chain that a draft leads to, with the proofs of all its phases."""
         proofs: list[Rows] = []
@@ -232,21 +210,17 @@ class Search:
         if time.perf_counter() >= self.deadline:
             # found too late: an answer that a slower machine would not have given
             return
+        best = self.found.best
+        if chain.step == len(self.scene.task) and (best is None or chain.state.time < best.state.time):
+            whole = completed(self.scene, chain)
+            if isinstance(whole, Refusal):
+                self.found.census.add(whole)
+                return
+            if best is None:
+                self.found.first_s = time.perf_counter() - self.started
+            self.found.best, self.found.plan = chain, whole
         pool = self.pool[chain.step]
         pool.append(chain)
         pool.sort(key=lambda each: each.state.time)
         del pool[KEPT:]
         self.found.deepest = max(self.found.deepest, chain.step)
-        if chain.step == len(self.scene.task):
-            best = self.found.best
-            if best is None:
-                self.found.first_s = time.perf_counter() - self.started
-            if best is None or chain.state.time < best.state.time:
-                self.found.best = chain
-
-
-def initial(scene: Scene) -> Chain:
-    """The chain of no steps."""
-    start = scene.start
-    mode = int(scene.robot.mode_of(start.q))
-    return Chain(0, State(start.time, start.q, start.qd, start.qdd), mode, None, initial_rides(scene))

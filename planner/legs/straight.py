@@ -118,6 +118,9 @@ def _knots(scene: Scene, step: int, state: State, mode: int, line: _Line) -> Kno
         q = continued(robot, found.q, state.q)
         # the leg begins in the arm's own state, to the bit
         q[0], found.qd[0], found.qdd[0] = state.q, state.qd, state.qdd
+        if not (motion.v[-1].any() or motion.yaw_d[-1] or motion.a[-1].any() or motion.yaw_dd[-1]):
+            # ... and ends at rest to the bit where the frame it meets stands still
+            found.qd[-1] = found.qdd[-1] = 0.0
         knots = Knots(t, q, found.qd, found.qdd)
         middle = (t[1:] + t[:-1]) / 2
         position, _ = robot.forward(Trajectory(t, q, found.qd, found.qdd).evaluate(middle))

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import subprocess
 import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-import planner.search
 from planner.certificate import Prover
 from planner.checker import check
 from planner.outcome import Planned
@@ -25,14 +26,14 @@ from tests.planner.cells import CUP, arm, belt_and_dial, cell, go, stands, table
 ROOT = Path(__file__).parents[2]
 
 
-def narrow(**options: object) -> Scene:
+def narrow(**options: Any) -> Scene:
     """A cell in which many candidates are refused before one is free."""
     bodies = (
         stands("wall", box(0.3, 0.02, 0.16), 0.45, 0.0, 0.08),
         stands("post", cylinder(0.03, 0.2), 0.22, 0.12, 0.10),
         stands("shelf", box(0.2, 0.2, 0.02), 0.3, -0.38, 0.16),
     )
-    chosen = {"clearance": Clearance(0.003, 0.001), "max_candidates": 150, **options}
+    chosen: dict[str, Any] = {"clearance": Clearance(0.003, 0.001), "max_candidates": 150, **options}
     return cell(go(0.33, -0.25, 0.1), go(0.45, 0.2, 0.1, name="b"), bodies=bodies, tool=CUP, **chosen)
 
 
@@ -75,7 +76,8 @@ def test_a_fresh_process_gives_the_same_bytes_whatever_its_hashes_are() -> None:
         done = subprocess.run(
             [sys.executable, "-c", code],
             cwd=ROOT,
-            env={"PYTHONHASHSEED": seed, "PATH": ""},
+            # the rest as it is: another kernel of the linear algebra library rounds gaps otherwise
+            env={**os.environ, "PYTHONHASHSEED": seed},
             capture_output=True,
             text=True,
             check=True,
@@ -109,7 +111,7 @@ class _Clock:
 
 def run(scene: Scene, monkeypatch: pytest.MonkeyPatch, step: float) -> tuple[Found, float]:
     clock = _Clock(step)
-    monkeypatch.setattr(planner.search.time, "perf_counter", clock.perf_counter)
+    monkeypatch.setattr("planner.search.time", clock)
     return Search(scene, Prover(scene), 0.0).run(), clock.now
 
 
@@ -146,7 +148,7 @@ def test_stop_first_ends_with_the_first_plan_and_a_budget_goes_on_to_better_ones
     assert first.census.candidates < longer.census.candidates
     assert longer.plan.trajectory.end <= first.plan.trajectory.end
     for outcome in (first, longer):
-        assert check(narrow(), outcome.plan).ok or check(narrow(stop="budget", max_candidates=400), outcome.plan).ok
+        assert check(narrow(), outcome.plan).ok
 
 
 def test_a_larger_count_is_never_worse() -> None:

@@ -1,0 +1,187 @@
+"""Necessary conditions: refused are only requests that no time, mode or candidate could meet."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planner.certificate import Prover
+from planner.feasibility import points_impossible, start_impossible
+from planner.frames import Conveyor, Turntable
+from planner.frames.motion import Pose
+from planner.outcome import Planned, Reason, Refusal
+from planner.pipeline import plan
+from planner.scene import Clearance, Execution, Follow, Scene
+from planner.shapes import Body, Piece, box, cylinder, sphere
+from tests.planner.cells import CUP, Around, arm, at, belt_and_dial, block, cell, frame, go, mesh_box, solid, stands, table_to_table
+
+
+def found(scene: Scene) -> Refusal | None:
+    prover = Prover(scene)
+    return start_impossible(scene, prover) or points_impossible(scene, prover)
+
+
+def reason(scene: Scene) -> Reason | None:
+    refusal = found(scene)
+    return None if refusal is None else refusal.reason
+
+
+def test_what_is_possible_is_not_refused() -> None:
+    for scene in (cell(go(0.35, -0.2)), table_to_table(go(0.3, 0.0, 0.15)), belt_and_dial(), table_to_table(fold=0)):
+        assert found(scene) is None
+
+
+@pytest.mark.parametrize(
+    ("joint", "value", "amount"), [(0, 2.5, 2.5 - 2.3038), (2, 0.04, 0.01), (2, 0.27, 0.02), (3, -7.0, 7.0 - 2 * np.pi)]
+)
+def test_a_start_beyond_a_joints_range_says_by_how_much(joint: int, value: float, amount: float) -> None:
+    q = [0.3, 1.2, 0.2, 0.0]
+    q[joint] = value
+    refusal = found(cell(go(0.35, -0.2), q=tuple(q)))
+    assert refusal is not None
+    assert refusal.reason is Reason.JOINT_LIMIT
+    assert refusal.amount == pytest.approx(amount)
+    assert refusal.bodies == (arm().joints[joint].name,)
+    assert found(cell(go(0.35, -0.2), q=(2.3038, 1.2, 0.25, 0.0))) is None  # at the limit is not beyond it
+
+
+def test_a_start_that_is_faster_than_a_joint_can_be_is_refused_and_one_at_its_limit_is_not() -> None:
+    assert reason(cell(go(0.35, -0.2), qd=(7.9, 0.0, 0.0, 0.0))) is Reason.MOTION_LIMIT
+    assert reason(cell(go(0.35, -0.2), qdd=(0.0, -81.0, 0.0, 0.0))) is Reason.MOTION_LIMIT
+    assert reason(cell(go(0.35, -0.2), qd=(7.8, 0.0, 0.0, 0.0))) is None
+
+
+def test_a_law_must_be_known_at_the_start() -> None:
+    for valid, start, may in (((0.0, 5.0), 0.0, True), ((0.1, 5.0), 0.0, False), ((0.0, 5.0), 6.0, False)):
+        gate = frame("gate", Turntable(Pose(-0.3, -0.3), 1.0, valid=valid))
+        assert (reason(cell(go(0.35, -0.2), frames=(gate,), time=start)) is None) == may
+
+
+HERE = np.array([0.3, 1.2, 0.2, 0.0])
+
+
+def beside_the_quill(gap: float, on: str = "world") -> Around:
+    p, _ = arm().forward(HERE)
+    return stands("post", cylinder(0.03, 0.2), float(p[0]) + 0.012 + 0.03 + gap, float(p[1]), 0.14, frame=on)
+
+
+@pytest.mark.parametrize("clearance", [0.0, 0.005])
+def test_the_start_must_have_the_clearance_of_travel(clearance: float) -> None:
+    for spare, may in ((1e-4, True), (-1e-4, False)):
+        bodies = (beside_the_quill(clearance + spare),)
+        scene = cell(go(0.35, -0.2), bodies=bodies, clearance=Clearance(clearance, 0.0))
+        assert (found(scene) is None) == may
+        if not may:
+            assert reason(scene) is Reason.START_IN_COLLISION
+
+
+def test_tracking_and_uncertainty_count_at_the_start() -> None:
+    sure = cell(go(0.35, -0.2), bodies=(beside_the_quill(0.003),))
+    assert found(sure) is None
+    assert reason(replace(sure, execution=Execution(tracking_m=0.004))) is Reason.START_IN_COLLISION
+    loose = frame("loose", Conveyor(Pose(), 0.0), 0.004)
+    bodies = (beside_the_quill(0.003, "loose"),)
+    assert reason(cell(go(0.35, -0.2), bodies=bodies, frames=(loose,))) is Reason.START_IN_COLLISION
+
+
+def test_an_arm_that_touches_itself_at_the_start_is_refused() -> None:
+    scene = cell(go(0.35, -0.2), robot=arm(column=0.16), q=(0.3, 2.6, 0.1, 0.0))
+    refusal = found(scene)
+    assert refusal is not None
+    assert refusal.reason is Reason.START_IN_COLLISION
+    assert set(refusal.bodies) == {"quill", "column"}
+
+
+SHAPES = {
+    "box": box(0.1, 0.1, 0.4),
+    "sphere": sphere(0.1),
+    "cylinder": cylinder(0.05, 0.4),
+    "hull": block(0.1, 0.1, 0.4, (0.0, 0.0, 0.0)),
+}
+
+
+@pytest.mark.parametrize("kind", sorted(SHAPES))
+@pytest.mark.parametrize("glued", [False, True])
+def test_a_point_in_what_stands_around_it_is_refused(kind: str, glued: bool) -> None:
+    body = stands("thing", SHAPES[kind], 0.35, -0.2, 0.15)
+    step = Follow("f", at(0.35, -0.2), 0.1) if glued else go(0.35, -0.2)
+    refusal = found(cell(step, bodies=(body,), tool=CUP))
+    assert refusal is not None
+    assert refusal.reason is Reason.CONTROL_POINT_IN_COLLISION
+    assert "thing" in refusal.bodies
+    assert refusal.interval is None
+
+
+def test_a_point_in_what_moves_with_it_is_refused_and_in_what_moves_past_is_not() -> None:
+    dial = frame("dial", Turntable(Pose(0.32, 0.12), 0.5))
+    belt = frame("belt", Conveyor(Pose(0.42, 0.12, 0.1), 0.3))
+    peg = solid("peg", cylinder(0.03, 0.4))
+    step = go(0.1, 0.0, 0.1, 0.0, "dial")
+    along = cell(step, bodies=(Around(peg, "dial", Pose(0.1, 0.0, 0.2)),), frames=(dial, belt))
+    past = cell(step, bodies=(Around(peg, "belt"),), frames=(dial, belt))
+    assert reason(along) is Reason.CONTROL_POINT_IN_COLLISION
+    assert reason(past) is None
+
+
+@pytest.mark.parametrize("moving", [False, True])
+def test_a_point_inside_a_closed_mesh_is_refused_unless_the_mesh_moves_away(moving: bool) -> None:
+    away = frame("away", Conveyor(Pose(), 0.4))
+    mesh = Around(mesh_box("shell", 0.3, 0.3, 0.7), "away" if moving else "world", Pose(0.45, -0.3, 0.2))
+    scene = cell(go(0.45, -0.3), bodies=(mesh,), frames=(away,))
+    assert reason(scene) is (None if moving else Reason.CONTROL_POINT_IN_COLLISION)
+
+
+def test_a_part_is_no_obstacle_to_its_own_pick_and_what_it_rests_on_none_to_its_place() -> None:
+    assert found(table_to_table(clearance=Clearance(0.02, 0.0005))) is None
+
+
+def test_a_nest_that_is_filled_already_is_refused() -> None:
+    scene = table_to_table()
+    other = stands("other", box(0.06, 0.04, 0.02), 0.35, -0.25, 0.05)
+    refusal = found(replace(scene, bodies=(*scene.bodies, other)))
+    assert refusal is not None
+    assert refusal.reason is Reason.CONTROL_POINT_IN_COLLISION
+    assert refusal.step == 1
+
+
+def test_a_part_beside_a_wall_is_refused_only_if_no_turn_of_the_tool_is_free() -> None:
+    """A gripper that is long to one side hits the wall; turned by 180° it does not."""
+    finger = solid("finger", box(0.08, 0.01, 0.05), 0.05, 0.0, -0.03)
+    for fold, may in ((1, False), (2, True)):
+        base = table_to_table(fold=fold, tool=replace(CUP, bodies=(finger,)))
+        wall = stands("wall", box(0.01, 0.4, 0.3), 0.25 + 0.075, 0.30, 0.2)
+        part = replace(base.index["part"], pose=Pose(0.25, 0.30, 0.05, 0.0))
+        bodies = (*(part if body.name == "part" else body for body in base.bodies), wall)
+        scene = replace(base, bodies=bodies, task=base.task[:1])
+        assert (reason(scene) is None) == may
+
+
+def test_a_point_that_is_not_reached_is_for_others_to_refuse() -> None:
+    assert found(cell(go(0.7, 0.0))) is None
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 10**6))
+def test_nothing_that_is_planned_was_called_impossible(seed: int) -> None:
+    """Random clutter near the point: where the search finds a plan without asking first, nothing is refused."""
+    from planner.search import Search
+
+    rng = np.random.default_rng(seed)
+    x, y = rng.uniform(0.2, 0.4), rng.uniform(-0.3, 0.3)
+    kinds = list(SHAPES.values())
+    around = []
+    for i in range(3):
+        p = np.array([x, y, 0.15]) + rng.normal(size=3) * 0.12
+        shape = kinds[int(rng.integers(4))]
+        around.append(Around(Body(f"b{i}", (Piece(shape),)), "world", Pose(float(p[0]), float(p[1]), float(p[2]))))
+    scene = cell(go(float(x), float(y), 0.1), bodies=tuple(around), tool=CUP, max_candidates=30)
+    refusal = found(scene)
+    searched = Search(scene, Prover(scene), 1e12).run()
+    if searched.best is not None:
+        assert refusal is None
+    if refusal is None and isinstance(plan(scene), Planned):
+        assert searched.best is not None

@@ -1,0 +1,103 @@
+"""No plan of any budget beats the lower bound."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planner.frames import Conveyor, Turntable
+from planner.frames.motion import Pose
+from planner.outcome import Planned
+from planner.pipeline import plan
+from planner.lower_bound import lower_bound
+from planner.phases import flange_target, held, initial_rides
+from planner.scene import Follow, Pick, Place, Scene, Target, Tool, Window
+from planner.timing import rest_to_rest_time
+from tests.planner.cells import CRANKED, PART, arm, at, belt_and_dial, cell, frame, go, limits, stands, table_to_table
+
+DIAL = frame("dial", Turntable(Pose(0.32, 0.12), 0.8))
+BELT = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.3))
+
+
+def planned(scene: Scene, seed: int = 1, most: int = 60) -> Planned:
+    options = replace(scene.options, seed=seed, max_candidates=most, stop="budget")
+    outcome = plan(replace(scene, options=options))
+    assert isinstance(outcome, Planned), outcome.sentence
+    return outcome
+
+
+CELLS: dict[str, Callable[[], Scene]] = {
+    "one move": lambda: cell(go(0.35, -0.2)),
+    "two moves": lambda: cell(go(0.35, -0.2), go(0.2, 0.4, name="b")),
+    "via": lambda: cell(go(0.4, 0.0, 0.15, via=True), go(0.3, -0.3, name="b")),
+    "dial": lambda: cell(go(0.1, 0.0, 0.1, 0.0, "dial"), frames=(DIAL,)),
+    "dial, position": lambda: cell(go(0.1, 0.0, 0.1, 0.0, "dial", match="position"), frames=(DIAL,)),
+    "follow": lambda: cell(Follow("f", at(0.0, 0.0, 0.1, 0.0, "belt"), 0.3), go(0.3, 0.0, name="b"), frames=(BELT,)),
+    "window": lambda: cell(go(0.35, -0.2, window=Window(time=(2.0, 3.0)))),
+    "start in motion": lambda: cell(go(0.35, -0.2), qd=(1.0, -1.0, 0.1, 2.0)),
+    "table": lambda: table_to_table(go(0.3, 0.0, 0.15)),
+    "table, cranked, symmetric": lambda: table_to_table(go(0.3, 0.0, 0.15), tool=CRANKED, fold=2),
+    "belt": belt_and_dial,
+}
+
+
+@pytest.mark.parametrize("name", sorted(CELLS))
+def test_no_plan_is_shorter_than_the_bound(name: str) -> None:
+    for seed in (1, 2):
+        outcome = planned(CELLS[name](), seed)
+        assert 0 <= outcome.lower_bound_s <= outcome.plan.trajectory.duration + 1e-9
+
+
+@settings(max_examples=25)
+@given(st.floats(-0.35, 0.35), st.floats(0.15, 0.45), st.floats(-3, 3), st.sampled_from(["keep", "auto"]))
+def test_a_direct_move_alone_reaches_its_bound_to_four_per_cent(y: float, x: float, yaw: float, elbow: str) -> None:
+    if not 0.2 < math.hypot(x, y) < 0.55:
+        return
+    outcome = plan(cell(go(x, y, 0.15, yaw), elbow=elbow, stop="budget", max_candidates=20))
+    if isinstance(outcome, Planned):
+        assert outcome.lower_bound_s <= outcome.plan.trajectory.duration + 1e-9
+        assert outcome.lower_bound_s >= 0.9 * outcome.plan.trajectory.duration
+
+
+def test_the_bound_of_a_single_joint_is_its_fastest_motion() -> None:
+    q = (0.3, 1.2, 0.1, 0.0)
+    p, yaw = arm().forward(cell(go(0.3, 0.0), q=q).start.q)
+    scene = cell(go(float(p[0]), float(p[1]), 0.2, float(yaw)), q=q, elbow="keep")
+    outcome = planned(scene)
+    known = limits()
+    alone = float(rest_to_rest_time(0.1, known.velocity[2], known.acceleration[2], known.jerk[2]))
+    assert outcome.lower_bound_s == pytest.approx(alone, rel=1e-9)
+
+
+def test_dwells_and_waiting_for_a_window_count() -> None:
+    outcome = planned(cell(Follow("f", at(0.35, -0.2), 0.7)))
+    assert outcome.lower_bound_s >= 0.7
+    waiting = planned(cell(go(0.35, -0.2, window=Window(time=(2.0, 3.0)))))
+    assert 1.9 <= waiting.lower_bound_s <= waiting.plan.trajectory.duration
+
+
+def test_a_turn_of_a_symmetric_part_that_needs_no_way_at_all_is_not_ruled_out() -> None:
+    """Taken from the far side, this part is put down without moving the flange sideways: no way is known to be needed."""
+    crank = Tool(Pose(0.08, 0.0, -0.06))
+    there = Pose(0.35, 0.1, 0.05, 0.0)
+    # flange at p + c when taken turned by 180°; at q + R(90°) c when put down: the same place
+    to = Pose(0.35 + 0.08, 0.1 - 0.08, 0.05, math.pi / 2)
+    part = stands("part", PART, there.x, there.y, there.z, there.yaw, yaw_symmetry=2)
+    task = (
+        Pick("pick", "part", Pose(z=0.01), 0.03, 0.05, 0.04),
+        Place("place", "part", Target("world", to), 0.03, 0.05, 0.03),
+    )
+    scene = cell(*task, bodies=(part,), tool=crank, robot=arm(bare=True))
+    rides = initial_rides(scene)
+    flange = [flange_target(scene, task[0], rides, None, turn)[1] for turn in (0.0, math.pi)]
+    down = [flange_target(scene, task[1], rides, held(scene, task[0], turn))[1] for turn in (0.0, math.pi)]
+    assert math.dist(flange[1].position, down[1].position) < 1e-9
+    assert min(math.dist(flange[k].position, down[0].position) for k in (0, 1)) > 0.1
+    assert lower_bound(scene, ()) <= 0.1 + 1e-12  # the dwells alone
+    once = replace(scene, bodies=(replace(part, yaw_symmetry=1),))
+    assert lower_bound(once, ()) > 0.1 + 0.005

@@ -1,0 +1,132 @@
+"""What a plan leaves: peaks, what binds, the smallest clearance."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planner.certificate import Prover
+from planner.frames import Conveyor
+from planner.frames.motion import Pose
+from planner.margins import contacts, margins, nearest
+from planner.outcome import LegKind, Planned
+from planner.phases import Phase, phases
+from planner.pipeline import plan
+from planner.scene import Clearance
+from planner.shapes import box
+from planner.tool_motion import tool_motion
+from planner.trajectory import Trajectory
+from tests.planner.cells import CRANKED, CUP, belt_and_dial, cell, frame, go, stands, table_to_table
+from tests.planner.certificate.moving_ball import LAWS, SHAPES, encounter
+
+
+@settings(max_examples=50)
+@given(st.integers(0, 10**6), st.sampled_from(SHAPES), st.sampled_from(LAWS), st.integers(1, 3))
+def test_the_smallest_clearance_is_a_lower_bound_and_near_the_truth(
+    seed: int, kind: str, how: str, pieces: int
+) -> None:
+    case = encounter(seed, kind, how, pieces)
+    radius = max(0.002, case.nearest()[0] - 0.003)
+    scene = case.scene(radius)
+    found = nearest(Prover(scene), case.path, (case.phase(),))
+    assert found is not None
+    assert found.bodies == ("ball", "thing")
+    there = float(case.apart(np.array([found.time]))[0]) - radius
+    assert found.gap_m <= max(0.0, there) + 1e-9
+    # not found to the micrometre, but where the two are near
+    assert there <= case.nearest()[0] - radius + 0.05
+
+
+def test_allowed_contacts_are_not_the_smallest_clearance() -> None:
+    q = np.array([0.3, 1.2, 0.15, 0.0])
+    path = Trajectory(np.array([0.0, 1.0]), np.stack([q, q]), np.zeros((2, 4)), np.zeros((2, 4)))
+    plate = stands("plate", box(2.0, 2.0, 0.02), 0.0, 0.0, 0.15 - 0.06 - 0.01)
+    scene = cell(go(0.3, 0.0), bodies=(plate,), tool=CUP)
+    phase = Phase(0.0, 1.0, LegKind.FOLLOW, 0, None, (), frozenset(), None, ())
+    found = nearest(Prover(scene), path, (phase,))
+    assert found is not None
+    assert found.bodies == ("cup", "plate")
+    assert found.gap_m == pytest.approx(0.0, abs=1e-12)
+    touching = replace(phase, exempt=frozenset({("cup", "plate")}))
+    found = nearest(Prover(scene), path, (touching,))
+    assert found is not None
+    assert found.bodies == ("quill", "plate")
+    assert found.gap_m == pytest.approx(0.06)
+    assert found.phase is LegKind.FOLLOW
+
+
+def test_with_nothing_around_there_is_no_smallest_clearance() -> None:
+    outcome = plan(cell(go(0.35, -0.2)))
+    assert isinstance(outcome, Planned)
+    assert outcome.margins.nearest is None
+
+
+def test_peaks_are_those_of_the_dense_samples_and_the_largest_ratio_binds() -> None:
+    scene = cell(go(0.35, -0.2), go(0.2, 0.4, name="b"))
+    outcome = plan(scene)
+    assert isinstance(outcome, Planned)
+    path, limits = outcome.plan.trajectory, scene.robot.limits
+    t = np.linspace(path.start, path.end, 20001)
+    ratios = {}
+    for i, peak in enumerate(outcome.margins.peaks):
+        for kind, order, limit in (
+            ("velocity", 1, limits.velocity),
+            ("acceleration", 2, limits.acceleration),
+            ("jerk", 3, limits.jerk),
+        ):
+            sampled = np.abs(path.evaluate(t, order)[:, i]).max()
+            stated = getattr(peak, kind)
+            assert sampled <= stated * (1 + 1e-9) + 1e-12
+            assert stated <= sampled * 1.01 + 1e-3 * limit[i]
+            ratio = getattr(peak, f"{kind}_ratio")
+            assert ratio == pytest.approx(stated / limit[i])
+            assert ratio <= 1 + 1e-6
+            ratios[f"{kind} of {peak.joint}"] = ratio
+    bound = outcome.margins.binds.rsplit(" (", 1)[0]
+    assert ratios[bound] == pytest.approx(max(ratios.values()))
+    assert outcome.margins.singularity <= float(scene.robot.margin(path.q).max())
+
+
+def test_a_plan_with_a_clearance_has_it_left_outside_contacts() -> None:
+    for clearance in (Clearance(0.004, 0.001), Clearance(0.01, 0.0005)):
+        outcome = plan(table_to_table(go(0.3, 0.0, 0.15), clearance=clearance))
+        assert isinstance(outcome, Planned)
+        found = outcome.margins.nearest
+        assert found is not None
+        least = clearance.near_m if found.phase in (LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART) else 0.0
+        assert found.gap_m >= max(least, min(clearance.near_m, clearance.travel_m))
+
+
+def test_contacts_of_phases_in_a_row_are_one() -> None:
+    outcome = plan(belt_and_dial(go(0.35, 0.0, 0.12)))
+    assert isinstance(outcome, Planned)
+    of_plan = phases(belt_and_dial(go(0.35, 0.0, 0.12)), outcome.plan.legs, outcome.plan.arrivals)
+    found = contacts(of_plan)
+    legs = {(leg.kind, leg.step): leg for leg in outcome.plan.legs}
+    by_pair = {contact.bodies: contact for contact in found if contact.t0 < legs[LegKind.MOVE, 1].t0}
+    cup = by_pair["cup", "part"]
+    assert cup.t0 == legs[LegKind.APPROACH, 0].t0
+    assert cup.t1 == legs[LegKind.FOLLOW, 0].t1
+    for contact in found:
+        assert contact.bodies == tuple(sorted(contact.bodies))
+        assert contact.t0 < contact.t1
+
+
+def test_the_tools_acceleration_is_that_of_its_point_by_differences() -> None:
+    belt = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.3))
+    scene = cell(go(0.2, 0.0, 0.15, 0.0, "belt"), frames=(belt,), tool=CRANKED, end="moving")
+    outcome = plan(scene)
+    assert isinstance(outcome, Planned)
+    path = outcome.plan.trajectory
+    h = 1e-4
+    t = np.linspace(path.start + 2 * h, path.end - 2 * h, 200)
+    p = [tool_motion(scene, path, t + k * h).p for k in (-1, 0, 1)]
+    by_difference = (p[0] - 2 * p[1] + p[2]) / h**2
+    stated = tool_motion(scene, path, t).a
+    assert np.abs(by_difference - stated).max() <= 0.02 * np.abs(stated).max() + 0.1
+    found = margins(scene, Prover(scene), path, phases(scene, outcome.plan.legs, outcome.plan.arrivals))
+    assert found.tool_acceleration <= np.linalg.norm(stated, axis=1).max() * 1.05

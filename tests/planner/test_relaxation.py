@@ -1,0 +1,181 @@
+"""Relaxations: the first change of the list that works is named, and works when it is applied."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from planner.frames import Conveyor
+from planner.frames.motion import Pose
+from planner.outcome import NotPlanned, Planned, Reason, Refusal
+from planner.pipeline import plan
+from planner.relaxation import changes, relax, worth_trying
+from planner.scene import Clearance, Follow, Pick, Place, Scene, Target, Window
+from planner.shapes import box, cylinder
+from tests.planner.cells import CUP, Around, at, belt_and_dial, cell, frame, go, solid, stands, table_to_table
+
+FAST = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.5))
+EXPLAIN: dict[str, Any] = {"explain_budget_s": 20.0, "max_candidates": 40, "budget_s": 5.0}
+
+
+def follow(duration: float, window: tuple[float, float]) -> Scene:
+    return cell(
+        Follow("f", at(0.0, 0.0, 0.1, 0.0, "belt"), duration, Window(along=window)), frames=(FAST,), **EXPLAIN
+    )
+
+
+def behind_the_base(**more: Any) -> Scene:
+    return cell(go(-0.35, -0.2), q=(-2.0, 1.2, 0.2, 0.0), **{**EXPLAIN, **more})
+
+
+def post_beside(**more: Any) -> Scene:
+    """A post 4 mm beside the quill at the point, where 6 mm are asked."""
+    post = stands("post", cylinder(0.03, 0.2), 0.35 + 0.042 + 0.004, -0.2, 0.12)
+    return cell(go(0.35, -0.2), bodies=(post,), clearance=Clearance(0.006, 0.0), **{**EXPLAIN, **more})
+
+
+CASES: dict[str, tuple[Callable[[], Scene], str, str]] = {
+    "a window too short": (lambda: follow(0.1, (0.2, 0.22)), "window", "open until"),
+    "an elbow kept": (lambda: next(s for s in (_elbow("left"), _elbow("right")) if refused(s)), "elbow", "auto"),
+    "a clearance too large": (post_beside, "clearance", "travel 3 mm, near 0 mm"),
+    "a body in the way": (
+        lambda: cell(
+            go(0.3, -0.4),
+            bodies=(stands("wall", box(2.0, 0.02, 1.0), 1.1, -0.1, 0.3),),
+            q=(1.2, 0.4, 0.2, 0.0),
+            elbow="auto",
+            singularity_margin=0.0,
+            **EXPLAIN,
+        ),
+        "without",
+        "wall",
+    ),
+    "a margin too large": (
+        lambda: cell(Follow("f", at(0.599, 0.0), 0.1), singularity_margin=0.2, **EXPLAIN),
+        "singularity margin",
+        "0",
+    ),
+}
+
+
+def _elbow(mode: str) -> Scene:
+    return behind_the_base(elbow=mode)
+
+
+def refused(scene: Scene) -> bool:
+    return isinstance(plan(replace(scene, options=replace(scene.options, explain_budget_s=0.0))), NotPlanned)
+
+
+def applied(scene: Scene, what: str, value: str, step: int, blocker: str | None) -> Scene:
+    """The scene with the change of that name."""
+    for name, text, changed in changes(scene, step, blocker):
+        if name == what and (text == value or what == "window"):
+            return changed
+    raise AssertionError(f"{what} {value} is no change")
+
+
+@pytest.mark.parametrize("name", sorted(CASES))
+def test_the_first_change_that_works_is_named_and_works_when_applied(name: str) -> None:
+    make, what, value = CASES[name]
+    scene = make()
+    outcome = plan(scene)
+    assert isinstance(outcome, NotPlanned)
+    assert outcome.relaxation is not None, (outcome.sentence, outcome.tried)
+    assert outcome.relaxation.what == what
+    assert outcome.relaxation.value.startswith(value)
+    again = applied(scene, what, outcome.relaxation.value, 0, value if what == "without" else None)
+    relaxed = plan(replace(again, options=replace(again.options, stop="first", budget_s=20.0)))
+    assert isinstance(relaxed, Planned)
+    assert relaxed.plan.trajectory.duration == pytest.approx(outcome.relaxation.duration_s, abs=0.5)
+    # what was tried before it did not work
+    assert outcome.tried[-1].startswith(what)
+
+
+def test_changes_come_in_the_order_of_a_shop_and_never_touch_the_robot() -> None:
+    scene = belt_and_dial(elbow="keep", clearance=Clearance(0.004, 0.001), singularity_margin=0.1)
+    scene = replace(scene, task=(replace(scene.task[0], window=Window(along=(0.0, 0.2))), *scene.task[1:]))
+    order = ["window", "budget", "elbow", "dwell", "belt speed", "clearance", "singularity margin", "without"]
+    seen = [what for what, _, _ in changes(scene, 0, "belt-bed")]
+    assert list(dict.fromkeys(seen)) == order
+    for _, _, changed in changes(scene, 0, "belt-bed"):
+        assert changed.robot is scene.robot
+        assert changed.start is scene.start
+        assert changed.execution == scene.execution
+        assert all(changed.frames[name].uncertainty == frame_.uncertainty for name, frame_ in scene.frames.items())
+
+
+def test_every_change_is_a_smaller_demand() -> None:
+    scene = belt_and_dial(elbow="keep", clearance=Clearance(0.004, 0.001), singularity_margin=0.1)
+    for what, _, changed in changes(scene, 0, None):
+        options, old = changed.options, scene.options
+        assert options.clearance.travel_m <= old.clearance.travel_m
+        assert options.clearance.near_m <= old.clearance.near_m
+        assert options.singularity_margin <= old.singularity_margin
+        assert options.budget_s >= old.budget_s
+        if what == "dwell":
+            assert isinstance(changed.task[0], Pick)
+            assert 0 < changed.task[0].dwell_s < 0.08
+        if what == "belt speed":
+            law = changed.frames["belt"].law
+            assert isinstance(law, Conveyor)
+            assert 0 < law.speed < 0.25
+
+
+def test_a_part_and_what_the_task_names_are_never_left_out() -> None:
+    scene = table_to_table()
+    assert "without" not in [what for what, _, _ in changes(scene, 0, "part")]
+    named = replace(scene.task[0], contact_with=("left-table",))
+    asked = replace(scene, task=(named, *scene.task[1:]))
+    assert "without" not in [what for what, _, _ in changes(asked, 0, "left-table")]
+    assert "without" in [what for what, _, _ in changes(scene, 0, "left-table")]
+
+
+def test_only_a_running_belt_can_be_slowed_down() -> None:
+    assert "belt speed" not in [what for what, _, _ in changes(table_to_table(), 0, None)]
+    placed = replace(belt_and_dial(), options=replace(belt_and_dial().options, elbow="auto"))
+    assert "belt speed" not in [what for what, _, _ in changes(placed, 1, None)]
+
+
+def test_nothing_is_tried_without_a_budget_for_it_or_where_nothing_could_help() -> None:
+    silent = plan(post_beside(explain_budget_s=0.0))
+    assert isinstance(silent, NotPlanned)
+    assert silent.tried == ()
+    assert silent.relaxation is None
+    for reason in Reason:
+        hopeless = reason in (Reason.START_IN_COLLISION, Reason.LAW_ENDS)
+        assert worth_trying(Refusal("x", reason, 0)) is not hopeless
+
+
+def test_a_spent_budget_is_said() -> None:
+    found, tried = relax(post_beside(), 0, None, time.perf_counter() - 1.0)
+    assert found is None
+    assert tried == ("the explain budget was spent",)
+
+
+def test_a_place_can_be_told_to_dwell_less() -> None:
+    scene = belt_and_dial()
+    shorter = [changed.task[1] for what, _, changed in changes(scene, 1, None) if what == "dwell"]
+    assert all(isinstance(step, Place) and step.dwell_s < 0.06 for step in shorter)
+    assert shorter
+
+
+def test_where_nothing_works_everything_that_was_tried_is_listed() -> None:
+    fence = tuple(
+        Around(solid(name, box(2.0, 0.02, 1.0)), "world", Pose(1.1, y, 0.3)) for name, y in (("a", -0.1), ("b", -0.15))
+    )
+    scene = cell(go(0.3, -0.4), bodies=fence, q=(1.2, 0.4, 0.2, 0.0), tool=CUP, **{**EXPLAIN, "max_candidates": 12})
+    outcome = plan(scene)
+    assert isinstance(outcome, NotPlanned)
+    assert outcome.relaxation is None
+    assert [text.split(":")[0] for text in outcome.tried] == ["budget", "match", "singularity margin", "without"]
+
+
+def test_the_target_of_a_place_names_its_own_belt() -> None:
+    onto = Place("put", "part", Target("belt", Pose(0.1, 0.0, 0.01)), 0.02, 0.05, 0.02)
+    scene = belt_and_dial()
+    scene = replace(scene, task=(scene.task[0], onto))
+    assert "belt speed" in [what for what, _, _ in changes(scene, 1, None)]
