@@ -35,7 +35,7 @@ $(BIN)/python:
 install = $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable "$(1)" && touch $@
 
 $(VENV)/installed: $(BIN)/python pyproject.toml
-	$(call install,.)
+	$(call install,.[plot])
 
 $(VENV)/installed-test: $(BIN)/python pyproject.toml
 	$(call install,.[test])

@@ -164,6 +164,21 @@ def schema() -> int:
 
 @app.command()
 @_bordered
+def reproduce(
+    out: Annotated[Path, typer.Option("--out", help="Folder for figures, numbers and paragraphs; made if needed.")],
+    name: Annotated[str, typer.Argument(help="An experiment, or all.")] = "all",
+) -> int:
+    """Reproduce an experiment of the sources: a figure (PNG, SVG), its numbers (JSON), and what they say."""
+    from experiments.reproduce import reproduce as run
+
+    for done in run(name, out):
+        _print(f"{done.entry.name}: {done.entry.title}, {done.elapsed_s:.1f} s", done.paragraph)
+        _print(*(str(path) for path in done.files), "")
+    return RIGHT
+
+
+@app.command()
+@_bordered
 def serve(
     host: Annotated[str | None, typer.Option(help="Address to listen on (ASSUR_HOST).")] = None,
     port: Annotated[int | None, typer.Option(min=0, max=65535, help="Port to listen on (ASSUR_PORT).")] = None,

@@ -8,7 +8,7 @@ import numpy as np
 
 from experiments import printed_dh as printed
 from experiments.experiment import Drawing, Result
-from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED, Drawing
+from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
 from planner.arrays import FloatArray
 from planner.robots.planar import principal
 from planner.robots.protocol import Limits
@@ -80,12 +80,13 @@ def run() -> Result:
         f"The source multiplies four matrices to a closed T₀⁴ and inverts it geometrically. Over {STATES:,} random "
         f"joint vectors the product of the four factors of 4.1.5, with Rot_z mended, is the closed matrix to "
         f"{numbers['product_minus_printed_matrix']:.0e} in every entry, and the planner's arm stands in the same "
-        f"place to {1e15 * ours.max():.0f} fm with θ4 of the opposite sign, for this tool frame looks down. The "
-        f"joint angles come back to {numbers['round_trip_angle_where_margin_above_0.05_rad']:.0e} rad where |sin θ2| "
-        f"> 0.05; nearer to a singular position the error grows as 1/|sin θ2|, which is what rounding of the matrix "
-        f"does, while the matrix itself is met to {numbers['round_trip_matrix']:.0e}. As printed, Rot_z has a "
-        f"determinant between {rotation.min():.2f} and {rotation.max():.2f} instead of 1, and θ4 is wrong by exactly "
-        f"θ1 + θ2 (median {np.degrees(numbers['printed_theta4_error_median_rad']):.0f}°)."
+        f"place to {numbers['product_minus_planner_position_m']:.1g} m with θ4 of the opposite sign, for this tool "
+        f"frame looks down. The joint angles come back to "
+        f"{numbers['round_trip_angle_where_margin_above_0.05_rad']:.0e} rad where |sin θ2| > 0.05; nearer to a "
+        f"singular position the error grows as 1/|sin θ2|, which is what rounding of the matrix does, while the "
+        f"matrix itself is met to {numbers['round_trip_matrix']:.0e}. As printed, Rot_z has a determinant between "
+        f"{rotation.min():.2f} and {rotation.max():.2f} instead of 1, and θ4 is wrong by exactly θ1 + θ2 (median "
+        f"{np.degrees(numbers['printed_theta4_error_median_rad']):.0f}°)."
     )
 
     def draw(figure: Drawing) -> None:
@@ -103,7 +104,7 @@ def run() -> Result:
         sorted_.set_xscale("log")
         sorted_.set_xlim(floor, 1e2)
         sorted_.set_ylim(0, 1.02)
-        sorted_.set_xlabel("difference from the printed $T_0^4$ [1, m]; of the angle [rad]")
+        sorted_.set_xlabel("largest error of an entry [1, m] or angle [rad]")
         sorted_.set_ylabel("share of states")
         sorted_.legend(loc="center")
         sorted_.set_title("(b) the matrix, mended and as printed")

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from experiments.experiment import Drawing
-from planner.errors import InputError
+from planner.errors import FaultError, InputError
 
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY, INK, GREY = (
     "#0072b2",
@@ -23,6 +23,9 @@ BLUE, ORANGE, GREEN, RED, PURPLE, SKY, INK, GREY = (
 
 PNG_DPI = 200
 """Dots per inch of the PNG: a figure of 7 inches fills a page at print quality."""
+
+EDGE_IN = 0.02
+"""Inches by which what is drawn may leave the page: boxes of text are a hair larger than their ink."""
 
 STYLE: dict[str, Any] = {
     "font.family": "DejaVu Sans",  # comes with matplotlib: the same figure on every machine
@@ -73,10 +76,20 @@ def write(draw: Callable[[Drawing], None], size: tuple[float, float], stem: Path
         figure = Figure(figsize=size)
         FigureCanvasAgg(figure)
         draw(figure)
+        _whole(figure, size)
         paths = [stem.with_name(f"{stem.name}.{kind}") for kind in ("png", "svg")]
         figure.savefig(paths[0], dpi=PNG_DPI)
         figure.savefig(paths[1], metadata={"Date": None})
     return paths
+
+
+def _whole(figure: Drawing, size: tuple[float, float]) -> None:
+    """Raises `FaultError` for a figure of which a title, label or legend leaves the page and would be cut off."""
+    figure.draw_without_rendering()
+    box = figure.get_tightbbox()
+    beyond = max(-box.x0, -box.y0, box.x1 - size[0], box.y1 - size[1])
+    if not beyond <= EDGE_IN:
+        raise FaultError(f"a figure leaves its page by {beyond:.2f} inches")
 
 
 def plan_view(axes: Drawing) -> None:

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from experiments.experiment import Drawing, Result
-from experiments.figures import BLUE, GREY, INK, ORANGE, Drawing, plan_view
+from experiments.figures import BLUE, GREY, INK, ORANGE, plan_view
 from experiments.printed_joint_move import ParabolicBlend, inverse
 from planner.arrays import FloatArray
 from planner.errors import FaultError
@@ -97,7 +97,7 @@ def run() -> Result:
         f"The source reports joint values (0°, 90°, −100 mm, −90°) and (90°, −90°, −200 mm, 0°), a move of 1 s, "
         f"equal curves of θ̇1 and θ̇4, a middle pose that is not reached, and a straight path out to x = y = 282.8 "
         f"mm. Measured: the same joint values, {move.duration:.3f} s with τ = 100 ms and segments of 400 ms, max "
-        f"|θ̇1 − θ̇4| = {numbers['theta1_rate_minus_theta4_rate_rad_s']:.0e} rad/s, and x = y = "
+        f"|θ̇1 − θ̇4| = {numbers['theta1_rate_minus_theta4_rate_rad_s']:.1g} rad/s, and x = y = "
         f"{numbers['farthest_x_mm']:.2f} mm, on the diagonal to {numbers['off_the_diagonal_mm']:.0e} mm: the arm is "
         f"stretched there, for it changes from right to left. POSE2 is missed by {missed[0]:.2f}°, {missed[1]:.2f}°, "
         f"{missed[2]:.2f} mm and {missed[3]:.2f}°, as τ(v2 − v1)/4 says; in the plane the tool turns back "
@@ -141,10 +141,10 @@ def run() -> Result:
         arc = np.linspace(np.radians(39.5), np.radians(50.5), 60)
         path.plot(400 * np.cos(arc), 400 * np.sin(arc), color=GREY, lw=0.8, ls=":")
         note = {"textcoords": "offset points", "fontsize": 7, "color": INK}
-        path.annotate("POSE1 and POSE2", (200, 200), (10, -4), **note)
+        path.annotate("POSE1 and POSE2", (200, 200), (14, 0), **note)
         path.annotate(f"middle of the blended move\n({point[0]:.1f}, {point[1]:.1f}) mm", point, (10, -12), **note)
         path.annotate("(282.8, 282.8) mm,\nstretched", (282.84, 282.84), (-12, -4), ha="right", **note)
-        path.annotate("edge of the workspace", (400 * np.cos(arc[0]), 400 * np.sin(arc[0])), (-4, -12), **note)
+        path.annotate("edge of the workspace", (400 * np.cos(arc[-1]), 400 * np.sin(arc[-1])), (5, -2), **note)
         plan_view(path)
         path.set_title("(e) path of the tool in the plane")
         radius.axhline(400, color=GREY, lw=0.8, ls=":")

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from experiments.experiment import Drawing, Result
-from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, Drawing, plan_view
+from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, plan_view
 from experiments.line_requests import FASTEST_DEG_S, HALF, LINK, SPEED, decision
 from planner.arrays import FloatArray
 from planner.frames.motion import Motion
@@ -158,7 +158,7 @@ def draw(
     ):
         peaks.loglog(mm, np.degrees(peak[name]), mark + "-", color=colour, lw=1, label=label)
     peaks.axhline(FASTEST_DEG_S, color=GREY, lw=0.9, ls="--")
-    peaks.annotate("limit", (170, FASTEST_DEG_S), (0, 3), textcoords="offset points", color=GREY)
+    peaks.annotate("limit", (120, FASTEST_DEG_S), (0, 3), textcoords="offset points", color=GREY)
     peaks.set_xlabel("distance h from the singular position [mm]")
     peaks.set_ylabel("largest joint speed [°/s]")
     peaks.legend(loc="upper right")

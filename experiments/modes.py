@@ -6,7 +6,7 @@ import numpy as np
 
 from experiments import printed_dh, printed_joint_move, printed_rrr
 from experiments.experiment import Drawing, Result
-from experiments.figures import BLUE, GREY, INK, ORANGE, Drawing
+from experiments.figures import BLUE, GREY, INK, ORANGE
 from planner.arrays import FloatArray
 from planner.frames.motion import Motion
 from planner.robots.planar import principal

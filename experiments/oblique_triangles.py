@@ -8,7 +8,7 @@ import numpy as np
 
 from experiments import printed_triangles as printed
 from experiments.experiment import Drawing, Result
-from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED, Drawing
+from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
 from planner.arrays import FloatArray
 from planner.assur.codes import Code
 from planner.assur.rrr import LEFT, RRR

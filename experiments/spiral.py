@@ -13,7 +13,7 @@ import numpy as np
 
 from experiments import printed_rrr as printed
 from experiments.experiment import Drawing, Result
-from experiments.figures import BLUE, GREY, INK, RED, Drawing, plan_view
+from experiments.figures import BLUE, GREY, INK, RED, plan_view
 from planner.arrays import FloatArray
 from planner.assur.codes import Code
 from planner.errors import FaultError
@@ -131,8 +131,6 @@ def run() -> Result:
     )
 
     def draw(figure: Drawing) -> None:
-        from matplotlib.lines import Line2D
-
         left, right = figure.subfigures(1, 2, width_ratios=(2.55, 1))
         curves = left.subplots(3, 3, sharex=True)
         rows = ((r"\theta", "°"), (r"\dot\theta", "°/s"), (r"\ddot\theta", "°/s²"))
@@ -151,7 +149,7 @@ def run() -> Result:
             axes.set_xlabel("t [s]")
         curves[1, 2].set_ylim(-13, 1)
         curves[2, 2].set_ylim(-1, 1)
-        handles = [Line2D([], [], color=BLUE, lw=2.4), Line2D([], [], color=INK, ls="--", lw=0.9)]
+        handles = curves[0, 0].get_lines()
         left.legend(
             handles, ["equation 16", "plan that dwells on the moving point"], loc="outside upper center", ncols=2
         )

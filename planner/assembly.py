@@ -14,7 +14,7 @@ from planner.phases import Phase, held, phases
 from planner.scene import Pick, Place, Scene
 from planner.timing import TimingRefusal, time_joints
 from planner.tool_motion import RESERVE, carrying_peak
-from planner.trajectory import Trajectory
+from planner.trajectory import Trajectory, keeps_limits
 
 
 def assembled(
@@ -129,6 +129,10 @@ def laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
 
 def _beyond(scene: Scene, step: int, knots: Knots) -> Refusal | None:
     """Whether a joint breaks a limit on the way: moving ends overshoot, and the spline as written is what counts."""
+    limits = scene.robot.limits
+    kinds = limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk
+    if keeps_limits(Trajectory(knots.time, knots.q, knots.qd, knots.qdd), *kinds):
+        return None
     fast = rates(scene, "limits", step, knots)
     if isinstance(fast, Refusal):
         return fast

@@ -16,7 +16,7 @@ from planner.legs.joint import Shape, Via
 from planner.scene import Move, Scene
 from planner.ways import Option
 
-SIZES = (8, 8, 12, 16, 24)
+SIZES = (8, 12, 12, 16, 24)
 """Samples in the first random batches of a chain: small ones react sooner ..."""
 MOST_RANDOM = 32
 """... and large ones are cheaper a sample, which counts where many are needed."""
@@ -49,14 +49,10 @@ class Sampler:
         if not self.options:
             return []
         if visit == 0:
-            return self._direct()
-        if visit == 1:
-            found = self._arches()
-            if found:
-                return found
+            return [*self._direct(), *self._arches()]
         if self._cartesian() and not self.chain.state.resting:
             return []  # a straight leg from a moving frame has nothing to choose: it has been tried
-        later = visit - 2
+        later = visit - 1
         size = SIZES[later] if 0 <= later < len(SIZES) else MOST_RANDOM
         return [self._random() for _ in range(size)]
 
@@ -73,7 +69,7 @@ class Sampler:
     def _direct(self) -> list[tuple[Option, Sample]]:
         step = self.scene.task[self.chain.step]
         if isinstance(step, Move) and step.arch is not None:
-            return self._arches()
+            return []
         paces = (0.7, 0.0) if isinstance(step, Move) and step.via else (0.0,)
         return [
             (option, Sample(option.yaw_offset, option.branch, Shape(through=pace), "direct"))

@@ -59,7 +59,7 @@ def carried_gently(scene: Scene, way: Outline) -> Draft | Refusal:
         sample = replace(way.sample, shape=shape, glue_effort=share * way.sample.glue_effort)
         again = outline(scene, way.chain, way.meeting, sample, way.ahead)
         if isinstance(again, Refusal):
-            return again
+            return made  # the carry limit is why: at its own pace there was a way
         way, made = again, finished(scene, again)
     return made
 

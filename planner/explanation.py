@@ -25,6 +25,8 @@ def leading(census: Census, deepest: int) -> CensusLine | None:
 def sentence(scene: Scene, refusal: Refusal | CensusLine | None, census: Census, *, cut: bool, budget: float) -> str:
     """One sentence, in the words of the shop."""
     if refusal is None:
+        if census.candidates:
+            return f"No plan was found among {census.candidates} candidates; the last step was not tried any more."
         return f"No plan was found in {budget:g} s; nothing was tried."
     step = scene.task[refusal.step].name
     what = _because(refusal)

@@ -104,7 +104,7 @@ def _start_collides(scene: Scene, prover: Prover) -> Refusal | None:
     if found is not None:
         names, short, detail = found
         return Refusal("start", Reason.START_IN_COLLISION, 0, names, (t, t), short, "m", detail)
-    within = enclosed(scene, solids, scene.start.q, t, frozenset())
+    within = enclosed(scene, solids, scene.start.q, t, frozenset(), initial_rides(scene))
     if within is not None:
         return Refusal(
             "start", Reason.START_IN_COLLISION, 0, within, (t, t), math.nan, "m", f"{within[0]} is inside {within[1]}"
@@ -142,7 +142,7 @@ def _point(
             return None
         q = solution.q[0]
         found = closest(scene, prover, solids, phase, q, exempt, among)
-        within = enclosed(scene, solids, q, t, exempt) if fixed else None
+        within = enclosed(scene, solids, q, t, exempt, rides, among) if fixed else None
         if found is None and within is None:
             return None
         names, short, detail = found or (within or ("", ""), math.nan, "")

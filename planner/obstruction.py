@@ -9,6 +9,7 @@ import numpy as np
 from planner.arrays import FloatArray, IntArray
 from planner.certificate import Prover
 from planner.containment import inside
+from planner.frames.motion import Pose
 from planner.gjk import separate
 from planner.phases import Phase, pair
 from planner.requirement import SLACK_M, clearance, uncertainty
@@ -80,22 +81,34 @@ def _pair(
 
 
 def enclosed(
-    scene: Scene, solids: Solids, q: FloatArray, t: float, exempt: frozenset[tuple[str, str]]
+    scene: Scene,
+    solids: Solids,
+    q: FloatArray,
+    t: float,
+    exempt: frozenset[tuple[str, str]],
+    rides: dict[str, tuple[str, Pose]],
+    among: frozenset[str] | None = None,
 ) -> tuple[str, str] | None:
-    """A body of the arm and the mesh whose surface encloses a point of it (a mesh is hollow to FCL and to gaps)."""
+    """A body of the arm and the mesh whose surface encloses a point of it (a mesh is hollow to FCL and to gaps).
+
+    `rides`: where each body of the surroundings sits by then; `among`: only these of them.
+    """
     where = carriers(scene, q[None], np.array([t]))
     points = [(mine, _reference_points(solids, where, mine)) for mine in range(solids.robot_bodies)]
     for world in scene.bodies:
-        if world.body.surface is None or world.name not in solids.names:
+        if world.body.surface is None or (among is not None and world.name not in among):
             continue
+        if world.name in solids.names[: solids.robot_bodies]:
+            continue  # it is in the gripper
         vertices = world.body.surface[0]
         low, high = vertices.min(0), vertices.max(0)
         carrier = int(solids.carrier[solids.roots[solids.names.index(world.name)]])
         turn, origin = where.rotation[0, carrier], where.position[0, carrier]
-        c, s = math.cos(world.pose.yaw), math.sin(world.pose.yaw)
+        pose = rides[world.name][1]
+        c, s = math.cos(pose.yaw), math.sin(pose.yaw)
         yaw = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         for mine, here in points:
-            local = ((here - origin) @ turn - world.pose.position) @ yaw
+            local = ((here - origin) @ turn - pose.position) @ yaw
             # a point outside the box round the surface is outside the surface; NaN is not outside
             near = ~((local < low) | (local > high)).any(-1)
             if pair(solids.names[mine], world.name) in exempt or not near.any():

@@ -7,7 +7,7 @@ dyad; the search for the earliest meeting then only has to ask Ruckig.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -166,16 +166,8 @@ def _unreachable(point: ControlPoint, code: IntArray, t: FloatArray, mode: str, 
         return Refusal(
             "inverse", Reason.OUT_OF_REACH, point.step, (), _span(t), detail=f"{mode}: no joint position reaches it"
         )
-    return Refusal(
-        "inverse",
-        Reason.NEAR_SINGULARITY,
-        point.step,
-        (),
-        _span(t),
-        0.0,
-        "1",
-        f"{mode}: the arm is stretched or folded",
-    )
+    detail = f"{mode}: the arm is stretched or folded"
+    return Refusal("inverse", Reason.NEAR_SINGULARITY, point.step, (), _span(t), 0.0, "1", detail)
 
 
 def _too_fast(robot: Robot, point: ControlPoint, t: FloatArray, over: FloatArray, mode: str) -> Refusal:
@@ -219,8 +211,6 @@ def window_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refusal
     """Why no meeting time is left: the window is over before `earliest`, or the dwell does not fit into it."""
     intervals = point.intervals
     if not intervals:
-        from dataclasses import replace
-
         whole = replace(point, dwell=0.0).intervals
         if not whole:
             law = scene.frames[point.frame].law

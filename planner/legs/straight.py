@@ -118,7 +118,8 @@ def _knots(scene: Scene, step: int, state: State, mode: int, line: _Line) -> Kno
         q = continued(robot, found.q, state.q)
         # the leg begins in the arm's own state, to the bit
         q[0], found.qd[0], found.qdd[0] = state.q, state.qd, state.qdd
-        if not (motion.v[-1].any() or motion.yaw_d[-1] or motion.a[-1].any() or motion.yaw_dd[-1]):
+        met = line.met(t[-1:])
+        if not any(rate.any() for rate in (met.v, met.a, met.yaw_d, met.yaw_dd)):
             # ... and ends at rest to the bit where the frame it meets stands still
             found.qd[-1] = found.qdd[-1] = 0.0
         knots = Knots(t, q, found.qd, found.qdd)

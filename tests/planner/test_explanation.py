@@ -18,7 +18,8 @@ NONE = Census(0, 0)
 def line(
     count: int, stage: str = "screening", reason: Reason = Reason.BODY_COLLISION, step: int = 0, **more: Any
 ) -> CensusLine:
-    facts: dict[str, Any] = {"bodies": ("cup", "gate"), "interval": (1.0, 2.0), "least": 0.012, "most": 0.03, "unit": "m", "detail": ""}
+    facts: dict[str, Any] = {"bodies": ("cup", "gate"), "interval": (1.0, 2.0), "detail": ""}
+    facts |= {"least": 0.012, "most": 0.03, "unit": "m"}
     return CensusLine(stage, reason, step, count=count, **{**facts, **more})
 
 
@@ -94,3 +95,4 @@ def test_too_close_is_not_a_hit() -> None:
 
 def test_with_nothing_tried_the_sentence_says_so() -> None:
     assert said(None) == "No plan was found in 0.2 s; nothing was tried."
+    assert "among 70 candidates" in said(None, Census(70, 60))

@@ -15,9 +15,25 @@ from planner.frames import Conveyor, Turntable
 from planner.frames.motion import Pose
 from planner.outcome import Planned, Reason, Refusal
 from planner.pipeline import plan
-from planner.scene import Clearance, Execution, Follow, Scene
+from planner.scene import Clearance, Execution, Follow, Pick, Place, Scene
+from planner.search import Search
 from planner.shapes import Body, Piece, box, cylinder, sphere
-from tests.planner.cells import CUP, Around, arm, at, belt_and_dial, block, cell, frame, go, mesh_box, solid, stands, table_to_table
+from tests.planner.cells import (
+    CUP,
+    Around,
+    Shape,
+    arm,
+    at,
+    belt_and_dial,
+    block,
+    cell,
+    frame,
+    go,
+    mesh_box,
+    solid,
+    stands,
+    table_to_table,
+)
 
 
 def found(scene: Scene) -> Refusal | None:
@@ -96,7 +112,7 @@ def test_an_arm_that_touches_itself_at_the_start_is_refused() -> None:
     assert set(refusal.bodies) == {"quill", "column"}
 
 
-SHAPES = {
+SHAPES: dict[str, Shape] = {
     "box": box(0.1, 0.1, 0.4),
     "sphere": sphere(0.1),
     "cylinder": cylinder(0.05, 0.4),
@@ -139,6 +155,24 @@ def test_a_part_is_no_obstacle_to_its_own_pick_and_what_it_rests_on_none_to_its_
     assert found(table_to_table(clearance=Clearance(0.02, 0.0005))) is None
 
 
+def test_a_hollow_part_is_not_inside_itself_and_not_where_it_was_before_it_was_placed() -> None:
+    scene = table_to_table(go(0.25, 0.30, 0.075))  # in the end to where the part lay
+    hollow = replace(scene.index["part"], body=mesh_box("part", 0.06, 0.04, 0.06))
+    raised = replace(hollow, pose=Pose(0.25, 0.30, 0.07, 0.5))
+    assert isinstance(scene.task[1], Place)
+    put = replace(scene.task[1], to=replace(scene.task[1].to, pose=Pose(0.35, -0.25, 0.07, -0.4)))
+    assert isinstance(scene.task[0], Pick)
+    pick = replace(scene.task[0], grasp=Pose(z=0.03))
+    bodies = tuple(raised if body.name == "part" else body for body in scene.bodies)
+    assert found(replace(scene, bodies=bodies, task=(pick, put, scene.task[2]))) is None
+    # but a point inside the part where it was put is impossible
+    inside = go(0.35, -0.25, 0.075, name="inside")
+    refusal = found(replace(scene, bodies=bodies, task=(pick, put, inside)))
+    assert refusal is not None
+    assert refusal.reason is Reason.CONTROL_POINT_IN_COLLISION
+    assert refusal.step == 2
+
+
 def test_a_nest_that_is_filled_already_is_refused() -> None:
     scene = table_to_table()
     other = stands("other", box(0.06, 0.04, 0.02), 0.35, -0.25, 0.05)
@@ -152,7 +186,7 @@ def test_a_part_beside_a_wall_is_refused_only_if_no_turn_of_the_tool_is_free() -
     """A gripper that is long to one side hits the wall; turned by 180° it does not."""
     finger = solid("finger", box(0.08, 0.01, 0.05), 0.05, 0.0, -0.03)
     for fold, may in ((1, False), (2, True)):
-        base = table_to_table(fold=fold, tool=replace(CUP, bodies=(finger,)))
+        base = table_to_table(fold=fold, tool=replace(CUP, bodies=(finger,)), q=(-0.6, 1.0, 0.2, 0.0))
         wall = stands("wall", box(0.01, 0.4, 0.3), 0.25 + 0.075, 0.30, 0.2)
         part = replace(base.index["part"], pose=Pose(0.25, 0.30, 0.05, 0.0))
         bodies = (*(part if body.name == "part" else body for body in base.bodies), wall)
@@ -168,8 +202,6 @@ def test_a_point_that_is_not_reached_is_for_others_to_refuse() -> None:
 @given(st.integers(0, 10**6))
 def test_nothing_that_is_planned_was_called_impossible(seed: int) -> None:
     """Random clutter near the point: where the search finds a plan without asking first, nothing is refused."""
-    from planner.search import Search
-
     rng = np.random.default_rng(seed)
     x, y = rng.uniform(0.2, 0.4), rng.uniform(-0.3, 0.3)
     kinds = list(SHAPES.values())

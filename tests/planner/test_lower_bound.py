@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from planner.frames import Conveyor, Turntable
 from planner.frames.motion import Pose
-from planner.outcome import Planned
-from planner.pipeline import plan
 from planner.lower_bound import lower_bound
+from planner.outcome import Planned
 from planner.phases import flange_target, held, initial_rides
+from planner.pipeline import plan
 from planner.scene import Follow, Pick, Place, Scene, Target, Tool, Window
 from planner.timing import rest_to_rest_time
 from tests.planner.cells import CRANKED, PART, arm, at, belt_and_dial, cell, frame, go, limits, stands, table_to_table
@@ -82,7 +82,7 @@ def test_dwells_and_waiting_for_a_window_count() -> None:
 
 
 def test_a_turn_of_a_symmetric_part_that_needs_no_way_at_all_is_not_ruled_out() -> None:
-    """Taken from the far side, this part is put down without moving the flange sideways: no way is known to be needed."""
+    """Taken from the far side, this part is put down where the flange is already: no way is known to be needed."""
     crank = Tool(Pose(0.08, 0.0, -0.06))
     there = Pose(0.35, 0.1, 0.05, 0.0)
     # flange at p + c when taken turned by 180°; at q + R(90°) c when put down: the same place

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, event, given, settings
 from hypothesis import strategies as st
 
 from planner.checker import check
@@ -47,12 +47,19 @@ def planned(scene: Scene) -> Planned:
     assert isinstance(outcome, Planned), (outcome.reason, outcome.sentence)
     verdict = check(scene, outcome.plan)
     assert verdict.ok, verdict.findings
+    assert flawless(outcome)
     return outcome
+
+
+def flawless(outcome: Outcome) -> bool:
+    """Whether the checker never had to stop what the prover had accepted: that would be a defect."""
+    return not any(line.stage == "checker" for line in outcome.census.lines)
 
 
 def refused(scene: Scene) -> NotPlanned:
     outcome = plan(scene)
     assert isinstance(outcome, NotPlanned)
+    assert flawless(outcome)
     return outcome
 
 
@@ -580,6 +587,7 @@ def test_random_cells_are_planned_and_pass_or_are_refused_with_a_reason(seed: in
         stay_safe_s=float(rng.choice([0.0, 0.5])),
     )
     outcome = plan(scene)
+    assert flawless(outcome), outcome.census.lines
     if isinstance(outcome, Planned):
         assert check(scene, outcome.plan).ok
         assert outcome.lower_bound_s <= outcome.plan.trajectory.duration + 1e-9
@@ -587,6 +595,65 @@ def test_random_cells_are_planned_and_pass_or_are_refused_with_a_reason(seed: in
         assert outcome.sentence.endswith(".")
         assume(outcome.reason is not Reason.START_IN_COLLISION)
         assert outcome.reason is not Reason.NOT_CERTIFIED
+
+
+@settings(max_examples=12)
+@given(st.integers(0, 10**6))
+def test_random_tasks_on_belts_and_dials_are_planned_and_pass_or_are_refused_with_a_reason(seed: int) -> None:
+    """Picks, places, follows, vias, straight legs, windows; tolerances, uncertainties, belt correction; any tool."""
+    rng = np.random.default_rng(seed)
+
+    def draw(low: float, high: float) -> float:
+        return float(rng.uniform(low, high))
+
+    def coin(share: float = 0.5) -> bool:
+        return bool(rng.random() < share)
+
+    frames = (
+        frame("belt", Conveyor(Pose(0.0, 0.38, 0.05, draw(-0.2, 0.2)), draw(0.02, 0.3)), 0.0002, draw(0.0, 0.003)),
+        frame("dial", dial_at(draw(0.0, 1.5))),
+        frame("gate", Swing(Pose(0.5, 0.1, 0.16, math.pi), 0.6, draw(0.8, 2.0))),
+    )
+    part = Around(solid("part", box(0.05, 0.03, 0.02)), "belt", Pose(draw(-0.3, -0.1), 0.0, 0.01, draw(-3, 3)), 0.1)
+    bodies = (
+        stands("bed", box(1.4, 0.3, 0.05), 0.0, 0.42, 0.025),
+        replace(part, yaw_symmetry=int(rng.integers(0, 3))),
+        Around(solid("plate", cylinder(0.15, 0.01)), "dial", Pose(z=-0.005)),
+        *((stands("bar", box(0.25, 0.02, 0.03), 0.125, frame="gate"),) if coin() else ()),
+        *((stands("beside", box(0.05, 0.03, 0.02), part.pose.x + 0.09, 0.0, 0.01, frame="belt"),) if coin() else ()),
+    )
+    approach, dwell = draw(0.01, 0.04), float(rng.choice([0.0, 0.02, 0.1]))
+    steps = (
+        Pick("pick", "part", Pose(z=0.01, yaw=draw(-1, 1)), approach, dwell, 0.03),
+        *((go(0.4, 0.0, 0.15, via=True, name="past"),) if coin(0.3) else ()),
+        Place("place", "part", Target("dial", Pose(0.09, 0.0, 0.01, draw(-3, 3))), approach, dwell, 0.02),
+        *((go(0.3, 0.0, 0.15, name="home", leg="cartesian" if coin() else "joint"),) if coin() else ()),
+        *((Follow("look", at(0.0, 0.0, 0.08, 0.0, "dial"), draw(0.05, 0.3)),) if coin(0.3) else ()),
+    )
+    scene = cell(
+        *steps,
+        frames=frames,
+        bodies=bodies,
+        tool=CUP if coin() else CRANKED,
+        execution=Execution(0.0002, 0.01 if coin(0.3) else 0.0, coin()),
+        clearance=Clearance(draw(0.0, 0.006), 0.0002),
+        stay_safe_s=0.3 if coin(0.3) else 0.0,
+        carry=30.0 if coin(0.3) else None,
+        singularity_margin=0.05,
+        seed=seed,
+        max_candidates=70,
+        robot=arm(j4=6.0, column=0.05),
+    )
+    outcome = plan(scene)
+    assert flawless(outcome), outcome.census.lines
+    event(outcome.reason if isinstance(outcome, NotPlanned) else "planned")
+    if isinstance(outcome, Planned):
+        assert check(scene, outcome.plan).ok
+        assert outcome.lower_bound_s <= outcome.plan.trajectory.duration + 1e-9
+
+
+def dial_at(rate: float) -> Turntable:
+    return Turntable(Pose(0.34, -0.2, 0.06), rate)
 
 
 def test_legs_are_in_the_words_of_the_shop() -> None:

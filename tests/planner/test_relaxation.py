@@ -23,9 +23,7 @@ EXPLAIN: dict[str, Any] = {"explain_budget_s": 20.0, "max_candidates": 40, "budg
 
 
 def follow(duration: float, window: tuple[float, float]) -> Scene:
-    return cell(
-        Follow("f", at(0.0, 0.0, 0.1, 0.0, "belt"), duration, Window(along=window)), frames=(FAST,), **EXPLAIN
-    )
+    return cell(Follow("f", at(0.0, 0.0, 0.1, 0.0, "belt"), duration, Window(along=window)), frames=(FAST,), **EXPLAIN)
 
 
 def behind_the_base(**more: Any) -> Scene:
@@ -128,6 +126,7 @@ def test_every_change_is_a_smaller_demand() -> None:
 def test_a_part_and_what_the_task_names_are_never_left_out() -> None:
     scene = table_to_table()
     assert "without" not in [what for what, _, _ in changes(scene, 0, "part")]
+    assert isinstance(scene.task[0], Pick)
     named = replace(scene.task[0], contact_with=("left-table",))
     asked = replace(scene, task=(named, *scene.task[1:]))
     assert "without" not in [what for what, _, _ in changes(asked, 0, "left-table")]

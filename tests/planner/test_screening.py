@@ -35,9 +35,7 @@ class Motion:
 
 
 @settings(max_examples=60)
-@given(
-    st.integers(0, 10**6), st.sampled_from(SHAPES), st.sampled_from(LAWS), st.integers(1, 3), st.floats(-0.02, 0.02)
-)
+@given(st.integers(0, 10**6), st.sampled_from(SHAPES), st.sampled_from(LAWS), st.integers(1, 3), st.floats(-0.02, 0.02))
 def test_what_screening_refuses_really_is_too_close_where_and_as_it_says(
     seed: int, kind: str, how: str, pieces: int, spare: float
 ) -> None:

@@ -15,11 +15,12 @@ import numpy as np
 import pytest
 
 from planner.certificate import Prover
+from planner.chain import initial
 from planner.checker import check
 from planner.outcome import Planned
 from planner.pipeline import plan
 from planner.scene import Clearance, Scene
-from planner.search import Found, Search, initial
+from planner.search import Found, Search
 from planner.shapes import box, cylinder
 from tests.planner.cells import CUP, arm, belt_and_dial, cell, go, stands, table_to_table
 

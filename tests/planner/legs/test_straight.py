@@ -183,3 +183,15 @@ def test_where_a_straight_leg_cannot_change_the_elbow_it_says_how_near_it_comes(
     assert found.reason is Reason.NEAR_SINGULARITY
     assert found.unit == "m"
     assert found.amount == pytest.approx(0.01, abs=1e-4)
+
+
+@given(ends(), st.integers(0, 1))
+def test_a_leg_to_a_point_that_stands_ends_at_rest_to_the_bit(
+    given_ends: tuple[Law, Pose, Law, Pose], mode: int
+) -> None:
+    first, pose, _, _ = given_ends
+    scene = cell(go(0.3, 0.0), robot=arm(j4=12.0), singularity_margin=0.05)
+    state = begin(scene, first, pose, 0.2, mode)
+    leg = straight(scene, 0, state, mode, along(first, pose), along(*still(0.31, 0.17, 0.12)))
+    if isinstance(leg, Stretch):
+        assert leg.knots.last.resting

@@ -1,0 +1,14 @@
+"""Experiments run once for all tests of a process."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from experiments.experiment import Result
+from experiments.registry import ENTRIES
+
+
+@cache
+def result(name: str) -> Result:
+    """The result of the experiment `name`."""
+    return next(entry for entry in ENTRIES if entry.name == name).run()

@@ -1,0 +1,109 @@
+"""The command `assur reproduce`: what it writes, what it refuses, and that plotting stays out of everything else."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from experiments import figures
+from experiments.experiment import Drawing
+from experiments.registry import ENTRIES
+from experiments.reproduce import chosen, reproduce
+from planner.errors import FaultError, InputError
+from tests.architecture.source_tree import PRODUCT, ROOT, imports, sources
+from tests.experiments.results import result
+
+NAMES = [entry.name for entry in ENTRIES]
+
+
+def steady(numbers: dict[str, Any]) -> Any:
+    """The numbers but for timings, as JSON has them."""
+    return json.loads(json.dumps({key: value for key, value in numbers.items() if key != "timings"}, allow_nan=False))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_experiment_leaves_two_figures_a_paragraph_and_the_same_numbers_as_before(name: str, tmp_path: Path) -> None:
+    before = result(name)
+    (done,) = reproduce(name, tmp_path / "new" / "folder")
+    png, svg, numbers, words = done.files
+    assert [path.name for path in done.files] == [f"{name}.{kind}" for kind in ("png", "svg", "json", "md")]
+    assert png.read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
+    width = float((ET.parse(svg).getroot().get("width") or "").removesuffix("pt"))
+    assert width == pytest.approx(72 * before.size[0])
+    document = json.loads(numbers.read_text(encoding="utf-8"))
+    assert (document["experiment"], document["source"]) == (name, done.entry.source)
+    assert steady(document["numbers"]) == steady(before.numbers)
+    assert ("timings" in document["numbers"]) == (name == "dyad-timing")
+    text = words.read_text(encoding="utf-8")
+    assert done.paragraph in text
+    assert f"({name}.svg)" in text
+    assert done.paragraph == before.paragraph or name == "dyad-timing"
+    assert re.search(r"\bnan\b", done.paragraph) is None
+
+
+def test_a_figure_drawn_again_has_the_same_bytes(tmp_path: Path) -> None:
+    drawn = result("modes")
+    for folder in ("first", "second"):
+        (tmp_path / folder).mkdir()
+        figures.write(drawn.draw, drawn.size, tmp_path / folder / "modes")
+    for kind in ("png", "svg"):
+        first, second = (tmp_path / folder / f"modes.{kind}" for folder in ("first", "second"))
+        assert first.read_bytes() == second.read_bytes()
+
+
+def test_a_figure_with_a_title_that_leaves_the_page_is_refused(tmp_path: Path) -> None:
+    def draw(figure: Drawing) -> None:
+        figure.subplots().set_title("a title as long as this one does not fit above axes of two inches")
+
+    with pytest.raises(FaultError, match="leaves its page"):
+        figures.write(draw, (2.0, 2.0), tmp_path / "cut")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_all_means_every_experiment_and_a_name_means_itself() -> None:
+    assert chosen("all") == ENTRIES
+    assert len(set(NAMES)) == len(NAMES)
+    for entry in ENTRIES:
+        assert chosen(entry.name) == (entry,)
+
+
+def test_an_unknown_experiment_and_a_folder_that_is_a_file_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="spiral"):
+        list(reproduce("spirals", tmp_path))
+    taken = tmp_path / "taken"
+    taken.write_text("")
+    with pytest.raises(InputError, match="--out"):
+        list(reproduce("modes", taken))
+
+
+def test_without_matplotlib_one_is_told_of_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(InputError, match="extra `plot`"):
+        list(reproduce("modes", tmp_path))
+
+
+def test_matplotlib_has_one_door() -> None:
+    doors = {s.name for s in sources(*PRODUCT) for name, _ in imports(s.tree) if name.partition(".")[0] == "matplotlib"}
+    assert doors == {"experiments.figures"}
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        "from api.app import create_app\ncreate_app()",
+        "import api.command_line",
+        "from experiments.registry import ENTRIES\n[e for e in ENTRIES if e.name == 'modes'][0].run()",
+    ],
+)
+def test_nothing_but_a_figure_loads_matplotlib(program: str) -> None:
+    report = f"{program}\nimport sys\nprint('matplotlib' in sys.modules)"
+    ran = subprocess.run([sys.executable, "-c", report], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stdout.strip() == "False"

@@ -1,0 +1,53 @@
+"""The certificate that is written from the proofs of all phases."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from planner.certificate import Prover, Rows, written
+from planner.digest import digest
+from planner.outcome import Planned
+from planner.phases import phases
+from planner.pipeline import plan
+from planner.separation import gaps, place
+from planner.solids import carriers, standing
+from tests.planner.cells import belt_and_dial, go
+
+
+def test_rows_of_all_phases_are_written_with_the_names_and_pieces_of_their_bodies() -> None:
+    scene = belt_and_dial(go(0.35, 0.0, 0.12))
+    outcome = plan(scene)
+    assert isinstance(outcome, Planned)
+    made, prover = outcome.plan, Prover(scene)
+    proofs = []
+    for phase in phases(scene, made.legs, made.arrivals):
+        rows = prover.prove(phase, made.trajectory)
+        assert isinstance(rows, Rows)
+        proofs.append(rows)
+    certificate = written(scene, made.trajectory, made.legs, made.arrivals, proofs)
+    assert certificate.digest == digest(scene.digest, made.trajectory, made.legs, made.arrivals, certificate)
+    assert len(certificate) == sum(len(rows.t0) for rows in proofs)
+    assert len(set(certificate.names)) == len(certificate.names)
+    # the gaps of each row, from the bodies that its names mean in its phase
+    first = 0
+    for rows in proofs:
+        part = slice(first, first + len(rows.t0))
+        first += len(rows.t0)
+        named = [certificate.names[i] for i in certificate.first[part]]
+        assert named == [rows.solids.names[rows.solids.body[unit]] for unit in rows.first]
+        assert np.array_equal(certificate.second_piece[part], rows.solids.piece[rows.second])
+        for t, column in ((rows.t0, certificate.gap0), (rows.t1, certificate.gap1)):
+            where = carriers(scene, standing(made.trajectory, t), t)
+            row = np.arange(len(t))
+            one, other = (place(rows.solids, where, row, unit) for unit in (rows.first, rows.second))
+            assert np.abs(gaps(one, other, rows.normal[:, None])[:, 0] - column[part]).max() <= 1e-12
+
+
+def test_the_part_is_one_name_whether_it_is_carried_or_not() -> None:
+    scene = belt_and_dial(go(0.35, 0.0, 0.12))
+    outcome = plan(scene)
+    assert isinstance(outcome, Planned)
+    certificate = outcome.plan.certificate
+    part = certificate.names.index("part")
+    assert (certificate.first == part).any()
+    assert (certificate.second == part).any()
