@@ -83,6 +83,20 @@ def test_an_unknown_experiment_and_a_folder_that_is_a_file_are_refused(tmp_path:
         list(reproduce("modes", taken))
 
 
+def test_the_command_prints_what_it_found_and_names_the_experiments_to_one_who_errs(tmp_path: Path) -> None:
+    def assur(*arguments: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "api.command_line", "reproduce", *arguments, "--out", str(tmp_path)]
+        return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+
+    ran = assur("modes")
+    assert ran.returncode == 0, ran.stderr
+    assert result("modes").paragraph in ran.stdout
+    assert {path.name for path in tmp_path.iterdir()} == {f"modes.{kind}" for kind in ("png", "svg", "json", "md")}
+    wrong = assur("mode")
+    assert wrong.returncode == 2
+    assert "line-through-singularity" in wrong.stderr
+
+
 def test_without_matplotlib_one_is_told_of_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(InputError, match="extra `plot`"):

@@ -87,6 +87,9 @@ def test_joint_speed_past_the_base_axis_grows_as_one_over_the_distance() -> None
     # The hole of unequal links: speeds stay bounded, accelerations do not.
     assert power["hole_theta2"] == pytest.approx(0.0, abs=0.02)
     assert power["hole_theta2_acceleration"] == pytest.approx(-0.5, abs=0.05)
+    r0, near = 0.05, np.array(numbers["distance_mm"][4:]) / 1e3
+    wanted = numbers["speed_m_s"] ** 2 / np.sqrt(0.225 * 0.175 * (2 * r0 * near + near**2))
+    assert numbers["peak_rad_s2"]["hole_theta2_acceleration"][4:] == pytest.approx(wanted.tolist(), rel=0.02)
     # |sin θ2| at distance h: ρ = 2 l cos(θ2/2).
     h = np.array(numbers["distance_mm"]) / 400
     assert numbers["least_margin"] == pytest.approx((2 * h * np.sqrt(1 - h**2)).tolist(), rel=1e-3)
