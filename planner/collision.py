@@ -11,7 +11,6 @@ from __future__ import annotations
 import fcl
 import numpy as np
 
-from planner.arrays import FloatArray
 from planner.errors import FaultError
 from planner.separation import Placed
 from planner.shapes import Hull, Primitive
@@ -62,11 +61,3 @@ class Collider:
             raise FaultError(f"pose of {placed.solids.names[int(placed.solids.body[placed.unit[row]])]} is not a pose")
         found.setTransform(fcl.Transform(np.ascontiguousarray(axes), np.ascontiguousarray(centre)))
         return found
-
-
-def touching(collider: Collider, a: Placed, b: Placed, rows: FloatArray) -> int | None:
-    """The first of `rows` at which the units touch, or None."""
-    for row in rows:
-        if collider.touch(a, b, int(row)):
-            return int(row)
-    return None

@@ -64,9 +64,9 @@ def _start_beyond_limits(scene: Scene) -> Refusal | None:
                 unit,
                 f"{joint.name} starts beyond its limit",
             )
-        for what, value, limit in (
-            ("velocity", start.qd[i], limits.velocity[i]),
-            ("acceleration", start.qdd[i], limits.acceleration[i]),
+        for what, value, limit, per in (
+            ("velocity", start.qd[i], limits.velocity[i], "/s"),
+            ("acceleration", start.qdd[i], limits.acceleration[i], "/s²"),
         ):
             if not abs(value) <= limit * (1 + START_RATIO):
                 detail = f"the start {what} of {joint.name} is beyond its limit"
@@ -77,7 +77,7 @@ def _start_beyond_limits(scene: Scene) -> Refusal | None:
                     (joint.name,),
                     None,
                     float(abs(value) - limit),
-                    unit + "/s..",
+                    unit + per,
                     detail,
                 )
     return None

@@ -16,7 +16,7 @@ from planner.outcome import Reason, Refusal, Relaxation
 from planner.scene import WORLD, Clearance, Follow, Move, Pick, Place, Scene, Step, Window
 from planner.search import Found, Search
 
-ATTEMPT_S = 0.5
+ATTEMPT_S = 1.0
 """Longest time for one change, s."""
 FEWEST_S = 0.02
 """A change is not tried with less time than this left, s."""

@@ -148,7 +148,7 @@ def _flatten(placed: list[tuple[str, int, list[_Unit]]], links: int, robot_bodie
     first = np.cumsum([0] + [len(units) for _, _, units in placed])
     hulls: list[Hull] = []
     hull = np.full(len(units), -1, dtype=np.int64)
-    centre = np.array([unit.position for _, _, unit in units])
+    centre = np.array([unit.position for _, _, unit in units]).reshape(-1, 3)
     for i, (_, _, unit) in enumerate(units):
         if isinstance(unit.shape, Hull):
             hull[i] = len(hulls)
@@ -160,13 +160,13 @@ def _flatten(placed: list[tuple[str, int, list[_Unit]]], links: int, robot_bodie
         piece=np.array([unit.piece for _, _, unit in units], dtype=np.int64),
         carrier=np.array([carrier for _, carrier, _ in units], dtype=np.int64),
         centre=centre,
-        rotation=np.array([unit.rotation for _, _, unit in units]),
-        half=np.array([unit.half for _, _, unit in units]),
-        disc=np.array([unit.disc for _, _, unit in units]),
-        ball=np.array([unit.ball for _, _, unit in units]),
+        rotation=np.array([unit.rotation for _, _, unit in units]).reshape(-1, 3, 3),
+        half=np.array([unit.half for _, _, unit in units]).reshape(-1, 3),
+        disc=np.array([unit.disc for _, _, unit in units], dtype=np.float64),
+        ball=np.array([unit.ball for _, _, unit in units], dtype=np.float64),
         hull=hull,
         hulls=tuple(hulls),
-        reach=np.array([unit.reach for _, _, unit in units]),
+        reach=np.array([unit.reach for _, _, unit in units], dtype=np.float64),
         roots=tuple(int(x) for x in first[:-1]),
         pieces=tuple(
             tuple(int(first[b]) + k for k, unit in enumerate(units) if unit.piece != COVER)

@@ -20,7 +20,7 @@ LOOKED_AT = 300
 @dataclass(frozen=True, eq=False)
 class Option:
     """A branch of a control point, with the turn of a symmetric part it belongs to and a lower bound of its duration
-    (`least`, less `grain`: the spacing of the meeting times that were looked at)."""
+    (`least`, less `grain`: how far before it the last meeting time that was looked at lies)."""
 
     meeting: Meetings
     yaw_offset: float
@@ -50,12 +50,16 @@ def options(scene: Scene, chain: Chain, found: list[tuple[float, Meetings]], mos
                 limits.jerk,
             )
             least = np.atleast_1d(least)
+            first, grain = float(least.min()), 0.0
             if not branch.still:
-                # the earliest grid time at which the lower bound would allow the meeting
-                ready = branch.time[rows] >= state.time + least
-                least = branch.time[rows][ready][:1] - state.time if ready.any() else np.array([np.inf])
-            grain = 0.0 if branch.still else stride * float(np.diff(branch.time).max(initial=0.0))
-            result.append(Option(meeting, yaw_offset, branch, float(least.min()), grain))
+                # the earliest time looked at that the lower bound allows; any before it come after the one before
+                time = branch.time[rows]
+                ready = np.flatnonzero(time >= state.time + least)
+                first = float(time[ready[0]]) - state.time if len(ready) else np.inf
+                step = float(np.diff(branch.time).max(initial=0.0))
+                before = float(time[ready[0] - 1]) if len(ready) and ready[0] > 0 else first + state.time - step
+                grain = first + state.time - before if len(ready) else 0.0
+            result.append(Option(meeting, yaw_offset, branch, first, grain))
     result.sort(key=lambda option: option.least)
     return tuple(result[:most])
 

@@ -191,7 +191,8 @@ def joint_states(
         return Refusal("glued", reason, point.step, (), span)
     least, asked = float(found.margin.min()), scene.options.singularity_margin
     if not least >= asked:
-        return Refusal("glued", Reason.NEAR_SINGULARITY, point.step, (), span, asked - least, "1")
+        detail = f"margin {least:.3f} where {asked:.3f} is asked"
+        return Refusal("glued", Reason.NEAR_SINGULARITY, point.step, (), span, asked - least, "1", detail)
     q = continued(scene.robot, found.q, state.q)
     q[0], qd, qdd = state.q, found.qd.copy(), found.qdd.copy()
     qd[0], qdd[0] = state.qd, state.qdd

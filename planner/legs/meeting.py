@@ -18,7 +18,7 @@ from planner.robots.protocol import Code, Robot
 from planner.scene import Scene
 
 GRID_S = 0.004
-"""Meeting times are looked for on a grid this fine, s: it costs a plan at most this much."""
+"""Meeting times are looked for on a grid this fine, s; a plan meets its point a step or two later than it could."""
 MOST_TIMES = 2500
 """... and at most this many times, so a far horizon makes the grid coarser."""
 LOOK_AHEAD_S = 20.0
