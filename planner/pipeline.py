@@ -31,14 +31,16 @@ class _Clock:
         return time.perf_counter() - self.started
 
 
-def plan(scene: Scene, *, adaptive: bool = True) -> Outcome:
+def plan(scene: Scene, *, adaptive: bool = True, started: float | None = None) -> Outcome:
     """A jerk-limited trajectory through the scene's control points, proved free of collision, or why there is none.
 
+    `started`: the reading of `time.perf_counter` from which the budget counts (None: now); a caller that has built the
+    scene for this request says when it began.
     `adaptive=False` samples without learning from what was refused (for experiments). Every plan was accepted by the
     checker. What the prover accepted and the checker refuses is a defect of the planner: it is no answer, and the
     census tells it under the stage `checker`.
     """
-    clock = _Clock(time.perf_counter())
+    clock = _Clock(time.perf_counter() if started is None else started)
     prover = Prover(scene)
     never = start_impossible(scene, prover)
     if never is not None:

@@ -69,22 +69,32 @@ def scene_of(document: object, *, folder: Path | None = None) -> Scene:
 
 
 def plan_document(
-    document: object, *, folder: Path | None = None, certificate: Literal["full", "digest"] = "full"
+    document: object,
+    *,
+    folder: Path | None = None,
+    certificate: Literal["full", "digest"] = "full",
+    started: float | None = None,
 ) -> dict[str, Any]:
-    """The answer to a request: planned, or not planned and why. Raises `InputError` naming the field."""
+    """The answer to a request: planned, or not planned and why. Raises `InputError` naming the field.
+
+    `started`: the reading of `time.perf_counter` from which the budget counts. A service gives the time at which it
+    took the request up, so that building the scene counts, too; None: the budget is for the search alone.
+    """
     from planner.pipeline import plan
     from scenes.answer import answer_of
 
     cell = cell_of(document, folder=folder)
     with located(document):
-        outcome = plan(cell.scene)
+        outcome = plan(cell.scene, started=started)
     return answer_of(cell, outcome, certificate)
 
 
-def plan_scenario(scenario: Scenario, *, certificate: Literal["full", "digest"] = "full") -> dict[str, Any]:
-    """The answer to a scenario's request. Raises `InputError` with the line in the scenario's file."""
+def plan_scenario(
+    scenario: Scenario, *, certificate: Literal["full", "digest"] = "full", started: float | None = None
+) -> dict[str, Any]:
+    """The answer to a scenario's request; as `plan_document`. Raises `InputError` with the line in the file."""
     with scenario.located():
-        return plan_document(scenario.request, folder=scenario.folder, certificate=certificate)
+        return plan_document(scenario.request, folder=scenario.folder, certificate=certificate, started=started)
 
 
 def check_document(request: object, plan: object, *, folder: Path | None = None) -> dict[str, Any]:
