@@ -17,6 +17,8 @@ from scenes.faults import NOTHING, DocumentError
 MEDIA_TYPE = "application/problem+json"
 SHOWN_CHARACTERS = 80
 """Longest text of a request that a problem repeats."""
+SHOWN_NUMBERS = 6
+"""Longest list of numbers of a request that a problem repeats: a window, a point."""
 LONGEST_ALLOWED = 2000
 """Longest list of what is allowed that a problem gives, characters."""
 MOST_ERRORS = 20
@@ -106,7 +108,7 @@ def printable(text: str, longest: int = 200) -> str:
 
 
 def shown(value: object) -> Any:
-    """`value` as a problem may repeat it: a short scalar as it is, anything else in words."""
+    """`value` as a problem may repeat it: a short scalar or a few numbers as they are, anything else in words."""
     match value:
         case None | bool():
             return value
@@ -121,7 +123,9 @@ def shown(value: object) -> Any:
         case bytes() | bytearray():
             return f"{len(value)} bytes"
         case dict():
-            return f"an object with {len(value)} fields"
+            return f"an object with {len(value)} field{'' if len(value) == 1 else 's'}"
+        case list() if len(value) <= SHOWN_NUMBERS and all(type(x) in (int, float) for x in value):
+            return [shown(x) for x in value]
         case list() | tuple() | set() | frozenset():
             return f"a list of {len(value)}"
         case _:

@@ -35,7 +35,7 @@ def sentence(scene: Scene, refusal: Refusal | CensusLine | None, census: Census,
         tail = f" ({refusal.count} of {census.candidates} candidates{_span(refusal)})"
         if cut:
             tail += f"; the budget of {budget:g} s was spent"
-    return f"{step}: {what}{_others(refusal, census)}{tail}."
+    return f"{'' if refusal.stage == 'start' else step + ': '}{what}{_others(refusal, census)}{tail}."
 
 
 def _others(refusal: Refusal | CensusLine, census: Census) -> str:
@@ -78,7 +78,9 @@ def _because(refusal: Refusal | CensusLine) -> str:
     detail = refusal.detail
     match refusal.reason:
         case Reason.OUT_OF_REACH:
-            return f"the point is out of reach ({detail})"
+            return (
+                f"the point is {number} out of reach ({detail})" if number else f"the point is out of reach ({detail})"
+            )
         case Reason.JOINT_LIMIT:
             return f"{bodies or 'a joint'} would have to go {number} beyond its limit" if number else detail
         case Reason.NEAR_SINGULARITY:
@@ -102,7 +104,8 @@ def _because(refusal: Refusal | CensusLine) -> str:
         case Reason.CARRY_LIMIT:
             return f"the part would be accelerated by {number} too much"
         case Reason.WINDOW_MISSED:
-            return f"the window is missed by {number}: {detail}" if number else detail
+            least = "" if "the glue takes" in detail else "at least "
+            return f"the window is missed by {least}{number}: {detail}" if number else detail
         case Reason.LAW_ENDS:
             return f"the motion of {bodies or 'a frame'} is not known for long enough{': ' + detail if detail else ''}"
         case Reason.NOT_CERTIFIED:

@@ -13,6 +13,7 @@ from planner.legs.control_point import ControlPoint, control_point
 from planner.obstruction import closest, enclosed
 from planner.outcome import LegKind, Reason, Refusal
 from planner.phases import Carried, Phase, held, initial_rides, pair, resting_on, yaw_offsets
+from planner.range import out_of_range, whatever_the_yaw
 from planner.robots.protocol import Code
 from planner.scene import Pick, Place, Scene
 
@@ -35,6 +36,10 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
         offsets = yaw_offsets(scene, step)
         if isinstance(step, Place) and (carried is None or carried.part != step.part):
             return None  # the scene's constructor has refused this already
+        turns = offsets if offsets is not None else (0.0,)
+        beyond = [out_of_range(scene, control_point(scene, number, rides, carried, turn)) for turn in turns]
+        if all(r is not None and (offsets is not None or whatever_the_yaw(scene, r)) for r in beyond):
+            return beyond[0]
         found = [
             _point(scene, prover, control_point(scene, number, rides, carried, o), rides, carried)
             for o in (offsets if offsets is not None else (0.0,))

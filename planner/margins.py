@@ -12,15 +12,17 @@ from planner.phases import Phase, pair
 from planner.scene import Scene
 from planner.separation import centre_normals, face_normals, gaps, likely_gaps, place, rough_gaps
 from planner.solids import COVER, Carriers, Solids, carriers, standing
-from planner.tool_motion import tool_motion
+from planner.tool_motion import carrying_peak, tool_peak
 from planner.trajectory import Trajectory, check_limits
 
 INSTANTS = 64
 """Times at which the smallest clearance and the tool's acceleration are looked for."""
 BATCH = 48
 """Pairs and times that are looked at together."""
-FINER = 17
-"""Times around the nearest one at which its pair is looked at again."""
+FINER = 9
+"""Times around the nearest one at which its pair is looked at again ..."""
+ZOOMS = 3
+"""... so many times, each time closer."""
 
 
 def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Margins:
@@ -44,13 +46,17 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         for i, peak in enumerate(peaks)
     )
     t = np.linspace(trajectory.start, trajectory.end, INSTANTS)
-    acceleration = tool_motion(scene, trajectory, t).a
+    limit, held = scene.carry_acceleration, carrying_peak(scene, trajectory, phases)
+    pull = held[0] if held is not None else tool_peak(scene, trajectory, trajectory.start, trajectory.end)[0]
+    binds = f"{kind} of {joint} ({100 * ratio:.0f} %)"
+    if held is not None and limit is not None and held[0] / limit > ratio:
+        binds = f"acceleration of the carried part ({100 * held[0] / limit:.0f} %)"
     return Margins(
         peaks=peaks,
-        binds=f"{kind} of {joint} ({100 * ratio:.0f} %)",
+        binds=binds,
         nearest=nearest(prover, trajectory, phases),
-        tool_acceleration=float(np.sqrt((acceleration**2).sum(-1)).max()),
-        tool_acceleration_limit=scene.carry_acceleration,
+        tool_acceleration=pull,
+        tool_acceleration_limit=limit,
         singularity=float(scene.robot.margin(trajectory.evaluate(t)).min()),
     )
 
@@ -67,9 +73,11 @@ def nearest(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -
         found = _nearest(prover, trajectory, phase, np.linspace(phase.t0, phase.t1, count), None)
         if found is not None and (best is None or found[0] < best[0]):
             step = (phase.t1 - phase.t0) / (count - 1)
-            around = np.linspace(max(phase.t0, found[1] - step), min(phase.t1, found[1] + step), FINER)
-            finer = _nearest(prover, trajectory, phase, around, found[2])
-            gap, time, which = min(found, finer or found)
+            gap, time, which = found
+            for _ in range(ZOOMS):
+                around = np.linspace(max(phase.t0, time - step), min(phase.t1, time + step), FINER)
+                gap, time, which = min((gap, time, which), _nearest(prover, trajectory, phase, around, which) or found)
+                step *= 2 / (FINER - 1)
             best = gap, time, phase, which
     if best is None:
         return None

@@ -70,7 +70,8 @@ def _pair(
         if gap[k] - SLACK_M > need:
             return None
         if prover.collider.touch(p, r, int(k)):
-            return max(0.0, need - float(gap[k])), f"{first} touches {second}"
+            depth = max(0.0, -float(gap[k]))
+            return max(0.0, need - float(gap[k])), f"{first} is up to {1e3 * depth:.1f} mm deep in {second}"
         distance, _ = separate(p, r, int(k))
         if not distance - SLACK_M > need:
             return (

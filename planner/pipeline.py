@@ -66,7 +66,7 @@ def _planned(scene: Scene, clock: _Clock, prover: Prover, found: Found, made: Pl
         seed=scene.options.seed,
         elapsed_s=clock.elapsed,
         first_s=found.first_s,
-        cut_by_clock=found.cut_by_clock and scene.options.stop == "first",
+        cut_by_clock=found.cut_by_clock,
     )
 
 

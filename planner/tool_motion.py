@@ -23,15 +23,15 @@ def tool_motion(scene: Scene, trajectory: Trajectory, t: FloatArray) -> Motion:
     return robot.link_motion(robot.links.index("flange"), q, qd, qdd, qddd).at(scene.tool.tcp)
 
 
+def tool_peak(scene: Scene, trajectory: Trajectory, t0: float, t1: float) -> tuple[float, float]:
+    """Largest acceleration, m/s², of the tool point over [t0, t1] by samples of `STEP_S`, and when."""
+    t = np.linspace(t0, t1, max(2, int(np.ceil((t1 - t0) / STEP_S)) + 1))
+    pull = np.sqrt((tool_motion(scene, trajectory, t).a ** 2).sum(-1))
+    top = int(np.argmax(pull))
+    return float(pull[top]), float(t[top])
+
+
 def carrying_peak(scene: Scene, trajectory: Trajectory, phases: tuple[Phase, ...]) -> tuple[float, float] | None:
     """Largest acceleration, m/s², of the tool point while a part is carried, and when; None: nothing is carried."""
-    best: tuple[float, float] | None = None
-    for phase in phases:
-        if phase.carried is None or not phase.t1 > phase.t0 or phase.step < 0:
-            continue
-        t = np.linspace(phase.t0, phase.t1, max(2, int(np.ceil((phase.t1 - phase.t0) / STEP_S)) + 1))
-        pull = np.sqrt((tool_motion(scene, trajectory, t).a ** 2).sum(-1))
-        top = int(np.argmax(pull))
-        if best is None or pull[top] > best[0]:
-            best = float(pull[top]), float(t[top])
-    return best
+    spans = [(p.t0, p.t1) for p in phases if p.carried is not None and p.t1 > p.t0 and p.step >= 0]
+    return max((tool_peak(scene, trajectory, t0, t1) for t0, t1 in spans), default=None)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from planner.checker.verdict import Code, Finding
 from planner.outcome import Arrival, Certificate, Leg, LegKind, Plan
 from scenes.answer import INDICES, REALS
 from scenes.build.frames import placed
@@ -20,6 +21,11 @@ PLAN: Path = ("plan",)
 """Where the plan is in what is checked: {request, plan}."""
 
 
+TIME_S = 1e-9
+"""By how much durations may be off the trajectory's, s: sums of times round."""
+REFUSAL = "planned; this answer is a refusal: its status is not_planned, so there is no plan in it to check"
+
+
 def plan_of(plan: object, conventions: Conventions) -> Plan:
     """The plan in a planned answer with a full certificate. Raises `DocumentError` below "plan".
 
@@ -28,7 +34,7 @@ def plan_of(plan: object, conventions: Conventions) -> Plan:
     root = {"plan": plan}
     if isinstance(plan, dict):
         if plan.get("status") == "not_planned":
-            raise fault(root, (*PLAN, "status"), "planned: there is nothing to check in a refusal")
+            raise fault(root, (*PLAN, "status"), REFUSAL)
         certificate = plan.get("certificate")
         if isinstance(certificate, dict) and set(certificate) == {"digest", "rows"}:
             raise fault(root, (*PLAN, "certificate"), "the certificate in full, as certificate=full gives it")
@@ -52,6 +58,25 @@ def plan_of(plan: object, conventions: Conventions) -> Plan:
         ),
         certificate=_certificate(root, document.certificate),
     )
+
+
+def untrue(plan: object) -> tuple[Finding, ...]:
+    """What an answer says of its own durations that its trajectory does not: findings, none if all of it is true.
+
+    `plan` has passed `plan_of`; what it leaves out is no claim.
+    """
+    document = read(PlanDocument, plan, PLAN)
+    first, last = document.trajectory.time_s[0], document.trajectory.time_s[-1]
+    duration, bound = last - first, document.lower_bound_s
+    found = [
+        Finding(Code.FORM, f"{key} is {said:.6f}, but the trajectory's is {true:.6f}", abs(said - true), "s", key)
+        for key, said, true in (("duration_s", document.duration_s, duration), ("start_s", document.start_s, first))
+        if said is not None and not abs(said - true) <= TIME_S
+    ]
+    if bound is not None and not bound <= duration + TIME_S:
+        what = f"lower_bound_s is {bound:.6f}, but this plan takes only {duration:.6f}"
+        found.append(Finding(Code.FORM, what, bound - duration, "s", "lower_bound_s"))
+    return tuple(found)
 
 
 def _certificate(root: object, item: CertificateDocument) -> Certificate:

@@ -60,7 +60,8 @@ def cell_of(document: object, *, folder: Path | None = None) -> Cell:
     from scenes.build.cell import cell_of as build
 
     whole = document if folder is None else with_files(document, folder)
-    return build(whole, validate(whole))
+    # Faults are told of the document as it was written: of a mesh's file, not of the bytes that took its place.
+    return build(document, validate(whole))
 
 
 def scene_of(document: object, *, folder: Path | None = None) -> Scene:
@@ -101,10 +102,12 @@ def check_document(request: object, plan: object, *, folder: Path | None = None)
     """The checker's verdict on a planned answer with a full certificate. Raises `InputError` naming the field."""
     from planner.checker import check
     from scenes.answer import NOTICE
-    from scenes.plans import plan_of
+    from scenes.plans import plan_of, untrue
 
     cell = cell_of(request, folder=folder)
-    verdict = check(cell.scene, plan_of(plan, cell.conventions))
+    made = plan_of(plan, cell.conventions)
+    told = untrue(plan)  # before the checker, which knows no documents
+    verdict = check(cell.scene, made)
     findings = [
         {
             "code": str(finding.code),
@@ -113,11 +116,11 @@ def check_document(request: object, plan: object, *, folder: Path | None = None)
             "unit": finding.unit,
             "where": finding.where,
         }
-        for finding in verdict.findings
+        for finding in (*told, *verdict.findings)
     ]
     return {
         "schema": SCHEMA,
-        "ok": verdict.ok,
+        "ok": verdict.ok and not told,
         "findings": findings,
         "request_digest": cell.scene.digest,
         "notice": NOTICE,

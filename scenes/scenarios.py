@@ -23,6 +23,8 @@ from scenes.yaml_text import Lines, parse_yaml
 
 CELLS = Path(__file__).parent / "cells"
 """The shipped scenarios."""
+OF_PLAN = "plan"
+"""First part of the fields of a plan that is checked against a scenario; no key of a request."""
 FORMATS = {".stl": "stl", ".obj": "obj", ".ply": "ply", ".glb": "glb"}
 """Endings of the mesh files that a scenario may name."""
 
@@ -50,11 +52,11 @@ class ExpectDocument(Document):
 
 
 class ScenarioDocument(Document):
-    """A scenario file."""
+    """A scenario file; without `expect` nothing is held against its answer."""
 
     about: Annotated[str, Field(min_length=1, max_length=MAX_TEXT)]
     request: RequestDocument
-    expect: ExpectDocument
+    expect: ExpectDocument | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +76,8 @@ class Scenario:
         try:
             yield
         except InputError as error:
+            if error.field.split(".")[0] == OF_PLAN:
+                raise  # about the plan that is checked: another file, of which there are no lines
             raise _with_line(error, self.lines, "request.") from error
 
 
@@ -87,7 +91,7 @@ def load_scenario(path: Path) -> Scenario:
     except InputError as error:
         raise _with_line(error, lines, "") from error
     about = " ".join(document["about"].split())
-    return Scenario(path.stem, about, document["request"], document["expect"], path.parent, lines)
+    return Scenario(path.stem, about, document["request"], document.get("expect", {}), path.parent, lines)
 
 
 @lru_cache(maxsize=1)
@@ -138,8 +142,10 @@ def _inlined_mesh(mesh: dict[str, Any], path: tuple[str | int, ...], folder: Pat
         raise DocumentError(field, name, allowed)
     found = Path(os.path.normpath(folder / name))
     # Links are refused, not followed: what a name leads to must be seen from the name.
+    if found.is_relative_to(folder) and not os.path.lexists(found):
+        raise DocumentError(field, name, "a file that exists, below the scenario's own folder; this one does not")
     if not found.is_relative_to(folder) or found.resolve() != found or not found.is_file():
-        raise DocumentError(field, name, allowed)
+        raise DocumentError(field, name, f"{allowed}, and no link")
     if found.stat().st_size > MAX_MESH_BYTES:
         raise DocumentError(field, name, f"a file of up to {MAX_MESH_BYTES} bytes")
     inlined = {key: value for key, value in mesh.items() if key != "file"}
@@ -148,7 +154,9 @@ def _inlined_mesh(mesh: dict[str, Any], path: tuple[str | int, ...], folder: Pat
 
 
 def unmet(expect: dict[str, Any], answer: dict[str, Any]) -> list[str]:
-    """What of a scenario's `expect` the answer does not hold, in words; [] if it holds all of it."""
+    """What of a scenario's `expect` the answer does not hold, in words; [] if it holds all, or nothing is expected."""
+    if not expect:
+        return []
     wanted = read(ExpectDocument, expect)
     found = []
     if answer["status"] != wanted.status:

@@ -55,10 +55,59 @@ def parse_yaml(data: bytes) -> tuple[Any, Lines]:
         for event in yaml.parse(text, Loader=LOADER):
             reader.take(event)
     except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        shown = getattr(error, "problem", None) or "characters that YAML does not allow"
-        raise DocumentError("scenario", shown, "YAML", line=None if mark is None else mark.line + 1) from None
+        raise _unreadable(error, text) from None
     return reader.root, reader.lines
+
+
+SENTENCES = {
+    "found character that cannot start any token": (
+        "a character in line {line} that no value begins with",
+        "text that begins with one of @ ` % in quotes",
+    ),
+    "mapping values are not allowed in this context": (
+        "a colon in line {line} where none can be: the line is indented further than the one above it, or has two",
+        "keys of one mapping that begin in the same column, one in a line; text with a colon in quotes",
+    ),
+    "did not find expected key": (
+        "line {line} begins in another column than the keys that it follows",
+        "keys of one mapping that begin in the same column (the mapping begins in line {first})",
+    ),
+    "did not find expected '-' indicator": (
+        "line {line} begins in another column than the list that it follows, or is no item of it",
+        "items of one list that begin with - in the same column (the list begins in line {first})",
+    ),
+    "did not find expected <document start>": (
+        "line {line} begins in another column than the lines above it",
+        "keys of one mapping that begin in the same column",
+    ),
+    "did not find expected ',' or ']'": (
+        "line {line} before the list in brackets is closed",
+        "a comma between items and ] at the end (the list begins in line {first})",
+    ),
+    "did not find expected ',' or '}'": (
+        "line {line} before the mapping in braces is closed",
+        "a comma between fields and }} at the end (the mapping begins in line {first})",
+    ),
+}
+"""What libyaml says, in words that say what to mend: what was found, and what would be right."""
+
+
+def _unreadable(error: yaml.YAMLError, text: str) -> DocumentError:
+    """The error for text that is no YAML, with its line. A tab is named first: it is invisible, and often the cause."""
+    mark, context = getattr(error, "problem_mark", None), getattr(error, "context_mark", None)
+    problem = getattr(error, "problem", None) or "characters that YAML does not allow"
+    if mark is None:
+        return DocumentError("scenario", problem, "YAML")
+    line = mark.line + 1
+    rows = text.splitlines()
+    row = rows[mark.line] if mark.line < len(rows) else ""
+    if "\t" in row[: len(row) - len(row.lstrip())]:
+        return DocumentError("scenario", f"line {line} begins with a tab", "YAML: indent with spaces", line=line)
+    if problem not in SENTENCES:
+        return DocumentError("scenario", problem, "YAML", line=line)
+    first = line if context is None else context.line + 1
+    shown, allowed = (part.format(line=line, first=first) for part in SENTENCES[problem])
+    return DocumentError("scenario", shown, allowed, line=line)
 
 
 class _Reader:

@@ -164,7 +164,12 @@ def _unreachable(point: ControlPoint, code: IntArray, t: FloatArray, mode: str, 
     worst = code[known]
     if (worst == Code.OUT_OF_REACH).all():
         return Refusal(
-            "inverse", Reason.OUT_OF_REACH, point.step, (), _span(t), detail=f"{mode}: no joint position reaches it"
+            "inverse",
+            Reason.OUT_OF_REACH,
+            point.step,
+            (),
+            _span(t),
+            detail=f"no joint position with the elbow {mode} reaches it",
         )
     detail = f"{mode}: the arm is stretched or folded"
     return Refusal("inverse", Reason.NEAR_SINGULARITY, point.step, (), _span(t), 0.0, "1", detail)

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from planner.errors import InputError
 from planner.frames.motion import Pose
 from planner.scene import WORLD, WorldBody
 from planner.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
 from scenes.build.frames import placed
 from scenes.documents.shapes import AttachedBody, BodyDocument, MeshDocument, PlaceInCell, ShapeDocument
 from scenes.documents.task import TargetDocument
-from scenes.faults import Path, fault, located
+from scenes.faults import DocumentError, Path, as_written, dotted, fault, located
 
 
 def solid(document: object, path: Path, name: str, shape: ShapeDocument) -> Body:
@@ -47,9 +48,26 @@ def _mesh(document: object, path: Path, name: str, mesh: MeshDocument) -> Body:
         raise fault(document, (*path, "file"), "an asset's name or inline data: a request never names a file")
     if mesh.data is not None and mesh.format is None:
         raise fault(document, (*path, "format"), "stl, obj, ply or glb, which must be given with data")
-    with located(document, *path):
+    try:
         cover = covered(mesh)
+    except InputError as error:
+        raise _of_mesh(document, path, mesh, error) from error
     return Body(name, cover.pieces, cover.surface)
+
+
+def _of_mesh(document: object, path: Path, mesh: MeshDocument, error: InputError) -> DocumentError:
+    """The fault at the field as written: what is wrong inside the data of a `file` is the file's."""
+    key = error.field.removeprefix("mesh.")
+    _, written = as_written(document, path)
+    by_file = isinstance(written, dict) and "file" in written
+    if key == "unit":
+        size = f"in {mesh.unit} this mesh is {error.value}; is the unit right?"
+        return fault(document, (*path, key), f"a unit that gives {error.allowed}: {size}")
+    if by_file and key in ("data", "format"):
+        return fault(document, (*path, "file"), f"{error.allowed}; there is: {error.value}")
+    if key == "data":
+        return DocumentError(dotted((*path, key)), error.value, error.allowed)
+    return fault(document, (*path, key), error.allowed)
 
 
 def attached(document: object, path: Path, item: AttachedBody, lower_m: float = 0.0) -> Body:
@@ -103,19 +121,20 @@ def resolve(
     pose = placed(place.at_m, yaw)
     if place.body is not None:
         if place.body not in places:
-            raise fault(document, (*path, "body"), f"a body that is named before: {_choices(places)}")
+            raise fault(document, (*path, "body"), f"a body that is named before: {choices(places)}")
         frame, carrier = places[place.body]
         return frame, carrier.then(pose)
     frame = WORLD if place.frame is None else place.frame
     if frame not in frames:
-        raise fault(document, (*path, "frame"), f"one of {_choices(frames)}")
+        raise fault(document, (*path, "frame"), f"one of {choices(frames)}")
     return frame, pose
 
 
 MOST_CHOICES = 12
 
 
-def _choices(names: Sequence[str] | Places) -> str:
+def choices(names: Sequence[str] | Places) -> str:
+    """Names that there are, in words, the first `MOST_CHOICES` of them."""
     shown = sorted(names)
     more = f" and {len(shown) - MOST_CHOICES} more" if len(shown) > MOST_CHOICES else ""
     return ", ".join(shown[:MOST_CHOICES]) + more if shown else "none is there"

@@ -28,7 +28,7 @@ def cell_of(document: object, request: RequestDocument) -> Cell:
     arm = robots.arm(document, ("robot",), request.robot)
     robot = robots.scara(document, ("robot",), request.robot, arm)
     tool = robots.tool(document, ("robot", "tool"), request.robot.tool)
-    start = robots.start(document, request.start, arm.conventions)
+    start = robots.start(document, request.start, arm.conventions, robot.limits)
     known = frames.frames_of(document, request.frames)
     places: bodies.Places = {}
     own = [body.body.name for body in robot.bodies] + [body.name for body in tool.bodies]
@@ -61,10 +61,21 @@ def cell_of(document: object, request: RequestDocument) -> Cell:
                 request.execution.tracking_m, request.execution.start_tolerance_s, request.execution.belt_correction
             ),
             carry_acceleration=carry,
-            assumptions=arm.assumptions,
+            assumptions=(*arm.assumptions, *_unused(request)),
             digest=request.digest,
         )
     return Cell(scene, arm.conventions)
+
+
+MASSES = "mass_kg is not used: no torque, no payload check"
+"""What an answer says where a mass is given."""
+
+
+def _unused(request: RequestDocument) -> tuple[str, ...]:
+    """What the request states and no plan depends on. A mass of 0 is the same as none."""
+    masses = [request.robot.tool.mass_kg, *(body.mass_kg for body in request.bodies)]
+    masses += [neighbour.robot.tool.mass_kg for neighbour in request.neighbours]
+    return (MASSES,) if any(masses) else ()
 
 
 def _check_riders(document: object, request: RequestDocument, steps: tuple[Step, ...]) -> None:

@@ -26,7 +26,7 @@ from scenes.documents.robots import (
     ToolDocument,
 )
 from scenes.faults import Path, fault, located
-from scenes.units import twin_of
+from scenes.units import from_si, si_key, twin_of
 
 KINDS: tuple[JointKind, ...] = ("revolute", "revolute", "prismatic", "revolute")
 """Kinds of the joints of a SCARA, in order."""
@@ -55,16 +55,47 @@ def tool(document: object, path: Path, item: ToolDocument) -> Tool:
     return Tool(placed(item.tcp_m, item.tcp_yaw_rad), bodies, item.mass_kg)
 
 
-def start(document: object, item: StartDocument, conventions: Conventions) -> Start:
-    """The state at the start. Raises `DocumentError` unless each joint has its value."""
-    q = joint_values(document, ("start", "joints"), item.joints, conventions, "")
-    rest = np.zeros(len(conventions))
-    qd, qdd = rest, rest
-    if item.velocity is not None:
-        qd = joint_values(document, ("start", "velocity"), item.velocity, conventions, "_s")
-    if item.acceleration is not None:
-        qdd = joint_values(document, ("start", "acceleration"), item.acceleration, conventions, "_s2")
-    return Start(item.at_s, q, qd, qdd)
+START_RATIO = 1e-9
+"""A start velocity or acceleration may exceed its limit by this share, as the planner has it: rounding of units."""
+
+
+def start(document: object, item: StartDocument, conventions: Conventions, limits: Limits) -> Start:
+    """The state at the start. Raises `DocumentError` unless each joint has its value, within the (narrowed) limits."""
+    path: Path = ("start", "joints")
+    q = joint_values(document, path, item.joints, conventions, "")
+    _hold(document, path, q, (limits.lower, limits.upper), conventions, "")
+    rates = []
+    for key, given, limit, rate in (
+        ("velocity", item.velocity, limits.velocity, "_s"),
+        ("acceleration", item.acceleration, limits.acceleration, "_s2"),
+    ):
+        values = np.zeros(len(conventions))
+        if given is not None:
+            path = ("start", key)
+            values = joint_values(document, path, given, conventions, rate)
+            most = limit * (1 + START_RATIO)
+            _hold(document, path, values, (-most, most), conventions, rate)
+        rates.append(values)
+    return Start(item.at_s, q, *rates)
+
+
+def _hold(
+    document: object,
+    path: Path,
+    values: FloatArray,
+    ends: tuple[FloatArray, FloatArray],
+    conventions: Conventions,
+    rate: str,
+) -> None:
+    """Raises `DocumentError` at the first joint beyond its limits, which are told as the joint was written."""
+    for i, joint in enumerate(conventions):
+        lower, upper = float(ends[0][i]), float(ends[1][i])
+        if not lower <= values[i] <= upper:
+            refused = fault(document, (*path, _key(joint, rate)), "")
+            unit = si_key(refused.field)
+            signed = sorted(joint.sign * end + 0.0 for end in (lower, upper))
+            low, high = (end if unit is None else from_si(end, unit[1]) for end in signed)
+            raise fault(document, (*path, _key(joint, rate)), f"{low:.6g} to {high:.6g}")
 
 
 def joint_values(document: object, path: Path, values: JointValues, conventions: Conventions, rate: str) -> FloatArray:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from planner.errors import FaultError
 from planner.frames import Conveyor, Frame, Linear
 from planner.scene import Arch, Follow, Move, Pick, Place, Step, Target, Window
-from scenes.build.bodies import Places, resolve
+from scenes.build.bodies import Places, choices, resolve
 from scenes.build.frames import placed
 from scenes.documents.task import (
     FollowDocument,
@@ -18,7 +18,7 @@ from scenes.documents.task import (
     TargetDocument,
     WindowedStep,
 )
-from scenes.faults import Path, fault
+from scenes.faults import Path, as_written, fault
 
 
 class _Task:
@@ -54,7 +54,7 @@ class _Task:
 
     def _pick(self, path: Path, name: str, item: PickDocument) -> Step:
         if item.part not in self.places:
-            raise fault(self.document, (*path, "part"), "the name of a body")
+            raise fault(self.document, (*path, "part"), f"the name of a body: {choices(self.places)}")
         if self.held is not None:
             raise fault(self.document, (*path, "part"), f"a pick after {self.held} is placed")
         if not self.has_yaw and item.grasp_yaw_rad != 0.0:
@@ -109,7 +109,11 @@ class _Task:
     def _window(self, path: Path, item: WindowedStep, frame: str) -> Window:
         for key, ends in (("window_s", item.window_s), ("window_m", item.window_m)):
             if ends is not None and not ends[0] < ends[1]:
-                raise fault(self.document, (*path, key), "two ends, the first below the second")
+                raise fault(
+                    self.document,
+                    (*path, key),
+                    f"two ends, the first below the second{_reversed(self.document, (*path, key))}",
+                )
         if item.window_m is not None and not isinstance(self.frames[frame].law, Conveyor | Linear):
             raise fault(self.document, (*path, "window_m"), f"window_s: {frame} is no conveyor to measure along")
         time = None if item.window_s is None else (item.window_s[0], item.window_s[1])
@@ -121,8 +125,17 @@ class _Task:
             return None
         for i, name in enumerate(names):
             if name not in self.places or name == part:
-                raise fault(self.document, (*path, "contact_with", i), "the name of a body that is not the part")
+                there = choices([place for place in self.places if place != part])
+                raise fault(
+                    self.document, (*path, "contact_with", i), f"the name of a body that is not the part: {there}"
+                )
         return tuple(names)
+
+
+def _reversed(document: object, path: Path) -> str:
+    """The two ends as they were written, in words."""
+    _, ends = as_written(document, path)
+    return f"; {ends[0]} is not below {ends[1]}" if isinstance(ends, list) and len(ends) == 2 else ""
 
 
 def steps_of(

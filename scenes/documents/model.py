@@ -7,6 +7,7 @@ variables, so that the reader and the schema agree on them.
 
 from __future__ import annotations
 
+import difflib
 from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, model_validator
@@ -17,6 +18,9 @@ from scenes import bounds
 from scenes.units import si_key, to_si, twin_of
 
 Group = tuple[str, ...]
+LONGEST_KEY = 40
+MOST_KEYS = 3
+"""So much of the keys that are no fields is repeated."""
 
 
 class Document(BaseModel):
@@ -60,12 +64,17 @@ class Document(BaseModel):
         for group in cls.exactly_one:
             given = [key for key in group if key in result]
             if len(given) != 1:
-                raise _refusal("one_of", given[1:], f"exactly one of {', '.join(group)}")
+                strange = [] if given else [key for key in result if not cls._has(key)]
+                raise _refusal("one_of", given[1:], f"exactly one of {', '.join(group)}{_strange(strange, group)}")
         for group in cls.at_most_one:
             given = [key for key in group if key in result]
             if len(given) > 1:
                 raise _refusal("one_of", given[1:], f"at most one of {', '.join(group)}")
         return result
+
+    @classmethod
+    def _has(cls, key: object) -> bool:
+        return any(key in (name, field.alias) for name, field in cls.model_fields.items())
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
@@ -120,6 +129,15 @@ def _twin_of_field(field: dict[str, Any]) -> dict[str, Any]:
     if isinstance(copy.get("items"), dict):
         copy["items"] = _twin_of_field(copy["items"])
     return copy
+
+
+def _strange(keys: list[str], group: Group) -> str:
+    """Which keys were given that are no fields, where one of `group` is missing: probably misspelt."""
+    if not keys:
+        return ""
+    shown = ", ".join(str(key)[:LONGEST_KEY] for key in keys[:MOST_KEYS])
+    close = difflib.get_close_matches(str(keys[0]), group, n=1, cutoff=0.5)
+    return f"; {shown} is none of them" + (f", did you mean {close[0]}?" if close else "")
 
 
 def _refusal(kind: str, keys: list[str], allowed: str) -> PydanticCustomError:

@@ -65,7 +65,7 @@ class CertificateDocument(Document):
 
 
 class PlanDocument(Document):
-    """A planned answer. What the checker does not read may be left out, and is not looked at."""
+    """A planned answer. What is not checked may be left out, and is not looked at; the durations may be left out."""
 
     schema_: Literal["assur/1"] = Field(alias="schema")
     status: Literal["planned"]
@@ -74,11 +74,11 @@ class PlanDocument(Document):
     arrivals: Annotated[list[ArrivalDocument], Field(max_length=bounds.MAX_STEPS)]
     certificate: CertificateDocument
     request_digest: Text | None = None
-    duration_s: Any = 0
-    start_s: Any = 0
+    duration_s: Number | None = None
+    start_s: Number | None = None
+    lower_bound_s: Number | None = None
     contacts: Any = 0
     margins: Any = 0
-    lower_bound_s: Any = 0
     census: Any = 0
     assumptions: Any = 0
     seed: Any = 0

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import difflib
-from typing import Any, TypeVar
+from collections.abc import Callable, Sequence
+from types import UnionType
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
 from planner.errors import FaultError
 from scenes.documents.model import NAME, REFERENCE
 from scenes.faults import DocumentError, Path, as_written, dotted
-from scenes.units import from_si, si_key, twin_of
+from scenes.units import SI_UNITS, TWIN_UNITS, from_si, si_key, twin_of, unit_of
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -64,18 +66,22 @@ def _fault(model: type[BaseModel], document: object, error: dict[str, Any]) -> t
     if "keys" in context:
         location += tuple(context["keys"][:1])
     path, value = as_written(document, location)
-    return path, value, _allowed(model, kind, context, location, path)
+    return path, value, _allowed(model, kind, context, location, path, value)
 
 
-def _allowed(model: type[BaseModel], kind: str, context: dict[str, Any], location: Path, path: Path) -> str:
+def _allowed(
+    model: type[BaseModel], kind: str, context: dict[str, Any], location: Path, path: Path, value: object
+) -> str:
     if "allowed" in context:
         return str(context["allowed"])
     if kind == "missing":
         key = str(location[-1])
         twin = twin_of(key)
-        return f"{key} or {twin}, which must be given" if twin else "a value, which must be given"
+        if twin is not None:
+            return f"{key} or {twin}, which must be given"
+        return f"{_words_of(_annotation(model, location)) or 'a value'}, which must be given"
     if kind == "extra_forbidden":
-        return _known(model, location)
+        return _known(model, location, value)
     if kind in COMPARISONS:
         name, words = COMPARISONS[kind]
         return f"{words} {_in_unit_written(context[name], path)}"
@@ -90,6 +96,8 @@ def _allowed(model: type[BaseModel], kind: str, context: dict[str, Any], locatio
     if kind == "string_pattern_mismatch":
         if context["pattern"] in (NAME, REFERENCE):
             return "a name: a letter, then up to 63 letters, digits, _ . -"
+        if path[-1] in SHIPPED:
+            return _likeliest(str(value), SHIPPED[path[-1]]())
         return f"text that matches {context['pattern']}"
     return TYPES.get(kind, kind.replace("_", " "))
 
@@ -103,36 +111,91 @@ def _in_unit_written(limit: float, path: Path) -> str:
     return f"{limit:.6g}"
 
 
-def _known(model: type[BaseModel], location: Path) -> str:
-    """The fields that the model at `location` has, the likeliest first."""
-    here: type[BaseModel] | None = model
-    for part in location[:-1]:
-        if isinstance(part, str) and here is not None:
-            here = _model_of(here, part)
+def _known(model: type[BaseModel], location: Path, value: object) -> str:
+    """The fields that the model at `location` has, both ways to write each, and the likeliest that was meant."""
+    here = _model_in(_annotation(model, location[:-1]))
     if here is None:
         raise FaultError(f"no model has the fields around {dotted(location)}")
-    names = [field.alias or name for name, field in here.model_fields.items()]
-    close = difflib.get_close_matches(str(location[-1]), names, n=1, cutoff=0.5)
-    known = f"one of {', '.join(sorted(names))}"
-    if not close:
+    fields = {field.alias or name: field.annotation for name, field in here.model_fields.items()}
+    known = f"one of {', '.join(f'{n}/{twin_of(n)}' if twin_of(n) else n for n in sorted(fields))}"
+    key = str(location[-1])
+    meant = [n for n in fields if _stem(n) == _stem(key) and _takes(fields[n], value)]
+    meant = meant or difflib.get_close_matches(key, fields, n=1, cutoff=0.5)
+    if not meant:
         return known
-    twin = twin_of(close[0])
-    return f"{known}; did you mean {close[0]}{f' or {twin}' if twin else ''}?"
+    return f"{known}; did you mean {' or '.join(w for n in meant for w in (n, twin_of(n)) if w)}?"
 
 
-def _model_of(model: type[BaseModel], name: str) -> type[BaseModel] | None:
-    """The model of a field, inside optionals, lists and mappings; the model itself for a key of a mapping."""
-    for key, field in model.model_fields.items():
-        if name in (key, field.alias):
-            return _inside(field.annotation)
-    return model
+def _stem(key: str) -> str:
+    """A key without the unit that it bears: `at_m`, `at_mm` and `at` have one stem."""
+    unit = unit_of(key, TWIN_UNITS) or unit_of(key, SI_UNITS)
+    return key if unit is None else key[: -len(unit)].removesuffix("_")
 
 
-def _inside(annotation: Any) -> type[BaseModel] | None:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    for part in reversed(getattr(annotation, "__args__", ())):
-        found = _inside(part)
-        if found is not None:
-            return found
-    return None
+def _takes(annotation: Any, value: object) -> bool:
+    """Whether a field of this type could hold `value`, judged by what it is: a list, a mapping, or neither."""
+    lists = any(get_origin(option) is list for option in _options(annotation))
+    mappings = any(get_origin(option) is dict or _is_model(option) for option in _options(annotation))
+    return lists if isinstance(value, list) else mappings if isinstance(value, dict) else not (lists or mappings)
+
+
+def _annotation(model: type[BaseModel], location: Path) -> Any:
+    """The type at `location` of a document of `model`, inside optionals, lists and mappings; None: nothing is there."""
+    here: Any = model
+    for part in location:
+        here = next((found for option in _options(here) if (found := _below(option, part)) is not None), None)
+    return here
+
+
+def _below(option: Any, part: str | int) -> Any:
+    if _is_model(option):
+        fields = option.model_fields.items()
+        return next((field.annotation for name, field in fields if part in (name, field.alias)), None)
+    return get_args(option)[-1] if get_origin(option) in (list, dict) else None
+
+
+def _options(annotation: Any) -> tuple[Any, ...]:
+    """The types that an annotation stands for: each of a union, without what Annotated adds."""
+    if get_origin(annotation) is Annotated:
+        return _options(get_args(annotation)[0])
+    if get_origin(annotation) in (Union, UnionType):
+        return tuple(option for part in get_args(annotation) for option in _options(part))
+    return (annotation,)
+
+
+def _is_model(option: Any) -> bool:
+    return isinstance(option, type) and issubclass(option, BaseModel)
+
+
+def _model_in(annotation: Any) -> type[BaseModel] | None:
+    return next((option for option in _options(annotation) if _is_model(option)), None)
+
+
+def _words_of(annotation: Any) -> str:
+    """The words that a field is one of, where it is."""
+    words = [str(word) for option in _options(annotation) if get_origin(option) is Literal for word in get_args(option)]
+    return f"one of {', '.join(words)}" if len(words) > 1 else "".join(words)
+
+
+def _likeliest(value: str, names: Sequence[str]) -> str:
+    """The names that there are, and the one that was probably meant."""
+    plain = {name.replace("-", ""): name for name in names}
+    spoken = "".join(c for c in value.lower() if c.isalnum())
+    close = difflib.get_close_matches(spoken, plain, n=1)
+    return f"one of {', '.join(names)}" + (f"; did you mean {plain[close[0]]}?" if close else "")
+
+
+def _models() -> Sequence[str]:
+    from scenes.catalogue import ENTRIES
+
+    return sorted(ENTRIES)
+
+
+def _assets() -> Sequence[str]:
+    from scenes.meshes.assets import asset_names
+
+    return asset_names()
+
+
+SHIPPED: dict[str | int, Callable[[], Sequence[str]]] = {"model": _models, "asset": _assets}
+"""Keys whose values are names of what is shipped; a value that cannot be such a name is told which there are."""

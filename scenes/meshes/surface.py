@@ -43,9 +43,11 @@ def closed_surface(corners: FloatArray, unit_m: float) -> Surface:
     faces = inverse.reshape(-1, 3).astype(np.int64)
     extent = float(np.ptp(vertices, axis=0).max())
     if not SMALLEST_MESH_M <= extent <= LARGEST_MESH_M:
-        raise InputError("mesh.unit", f"{extent:g} m", f"a size from {SMALLEST_MESH_M} to {LARGEST_MESH_M} m")
+        raise InputError(
+            "mesh.unit", f"{extent:.4g} m large", f"a size from {SMALLEST_MESH_M:g} to {LARGEST_MESH_M:g} m"
+        )
     if not float(np.abs(vertices).max()) <= FAR_M:
-        raise InputError("mesh.unit", f"{np.abs(vertices).max():g} m", f"coordinates up to {FAR_M} m")
+        raise InputError("mesh.unit", f"up to {np.abs(vertices).max():.4g} m away", f"coordinates up to {FAR_M:g} m")
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     there, back = (np.sort(edges[:, i] * len(vertices) + edges[:, 1 - i]) for i in (0, 1))
     if not np.array_equal(there, back):

@@ -53,7 +53,7 @@ def test_a_sentence_names_the_step_the_bodies_the_count_and_the_time() -> None:
 
 def test_what_no_candidate_refused_is_not_counted() -> None:
     refusal = line(1, "window", Reason.WINDOW_MISSED, bodies=(), least=0.034, unit="s", detail="too late")
-    assert said(refusal) == "drop: the window is missed by 34 ms: too late."
+    assert said(refusal) == "drop: the window is missed by at least 34 ms: too late."
 
 
 @pytest.mark.parametrize(

@@ -194,8 +194,22 @@ def test_a_part_beside_a_wall_is_refused_only_if_no_turn_of_the_tool_is_free() -
         assert (reason(scene) is None) == may
 
 
-def test_a_point_that_is_not_reached_is_for_others_to_refuse() -> None:
-    assert found(cell(go(0.7, 0.0))) is None
+def test_a_point_that_stands_out_of_reach_is_impossible_by_so_many_millimetres() -> None:
+    refusal = found(cell(go(0.7, 0.0)))
+    assert refusal is not None
+    assert refusal.reason is Reason.OUT_OF_REACH
+    assert refusal.amount == pytest.approx(0.1, abs=0.002)  # the arm is 0.6 m long
+
+
+def test_a_point_within_reach_is_not_out_of_range() -> None:
+    assert found(cell(go(0.59, 0.0))) is None
+
+
+def test_a_height_that_the_lift_joint_does_not_come_to_is_named_with_what_is_missing() -> None:
+    refusal = found(cell(go(0.4, 0.0, 0.27)))
+    assert refusal is not None
+    assert (refusal.reason, refusal.bodies) == (Reason.JOINT_LIMIT, ("z",))
+    assert refusal.amount == pytest.approx(0.02, abs=1e-9)
 
 
 @settings(max_examples=40)

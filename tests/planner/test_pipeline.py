@@ -187,7 +187,7 @@ PROVED: dict[str, tuple[Callable[[], Scene], bool]] = {
         ),
         True,
     ),
-    "a second point that is out of reach": (lambda: cell(go(0.35, 0.2), go(0.7, 0.0), max_candidates=40), False),
+    "a second point that is out of reach": (lambda: cell(go(0.35, 0.2), go(0.7, 0.0), max_candidates=40), True),
 }
 
 

@@ -1,0 +1,79 @@
+"""Points that stand still where the arm can never be: out of reach, or beyond a joint limit, in every allowed mode."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from planner.frames.motion import Motion
+from planner.legs.control_point import ControlPoint
+from planner.outcome import Reason, Refusal
+from planner.robots.protocol import Code
+from planner.robots.turns import equivalents
+from planner.scene import Scene
+
+LOOKS = 400
+"""Points between the arm's axis and a point out of reach at which the nearest one within reach is looked for."""
+
+
+def out_of_range(scene: Scene, point: ControlPoint) -> Refusal | None:
+    """Why no joint position meets `point`, or what is asked above it; None: one does, or it moves."""
+    if not point.still:
+        return None
+    refusals = []
+    for mode in _allowed(scene):
+        here = [_refused(scene, point, above, mode) for above in (0.0, point.approach, point.depart)]
+        first = next((refusal for refusal in here if refusal is not None), None)
+        if first is None:
+            return None
+        refusals.append(first)
+    return min(refusals, key=lambda refusal: refusal.amount, default=None)
+
+
+def whatever_the_yaw(scene: Scene, refusal: Refusal) -> bool:
+    """Whether the refusal of one yaw holds for all: the tool point is on the wrist's axis; it is not the wrist's."""
+    tcp = scene.tool.tcp
+    return tcp.x == 0.0 and tcp.y == 0.0 and scene.robot.joints[-1].name not in refusal.bodies
+
+
+def _allowed(scene: Scene) -> list[int]:
+    """Working modes that the request allows."""
+    robot, elbow = scene.robot, scene.options.elbow
+    if elbow == "auto":
+        return list(range(len(robot.modes)))
+    return [int(robot.mode_of(scene.start.q))] if elbow == "keep" else [robot.modes.index(elbow)]
+
+
+def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refusal | None:
+    robot = scene.robot
+    motion = point.flange(np.array([scene.start.time]), above).at_rest()
+    found = robot.inverse(motion, mode, 0)
+    if found.code[0] == Code.OUT_OF_REACH:
+        return _far(scene, point, motion, mode)
+    q = found.q[0]
+    if not np.isfinite(q).all() or len(equivalents(robot, q, robot.limits.lower, robot.limits.upper)):
+        return None
+    over = np.maximum(robot.limits.lower - q, q - robot.limits.upper)
+    for i, joint in enumerate(robot.joints):
+        if joint.kind == "revolute":
+            turned = q[i] + 2 * np.pi * np.arange(-3, 4)
+            over[i] = np.maximum(robot.limits.lower[i] - turned, turned - robot.limits.upper[i]).min()
+    worst = int(np.argmax(over))
+    name, unit = robot.joints[worst].name, "rad" if robot.joints[worst].kind == "revolute" else "m"
+    where = f", {1e3 * above:g} mm above the point" if above else ""
+    detail = f"elbow {robot.modes[mode]}{where}"
+    return Refusal("control point", Reason.JOINT_LIMIT, point.step, (name,), None, float(over[worst]), unit, detail)
+
+
+def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusal:
+    """By how much a point is out of reach: the distance to the nearest one within reach on the way from the axis."""
+    robot, target = scene.robot, motion.p[0]
+    axis = np.array([robot.base.x, robot.base.y, target[2]])
+    share = np.linspace(0.0, 2.0, 2 * LOOKS + 1)
+    p, none = axis + share[:, None] * (target - axis), np.zeros(len(share))
+    still = np.zeros_like(p)
+    line = Motion(p, still, still, still, none + motion.yaw[0], none, none, none)
+    reached = robot.inverse(line, mode, 0).code != Code.OUT_OF_REACH
+    distance = float(np.linalg.norm(target - axis))
+    short = float(np.abs(share[reached] - 1.0).min()) * distance if reached.any() else float("nan")
+    detail = f"the flange would be {1e3 * distance:.0f} mm from the arm's axis"
+    return Refusal("control point", Reason.OUT_OF_REACH, point.step, (), None, short, "m", detail)
