@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 import math
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -17,7 +18,13 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
+from planner.checker import Code, check
+from planner.digest import digest
 from planner.errors import InputError
+from planner.outcome import Plan, Planned
+from planner.pipeline import plan
+from planner.scene import Scene
+from planner.shapes import Body, Primitive, box
 from scenes.requests import check_document, plan_document, plan_scenario, scene_of
 from scenes.scenarios import shipped, unmet
 
@@ -205,3 +212,43 @@ def test_a_neighbour_has_to_stay_upright() -> None:
 def test_beyond_the_elbow_arms_reach_nothing_is_planned() -> None:
     found = plan_document(spoiled(lambda r: r["task"][1]["move"]["to"].update(at_mm=[600, 0, 300])))
     assert found["status"] != "planned"
+
+
+@cache
+def proof(name: str) -> tuple[Scene, Plan]:
+    scene = scene_of(shipped(name).request)
+    outcome = plan(scene)
+    assert isinstance(outcome, Planned)
+    return scene, outcome.plan
+
+
+def forged(name: str, **columns: Any) -> set[Code]:
+    """What the checker finds when columns of the proof are others and its digest fits again; false rows cover nothing."""
+    scene, honest = proof(name)
+    changed = replace(honest.certificate, **columns)
+    parts = (scene.digest, honest.trajectory, honest.legs, honest.arrivals, changed)
+    verdict = check(scene, replace(honest, certificate=replace(changed, digest=digest(*parts))))
+    return {finding.code for finding in verdict.findings}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_proof_with_slower_points_or_wider_gaps_than_is_true_is_found(name: str) -> None:
+    honest = proof(name)[1].certificate
+    assert forged(name) == set()
+    assert forged(name, speed=0.99 * honest.speed) == {Code.BOUND, Code.COVER}
+    assert forged(name, acceleration=0.99 * honest.acceleration) == {Code.BOUND, Code.COVER}
+    assert forged(name, gap0=honest.gap0 + 1e-6) == {Code.GAP, Code.COVER}
+
+
+@pytest.mark.parametrize("name", ["elbow-arm", "polar-arm"])
+def test_a_proof_for_smaller_links_is_none_for_these(name: str) -> None:
+    """The last link 20 mm thicker than it was proved for."""
+    scene, honest = proof(name)
+    last = scene.robot.bodies[-1]
+    piece = last.body.pieces[0]
+    assert isinstance(piece.shape, Primitive)
+    thick = replace(piece, shape=box(*(2 * h + 0.04 for h in piece.shape.half)))
+    bodies = (*scene.robot.bodies[:-1], replace(last, body=Body(last.body.name, (thick,))))
+    robot: Any = scene.robot
+    other = replace(scene, robot=replace(robot, bodies=bodies))
+    assert {Code.GAP, Code.SEPARATION} <= {finding.code for finding in check(other, honest).findings}
