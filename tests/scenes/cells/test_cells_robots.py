@@ -223,7 +223,7 @@ def proof(name: str) -> tuple[Scene, Plan]:
 
 
 def forged(name: str, **columns: Any) -> set[Code]:
-    """What the checker finds when columns of the proof are others; its digest fits again, and false rows cover nothing."""
+    """What the checker finds when columns of the proof are others and its digest fits; false rows cover nothing."""
     scene, honest = proof(name)
     changed = replace(honest.certificate, **columns)
     parts = (scene.digest, honest.trajectory, honest.legs, honest.arrivals, changed)
