@@ -183,7 +183,8 @@ class Sampler:
         found = []
         for share in shares:
             q = start + share * (goal - start)
-            free = np.array([joint.kind == "revolute" for joint in robot.joints])
+            # the lift has a rule of its own, below
+            free = np.array([number != robot.lift for number in range(len(robot.joints))])
             free[3:] = False  # the wrist only turns with the way; it clears nothing
             kind = rng.choice(len(VIAS), p=VIAS)
             spread = SPREAD * (limits.upper - limits.lower)

@@ -33,8 +33,8 @@ class TrajectoryLaw(KnownLaw):
     the same way |n·ẍ| >= |ω̇| R. Therefore |ω| <= b(R)/R, b being the robot's bound for points within R. With a long R
     this is sharp for ω; for ω̇ the robot's bound holds the turning too, and gives √(ω̇² + ω⁴) rather than |ω̇|.
 
-    Raises `InputError` for a link that the robot has not, a trajectory of another number of joints, or one that does
-    not begin and end at rest. Not checked: that the trajectory keeps the robot's limits.
+    Raises `InputError` for a link that the robot has not, a robot with links that tilt, a trajectory of another number
+    of joints, or one that does not begin and end at rest. Not checked: that the trajectory keeps the robot's limits.
     """
 
     robot: Robot
@@ -49,6 +49,9 @@ class TrajectoryLaw(KnownLaw):
             raise InputError("neighbour.link", self.link, f"a link number from 0 to {links - 1} of {self.robot.name}")
         if self.trajectory.n != joints:
             raise InputError("neighbour.trajectory", self.trajectory.n, f"{joints} joints of {self.robot.name}")
+        if self.robot.tilting:
+            allowed = "an arm whose links stay upright: every frame of a cell turns about the vertical only"
+            raise InputError("neighbour.robot", self.robot.name, allowed)
         for end, rests in (("start", self.trajectory.rest_at_start), ("end", self.trajectory.rest_at_end)):
             if not rests:
                 raise InputError(f"neighbour.trajectory.{end}", "in motion", "at rest: no velocity, no acceleration")
@@ -66,6 +69,7 @@ class TrajectoryLaw(KnownLaw):
     def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
         swept = sweep(self.trajectory, t0, t1, self._rates)
         link, lever = np.full(t0.shape, self.link), np.full(t0.shape, LEVER_M)
-        speed, acceleration = self.robot.point_bounds(link, np.zeros(t0.shape), n, swept)
-        rate, rate_d = self.robot.point_bounds(link, lever, np.tile(SIDEWAYS, (len(t0), 1)), swept)
+        none, sideways = np.zeros(t0.shape), np.tile(SIDEWAYS, (len(t0), 1))
+        speed, acceleration = self.robot.point_bounds(link, none, none, n, swept)
+        rate, rate_d = self.robot.point_bounds(link, lever, lever, sideways, swept)
         return LawBounds(speed, acceleration, rate / LEVER_M, rate_d / LEVER_M)

@@ -162,11 +162,17 @@ class Scene:
         object.__setattr__(self, "index", {body.name: body for body in self.bodies})
         for i, step in enumerate(self.task):
             self._check_step(f"task[{i}]", step)
+            if isinstance(step, Move) and step.arch is not None and self.robot.lift is None:
+                allowed = f"no arch: {self.robot.name} has no joint that lifts (cartesian legs go up and over)"
+                raise InputError(f"task[{i}].arch", step.arch.top_m, allowed)
         self._check_hands()
         self._check_wrist()
 
     def _check_wrist(self) -> None:
         """An arm that cannot turn its tool at will cannot lay down a part as it should lie."""
+        if self.robot.links.index("flange") in self.robot.tilting and self.tool.tcp != Pose():
+            allowed = f"0, 0, 0: the flange of {self.robot.name} tilts; a tool's length is a part of the last link's"
+            raise InputError("robot.tool.tcp", (self.tool.tcp.x, self.tool.tcp.y, self.tool.tcp.z), allowed)
         if "yaw" in self.robot.coordinates:
             return
         if self.tool.tcp.x != 0.0 or self.tool.tcp.y != 0.0:

@@ -201,3 +201,18 @@ def reach(piece: Piece, position: FloatArray, rotation: FloatArray) -> float:
     points = centre + corners(shape) @ axes.T
     grown = shape.disc + shape.ball if isinstance(shape, Primitive) else 0.0
     return float(np.hypot(points[:, 0], points[:, 1]).max()) + grown
+
+
+def distance(piece: Piece, position: FloatArray, rotation: FloatArray) -> float:
+    """Distance, m, that bounds the piece from the origin of the frame it is carried by (equation S4).
+
+    `position`, `rotation`: the body's pose in that frame. A ball looks the same however the frame turns and tilts, so
+    its points count as its centre does.
+    """
+    centre = position + rotation @ piece.position
+    shape = piece.shape
+    if isinstance(shape, Primitive) and shape.kind == "sphere":
+        return float(np.sqrt(centre @ centre))
+    points = centre + corners(shape) @ (rotation @ piece.rotation).T
+    grown = shape.disc + shape.ball if isinstance(shape, Primitive) else 0.0
+    return float(np.sqrt((points * points).sum(1)).max()) + grown

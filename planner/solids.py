@@ -14,7 +14,7 @@ from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.frames.motion import Pose
 from planner.phases import Carried, initial_rides
 from planner.scene import Scene
-from planner.shapes import Body, Hull, Piece, Primitive, box, reach, support
+from planner.shapes import Body, Hull, Piece, Primitive, box, distance, reach, support
 from planner.trajectory import Trajectory
 
 COVER = -1
@@ -38,6 +38,7 @@ class Solids:
     hull: IntArray
     hulls: tuple[Hull, ...]
     reach: FloatArray
+    distance: FloatArray
     roots: tuple[int, ...]
     """For each body the unit that stands for all of it."""
     pieces: tuple[tuple[int, ...], ...]
@@ -75,6 +76,7 @@ class _Unit:
     disc: float
     ball: float
     reach: float
+    distance: float
 
 
 def _units(body: Body, position: FloatArray, rotation: FloatArray) -> list[_Unit]:
@@ -94,7 +96,15 @@ def _units(body: Body, position: FloatArray, rotation: FloatArray) -> list[_Unit
         turned = rotation @ piece.rotation
         found.append(
             _Unit(
-                number, shape, position + rotation @ centre, turned, half, disc, ball, reach(piece, position, rotation)
+                number,
+                shape,
+                position + rotation @ centre,
+                turned,
+                half,
+                disc,
+                ball,
+                reach(piece, position, rotation),
+                distance(piece, position, rotation),
             )
         )
     return found
@@ -167,6 +177,7 @@ def _flatten(placed: list[tuple[str, int, list[_Unit]]], links: int, robot_bodie
         hull=hull,
         hulls=tuple(hulls),
         reach=np.array([unit.reach for _, _, unit in units], dtype=np.float64),
+        distance=np.array([unit.distance for _, _, unit in units], dtype=np.float64),
         roots=tuple(int(x) for x in first[:-1]),
         pieces=tuple(
             tuple(int(first[b]) + k for k, unit in enumerate(units) if unit.piece != COVER)

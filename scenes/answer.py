@@ -24,7 +24,7 @@ from planner.outcome import (
     Refusal,
 )
 from scenes.build.cell import Cell
-from scenes.catalogue.arm import converted
+from scenes.catalogue.arm import as_maker
 from scenes.documents.request import SCHEMA
 
 Detail = Literal["full", "digest"]
@@ -124,7 +124,7 @@ def trajectory_document(cell: Cell, plan: Plan) -> dict[str, Any]:
     """The knots in the maker's convention. Reading them back gives the planner's knots, bit by bit."""
     trajectory = plan.trajectory
     written = {
-        key: converted(values, cell.conventions)
+        key: as_maker(values, cell.conventions)
         for key, values in (("position", trajectory.q), ("velocity", trajectory.qd), ("acceleration", trajectory.qdd))
     }
     for key, values in written.items():

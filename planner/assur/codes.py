@@ -17,3 +17,5 @@ class Code(IntEnum):
     STRETCHED = 2
     FOLDED = 3
     INDETERMINATE = 4
+    ALIGNED = 5
+    """Inside the workspace: the tool point is on the axis of the base, whose angle may be any."""

@@ -102,8 +102,9 @@ class Facts:
         if len(mine):
             r = row[mine]
             part = Sweep(swept.lower[r], swept.upper[r], swept.rate[r], swept.rate_d[r])
+            mine_units = unit[mine]
             speed[mine], acceleration[mine] = self.scene.robot.point_bounds(
-                carrier[mine], solids.reach[unit[mine]], n[mine], part
+                carrier[mine], solids.reach[mine_units], solids.distance[mine_units], n[mine], part
             )
         for k in np.unique(carrier[carrier >= solids.links]):
             rows = np.flatnonzero(carrier == k)

@@ -95,12 +95,13 @@ class _Followers:
         """Bounds (N, 4) of the size of the second derivatives of x, y, z and yaw of the difference."""
         scene, many, robot = self.scene, len(a), self.scene.robot
         n = np.tile(np.concatenate([np.eye(3), np.eye(3)[:1]]), (many, 1))
-        reach = math.hypot(scene.tool.tcp.x, scene.tool.tcp.y)
+        tcp = scene.tool.tcp
+        reach, distance = math.hypot(tcp.x, tcp.y), math.hypot(tcp.x, tcp.y, tcp.z)
         swept = self.ranges.sweep(a, b)
         each = Sweep(*(np.repeat(column, 4, axis=0) for column in (swept.lower, swept.upper, swept.rate, swept.rate_d)))
         flange = np.full(4 * many, robot.links.index("flange"))
-        arms = np.tile([reach, reach, reach, YAW_ARM_M], many)
-        total = np.array(robot.point_bounds(flange, arms, n, each)[1]).reshape(many, 4)
+        arms, distances = (np.tile([arm, arm, arm, YAW_ARM_M], many) for arm in (reach, distance))
+        total = np.array(robot.point_bounds(flange, arms, distances, n, each)[1]).reshape(many, 4)
         total[:, 3] /= YAW_ARM_M
         for i in np.unique(of):
             rows, target = np.flatnonzero(of == i), self.targets[i]

@@ -53,13 +53,15 @@ class Solids:
             found[rows] += (local[rows] @ self.vertices[k].T).max(1)
         return np.asarray(found)
 
-    def reach(self, body: IntArray, offset: FloatArray) -> tuple[IntArray, FloatArray]:
-        """How far turning about a carrier's z axis moves the solids of bodies (K,) at `offset` (K, 4): x, y, z, yaw.
+    def reach(self, body: IntArray, offset: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
+        """How far turning a carrier moves the solids of bodies (K,) at `offset` (K, 4) in it: x, y, z, yaw; about its z
+        axis, and about any axis through its origin.
 
-        The first place of each body (K,), and the reaches in m: of its pieces, and behind them of its box. A reach is a
-        bound of the horizontal distance from that axis of the points of a solid. An upright solid of revolution looks
-        the same however it turns, so its points may be taken to move as its centre does. What bounds the points of all
-        pieces serves for the box, too: a gap of boxes is a gap of what is in them.
+        The first place of each body (K,), and the reaches and distances in m: of its pieces, and behind them of its
+        box. A reach is a bound of the horizontal distance from the z axis of the points of a solid, a distance one of
+        that from the origin. An upright solid of revolution looks the same however it turns, so its points may be taken
+        to move as its centre does; a ball looks the same however it tilts, too. What bounds the points of all pieces
+        serves for the box, too: a gap of boxes is a gap of what is in them.
         """
         sizes = self.count[body] + 1
         start = np.cumsum(sizes) - sizes
@@ -67,30 +69,40 @@ class Solids:
         place = np.arange(len(of)) - start[of]
         boxed = place == sizes[of] - 1
         solid = np.where(boxed, self.box[body[of]], self.first[body[of]] + place)
-        found = self._radius(solid, offset[of])
+        found = self._radii(solid, offset[of])
         if len(body):
-            widest = np.maximum.reduceat(np.where(boxed, 0.0, found), start)
-            found = np.where(boxed, np.minimum(found, widest[of]), found)
-        return start, found
+            widest = np.maximum.reduceat(np.where(boxed, 0.0, found), start, axis=1)
+            found = np.where(boxed, np.minimum(found, widest[:, of]), found)
+        return start, found[0], found[1]
 
-    def _radius(self, solid: IntArray, offset: FloatArray) -> FloatArray:
-        c, s = np.cos(offset[:, 3]), np.sin(offset[:, 3])
-        turn = np.stack([np.stack([c, -s], -1), np.stack([s, c], -1)], -2)
-        centre = (turn @ self.position[solid, :2, None])[..., 0] + offset[:, :2]
-        axes = turn @ self.rotation[solid, :2, :]
+    def _radii(self, solid: IntArray, offset: FloatArray) -> FloatArray:
+        """(2, N): from the carrier's z axis and from its origin."""
+        c, s, nil = np.cos(offset[:, 3]), np.sin(offset[:, 3]), np.zeros(len(solid))
+        turn = np.stack([np.stack([c, -s, nil], -1), np.stack([s, c, nil], -1), np.stack([nil, nil, nil + 1], -1)], -2)
+        centre = (turn @ self.position[solid, :, None])[..., 0] + offset[:, :3]
+        axes = turn @ self.rotation[solid]
         corners = centre[:, None, :] + (_SIGNS * self.half[solid][:, None, :]) @ np.swapaxes(axes, 1, 2)
-        found = np.hypot(corners[..., 0], corners[..., 1]).max(1) + self.disc[solid] + self.ball[solid]
-        found = np.where(self._round(solid), np.hypot(centre[:, 0], centre[:, 1]), found)
+        found = _farthest(corners) + self.disc[solid] + self.ball[solid]
         for k in np.flatnonzero(self.hull[solid] >= 0):
-            points = centre[k] + self.vertices[self.hull[solid[k]]] @ axes[k].T
-            found[k] = np.hypot(points[:, 0], points[:, 1]).max()
-        return np.asarray(found)
+            found[:, k] = _farthest((centre[k] + self.vertices[self.hull[solid[k]]] @ axes[k].T)[None])[:, 0]
+        alike = np.stack([self._round(solid), self._ball(solid)])
+        return np.asarray(np.where(alike, _farthest(centre[:, None]), found))
 
     def _round(self, solid: IntArray) -> BoolArray:
         """Whether each solid is one of revolution about a vertical, or a ball."""
         revolved = (self.half[solid, :2] == 0.0).all(1) & (self.hull[solid] < 0)
-        ball = (self.half[solid, 2] == 0.0) & (self.disc[solid] == 0.0)
-        return np.asarray(revolved & (ball | (np.abs(self.rotation[solid, :2, 2]).max(1) <= UPRIGHT)))
+        upright = np.abs(self.rotation[solid, :2, 2]).max(1) <= UPRIGHT
+        return np.asarray((revolved & upright) | self._ball(solid))
+
+    def _ball(self, solid: IntArray) -> BoolArray:
+        """Whether each solid is a ball."""
+        point = (self.half[solid] == 0.0).all(1) & (self.disc[solid] == 0.0)
+        return np.asarray(point & (self.hull[solid] < 0))
+
+
+def _farthest(points: FloatArray) -> FloatArray:
+    """Greatest distance of points (N, K, 3) from the z axis and from the origin, (2, N)."""
+    return np.stack([np.hypot(points[..., 0], points[..., 1]).max(1), np.sqrt((points * points).sum(-1)).max(1)])
 
 
 def solids(scene: Scene) -> Solids:

@@ -22,7 +22,8 @@ from planner.scene import Scene
 @dataclass(frozen=True, eq=False)
 class Stage:
     """`seat` (P, B): the seat of each body in each phase; per seat (S,) its `body`, `carrier`, `offset` (S, 4) as
-    x, y, z, yaw, and `reaches[reach_at[seat] + piece]`; a box has the place behind the last piece."""
+    x, y, z, yaw, and `reaches[reach_at[seat] + piece]`, `distances` likewise; a box has the place behind the last
+    piece."""
 
     scene: Scene
     solids: Solids
@@ -32,6 +33,7 @@ class Stage:
     offset: FloatArray
     reach_at: IntArray
     reaches: FloatArray
+    distances: FloatArray
 
     @property
     def links(self) -> int:
@@ -72,12 +74,15 @@ class Stage:
         """Bounds (N,) of |n·ẋ| and |n·ẍ| over [t0, t1] (N,) for the points of pieces; `sweep` is of those intervals."""
         carrier = self.carrier[seat]
         place = np.where(piece < 0, self.solids.count[self.body[seat]], piece)
-        reach = self.reaches[self.reach_at[seat] + place]
+        at = self.reach_at[seat] + place
+        reach = self.reaches[at]
         speed, acceleration = np.full(len(seat), np.inf), np.full(len(seat), np.inf)
         rows = np.flatnonzero(carrier < self.links)
         if len(rows):
             part = Sweep(sweep.lower[rows], sweep.upper[rows], sweep.rate[rows], sweep.rate_d[rows])
-            speed[rows], acceleration[rows] = self.scene.robot.point_bounds(carrier[rows], reach[rows], n[rows], part)
+            speed[rows], acceleration[rows] = self.scene.robot.point_bounds(
+                carrier[rows], reach[rows], self.distances[at[rows]], n[rows], part
+            )
         for k, frame in enumerate(self.scene.frames.values(), start=self.links):
             rows = np.flatnonzero(carrier == k)
             if len(rows):

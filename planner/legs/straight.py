@@ -117,14 +117,15 @@ def _knots(scene: Scene, step: int, state: State, mode: int, line: _Line) -> Kno
             return refusal
         q = continued(robot, found.q, state.q)
         # the leg begins in the arm's own state, to the bit
-        q[0], found.qd[0], found.qdd[0] = state.q, state.qd, state.qdd
-        met = line.met(t[-1:])
-        if not any(rate.any() for rate in (met.v, met.a, met.yaw_d, met.yaw_dd)):
+        qd, qdd = found.qd.copy(), found.qdd.copy()
+        q[0], qd[0], qdd[0] = state.q, state.qd, state.qdd
+        last = line.met(t[-1:])
+        if not (last.v.any() or last.a.any() or last.yaw_d.any() or last.yaw_dd.any()):
             # ... and ends at rest to the bit where the frame it meets stands still
-            found.qd[-1] = found.qdd[-1] = 0.0
-        knots = Knots(t, q, found.qd, found.qdd)
+            qd[-1] = qdd[-1] = 0.0
+        knots = Knots(t, q, qd, qdd)
         middle = (t[1:] + t[:-1]) / 2
-        position, _ = robot.forward(Trajectory(t, q, found.qd, found.qdd).evaluate(middle))
+        position, _ = robot.forward(Trajectory(t, q, qd, qdd).evaluate(middle))
         if float(np.sqrt(((position - line.motion(middle).p) ** 2).sum(-1)).max()) <= PATH_M:
             return knots
         spacing /= 2
@@ -146,7 +147,9 @@ def _refused(
         return Refusal("straight", Reason.OUT_OF_REACH, step, (), span, detail="the line leaves the workspace")
     least = int(rows[np.nanargmin(margin[rows])])
     left = scene.robot.singular_distance(q[least])
-    detail = f"the line comes within {1e3 * float(left):.1f} mm of a singular position (margin {margin[least]:.3f})"
+    kind = Code(int(scene.robot.singularity(q[least]))).name.lower()
+    near_to = f"{1e3 * float(left):.1f} mm of a singular position ({kind}; margin {margin[least]:.3f})"
+    detail = f"the line comes within {near_to}"
     return Refusal("straight", Reason.NEAR_SINGULARITY, step, (), span, asked - float(margin[least]), "1", detail)
 
 

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from planner.arrays import FloatArray
+from planner.arrays import FloatArray, IntArray
+from planner.assur.codes import Code
 from planner.frames.motion import Motion
 from planner.shapes import Piece, Primitive
 
@@ -55,6 +56,17 @@ def arm_bounds(
         speed = across * (arms * turn).sum(1) + along * lift
         acceleration = across * (arms * np.hypot(turn_d, turn * turn)).sum(1) + along * lift_d
     return np.where(speed >= 0, speed, np.inf), np.where(acceleration >= 0, acceleration, np.inf)
+
+
+def elbow_singularity(l1: float, l2: float, bend: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
+    """For an RRR dyad bent by θ (...): its margin |sin θ|, the singularity that it is nearer to, and the metres (K16)
+    that its end may move outwards or inwards until it is there."""
+    outer, inner, product = l1 + l2, abs(l1 - l2), 4.0 * l1 * l2
+    beyond, within = product * np.sin(bend / 2) ** 2, product * np.cos(bend / 2) ** 2
+    radius = np.sqrt(inner * inner + within)
+    left = np.minimum(beyond / (outer + radius), within / (inner + radius))
+    code = np.where(np.cos(bend) >= 0.0, int(Code.STRETCHED), int(Code.FOLDED))
+    return np.abs(np.sin(bend)), code, left
 
 
 def upright(piece: Piece) -> bool:

@@ -52,7 +52,8 @@ class Inverse:
     """Joint motion for a flange motion of shape (...): `q, qd, qdd, qddd` (..., n), `code` (...), `margin` (...).
 
     Rows whose code is not ASSEMBLED hold NaN in what is not defined: a stretched or folded arm has a position (q)
-    but no derivatives, an arm out of reach has nothing. `margin` is |sin θ2| for a dyad (NaN out of reach).
+    but no derivatives, an arm over its base axis (ALIGNED) all but the base angle, an arm out of reach has nothing.
+    `margin` is |sin θ2| for a dyad (NaN out of reach).
     Revolute joints are principal values; `turns` of the caller add full turns.
     """
 
@@ -114,6 +115,11 @@ class Robot(Protocol):
         ...
 
     @property
+    def tilting(self) -> frozenset[int]:
+        """Numbers of the links that do not stay upright: their attitude is more than the yaw of their Motion."""
+        ...
+
+    @property
     def bodies(self) -> tuple[RobotBody, ...]: ...
 
     @property
@@ -141,7 +147,7 @@ class Robot(Protocol):
         ...
 
     def link_motion(self, link: int, q: FloatArray, qd: FloatArray, qdd: FloatArray, qddd: FloatArray) -> Motion:
-        """Motion of a link frame in the world for joint motion (..., n)."""
+        """Motion of a link frame in the world for joint motion (..., n); of a `tilting` link the yaw is its heading."""
         ...
 
     def placements(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -154,6 +160,11 @@ class Robot(Protocol):
 
     def margin(self, q: FloatArray) -> FloatArray:
         """Singularity margin (...), from 0 (singular) to 1."""
+        ...
+
+    def singularity(self, q: FloatArray) -> IntArray:
+        """Which singularity (...) the margin is measured to, as a `Code`: STRETCHED at the workspace's outer edge,
+        FOLDED at an inner edge, ALIGNED inside it."""
         ...
 
     def singular_distance(self, q: FloatArray) -> FloatArray:
@@ -169,8 +180,9 @@ class Robot(Protocol):
         ...
 
     def point_bounds(
-        self, link: IntArray, reach: FloatArray, n: FloatArray, sweep: Sweep
+        self, link: IntArray, reach: FloatArray, distance: FloatArray, n: FloatArray, sweep: Sweep, /
     ) -> tuple[FloatArray, FloatArray]:
-        """Upper bounds (N,) of |n·ẋ| and |n·ẍ| over N intervals, for every point x of link number `link` (N,)
-        within horizontal distance `reach` (N,) of the link frame's z axis, along unit vectors `n` (N, 3)."""
+        """Upper bounds (N,) of |n·ẋ| and |n·ẍ| over N intervals, for every point x of link number `link` (N,), along
+        unit vectors `n` (N, 3). The points are within horizontal distance `reach` (N,) of the link frame's z axis (an
+        upright link looks at this alone) and within `distance` (N,) of its origin (a `tilting` link looks at this)."""
         ...

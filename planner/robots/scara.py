@@ -19,8 +19,9 @@ from planner.arrays import BoolArray, FloatArray, IntArray, frozen
 from planner.assur.rrr import LEFT, RIGHT, RRR
 from planner.errors import FaultError, InputError
 from planner.frames.motion import Motion, Pose
-from planner.robots.planar import add_arm, arm_bounds, principal, upright
+from planner.robots.planar import add_arm, arm_bounds, elbow_singularity, principal, upright
 from planner.robots.protocol import Code, Inverse, Joint, Limits, RobotBody, Sweep
+from planner.robots.riders import check_riders, joints_of
 
 LINKS = ("base", "link1", "link2", "quill", "flange")
 BASE, LINK1, LINK2, QUILL, FLANGE = range(5)
@@ -42,8 +43,9 @@ class Scara:
     of revolution; `flange` at the flange, turned by φ4.
 
     Arguments: `name`; `l1`, `l2` lengths in m; `axes` 3 or 4; `limits` in the order of q; `base` in the world;
-    `bodies` on links by number; `self_pairs` of link names; `joint_names`. Raises `InputError` for what is not one.
-    Not checked: that bodies of neighbouring links do not overlap.
+    `bodies` on links by number; `self_pairs` of link names; `joint_names`; `arms_rise`: the lift carries the arms, too
+    (axis order R-P-R-R), so `link1` and `link2` are at the height of the flange; q keeps its order. Raises `InputError`
+    for what is not one. Not checked: that bodies of neighbouring links do not overlap.
     """
 
     name: str
@@ -55,32 +57,28 @@ class Scara:
     bodies: tuple[RobotBody, ...] = ()
     self_pairs: tuple[tuple[str, str], ...] = ()
     joint_names: tuple[str, ...] = ()
+    arms_rise: bool = False
     modes: tuple[str, ...] = field(default=MODES, init=False, repr=False)
     links: tuple[str, ...] = field(default=LINKS, init=False, repr=False)
+    tilting: frozenset[int] = field(default=frozenset(), init=False, repr=False)
     lift: int | None = field(default=2, init=False, repr=False)
     joints: tuple[Joint, ...] = field(init=False, repr=False)
+    lowest_lifted: int = field(init=False, repr=False)
     dyad: RRR = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         if self.axes not in (3, 4):
             raise InputError("robot.axes", self.axes, "3 or 4")
         names = self.joint_names or ("theta1", "theta2", "z", "theta4")[: self.axes]
-        if not (len(names) == len(set(names)) == self.axes):
-            raise InputError("robot.joint_names", names, f"{self.axes} different names")
-        if len(self.limits.lower) != self.axes:
-            raise InputError("robot.limits", len(self.limits.lower), f"{self.axes} joints")
-        for body in self.bodies:
-            if body.link not in range(len(LINKS)):
-                raise InputError(f"robot.bodies {body.body.name}", body.link, f"a link number below {len(LINKS)}")
-            if body.link == QUILL and not all(upright(piece) for piece in body.body.pieces):
-                raise InputError(f"robot.bodies {body.body.name}", "quill", "solids of revolution about the quill")
-        for pair in self.self_pairs:
-            if not set(pair) <= set(LINKS):
-                raise InputError("robot.self_pairs", pair, f"pairs out of {LINKS}")
-        kinds = ("revolute", "revolute", "prismatic", "revolute")
+        kinds = ("revolute", "revolute", "prismatic", "revolute")[: self.axes]
+        object.__setattr__(self, "joints", joints_of(names, kinds, self.limits))
         object.__setattr__(self, "joint_names", names)
-        object.__setattr__(self, "joints", tuple(Joint(*pair) for pair in zip(names, kinds, strict=False)))
+        check_riders(LINKS, self.bodies, self.self_pairs)
+        for body in (rider.body for rider in self.bodies if rider.link == QUILL):
+            if not all(upright(piece) for piece in body.pieces):
+                raise InputError(f"robot.bodies {body.name}", "quill", "solids of revolution about the quill")
         object.__setattr__(self, "dyad", RRR(self.l1, self.l2))
+        object.__setattr__(self, "lowest_lifted", LINK1 if self.arms_rise else QUILL)
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -160,7 +158,7 @@ class Scara:
             elbow = base.position[axis] + self.l1 * turned[0][1 + axis]
             p[..., LINK2, axis] = elbow
             p[..., QUILL, axis] = p[..., FLANGE, axis] = elbow + self.l2 * turned[1][1 + axis]
-        p[..., QUILL, 2] = p[..., FLANGE, 2] = base.z + q[..., 2]
+        p[..., self.lowest_lifted :, 2] = (base.z + q[..., 2])[..., None]
         return p, rotation
 
     @np.errstate(all="ignore")
@@ -182,6 +180,7 @@ class Scara:
             add_arm(motion, self.l1, *first)
         if link >= QUILL:
             add_arm(motion, self.l2, *second)
+        if link >= self.lowest_lifted:
             for row, x in zip((motion.p, motion.v, motion.a, motion.j), joints, strict=True):
                 row[..., 2] += x[..., 2]
         angle = first if link == LINK1 else second
@@ -212,12 +211,14 @@ class Scara:
         return np.abs(np.sin(q[..., 1]))
 
     @np.errstate(all="ignore")
+    def singularity(self, q: FloatArray) -> IntArray:
+        """STRETCHED (...) while the elbow is nearer to stretched than to folded, else FOLDED."""
+        return elbow_singularity(self.l1, self.l2, q[..., 1])[1]
+
+    @np.errstate(all="ignore")
     def singular_distance(self, q: FloatArray) -> FloatArray:
         """Metres (...) that the flange may move along its radius until the arm is stretched or folded, K16."""
-        outer, inner, product = self.l1 + self.l2, abs(self.l1 - self.l2), 4.0 * self.l1 * self.l2
-        beyond, within = product * np.sin(q[..., 1] / 2) ** 2, product * np.cos(q[..., 1] / 2) ** 2
-        radius = np.sqrt(inner * inner + within)
-        return np.minimum(beyond / (outer + radius), within / (inner + radius))
+        return elbow_singularity(self.l1, self.l2, q[..., 1])[2]
 
     @np.errstate(all="ignore")
     def mode_of(self, q: FloatArray) -> IntArray:
@@ -231,20 +232,19 @@ class Scara:
 
     @np.errstate(all="ignore")
     def point_bounds(
-        self, link: IntArray, reach: FloatArray, n: FloatArray, sweep: Sweep
+        self, link: IntArray, reach: FloatArray, _distance: FloatArray, n: FloatArray, sweep: Sweep, /
     ) -> tuple[FloatArray, FloatArray]:
         """Upper bounds (N,) of |n·ẋ| and |n·ẍ| over N intervals for the points of a link (`planar.arm_bounds`).
 
         The arms of a point are l1 and l2 as far as its link is beyond them, and its distance r <= `reach` from the
-        link frame's axis; the quill frame does not turn, so there r does not count.
-
-        Arguments: `link`, `reach` (N,), m; `n` (N, 3); `sweep` of this robot's `rate_matrix`. Rows with NaN, or a
-        negative reach, are bounded by inf. Raises `FaultError` for a link that does not exist.
+        link frame's axis; the quill frame does not turn, so there r does not count. As no link tilts, the distance from
+        its origin is not looked at. Rows with NaN, or a negative reach, are bounded by inf. Raises `FaultError` for a
+        link that does not exist.
         """
         if not ((link >= 0) & (link < len(LINKS))).all():
             raise FaultError("Scara.point_bounds: no such link")
         arms = np.where(reach >= 0, reach, np.nan)[:, None] * _SPIN[link]
         arms[:, 0] += self.l1 * (link >= LINK2)
         arms[:, 1] += self.l2 * (link >= QUILL)
-        turn, turn_d, rides = sweep.rate[:, [0, 1, 3]], sweep.rate_d[:, [0, 1, 3]], link >= QUILL
+        turn, turn_d, rides = sweep.rate[:, [0, 1, 3]], sweep.rate_d[:, [0, 1, 3]], link >= self.lowest_lifted
         return arm_bounds(n, arms, turn, turn_d, rides * sweep.rate[:, 2], rides * sweep.rate_d[:, 2])

@@ -26,8 +26,8 @@ def cell_of(document: object, request: RequestDocument) -> Cell:
     Not checked here: whether anything can be planned.
     """
     arm = robots.arm(document, ("robot",), request.robot)
-    robot = robots.scara(document, ("robot",), request.robot, arm)
-    tool = robots.tool(document, ("robot", "tool"), request.robot.tool)
+    robot = robots.robot(document, ("robot",), request.robot, arm)
+    tool = robots.tool(document, ("robot", "tool"), request.robot.tool, arm)
     start = robots.start(document, request.start, arm.conventions, robot.limits)
     known = frames.frames_of(document, request.frames)
     places: bodies.Places = {}

@@ -9,11 +9,11 @@ import numpy as np
 from planner.errors import InputError
 from planner.frames import Fixed, Frame
 from planner.frames.motion import Pose
-from planner.robots.scara import BASE, Scara
+from planner.robots.scara import BASE
 from planner.scene import WorldBody
 from planner.shapes import Body
 from scenes.build.bodies import Places
-from scenes.build.robots import arm, scara, tool
+from scenes.build.robots import arm, robot, tool
 from scenes.catalogue.arm import Conventions, converted
 from scenes.documents.robots import NeighbourDocument, TrajectoryDocument
 from scenes.faults import Path, fault, located
@@ -55,18 +55,20 @@ def add_neighbour(
     from planner.neighbour import TrajectoryLaw
 
     its_arm = arm(document, (*path, "robot"), item.robot)
-    robot: Scara = scara(document, (*path, "robot"), item.robot, its_arm)
+    other = robot(document, (*path, "robot"), item.robot, its_arm)
+    if other.tilting:
+        raise fault(document, (*path, "robot"), "an arm whose links stay upright, that is a SCARA")
     trajectory = trajectory_of(document, (*path, "trajectory"), item.trajectory, its_arm.conventions)
     if not (trajectory.rest_at_start and trajectory.rest_at_end):
         allowed = "rest at its first and last knot: it stands still before and after"
         raise fault(document, (*path, "trajectory", "velocity"), allowed)
-    for number, link in enumerate(robot.links):
+    for number, link in enumerate(other.links):
         name = f"{item.name}/{link}"
         with located(document, *path, "trajectory"):
-            law = Fixed(robot.base) if number == BASE else TrajectoryLaw(robot, trajectory, number)
+            law = Fixed(other.base) if number == BASE else TrajectoryLaw(other, trajectory, number)
         frames[name] = Frame(name, law)
-    its_tool = tool(document, (*path, "robot", "tool"), item.robot.tool)
-    carried = [(body.body, robot.links[body.link]) for body in robot.bodies]
+    its_tool = tool(document, (*path, "robot", "tool"), item.robot.tool, its_arm)
+    carried = [(body.body, other.links[body.link]) for body in other.bodies]
     carried += [(body, "flange") for body in its_tool.bodies]
     found = []
     for body, link in carried:

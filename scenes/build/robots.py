@@ -8,51 +8,51 @@ import numpy as np
 
 from planner.arrays import FloatArray
 from planner.errors import InputError
-from planner.robots.planar import upright
-from planner.robots.protocol import Limits, RobotBody
-from planner.robots.scara import LINKS, QUILL, Scara
+from planner.frames.motion import Pose
+from planner.robots.protocol import Limits, Robot
 from planner.scene import Start, Tool
 from scenes.build.bodies import attached
 from scenes.build.frames import placed, pose_of
+from scenes.build.inline_arms import FAMILIES, inline_arm, turned_over
 from scenes.catalogue import arm_named
-from scenes.catalogue.arm import Arm, Conventions, JointConvention, JointKind, converted, limits_of
+from scenes.catalogue.arm import Arm, Conventions, JointConvention, converted, places
 from scenes.documents.robots import (
-    JointDocument,
     JointValues,
     LimitsDocument,
     RobotDocument,
-    ScaraDocument,
     StartDocument,
     ToolDocument,
 )
 from scenes.faults import Path, fault, located
 from scenes.units import from_si, si_key, twin_of
 
-KINDS: tuple[JointKind, ...] = ("revolute", "revolute", "prismatic", "revolute")
-"""Kinds of the joints of a SCARA, in order."""
-
 
 def arm(document: object, path: Path, robot: RobotDocument) -> Arm:
     """The arm of the catalogue, or the inline one. Raises `DocumentError` at the field at fault."""
-    if robot.scara is not None:
-        return _inline(document, (*path, "scara"), robot.scara)
+    for family in FAMILIES:
+        item = getattr(robot, family)
+        if item is not None:
+            return inline_arm(document, (*path, family), family, item)
     try:
         return arm_named(str(robot.model))
     except InputError as error:
         raise fault(document, (*path, "model"), error.allowed) from None
 
 
-def scara(document: object, path: Path, item: RobotDocument, of: Arm) -> Scara:
+def robot(document: object, path: Path, item: RobotDocument, of: Arm) -> Robot:
     """The robot at its base, with its limits narrowed."""
     limits = _narrowed(document, (*path, "limits"), item.limits, of)
     with located(document, *path):
         return of.robot(pose_of(item.base), limits)
 
 
-def tool(document: object, path: Path, item: ToolDocument) -> Tool:
-    """The tool in the flange's frame."""
+def tool(document: object, path: Path, item: ToolDocument, of: Arm) -> Tool:
+    """The tool in the planner's flange frame, whose z axis points up."""
     bodies = tuple(attached(document, (*path, "bodies", i), body) for i, body in enumerate(item.bodies))
-    return Tool(placed(item.tcp_m, item.tcp_yaw_rad), bodies, item.mass_kg)
+    tcp = placed(item.tcp_m, item.tcp_yaw_rad)
+    if of.z_down:
+        bodies, tcp = tuple(turned_over(body) for body in bodies), Pose(tcp.x, -tcp.y, -tcp.z, -tcp.yaw)
+    return Tool(tcp, bodies, item.mass_kg)
 
 
 START_RATIO = 1e-9
@@ -133,79 +133,16 @@ def _rates(limits: Limits) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 def _ranges(document: object, path: Path, ranges: dict[str, Sequence[float]], of: Arm) -> tuple[FloatArray, FloatArray]:
     lower, upper = of.limits.lower.copy(), of.limits.upper.copy()
-    keys = [_key(joint) for joint in of.conventions]
+    keys, own = [_key(joint) for joint in of.conventions], places(of.conventions)
     for key, (first, last) in ranges.items():
         if key not in keys:
             allowed = ["velocity", "acceleration", "jerk", *keys]
             raise fault(document, (*path, key), f"one of {', '.join(allowed)} (ranges also in deg, mm)")
-        i = keys.index(key)
-        low, high = sorted((of.conventions[i].sign * first, of.conventions[i].sign * last))
+        joint, i = of.conventions[keys.index(key)], int(own[keys.index(key)])
+        low, high = sorted((joint.sign * first, joint.sign * last))
         if not (first < last and lower[i] <= low and high <= upper[i]):
-            ends = sorted(of.conventions[i].sign * x + 0.0 for x in (lower[i], upper[i]))
-            known = f"{ends[0]:.6g} to {ends[1]:.6g} {of.conventions[i].unit}"
+            ends = sorted(joint.sign * x + 0.0 for x in (lower[i], upper[i]))
+            known = f"{ends[0]:.6g} to {ends[1]:.6g} {joint.unit}"
             raise fault(document, (*path, key), f"a range, lower end first, within that of {of.name}: {known}")
         lower[i], upper[i] = low, high
     return lower, upper
-
-
-def _inline(document: object, path: Path, item: ScaraDocument) -> Arm:
-    joints = item.joints
-    names = [joint.name for joint in joints]
-    for i, (joint, kind) in enumerate(zip(joints, KINDS, strict=False)):
-        _check_joint(document, (*path, "joints", i), joint, kind, names[:i])
-    zero = joints[2].zero_m or 0.0
-    bodies = tuple(
-        RobotBody(
-            attached(document, (*path, "bodies", i), body, 0.0 if body.link in ("quill", "flange") else zero),
-            LINKS.index(body.link),
-        )
-        for i, body in enumerate(item.bodies)
-    )
-    for i, solid in enumerate(bodies):
-        if solid.link == QUILL and not all(upright(piece) for piece in solid.body.pieces):
-            allowed = "an upright cylinder, capsule or sphere about the quill's axis"
-            raise fault(document, (*path, "bodies", i, "shape"), allowed)
-    conventions = tuple(
-        JointConvention(joint.name, kind, joint.sign) for joint, kind in zip(joints, KINDS, strict=False)
-    )
-    with located(document, *path, "joints"):
-        limits = limits_of(
-            [_range(joint) for joint in joints],
-            [joint.sign for joint in joints],
-            [
-                [j.velocity_rad_s or j.velocity_m_s or 0.0 for j in joints],
-                [j.acceleration_rad_s2 or j.acceleration_m_s2 or 0.0 for j in joints],
-                [j.jerk_rad_s3 or j.jerk_m_s3 or 0.0 for j in joints],
-            ],
-        )
-    return Arm(
-        name="inline-scara",
-        l1=item.l1_m,
-        l2=item.l2_m,
-        conventions=conventions,
-        limits=limits,
-        zero_m=zero,
-        bodies=bodies,
-        self_pairs=tuple((pair[0], pair[1]) for pair in item.self_pairs),
-        assumptions=("the robot's data are the request's own",),
-    )
-
-
-def _range(joint: JointDocument) -> tuple[float, float]:
-    ends = joint.range_rad or joint.range_m or [0.0, 0.0]  # the model has seen to one of them; [0, 0] is refused
-    return ends[0], ends[1]
-
-
-def _check_joint(document: object, path: Path, joint: JointDocument, kind: JointKind, taken: list[str]) -> None:
-    if joint.name in taken:
-        raise fault(document, (*path, "name"), "a name that no other joint has")
-    wrong, right = ("_m", "_rad") if kind == "revolute" else ("_rad", "_m")
-    for stem, rate in (("range", ""), ("velocity", "_s"), ("acceleration", "_s2"), ("jerk", "_s3")):
-        if getattr(joint, stem + wrong + rate) is not None:
-            allowed = f"{stem}{right}{rate}: joint {len(taken) + 1} of a SCARA is {kind}"
-            raise fault(document, (*path, stem + wrong + rate), allowed)
-    if kind == "revolute" and joint.zero_m is not None:
-        raise fault(document, (*path, "zero_m"), "a zero height for the lifting joint only")
-    ends = _range(joint)
-    if not ends[0] < ends[1]:
-        raise fault(document, (*path, "range" + right), "two ends, the lower first")

@@ -10,12 +10,25 @@ from scenes.catalogue.entry import Axis, Entry, Number
 from scenes.catalogue.fanuc import SR_3IA
 from scenes.catalogue.mitsubishi import RH_6CRH6020, RH_6FRH5520
 from scenes.catalogue.papers import BENCHMARK_SCARA, FIUBA_SCARA, OVIEDO_SCARA
+from scenes.catalogue.textbook import ELBOW_ARM, LAB_SCARA, OLIER_SCARA, POLAR_ARM
 
 if TYPE_CHECKING:
     from scenes.catalogue.arm import Arm
 
 ENTRIES: dict[str, Entry] = {
-    entry.model: entry for entry in (RH_6FRH5520, RH_6CRH6020, SR_3IA, BENCHMARK_SCARA, OVIEDO_SCARA, FIUBA_SCARA)
+    entry.model: entry
+    for entry in (
+        RH_6FRH5520,
+        RH_6CRH6020,
+        SR_3IA,
+        BENCHMARK_SCARA,
+        OVIEDO_SCARA,
+        FIUBA_SCARA,
+        OLIER_SCARA,
+        LAB_SCARA,
+        ELBOW_ARM,
+        POLAR_ARM,
+    )
 }
 
 
@@ -43,8 +56,8 @@ def _listed(entry: Entry) -> dict[str, Any]:
     listed: dict[str, Any] = {
         "model": entry.model,
         "title": entry.title,
-        "l1": _number(entry.l1),
-        "l2": _number(entry.l2),
+        "family": entry.family,
+        **{name: _number(number) for name, number in entry.lengths()},
         "joints": [_joint(axis) for axis in entry.axes],
         "solids": {
             "status": entry.solids_status,

@@ -18,7 +18,8 @@ estimated      ours; plausible, measured by nobody
 SURE: frozenset[Status] = frozenset({"vendor", "defined"})
 """Statuses that need no mention among a plan's assumptions."""
 
-LinkName = Literal["base", "link1", "link2", "quill", "flange"]
+LinkName = Literal["base", "link1", "link2", "link3", "quill", "flange"]
+Family = Literal["scara", "elbow_arm", "polar_arm"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +55,9 @@ class Axis:
 class Solid:
     """A solid of the arm: a box (full edges) or an upright cylinder (radius, height), mm, centred at `at`.
 
-    `at` is in the link's frame: mounting face for base, that face's height at the axis for link1 and link2, the flange
-    for quill and flange.
+    `at` is in the link's frame. Of a SCARA: mounting face for base, that face's height at the axis for link1 and link2,
+    the flange for quill and flange. Of an arm whose links tilt: mounting face for base, shoulder for link1 and link2,
+    elbow or end of the ram for link3, the flange for flange; x along the link.
     """
 
     name: str
@@ -67,23 +69,36 @@ class Solid:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """An arm of the catalogue."""
+    """An arm of the catalogue. Its axes are in the maker's order.
+
+    `l1`, `l2`: lengths of a SCARA's links, or of an elbow arm's upper arm and forearm; `height`: of the shoulder of an
+    arm whose links tilt, above the mounting face; `tool_frame`: which way the flange's z axis points.
+    """
 
     model: str
     title: str
-    l1: Number
-    l2: Number
     axes: tuple[Axis, ...]
     solids: tuple[Solid, ...]
     solids_status: Status
     solids_source: str
     self_pairs: tuple[tuple[LinkName, LinkName], ...]
     payload: Number | None = None
+    family: Family = "scara"
+    l1: Number | None = None
+    l2: Number | None = None
+    height: Number | None = None
+    tool_frame: Literal["z_up", "z_down"] = "z_up"
+
+    def lengths(self) -> Iterator[tuple[str, Number]]:
+        """Its lengths, by field."""
+        for name, number in (("l1", self.l1), ("l2", self.l2), ("height", self.height)):
+            if number is not None:
+                yield name, number
 
     def numbers(self) -> Iterator[tuple[str, Number]]:
         """Every number that a plan depends on (the payload is not one), with what it is of, in words."""
-        yield "length of link 1", self.l1
-        yield "length of link 2", self.l2
+        for name, number in self.lengths():
+            yield LENGTHS[name], number
         for axis in self.axes:
             for name in ("lower", "upper", "velocity", "acceleration", "jerk", "zero"):
                 number = getattr(axis, name)
@@ -106,6 +121,7 @@ class Entry:
         return tuple(found)
 
 
+LENGTHS = {"l1": "length of link 1", "l2": "length of link 2", "height": "height of the shoulder"}
 WORDS = {"lower": "lower end of its range", "upper": "upper end of its range", "zero": "height at its zero"}
 
 STANDARD_PAIRS: tuple[tuple[LinkName, LinkName], ...] = (
@@ -118,6 +134,15 @@ STANDARD_PAIRS: tuple[tuple[LinkName, LinkName], ...] = (
 )
 """Links that can meet. Left out are those that are joined (base with link 1, link 1 with link 2, quill with flange) and
 quill with link 2, through which it slides: they overlap by construction."""
+
+TILTING_PAIRS: tuple[tuple[LinkName, LinkName], ...] = (
+    ("base", "link3"),
+    ("base", "flange"),
+    ("link1", "link3"),
+    ("link1", "flange"),
+    ("link2", "flange"),
+)
+"""The same for arms whose links tilt: the turret carries link 2, link 2 carries link 3, link 3 the flange."""
 
 JERK_TIME_S = 0.02
 """Time in which an arm is taken to build up its full acceleration, s, since no maker publishes a jerk."""

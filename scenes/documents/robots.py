@@ -24,7 +24,7 @@ from scenes.documents.model import (
 )
 from scenes.documents.shapes import AttachedBody, LinkBody
 
-LinkName = Literal["base", "link1", "link2", "quill", "flange"]
+LinkName = Literal["base", "link1", "link2", "link3", "quill", "flange"]
 Pair = Annotated[list[Strength], Field(min_length=2, max_length=2)]
 Row = Annotated[list[Strength], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
 Rows = Annotated[list[Row], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
@@ -78,25 +78,53 @@ class JointDocument(Document):
     zero_m: Coordinate | None = None
 
 
-class ScaraDocument(Document):
-    """An inline SCARA with three or four axes (turn, turn, lift, turn). Nothing about it is guessed."""
+class InlineArm(Document):
+    """What arms that are written out have in common."""
 
-    l1_m: Size
-    l2_m: Size
-    joints: Annotated[list[JointDocument], Field(min_length=3, max_length=4)]
     bodies: Annotated[list[LinkBody], Field(max_length=bounds.MAX_TOOL_BODIES)]
     self_pairs: Annotated[
         list[Annotated[list[LinkName], Field(min_length=2, max_length=2)]], Field(max_length=bounds.MAX_TOOL_BODIES)
     ]
 
 
+class ScaraDocument(InlineArm):
+    """An inline SCARA with three or four axes: turn, turn, lift, turn; or, `axis_order: rprr`, turn, lift, turn, turn.
+
+    Nothing about it is guessed. `tool_frame`: which way the flange's z axis points.
+    """
+
+    l1_m: Size
+    l2_m: Size
+    joints: Annotated[list[JointDocument], Field(min_length=3, max_length=4)]
+    axis_order: Literal["rrpr", "rprr"] = "rrpr"
+    tool_frame: Literal["z_up", "z_down"] = "z_up"
+
+
+class ElbowArmDocument(InlineArm):
+    """An inline elbow arm (base turn, shoulder, elbow): height of the shoulder, lengths of upper arm and forearm."""
+
+    height_m: Coordinate
+    l1_m: Size
+    l2_m: Size
+    joints: Annotated[list[JointDocument], Field(min_length=3, max_length=3)]
+
+
+class PolarArmDocument(InlineArm):
+    """An inline polar arm (base turn, tilt, ram): height of the shoulder."""
+
+    height_m: Coordinate
+    joints: Annotated[list[JointDocument], Field(min_length=3, max_length=3)]
+
+
 class RobotDocument(Document):
     """A robot in the cell."""
 
-    exactly_one: ClassVar[tuple[Group, ...]] = (("model", "scara"),)
+    exactly_one: ClassVar[tuple[Group, ...]] = (("model", "scara", "elbow_arm", "polar_arm"),)
 
     model: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")] | None = None
     scara: ScaraDocument | None = None
+    elbow_arm: ElbowArmDocument | None = None
+    polar_arm: PolarArmDocument | None = None
     tool: ToolDocument
     base: PoseDocument = PoseDocument(at_m=[0.0, 0.0, 0.0])
     limits: LimitsDocument = Field(default_factory=lambda: LimitsDocument.model_validate({}))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import random
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +16,11 @@ from hypothesis import strategies as st
 
 from planner.errors import InputError
 from planner.frames.motion import Pose
+from planner.robots.protocol import Robot
 from planner.robots.scara import Scara
 from planner.shapes import Piece, Primitive
 from scenes.catalogue import ENTRIES, arm_named, entry_of, robots
-from scenes.catalogue.arm import JointConvention, converted
+from scenes.catalogue.arm import JointConvention, as_maker, converted
 from scenes.catalogue.entry import SURE
 
 LISTED = {robot["model"]: robot for robot in robots()}
@@ -46,7 +48,12 @@ AUTHORITIES: dict[str, dict[str, Any]] = {
     "oviedo-scara": {"lengths": (0.08, 0.05)},
     "fiuba-scara": {"lengths": (0.2, 0.2)},
     "benchmark-scara": {"lengths": (0.325, 0.275)},
+    "olier-scara": {"lengths": (0.25, 0.2)},
+    "lab-scara": {"lengths": (0.22, 0.2)},
+    "elbow-arm": {"lengths": (0.25, 0.232)},
+    "polar-arm": {"lengths": (0.0, 0.0)},
 }
+SCARAS = sorted(model for model, entry in ENTRIES.items() if entry.family == "scara")
 
 
 @pytest.mark.parametrize("model", sorted(AUTHORITIES))
@@ -144,16 +151,57 @@ SIGNS = st.sampled_from([1, -1])
 VALUES = st.floats(-1e3, 1e3)
 
 
-@given(st.lists(st.tuples(SIGNS, VALUES), min_size=1, max_size=4))
-def test_converting_to_the_maker_and_back_is_exact(joints: list[tuple[Any, float]]) -> None:
-    conventions = tuple(JointConvention(f"j{i}", "revolute", sign) for i, (sign, _) in enumerate(joints))
-    values = np.array([value for _, value in joints]) + 0.0
-    assert converted(converted(values, conventions), conventions).tobytes() == values.tobytes()
+@given(st.lists(st.tuples(SIGNS, VALUES), min_size=1, max_size=4), st.randoms(use_true_random=False))
+def test_converting_to_the_maker_and_back_is_exact(joints: list[tuple[Any, float]], dice: random.Random) -> None:
+    order: list[int | None] = [*range(len(joints))]
+    dice.shuffle(order)
+    for own in (order, [None] * len(joints)):
+        conventions = tuple(
+            JointConvention(f"j{i}", "revolute", sign, place)
+            for i, ((sign, _), place) in enumerate(zip(joints, own, strict=True))
+        )
+        values = np.array([value for _, value in joints]) + 0.0
+        assert as_maker(converted(values, conventions), conventions).tobytes() == values.tobytes()
+        assert converted(as_maker(values, conventions), conventions).tobytes() == values.tobytes()
 
 
-def _robot(model: str) -> Scara:
+def test_the_laboratory_arm_counts_its_lift_second_and_the_planner_third() -> None:
+    arm, robot = arm_named("lab-scara"), _scara("lab-scara")
+    assert [joint.name for joint in arm.conventions] == ["j1", "j2", "j3", "j4"]
+    assert robot.joint_names == ("j1", "j3", "j2", "j4")
+    assert robot.arms_rise
+    assert (robot.limits.lower[2], robot.limits.upper[2]) == pytest.approx((0.06, 0.42))
+    assert converted(np.array([1.0, 2.0, 3.0, 4.0]), arm.conventions).tolist() == [1.0, 3.0, 2.0, 4.0]
+    # both links are lifted
+    assert robot.placements(np.array([0.0, 1.0, 0.3, 0.0]))[0][:, 2].tolist() == [0.0, 0.3, 0.3, 0.3, 0.3]
+
+
+def test_the_arm_of_the_frames_with_z_down_is_that_of_the_printed_product() -> None:
+    """Source 001: T04 by Denavit-Hartenberg, α2 = π; d3 counts down from where the flange is highest."""
+    arm, robot = arm_named("olier-scara"), _scara("olier-scara")
+    assert arm.z_down
+    for t1, t2, d3, t4 in np.random.default_rng(3).uniform([-2, -2, 0, -3], [2, 2, 0.18, 3], (20, 4)):
+        chain = np.eye(4)
+        for theta, d, a, alpha in ((t1, 0.3, 0.25, 0.0), (t2, 0.0, 0.2, math.pi), (0.0, d3, 0.0, 0.0), (t4, 0.0, 0, 0)):
+            c, s, ca, sa = math.cos(theta), math.sin(theta), math.cos(alpha), math.sin(alpha)
+            link = [[c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0, sa, ca, d], [0, 0, 0, 1]]
+            chain = chain @ np.array(link)
+        q = converted(np.array([t1, t2, d3, t4]), arm.conventions)
+        position, rotation = robot.placements(q)
+        np.testing.assert_allclose(position[4], chain[:3, 3], atol=1e-15)
+        np.testing.assert_allclose(rotation[4] @ np.diag([1.0, -1.0, -1.0]), chain[:3, :3], atol=1e-15)
+        assert robot.forward(q)[1] == pytest.approx(t1 + t2 - t4)
+
+
+def _robot(model: str) -> Robot:
     arm = arm_named(model)
     return arm.robot(Pose(), arm.limits)
+
+
+def _scara(model: str) -> Scara:
+    robot = _robot(model)
+    assert isinstance(robot, Scara)
+    return robot
 
 
 def _objects(robot: Scara, q: Any) -> list[tuple[str, Any]]:
@@ -161,7 +209,8 @@ def _objects(robot: Scara, q: Any) -> list[tuple[str, Any]]:
     phi1, phi2 = q[0], q[0] + q[1]
     elbow = np.array([robot.l1 * np.cos(phi1), robot.l1 * np.sin(phi1), 0.0])
     flange = elbow + np.array([robot.l2 * np.cos(phi2), robot.l2 * np.sin(phi2), q[2]])
-    frames = [(np.zeros(3), 0.0), (np.zeros(3), phi1), (elbow, phi2), (flange, 0.0), (flange, phi2)]
+    up = np.array([0.0, 0.0, q[2] if robot.arms_rise else 0.0])
+    frames = [(np.zeros(3), 0.0), (up, phi1), (elbow + up, phi2), (flange, 0.0), (flange, phi2)]
     found = []
     for body in robot.bodies:
         origin, yaw = frames[body.link]
@@ -183,9 +232,9 @@ def _meet(one: Any, other: Any) -> bool:
     return bool(fcl.collide(one, other, fcl.CollisionRequest(), fcl.CollisionResult()))
 
 
-@pytest.mark.parametrize("model", sorted(ENTRIES))
+@pytest.mark.parametrize("model", SCARAS)
 def test_an_arm_without_tool_never_meets_itself_within_its_limits(model: str) -> None:
-    robot = _robot(model)
+    robot = _scara(model)
     rng = np.random.default_rng(11)
     lower, upper = robot.limits.lower, robot.limits.upper
     corners = [np.where([(k >> i) & 1 for i in range(len(lower))], lower, upper) for k in range(2 ** len(lower))]
@@ -197,9 +246,9 @@ def test_an_arm_without_tool_never_meets_itself_within_its_limits(model: str) ->
                     assert not _meet(one, other), (first, second, q.tolist())
 
 
-@pytest.mark.parametrize("model", sorted(ENTRIES))
+@pytest.mark.parametrize("model", SCARAS)
 def test_the_quill_slides_through_link_2_everywhere_so_that_pair_is_left_out(model: str) -> None:
-    robot = _robot(model)
+    robot = _scara(model)
     assert ("link2", "quill") not in robot.self_pairs
     for z in (robot.limits.lower[2], robot.limits.upper[2]):
         q = np.zeros(len(robot.joints))
@@ -221,5 +270,39 @@ def test_the_base_of_an_arm_may_stand_anywhere(model: str) -> None:
     point, _ = _robot(model).forward(q)
     expected = base.then(Pose(*(float(x) for x in point)))
     np.testing.assert_allclose(moved.forward(q)[0], [expected.x, expected.y, expected.z], atol=1e-15)
-    heights = [float(p[2]) for p in moved.placements(q)[0][:3]]
-    assert heights == pytest.approx([0.5 + arm.zero_m] * 3)
+    for there, here in zip(moved.placements(q)[0], _robot(model).placements(q)[0], strict=True):
+        expected = base.then(Pose(*(float(x) for x in here)))
+        np.testing.assert_allclose(there, [expected.x, expected.y, expected.z], atol=1e-15)
+    assert float(moved.placements(q)[0][0, 2]) == pytest.approx(0.5 + arm.zero_m)
+
+
+def _tilting_objects(robot: Robot, q: Any) -> list[tuple[str, Any]]:
+    """The same for an arm whose links tilt, its link frames as the robot says (they are tested against transforms)."""
+    position, rotation = robot.placements(q)
+    found = []
+    for body in robot.bodies:
+        for piece in body.body.pieces:
+            turn = rotation[body.link]
+            pose = fcl.Transform(turn @ piece.rotation, position[body.link] + turn @ piece.position)
+            found.append((robot.links[body.link], fcl.CollisionObject(_shape(piece), pose)))
+    return found
+
+
+def test_the_polar_arm_never_meets_itself_within_its_limits() -> None:
+    robot, rng = _robot("polar-arm"), np.random.default_rng(11)
+    lower, upper = robot.limits.lower, robot.limits.upper
+    corners = [np.where([(k >> i) & 1 for i in range(3)], lower, upper) for k in range(8)]
+    for q in [*corners, *rng.uniform(lower, upper, (150, 3))]:
+        objects = _tilting_objects(robot, q)
+        for first, one in objects:
+            for second, other in objects:
+                assert (first, second) not in robot.self_pairs or not _meet(one, other), (first, second, q.tolist())
+
+
+def test_the_elbow_arm_can_meet_itself_so_its_pairs_are_asked() -> None:
+    robot = _robot("elbow-arm")
+    objects = _tilting_objects(robot, np.radians([0.0, -30.0, -140.0]))
+    met = {(a, b) for a, one in objects for b, other in objects if (a, b) in robot.self_pairs and _meet(one, other)}
+    assert met
+    raised = _tilting_objects(robot, np.radians([0.0, 60.0, -90.0]))
+    assert not [1 for a, one in raised for b, other in raised if (a, b) in robot.self_pairs and _meet(one, other)]

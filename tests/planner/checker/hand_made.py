@@ -419,7 +419,7 @@ class PlainProver:
                 rate, rate_d = rate * 0, rate_d * 0
             sweep = Sweep(q.min(0)[None], q.max(0)[None], rate[None], rate_d[None])
             r = reach(piece, side.pose.position, _turn(side.pose.yaw))
-            v, acc = self.scene.robot.point_bounds(np.array([side.link]), np.array([r]), n[None], sweep)
+            v, acc = self.scene.robot.point_bounds(np.array([side.link]), np.array([r]), np.array([r]), n[None], sweep)
             return float(v[0]) + 1e-6, float(acc[0]) + 1e-3
         law = self.scene.frames[side.frame].law.bounds(np.array([t0]), np.array([t1]), n[None])
         r = reach(piece, side.pose.position, _turn(side.pose.yaw)) * math.hypot(n[0], n[1])

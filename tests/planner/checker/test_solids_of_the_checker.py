@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from planner.arrays import FloatArray
 from planner.checker.solids import solids
 from planner.frames.motion import Pose
 from planner.scene import WorldBody
-from planner.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere, support
+from planner.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, distance, sphere, support
 from tests.planner.checker.hand_made import box_of, carton, crossing, wedge
 
 
@@ -120,6 +121,36 @@ def test_turning_moves_no_support_faster_than_the_reach(
     assert len(reaches) == len(TABLE.bodies[body].pieces) + 1
 
 
+@given(
+    st.sampled_from(NAMES),
+    st.integers(0, 2**32 - 1),
+    st.tuples(*[st.sampled_from([0.0, 0.1, -0.3]) | st.floats(-1, 1)] * 3),
+    st.sampled_from([0.0, np.pi / 2, 1.0]),
+    st.floats(1e-3, 1.0),
+)
+def test_tilting_moves_no_support_faster_than_the_distance_and_the_makers_is_no_smaller(
+    name: str, seed: int, place: tuple[float, float, float], yaw: float, turn: float
+) -> None:
+    """The carrier turns about any axis through its origin: the support along n grows by at most distance a radian."""
+    rng = np.random.default_rng(seed)
+    n, axis = rng.normal(size=(2, 3))
+    n, axis = n / np.linalg.norm(n), axis / np.linalg.norm(axis)
+    rotation = Rotation.from_rotvec(turn * axis).as_matrix()
+    body, position = TABLE.number[name], np.array(place)
+    distances = TABLE.reach(np.array([body]), np.array([[*place, yaw]]))[2]
+    for k, piece in enumerate(TABLE.bodies[body].pieces):
+
+        def along(direction: FloatArray, piece: Piece = piece) -> float:
+            return float(direction @ position) + support(piece, turned(yaw).T @ direction)
+
+        assert abs(along(rotation.T @ n) - along(n)) <= distances[k] * turn + 1e-14
+        assert distances[k] <= distance(piece, position, turned(yaw)) + 1e-15
+        outermost = position + points(piece, rng) @ turned(yaw).T
+        grown = 0.0 if isinstance(piece.shape, Hull) else piece.shape.disc + piece.shape.ball
+        assert distances[k] <= np.sqrt((outermost**2).sum(1)).max() + grown + 1e-12
+    assert distances[-1] <= max(distances[:-1])
+
+
 def test_a_pin_on_the_axis_does_not_move_when_it_turns() -> None:
     pin = TABLE.number["pin"]
     assert (reach_of(pin, np.zeros(4)) == 0).all()
@@ -130,6 +161,8 @@ def test_many_bodies_are_measured_as_one_at_a_time() -> None:
     rng = np.random.default_rng(0)
     bodies = rng.choice(len(TABLE.count), 40)
     offsets = rng.normal(size=(40, 4))
-    start, found = TABLE.reach(bodies, offsets)
+    start, *found = TABLE.reach(bodies, offsets)
     for k, body in enumerate(bodies):
-        assert (found[start[k] : start[k] + TABLE.count[body] + 1] == reach_of(int(body), offsets[k])).all()
+        alone = TABLE.reach(np.array([body]), offsets[k][None])[1:]
+        for many, one in zip(found, alone, strict=True):
+            assert (many[start[k] : start[k] + TABLE.count[body] + 1] == one).all()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,10 @@ from planner.legs.glued import Glued, glue, lead_time
 from planner.legs.state import State
 from planner.outcome import LegKind, Reason, Refusal
 from planner.phases import initial_rides
-from planner.robots.protocol import Code
-from planner.scene import Pick, Scene, Tool
+from planner.robots.elbow_arm import ElbowArm
+from planner.robots.polar_arm import PolarArm
+from planner.robots.protocol import Code, Limits, Robot
+from planner.scene import Follow, Pick, Scene, Start, Target, Tool
 from planner.shapes import box
 from planner.trajectory import Trajectory, check_limits
 from tests.planner.cells import BARE, CRANKED, CUP, arm, cell, frame, limits, stands
@@ -204,3 +207,62 @@ def test_near_a_singularity_a_block_is_refused_with_the_margin_that_is_missing()
     assert isinstance(block, Refusal)
     assert block.reason is Reason.NEAR_SINGULARITY
     assert 0 < block.amount <= 0.4
+
+
+POLAR_RANGE = (np.array([-3.0, -1.0, 0.2]), np.array([3.0, 1.5, 0.8]))
+WITHOUT_LIFT: list[tuple[Robot, int]] = [
+    (
+        ElbowArm(
+            name="elbow",
+            height=0.3,
+            l1=0.25,
+            l2=0.232,
+            limits=Limits(*(np.full(3, x) for x in (-3.0, 3.0, 3.0, 25.0, 1250.0))),
+        ),
+        0,
+    ),
+    (
+        PolarArm(
+            name="polar",
+            height=0.4,
+            limits=Limits(*POLAR_RANGE, *(np.full(3, x) for x in (3.0, 25.0, 1250.0))),
+        ),
+        0,
+    ),
+]
+
+
+@pytest.mark.parametrize(("robot", "mode"), WITHOUT_LIFT)
+def test_an_arm_without_a_lift_goes_straight_down_to_a_moving_point_and_up_again(robot: Robot, mode: int) -> None:
+    """What a pick would ask of it: approach, dwell and depart along the vertical, within all limits."""
+    belt = frame("belt", Conveyor(Pose(0.3, -0.2, 0.1, math.pi / 2), 0.15))
+    still = Start(0.0, np.array([0.0, 0.5, 0.5]), np.zeros(3), np.zeros(3))
+    step = Follow("f", Target("belt", Pose(0.02, 0.01, 0.05), True), 0.2)
+    scene = Scene(robot, Tool(Pose()), still, {"belt": belt}, (), (step,))
+    plain = control_point(scene, 0, {}, None, 0.0)
+    point = replace(plain, approach=0.05, depart=0.08)
+    lead = lead_time(scene, point, 1.0)
+    assert isinstance(lead, float)
+    begin = 0.5
+    found = robot.inverse(point.flange(np.array([begin]), 0.05), mode, 2)
+    state = State(begin, found.q[0], found.qd[0], found.qdd[0])
+    block = glue(scene, point, state, mode, 1.0)
+    assert isinstance(block, Glued), block
+    assert [stretch.kind for stretch in block.stretches] == [LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART]
+    assert block.end - block.begin == pytest.approx(0.2)
+    for stretch in block.stretches:
+        knots = stretch.knots
+        path = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
+        limits = robot.limits
+        report = check_limits(path, *(getattr(limits, name) for name in LIMIT_NAMES))
+        assert report.ok
+        t = np.linspace(path.start, path.end, 301)
+        position, _ = robot.forward(path.evaluate(t))
+        off = position - point.flange(t).p
+        assert np.abs(off[:, :2]).max() < 2 * FOLLOWED_M
+        assert off[:, 2].min() > -2 * FOLLOWED_M
+        highest = {LegKind.APPROACH: 0.05, LegKind.FOLLOW: 0.0, LegKind.DEPART: 0.08}[stretch.kind]
+        assert off[:, 2].max() == pytest.approx(highest, abs=2 * FOLLOWED_M)
+
+
+LIMIT_NAMES = ("lower", "upper", "velocity", "acceleration", "jerk")

@@ -28,11 +28,12 @@ def limits(axes: int) -> Limits:
     return Limits(lower, upper, np.full(axes, 7.0), np.full(axes, 100.0), np.full(axes, 5000.0))
 
 
-def scara(axes: int = 4, base: Pose = BASES[1], l1: float = 0.325, l2: float = 0.225) -> Scara:
-    return Scara("arm", l1, l2, axes, limits(axes), base)
+def scara(axes: int = 4, base: Pose = BASES[1], l1: float = 0.325, l2: float = 0.225, arms_rise: bool = False) -> Scara:
+    return Scara("arm", l1, l2, axes, limits(axes), base, arms_rise=arms_rise)
 
 
-every_arm = pytest.mark.parametrize("robot", [scara(axes, base) for axes in (3, 4) for base in BASES])
+ARMS = [scara(axes, base) for axes in (3, 4) for base in BASES]
+every_arm = pytest.mark.parametrize("robot", [*ARMS, scara(arms_rise=True)])
 
 
 def joint_motion(rng: np.random.Generator, robot: Robot, mode: int, size: int) -> tuple[FloatArray, ...]:
@@ -186,6 +187,32 @@ def test_the_jacobian_is_the_difference_of_forward_and_gives_the_rates_of_the_dy
     assert np.abs(qd - robot.inverse(flange, 1).qd).max() < 1e-9 * max(1, abs(robot.base.y))
     if n == 4:
         assert np.abs(np.abs(np.linalg.det(jacobian)) - robot.l1 * robot.l2 * robot.margin(q)).max() < 1e-15
+
+
+def test_the_velocities_of_the_dyad_are_those_of_the_inverse_jacobian() -> None:
+    robot = scara()
+    for mode in (0, 1):
+        motion = joint_motion(np.random.default_rng(mode), robot, mode, 500)
+        got = robot.inverse(robot.link_motion(FLANGE, *motion), mode, 1)
+        flange = robot.link_motion(FLANGE, *motion)
+        rates = np.concatenate([flange.v, flange.yaw_d[:, None]], -1)
+        by_jacobian = (np.linalg.inv(robot.jacobian(got.q)) @ rates[..., None])[..., 0]
+        assert np.abs(got.qd - by_jacobian).max() < 1e-10
+
+
+def test_the_lift_carries_the_arms_where_they_rise_and_the_flange_alone_where_they_do_not() -> None:
+    q = np.array([0.3, 1.0, 0.2, 0.0])
+    low, high = scara().placements(q)[0], scara(arms_rise=True).placements(q)[0]
+    assert low[:, 2].tolist() == [0.2, 0.2, 0.2, 0.4, 0.4]
+    assert high[:, 2].tolist() == [0.2, 0.4, 0.4, 0.4, 0.4]
+    assert np.array_equal(low[:, :2], high[:, :2])
+    assert np.array_equal(scara().forward(q)[0], scara(arms_rise=True).forward(q)[0])
+
+
+def test_the_nearer_singularity_has_its_name() -> None:
+    q = np.array([[0.3, bend, 0.2, 0.0] for bend in (0.0, 1.5, -1.5, 1.6, -1.6, np.pi)])
+    expected = [Code.STRETCHED] * 3 + [Code.FOLDED] * 3
+    assert scara().singularity(q).tolist() == expected
 
 
 @pytest.mark.parametrize("order", [0, 1, 2, 3])

@@ -12,6 +12,8 @@ import pytest
 
 from planner.errors import InputError
 from planner.robots.scara import Scara
+from scenes.build.inline_arms import turned_over
+from scenes.catalogue import ENTRIES, arm_named
 from scenes.requests import cell_of, scene_of
 from tests.scenes.bad_requests import GOOD_REQUEST
 
@@ -110,6 +112,121 @@ def inline(axes: int = 4, **changes: Any) -> dict[str, Any]:
     found["start"] = {"joints": dict(list(values.items())[:axes])}
     found.update(changes)
     return found
+
+
+def written_out(model: str) -> dict[str, Any]:
+    """A request whose robot is an arm of the catalogue whose links tilt, or a SCARA, written out."""
+    entry = ENTRIES[model]
+    joints = []
+    for axis in entry.axes:
+        unit = axis.lower.unit
+        joint: dict[str, Any] = {
+            "name": axis.name,
+            f"range_{unit}": [axis.lower.value, axis.upper.value],
+            "sign": axis.sign,
+        }
+        for name in ("velocity", "acceleration", "jerk"):
+            number = getattr(axis, name)
+            joint[f"{name}_{number.unit}"] = number.value
+        if axis.zero is not None:
+            joint["zero_mm"] = axis.zero.value
+        joints.append(joint)
+    bodies = []
+    for s in entry.solids:
+        shape: dict[str, Any] = {"box": {"size_mm": list(s.size)}}
+        if s.kind == "cylinder":
+            shape = {"cylinder": {"radius_mm": s.size[0], "height_mm": s.size[1]}}
+        bodies.append({"name": s.name, "link": s.link, "shape": shape, "at_mm": list(s.at)})
+    arm: dict[str, Any] = {"joints": joints, "bodies": bodies, "self_pairs": [list(pair) for pair in entry.self_pairs]}
+    arm |= {f"{name}_mm": number.value for name, number in entry.lengths()}
+    if entry.family == "scara":
+        arm["tool_frame"] = entry.tool_frame
+        arm["axis_order"] = "rprr" if entry.axes[1].kind == "prismatic" else "rrpr"
+    middle = {}
+    for axis in entry.axes:
+        middle[f"{axis.name}_{axis.lower.unit}"] = (axis.lower.value + axis.upper.value) / 2 + 1
+    found = request(model, middle)
+    found["robot"] = {entry.family: arm, "tool": {"tcp_mm": [0, 0, 0]}, "base": {"at_mm": [100, 0, 50], "yaw_deg": 30}}
+    return found
+
+
+@pytest.mark.parametrize("model", ["elbow-arm", "polar-arm", "lab-scara", "olier-scara", "fanuc-sr-3ia"])
+def test_an_arm_of_the_catalogue_that_is_written_out_is_the_same_arm(model: str) -> None:
+    document = written_out(model)
+    inline_cell = cell_of(document)
+    named = copy.deepcopy(document)
+    named["robot"] = {**document["robot"], "model": model}
+    del named["robot"][ENTRIES[model].family]
+    named_cell = cell_of(named)
+    here, there = inline_cell.scene.robot, named_cell.scene.robot
+    assert type(here) is type(there)
+    assert inline_cell.conventions == named_cell.conventions == arm_named(model).conventions
+    assert here.joints == there.joints
+    assert here.self_pairs == there.self_pairs
+    assert np.array_equal(inline_cell.scene.start.q, named_cell.scene.start.q)
+    for name in ("lower", "upper", "velocity", "acceleration", "jerk"):
+        np.testing.assert_allclose(getattr(here.limits, name), getattr(there.limits, name), rtol=1e-15)
+    q = inline_cell.scene.start.q
+    for mine, other in zip(here.placements(q), there.placements(q), strict=True):
+        np.testing.assert_allclose(mine, other, atol=1e-15)
+    assert [(b.link, b.body.name) for b in here.bodies] == [(b.link, b.body.name) for b in there.bodies]
+    for mine_, other_ in zip(here.bodies, there.bodies, strict=True):
+        for a, b in zip(mine_.body.pieces, other_.body.pieces, strict=True):
+            assert a.shape == b.shape
+            np.testing.assert_allclose(a.position, b.position, atol=1e-15)
+    # ... and its joints are in the planner's order: what lifts is third
+    if model == "lab-scara":
+        assert [joint.name for joint in here.joints] == ["j1", "j3", "j2", "j4"]
+        assert q == pytest.approx([math.radians(1), math.radians(1), 0.241, math.radians(1)])
+
+
+def test_a_range_is_narrowed_by_the_makers_name_wherever_the_joint_stands() -> None:
+    document = written_out("lab-scara")
+    document["robot"]["limits"] = {"j2_mm": [100, 300], "j3_deg": [-90, 100]}
+    limits = scene_of(document).robot.limits
+    assert (limits.lower[2], limits.upper[2]) == pytest.approx((0.1, 0.3))
+    assert (limits.lower[1], limits.upper[1]) == pytest.approx((-math.pi / 2, math.radians(100)))
+
+
+def test_a_tool_in_a_frame_whose_z_points_down_hangs_below_the_flange() -> None:
+    document = request("olier-scara", {"theta1_deg": 0, "theta2_deg": 90, "d3_mm": 50, "theta4_deg": 0})
+    solid = {"name": "tip", "shape": {"box": {"size_mm": [10, 20, 80]}}, "at_mm": [5, 7, 40], "yaw_deg": 30}
+    document["robot"]["tool"] = {"tcp_mm": [3, 4, 80], "tcp_yaw_deg": 20, "bodies": [solid]}
+    tool = scene_of(document).tool
+    assert (tool.tcp.x, tool.tcp.y, tool.tcp.z) == pytest.approx((0.003, -0.004, -0.08))
+    assert tool.tcp.yaw == pytest.approx(-math.radians(20))
+    piece = tool.bodies[0].pieces[0]
+    assert piece.position == pytest.approx([0.005, -0.007, -0.04])
+    c, s = math.cos(math.radians(30)), math.sin(math.radians(30))
+    assert piece.rotation == pytest.approx(np.array([[c, -s, 0], [-s, -c, 0], [0, 0, -1]]))
+    # twice is not at all
+    again = turned_over(turned_over(tool.bodies[0])).pieces[0]
+    assert np.array_equal(again.position, piece.position)
+    assert np.array_equal(again.rotation, piece.rotation)
+
+
+@pytest.mark.parametrize(
+    ("model", "change", "field"),
+    [
+        ("elbow-arm", lambda arm: arm["bodies"][0].update(link="quill"), r"elbow_arm\.bodies\[0\]\.link"),
+        ("elbow-arm", lambda arm: arm["self_pairs"].append(["base", "quill"]), r"elbow_arm\.self_pairs\[5\]"),
+        ("elbow-arm", lambda arm: arm["joints"][1].update(zero_mm=3), r"joints\[1\]\.zero_m"),
+        ("polar-arm", lambda arm: arm["joints"][2].update(zero_mm=3), r"joints\[2\]\.zero_m"),
+        ("polar-arm", lambda arm: arm["joints"][2].update(range_mm=[-100, 300]), "robot"),
+        ("polar-arm", lambda arm: arm.update(l1_mm=3), r"polar_arm\.l1_m"),
+        ("elbow-arm", lambda arm: arm["joints"].pop(), r"elbow_arm\.joints"),
+        ("lab-scara", lambda arm: arm["bodies"][1].update(link="link3"), r"scara\.bodies\[1\]\.link"),
+        ("lab-scara", lambda arm: arm.update(axis_order="rrpr"), r"scara\.joints\[1\]\.range_m"),
+    ],
+)
+def test_what_a_written_out_arm_of_a_family_has_not_is_refused_where_it_stands(
+    model: str, change: Any, field: str
+) -> None:
+    document = written_out(model)
+    cell_of(document)
+    change(document["robot"][ENTRIES[model].family])
+    with pytest.raises(InputError, match=field):
+        cell_of(document)
 
 
 def test_an_inline_arm_is_where_its_conventions_put_it() -> None:

@@ -1,0 +1,45 @@
+"""Homogeneous transforms along the chain, the inverse Jacobian and the determinant, for any robot of the protocol."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.robots.protocol import Robot
+
+
+def transforms(robot: Robot, q: FloatArray) -> FloatArray:
+    """Link frames in the world for q (..., n) as homogeneous transforms (..., L, 4, 4), in the order of `links`.
+
+    The transform from one link to the next is inv(T[i]) @ T[i + 1] (K31 for arms whose links tilt).
+    """
+    position, rotation = robot.placements(q)
+    found = np.zeros((*position.shape[:-1], 4, 4))
+    found[..., :3, :3], found[..., :3, 3], found[..., 3, 3] = rotation, position, 1.0
+    return found
+
+
+def determinant(robot: Robot, q: FloatArray) -> FloatArray:
+    """det J (...) for q (..., n); of a J that is not square, √det(J Jᵀ). Zero at singular positions (K11, K26, K27)."""
+    jacobian = robot.jacobian(q)
+    if jacobian.shape[-1] == jacobian.shape[-2]:
+        return np.asarray(np.linalg.det(jacobian))
+    square = np.linalg.det(jacobian @ np.swapaxes(jacobian, -1, -2))
+    return np.asarray(np.sqrt(np.maximum(square, 0.0)))
+
+
+@np.errstate(all="ignore")
+def inverse_jacobian(robot: Robot, q: FloatArray) -> FloatArray:
+    """(..., n, len(coordinates)): joint rates per rate of the task coordinates; NaN where J is singular or not finite.
+
+    For more joints than coordinates it is the pseudo-inverse Jᵀ (J Jᵀ)⁻¹, of the least joint rates (source 002 prints
+    (J Jᵀ)⁻¹). Singular is what the robot's margin says: rows with a margin of 0, where the plain inverse would fail.
+    """
+    jacobian = robot.jacobian(q)
+    good = np.isfinite(jacobian).all((-1, -2)) & (robot.margin(q) > 0.0) & (determinant(robot, q) != 0.0)
+    found = np.full((*jacobian.shape[:-2], jacobian.shape[-1], jacobian.shape[-2]), np.nan)
+    regular = jacobian[good]
+    turned = np.swapaxes(regular, -1, -2)
+    square = jacobian.shape[-1] == jacobian.shape[-2]
+    found[good] = np.linalg.inv(regular) if square else turned @ np.linalg.inv(regular @ turned)
+    return found

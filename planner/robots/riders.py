@@ -1,0 +1,26 @@
+"""What every arm checks of what it is made of: joint names, bodies on its links, pairs of links."""
+
+from __future__ import annotations
+
+from planner.errors import InputError
+from planner.robots.protocol import Joint, Limits, RobotBody
+
+
+def joints_of(names: tuple[str, ...], kinds: tuple[str, ...], limits: Limits) -> tuple[Joint, ...]:
+    """The joints. Raises `InputError` unless the names are different and, as the limits, as many as the kinds."""
+    count = len(kinds)
+    if not (len(names) == len(set(names)) == count):
+        raise InputError("robot.joint_names", names, f"{count} different names")
+    if len(limits.lower) != count:
+        raise InputError("robot.limits", len(limits.lower), f"{count} joints")
+    return tuple(Joint(*pair) for pair in zip(names, kinds, strict=True))
+
+
+def check_riders(links: tuple[str, ...], bodies: tuple[RobotBody, ...], pairs: tuple[tuple[str, str], ...]) -> None:
+    """Raises `InputError` for a body on a link, or a pair of links, that the arm has not."""
+    for body in bodies:
+        if body.link not in range(len(links)):
+            raise InputError(f"robot.bodies {body.body.name}", body.link, f"a link number below {len(links)}")
+    for pair in pairs:
+        if not set(pair) <= set(links):
+            raise InputError("robot.self_pairs", pair, f"pairs out of {links}")
