@@ -6,6 +6,7 @@ Lengths in millimetres, times in seconds. Texts that came from a request are pri
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -38,9 +39,23 @@ SAYS = {
 """Reasons as a shift leader says them."""
 MARKS = {"vendor_config": " c", "third_party": " t", "estimated": " e"}
 """Marks behind a number of the catalogue that is not the maker's own word; `LEGEND` explains them."""
-LEGEND = "c: a maker's configuration file, perhaps a placeholder; t: second hand; e: estimated; else as its source says"
-SHOWN_AS = {"m": ("mm", 1e3), "s": ("ms", 1e3), "rad": ("deg", math.degrees(1.0))}
+LEGEND = (
+    "c: a maker's configuration file, perhaps a placeholder; t: second hand; e: estimated; else as its source says\n"
+    "unit: of the range; speed, acceleration and jerk are the same per s, s2 and s3\n"
+    "reach: from the axis of the first joint to that of the wrist, arm straight"
+)
+SHOWN_AS = {
+    "m": ("mm", 1e3),
+    "mm": ("mm", 1.0),
+    "s": ("ms", 1e3),
+    "rad": ("deg", math.degrees(1.0)),
+    "deg": ("deg", 1.0),
+}
 """Units of the document, and what people are told instead."""
+LEAST_SHOWN = 1e-3
+"""Amounts below a thousandth of mm, ms or degree are told as less than that."""
+SPENT = "the explain budget was spent"
+"""Stands last among what was tried when there was no time for more; it is no change that was tried."""
 
 
 def console(*, stderr: bool = False) -> Console:
@@ -52,11 +67,21 @@ def console(*, stderr: bool = False) -> Console:
 
 
 def amount(value: float | None, unit: str) -> str:
-    """A length in mm, a time in ms, an angle in degrees, anything else as it is; nothing for no number."""
+    """A length in mm, a time in ms or s, an angle in degrees, anything else as it is; nothing for no number."""
     if value is None:
         return ""
-    name, factor = SHOWN_AS.get(unit, (unit, 1.0))
-    return f"{value * factor:.3g} {name}".rstrip()
+    name, factor = ("s", 1.0) if unit == "s" and abs(value) >= 1.0 else SHOWN_AS.get(unit, (unit, 1.0))
+    size = abs(value * factor)
+    if 0.0 < size < LEAST_SHOWN:
+        return f"less than {LEAST_SHOWN:g} {name}".rstrip()
+    return f"{number(value * factor, 3)} {name}".rstrip()
+
+
+def number(value: float, digits: int) -> str:
+    """A number with so many digits that count and no power of ten; whole ones lose none: 359934 → 359,900 (4)."""
+    rounded = float(f"{value:.{digits}g}")
+    whole = f"{rounded:,.0f}"
+    return whole if abs(rounded) >= 10 ** (digits - 1) else f"{rounded:.{digits}g}"
 
 
 def table(*columns: str) -> Table:
@@ -73,22 +98,35 @@ def row(made: Table, *cells: object) -> None:
 
 
 def catalogue(robots: list[dict[str, Any]]) -> Table:
-    """The robots, a row per joint, each number marked with its status."""
-    made = table("robot", "joint", ">range", ">speed", ">acceleration", ">jerk")
+    """The robots, a row per joint, in mm, degrees and seconds, each number marked with its status."""
+    made = table("robot", ">reach", ">payload", "joint", "unit", ">range", ">speed", ">acceleration", ">jerk")
     for robot in robots:
-        name = robot["model"]
+        payload = robot.get("payload")
+        of_robot = [robot["model"], _reach(robot["l1"], robot["l2"])]
+        of_robot.append("" if payload is None else f"{payload['value']:g} {payload['unit']}{_mark(payload)}")
         for joint in robot["joints"]:
             lower, upper = joint["lower"], joint["upper"]
-            extent = f"{lower['value']:g} .. {upper['value']:g} {lower['unit']}{MARKS.get(lower['status'], '')}"
+            extent = f"{number(_shop(lower)[0], 4)} .. {number(_shop(upper)[0], 4)}{_mark(lower)}"
             rates = (joint[kind] for kind in ("velocity", "acceleration", "jerk"))
-            row(made, name, joint["name"], extent, *(_rate(rate) for rate in rates))
-            name = ""
+            shown = (number(_shop(rate)[0], 4) + _mark(rate) for rate in rates)
+            row(made, *of_robot, joint["name"], _shop(lower)[1], extent, *shown)
+            of_robot = ["", "", ""]
     return made
 
 
-def _rate(number: dict[str, Any]) -> str:
-    unit = number["unit"].replace("_s3", "/s3").replace("_s2", "/s2").replace("_s", "/s")
-    return f"{number['value']:g} {unit}{MARKS.get(number['status'], '')}"
+def _shop(quantity: dict[str, Any]) -> tuple[float, str]:
+    """A length or an angle of the catalogue, or its rate, in mm or degrees, and which of them."""
+    name, factor = SHOWN_AS[quantity["unit"].partition("_")[0]]
+    return quantity["value"] * factor, name
+
+
+def _mark(quantity: dict[str, Any]) -> str:
+    return MARKS.get(quantity["status"], "")
+
+
+def _reach(l1: dict[str, Any], l2: dict[str, Any]) -> str:
+    marks = "".join(sorted({_mark(link) for link in (l1, l2)}))
+    return f"{number(_shop(l1)[0] + _shop(l2)[0], 4)} mm{marks}"
 
 
 def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
@@ -96,10 +134,11 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
     names = {arrival["step"]: arrival["control_point"] for arrival in answer["arrivals"]}
     legs = table("leg", ">from s", ">to s", "for", "")
     for leg in answer["legs"]:
-        row(legs, leg["kind"], f"{leg['from_s']:.3f}", f"{leg['to_s']:.3f}", names.get(leg["step"], ""), leg["note"])
+        note = re.sub(r"\b(\d+) vias?\b", lambda m: f"by {m[1]} via{'' if m[1] == '1' else 's'}", leg["note"])
+        row(legs, leg["kind"], f"{leg['from_s']:.3f}", f"{leg['to_s']:.3f}", names.get(leg["step"], ""), note)
     yield legs
     yield ""
-    arrivals = table("arrival", ">at s", ">x mm", ">y mm", ">z mm", ">along mm", ">window left s", "speed")
+    arrivals = table("arrival", ">at s", ">x mm", ">y mm", ">z mm", ">yaw deg", ">along mm", ">window left s", "speed")
     for arrival in answer["arrivals"]:
         along, left = arrival["along_m"], arrival["window_left_s"]
         row(
@@ -107,6 +146,7 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
             arrival["control_point"],
             f"{arrival['time_s']:.3f}",
             *(f"{1e3 * x:.1f}" for x in arrival["at_m"]),
+            f"{math.degrees(arrival['yaw_rad']):.1f}",
             "" if along is None else f"{1e3 * along:.1f}",
             "" if left is None else f"{left:.3f}",
             "matched" if arrival["matched"] else "",
@@ -139,13 +179,20 @@ def not_planned(answer: dict[str, Any]) -> Iterator[Table | str]:
             f"(then {relaxation['duration_s']:.3f} s; tried)"
         )
     elif answer["tried"]:
-        yield f"what would not help {', '.join(answer['tried'])}"
+        tried = [change for change in answer["tried"] if change != SPENT]
+        spent = f"; {SPENT}" if SPENT in answer["tried"] else ""
+        yield f"what would not help  {', '.join(tried) or 'nothing was tried'}{spent}"
 
 
-def census(document: dict[str, Any]) -> Iterator[str]:
-    """The census in sentences, most frequent refusal first."""
-    yield f"{document['candidates']} candidates, {document['refused']} refused"
-    lines = document["lines"]
+def census(document: dict[str, Any], *, planned: bool) -> Iterator[str]:
+    """The census in sentences, most frequent refusal first; `planned`: whether there is a plan after all."""
+    lines, refused = document["lines"], document["refused"]
+    several = sum(line["count"] for line in lines) > refused
+    note = "; a candidate may be refused for several bodies" if several else ""
+    yield f"{document['candidates']} candidates, {refused} refused{note}"
+    others = document["candidates"] - refused
+    if others > 0 and not planned:
+        yield f"the other {others} were proved as far as they go, or were not needed"
     for line in lines[:CENSUS_LINES]:
         yield "  " + refusal(line)
     if len(lines) > CENSUS_LINES:
@@ -154,7 +201,8 @@ def census(document: dict[str, Any]) -> Iterator[str]:
 
 def refusal(line: dict[str, Any]) -> str:
     """One line of the census as a sentence: how many, why, by what, when, by how much."""
-    words = [f"{line['count']} times {_event(line['reason'], line['bodies'])}"]
+    often = "once" if line["count"] == 1 else f"{line['count']} times"
+    words = [f"{often} {_event(line['reason'], line['bodies'])}"]
     interval = line.get("interval_s")
     if interval is not None and None not in interval:
         first, last = (f"{instant:.3f}" for instant in interval)
@@ -191,7 +239,7 @@ def everything(answer: dict[str, Any]) -> Iterator[Table | str]:
     """The whole answer for people, but for what the checker says."""
     yield from planned(answer) if answer["status"] == "planned" else not_planned(answer)
     yield ""
-    yield from census(answer["census"])
+    yield from census(answer["census"], planned=answer["status"] == "planned")
     if answer["cut_by_clock"]:
         yield "The clock cut the search off; another run may find another plan."
     yield from assumed(answer["assumptions"])

@@ -26,10 +26,10 @@ TIME_S = 1e-9
 REFUSAL = "planned; this answer is a refusal: its status is not_planned, so there is no plan in it to check"
 
 
-def plan_of(plan: object, conventions: Conventions) -> Plan:
-    """The plan in a planned answer with a full certificate. Raises `DocumentError` below "plan".
+def plan_of(plan: object, conventions: Conventions) -> tuple[Plan, tuple[Finding, ...]]:
+    """The plan in a planned answer with a full certificate, and what the answer says of its durations that is not so.
 
-    Not checked: whether anything in it is true; that is the checker's.
+    Not checked: whether anything else in it is true; that is the checker's. Raises `DocumentError` below "plan".
     """
     root = {"plan": plan}
     if isinstance(plan, dict):
@@ -39,7 +39,7 @@ def plan_of(plan: object, conventions: Conventions) -> Plan:
         if isinstance(certificate, dict) and set(certificate) == {"digest", "rows"}:
             raise fault(root, (*PLAN, "certificate"), "the certificate in full, as certificate=full gives it")
     document = read(PlanDocument, plan, PLAN)
-    return Plan(
+    made = Plan(
         trajectory=trajectory_of(root, (*PLAN, "trajectory"), document.trajectory, conventions),
         legs=tuple(Leg(LegKind(leg.kind), leg.step, leg.from_s, leg.to_s, leg.note) for leg in document.legs),
         arrivals=tuple(
@@ -58,14 +58,11 @@ def plan_of(plan: object, conventions: Conventions) -> Plan:
         ),
         certificate=_certificate(root, document.certificate),
     )
+    return made, _untrue(document)
 
 
-def untrue(plan: object) -> tuple[Finding, ...]:
-    """What an answer says of its own durations that its trajectory does not: findings, none if all of it is true.
-
-    `plan` has passed `plan_of`; what it leaves out is no claim.
-    """
-    document = read(PlanDocument, plan, PLAN)
+def _untrue(document: PlanDocument) -> tuple[Finding, ...]:
+    """Durations that an answer states and its trajectory has not; what it leaves out is no claim."""
     first, last = document.trajectory.time_s[0], document.trajectory.time_s[-1]
     duration, bound = last - first, document.lower_bound_s
     found = [

@@ -102,11 +102,10 @@ def check_document(request: object, plan: object, *, folder: Path | None = None)
     """The checker's verdict on a planned answer with a full certificate. Raises `InputError` naming the field."""
     from planner.checker import check
     from scenes.answer import NOTICE
-    from scenes.plans import plan_of, untrue
+    from scenes.plans import plan_of
 
     cell = cell_of(request, folder=folder)
-    made = plan_of(plan, cell.conventions)
-    told = untrue(plan)  # before the checker, which knows no documents
+    made, told = plan_of(plan, cell.conventions)  # told before the checker's word, which knows no documents
     verdict = check(cell.scene, made)
     findings = [
         {

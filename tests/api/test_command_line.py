@@ -13,7 +13,7 @@ import httpx
 import pytest
 from typer.testing import CliRunner
 
-from api import command_line
+from api import command_line, words
 from api.command_line import BAD_INPUT, FAULT, INTERRUPTED, RIGHT, WRONG, app
 from api.documents import to_json
 from api.jobs import FIRST_PLAN
@@ -48,8 +48,8 @@ def far_file(tmp_path: Path) -> Path:
 def test_a_plan_is_told_in_the_words_of_the_shop_and_checked(small_file: Path) -> None:
     code, output, errors = run("plan", str(small_file))
     assert code == RIGHT
-    for words in ("MOVE", "move-1", "duration", "what binds", "smallest clearance", "post", "plan checked", "10218"):
-        assert words in output
+    for word in ("MOVE", "move-1", "duration", "what binds", "smallest clearance", "post", "plan checked", "10218"):
+        assert word in output
     assert errors == ""
 
 
@@ -64,8 +64,8 @@ def test_a_request_that_is_not_planned_says_why_and_ends_with_one(far_file: Path
 def test_a_refusal_says_by_how_much_and_what_was_tried_and_would_help() -> None:
     code, output, _ = run("plan", "behind-the-base-keep")
     assert code == WRONG
-    for words in ("JOINT_LIMIT", "proved: no plan exists", "j1 would pass its limit", "deg", "what would help", "auto"):
-        assert words in output
+    for word in ("JOINT_LIMIT", "proved: no plan exists", "j1 would pass its limit", "deg", "what would help", "auto"):
+        assert word in output
     assert "not as the file expects" not in output
 
 
@@ -119,7 +119,97 @@ def test_an_answer_without_a_plan_is_written_too_and_is_nothing_to_check(far_fil
     out = tmp_path / "plan.json"
     assert run("plan", str(far_file), "--out", str(out))[0] == WRONG
     assert json.loads(out.read_bytes())["status"] == "not_planned"
-    assert run("check", str(far_file), str(out))[0] == BAD_INPUT
+    code, _, errors = run("check", str(far_file), str(out))
+    assert code == BAD_INPUT
+    assert "plan.status" in errors
+
+
+def test_a_refusal_that_is_checked_against_a_scenario_gets_no_line_of_the_scenario(tmp_path: Path) -> None:
+    out = tmp_path / "plan.json"
+    assert run("plan", "behind-the-base-keep", "--out", str(out))[0] == WRONG
+    code, _, errors = run("check", "behind-the-base-keep", str(out))
+    assert code == BAD_INPUT
+    assert errors.startswith('assur: plan.status: got "not_planned"; allowed: planned; this answer is a refusal')
+
+
+def test_a_start_out_of_its_range_is_bad_input(tmp_path: Path) -> None:
+    file = tmp_path / "low.json"
+    joints = {**FIRST_PLAN["start"]["joints"], "j3_mm": 30}
+    file.write_text(json.dumps({**FIRST_PLAN, "start": {"joints": joints}}))
+    code, output, errors = run("plan", str(file))
+    assert (code, output) == (BAD_INPUT, "")
+    assert errors == "assur: start.joints.j3_mm: got 30; allowed: 133 to 333\n"
+
+
+def test_a_window_that_is_reversed_is_shown(tmp_path: Path) -> None:
+    file = tmp_path / "reversed.json"
+    step = {"move": {"to": {"at_m": [0.4, 0, 0.25]}, "window_s": [3, 1.5]}}
+    file.write_text(json.dumps({**FIRST_PLAN, "task": [step]}))
+    code, _, errors = run("plan", str(file))
+    assert code == BAD_INPUT
+    assert "got [3, 1.5]" in errors
+
+
+def test_amounts_have_sensible_digits() -> None:
+    assert words.amount(1.27e-9, "m") == "less than 0.001 mm"
+    assert words.amount(5.06, "s") == "5.06 s"
+    assert words.amount(0.0506, "s") == "50.6 ms"
+    assert words.amount(0.0, "m") == "0 mm"
+    assert words.amount(1.5, "m") == "1,500 mm"
+    assert words.amount(-0.25, "rad") == "-14.3 deg"
+    assert words.amount(None, "m") == ""
+    assert [words.number(x, 4) for x in (359934.3, 446.907, 9999.6, -20.0)] == ["359,900", "446.9", "10,000", "-20"]
+
+
+LINE = {"stage": "screening", "reason": "BODY_COLLISION", "step": 0, "bodies": ["cup", "bar"], "count": 1}
+LINE |= {"interval_s": None, "least": 0.002, "most": 0.002, "unit": "m", "detail": ""}
+
+
+def test_a_census_is_told_in_whole_sentences() -> None:
+    assert words.refusal(LINE) == "once cup would hit bar by 2 mm [step 1, screening]"
+    assert words.refusal({**LINE, "count": 3}).startswith("3 times cup would hit bar")
+    document = {"candidates": 7, "refused": 1, "lines": [LINE, LINE]}
+    first, second, *_ = words.census(document, planned=False)
+    assert first == "7 candidates, 1 refused; a candidate may be refused for several bodies"
+    assert second == "the other 6 were proved as far as they go, or were not needed"
+    told = list(words.census({**document, "refused": 2}, planned=True))
+    assert told[0] == "7 candidates, 2 refused"
+    assert not any("the other" in sentence for sentence in told)
+
+
+def test_what_was_tried_in_vain_is_listed_without_what_is_no_change() -> None:
+    answer = {"reason": "OUT_OF_REACH", "proved": False, "sentence": "", "relaxation": None}
+    told = list(words.not_planned({**answer, "tried": ["window: open", words.SPENT]}))
+    assert told[-1] == f"what would not help  window: open; {words.SPENT}"
+    told = list(words.not_planned({**answer, "tried": ["window: open", "elbow: auto"]}))
+    assert told[-1] == "what would not help  window: open, elbow: auto"
+
+
+@pytest.mark.parametrize(
+    ("note", "said"),
+    [("1 vias", "by 1 via"), ("2 vias later", "by 2 vias later"), ("direct", "direct"), ("1 via", "by 1 via")],
+)
+def test_a_leg_says_by_how_many_vias_it_goes_and_an_arrival_its_yaw(small_file: Path, note: str, said: str) -> None:
+    answer = json.loads(run("plan", str(small_file), "--json")[1])
+    answer["legs"][0]["note"] = note
+    answer["arrivals"][0]["yaw_rad"] = 0.5
+    console = words.console()
+    with console.capture() as printed:
+        for part in words.planned(answer):
+            console.print(part)
+    rows = printed.get().splitlines()
+    assert rows[1].rstrip().endswith(f"  {said}")
+    assert "yaw deg" in printed.get()
+    assert "28.6" in printed.get()
+
+
+def test_the_robots_are_listed_in_one_system_of_units() -> None:
+    _, output, _ = run("robots")
+    rows = [" ".join(line.split()) for line in output.splitlines()]
+    assert "mitsubishi-rh-6frh5520 550 mm 6 kg t j1 deg -170 .. 170 400 7,199 c 359,900 e" in rows
+    assert "z mm 50 .. 250 2,000 25,000 500,000" in rows
+    assert "rad" not in output
+    assert "e+" not in output
 
 
 def test_the_lists_name_everything() -> None:

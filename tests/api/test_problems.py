@@ -73,6 +73,13 @@ def test_what_could_hurt_a_terminal_or_a_log_is_escaped_or_cut(value: str) -> No
     assert len(mended) <= 200
 
 
+def test_a_few_numbers_are_told_as_they_are() -> None:
+    assert shown([250, -300.5]) == [250, -300.5]
+    assert shown([250, float("nan")]) == [250, "a number that is not finite"]
+    assert shown([1] * 7) == "a list of 7"
+    assert shown({"a": 1}) == "an object with 1 field"
+
+
 @pytest.mark.parametrize(
     "value", [float("nan"), float("inf"), -float("inf"), 2**60, [1] * 10**6, {"a": 1}, b"x", object()]
 )

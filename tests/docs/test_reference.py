@@ -64,7 +64,7 @@ def planned() -> dict[str, Any]:
 
 def refused() -> dict[str, Any]:
     request = load("standard-cycle")
-    request["start"]["joints"]["j1_deg"] = 180
+    request["task"] = [{"move": {"to": {"at_mm": [1500, 0, 250]}}}]
     return plan(request)
 
 

@@ -216,6 +216,11 @@ def _data(content: bytes, form: str = "stl") -> dict[str, Any]:
     return {"mesh": {"data": base64.b64encode(content).decode(), "format": form, "unit": "mm"}}
 
 
+def _rates(per: str, **given: float) -> dict[str, float]:
+    """Rates of all joints of the good request's arm, zero where not `given`."""
+    return {f"{j}_{'mm' if j == 'j3' else 'deg'}{per}": given.get(j, 0.0) for j in ("j1", "j2", "j3", "j4")}
+
+
 BAD_REQUESTS: tuple[Bad, ...] = (
     # the document as such
     Bad("unknown field", put("color", value="red"), "color"),
@@ -283,6 +288,14 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad("a joint left out", drop("start", "joints", "j2_deg"), "start.joints.j2_rad"),
     Bad("joint in the wrong unit", put("start", "joints", "j3_deg", value=0), "start.joints.j3_deg"),
     Bad("joint without unit", put("start", "joints", "j1", value=0), "start.joints.j1"),
+    Bad("a start below its range", put("start", "joints", "j3_mm", value=30), "start.joints.j3_mm"),
+    Bad("a start beyond a narrowed range", put("start", "joints", "j4_deg", value=300), "start.joints.j4_deg"),
+    Bad("a start faster than the arm", put("start", "velocity", value=_rates("_s", j2=800)), "start.velocity.j2_deg_s"),
+    Bad(
+        "a start that speeds up more than the arm",
+        put("start", "acceleration", value=_rates("_s2", j1=5000)),
+        "start.acceleration.j1_deg_s2",
+    ),
     Bad("velocity of one joint only", put("start", "velocity", value={"j1_deg_s": 5}), "start.velocity.j2_rad_s"),
     # frames
     Bad("frame without law", put("frames", "belt", value={}), "frames.belt"),

@@ -89,7 +89,8 @@ def test_an_answer_says_all_that_is_promised() -> None:
 def test_an_answer_is_plain_json_and_its_plan_is_the_same_plan_again() -> None:
     cell, outcome = good()
     assert isinstance(outcome, Planned)
-    again = plan_of(through_json(answer_of(cell, outcome)), cell.conventions)
+    again, told = plan_of(through_json(answer_of(cell, outcome)), cell.conventions)
+    assert told == ()
     _assert_same(again, outcome.plan)
 
 
@@ -123,7 +124,7 @@ def test_the_makers_convention_leaves_and_comes_back_to_the_bit() -> None:
     tool_z = cell.scene.robot.forward(q[-1])[0][2] - 0.02
     assert tool_z == pytest.approx(0.12, abs=1e-6)
     assert j3[-1] == pytest.approx(0.25 - 0.14, abs=1e-6)
-    _assert_same(plan_of(answer, cell.conventions), outcome.plan)
+    _assert_same(plan_of(answer, cell.conventions)[0], outcome.plan)
     assert check_document(FANUC, answer)["ok"] is True
 
 
@@ -136,7 +137,7 @@ def test_any_knots_survive_the_makers_convention_and_json(q: Any, qd: Any) -> No
     trajectory = Trajectory(np.array([0.0, 0.5, 1.25]), q + 0.0, qd + 0.0, np.zeros((3, 4)))
     changed = dataclasses.replace(outcome.plan, trajectory=trajectory)
     answer = answer_of(cell, dataclasses.replace(outcome, plan=changed))
-    found = plan_of(through_json(answer), cell.conventions).trajectory
+    found = plan_of(through_json(answer), cell.conventions)[0].trajectory
     assert found.q.tobytes() == trajectory.q.tobytes()
     assert found.qd.tobytes() == trajectory.qd.tobytes()
 
@@ -158,7 +159,7 @@ def test_infinite_bounds_are_null_and_infinite_again() -> None:
     answer = answer_of(
         cell, dataclasses.replace(outcome, plan=dataclasses.replace(outcome.plan, certificate=certificate))
     )
-    read = plan_of(through_json(answer), cell.conventions).certificate
+    read = plan_of(through_json(answer), cell.conventions)[0].certificate
     np.testing.assert_array_equal(read.speed, certificate.speed)
     np.testing.assert_array_equal(read.acceleration, certificate.acceleration)
 
@@ -275,3 +276,20 @@ def _assert_same(one: Plan, other: Plan) -> None:
             assert a.dtype.kind == b.dtype.kind
         else:
             assert a == b
+
+
+@pytest.mark.parametrize(
+    ("key", "change"), [("duration_s", 1e-6), ("start_s", -1e-6), ("lower_bound_s", 100.0), ("duration_s", -1.0)]
+)
+def test_what_an_answer_says_of_its_own_durations_is_held_to_its_trajectory(key: str, change: float) -> None:
+    cell, outcome = good()
+    answer = through_json(answer_of(cell, outcome))
+    answer[key] += change
+    _, told = plan_of(answer, cell.conventions)
+    assert [(finding.code, finding.where) for finding in told] == [("FORM", key)]
+    assert told[0].amount > 0
+    verdict = check_document(GOOD_REQUEST, answer)
+    assert not verdict["ok"]
+    assert verdict["findings"][0]["where"] == key
+    del answer[key]
+    assert plan_of(answer, cell.conventions)[1] == ()

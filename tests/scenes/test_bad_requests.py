@@ -9,7 +9,19 @@ import pytest
 
 from planner.errors import InputError
 from scenes.requests import parse_json, scene_of, validate
-from tests.scenes.bad_requests import BAD_REQUESTS, BAD_TEXTS, GOOD_REQUEST, Bad, BadText
+from tests.scenes.bad_requests import (
+    BAD_REQUESTS,
+    BAD_TEXTS,
+    BELT,
+    GOOD_REQUEST,
+    PART,
+    PICK,
+    Bad,
+    BadText,
+    Change,
+    drop,
+    put,
+)
 
 
 def test_there_are_at_least_sixty_kinds_of_different_names() -> None:
@@ -45,3 +57,69 @@ def test_reading_a_request_does_not_change_it() -> None:
     request = copy.deepcopy(GOOD_REQUEST)
     scene_of(request)
     assert request == GOOD_REQUEST
+
+
+FAR_MESH = {"mesh": {"asset": "bracket", "unit": "m"}}
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (put("start", "joints", "j3_mm", value=30), ["start.joints.j3_mm: got 30; allowed: 133 to 333"]),
+        (put("start", "joints", "j4_deg", value=300), ["allowed: -270 to 270"]),
+        (put("start", "joints", value={"j1_rad": 0, "j2_rad": 9, "j3_m": 0.2, "j4_rad": 0}), ["-2.53073 to 2.53073"]),
+        (put("start", "joints", value={"j1_rad": 0, "j2_rad": 0, "j3_m": 0.02, "j4_rad": 0}), ["0.133 to 0.333"]),
+        (
+            put("start", "velocity", value={"j1_rad_s": 0, "j2_deg_s": -700, "j3_m_s": 0, "j4_rad_s": 0}),
+            ["-670 to 670"],
+        ),
+        (
+            put("start", "acceleration", value={"j1_rad_s2": 80, "j2_rad_s2": 0, "j3_m_s2": 0, "j4_rad_s2": 0}),
+            ["got 80", "-75.384 to 75.384"],  # 0.6 of the maker's
+        ),
+        (put(*BELT, "at", value=[0, 1, 2]), ["did you mean at_m or at_mm?", "speed_m_s/speed_mm_s", "yaw_rad/yaw_deg"]),
+        (put(*BELT, "at", value=3), ["did you mean at_s or at_ms?"]),
+        (put(*BELT, "sped_mm_s", value=3), ["did you mean speed_m_s or speed_mm_s?"]),
+        (put("frames", "valid_s", value={"conveyor": {"colour": 3}}), ["frames.valid_s.conveyor", "one of"]),
+        (drop("schema"), ["allowed: assur/1, which must be given"]),
+        (drop(*PART, "shape", "mesh", "unit"), ["one of m, mm, cm, in, which must be given"]),
+        (put(*PICK, "window_mm", value=[250, -300]), ["250 is not below -300"]),
+        (put("task", 2, value={"mvoe": {}}), ["mvoe is none of them", "did you mean move?"]),
+        (put("robot", "model", value="RH-6FRH5520"), ["fanuc-sr-3ia", "did you mean mitsubishi-rh-6frh5520?"]),
+        (put(*PICK, "part", value="angel"), ["the name of a body: bar, bed, part, plate"]),
+        (put(*PART, "shape", value=FAR_MESH), ["bodies[1].shape.mesh.unit: got 'm'", "m large; is the unit right?"]),
+    ],
+)
+def test_a_refusal_says_what_was_written_and_what_was_probably_meant(change: Change, words: list[str]) -> None:
+    request = copy.deepcopy(GOOD_REQUEST)
+    change(request)
+    with pytest.raises(InputError) as caught:
+        scene_of(request)
+    told = f"{caught.value}; {caught.value.allowed}"  # the exception's own text shortens nothing of `allowed`
+    assert [word for word in words if word not in told] == []
+
+
+def test_a_start_on_its_limits_is_no_fault() -> None:
+    request = copy.deepcopy(GOOD_REQUEST)
+    request["start"]["joints"] = {"j1_deg": -170, "j2_deg": 145, "j3_mm": 333, "j4_deg": -270}
+    request["start"]["velocity"] = {"j1_deg_s": 400, "j2_deg_s": -670, "j3_mm_s": 2400, "j4_deg_s": 0}
+    start = scene_of(request).start
+    assert start.q[2] == 0.333
+
+
+def test_a_start_of_a_joint_that_its_maker_counts_downwards_is_told_its_makers_range() -> None:
+    request = copy.deepcopy(GOOD_REQUEST)
+    request["robot"] = {"model": "fanuc-sr-3ia", "tool": {"tcp_mm": [0, 0, 0]}}
+    request["start"]["joints"]["j3_mm"] = -1
+    with pytest.raises(InputError, match="allowed: 0 to 200"):
+        scene_of(request)
+
+
+def test_masses_are_told_to_be_unused_wherever_one_is_given() -> None:
+    request = copy.deepcopy(GOOD_REQUEST)
+    told = "mass_kg is not used: no torque, no payload check"
+    assert scene_of(request).assumptions.count(told) == 1
+    del request["robot"]["tool"]["mass_kg"]
+    assert told in scene_of(request).assumptions
+    del request["bodies"][1]["mass_kg"]
+    assert told not in scene_of(request).assumptions

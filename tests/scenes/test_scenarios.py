@@ -203,3 +203,52 @@ def test_each_expectation_can_fail(expect: dict[str, Any]) -> None:
 def test_a_duration_that_is_not_there_meets_no_expectation() -> None:
     refused = {"status": "not_planned", "arrivals": []}
     assert unmet({"status": "not_planned", "duration_s": {"max": 9}}, refused)
+
+
+def test_a_mesh_file_that_does_not_exist_is_told_so_by_its_own_name(tmp_path: Path) -> None:
+    scenario = load_scenario(written(tmp_path, with_mesh("nowhere.stl")))
+    with pytest.raises(InputError, match="this one does not") as caught:
+        scene_of(scenario.request, folder=scenario.folder)
+    assert caught.value.value == "nowhere.stl"
+    assert str(tmp_path) not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "unit", "field", "words"),
+    [
+        (b"no mesh at all", "mm", "file", "an STL file, binary or text; there is: neither length"),
+        (binary_stl(SOLIDS["bracket"])[:-50], "mm", "file", "STL"),
+        (binary_stl(SOLIDS["bracket"]), "m", "unit", "m large; is the unit right?"),
+    ],
+)
+def test_a_mesh_that_is_wrong_is_blamed_on_its_file(
+    tmp_path: Path, content: bytes, unit: str, field: str, words: str
+) -> None:
+    (tmp_path / "part.stl").write_bytes(content)
+    request = with_mesh("part.stl")
+    request["bodies"][1]["shape"]["mesh"]["unit"] = unit
+    scenario = load_scenario(written(tmp_path, request))
+    with pytest.raises(InputError) as caught:
+        plan_scenario(scenario)
+    assert caught.value.field == f"bodies[1].shape.mesh.{field}"
+    assert words in caught.value.allowed
+    assert caught.value.value == ("part.stl" if field == "file" else "m")
+
+
+def test_what_is_expected_may_be_left_out_but_not_half_said(tmp_path: Path) -> None:
+    file = written(tmp_path, GOOD_REQUEST)
+    document = json.loads(file.read_text())
+    del document["expect"]
+    file.write_text(json.dumps(document))
+    scenario = load_scenario(file)
+    assert scenario.expect == {}
+    assert unmet(scenario.expect, {"status": "not_planned"}) == []
+    file.write_text(json.dumps({**document, "expect": {}}))
+    with pytest.raises(DocumentError) as caught:
+        load_scenario(file)
+    assert caught.value.field == "expect.status"
+    assert caught.value.allowed == "one of planned, not_planned, which must be given"
+
+
+def test_every_shipped_scenario_expects_something() -> None:
+    assert all("status" in shipped(name).expect for name in shipped_scenarios())

@@ -76,6 +76,38 @@ def test_what_surprises_is_refused_with_its_line(text: str, line: int, field: st
     assert str(caught.value).startswith(f"line {line}: ")
 
 
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [("a:\n\tb: 1\n", 2), ("a:\n  b: 1\n\tc: 2\n", 3), ("a:\n  b: 1\n  \tc: 2\n", 3), ("a: x\n\ty: 2\n", 2)],
+)
+def test_a_tab_is_named_as_what_it_is(text: str, line: int) -> None:
+    with pytest.raises(DocumentError, match=f"line {line} begins with a tab") as caught:
+        parse_yaml(text.encode())
+    assert caught.value.line == line
+    assert caught.value.allowed == "YAML: indent with spaces"
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("a:\n  b: 1\n   c: 2\n", 3, "indented further"),
+        ("a: b: c\n", 1, "a colon in line 1"),
+        ("a:\n  b: 1\n c: 2\n", 3, "the mapping begins in line 1"),
+        ("a:\n  - b: 1\n   c: 2\n", 3, "the list begins in line 2"),
+        ("  a: 1\nb: 2\n", 2, "in the same column"),
+        ("a: [1,\nb: 2", 3, "] at the end"),
+        ("a: {b: 1\nc: 2\n", 2, "} at the end"),
+        ("a: @x\n", 1, "in quotes"),
+    ],
+)
+def test_what_is_indented_or_closed_wrongly_is_said_in_a_sentence(text: str, line: int, words: str) -> None:
+    with pytest.raises(DocumentError) as caught:
+        parse_yaml(text.encode())
+    assert caught.value.line == line
+    assert words in str(caught.value)
+    assert "did not find" not in str(caught.value)
+
+
 def test_a_boolean_key_is_refused_by_its_name_unless_it_is_quoted() -> None:
     with pytest.raises(DocumentError, match='another key, or "off" in quotes'):
         parse_yaml(b"off: 1")
