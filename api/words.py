@@ -102,7 +102,7 @@ def catalogue(robots: list[dict[str, Any]]) -> Table:
     made = table("robot", ">reach", ">payload", "joint", "unit", ">range", ">speed", ">acceleration", ">jerk")
     for robot in robots:
         payload = robot.get("payload")
-        of_robot = [robot["model"], _reach(robot["l1"], robot["l2"])]
+        of_robot = [robot["model"], _reach(robot)]
         of_robot.append("" if payload is None else f"{payload['value']:g} {payload['unit']}{_mark(payload)}")
         for joint in robot["joints"]:
             lower, upper = joint["lower"], joint["upper"]
@@ -124,9 +124,11 @@ def _mark(quantity: dict[str, Any]) -> str:
     return MARKS.get(quantity["status"], "")
 
 
-def _reach(l1: dict[str, Any], l2: dict[str, Any]) -> str:
-    marks = "".join(sorted({_mark(link) for link in (l1, l2)}))
-    return f"{number(_shop(l1)[0] + _shop(l2)[0], 4)} mm{marks}"
+def _reach(robot: dict[str, Any]) -> str:
+    """How far the flange comes from the shoulder: both links, or, of an arm that extends, its longest extent."""
+    links = [robot["l1"], robot["l2"]] if "l1" in robot else [robot["joints"][-1]["upper"]]
+    marks = "".join(sorted({_mark(link) for link in links}))
+    return f"{number(sum(_shop(link)[0] for link in links), 4)} mm{marks}"
 
 
 def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
