@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from planner.chain import Chain, Draft, Sample
@@ -16,6 +18,9 @@ from planner.timing import TimingRefusal, time_joints
 from planner.tool_motion import RESERVE, carrying_peak
 from planner.trajectory import Trajectory, keeps_limits
 
+STILL = 1e-9
+"""A last joint rate below this is rounding, rad/s or m/s (an acceleration: a thousand times as much)."""
+
 
 def assembled(
     scene: Scene,
@@ -27,8 +32,10 @@ def assembled(
     end: float,
 ) -> Draft | Refusal:
     """The draft of these stretches, with a last leg to rest where the task ends."""
-    last = stretches[-1].knots.last
     final = chain.step == len(scene.task) - 1
+    if final and scene.options.end == "rest":
+        stretches[-1] = replace(stretches[-1], knots=_settled(stretches[-1].knots))
+    last = stretches[-1].knots.last
     if final and scene.options.end == "rest" and not last.resting:
         # what hangs on a moving frame comes to rest by a leg of its own
         stop = _to_rest(scene, chain.step, last, sample.stop_pace)
@@ -98,6 +105,16 @@ def _after(
         proofs=chain.proofs,
         glued_to=point if not resting and point.matched and not point.via else None,
     )
+
+
+def _settled(knots: Knots) -> Knots:
+    """The knots, with a last one that is at rest to the bit where only rounding keeps it from being."""
+    last = knots.last
+    if last.resting or not (np.abs(last.qd).max() <= STILL and np.abs(last.qdd).max() <= 1e3 * STILL):
+        return knots
+    qd, qdd = knots.qd.copy(), knots.qdd.copy()
+    qd[-1] = qdd[-1] = 0.0
+    return Knots(knots.time, knots.q, qd, qdd)
 
 
 def _to_rest(scene: Scene, step: int, state: State, pace: float) -> Stretch | Refusal:

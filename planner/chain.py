@@ -78,7 +78,9 @@ def prepared(scene: Scene, chain: Chain, yaw_offset: float, modes: tuple[int, ..
     if key not in chain.prepared:
         point = control_point(scene, chain.step, chain.rides, chain.carried, yaw_offset)
         lead = lead_time(scene, point, 1.0) if point.glued else 0.0
-        found = lead if isinstance(lead, Refusal) else meetings(scene, point, chain.state.time, lead, modes)
+        found = (
+            lead if isinstance(lead, Refusal) else meetings(scene, point, chain.state.time, lead, modes, chain.state.q)
+        )
         chain.prepared[key] = found
     return chain.prepared[key]
 

@@ -47,7 +47,9 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
         if all(r is not None and (offsets is not None or _whatever_the_yaw(scene, prover, r, carried)) for r in found):
             return found[0]
         if isinstance(step, Pick):
-            carried = held(scene, step, (offsets or (0.0,))[0])
+            if offsets != (0.0,):
+                return None  # how the part sits in the gripper from here on is a choice
+            carried = held(scene, step, 0.0)
         if isinstance(step, Place):
             carried, rides = None, {**rides, step.part: (step.to.frame, step.to.pose)}
     return None

@@ -20,7 +20,8 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
     and have one yaw.
     """
     rides, carried = initial_rides(scene), None
-    total = min((_first(option) for option in first), default=0.0)
+    free = yaw_offsets(scene, scene.task[0]) is None
+    total = min((_first(option, free=free) for option in first), default=0.0)
     before: list[FloatArray] = []
     turned = False
     for number, step in enumerate(scene.task):
@@ -45,9 +46,10 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
     return total
 
 
-def _first(option: Option) -> float:
-    """The lower bound of one way to the first control point; a via may be passed at any speed, so it has none."""
-    if option.meeting.point.via or not np.isfinite(option.least):
+def _first(option: Option, *, free: bool) -> float:
+    """The lower bound of one way to the first control point; none for a via, which may be passed at any speed, and
+    where the yaw is `free`, for not all yaws were looked at."""
+    if option.meeting.point.via or free or not np.isfinite(option.least):
         return 0.0
     return max(0.0, option.least - option.grain)
 

@@ -7,15 +7,17 @@ the certificate both derive them here; the tests hold this module to a second im
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from planner.arrays import FloatArray
 from planner.errors import InputError
 from planner.frames.motion import Pose
 from planner.outcome import GLUED, Arrival, Leg, LegKind
-from planner.scene import Pick, Place, Scene, Step
-from planner.shapes import support
+from planner.scene import Move, Pick, Place, Scene, Step
+from planner.shapes import radius, support
 
 CONTACT_M = 1e-4
 """Bodies in an allowed contact may overlap by this much, m: rounding of poses and a part that is not quite flat."""
@@ -34,8 +36,8 @@ class Phase:
     """[t0, t1] of one leg (or the standstill after the last, whose step is -1).
 
     `rides`: for each part that was moved, the frame and the pose it now rides on; `exempt`: pairs of names, sorted,
-    that may touch (down to -CONTACT_M); `glued`: the frame that a glued leg follows; `beside`: the frames that glued
-    legs next to this one follow.
+    that may touch (down to -CONTACT_M); `glued`: the frame that a glued leg follows; `beside`: the frames that the
+    glued legs before and behind this way follow.
     """
 
     t0: float
@@ -100,29 +102,39 @@ def resting_on(
     pose: Pose,
     names: tuple[str, ...] | None,
     rides: dict[str, tuple[str, Pose]] | None = None,
+    time: float | None = None,
 ) -> frozenset[str]:
-    """What a part at `pose` in `frame` touches from above: the named bodies, or those whose top is at its bottom.
+    """What a part at `pose` in `frame` touches from above: the named bodies, or those under it with their top at its
+    bottom.
 
-    `rides`: where each body sits by then (None: where it was at the start), so that parts can be stacked.
-
-    A body at the same height elsewhere in the cell is exempted, too; that is harmless, for an exempted pair must
-    still be proved not to overlap by more than CONTACT_M.
+    Looked at when the part is taken or let go: `time` (None: the start) and `rides`, where each body sits by then
+    (None: where it was at the start), so that parts can be stacked. A body counts as under the part when the circles
+    about both overlap; an exempted pair must still be proved not to overlap by more than CONTACT_M.
     """
     if names is not None:
         return frozenset(names)
-    level = scene.frames[frame].law.motion(np.array(scene.start.time)).p[..., 2] + pose.z
-    bottom = float(level) + _extent(scene, part)[0]
+    at, sits = np.array(scene.start.time if time is None else time), rides or initial_rides(scene)
+    x, y, z = _where(scene, frame, pose, at)
+    bottom = z + _extent(scene, part)[0]
     found = set()
     for body in scene.bodies:
         if body.name == part:
             continue
-        on, at = body.frame, body.pose
-        if rides is not None:
-            on, at = rides[body.name]
-        height = scene.frames[on].law.motion(np.array(scene.start.time)).p[..., 2] + at.z
-        if abs(float(height) + _extent(scene, body.name)[1] - bottom) <= CONTACT_M:
+        bx, by, bz = _where(scene, *sits[body.name], at)
+        near = math.hypot(bx - x, by - y) <= _radius(scene, part) + _radius(scene, body.name)
+        if near and abs(bz + _extent(scene, body.name)[1] - bottom) <= CONTACT_M:
             found.add(body.name)
     return frozenset(found)
+
+
+def _where(scene: Scene, frame: str, pose: Pose, t: FloatArray) -> tuple[float, float, float]:
+    x, y, z = scene.frames[frame].law.motion(t).at(pose).p.tolist()
+    return x, y, z
+
+
+def _radius(scene: Scene, name: str) -> float:
+    """Horizontal distance, m, of a body's points from its own origin at most."""
+    return max(radius(piece) for piece in scene.index[name].body.pieces)
 
 
 def _extent(scene: Scene, name: str) -> tuple[float, float]:
@@ -142,6 +154,8 @@ def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -
     rides = initial_rides(scene)
     start = dict(rides)
     offsets = {arrival.step: arrival.yaw_offset for arrival in arrivals}
+    ends = {arrival.step: arrival.until for arrival in arrivals}
+    followed = _followed(scene)
     carried: Carried | None = None
     found: list[Phase] = []
     tool = tuple(body.name for body in scene.tool.bodies)
@@ -154,7 +168,7 @@ def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -
         exempt = frozenset()
         if isinstance(step, Pick) and glued:
             if carried is None:
-                supports = resting_on(scene, step.part, *rides[step.part], step.contact_with, rides)
+                supports = resting_on(scene, step.part, *rides[step.part], step.contact_with, rides, ends.get(leg.step))
                 frame = rides[step.part][0]
                 exempt = frozenset(pair(name, step.part) for name in tool)
             else:
@@ -162,7 +176,9 @@ def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -
                 exempt = frozenset(pair(name, step.part) for name in supports)
         if isinstance(step, Place) and glued:
             if carried is not None:
-                supports = resting_on(scene, step.part, step.to.frame, step.to.pose, step.contact_with, rides)
+                supports = resting_on(
+                    scene, step.part, step.to.frame, step.to.pose, step.contact_with, rides, ends.get(leg.step)
+                )
                 exempt = frozenset(pair(name, step.part) for name in supports)
             else:
                 exempt = frozenset(pair(name, step.part) for name in tool)
@@ -178,7 +194,7 @@ def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -
         moved = tuple((name, *rides[name]) for name in sorted(rides) if rides[name] != start[name])
         stay = scene.options.stay_safe_s
         found.append(Phase(last.t1, last.t1 + stay, LegKind.WAIT, -1, carried, moved, frozenset(), None, ()))
-    return tuple(_with_neighbours(found))
+    return tuple(_with_neighbours(found, followed))
 
 
 def _frame_before(found: list[Phase]) -> str | None:
@@ -186,11 +202,34 @@ def _frame_before(found: list[Phase]) -> str | None:
     return found[-1].glued if found else None
 
 
-def _with_neighbours(found: list[Phase]) -> list[Phase]:
+def _followed(scene: Scene) -> list[str | None]:
+    """For each step the frame that its glued legs follow; None: it has none. The task alone says it."""
+    rides, found = initial_rides(scene), []
+    for step in scene.task:
+        found.append(None if isinstance(step, Move) else frame_of(step, rides))
+        if isinstance(step, Place):
+            rides[step.part] = (step.to.frame, step.to.pose)
+    return found
+
+
+def _with_neighbours(found: list[Phase], followed: list[str | None]) -> list[Phase]:
+    """On all of the way between two glued legs, however many legs it has, the arm may be shifted for either."""
     result = []
-    for i, phase in enumerate(found):
-        beside = {found[k].glued for k in (i - 1, i + 1) if 0 <= k < len(found)} - {None, phase.glued}
-        result.append(replace(phase, beside=tuple(sorted(str(name) for name in beside))))
+    for phase in found:
+        beside: set[str] = set()
+        if phase.glued is None:
+            step = phase.step if phase.step >= 0 else len(followed)
+            before = [frame for frame in followed[:step] if frame is not None]
+            behind = [frame for frame in followed[step:] if frame is not None]
+            # the way to rest behind the last glued leg belongs to the step of that leg
+            if (
+                phase.step >= 0
+                and followed[step] is not None
+                and any(p.glued for p in found if p.step == step and p.t1 <= phase.t0)
+            ):
+                before, behind = [*before, str(followed[step])], behind[1:]
+            beside = {*before[-1:], *behind[:1]}
+        result.append(replace(phase, beside=tuple(sorted(beside))))
     return result
 
 

@@ -16,7 +16,7 @@ from planner.feasibility import start_impossible
 from planner.lower_bound import lower_bound
 from planner.margins import contacts, margins
 from planner.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Reason, Refusal, Relaxation
-from planner.phases import phases
+from planner.phases import phases, yaw_offsets
 from planner.relaxation import relax, worth_trying
 from planner.scene import Scene
 from planner.search import Found, Search
@@ -74,17 +74,22 @@ def _not_found(scene: Scene, clock: _Clock, found: Found) -> NotPlanned:
     census = found.census.census()
     line = leading(census, found.deepest)
     refusal = None if line is None else _as_refusal(line)
-    proved = census.candidates == 0 and not found.cut_by_clock and line is not None and _for_all_times(line)
+    proved = census.candidates == 0 and not found.cut_by_clock and line is not None and _for_all_times(scene, line)
     return _not_planned(
         scene, clock, refusal, census, proved=proved, cut=found.cut_by_clock, deepest=found.deepest, line=line
     )
 
 
-def _for_all_times(line: CensusLine) -> bool:
+def _for_all_times(scene: Scene, line: CensusLine) -> bool:
     """Whether a refusal before any candidate holds for all times: it does not depend on how the arm came here."""
     if line.stage == "window":
-        # no number: it was not looked at for all times
-        return math.isfinite(line.least) and (line.step == 0 or "the glue takes" in line.detail)
+        # how early the arm can come depends on how it comes; that a window is over or too short does not. No number:
+        # it was not looked at for all times
+        return math.isfinite(line.least) and not line.detail.startswith("the arm comes")
+    if yaw_offsets(scene, scene.task[line.step]) is None:
+        return False  # some yaws were tried, not all
+    if line.reason is Reason.NEAR_SINGULARITY and not line.least > 0:
+        return False  # no margin was asked: a stretched arm may stand there
     return line.stage == "inverse" and line.interval is not None and line.interval[0] == line.interval[1]
 
 

@@ -187,6 +187,10 @@ class Scene:
         target = step.to if isinstance(step, Place) else getattr(step, "target", None)
         if target is not None and target.frame not in self.frames:
             raise InputError(f"{field}.frame", target.frame, f"one of {sorted(self.frames)}")
+        straight = isinstance(step, Move) and step.leg == "cartesian" and step.match == "position"
+        if straight and target is not None and not isinstance(self.frames[target.frame].law, Fixed):
+            allowed = "velocity: a straight leg meets a moving frame with its velocity"
+            raise InputError(f"{field}.match", "position", allowed)
         if isinstance(step, Pick | Place):
             if step.part not in self.index:
                 raise InputError(f"{field}.part", step.part, f"one of {sorted(self.index)}")

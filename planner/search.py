@@ -54,6 +54,7 @@ class Search:
     def __init__(self, scene: Scene, prover: Prover, started: float, *, adaptive: bool = True) -> None:
         self.scene, self.prover, self.adaptive = scene, prover, adaptive
         self.started, self.deadline = started, started + scene.options.budget_s
+        prover.deadline = self.deadline
         self.rng = np.random.default_rng(scene.options.seed)
         self.pool: list[list[Chain]] = [[] for _ in range(len(scene.task) + 1)]
         self.samplers: dict[int, tuple[Chain, Sampler]] = {}

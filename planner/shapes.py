@@ -216,3 +216,10 @@ def distance(piece: Piece, position: FloatArray, rotation: FloatArray) -> float:
     points = centre + corners(shape) @ (rotation @ piece.rotation).T
     grown = shape.disc + shape.ball if isinstance(shape, Primitive) else 0.0
     return float(np.sqrt((points * points).sum(1)).max()) + grown
+
+
+def radius(piece: Piece) -> float:
+    """Horizontal distance, m, of the piece's points from the origin of its body's frame at most."""
+    points = piece.position + corners(piece.shape) @ piece.rotation.T
+    grown = piece.shape.disc + piece.shape.ball if isinstance(piece.shape, Primitive) else 0.0
+    return float(np.hypot(points[:, 0], points[:, 1]).max()) + grown

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import time
+
 import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
@@ -31,6 +34,8 @@ class Prover:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.solids = SolidsMaker(scene)
+        self.deadline = math.inf
+        """Reading of `time.perf_counter` at which proofs are given up: what is not proved by then is not certified."""
         self.collider = Collider()
         self._asked: dict[int, tuple[IntArray, IntArray]] = {}
 
@@ -75,7 +80,7 @@ class _Proof:
 
     def rounds(self, table: Intervals, row: IntArray, a: IntArray, b: IntArray, seed: FloatArray) -> Rows | Unproved:
         while len(row):
-            if len(row) > MOST_ROWS:
+            if len(row) > MOST_ROWS or time.perf_counter() >= self.prover.deadline:
                 return self.unproved(table, row, a, b, 0, np.nan, np.nan, touching=False)
             middle = row + len(table)
             am, bm = self.facts.at(table, middle, a), self.facts.at(table, middle, b)

@@ -7,18 +7,21 @@ dyad; the search for the earliest meeting then only has to ask Ruckig.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.legs.control_point import ControlPoint
+from planner.legs.missed import window_missed
 from planner.outcome import Reason, Refusal
 from planner.robots.protocol import Code, Robot
 from planner.scene import Scene
 
 GRID_S = 0.004
 """Meeting times are looked for on a grid this fine, s; a plan meets its point a step or two later than it could."""
+MOST_TURNS = 2
+"""Full turns of one joint, either way from where it is, that are tried."""
 MOST_TIMES = 2500
 """... and at most this many times, so a far horizon makes the grid coarser."""
 LOOK_AHEAD_S = 20.0
@@ -67,7 +70,14 @@ def _any_time(point: ControlPoint) -> bool:
     return point.still and point.window.time is None
 
 
-def meetings(scene: Scene, point: ControlPoint, earliest: float, lead: float, modes: tuple[int, ...]) -> Meetings:
+def meetings(
+    scene: Scene,
+    point: ControlPoint,
+    earliest: float,
+    lead: float,
+    modes: tuple[int, ...],
+    near: FloatArray | None = None,
+) -> Meetings:
     """The branches in which `point` can be met, `point.approach` above it, from `earliest` on."""
     robot = scene.robot
     above = point.approach
@@ -101,7 +111,7 @@ def meetings(scene: Scene, point: ControlPoint, earliest: float, lead: float, mo
             refusals.append(_too_fast(robot, point, t[safe], over[safe], robot.modes[mode]))
             continue
         safe = slow
-        here = list(_turned(robot, mode, t, found.q, found.qd, found.qdd, safe, _any_time(point)))
+        here = list(_turned(robot, mode, t, found.q, found.qd, found.qdd, safe, _any_time(point), near))
         if not here:
             refusals.append(_beyond_limits(robot, point, t[safe], found.q[safe], robot.modes[mode]))
         branches += here
@@ -132,8 +142,12 @@ def _turned(
     qdd: FloatArray,
     safe: BoolArray,
     still: bool,
+    near: FloatArray | None,
 ) -> list[Branch]:
-    """The mode's branches: every choice of full turns of the revolute joints that is within limits at some time."""
+    """The mode's branches: choices of full turns of the revolute joints that are within limits at some time.
+
+    A joint that can go round many times is offered `MOST_TURNS` either way from where it is (`near`; None: all).
+    """
     low, high = q[safe].min(0), q[safe].max(0)
     choices = []
     for i, joint in enumerate(robot.joints):
@@ -142,6 +156,9 @@ def _turned(
             continue
         first = int(np.ceil((robot.limits.lower[i] - high[i]) / (2 * np.pi)))
         last = int(np.floor((robot.limits.upper[i] - low[i]) / (2 * np.pi)))
+        if near is not None:
+            here = round((near[i] - float(q[safe][0, i])) / (2 * np.pi))
+            first, last = max(first, here - MOST_TURNS), min(last, here + MOST_TURNS)
         choices.append(list(range(first, last + 1)))
     found = []
     for turns in itertools.product(*choices):
@@ -210,40 +227,3 @@ def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArr
         unit,
         f"{mode}: {name} is beyond its limit",
     )
-
-
-def window_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refusal:
-    """Why no meeting time is left: the window is over before `earliest`, or the dwell does not fit into it."""
-    intervals = point.intervals
-    if not intervals:
-        whole = replace(point, dwell=0.0).intervals
-        if not whole:
-            law = scene.frames[point.frame].law
-            if not law.valid[1] >= scene.start.time:
-                return Refusal(
-                    "window", Reason.LAW_ENDS, point.step, (point.frame,), None, scene.start.time - law.valid[1], "s"
-                )
-            return Refusal("window", Reason.WINDOW_MISSED, point.step, (), None, *point.never_inside())
-        low, high = max(whole, key=lambda span: span[1] - span[0])
-        short = point.dwell - (high - low)
-        detail = f"the window is open for {1e3 * (high - low):.0f} ms, the glue takes {1e3 * point.dwell:.0f} ms"
-        return Refusal(
-            "window",
-            Reason.WINDOW_MISSED,
-            point.step,
-            (),
-            (low, high),
-            short,
-            "s",
-            detail + _way(point, high, high + short),
-        )
-    low, high = intervals[-1]
-    detail = "the arm comes after the window has closed" + _way(point, high, earliest)
-    return Refusal("window", Reason.WINDOW_MISSED, point.step, (), (low, high), earliest - high, "s", detail)
-
-
-def _way(point: ControlPoint, t0: float, t1: float) -> str:
-    way = point.along(np.array([t0, t1]))
-    if way is None or not np.isfinite(way).all():
-        return ""
-    return f" ({1e3 * abs(float(way[1] - way[0])):.0f} mm of belt)"

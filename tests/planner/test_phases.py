@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from planner.arrays import FloatArray
 from planner.errors import InputError
-from planner.frames import Conveyor, Fixed, Frame, Turntable
+from planner.frames import Conveyor, Fixed, Frame, Linear, Turntable
 from planner.frames.motion import Pose
 from planner.outcome import Arrival, Leg, LegKind
 from planner.phases import (
@@ -27,7 +27,7 @@ from planner.phases import (
     yaw_offsets,
 )
 from planner.scene import Follow, Move, Options, Pick, Place, Scene, Step, Target, WorldBody
-from planner.shapes import Body, Piece, box, cylinder
+from planner.shapes import Body, Piece, Primitive, box, cylinder
 from tests.planner.checker.hand_made import TOOL, arm, solid, start_at
 
 FRAMES = {
@@ -144,7 +144,23 @@ class Shop:
 
     def found_under(self, part: str) -> set[str]:
         bottom = self.bottom_and_top(part)[0]
-        return {name for name in self.lies if name != part and abs(self.bottom_and_top(name)[1] - bottom) <= 1e-4}
+        (centre, wide), found = self.circle(part), set()
+        for name in self.lies:
+            other, its = self.circle(name)
+            level = abs(self.bottom_and_top(name)[1] - bottom) <= 1e-4
+            if name != part and level and np.linalg.norm(other - centre) <= wide + its:
+                found.add(name)
+        return found
+
+    def circle(self, name: str) -> tuple[FloatArray, float]:
+        """Seen from above: the centre of a body and the radius of the circle that holds it, at time 0."""
+        frame, at = self.lies[name]
+        motion = self.scene.frames[frame].law.motion(np.array(0.0))
+        x, y, z = motion.p.tolist()
+        world = matrix(Pose(x, y, z, float(motion.yaw))) @ at
+        shape = self.scene.index[name].body.pieces[0].shape
+        assert isinstance(shape, Primitive)
+        return world[:2, 3], math.hypot(*shape.half[:2]) + shape.disc + shape.ball
 
 
 @dataclass(frozen=True)
@@ -210,7 +226,7 @@ def same(phase: Phase, wanted: Wanted, around: tuple[str | None, ...]) -> None:
         assert np.allclose(matrix(pose), at, atol=1e-12)
     assert phase.exempt == wanted.touching
     assert phase.glued == wanted.frame
-    assert set(phase.beside) == {frame for frame in around if frame not in (None, wanted.frame)}
+    assert set(phase.beside) == ({frame for frame in around if frame} if wanted.frame is None else set())
 
 
 @given(tasks(), st.booleans(), st.booleans(), st.sampled_from([0.0, 0.5]), st.sampled_from(["rest", "moving"]), angles)
@@ -223,9 +239,10 @@ def test_phases_are_what_happens_in_the_shop(
     arrivals = tuple(Arrival(i, step.name, 0.0, 0.0, Pose(), True, turns.get(i, 0.0)) for i, step in enumerate(task))
     found, wanted = phases(cell, legs, arrivals), simulated(cell, legs, turns)
     assert len(found) == len(wanted)
-    followed = [None, *(each.frame for each in wanted), None]
+    followed = [each.frame for each in wanted]
     for i, (phase, each) in enumerate(zip(found, wanted, strict=True)):
-        same(phase, each, (followed[i], followed[i + 2]))
+        earlier, later = [f for f in followed[:i] if f], [f for f in followed[i:] if f]
+        same(phase, each, (*earlier[-1:], *later[:1]))
         assert phase.near == (phase.kind in (LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART))
     assert all(a.t1 == b.t0 for a, b in pairwise(found))
 
@@ -299,5 +316,16 @@ def test_only_the_first_piece_does_not_decide_how_high_a_body_is() -> None:
     steps = Body("steps", (Piece(box(0.1, 0.1, 0.1)), Piece(box(0.1, 0.1, 0.3), np.array([0.1, 0.0, 0.1]))))
     cell = scene((Move("m", Target("world", Pose())),))
     cell = replace(cell, bodies=(*cell.bodies, WorldBody(steps, "world", Pose(0.5, 0.5, 0.05))))
-    assert resting_on(cell, "red", "world", Pose(z=0.31), None) == {"steps"}
-    assert resting_on(cell, "red", "world", Pose(z=0.11), None) == frozenset()
+    assert resting_on(cell, "red", "world", Pose(0.5, 0.5, 0.31), None) == {"steps"}
+    assert resting_on(cell, "red", "world", Pose(0.5, 0.5, 0.11), None) == frozenset()
+
+
+def test_what_is_level_but_elsewhere_or_at_another_time_does_not_bear_a_part() -> None:
+    """A plate on a lift beside the part, level with its bottom at the start only, is an obstacle like any other."""
+    plate = WorldBody(solid("lifted", box(0.1, 0.1, 0.02)), "lift", Pose(z=-0.01))
+    cell = scene((Move("m", Target("world", Pose())),))
+    frames = {**cell.frames, "lift": Frame("lift", Linear(Pose(0.06, 0.0, 0.5), (0.0, 0.0, 0.1)))}
+    cell = replace(cell, frames=frames, bodies=(*cell.bodies, plate))
+    assert resting_on(cell, "red", "world", Pose(z=0.51), None) == {"lifted"}
+    assert resting_on(cell, "red", "world", Pose(z=0.51), None, time=0.3) == frozenset()
+    assert resting_on(cell, "red", "world", Pose(0.4, 0.0, 0.51), None) == frozenset()
