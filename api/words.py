@@ -23,6 +23,7 @@ SAYS = {
     "OUT_OF_REACH": "the arm does not reach",
     "JOINT_LIMIT": "a joint would pass its limit",
     "NEAR_SINGULARITY": "the arm would be too near a singular pose",
+    "NEAR_PARALLEL_SINGULARITY": "the motors would hardly hold the tool",
     "SELF_COLLISION": "the arm would hit itself",
     "BODY_COLLISION": "something would be hit",
     "START_IN_COLLISION": "the start is in collision",

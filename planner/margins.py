@@ -7,6 +7,7 @@ import numpy as np
 from planner.arrays import FloatArray
 from planner.certificate import Prover
 from planner.gjk import separate
+from planner.loops import has_loop
 from planner.outcome import Contact, JointPeak, Margins, Nearest
 from planner.phases import Phase, pair
 from planner.scene import Scene
@@ -44,14 +45,15 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         for i, peak in enumerate(peaks)
     )
     t = np.linspace(trajectory.start, trajectory.end, INSTANTS)
-    acceleration = tool_motion(scene, trajectory, t).a
+    acceleration, q = tool_motion(scene, trajectory, t).a, trajectory.evaluate(t)
     return Margins(
         peaks=peaks,
         binds=f"{kind} of {joint} ({100 * ratio:.0f} %)",
         nearest=nearest(prover, trajectory, phases),
         tool_acceleration=float(np.sqrt((acceleration**2).sum(-1)).max()),
         tool_acceleration_limit=scene.carry_acceleration,
-        singularity=float(scene.robot.margin(trajectory.evaluate(t)).min()),
+        singularity=float(scene.robot.margin(q).min()),
+        parallel=float(scene.robot.parallel_margin(q).min()) if has_loop(scene.robot) else None,
     )
 
 

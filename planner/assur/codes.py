@@ -17,3 +17,5 @@ class Code(IntEnum):
     STRETCHED = 2
     FOLDED = 3
     INDETERMINATE = 4
+    PARALLEL = 5
+    """Of closed chains: nearer to a type 2 singularity than the robot may be, or beyond it, in the other assembly."""

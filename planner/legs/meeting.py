@@ -13,8 +13,9 @@ import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.legs.control_point import ControlPoint
+from planner.legs.singular import nearest
 from planner.outcome import Reason, Refusal
-from planner.robots.protocol import Code, Robot
+from planner.robots.protocol import Code, Inverse, Robot
 from planner.scene import Scene
 
 GRID_S = 0.004
@@ -84,16 +85,13 @@ def meetings(scene: Scene, point: ControlPoint, earliest: float, lead: float, mo
         assembled = _assembled(found.code, found.qd, found.qdd)
         if not assembled.any():
             known = np.asarray(np.isfinite(motion.p).all(-1))
-            refusals.append(_unreachable(point, found.code, t, robot.modes[mode], known))
+            refusals.append(_unreachable(robot, point, found, t, robot.modes[mode], known))
             continue
-        safe = ~_near_singular(scene, point, found.margin) & assembled
+        safe = _safe(scene, point, found) & assembled
         if not safe.any():
-            margin = float(np.nanmax(found.margin[assembled]))
-            need = scene.options.singularity_margin
-            detail = f"{robot.modes[mode]}: margin {margin:.3f} where {need:.3f} is asked"
-            refusals.append(
-                Refusal("inverse", Reason.NEAR_SINGULARITY, point.step, (), _span(t), need - margin, "1", detail)
-            )
+            near = nearest(robot, found, scene.options.singularity_margin, np.flatnonzero(assembled), best=True)
+            detail = f"{robot.modes[mode]}: {near.words}"
+            refusals.append(Refusal("inverse", near.reason, point.step, (), _span(t), near.missing, "1", detail))
             continue
         here = list(_turned(robot, mode, t, found.q, found.qd, found.qdd, safe, _any_time(point)))
         if not here:
@@ -108,13 +106,10 @@ def _assembled(code: IntArray, qd: FloatArray, qdd: FloatArray) -> BoolArray:
     return np.asarray((code == Code.ASSEMBLED) & finite)
 
 
-def _near_singular(scene: Scene, point: ControlPoint, margin: FloatArray) -> BoolArray:
+def _safe(scene: Scene, point: ControlPoint, found: Inverse) -> BoolArray:
     """The margin is asked of points met with a matched velocity or along a Cartesian leg, and not of others."""
     moving = point.glued or (point.matched and not point.still and not point.via)
-    if not moving:
-        return np.zeros(margin.shape, dtype=bool)
-    near: BoolArray = ~(margin >= scene.options.singularity_margin)
-    return near
+    return found.keeps(scene.options.singularity_margin) if moving else np.ones(found.code.shape, dtype=bool)
 
 
 def _turned(
@@ -150,16 +145,22 @@ def _span(t: FloatArray) -> tuple[float, float]:
     return float(t[0]), float(t[-1])
 
 
-def _unreachable(point: ControlPoint, code: IntArray, t: FloatArray, mode: str, known: BoolArray) -> Refusal:
+def _unreachable(
+    robot: Robot, point: ControlPoint, found: Inverse, t: FloatArray, mode: str, known: BoolArray
+) -> Refusal:
     if not known.any():
         return Refusal(
             "inverse", Reason.LAW_ENDS, point.step, (point.frame,), _span(t), detail="the frame's law has ended"
         )
-    worst = code[known]
+    worst = found.code[known]
     if (worst == Code.OUT_OF_REACH).all():
         return Refusal(
             "inverse", Reason.OUT_OF_REACH, point.step, (), _span(t), detail=f"{mode}: no joint position reaches it"
         )
+    parallel = np.flatnonzero(found.code == Code.PARALLEL)
+    if len(parallel):
+        near = nearest(robot, found, 0.0, parallel, best=True)
+        return Refusal("inverse", near.reason, point.step, (), _span(t), near.missing, "1", f"{mode}: {near.words}")
     return Refusal(
         "inverse",
         Reason.NEAR_SINGULARITY,

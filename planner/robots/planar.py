@@ -7,7 +7,9 @@ import math
 import numpy as np
 
 from planner.arrays import FloatArray
+from planner.errors import InputError
 from planner.frames.motion import Motion
+from planner.robots.protocol import RobotBody
 from planner.shapes import Piece, Primitive
 
 TURN = 2.0 * math.pi
@@ -65,3 +67,16 @@ def upright(piece: Piece) -> bool:
     centred = np.hypot(piece.position[0], piece.position[1]) <= AXIS_SLACK
     is_ball = shape.half[2] == shape.disc == 0.0
     return bool(centred and (is_ball or np.hypot(piece.rotation[0, 2], piece.rotation[1, 2]) <= AXIS_SLACK))
+
+
+def check_bodies(bodies: tuple[RobotBody, ...], pairs: tuple[tuple[str, str], ...], links: tuple[str, ...]) -> None:
+    """Raises `InputError` unless bodies ride on `links`, on the `quill` only solids of revolution, and pairs are of
+    those links."""
+    for body in bodies:
+        if body.link not in range(len(links)):
+            raise InputError(f"robot.bodies {body.body.name}", body.link, f"a link number below {len(links)}")
+        if links[body.link] == "quill" and not all(upright(piece) for piece in body.body.pieces):
+            raise InputError(f"robot.bodies {body.body.name}", "quill", "solids of revolution about the quill")
+    for pair in pairs:
+        if not set(pair) <= set(links):
+            raise InputError("robot.self_pairs", pair, f"pairs out of {links}")

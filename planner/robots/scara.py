@@ -19,8 +19,8 @@ from planner.arrays import BoolArray, FloatArray, IntArray, frozen
 from planner.assur.rrr import LEFT, RIGHT, RRR
 from planner.errors import FaultError, InputError
 from planner.frames.motion import Motion, Pose
-from planner.robots.planar import add_arm, arm_bounds, principal, upright
-from planner.robots.protocol import Code, Inverse, Joint, Limits, RobotBody, Sweep
+from planner.robots.planar import add_arm, arm_bounds, check_bodies, principal
+from planner.robots.protocol import Code, Inverse, Joint, Limits, RobotBody, Serial, Sweep
 
 LINKS = ("base", "link1", "link2", "quill", "flange")
 BASE, LINK1, LINK2, QUILL, FLANGE = range(5)
@@ -34,7 +34,7 @@ _SPIN = frozen([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1]], (5, 3), 
 
 
 @dataclass(frozen=True, eq=False)
-class Scara:
+class Scara(Serial):
     """A SCARA arm; implements `planner.robots.protocol.Robot`.
 
     Link frames: `base` at the base origin; `link1` at the shoulder axis, turned by φ1; `link2` at the elbow axis,
@@ -69,14 +69,7 @@ class Scara:
             raise InputError("robot.joint_names", names, f"{self.axes} different names")
         if len(self.limits.lower) != self.axes:
             raise InputError("robot.limits", len(self.limits.lower), f"{self.axes} joints")
-        for body in self.bodies:
-            if body.link not in range(len(LINKS)):
-                raise InputError(f"robot.bodies {body.body.name}", body.link, f"a link number below {len(LINKS)}")
-            if body.link == QUILL and not all(upright(piece) for piece in body.body.pieces):
-                raise InputError(f"robot.bodies {body.body.name}", "quill", "solids of revolution about the quill")
-        for pair in self.self_pairs:
-            if not set(pair) <= set(LINKS):
-                raise InputError("robot.self_pairs", pair, f"pairs out of {LINKS}")
+        check_bodies(self.bodies, self.self_pairs, LINKS)
         kinds = ("revolute", "revolute", "prismatic", "revolute")
         object.__setattr__(self, "joint_names", names)
         object.__setattr__(self, "joints", tuple(Joint(*pair) for pair in zip(names, kinds, strict=False)))
