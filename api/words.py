@@ -36,9 +36,12 @@ SAYS = {
     "TIMED_OUT": "the time was up",
 }
 """Reasons as a shift leader says them."""
-MARKS = {"vendor_config": " c", "third_party": " t", "estimated": " e"}
+MARKS = {"vendor_config": " c", "third_party": " t", "disputed": " d", "estimated": " e"}
 """Marks behind a number of the catalogue that is not the maker's own word; `LEGEND` explains them."""
-LEGEND = "c: a maker's configuration file, perhaps a placeholder; t: second hand; e: estimated; else as its source says"
+LEGEND = (
+    "c: a maker's configuration file, perhaps a placeholder; t: second hand; d: disputed; e: estimated; "
+    "else as its source says"
+)
 MILLI = {"m": ("mm", 1e3), "s": ("ms", 1e3)}
 
 

@@ -26,7 +26,7 @@ def cell_of(document: object, request: RequestDocument) -> Cell:
     Not checked here: whether anything can be planned.
     """
     arm = robots.arm(document, ("robot",), request.robot)
-    robot = robots.scara(document, ("robot",), request.robot, arm)
+    robot = robots.robot(document, ("robot",), request.robot, arm)
     tool = robots.tool(document, ("robot", "tool"), request.robot.tool)
     start = robots.start(document, request.start, arm.conventions)
     known = frames.frames_of(document, request.frames)

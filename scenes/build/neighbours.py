@@ -9,11 +9,10 @@ import numpy as np
 from planner.errors import InputError
 from planner.frames import Fixed, Frame
 from planner.frames.motion import Pose
-from planner.robots.scara import BASE, Scara
 from planner.scene import WorldBody
 from planner.shapes import Body
+from scenes.build import robots
 from scenes.build.bodies import Places
-from scenes.build.robots import arm, scara, tool
 from scenes.catalogue.arm import Conventions, converted
 from scenes.documents.robots import NeighbourDocument, TrajectoryDocument
 from scenes.faults import Path, fault, located
@@ -54,8 +53,8 @@ def add_neighbour(
     """Puts a neighbour's links among the frames and gives its bodies, all called NEIGHBOUR/name."""
     from planner.neighbour import TrajectoryLaw
 
-    its_arm = arm(document, (*path, "robot"), item.robot)
-    robot: Scara = scara(document, (*path, "robot"), item.robot, its_arm)
+    its_arm = robots.arm(document, (*path, "robot"), item.robot)
+    robot = robots.robot(document, (*path, "robot"), item.robot, its_arm)
     trajectory = trajectory_of(document, (*path, "trajectory"), item.trajectory, its_arm.conventions)
     if not (trajectory.rest_at_start and trajectory.rest_at_end):
         allowed = "rest at its first and last knot: it stands still before and after"
@@ -63,9 +62,9 @@ def add_neighbour(
     for number, link in enumerate(robot.links):
         name = f"{item.name}/{link}"
         with located(document, *path, "trajectory"):
-            law = Fixed(robot.base) if number == BASE else TrajectoryLaw(robot, trajectory, number)
+            law = Fixed(robot.base) if link == "base" else TrajectoryLaw(robot, trajectory, number)
         frames[name] = Frame(name, law)
-    its_tool = tool(document, (*path, "robot", "tool"), item.robot.tool)
+    its_tool = robots.tool(document, (*path, "robot", "tool"), item.robot.tool)
     carried = [(body.body, robot.links[body.link]) for body in robot.bodies]
     carried += [(body, "flange") for body in its_tool.bodies]
     found = []

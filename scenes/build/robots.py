@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from planner.arrays import FloatArray
 from planner.errors import InputError
+from planner.robots import five_bar_links, scara
 from planner.robots.planar import upright
-from planner.robots.protocol import Limits, RobotBody
-from planner.robots.scara import LINKS, QUILL, Scara
+from planner.robots.protocol import Limits, Robot, RobotBody
 from planner.scene import Start, Tool
 from scenes.build.bodies import attached
 from scenes.build.frames import placed, pose_of
 from scenes.catalogue import arm_named
-from scenes.catalogue.arm import Arm, Conventions, JointConvention, JointKind, converted, limits_of
+from scenes.catalogue.arm import (
+    Arm,
+    Conventions,
+    FiveBarArm,
+    JointConvention,
+    JointKind,
+    ScaraArm,
+    converted,
+    limits_of,
+)
 from scenes.documents.robots import (
+    FiveBarDocument,
     JointDocument,
     JointValues,
     LimitsDocument,
@@ -25,24 +36,41 @@ from scenes.documents.robots import (
     StartDocument,
     ToolDocument,
 )
+from scenes.documents.shapes import FiveBarBody, LinkBody
 from scenes.faults import Path, fault, located
 from scenes.units import twin_of
 
 KINDS: tuple[JointKind, ...] = ("revolute", "revolute", "prismatic", "revolute")
-"""Kinds of the joints of a SCARA, in order."""
+"""Kinds of the joints of a SCARA and of a five-bar, in order."""
 
 
 def arm(document: object, path: Path, robot: RobotDocument) -> Arm:
     """The arm of the catalogue, or the inline one. Raises `DocumentError` at the field at fault."""
     if robot.scara is not None:
-        return _inline(document, (*path, "scara"), robot.scara)
+        return ScaraArm(
+            name="inline-scara",
+            l1=robot.scara.l1_m,
+            l2=robot.scara.l2_m,
+            **_inline(document, (*path, "scara"), robot.scara, "SCARA", scara.LINKS, 0.0),
+        )
+    if robot.five_bar is not None:
+        item = robot.five_bar
+        return FiveBarArm(
+            name="inline-five-bar",
+            separation=item.separation_m,
+            proximal=(item.proximal_m[0], item.proximal_m[1]),
+            distal=(item.distal_m[0], item.distal_m[1]),
+            assembly=item.assembly,
+            parallel_least=item.parallel_margin,
+            **_inline(document, (*path, "five_bar"), item, "five-bar", five_bar_links.LINKS, item.height_m),
+        )
     try:
         return arm_named(str(robot.model))
     except InputError as error:
         raise fault(document, (*path, "model"), error.allowed) from None
 
 
-def scara(document: object, path: Path, item: RobotDocument, of: Arm) -> Scara:
+def robot(document: object, path: Path, item: RobotDocument, of: Arm) -> Robot:
     """The robot at its base, with its limits narrowed."""
     limits = _narrowed(document, (*path, "limits"), item.limits, of)
     with located(document, *path):
@@ -117,21 +145,30 @@ def _ranges(document: object, path: Path, ranges: dict[str, Sequence[float]], of
     return lower, upper
 
 
-def _inline(document: object, path: Path, item: ScaraDocument) -> Arm:
+def _inline(
+    document: object,
+    path: Path,
+    item: ScaraDocument | FiveBarDocument,
+    family: str,
+    links: tuple[str, ...],
+    height: float,
+) -> dict[str, Any]:
+    """What an inline arm of any family has; `height`: of the flange above the mounting face, if there is no lift."""
     joints = item.joints
     names = [joint.name for joint in joints]
     for i, (joint, kind) in enumerate(zip(joints, KINDS, strict=False)):
-        _check_joint(document, (*path, "joints", i), joint, kind, names[:i])
-    zero = joints[2].zero_m or 0.0
+        _check_joint(document, (*path, "joints", i), joint, kind, names[:i], family)
+    zero = (joints[2].zero_m or 0.0) if len(joints) > 2 else height
+    riders: Sequence[LinkBody | FiveBarBody] = item.bodies
     bodies = tuple(
         RobotBody(
             attached(document, (*path, "bodies", i), body, 0.0 if body.link in ("quill", "flange") else zero),
-            LINKS.index(body.link),
+            links.index(body.link),
         )
-        for i, body in enumerate(item.bodies)
+        for i, body in enumerate(riders)
     )
     for i, solid in enumerate(bodies):
-        if solid.link == QUILL and not all(upright(piece) for piece in solid.body.pieces):
+        if links[solid.link] == "quill" and not all(upright(piece) for piece in solid.body.pieces):
             allowed = "an upright cylinder, capsule or sphere about the quill's axis"
             raise fault(document, (*path, "bodies", i, "shape"), allowed)
     conventions = tuple(
@@ -147,17 +184,14 @@ def _inline(document: object, path: Path, item: ScaraDocument) -> Arm:
                 [j.jerk_rad_s3 or j.jerk_m_s3 or 0.0 for j in joints],
             ],
         )
-    return Arm(
-        name="inline-scara",
-        l1=item.l1_m,
-        l2=item.l2_m,
-        conventions=conventions,
-        limits=limits,
-        zero_m=zero,
-        bodies=bodies,
-        self_pairs=tuple((pair[0], pair[1]) for pair in item.self_pairs),
-        assumptions=("the robot's data are the request's own",),
-    )
+    return {
+        "conventions": conventions,
+        "limits": limits,
+        "zero_m": zero,
+        "bodies": bodies,
+        "self_pairs": tuple((pair[0], pair[1]) for pair in item.self_pairs),
+        "assumptions": ("the robot's data are the request's own",),
+    }
 
 
 def _range(joint: JointDocument) -> tuple[float, float]:
@@ -165,13 +199,15 @@ def _range(joint: JointDocument) -> tuple[float, float]:
     return ends[0], ends[1]
 
 
-def _check_joint(document: object, path: Path, joint: JointDocument, kind: JointKind, taken: list[str]) -> None:
+def _check_joint(
+    document: object, path: Path, joint: JointDocument, kind: JointKind, taken: list[str], family: str
+) -> None:
     if joint.name in taken:
         raise fault(document, (*path, "name"), "a name that no other joint has")
     wrong, right = ("_m", "_rad") if kind == "revolute" else ("_rad", "_m")
     for stem, rate in (("range", ""), ("velocity", "_s"), ("acceleration", "_s2"), ("jerk", "_s3")):
         if getattr(joint, stem + wrong + rate) is not None:
-            allowed = f"{stem}{right}{rate}: joint {len(taken) + 1} of a SCARA is {kind}"
+            allowed = f"{stem}{right}{rate}: joint {len(taken) + 1} of a {family} is {kind}"
             raise fault(document, (*path, stem + wrong + rate), allowed)
     if kind == "revolute" and joint.zero_m is not None:
         raise fault(document, (*path, "zero_m"), "a zero height for the lifting joint only")

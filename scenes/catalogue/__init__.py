@@ -6,16 +6,18 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from planner.errors import InputError
-from scenes.catalogue.entry import Axis, Entry, Number
+from scenes.catalogue.entry import Axis, Entry, FiveBarEntry, Number
 from scenes.catalogue.fanuc import SR_3IA
 from scenes.catalogue.mitsubishi import RH_6CRH6020, RH_6FRH5520
+from scenes.catalogue.mitsubishi_rp import RP_5AH
 from scenes.catalogue.papers import BENCHMARK_SCARA, FIUBA_SCARA, OVIEDO_SCARA
 
 if TYPE_CHECKING:
     from scenes.catalogue.arm import Arm
 
 ENTRIES: dict[str, Entry] = {
-    entry.model: entry for entry in (RH_6FRH5520, RH_6CRH6020, SR_3IA, BENCHMARK_SCARA, OVIEDO_SCARA, FIUBA_SCARA)
+    entry.model: entry
+    for entry in (RH_6FRH5520, RH_6CRH6020, RP_5AH, SR_3IA, BENCHMARK_SCARA, OVIEDO_SCARA, FIUBA_SCARA)
 }
 
 
@@ -43,6 +45,7 @@ def _listed(entry: Entry) -> dict[str, Any]:
     listed: dict[str, Any] = {
         "model": entry.model,
         "title": entry.title,
+        "family": "five-bar" if isinstance(entry, FiveBarEntry) else "scara",
         "l1": _number(entry.l1),
         "l2": _number(entry.l2),
         "joints": [_joint(axis) for axis in entry.axes],
@@ -58,6 +61,8 @@ def _listed(entry: Entry) -> dict[str, Any]:
         "self_pairs": [list(pair) for pair in entry.self_pairs],
         "assumptions": list(entry.assumptions()),
     }
+    if isinstance(entry, FiveBarEntry):
+        listed["separation"] = _number(entry.separation)
     if entry.payload is not None:
         listed["payload"] = _number(entry.payload)
     return listed

@@ -7,18 +7,21 @@ exact in floating point: a plan that was written out and read again is the same 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from planner.arrays import FloatArray
 from planner.frames.motion import Pose
-from planner.robots.protocol import Limits, RobotBody
-from planner.robots.scara import LINKS, Scara
+from planner.robots import five_bar_links, scara
+from planner.robots.five_bar import PARALLEL_LEAST, FiveBar
+from planner.robots.protocol import Limits, Robot, RobotBody
+from planner.robots.scara import Scara
 from planner.shapes import AXES, Body, Piece, Primitive, box, cylinder
-from scenes.catalogue.entry import Axis, Entry, Number
+from scenes.catalogue.entry import Axis, Entry, FiveBarEntry, Number
 from scenes.units import TWIN_UNITS, to_si
 
 JointKind = Literal["revolute", "prismatic"]
@@ -48,14 +51,12 @@ def converted(values: FloatArray, conventions: Conventions) -> FloatArray:
     return turned
 
 
-@dataclass(frozen=True, eq=False)
-class Arm:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Arm(ABC):
     """Everything about an arm that does not depend on where it stands. `zero_m`: the planner's base origin above the
     mounting face."""
 
     name: str
-    l1: float
-    l2: float
     conventions: Conventions
     limits: Limits
     zero_m: float
@@ -63,8 +64,19 @@ class Arm:
     self_pairs: tuple[tuple[str, str], ...]
     assumptions: tuple[str, ...]
 
-    def robot(self, base: Pose, limits: Limits) -> Scara:
+    @abstractmethod
+    def robot(self, base: Pose, limits: Limits) -> Robot:
         """The planner's robot, its mounting face at `base` in the world."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ScaraArm(Arm):
+    """A SCARA: lengths in m."""
+
+    l1: float
+    l2: float
+
+    def robot(self, base: Pose, limits: Limits) -> Scara:
         return Scara(
             name=self.name,
             l1=self.l1,
@@ -75,6 +87,33 @@ class Arm:
             bodies=self.bodies,
             self_pairs=self.self_pairs,
             joint_names=tuple(joint.name for joint in self.conventions),
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FiveBarArm(Arm):
+    """A five-bar: distance of the crank axes, lengths left and right, m; its assembly and least parallel margin."""
+
+    separation: float
+    proximal: tuple[float, float]
+    distal: tuple[float, float]
+    assembly: str
+    parallel_least: float
+
+    def robot(self, base: Pose, limits: Limits) -> FiveBar:
+        return FiveBar(
+            name=self.name,
+            separation=self.separation,
+            proximal=self.proximal,
+            distal=self.distal,
+            axes=len(self.conventions),
+            limits=limits,
+            base=base.then(Pose(z=self.zero_m)),
+            bodies=self.bodies,
+            self_pairs=self.self_pairs,
+            joint_names=tuple(joint.name for joint in self.conventions),
+            assembly=self.assembly,
+            parallel_least=self.parallel_least,
         )
 
 
@@ -103,23 +142,34 @@ def arm_of(entry: Entry) -> Arm:
     """The arm of a catalogue entry."""
     lift = next(axis for axis in entry.axes if axis.kind == "prismatic")
     zero = 0.0 if lift.zero is None else si(lift.zero)
+    closed = isinstance(entry, FiveBarEntry)
+    links = five_bar_links.LINKS if closed else scara.LINKS
     bodies = []
     for solid in entry.solids:
         size = [x / 1000 for x in solid.size]
         height = 0.0 if solid.link in ("quill", "flange") else zero
         at = (solid.at[0] / 1000, solid.at[1] / 1000, solid.at[2] / 1000 - height)
         shape = box(*size) if solid.kind == "box" else cylinder(*size)
-        bodies.append(RobotBody(attached(solid.name, shape, at), LINKS.index(solid.link)))
-    return Arm(
-        name=entry.model,
-        l1=si(entry.l1),
-        l2=si(entry.l2),
-        conventions=tuple(JointConvention(axis.name, axis.kind, axis.sign) for axis in entry.axes),
-        limits=_limits(entry.axes),
-        zero_m=zero,
-        bodies=tuple(bodies),
-        self_pairs=entry.self_pairs,
-        assumptions=entry.assumptions(),
+        bodies.append(RobotBody(attached(solid.name, shape, at), links.index(solid.link)))
+    common: dict[str, Any] = {
+        "name": entry.model,
+        "conventions": tuple(JointConvention(axis.name, axis.kind, axis.sign) for axis in entry.axes),
+        "limits": _limits(entry.axes),
+        "zero_m": zero,
+        "bodies": tuple(bodies),
+        "self_pairs": entry.self_pairs,
+        "assumptions": entry.assumptions(),
+    }
+    l1, l2 = si(entry.l1), si(entry.l2)
+    if not isinstance(entry, FiveBarEntry):
+        return ScaraArm(l1=l1, l2=l2, **common)
+    return FiveBarArm(
+        separation=si(entry.separation),
+        proximal=(l1, l1),
+        distal=(l2, l2),
+        assembly="front",
+        parallel_least=PARALLEL_LEAST,
+        **common,
     )
 
 

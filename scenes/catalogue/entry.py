@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
-Status = Literal["vendor", "vendor_config", "third_party", "defined", "estimated"]
+Status = Literal["vendor", "vendor_config", "third_party", "disputed", "defined", "estimated"]
 """Whose word a number is.
 
 vendor         the maker's own data
 vendor_config  from a configuration file of the maker's, where it may be a placeholder
 third_party    second hand
+disputed       second hand, and sources differ
 defined        exact, because the arm exists only in the document that defines it
 estimated      ours; plausible, measured by nobody
 """
 SURE: frozenset[Status] = frozenset({"vendor", "defined"})
 """Statuses that need no mention among a plan's assumptions."""
 
-LinkName = Literal["base", "link1", "link2", "quill", "flange"]
+LinkName = Literal[
+    "base", "link1", "link2", "quill", "flange", "proximal-left", "distal-left", "proximal-right", "distal-right"
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +107,18 @@ class Entry:
             )
             found.append(f"{self.model}: solids in mm, {self.solids_status}: {self.solids_source}: {each}")
         return tuple(found)
+
+
+@dataclass(frozen=True, slots=True)
+class FiveBarEntry(Entry):
+    """A five-bar of the catalogue, the same on both sides: `l1` is the proximal length, `l2` the distal one."""
+
+    separation: Number = field(kw_only=True)
+
+    def numbers(self) -> Iterator[tuple[str, Number]]:
+        """Those of any arm, and the distance of the crank axes."""
+        yield "distance of the crank axes", self.separation
+        yield from Entry.numbers(self)
 
 
 WORDS = {"lower": "lower end of its range", "upper": "upper end of its range", "zero": "height at its zero"}

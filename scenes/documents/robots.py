@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
+from planner.shapes import LARGEST_M
 from scenes import bounds
 from scenes.documents.model import (
     Angle,
@@ -22,9 +23,10 @@ from scenes.documents.model import (
     Size,
     Strength,
 )
-from scenes.documents.shapes import AttachedBody, LinkBody
+from scenes.documents.shapes import AttachedBody, FiveBarBody, LinkBody
 
 LinkName = Literal["base", "link1", "link2", "quill", "flange"]
+FiveBarLink = Literal["base", "proximal-left", "distal-left", "proximal-right", "distal-right", "quill", "flange"]
 Pair = Annotated[list[Strength], Field(min_length=2, max_length=2)]
 Row = Annotated[list[Strength], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
 Rows = Annotated[list[Row], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
@@ -90,13 +92,33 @@ class ScaraDocument(Document):
     ]
 
 
+class FiveBarDocument(Document):
+    """An inline five-bar: two cranks, and if they are given a lift and a wrist. Lengths left and right.
+
+    `height_m`: of the flange above the mounting face, of an arm without a lift.
+    """
+
+    separation_m: Annotated[float, Field(ge=0.0, le=LARGEST_M)]
+    proximal_m: Annotated[list[Size], Field(min_length=2, max_length=2)]
+    distal_m: Annotated[list[Size], Field(min_length=2, max_length=2)]
+    assembly: Literal["front", "back"] = "front"
+    parallel_margin: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.1
+    height_m: Coordinate = 0.0
+    joints: Annotated[list[JointDocument], Field(min_length=2, max_length=4)]
+    bodies: Annotated[list[FiveBarBody], Field(max_length=bounds.MAX_TOOL_BODIES)]
+    self_pairs: Annotated[
+        list[Annotated[list[FiveBarLink], Field(min_length=2, max_length=2)]], Field(max_length=bounds.MAX_TOOL_BODIES)
+    ]
+
+
 class RobotDocument(Document):
     """A robot in the cell."""
 
-    exactly_one: ClassVar[tuple[Group, ...]] = (("model", "scara"),)
+    exactly_one: ClassVar[tuple[Group, ...]] = (("model", "scara", "five_bar"),)
 
     model: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")] | None = None
     scara: ScaraDocument | None = None
+    five_bar: FiveBarDocument | None = None
     tool: ToolDocument
     base: PoseDocument = PoseDocument(at_m=[0.0, 0.0, 0.0])
     limits: LimitsDocument = Field(default_factory=lambda: LimitsDocument.model_validate({}))

@@ -98,7 +98,13 @@ class AttachedBody(Document):
     yaw_rad: Angle = 0.0
 
 
+class FiveBarBody(AttachedBody):
+    """A body of an inline five-bar, on one of its links."""
+
+    link: Literal["base", "proximal-left", "distal-left", "proximal-right", "distal-right", "quill", "flange"]
+
+
 class LinkBody(AttachedBody):
-    """A body of an inline robot, on one of its links."""
+    """A body of an inline SCARA, on one of its links."""
 
     link: Literal["base", "link1", "link2", "quill", "flange"]
