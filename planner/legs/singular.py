@@ -29,7 +29,7 @@ class Near:
             return f"margin {self.margin:.3f} where {self.margin + self.missing:.3f} is asked"
         asked = f"{self.margin + self.missing:.3f} is asked"
         if self.margin < 0:
-            return f"beyond a type 2 singularity, to another assembly (parallel margin {self.margin:.3f}, {asked})"
+            return f"beyond a type 2 singularity, into another assembly (parallel margin {self.margin:.3f}, {asked})"
         return f"parallel margin {self.margin:.3f} where {asked}"
 
 

@@ -139,7 +139,8 @@ def _refused(scene: Scene, step: int, t: FloatArray, motion: Motion, found: Inve
         return Refusal("straight", Reason.OUT_OF_REACH, step, (), span, detail="the line leaves the workspace")
     near = nearest(scene.robot, found, asked, rows, best=False)
     if near.reason is Reason.NEAR_PARALLEL_SINGULARITY:
-        return Refusal("straight", near.reason, step, (), span, near.missing, "1", f"the line comes {near.words}")
+        verb = "leads" if near.margin < 0 else "comes to a"
+        return Refusal("straight", near.reason, step, (), span, near.missing, "1", f"the line {verb} {near.words}")
     left = scene.robot.singular_distance(found.q[near.row])
     detail = f"the line comes within {1e3 * float(left):.1f} mm of a singular position (margin {near.margin:.3f})"
     return Refusal("straight", near.reason, step, (), span, near.missing, "1", detail)

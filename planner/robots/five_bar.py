@@ -208,7 +208,7 @@ class FiveBar:
 
     @np.errstate(all="ignore")
     def singular_distance(self, q: FloatArray) -> FloatArray:
-        """Metres (...) that the tool axis may move along either arm's radius until that arm is singular (type 1), K16."""
+        """Metres (...) that the tool axis may move along either radius until that arm is singular (type 1), K16."""
         return np.asarray(np.minimum(*self.sides.distances(self._elbows(q))))
 
     @np.errstate(all="ignore")

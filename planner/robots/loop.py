@@ -17,6 +17,7 @@ import numpy as np
 
 from planner.arrays import BoolArray, FloatArray
 from planner.assur.rrr import LEFT, RIGHT, RRR, Assembly, Planar
+from planner.shapes import SMALLEST_M
 
 ASSEMBLIES = ("front", "back")
 """On which side of the line of the elbows the tool axis is: with both cranks sideways, in front or behind."""
@@ -131,12 +132,11 @@ class Loop:
         theta = np.linspace(-math.pi, math.pi, many)
         x, y = al * np.cos(theta), self.separation / 2 + al * np.sin(theta)
         found = []
-        for bar, share in ((bl + br, bl / (bl + br)), (abs(bl - br), math.copysign(bl, bl - br))):
-            if bar > 1e-9:
-                share = share if bar == bl + br else share / bar
+        for bar, share in ((bl + br, bl), (abs(bl - br), math.copysign(bl, bl - br))):
+            if bar >= SMALLEST_M:
                 for branch in (LEFT, RIGHT):
                     ux, uy = RRR(bar, ar).solve(branch, (-x, -self.separation / 2 - y)).u
-                    found.append(np.stack([x + share * ux, y + share * uy], -1))
+                    found.append(np.stack([x + share / bar * ux, y + share / bar * uy], -1))
             else:
                 # Equal couplers fold where the elbows meet; the tool axis is then anywhere around them.
                 meet = RRR(al, ar).solve(LEFT, (np.zeros(1), np.full(1, -self.separation)))
