@@ -18,7 +18,7 @@ from planner.frames.motion import Pose
 from planner.robots.scara import Scara
 from planner.shapes import Piece, Primitive
 from scenes.catalogue import ENTRIES, arm_named, entry_of, robots
-from scenes.catalogue.arm import JointConvention, converted
+from scenes.catalogue.arm import FiveBarArm, JointConvention, ScaraArm, converted
 from scenes.catalogue.entry import SURE
 
 LISTED = {robot["model"]: robot for robot in robots()}
@@ -45,6 +45,7 @@ AUTHORITIES: dict[str, dict[str, Any]] = {
     },
     "oviedo-scara": {"lengths": (0.08, 0.05)},
     "fiuba-scara": {"lengths": (0.2, 0.2)},
+    "mitsubishi-rp-5ah": {"lengths": (0.2, 0.26)},
     "benchmark-scara": {"lengths": (0.325, 0.275)},
 }
 
@@ -52,7 +53,11 @@ AUTHORITIES: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("model", sorted(AUTHORITIES))
 def test_an_arm_has_the_numbers_of_its_source(model: str) -> None:
     arm, known = arm_named(model), AUTHORITIES[model]
-    assert (arm.l1, arm.l2) == known["lengths"]
+    if isinstance(arm, FiveBarArm):
+        assert (arm.proximal, arm.distal) == tuple((length, length) for length in known["lengths"])
+    else:
+        assert isinstance(arm, ScaraArm)
+        assert (arm.l1, arm.l2) == known["lengths"]
     if "range" in known:
         np.testing.assert_allclose(np.array(known["range"]).T, [arm.limits.lower, arm.limits.upper], rtol=1e-15, atol=0)
     for name in ("velocity", "acceleration"):
@@ -151,9 +156,52 @@ def test_converting_to_the_maker_and_back_is_exact(joints: list[tuple[Any, float
     assert converted(converted(values, conventions), conventions).tobytes() == values.tobytes()
 
 
+SCARAS = sorted(model for model in ENTRIES if isinstance(arm_named(model), ScaraArm))
+
+
 def _robot(model: str) -> Scara:
     arm = arm_named(model)
-    return arm.robot(Pose(), arm.limits)
+    robot = arm.robot(Pose(), arm.limits)
+    assert isinstance(robot, Scara)
+    return robot
+
+
+def test_the_five_bar_says_which_of_its_lengths_is_disputed() -> None:
+    arm, listed = arm_named("mitsubishi-rp-5ah"), LISTED["mitsubishi-rp-5ah"]
+    assert isinstance(arm, FiveBarArm)
+    assert (arm.separation, listed["separation"]["status"]) == (0.085, "third_party")
+    assert (listed["family"], listed["l1"]["status"], listed["l2"]["status"]) == ("five-bar", "third_party", "disputed")
+    assert "160" in listed["l2"]["source"]
+    for joint in listed["joints"]:
+        assert {joint[name]["status"] for name in ("lower", "upper", "velocity", "acceleration", "jerk")} == {
+            "estimated"
+        }
+
+
+def test_the_five_bars_couplers_lie_apart_and_the_shaft_runs_through_both() -> None:
+    arm = arm_named("mitsubishi-rp-5ah")
+    robot = arm.robot(Pose(), arm.limits)
+    height = {
+        robot.links[item.link]: (
+            item.body.pieces[0].position[2] - _half_height(item.body.pieces[0]),
+            item.body.pieces[0].position[2] + _half_height(item.body.pieces[0]),
+        )
+        for item in robot.bodies
+    }
+    assert height["base"][1] < height["proximal-left"][0]
+    assert height["proximal-right"][1] + 0.01 < height["distal-left"][0]
+    assert height["distal-left"][1] + 0.01 < height["distal-right"][0]
+    for z in (arm.limits.lower[2], arm.limits.upper[2]):
+        assert z + height["quill"][0] < height["distal-left"][0]
+        assert z + height["quill"][1] > height["distal-right"][1]
+    asked = {frozenset(pair) for pair in robot.self_pairs}
+    joined = {("proximal-left", "distal-left"), ("proximal-right", "distal-right"), ("distal-left", "quill")}
+    assert not asked & {frozenset(pair) for pair in joined}
+
+
+def _half_height(piece: Piece) -> float:
+    assert isinstance(piece.shape, Primitive)
+    return float(piece.shape.half[2])
 
 
 def _objects(robot: Scara, q: Any) -> list[tuple[str, Any]]:
@@ -183,7 +231,7 @@ def _meet(one: Any, other: Any) -> bool:
     return bool(fcl.collide(one, other, fcl.CollisionRequest(), fcl.CollisionResult()))
 
 
-@pytest.mark.parametrize("model", sorted(ENTRIES))
+@pytest.mark.parametrize("model", SCARAS)
 def test_an_arm_without_tool_never_meets_itself_within_its_limits(model: str) -> None:
     robot = _robot(model)
     rng = np.random.default_rng(11)
@@ -197,7 +245,7 @@ def test_an_arm_without_tool_never_meets_itself_within_its_limits(model: str) ->
                     assert not _meet(one, other), (first, second, q.tolist())
 
 
-@pytest.mark.parametrize("model", sorted(ENTRIES))
+@pytest.mark.parametrize("model", SCARAS)
 def test_the_quill_slides_through_link_2_everywhere_so_that_pair_is_left_out(model: str) -> None:
     robot = _robot(model)
     assert ("link2", "quill") not in robot.self_pairs
@@ -218,7 +266,9 @@ def test_the_base_of_an_arm_may_stand_anywhere(model: str) -> None:
     arm = arm_named(model)
     base = Pose(0.3, -0.2, 0.5, 0.7)
     moved, q = arm.robot(base, arm.limits), (arm.limits.lower + arm.limits.upper) / 2 + 0.01
-    point, _ = _robot(model).forward(q)
+    if isinstance(arm, FiveBarArm):
+        q = q + np.array([-0.4, 0.4, 0.0, 0.0])  # in the middle of their ranges its elbows are too far apart
+    point, _ = arm.robot(Pose(), arm.limits).forward(q)
     expected = base.then(Pose(*(float(x) for x in point)))
     np.testing.assert_allclose(moved.forward(q)[0], [expected.x, expected.y, expected.z], atol=1e-15)
     heights = [float(p[2]) for p in moved.placements(q)[0][:3]]
