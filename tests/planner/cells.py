@@ -102,7 +102,7 @@ def cell(
     time: float = 0.0,
     robot: Scara | None = None,
     tool: Tool = BARE,
-    execution: Execution = Execution(),
+    execution: Execution = Execution(),  # noqa: B008
     carry: float | None = None,
     **options: object,
 ) -> Scene:
@@ -112,15 +112,7 @@ def cell(
     manners = {"seed": 1, "budget_s": 30.0, "max_candidates": 400, "stop": "first", "elbow": "auto", **options}
     laws = {each.name: each for each in (WORLD, *frames)}
     return Scene(
-        robot or arm(),
-        tool,
-        start,
-        laws,
-        bodies,
-        task,
-        Options(**manners),
-        execution,
-        carry,  # type: ignore[arg-type]
+        robot or arm(), tool, start, laws, bodies, task, Options(**manners), execution, carry  # type: ignore[arg-type]
     )
 
 
@@ -204,9 +196,7 @@ def rotation(rng: np.random.Generator) -> FloatArray:
 def placed(pieces: list[tuple[Piece, Piece]]) -> tuple[Placed, Placed]:
     """Pairs of pieces as they are in the world, in the form in which the planner handles them."""
     bodies = tuple(
-        Around(Body(f"{side}{i}", (piece,)))
-        for i, both in enumerate(pieces)
-        for side, piece in zip("ab", both, strict=True)
+        Around(Body(f"{side}{i}", (piece,))) for i, both in enumerate(pieces) for side, piece in zip("ab", both, strict=True)
     )
     scene = cell(go(0.3, 0.0), bodies=bodies, robot=arm(bare=True))
     solids = SolidsMaker(scene)(None, ())

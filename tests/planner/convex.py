@@ -80,7 +80,9 @@ def distance(a: Piece, b: Piece) -> float:
             start[part] = 1.0 / core.size
             grad = np.zeros(len(start))
             grad[part] = 1.0
-            constraints.append({"type": "eq", "fun": lambda u, p=part: u[p].sum() - 1.0, "jac": lambda _, g=grad: g})
+            constraints.append(
+                {"type": "eq", "fun": lambda u, p=part: u[p].sum() - 1.0, "jac": lambda _, g=grad: g}
+            )
         elif shape.kind == "cylinder":
 
             def rim(u: FloatArray, i: int = first) -> float:

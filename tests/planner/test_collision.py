@@ -70,16 +70,7 @@ def test_an_answer_never_sticks() -> None:
     near, far = np.array([0.08, 0.0, 0.0]), np.array([0.3, 0.0, 0.0])
     a, b = placed([(Piece(shape), Piece(other, p)) for p in (near, far, near, far)])
     collider = Collider()
-    assert [collider.touch(a, b, k) for k in (0, 1, 2, 3, 1, 0, 0, 1)] == [
-        True,
-        False,
-        True,
-        False,
-        False,
-        True,
-        True,
-        False,
-    ]
+    assert [collider.touch(a, b, k) for k in (0, 1, 2, 3, 1, 0, 0, 1)] == [True, False, True, False, False, True, True, False]
 
 
 def test_a_pose_that_is_none_is_a_fault() -> None:

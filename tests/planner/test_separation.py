@@ -8,13 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.arrays import FloatArray
-from planner.frames import Turntable
-from planner.frames.motion import Pose
 from planner.separation import centre_normals, face_normals, gaps, likely_gaps, place, rough_gaps, support
-from planner.shapes import Body, Hull, Piece, box, sphere
+from planner.shapes import Hull, Piece, box, sphere
 from planner.solids import SolidsMaker, carriers
 from tests.planner.cells import Around, arm, block, cell, frame, go, placed
 from tests.planner.convex import KINDS, anywhere, distance, grid_aligned, inside, pairs, shape_of
+from planner.frames import Turntable
+from planner.frames.motion import Pose
+from planner.shapes import Body
 
 ROUNDING_M = 1e-12
 
@@ -143,10 +144,7 @@ def test_a_gap_of_a_solid_grown_by_a_nanometre_too_little_would_be_noticed(kind:
 
 
 def test_a_hull_is_its_vertices_wherever_its_origin_is() -> None:
-    here, there = (
-        Piece(block(0.1, 0.1, 0.1)),
-        Piece(block(0.1, 0.1, 0.1, (3.0, 2.0, 1.0)), np.array([-3.0, -2.0, -1.0])),
-    )
+    here, there = Piece(block(0.1, 0.1, 0.1)), Piece(block(0.1, 0.1, 0.1, (3.0, 2.0, 1.0)), np.array([-3.0, -2.0, -1.0]))
     assert isinstance(there.shape, Hull)
     a, b = placed([(here, there)])
     n = normals(1, 20)[None]

@@ -157,9 +157,7 @@ def test_no_point_of_a_unit_is_further_from_its_carriers_axis_than_its_reach(pie
         shape = solids.shapes[unit]
         grown = 0.0 if isinstance(shape, type(block(1, 1, 1))) else shape.disc + shape.ball
         points = solids.centre[unit] + corners(shape) @ solids.rotation[unit].T
-        assert (
-            np.hypot(points[:, 0], points[:, 1]).max() + grown <= solids.reach[unit] + 1e-12 or not solids.reach[unit]
-        )
+        assert np.hypot(points[:, 0], points[:, 1]).max() + grown <= solids.reach[unit] + 1e-12 or not solids.reach[unit]
         n = rng.normal(size=3)
         n[2] = 0.0
         n /= np.linalg.norm(n)

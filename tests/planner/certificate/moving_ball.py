@@ -133,12 +133,7 @@ class Encounter:
     def scene(self, radius: float, **changes: object) -> Scene:
         tool = Tool(Pose(), (solid("ball", sphere(radius), BALL.x, BALL.y, BALL.z),))
         return cell(
-            go(0.3, 0.0),
-            bodies=(self.around,),
-            frames=self.frames,
-            robot=arm(bare=True),
-            tool=tool,
-            **changes,  # type: ignore[arg-type]
+            go(0.3, 0.0), bodies=(self.around,), frames=self.frames, robot=arm(bare=True), tool=tool, **changes  # type: ignore[arg-type]
         )
 
     def phase(self, **changes: object) -> Phase:

@@ -6,14 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from planner.certificate import Prover, Rows, Unproved
 from planner.collision import Collider
 from planner.errors import FaultError
-from planner.frames import Frame, Uncertainty
-from planner.frames.motion import Pose
 from planner.outcome import LegKind
 from planner.phases import CONTACT_M, Phase
 from planner.scene import Clearance, Execution, Scene, Tool
@@ -21,6 +19,8 @@ from planner.separation import place
 from planner.shapes import Body, box, cylinder, sphere
 from planner.solids import COVER, carriers
 from planner.trajectory import Trajectory
+from planner.frames import Frame, Uncertainty
+from planner.frames.motion import Pose
 from tests.planner.cells import CUP, Around, arm, cell, go, mesh_box, solid, stands
 from tests.planner.certificate.moving_ball import LAWS, SHAPES, Encounter, encounter, motion, true_gap
 
@@ -172,9 +172,7 @@ def standing_beside(gap: float, **changes: object) -> tuple[Scene, Phase, Trajec
     """A ball that stands `gap` above a table for two seconds."""
     q = np.array([0.0, 1.0, 0.15, 0.0])
     path = Trajectory(np.array([0.0, 2.0]), np.stack([q, q]), np.zeros((2, 4)), np.zeros((2, 4)))
-    table = stands(
-        "table", box(2.0, 2.0, 0.1), 0.0, 0.0, 0.15 - 0.02 - gap - 0.05, frame=str(changes.pop("on", "world"))
-    )
+    table = stands("table", box(2.0, 2.0, 0.1), 0.0, 0.0, 0.15 - 0.02 - gap - 0.05, frame=str(changes.pop("on", "world")))
     tool = Tool(Pose(), (solid("ball", sphere(0.02)),))
     scene = cell(go(0.3, 0.0), bodies=(table,), robot=arm(bare=True), tool=tool, **changes)  # type: ignore[arg-type]
     return scene, Phase(0.0, 2.0, LegKind.FOLLOW, 0, None, (), frozenset(), None, ()), path
@@ -183,9 +181,7 @@ def standing_beside(gap: float, **changes: object) -> tuple[Scene, Phase, Trajec
 TOUCHING = frozenset({("ball", "table")})
 
 
-@pytest.mark.parametrize(
-    ("gap", "may"), [(0.0, True), (-0.9 * CONTACT_M, True), (-1.1 * CONTACT_M, False), (-0.01, False)]
-)
+@pytest.mark.parametrize(("gap", "may"), [(0.0, True), (-0.9 * CONTACT_M, True), (-1.1 * CONTACT_M, False), (-0.01, False)])
 def test_an_allowed_contact_is_held_to_a_tenth_of_a_millimetre(gap: float, may: bool) -> None:
     scene, phase, path = standing_beside(gap, clearance=Clearance(0.001, 0.001))
     assert isinstance(Prover(scene).prove(replace(phase, exempt=TOUCHING), path), Rows) == may
@@ -226,9 +222,7 @@ def test_a_late_start_counts_for_uncertainty(gap: float, may: bool) -> None:
 
 
 @settings(max_examples=15)
-@given(
-    st.integers(0, 10**6), st.sampled_from(["conveyor", "linear", "turntable", "swing"]), st.sampled_from([0.01, 0.1])
-)
+@given(st.integers(0, 10**6), st.sampled_from(["conveyor", "linear", "turntable", "swing"]), st.sampled_from([0.01, 0.1]))
 def test_what_is_certified_with_a_start_tolerance_stays_clear_however_late_it_starts(
     seed: int, how: str, late: float
 ) -> None:
@@ -287,10 +281,7 @@ def test_an_arm_that_fcl_sees_touching_a_mesh_is_never_certified(seed: int) -> N
     units, row = [], []
     a, b = prover.asked(solids)
     pairs = [
-        (x, y)
-        for i in range(len(a))
-        for x in solids.pieces[solids.body[a[i]]]
-        for y in solids.pieces[solids.body[b[i]]]
+        (x, y) for i in range(len(a)) for x in solids.pieces[solids.body[a[i]]] for y in solids.pieces[solids.body[b[i]]]
     ]
     for x_, y_ in pairs:
         units += [(x_, y_)] * len(t)

@@ -18,9 +18,7 @@ from planner.scene import Follow, Window
 from tests.planner.cells import CRANKED, at, cell, frame, go, table_to_table
 
 
-def point(
-    law: Law, window: Window = Window(), dwell: float = 0.0, x: float = 0.0, start: float = 0.0, **more: object
-) -> ControlPoint:
+def point(law: Law, window: Window = Window(), dwell: float = 0.0, x: float = 0.0, start: float = 0.0, **more: object) -> ControlPoint:  # noqa: B008
     step = Follow("f", at(x, 0.0, 0.0, 0.0, "moving"), dwell, window)
     scene = cell(step, frames=(frame("moving", law),), time=start, **more)  # type: ignore[arg-type]
     return control_point(scene, 0, initial_rides(scene), None, 0.0)

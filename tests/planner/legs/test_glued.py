@@ -32,9 +32,7 @@ def law(kind: str, rng: np.random.Generator) -> tuple[Law, Pose]:
     """A law in front of the arm, and a part's pose in it."""
     yaw = float(rng.uniform(-3, 3))
     if kind == "conveyor":
-        return Conveyor(Pose(-0.05, 0.38, 0.06, float(rng.uniform(-0.3, 0.3))), float(rng.uniform(-0.3, 0.3))), Pose(
-            yaw=yaw
-        )
+        return Conveyor(Pose(-0.05, 0.38, 0.06, float(rng.uniform(-0.3, 0.3))), float(rng.uniform(-0.3, 0.3))), Pose(yaw=yaw)
     if kind == "linear":
         return Linear(Pose(0.05, 0.35, 0.06), (0.1, -0.08, 0.01)), Pose(yaw=yaw)
     if kind == "turntable":

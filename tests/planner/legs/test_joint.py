@@ -36,8 +36,7 @@ LAWS: dict[str, Law] = {
 def scene_on(law: Law, **manners: object) -> Scene:
     where = Pose(0.08, 0.0, 0.02, 0.4) if not isinstance(law, Conveyor) else Pose(0.0, 0.0, 0.02, 0.4)
     return cell(
-        go(where.x, where.y, where.z, where.yaw, "moving", **manners),
-        frames=(frame("moving", law),),  # type: ignore[arg-type]
+        go(where.x, where.y, where.z, where.yaw, "moving", **manners), frames=(frame("moving", law),)  # type: ignore[arg-type]
     )
 
 
@@ -152,9 +151,7 @@ def test_no_earlier_time_of_the_grid_could_have_been_met_directly(seed: int, law
         least = shortest_duration(begin.q, begin.qd, begin.qdd, branch.q[i], branch.qd[i], branch.qdd[i], *rates)
         if isinstance(least, float) and begin.time + least <= branch.time[i]:
             # it was possible to be there sooner only if no motion of exactly that time exists (blocked)
-            exact = JointMotion(
-                scene, 0, begin, Shape(), replace(branch, legal=np.arange(len(branch.time)) == i)
-            ).meet()
+            exact = JointMotion(scene, 0, begin, Shape(), replace(branch, legal=np.arange(len(branch.time)) == i)).meet()
             assert isinstance(exact, Refusal), (branch.time[i], found.end)
 
 

@@ -10,8 +10,8 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from planner.arrays import FloatArray
-from planner.frames import Conveyor, Fixed, Law, Turntable
 from planner.frames.motion import Motion, Pose
+from planner.frames import Conveyor, Fixed, Law, Turntable
 from planner.legs.state import State, Stretch
 from planner.legs.straight import straight
 from planner.outcome import Reason, Refusal
@@ -24,7 +24,7 @@ ON_THE_LINE_M = 2e-6
 """The promise of `planner.legs.straight` is 1 µm half way between knots; 2 µm hold everywhere."""
 
 
-def along(law: Law, pose: Pose):  # type: ignore[no-untyped-def]
+def along(law: Law, pose: Pose):  # type: ignore[no-untyped-def]  # noqa: ANN201
     def motion(t: FloatArray) -> Motion:
         return law.motion(np.asarray(t)).at(pose)
 
@@ -52,10 +52,7 @@ def ends(draw: st.DrawFn) -> tuple[Law, Pose, Law, Pose]:
             found += [Fixed(Pose(x, side * y, z)), Pose(yaw=yaw)]
         elif kind == "belt":
             speed = draw(st.floats(-0.15, 0.15))
-            found += [
-                Conveyor(Pose(x, side * y, z, draw(st.sampled_from([0.0, math.pi / 2, 1.0]))), speed),
-                Pose(yaw=yaw),
-            ]
+            found += [Conveyor(Pose(x, side * y, z, draw(st.sampled_from([0.0, math.pi / 2, 1.0]))), speed), Pose(yaw=yaw)]
         else:
             found += [Turntable(Pose(x, side * y, z), draw(st.floats(-1.0, 1.0))), Pose(0.05, 0.0, 0.0, yaw)]
     return found[0], found[1], found[2], found[3]  # type: ignore[return-value]
