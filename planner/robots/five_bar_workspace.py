@@ -71,5 +71,4 @@ def workspace(robot: FiveBar, spacing: float, many: int = 721) -> Workspace:
 
 def _grid(far: float, spacing: float) -> FloatArray:
     count = math.ceil(far / spacing)
-    found: FloatArray = np.arange(-count, count + 1) * spacing
-    return found
+    return np.linspace(-count * spacing, count * spacing, 2 * count + 1)

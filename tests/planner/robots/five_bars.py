@@ -68,4 +68,4 @@ def states(rng: np.random.Generator, robot: FiveBar, mode: int, size: int, seria
 
 def _world(robot: FiveBar, p: FloatArray) -> FloatArray:
     c, s = np.cos(robot.base.yaw), np.sin(robot.base.yaw)
-    return np.array([robot.base.x, robot.base.y]) + p @ np.array([[c, s], [-s, c]])
+    return np.asarray(np.array([robot.base.x, robot.base.y]) + p @ np.array([[c, s], [-s, c]]))
