@@ -25,6 +25,7 @@ SAYS = {
     "OUT_OF_REACH": "the arm does not reach",
     "JOINT_LIMIT": "a joint would pass its limit",
     "NEAR_SINGULARITY": "the arm would be too near a singular pose",
+    "NEAR_PARALLEL_SINGULARITY": "the motors would hardly hold the tool",
     "SELF_COLLISION": "the arm would hit itself",
     "BODY_COLLISION": "something would be hit",
     "START_IN_COLLISION": "the start is in collision",
@@ -37,10 +38,10 @@ SAYS = {
     "TIMED_OUT": "the time was up",
 }
 """Reasons as a shift leader says them."""
-MARKS = {"vendor_config": " c", "third_party": " t", "estimated": " e"}
+MARKS = {"vendor_config": " c", "third_party": " t", "disputed": " d", "estimated": " e"}
 """Marks behind a number of the catalogue that is not the maker's own word; `LEGEND` explains them."""
 LEGEND = (
-    "c: a maker's configuration file, perhaps a placeholder; t: second hand; e: estimated; else as its source says\n"
+    "c: a maker's configuration file, perhaps a placeholder; t: second hand; d: disputed; e: estimated; else as told\n"
     "unit: of the range; speed, acceleration and jerk are the same per s, s2 and s3\n"
     "reach: from the axis of the first joint to that of the wrist, arm straight"
 )

@@ -32,6 +32,7 @@ class Entry:
 ENTRIES = (
     Entry("dyad-timing", "000, figure 4", "The RRR dyad in four formulations: time of a solution"),
     Entry("spiral", "000, equation 16 and figure 6", "A SCARA along a helix, and a tool that dwells on it"),
+    Entry("five-bar", "000, conclusions", "The RRR group in a parallel arm: workspace and both kinds of singularity"),
     Entry("modes", "000 figure 1, 001, 004", "Two assemblies, two solutions, one convention"),
     Entry("dh-chain", "001, sections 4 and 5", "The Denavit-Hartenberg chain of a SCARA, and back"),
     Entry("line-through-singularity", "002, singular configurations", "A straight line past a singular position"),

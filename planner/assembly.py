@@ -11,6 +11,7 @@ from planner.frames.motion import Pose
 from planner.legs.control_point import ControlPoint
 from planner.legs.limits import rates
 from planner.legs.state import Knots, State, Stretch
+from planner.loops import leaves_assembly
 from planner.outcome import Arrival, Leg, LegKind, Reason, Refusal
 from planner.phases import Phase, held, phases
 from planner.scene import Pick, Place, Scene
@@ -53,7 +54,7 @@ def assembled(
     if unknown is not None:
         return unknown
     trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
-    beyond = _beyond(scene, chain.step, knots)
+    beyond = _beyond(scene, chain.step, knots) or leaves_assembly(scene.robot, chain.step, trajectory)
     if beyond is not None:
         return beyond
     legs = tuple(Leg(s.kind, chain.step, float(s.knots.time[0]), float(s.knots.time[-1]), s.note) for s in stretches)

@@ -89,6 +89,8 @@ def _because(refusal: Refusal | CensusLine) -> str:
                 if detail
                 else "the arm would be too near a singular position"
             )
+        case Reason.NEAR_PARALLEL_SINGULARITY:
+            return f"the arm would be too near a position in which its motors do not hold the tool ({detail})"
         case Reason.SELF_COLLISION:
             return f"the arm would hit itself: {bodies}"
         case Reason.BODY_COLLISION:

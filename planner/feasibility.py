@@ -10,6 +10,7 @@ from planner.certificate import Prover
 from planner.frames import Fixed
 from planner.frames.motion import Pose
 from planner.legs.control_point import ControlPoint, control_point
+from planner.loops import lost_at
 from planner.obstruction import closest, enclosed
 from planner.outcome import LegKind, Reason, Refusal
 from planner.phases import Carried, Phase, held, initial_rides, pair, resting_on, yaw_offsets
@@ -87,6 +88,9 @@ def _start_beyond_limits(scene: Scene) -> Refusal | None:
                     unit + per,
                     detail,
                 )
+    at, robot = start.q[None], scene.robot
+    if not robot.assembled(at, at).all():
+        return lost_at(robot, "start", 0, np.array([start.time]), robot.parallel_margin(at))
     return None
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from planner.arrays import FloatArray
 from planner.certificate import Prover
 from planner.gjk import separate
+from planner.loops import has_loop
 from planner.outcome import Contact, JointPeak, Margins, Nearest
 from planner.phases import Phase, pair
 from planner.scene import Scene
@@ -46,6 +47,7 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         for i, peak in enumerate(peaks)
     )
     t = np.linspace(trajectory.start, trajectory.end, INSTANTS)
+    q = trajectory.evaluate(t)
     limit, held = scene.carry_acceleration, carrying_peak(scene, trajectory, phases)
     pull = held[0] if held is not None else tool_peak(scene, trajectory, trajectory.start, trajectory.end)[0]
     binds = f"{kind} of {joint} ({100 * ratio:.0f} %)"
@@ -57,7 +59,8 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         nearest=nearest(prover, trajectory, phases),
         tool_acceleration=pull,
         tool_acceleration_limit=limit,
-        singularity=float(scene.robot.margin(trajectory.evaluate(t)).min()),
+        singularity=float(scene.robot.margin(q).min()),
+        parallel=float(scene.robot.parallel_margin(q).min()) if has_loop(scene.robot) else None,
     )
 
 

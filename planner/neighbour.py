@@ -11,6 +11,7 @@ from planner.errors import InputError
 from planner.frames.law import LawBounds
 from planner.frames.motion import Motion
 from planner.frames.validity import ALWAYS, KnownLaw, interval
+from planner.loops import leaves_assembly
 from planner.robots.protocol import Robot
 from planner.sweep import sweep
 from planner.trajectory import Trajectory
@@ -34,7 +35,8 @@ class TrajectoryLaw(KnownLaw):
     this is sharp for ω; for ω̇ the robot's bound holds the turning too, and gives √(ω̇² + ω⁴) rather than |ω̇|.
 
     Raises `InputError` for a link that the robot has not, a robot with links that tilt, a trajectory of another number
-    of joints, or one that does not begin and end at rest. Not checked: that the trajectory keeps the robot's limits.
+    of joints, or one that does not begin and end at rest, or on which a robot with a loop is not proved to stay
+    assembled. Not checked: that the trajectory keeps the robot's limits.
     """
 
     robot: Robot
@@ -55,6 +57,11 @@ class TrajectoryLaw(KnownLaw):
         for end, rests in (("start", self.trajectory.rest_at_start), ("end", self.trajectory.rest_at_end)):
             if not rests:
                 raise InputError(f"neighbour.trajectory.{end}", "in motion", "at rest: no velocity, no acceleration")
+        lost = leaves_assembly(self.robot, 0, self.trajectory)
+        if lost is not None:
+            raise InputError(
+                "neighbour.trajectory", lost.detail, f"a motion on which {self.robot.name} stays assembled"
+            )
         object.__setattr__(self, "valid", interval(self.valid, "neighbour.valid"))
         object.__setattr__(self, "_rates", np.asarray(self.robot.rate_matrix))
 

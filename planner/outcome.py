@@ -19,6 +19,8 @@ class Reason(StrEnum):
     OUT_OF_REACH = "OUT_OF_REACH"
     JOINT_LIMIT = "JOINT_LIMIT"
     NEAR_SINGULARITY = "NEAR_SINGULARITY"
+    NEAR_PARALLEL_SINGULARITY = "NEAR_PARALLEL_SINGULARITY"
+    """Type 2: the actuators of a closed chain no longer hold the tool. Type 1 is the one before."""
     SELF_COLLISION = "SELF_COLLISION"
     BODY_COLLISION = "BODY_COLLISION"
     START_IN_COLLISION = "START_IN_COLLISION"
@@ -191,7 +193,7 @@ class Contact:
 
 @dataclass(frozen=True, slots=True)
 class Margins:
-    """How much is left. `binds`: the joint and kind of limit that is used most."""
+    """How much is left. `binds`: the joint and kind of limit used most. `parallel`: None without a loop."""
 
     peaks: tuple[JointPeak, ...]
     binds: str
@@ -199,6 +201,7 @@ class Margins:
     tool_acceleration: float
     tool_acceleration_limit: float | None
     singularity: float
+    parallel: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

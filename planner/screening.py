@@ -15,6 +15,7 @@ import numpy as np
 from planner.arrays import FloatArray, IntArray
 from planner.certificate import Prover
 from planner.gjk import separate
+from planner.loops import lost_at
 from planner.outcome import Reason, Refusal
 from planner.phases import Phase, pair
 from planner.requirement import SLACK_M, clearance, is_certain, worst
@@ -71,7 +72,10 @@ class _Samples:
     where: Carriers
 
 
-def _sampled(prover: Prover, drafts: Sequence[Timed], members: list[tuple[int, Phase]], step: float) -> _Samples:
+def _sampled(
+    prover: Prover, drafts: Sequence[Timed], members: list[tuple[int, Phase]], step: float
+) -> tuple[_Samples | None, dict[int, Screened]]:
+    """Samples of the members; those that do not stay assembled on the way are refused, and not among them."""
     times, joints, owner, number = [], [], [], []
     for k, (draft, phase) in enumerate(members):
         count = max(2, int(np.ceil((phase.t1 - phase.t0) / step)) + 1)
@@ -80,25 +84,38 @@ def _sampled(prover: Prover, drafts: Sequence[Timed], members: list[tuple[int, P
         joints.append(drafts[draft].at(t))
         owner.append(np.full(count, draft))
         number.append(np.full(count, k))
-    t = np.concatenate(times)
-    return _Samples(t, np.concatenate(owner), np.concatenate(number), carriers(prover.scene, np.concatenate(joints), t))
+    t, q, owners = np.concatenate(times), np.concatenate(joints), np.concatenate(owner)
+    numbers, refused = np.concatenate(number), {}
+    robot = prover.scene.robot
+    kept = robot.assembled(q, q)
+    if not kept.all():
+        for draft in np.unique(owners[~kept]):
+            rows = ~kept & (owners == draft)
+            there = robot.parallel_margin(q[rows])
+            refusal = lost_at(robot, "screening", members[int(numbers[rows][0])][1].step, t[rows], there)
+            refused[int(draft)] = Screened(refusal, float(rows.sum() / (owners == draft).sum()))
+        free = ~np.isin(owners, list(refused))
+        t, q, owners, numbers = t[free], q[free], owners[free], numbers[free]
+    samples = _Samples(t, owners, numbers, carriers(prover.scene, q, t)) if len(t) else None
+    return samples, refused
 
 
 def _screen_group(
     prover: Prover, solids: Solids, drafts: Sequence[Timed], members: list[tuple[int, Phase]], step: float
 ) -> dict[int, Screened]:
-    samples = _sampled(prover, drafts, members, step)
+    samples, result = _sampled(prover, drafts, members, step)
+    if samples is None:
+        return result
     a, b = prover.asked(solids)
     required = _required(prover, solids, members, a, b)
     row, which = np.nonzero(~(rough_gaps(solids, samples.where, a, b) - SLACK_M > required[samples.phase]))
     if not len(row):
-        return {}
+        return result
     one, other = place(solids, samples.where, row, a[which]), place(solids, samples.where, row, b[which])
     need = required[samples.phase[row], which]
     gap = likely_gaps(one, other)
     bad = ~(gap - SLACK_M > need)
     row, which, gap, need, one, other = row[bad], which[bad], gap[bad], need[bad], one.rows(bad), other.rows(bad)
-    result: dict[int, Screened] = {}
     for draft in np.unique(samples.owner[row]):
         mine = np.flatnonzero(samples.owner[row] == draft)
         share = len(np.unique(row[mine])) / max(1, int((samples.owner == draft).sum()))

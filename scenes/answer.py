@@ -185,6 +185,7 @@ def _margins(margins: Margins) -> dict[str, Any]:
         "tool_acceleration_m_s2": _optional(margins.tool_acceleration),
         "tool_acceleration_limit_m_s2": _optional(margins.tool_acceleration_limit),
         "singularity": _optional(margins.singularity),
+        "parallel": _optional(margins.parallel),
     }
 
 

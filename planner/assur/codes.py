@@ -19,3 +19,5 @@ class Code(IntEnum):
     INDETERMINATE = 4
     ALIGNED = 5
     """Inside the workspace: the tool point is on the axis of the base, whose angle may be any."""
+    PARALLEL = 6
+    """Of closed chains: nearer to a type 2 singularity than the robot may be, or beyond it, in the other assembly."""

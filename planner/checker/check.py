@@ -14,6 +14,7 @@ from planner.checker.enclosure import enclosed
 from planner.checker.form import form
 from planner.checker.glue import glued
 from planner.checker.limits import limits
+from planner.checker.loop import loops
 from planner.checker.meeting import meetings
 from planner.checker.order import ends, legs
 from planner.checker.ranges import Ranges, ranges
@@ -47,6 +48,10 @@ def check(scene: Scene, plan: Plan) -> Verdict:
     line = spline(knots.time, knots.q, knots.qd, knots.qdd)
     swept = ranges(line, scene.robot.rate_matrix)
     findings += limits(scene, line) + ends(scene, swept)
+    broken = loops(scene, swept)
+    if broken:
+        # Where a chain does not assemble its bodies are nowhere: of them nothing more can be said.
+        return Verdict.of(findings + broken)
     disorder = legs(scene, plan.legs, swept)
     if disorder:
         # Who is solid against whom follows from the legs: with others than the task's, nothing more can be said.

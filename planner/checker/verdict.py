@@ -16,6 +16,8 @@ class Code(StrEnum):
     END = "END"
     LEGS = "LEGS"
     LIMIT = "LIMIT"
+    ASSEMBLY = "ASSEMBLY"
+    """A closed chain is not proved to keep its assembly mode."""
     ARRIVAL = "ARRIVAL"
     MATCH = "MATCH"
     GLUE = "GLUE"

@@ -14,6 +14,7 @@ import numpy as np
 from planner.arrays import FloatArray
 from planner.legs.control_point import ControlPoint
 from planner.legs.limits import rates
+from planner.legs.singular import nearest
 from planner.legs.state import Knots, State, Stretch
 from planner.outcome import LegKind, Reason, Refusal
 from planner.robots.protocol import Code, Robot
@@ -118,16 +119,8 @@ def glue(scene: Scene, point: ControlPoint, state: State, mode: int, effort: flo
             return _cut(heights, knots)
         worst = max(fast.velocity**2, fast.acceleration, fast.jerk ** (2 / 3))
         effort *= min(0.8, 0.95 / worst)
-    return Refusal(
-        "glued",
-        Reason.MOTION_LIMIT,
-        point.step,
-        (point.frame,),
-        None,
-        worst - 1,
-        "1",
-        "the frame's own motion is too fast",
-    )
+    too_fast = "the frame's own motion is too fast"
+    return Refusal("glued", Reason.MOTION_LIMIT, point.step, (point.frame,), None, worst - 1, "1", too_fast)
 
 
 def _way(scene: Scene, point: ControlPoint, high: float, low: float, effort: float) -> Profile | Refusal | None:
@@ -187,12 +180,14 @@ def joint_states(
         return Refusal("glued", Reason.LAW_ENDS, point.step, (point.frame,), span)
     if not (found.code == Code.ASSEMBLED).all():
         bad = found.code[found.code != Code.ASSEMBLED]
-        reason = Reason.OUT_OF_REACH if (bad == Code.OUT_OF_REACH).any() else Reason.NEAR_SINGULARITY
-        return Refusal("glued", reason, point.step, (), span)
-    least, asked = float(found.margin.min()), scene.options.singularity_margin
-    if not least >= asked:
-        detail = f"margin {least:.3f} where {asked:.3f} is asked"
-        return Refusal("glued", Reason.NEAR_SINGULARITY, point.step, (), span, asked - least, "1", detail)
+        if (bad == Code.OUT_OF_REACH).any():
+            return Refusal("glued", Reason.OUT_OF_REACH, point.step, (), span)
+        if not (bad == Code.PARALLEL).any():
+            return Refusal("glued", Reason.NEAR_SINGULARITY, point.step, (), span)
+    asked = scene.options.singularity_margin
+    if not ((found.code == Code.ASSEMBLED) & found.keeps(asked)).all():
+        near = nearest(scene.robot, found, asked, np.arange(len(t)), best=False)
+        return Refusal("glued", near.reason, point.step, (), span, near.missing, "1", near.words)
     q = continued(scene.robot, found.q, state.q)
     q[0], qd, qdd = state.q, found.qd.copy(), found.qdd.copy()
     qd[0], qdd[0] = state.qd, state.qdd

@@ -14,8 +14,9 @@ import numpy as np
 from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.legs.control_point import ControlPoint
 from planner.legs.missed import window_missed
+from planner.legs.singular import nearest
 from planner.outcome import Reason, Refusal
-from planner.robots.protocol import Code, Robot
+from planner.robots.protocol import Code, Inverse, Robot
 from planner.scene import Scene
 
 GRID_S = 0.004
@@ -94,16 +95,13 @@ def meetings(
         assembled = _assembled(found.code, found.qd, found.qdd)
         if not assembled.any():
             known = np.asarray(np.isfinite(motion.p).all(-1))
-            refusals.append(_unreachable(point, found.code, t, robot.modes[mode], known))
+            refusals.append(_unreachable(robot, point, found, t, robot.modes[mode], known))
             continue
-        safe = ~_near_singular(scene, point, found.margin) & assembled
+        safe = _safe(scene, point, found) & assembled
         if not safe.any():
-            margin = float(np.nanmax(found.margin[assembled]))
-            need = scene.options.singularity_margin
-            detail = f"{robot.modes[mode]}: margin {margin:.3f} where {need:.3f} is asked"
-            refusals.append(
-                Refusal("inverse", Reason.NEAR_SINGULARITY, point.step, (), _span(t), need - margin, "1", detail)
-            )
+            best = nearest(robot, found, scene.options.singularity_margin, np.flatnonzero(assembled), best=True)
+            detail = f"{robot.modes[mode]}: {best.words}"
+            refusals.append(Refusal("inverse", best.reason, point.step, (), _span(t), best.missing, "1", detail))
             continue
         over = np.maximum(np.abs(found.qd) / robot.limits.velocity, np.abs(found.qdd) / robot.limits.acceleration)
         slow = safe & (over <= 1.0).all(-1)
@@ -124,13 +122,10 @@ def _assembled(code: IntArray, qd: FloatArray, qdd: FloatArray) -> BoolArray:
     return np.asarray((code == Code.ASSEMBLED) & finite)
 
 
-def _near_singular(scene: Scene, point: ControlPoint, margin: FloatArray) -> BoolArray:
+def _safe(scene: Scene, point: ControlPoint, found: Inverse) -> BoolArray:
     """The margin is asked of points met with a matched velocity or along a Cartesian leg, and not of others."""
     moving = point.glued or (point.matched and not point.still and not point.via)
-    if not moving:
-        return np.zeros(margin.shape, dtype=bool)
-    near: BoolArray = ~(margin >= scene.options.singularity_margin)
-    return near
+    return found.keeps(scene.options.singularity_margin) if moving else np.ones(found.code.shape, dtype=bool)
 
 
 def _turned(
@@ -173,12 +168,14 @@ def _span(t: FloatArray) -> tuple[float, float]:
     return float(t[0]), float(t[-1])
 
 
-def _unreachable(point: ControlPoint, code: IntArray, t: FloatArray, mode: str, known: BoolArray) -> Refusal:
+def _unreachable(
+    robot: Robot, point: ControlPoint, found: Inverse, t: FloatArray, mode: str, known: BoolArray
+) -> Refusal:
     if not known.any():
         return Refusal(
             "inverse", Reason.LAW_ENDS, point.step, (point.frame,), _span(t), detail="the frame's law has ended"
         )
-    worst = code[known]
+    worst = found.code[known]
     if (worst == Code.OUT_OF_REACH).all():
         return Refusal(
             "inverse",
@@ -188,6 +185,10 @@ def _unreachable(point: ControlPoint, code: IntArray, t: FloatArray, mode: str, 
             _span(t),
             detail=f"no joint position with the elbow {mode} reaches it",
         )
+    parallel = np.flatnonzero(found.code == Code.PARALLEL)
+    if len(parallel):
+        best = nearest(robot, found, 0.0, parallel, best=True)
+        return Refusal("inverse", best.reason, point.step, (), _span(t), best.missing, "1", f"{mode}: {best.words}")
     detail = f"{mode}: the arm is stretched or folded"
     return Refusal("inverse", Reason.NEAR_SINGULARITY, point.step, (), _span(t), 0.0, "1", detail)
 

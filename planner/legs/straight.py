@@ -13,13 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
+from planner.arrays import FloatArray
 from planner.frames.motion import Motion
 from planner.legs.glued import PATH_M, REFINEMENTS, SPACING_S, continued
 from planner.legs.limits import rates
+from planner.legs.singular import nearest
 from planner.legs.state import Knots, State, Stretch
 from planner.outcome import LegKind, Reason, Refusal
-from planner.robots.protocol import Code
+from planner.robots.protocol import Code, Inverse
 from planner.scene import Scene
 from planner.timing import Profile, TimingRefusal, time_joints
 from planner.trajectory import Trajectory
@@ -112,7 +113,7 @@ def _knots(scene: Scene, step: int, state: State, mode: int, line: _Line) -> Kno
         t = np.concatenate([*parts, marks[-1:]])
         motion = line.motion(t)
         found = robot.inverse(motion, mode, 2)
-        refusal = _refused(scene, step, t, motion, found.code, found.margin, found.q)
+        refusal = _refused(scene, step, t, motion, found)
         if refusal is not None:
             return refusal
         q = continued(robot, found.q, state.q)
@@ -132,25 +133,25 @@ def _knots(scene: Scene, step: int, state: State, mode: int, line: _Line) -> Kno
     return Refusal("straight", Reason.MOTION_LIMIT, step, detail="the joints' motion along the line is not smooth")
 
 
-def _refused(
-    scene: Scene, step: int, t: FloatArray, motion: Motion, code: IntArray, margin: FloatArray, q: FloatArray
-) -> Refusal | None:
+def _refused(scene: Scene, step: int, t: FloatArray, motion: Motion, found: Inverse) -> Refusal | None:
     if not np.isfinite(motion.p).all():
         return Refusal("straight", Reason.LAW_ENDS, step, (), (float(t[0]), float(t[-1])))
     asked = scene.options.singularity_margin
-    near = ~((margin >= asked) & (code == Code.ASSEMBLED))
-    if not near.any():
+    bad = ~(found.keeps(asked) & (found.code == Code.ASSEMBLED))
+    if not bad.any():
         return None
-    rows = np.flatnonzero(near)
+    rows = np.flatnonzero(bad)
     span = (float(t[rows[0]]), float(t[rows[-1]]))
-    if (code[rows] == Code.OUT_OF_REACH).any():
+    if (found.code[rows] == Code.OUT_OF_REACH).any():
         return Refusal("straight", Reason.OUT_OF_REACH, step, (), span, detail="the line leaves the workspace")
-    least = int(rows[np.nanargmin(margin[rows])])
-    left = scene.robot.singular_distance(q[least])
-    kind = Code(int(scene.robot.singularity(q[least]))).name.lower()
-    near_to = f"{1e3 * float(left):.1f} mm of a singular position ({kind}; margin {margin[least]:.3f})"
-    detail = f"the line comes within {near_to}"
-    return Refusal("straight", Reason.NEAR_SINGULARITY, step, (), span, asked - float(margin[least]), "1", detail)
+    near = nearest(scene.robot, found, asked, rows, best=False)
+    if near.reason is Reason.NEAR_PARALLEL_SINGULARITY:
+        verb = "leads" if near.margin < 0 else "comes to a"
+        return Refusal("straight", near.reason, step, (), span, near.missing, "1", f"the line {verb} {near.words}")
+    left = scene.robot.singular_distance(found.q[near.row])
+    kind = Code(int(scene.robot.singularity(found.q[near.row]))).name.lower()
+    near_to = f"{1e3 * float(left):.1f} mm of a singular position ({kind}; margin {near.margin:.3f})"
+    return Refusal("straight", near.reason, step, (), span, near.missing, "1", f"the line comes within {near_to}")
 
 
 def mode_changes(scene: Scene, step: int, state: State, modes: tuple[int, int], left: Along, met: Along) -> Refusal:
@@ -166,6 +167,6 @@ def mode_changes(scene: Scene, step: int, state: State, modes: tuple[int, int], 
     change = f"a straight leg cannot change from {robot.modes[modes[0]]} to {robot.modes[modes[1]]}"
     if not np.isfinite(found.q).all():
         return Refusal("straight", Reason.OUT_OF_REACH, step, detail=f"{change}, and the line leaves the workspace")
-    nearest = float(robot.singular_distance(found.q).min())
-    detail = f"{change}: the line comes no nearer than {1e3 * nearest:.1f} mm to a singular position"
-    return Refusal("straight", Reason.NEAR_SINGULARITY, step, (), None, nearest, "m", detail)
+    left_over = float(robot.singular_distance(found.q).min())
+    detail = f"{change}: the line comes no nearer than {1e3 * left_over:.1f} mm to a singular position"
+    return Refusal("straight", Reason.NEAR_SINGULARITY, step, (), None, left_over, "m", detail)

@@ -7,6 +7,9 @@ import numpy as np
 from planner.arrays import FloatArray
 from planner.robots.protocol import Robot
 
+LEAST_MARGIN = 1e-12
+"""A margin up to this, no unit, is 0: that of a closed chain comes out of a triangle, and rounds to some 1e-16."""
+
 
 def transforms(robot: Robot, q: FloatArray) -> FloatArray:
     """Link frames in the world for q (..., n) as homogeneous transforms (..., L, 4, 4), in the order of `links`.
@@ -33,10 +36,11 @@ def inverse_jacobian(robot: Robot, q: FloatArray) -> FloatArray:
     """(..., n, len(coordinates)): joint rates per rate of the task coordinates; NaN where J is singular or not finite.
 
     For more joints than coordinates it is the pseudo-inverse Jᵀ (J Jᵀ)⁻¹, of the least joint rates (source 002 prints
-    (J Jᵀ)⁻¹). Singular is what the robot's margin says: rows with a margin of 0, where the plain inverse would fail.
+    (J Jᵀ)⁻¹). Singular is what the robot's margin says: rows with a margin of 0 (`LEAST_MARGIN`), where the plain
+    inverse would fail.
     """
     jacobian = robot.jacobian(q)
-    good = np.isfinite(jacobian).all((-1, -2)) & (robot.margin(q) > 0.0) & (determinant(robot, q) != 0.0)
+    good = np.isfinite(jacobian).all((-1, -2)) & (robot.margin(q) > LEAST_MARGIN) & (determinant(robot, q) != 0.0)
     found = np.full((*jacobian.shape[:-2], jacobian.shape[-1], jacobian.shape[-2]), np.nan)
     regular = jacobian[good]
     turned = np.swapaxes(regular, -1, -2)

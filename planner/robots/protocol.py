@@ -9,13 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from planner.arrays import BoolArray, FloatArray, IntArray, frozen
 from planner.assur.codes import Code
 from planner.errors import InputError
 from planner.frames.motion import Motion, Pose
 from planner.shapes import Body
 
-__all__ = ["Code", "Inverse", "Joint", "Limits", "Robot", "RobotBody", "Sweep"]
+__all__ = ["Code", "Inverse", "Joint", "Limits", "Robot", "RobotBody", "Serial", "Sweep"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +55,11 @@ class Inverse:
 
     Rows whose code is not ASSEMBLED hold NaN in what is not defined: a stretched or folded arm has a position (q)
     but no derivatives, an arm over its base axis (ALIGNED) all but the base angle, an arm out of reach has nothing.
-    `margin` is |sin θ2| for a dyad (NaN out of reach).
+    `margin` is |sin θ2| for a dyad (NaN out of reach), the lesser one of two.
     Revolute joints are principal values; `turns` of the caller add full turns.
+
+    `parallel` (...) is the margin to a type 2 singularity of a closed chain, where actuators hold the tool no longer:
+    from 1 over 0 (singular) to -1, negative in the other assembly mode. None: the robot has no loop.
     """
 
     q: FloatArray
@@ -63,6 +68,12 @@ class Inverse:
     qddd: FloatArray
     code: IntArray
     margin: FloatArray
+    parallel: FloatArray | None = None
+
+    def keeps(self, asked: float) -> BoolArray:
+        """Rows (...) whose margins are both `asked` at least."""
+        enough = self.margin >= asked
+        return np.asarray(enough if self.parallel is None else enough & (self.parallel >= asked))
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +93,23 @@ class RobotBody:
 
     body: Body
     link: int
+
+
+class Serial:
+    """What the protocol asks about loops, as an arm without one answers."""
+
+    @property
+    def parallel_least(self) -> float:
+        """0: there is nothing to keep away from."""
+        return 0.0
+
+    def parallel_margin(self, q: FloatArray) -> FloatArray:
+        """1 for every q (..., n)."""
+        return np.ones(q.shape[:-1])
+
+    def assembled(self, lower: FloatArray, upper: FloatArray) -> BoolArray:  # noqa: ARG002
+        """True for every range (N, n)."""
+        return np.ones(len(lower), dtype=bool)
 
 
 class Robot(Protocol):
@@ -175,8 +203,26 @@ class Robot(Protocol):
         """Working mode number (...) that q (..., n) is in."""
         ...
 
+    @property
+    def parallel_least(self) -> float:
+        """The parallel margin below which the robot may never be; 0 without a loop."""
+        ...
+
+    def parallel_margin(self, q: FloatArray) -> FloatArray:
+        """Margin (...) to a type 2 singularity, from 0 to 1; NaN where q does not assemble. Without a loop it is 1."""
+        ...
+
+    def assembled(self, lower: FloatArray, upper: FloatArray) -> BoolArray:
+        """Whether (N,) the arm is proved to assemble for every q with lower <= q <= upper (N, n), and to have a
+        parallel margin of `parallel_least`.
+
+        A trajectory that keeps this never changes its assembly mode. False: not proved, perhaps because the range is
+        wide. An arm without a loop assembles for any q, which it says of an infinite range, too.
+        """
+        ...
+
     def within(self, q: FloatArray) -> BoolArray:
-        """Whether q (..., n) keeps the position limits, (...)."""
+        """Whether q (..., n) keeps the position limits and assembles (`assembled`), (...)."""
         ...
 
     def point_bounds(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from planner.errors import InputError
+from planner.robots.planar import upright
 from planner.robots.protocol import Joint, Limits, RobotBody
 
 
@@ -17,10 +18,13 @@ def joints_of(names: tuple[str, ...], kinds: tuple[str, ...], limits: Limits) ->
 
 
 def check_riders(links: tuple[str, ...], bodies: tuple[RobotBody, ...], pairs: tuple[tuple[str, str], ...]) -> None:
-    """Raises `InputError` for a body on a link, or a pair of links, that the arm has not."""
+    """Raises `InputError` for a body on a link, or a pair of links, that the arm has not, and for a body on the link
+    `quill`, which is never turned, that would look different if it were."""
     for body in bodies:
         if body.link not in range(len(links)):
             raise InputError(f"robot.bodies {body.body.name}", body.link, f"a link number below {len(links)}")
+        if links[body.link] == "quill" and not all(upright(piece) for piece in body.body.pieces):
+            raise InputError(f"robot.bodies {body.body.name}", "quill", "solids of revolution about the quill")
     for pair in pairs:
         if not set(pair) <= set(links):
             raise InputError("robot.self_pairs", pair, f"pairs out of {links}")

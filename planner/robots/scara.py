@@ -19,8 +19,8 @@ from planner.arrays import BoolArray, FloatArray, IntArray, frozen
 from planner.assur.rrr import LEFT, RIGHT, RRR
 from planner.errors import FaultError, InputError
 from planner.frames.motion import Motion, Pose
-from planner.robots.planar import add_arm, arm_bounds, elbow_singularity, principal, upright
-from planner.robots.protocol import Code, Inverse, Joint, Limits, RobotBody, Sweep
+from planner.robots.planar import add_arm, arm_bounds, elbow_singularity, principal
+from planner.robots.protocol import Code, Inverse, Joint, Limits, RobotBody, Serial, Sweep
 from planner.robots.riders import check_riders, joints_of
 
 LINKS = ("base", "link1", "link2", "quill", "flange")
@@ -35,7 +35,7 @@ _SPIN = frozen([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1]], (5, 3), 
 
 
 @dataclass(frozen=True, eq=False)
-class Scara:
+class Scara(Serial):
     """A SCARA arm; implements `planner.robots.protocol.Robot`.
 
     Link frames: `base` at the base origin; `link1` at the shoulder axis, turned by φ1; `link2` at the elbow axis,
@@ -74,9 +74,6 @@ class Scara:
         object.__setattr__(self, "joints", joints_of(names, kinds, self.limits))
         object.__setattr__(self, "joint_names", names)
         check_riders(LINKS, self.bodies, self.self_pairs)
-        for body in (rider.body for rider in self.bodies if rider.link == QUILL):
-            if not all(upright(piece) for piece in body.pieces):
-                raise InputError(f"robot.bodies {body.name}", "quill", "solids of revolution about the quill")
         object.__setattr__(self, "dyad", RRR(self.l1, self.l2))
         object.__setattr__(self, "lowest_lifted", LINK1 if self.arms_rise else QUILL)
 

@@ -19,13 +19,13 @@ from planner.assur.rrr import ROUNDING
 from planner.errors import FaultError, InputError
 from planner.frames.motion import Motion, Pose
 from planner.robots.planar import principal
-from planner.robots.protocol import Inverse, Joint, Limits, RobotBody, Sweep
+from planner.robots.protocol import Inverse, Joint, Limits, RobotBody, Serial, Sweep
 from planner.robots.riders import check_riders, joints_of
 from planner.robots.vertical_plane import BASE, FLANGE, LINK1, LINK2, LINK3, LINKS, TILTING, InVerticalPlane, turned
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class TiltingArm(InVerticalPlane):
+class TiltingArm(InVerticalPlane, Serial):
     """What elbow arm and polar arm share; with what is in its plane it implements `planner.robots.protocol.Robot`.
 
     Link frames: `base` at the base origin; `link1` at the shoulder, turned by φ1, upright; `link2` at the shoulder and

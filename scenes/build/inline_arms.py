@@ -2,26 +2,46 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from planner.robots.planar import upright
 from planner.robots.protocol import RobotBody
 from planner.shapes import Body, Piece
 from scenes.build.bodies import attached
-from scenes.catalogue.arm import AT_FLANGE, LINKS, Arm, JointConvention, JointKind, in_order, limits_of, order_of
+from scenes.catalogue.arm import (
+    AT_FLANGE,
+    LINKS,
+    WITH_QUILL,
+    Arm,
+    FiveBarArm,
+    JointConvention,
+    JointKind,
+    in_order,
+    limits_of,
+    order_of,
+)
 from scenes.catalogue.entry import Family
-from scenes.documents.robots import ElbowArmDocument, JointDocument, PolarArmDocument, ScaraDocument
+from scenes.documents.robots import ElbowArmDocument, FiveBarDocument, JointDocument, PolarArmDocument, ScaraDocument
 from scenes.faults import Path, fault, located
 
-FAMILIES: tuple[Family, ...] = ("scara", "elbow_arm", "polar_arm")
+FAMILIES: tuple[Family, ...] = ("scara", "elbow_arm", "polar_arm", "five_bar")
+Inline = ScaraDocument | ElbowArmDocument | PolarArmDocument | FiveBarDocument
 KINDS: dict[str, tuple[JointKind, ...]] = {
     "rrpr": ("revolute", "revolute", "prismatic", "revolute"),
     "rprr": ("revolute", "prismatic", "revolute", "revolute"),
     "elbow_arm": ("revolute", "revolute", "revolute"),
     "polar_arm": ("revolute", "revolute", "prismatic"),
+    "five_bar": ("revolute", "revolute", "prismatic", "revolute"),
 }
 """Kinds of the joints in the arm's own order: of a SCARA by its axis order, of the others by their family."""
-CALLED: dict[Family, str] = {"scara": "a SCARA", "elbow_arm": "an elbow arm", "polar_arm": "a polar arm"}
+CALLED: dict[Family, str] = {
+    "scara": "a SCARA",
+    "elbow_arm": "an elbow arm",
+    "polar_arm": "a polar arm",
+    "five_bar": "a five-bar",
+}
 OVER = np.diag([1.0, -1.0, -1.0])
 """Half a turn about x."""
 
@@ -37,9 +57,7 @@ def turned_over(body: Body) -> Body:
     return Body(body.name, pieces, surface)
 
 
-def inline_arm(
-    document: object, path: Path, family: Family, item: ScaraDocument | ElbowArmDocument | PolarArmDocument
-) -> Arm:
+def inline_arm(document: object, path: Path, family: Family, item: Inline) -> Arm:
     """The arm. Raises `DocumentError` at the field at fault."""
     joints, scara = item.joints, item if isinstance(item, ScaraDocument) else None
     kinds = KINDS[scara.axis_order if scara else family][: len(joints)]
@@ -48,8 +66,10 @@ def inline_arm(
         _check_joint(document, (*path, "joints", i), joint, kind, names[:i], family)
     zero, z_down = 0.0, scara is not None and scara.tool_frame == "z_down"
     own, rise = order_of(kinds) if scara else ((None,) * len(kinds), False)
-    if scara:
+    if family in WITH_QUILL and "prismatic" in kinds:
         zero = joints[kinds.index("prismatic")].zero_m or 0.0
+    elif isinstance(item, FiveBarDocument):
+        zero = item.height_m
     conventions = tuple(
         JointConvention(joint.name, kind, joint.sign, place)
         for joint, kind, place in zip(joints, kinds, own, strict=True)
@@ -64,15 +84,27 @@ def inline_arm(
                 [j.jerk_rad_s3 or j.jerk_m_s3 or 0.0 for j in joints],
             ],
         )
+    shared: dict[str, Any] = {
+        "name": "inline-" + family.replace("_", "-"),
+        "conventions": conventions,
+        "limits": in_order(limits, conventions),
+        "zero_m": zero,
+        "bodies": _bodies(document, path, family, item, zero, z_down),
+        "self_pairs": _pairs(document, path, family, item),
+        "assumptions": ("the robot's data are the request's own",),
+        "family": family,
+    }
+    if isinstance(item, FiveBarDocument):
+        return FiveBarArm(
+            separation=item.separation_m,
+            proximal=(item.proximal_m[0], item.proximal_m[1]),
+            distal=(item.distal_m[0], item.distal_m[1]),
+            assembly=item.assembly,
+            parallel_least=item.parallel_margin,
+            **shared,
+        )
     return Arm(
-        name="inline-" + family.replace("_", "-"),
-        conventions=conventions,
-        limits=in_order(limits, conventions),
-        zero_m=zero,
-        bodies=_bodies(document, path, family, item, zero, z_down),
-        self_pairs=_pairs(document, path, family, item),
-        assumptions=("the robot's data are the request's own",),
-        family=family,
+        **shared,
         l1=0.0 if isinstance(item, PolarArmDocument) else item.l1_m,
         l2=0.0 if isinstance(item, PolarArmDocument) else item.l2_m,
         height=0.0 if isinstance(item, ScaraDocument) else item.height_m,
@@ -85,7 +117,7 @@ def _bodies(
     document: object,
     path: Path,
     family: Family,
-    item: ScaraDocument | ElbowArmDocument | PolarArmDocument,
+    item: Inline,
     zero: float,
     z_down: bool,
 ) -> tuple[RobotBody, ...]:
@@ -103,9 +135,7 @@ def _bodies(
     return tuple(found)
 
 
-def _pairs(
-    document: object, path: Path, family: Family, item: ScaraDocument | ElbowArmDocument | PolarArmDocument
-) -> tuple[tuple[str, str], ...]:
+def _pairs(document: object, path: Path, family: Family, item: Inline) -> tuple[tuple[str, str], ...]:
     for i, pair in enumerate(item.self_pairs):
         if not set(pair) <= set(LINKS[family]):
             raise fault(document, (*path, "self_pairs", i), f"two of {', '.join(LINKS[family])}")
@@ -127,8 +157,8 @@ def _check_joint(
         if getattr(joint, stem + wrong + rate) is not None:
             allowed = f"{stem}{right}{rate}: joint {len(taken) + 1} of {CALLED[family]} is {kind}"
             raise fault(document, (*path, stem + wrong + rate), allowed)
-    if joint.zero_m is not None and (kind == "revolute" or family != "scara"):
-        raise fault(document, (*path, "zero_m"), "a zero height for the lifting joint of a SCARA only")
+    if joint.zero_m is not None and (kind == "revolute" or family not in WITH_QUILL):
+        raise fault(document, (*path, "zero_m"), "a zero height for a joint that lifts a quill only")
     ends = _range(joint)
     if not ends[0] < ends[1]:
         raise fault(document, (*path, "range" + right), "two ends, the lower first")

@@ -9,11 +9,10 @@ import numpy as np
 from planner.errors import InputError
 from planner.frames import Fixed, Frame
 from planner.frames.motion import Pose
-from planner.robots.scara import BASE
 from planner.scene import WorldBody
 from planner.shapes import Body
+from scenes.build import robots
 from scenes.build.bodies import Places
-from scenes.build.robots import arm, robot, tool
 from scenes.catalogue.arm import Conventions, converted
 from scenes.documents.robots import NeighbourDocument, TrajectoryDocument
 from scenes.faults import Path, fault, located
@@ -54,21 +53,21 @@ def add_neighbour(
     """Puts a neighbour's links among the frames and gives its bodies, all called NEIGHBOUR/name."""
     from planner.neighbour import TrajectoryLaw
 
-    its_arm = arm(document, (*path, "robot"), item.robot)
-    other = robot(document, (*path, "robot"), item.robot, its_arm)
-    if other.tilting:
-        raise fault(document, (*path, "robot"), "an arm whose links stay upright, that is a SCARA")
+    its_arm = robots.arm(document, (*path, "robot"), item.robot)
+    robot = robots.robot(document, (*path, "robot"), item.robot, its_arm)
+    if robot.tilting:
+        raise fault(document, (*path, "robot"), "an arm whose links stay upright, not one whose links tilt")
     trajectory = trajectory_of(document, (*path, "trajectory"), item.trajectory, its_arm.conventions)
     if not (trajectory.rest_at_start and trajectory.rest_at_end):
         allowed = "rest at its first and last knot: it stands still before and after"
         raise fault(document, (*path, "trajectory", "velocity"), allowed)
-    for number, link in enumerate(other.links):
+    for number, link in enumerate(robot.links):
         name = f"{item.name}/{link}"
         with located(document, *path, "trajectory"):
-            law = Fixed(other.base) if number == BASE else TrajectoryLaw(other, trajectory, number)
+            law = Fixed(robot.base) if link == "base" else TrajectoryLaw(robot, trajectory, number)
         frames[name] = Frame(name, law)
-    its_tool = tool(document, (*path, "robot", "tool"), item.robot.tool, its_arm)
-    carried = [(body.body, other.links[body.link]) for body in other.bodies]
+    its_tool = robots.tool(document, (*path, "robot", "tool"), item.robot.tool, its_arm)
+    carried = [(body.body, robot.links[body.link]) for body in robot.bodies]
     carried += [(body, "flange") for body in its_tool.bodies]
     found = []
     for body, link in carried:

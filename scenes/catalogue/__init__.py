@@ -9,6 +9,7 @@ from planner.errors import InputError
 from scenes.catalogue.entry import Axis, Entry, Number
 from scenes.catalogue.fanuc import SR_3IA
 from scenes.catalogue.mitsubishi import RH_6CRH6020, RH_6FRH5520
+from scenes.catalogue.mitsubishi_rp import RP_5AH
 from scenes.catalogue.papers import BENCHMARK_SCARA, FIUBA_SCARA, OVIEDO_SCARA
 from scenes.catalogue.textbook import ELBOW_ARM, LAB_SCARA, OLIER_SCARA, POLAR_ARM
 
@@ -20,6 +21,7 @@ ENTRIES: dict[str, Entry] = {
     for entry in (
         RH_6FRH5520,
         RH_6CRH6020,
+        RP_5AH,
         SR_3IA,
         BENCHMARK_SCARA,
         OVIEDO_SCARA,

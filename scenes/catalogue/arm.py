@@ -15,13 +15,14 @@ import numpy as np
 
 from planner.arrays import FloatArray, IntArray
 from planner.frames.motion import Pose
-from planner.robots import scara, vertical_plane
+from planner.robots import five_bar_links, scara, vertical_plane
 from planner.robots.elbow_arm import ElbowArm
+from planner.robots.five_bar import PARALLEL_LEAST, FiveBar
 from planner.robots.polar_arm import PolarArm
 from planner.robots.protocol import Limits, Robot, RobotBody
 from planner.robots.scara import Scara
 from planner.shapes import AXES, Body, Piece, Primitive, box, cylinder
-from scenes.catalogue.entry import Axis, Entry, Family, Number
+from scenes.catalogue.entry import Axis, Entry, Family, FiveBarEntry, Number
 from scenes.units import TWIN_UNITS, to_si
 
 JointKind = Literal["revolute", "prismatic"]
@@ -69,14 +70,18 @@ def _signs(conventions: Conventions) -> FloatArray:
     return np.array([float(joint.sign) for joint in conventions])
 
 
+WITH_QUILL: tuple[Family, ...] = ("scara", "five_bar")
+"""Families whose flange is lifted by a quill, or by nothing."""
 LINKS: dict[Family, tuple[str, ...]] = {
     "scara": scara.LINKS,
     "elbow_arm": vertical_plane.LINKS,
     "polar_arm": vertical_plane.LINKS,
+    "five_bar": five_bar_links.LINKS,
 }
 """Names of the link frames of each family, in order."""
 AT_FLANGE = ("quill", "flange")
-"""Links of a SCARA whose solids are given from the flange; those of the others are given from the mounting face."""
+"""Links of families with a quill whose solids are given from the flange; those of the other links are given from the
+mounting face."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +131,33 @@ def order_of(kinds: Sequence[str]) -> tuple[tuple[int | None, ...], bool]:
     return (0, 2, 1, 3)[: len(kinds)], True
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FiveBarArm(Arm):
+    """A five-bar: distance of the crank axes, lengths left and right, m; its assembly and least parallel margin."""
+
+    separation: float
+    proximal: tuple[float, float]
+    distal: tuple[float, float]
+    assembly: str
+    parallel_least: float
+
+    def robot(self, base: Pose, limits: Limits) -> FiveBar:
+        return FiveBar(
+            name=self.name,
+            separation=self.separation,
+            proximal=self.proximal,
+            distal=self.distal,
+            axes=len(self.conventions),
+            limits=limits,
+            base=base.then(Pose(z=self.zero_m)),
+            bodies=self.bodies,
+            self_pairs=self.self_pairs,
+            joint_names=tuple(joint.name for joint in self.conventions),
+            assembly=self.assembly,
+            parallel_least=self.parallel_least,
+        )
+
+
 def limits_of(ranges: Sequence[tuple[float, float]], signs: Sequence[int], rates: Sequence[Sequence[float]]) -> Limits:
     """The planner's limits from the maker's ranges, and velocities, accelerations and jerks, all SI."""
     ends = [pair if sign > 0 else (-pair[1], -pair[0]) for pair, sign in zip(ranges, signs, strict=True)]
@@ -162,6 +194,7 @@ def arm_of(entry: Entry) -> Arm:
     own: tuple[int | None, ...] = (None,) * len(kinds)
     if entry.family == "scara":
         own, rise = order_of(kinds)
+    if entry.family in WITH_QUILL:
         lift = entry.axes[kinds.index("prismatic")]
         zero = 0.0 if lift.zero is None else si(lift.zero)
     bodies = []
@@ -174,18 +207,33 @@ def arm_of(entry: Entry) -> Arm:
     conventions = tuple(
         JointConvention(axis.name, axis.kind, axis.sign, place) for axis, place in zip(entry.axes, own, strict=True)
     )
+    shared: dict[str, Any] = {
+        "name": entry.model,
+        "conventions": conventions,
+        "limits": in_order(_limits(entry.axes), conventions),
+        "zero_m": zero,
+        "bodies": tuple(bodies),
+        "self_pairs": entry.self_pairs,
+        "assumptions": entry.assumptions(),
+        "family": entry.family,
+    }
+    lengths = {name: si(number) for name, number in entry.lengths()}
+    if isinstance(entry, FiveBarEntry):
+        return FiveBarArm(
+            separation=lengths["separation"],
+            proximal=(lengths["l1"], lengths["l1"]),
+            distal=(lengths["l2"], lengths["l2"]),
+            assembly="front",
+            parallel_least=PARALLEL_LEAST,
+            **shared,
+        )
     return Arm(
-        name=entry.model,
-        conventions=conventions,
-        limits=in_order(_limits(entry.axes), conventions),
-        zero_m=zero,
-        bodies=tuple(bodies),
-        self_pairs=entry.self_pairs,
-        assumptions=entry.assumptions(),
-        family=entry.family,
         arms_rise=rise,
         z_down=entry.tool_frame == "z_down",
-        **{name: si(number) for name, number in entry.lengths()},
+        l1=lengths.get("l1", 0.0),
+        l2=lengths.get("l2", 0.0),
+        height=lengths.get("height", 0.0),
+        **shared,
     )
 
 

@@ -3,23 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
-Status = Literal["vendor", "vendor_config", "third_party", "defined", "estimated"]
+Status = Literal["vendor", "vendor_config", "third_party", "disputed", "defined", "estimated"]
 """Whose word a number is.
 
 vendor         the maker's own data
 vendor_config  from a configuration file of the maker's, where it may be a placeholder
 third_party    second hand
+disputed       second hand, and sources differ
 defined        exact, because the arm exists only in the document that defines it
 estimated      ours; plausible, measured by nobody
 """
 SURE: frozenset[Status] = frozenset({"vendor", "defined"})
 """Statuses that need no mention among a plan's assumptions."""
 
-LinkName = Literal["base", "link1", "link2", "link3", "quill", "flange"]
-Family = Literal["scara", "elbow_arm", "polar_arm"]
+LinkName = Literal[
+    "base",
+    "link1",
+    "link2",
+    "link3",
+    "quill",
+    "flange",
+    "proximal-left",
+    "distal-left",
+    "proximal-right",
+    "distal-right",
+]
+Family = Literal["scara", "elbow_arm", "polar_arm", "five_bar"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +133,27 @@ class Entry:
         return tuple(found)
 
 
-LENGTHS = {"l1": "length of link 1", "l2": "length of link 2", "height": "height of the shoulder"}
+LENGTHS = {
+    "separation": "distance of the crank axes",
+    "l1": "length of link 1",
+    "l2": "length of link 2",
+    "height": "height of the shoulder",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class FiveBarEntry(Entry):
+    """A five-bar of the catalogue, the same on both sides: `l1` is the proximal length, `l2` the distal one."""
+
+    family: Family = "five_bar"
+    separation: Number = field(kw_only=True)
+
+    def lengths(self) -> Iterator[tuple[str, Number]]:
+        """Those of any arm, and the distance of the crank axes."""
+        yield "separation", self.separation
+        yield from Entry.lengths(self)
+
+
 WORDS = {"lower": "lower end of its range", "upper": "upper end of its range", "zero": "height at its zero"}
 
 STANDARD_PAIRS: tuple[tuple[LinkName, LinkName], ...] = (

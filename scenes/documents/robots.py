@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
+from planner.shapes import LARGEST_M
 from scenes import bounds
 from scenes.documents.model import (
     Angle,
@@ -22,9 +23,8 @@ from scenes.documents.model import (
     Size,
     Strength,
 )
-from scenes.documents.shapes import AttachedBody, LinkBody
+from scenes.documents.shapes import AttachedBody, LinkBody, LinkName
 
-LinkName = Literal["base", "link1", "link2", "link3", "quill", "flange"]
 Pair = Annotated[list[Strength], Field(min_length=2, max_length=2)]
 Row = Annotated[list[Strength], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
 Rows = Annotated[list[Row], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
@@ -116,15 +116,31 @@ class PolarArmDocument(InlineArm):
     joints: Annotated[list[JointDocument], Field(min_length=3, max_length=3)]
 
 
+class FiveBarDocument(InlineArm):
+    """An inline five-bar: two cranks, and if they are given a lift and a wrist. Lengths left and right.
+
+    `height_m`: of the flange above the mounting face, of an arm without a lift.
+    """
+
+    separation_m: Annotated[float, Field(ge=0.0, le=LARGEST_M)]
+    proximal_m: Annotated[list[Size], Field(min_length=2, max_length=2)]
+    distal_m: Annotated[list[Size], Field(min_length=2, max_length=2)]
+    assembly: Literal["front", "back"] = "front"
+    parallel_margin: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.1
+    height_m: Coordinate = 0.0
+    joints: Annotated[list[JointDocument], Field(min_length=2, max_length=4)]
+
+
 class RobotDocument(Document):
     """A robot in the cell."""
 
-    exactly_one: ClassVar[tuple[Group, ...]] = (("model", "scara", "elbow_arm", "polar_arm"),)
+    exactly_one: ClassVar[tuple[Group, ...]] = (("model", "scara", "elbow_arm", "polar_arm", "five_bar"),)
 
     model: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")] | None = None
     scara: ScaraDocument | None = None
     elbow_arm: ElbowArmDocument | None = None
     polar_arm: PolarArmDocument | None = None
+    five_bar: FiveBarDocument | None = None
     tool: ToolDocument
     base: PoseDocument = PoseDocument(at_m=[0.0, 0.0, 0.0])
     limits: LimitsDocument = Field(default_factory=lambda: LimitsDocument.model_validate({}))

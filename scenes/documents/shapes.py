@@ -89,6 +89,11 @@ class BodyDocument(Document):
     yaw_symmetry: Annotated[int, Field(ge=0, le=360)] = 1
 
 
+Side = Literal["proximal-left", "distal-left", "proximal-right", "distal-right"]
+LinkName = Literal["base", "link1", "link2", "link3", "quill", "flange", Side]
+"""Links of any family; which of them an arm has is asked where it is built."""
+
+
 class AttachedBody(Document):
     """A body at a pose in the flange's frame (of a tool)."""
 
@@ -101,4 +106,4 @@ class AttachedBody(Document):
 class LinkBody(AttachedBody):
     """A body of an inline robot, on one of its links."""
 
-    link: Literal["base", "link1", "link2", "link3", "quill", "flange"]
+    link: LinkName

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import tokenize
+from fnmatch import fnmatch
 from io import BytesIO
 from pathlib import PurePosixPath
 
@@ -35,6 +36,14 @@ def test_no_module_grows_beyond_one_idea_without_a_reason() -> None:
     lines = {source.path: source.text.count("\n") for source in sources(*PRODUCT, "benchmarks")}
     assert {path: count for path, count in lines.items() if count > MOST_LINES and path not in LONG} == {}
     assert [path for path in LONG if lines.get(path, 0) <= MOST_LINES] == []
+
+
+def test_no_folder_of_tests_is_passed_over_by_pytest(pytestconfig: pytest.Config) -> None:
+    """Its own list of folders to leave out has `build`, among others, and says nothing when it meets one."""
+    patterns = pytestconfig.getini("norecursedirs")
+    folders = {path.name for path in (ROOT / "tests").rglob("*") if path.is_dir() and path.name != "__pycache__"}
+    assert "build" in folders
+    assert [name for name in folders if any(fnmatch(name, pattern) for pattern in patterns)] == []
 
 
 def test_every_module_of_the_product_says_what_it_is() -> None:

@@ -12,7 +12,7 @@ from planner.checker.verdict import Code
 from planner.outcome import LegKind, Reason
 from scenes import check, load, plan
 from scenes.catalogue import arm_named
-from scenes.catalogue.arm import places
+from scenes.catalogue.arm import WITH_QUILL, places
 from scenes.documents.request import ExecutionDocument, OptionsDocument
 from scenes.requests import request_schema, robots
 from scenes.units import si_key, twin_of
@@ -148,8 +148,10 @@ def test_the_table_of_joint_conventions_is_that_of_the_catalogue() -> None:
         re.MULTILINE,
     )
     without_lift = re.findall(r"^\| `([\w-]+)` \| ([\w ]+) \| ([+ -]+) \|$", prose("docs/conventions.md"), re.MULTILINE)
-    assert [row[0] for row in found] == [robot["model"] for robot in robots() if robot["family"] == "scara"]
-    assert [row[0] for row in without_lift] == [robot["model"] for robot in robots() if robot["family"] != "scara"]
+    assert [row[0] for row in found] == [robot["model"] for robot in robots() if robot["family"] in WITH_QUILL]
+    assert [row[0] for row in without_lift] == [
+        robot["model"] for robot in robots() if robot["family"] not in WITH_QUILL
+    ]
     for model, names, signs in without_lift:
         arm = arm_named(model)
         assert names.split() == [joint.name for joint in arm.conventions]

@@ -37,6 +37,7 @@ from tests.planner.cells import (
     stands,
     table_to_table,
 )
+from tests.planner.robots.five_bars import five_bar
 
 GATE = stands("bar", box(0.3, 0.02, 0.1), 0.15, 0.0, 0.0, frame="gate")
 
@@ -77,6 +78,12 @@ REASONS: dict[Reason, tuple[Callable[[], Scene], bool, str]] = {
     Reason.OUT_OF_REACH: (lambda: cell(go(0.7, 0.0)), True, "reach"),
     Reason.JOINT_LIMIT: (lambda: cell(go(0.35, 0.2, 0.27)), True, "20.0 mm beyond"),
     Reason.NEAR_SINGULARITY: (lambda: cell(Follow("f", at(0.599, 0.0), 0.1), singularity_margin=0.2), True, "singular"),
+    Reason.NEAR_PARALLEL_SINGULARITY: (
+        # inside the curve on which the couplers are in line: there only in the other assembly mode
+        lambda: cell(go(0.12, 0.0, 0.2), robot=five_bar("short"), q=(0.9, -0.9, 0.2, 0.0), elbow="keep"),
+        True,
+        "motors do not hold the tool",
+    ),
     Reason.SELF_COLLISION: (
         # the quill would have to stand in the column, which nothing but the search can find out
         lambda: cell(go(0.165, 0.0), robot=arm(column=0.16), max_candidates=40),

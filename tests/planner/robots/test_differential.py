@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from planner.arrays import FloatArray
-from planner.frames.motion import Pose
+from planner.frames.motion import Motion, Pose
 from planner.robots.differential import determinant, inverse_jacobian, transforms
 from planner.robots.elbow_arm import ElbowArm
+from planner.robots.five_bar import FiveBar
 from planner.robots.polar_arm import PolarArm
 from planner.robots.protocol import Limits, Robot
 from planner.robots.scara import Scara
@@ -25,13 +26,14 @@ ROBOTS: list[Robot] = [
     Scara("three", 0.3, 0.2, 3, limits(3), BASE, arms_rise=True),
     ElbowArm(name="elbow", height=0.3, l1=0.25, l2=0.16, limits=limits(3), base=BASE),
     PolarArm(name="polar", height=0.3, limits=limits(3, 0.1), base=BASE),
+    FiveBar("five", 0.085, (0.2, 0.2), (0.24, 0.26), 4, limits(4), BASE),
 ]
 every_robot = pytest.mark.parametrize("robot", ROBOTS)
 
 
 def states(robot: Robot, size: int = 500) -> FloatArray:
     q = np.random.default_rng(1).uniform(robot.limits.lower, robot.limits.upper, (20 * size, len(robot.joints)))
-    return q[robot.margin(q) > 0.1][:size]
+    return q[(robot.margin(q) > 0.1) & (robot.parallel_margin(q) > 0.1)][:size]
 
 
 @every_robot
@@ -46,7 +48,7 @@ def test_the_inverse_jacobian_undoes_the_jacobian(robot: Robot) -> None:
 def test_the_transforms_are_the_placements_and_rigid(robot: Robot) -> None:
     q = states(robot)
     found = transforms(robot, q)
-    assert found.shape == (500, 5, 4, 4)
+    assert found.shape == (500, len(robot.links), 4, 4)
     assert (found[..., 3, :] == [0.0, 0.0, 0.0, 1.0]).all()
     gram = np.swapaxes(found[..., :3, :3], -1, -2) @ found[..., :3, :3]
     assert np.abs(gram - np.eye(3)).max() < 1e-15
@@ -59,7 +61,12 @@ def test_the_determinant_vanishes_with_the_margin_and_only_there(robot: Robot) -
     q = states(robot)
     assert (np.abs(determinant(robot, q)) > 1e-6).all()
     singular = q[0].copy()
-    singular[1 if isinstance(robot, Scara) else 2] = 0.0
+    if isinstance(robot, FiveBar):
+        # the left coupler goes on in line with its crank: stretched
+        reach = Pose(0.44 * np.cos(-0.2), 0.0425 + 0.44 * np.sin(-0.2), 0.1)
+        singular = robot.inverse(Motion.still(robot.base.then(reach), ()), 1, 0).q
+    else:
+        singular[1 if isinstance(robot, Scara) else 2] = 0.0
     assert abs(determinant(robot, singular)) < 1e-16
     with np.errstate(all="raise"):
         both = inverse_jacobian(robot, np.stack([singular, q[1], np.full_like(singular, np.nan)]))

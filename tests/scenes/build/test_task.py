@@ -44,7 +44,6 @@ def test_every_field_of_a_move() -> None:
                 "match": "position",
                 "via": True,
                 "arch": {"top_mm": 200},
-                "leg": "cartesian",
                 "window_ms": [500, 1500],
                 "window_mm": [10, 20],
             }
@@ -57,8 +56,16 @@ def test_every_field_of_a_move() -> None:
         True,
         Arch(0.2),
         Window((0.5, 1.5), (0.01, 0.02)),
-        "cartesian",
     )
+
+
+def test_a_straight_leg_meets_a_moving_frame_with_its_velocity_only() -> None:
+    move: dict[str, Any] = {"to": {"frame": "belt", "at_mm": [1, 2, 3], "yaw_deg": 90}, "leg": "cartesian"}
+    (step,) = scene({"move": move}).task
+    assert isinstance(step, Move)
+    assert (step.leg, step.match) == ("cartesian", "velocity")
+    with pytest.raises(InputError, match="a straight leg meets a moving frame with its velocity"):
+        scene({"move": {**move, "match": "position"}})
 
 
 def test_every_field_of_a_follow() -> None:

@@ -1,0 +1,155 @@
+"""The five-bar's cells: what they expect, what must be true of their answers, and tampered plans that are refused."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from planner.checker import Code, check
+from planner.checker.loop import loops
+from planner.checker.ranges import ranges
+from planner.checker.spline import spline
+from planner.errors import InputError
+from planner.neighbour import TrajectoryLaw
+from planner.robots.five_bar import FiveBar
+from planner.trajectory import Trajectory
+from scenes.plans import plan_of
+from scenes.requests import cell_of, check_document, plan_document, plan_scenario, shipped, unmet
+from tests.scenes.cells.five_bar_plans import resealed
+
+Answer = dict[str, Any]
+
+
+@cache
+def answer(name: str) -> Answer:
+    return plan_scenario(shipped(name))
+
+
+@cache
+def around() -> tuple[Answer, Answer]:
+    """Request and answer of the ends of the forbidden line, joined by a joint leg."""
+    request = copy.deepcopy(shipped("five-bar-type-2").request)
+    del request["task"][0]["move"]["leg"]
+    request["options"]["max_candidates"] = 300
+    return request, plan_document(request)
+
+
+@pytest.mark.parametrize("name", ["five-bar", "five-bar-type-2"])
+def test_a_cell_is_answered_as_it_expects(name: str) -> None:
+    assert unmet(shipped(name).expect, answer(name)) == []
+
+
+def test_the_plan_of_the_cell_is_checked_and_keeps_both_margins() -> None:
+    scenario, found = shipped("five-bar"), answer("five-bar")
+    assert check_document(scenario.request, found, folder=scenario.folder)["ok"] is True
+    assert found["margins"]["parallel"] >= 0.1
+    assert found["margins"]["singularity"] > 0
+    assert any("disputed" in line for line in found["assumptions"])
+
+
+def test_all_four_moving_links_are_asked_about_in_the_certificate() -> None:
+    cell = cell_of(shipped("five-bar").request)
+    plan = plan_of(answer("five-bar"), cell.conventions)[0]
+    names = plan.certificate.names
+    pairs = {
+        frozenset((names[i], names[k])) for i, k in zip(plan.certificate.first, plan.certificate.second, strict=True)
+    }
+    for pair in (
+        ("crank-left", "crank-right"),
+        ("crank-left", "coupler-right"),
+        ("crank-right", "coupler-left"),
+        ("coupler-left", "coupler-right"),
+    ):
+        assert frozenset(pair) in pairs
+    for link in ("crank-left", "crank-right", "coupler-left", "coupler-right", "shaft"):
+        assert frozenset((link, "bar")) in pairs
+
+
+def test_the_line_through_type_2_is_refused_with_its_margin() -> None:
+    found = answer("five-bar-type-2")
+    assert found["reason"] == "NEAR_PARALLEL_SINGULARITY"
+    assert found["refusal"]["stage"] == "straight"
+    assert found["refusal"]["amount"] > 0.1  # more than the least margin: the line goes on behind the curve
+
+
+def test_a_target_inside_the_type_2_curve_is_proved_to_be_impossible() -> None:
+    request = copy.deepcopy(shipped("five-bar-type-2").request)
+    request["task"] = [{"move": {"to": {"at_mm": [120, 0, 70], "yaw_deg": 0}}}]
+    found = plan_document(request)
+    assert (found["status"], found["reason"], found["proved"]) == ("not_planned", "NEAR_PARALLEL_SINGULARITY", True)
+
+
+def test_the_same_ends_are_joined_by_a_joint_leg_that_goes_around_the_curve() -> None:
+    request, found = around()
+    assert found["status"] == "planned"
+    assert check_document(request, found)["ok"] is True
+    robot = cell_of(request).scene.robot
+    assert isinstance(robot, FiveBar)
+    plan = plan_of(found, cell_of(request).conventions)[0]
+    q = plan.trajectory.evaluate(np.linspace(plan.trajectory.start, plan.trajectory.end, 2_000))
+    assert (robot.parallel_margin(q) >= robot.parallel_least).all()
+
+
+def test_a_start_too_near_to_type_2_is_refused_at_once() -> None:
+    request, _ = around()
+    request = copy.deepcopy(request)
+    request["start"]["joints"].update(j1_deg=35.95, j2_deg=-35.95)
+    found = plan_document(request)
+    assert (found["reason"], found["proved"]) == ("NEAR_PARALLEL_SINGULARITY", True)
+    assert found["refusal"]["stage"] == "start"
+
+
+# Tampered plans.
+
+
+def test_a_plan_that_goes_straight_through_type_2_in_joint_space_is_refused_for_that() -> None:
+    """Both ends of the right plan, joined directly: the chain would have to come apart on the way."""
+    request, found = around()
+    cell = cell_of(request)
+    plan = plan_of(found, cell.conventions)[0]
+    knots, ends = plan.trajectory, [0, -1]
+    direct = Trajectory(knots.time[ends], knots.q[ends], knots.qd[ends], knots.qdd[ends])
+    verdict = check(cell.scene, resealed(request, replace(plan, trajectory=direct)))
+    assert Code.ASSEMBLY in {finding.code for finding in verdict.findings}
+    assert Code.DIGEST not in {finding.code for finding in verdict.findings}
+
+
+def test_a_robot_that_asks_for_more_margin_refuses_the_same_plan() -> None:
+    request, found = around()
+    least = found["margins"]["parallel"]
+    strict = copy.deepcopy(request)
+    strict["robot"]["five_bar"]["parallel_margin"] = least + 0.02
+    cell = cell_of(strict)
+    plan = resealed(strict, plan_of(found, cell.conventions)[0])
+    findings = check(cell.scene, plan).findings
+    assert [finding.code for finding in findings] == [Code.ASSEMBLY]
+    assert 0 < findings[0].amount <= 0.021
+
+
+def test_a_row_that_claims_a_slower_coupler_is_refused() -> None:
+    request, found = around()
+    cell = cell_of(request)
+    plan = plan_of(found, cell.conventions)[0]
+    speed = plan.certificate.speed.copy()
+    speed[int(np.argmax(np.where(np.isfinite(speed), speed, 0)))] *= 0.9
+    tampered = resealed(request, replace(plan, certificate=replace(plan.certificate, speed=speed)))
+    assert Code.BOUND in {finding.code for finding in check(cell.scene, tampered).findings}
+
+
+def test_a_serial_arm_is_not_asked() -> None:
+    scene = cell_of(shipped("demo").request).scene
+    q = np.tile(scene.start.q, (2, 1))
+    line = spline(np.array([0.0, 1.0]), q, 0 * q, 0 * q)
+    assert loops(scene, ranges(line, scene.robot.rate_matrix)) == []
+
+
+def test_a_neighbour_that_would_come_apart_is_bad_input() -> None:
+    robot = cell_of(shipped("five-bar-type-2").request).scene.robot
+    q = np.array([[1.8, 0.4, 0.1, 0.0], [-0.4, -1.8, 0.1, 0.0]])
+    with pytest.raises(InputError, match="stays assembled"):
+        TrajectoryLaw(robot, Trajectory(np.array([0.0, 1.0]), q, 0 * q, 0 * q), 2)
