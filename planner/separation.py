@@ -30,7 +30,7 @@ class Placed:
     centre: FloatArray
     axes: FloatArray
 
-    def rows(self, key: BoolArray | IntArray) -> Placed:
+    def rows(self, key: BoolArray | IntArray | slice) -> Placed:
         """Some of the rows."""
         axes = self.axes.transpose(1, 2, 0)[..., key].transpose(2, 0, 1)
         return Placed(self.solids, self.unit[key], self.centre.T[:, key].T, axes)
@@ -73,7 +73,8 @@ def gaps(a: Placed, b: Placed, n: FloatArray) -> FloatArray:
     """Gap (r, N) along unit normals n (r, N, 3) that point from a to b."""
     n = _laid(n)
     between: FloatArray = np.einsum("rni,ri->rn", n, b.centre - a.centre)
-    return between - support(a, n) - support(b, -n)
+    found: FloatArray = between - support(a, n) - support(b, -n)
+    return found
 
 
 def _nearest(placed: Placed, half: FloatArray, disc: FloatArray | None, x: FloatArray) -> FloatArray:
