@@ -85,7 +85,9 @@ def _nearest(placed: Placed, half: FloatArray, disc: FloatArray | None, x: Float
         out = y[:, :2] - inside[:, :2]
         length = np.sqrt(out[:, 0] ** 2 + out[:, 1] ** 2)
         inside[:, :2] += out * np.minimum(1.0, disc / np.maximum(length, 1e-300))[:, None]
-    return placed.centre + np.einsum("rij,rj->ri", placed.axes, inside)
+    found: FloatArray = np.einsum("rij,rj->ri", placed.axes, inside)
+    found += placed.centre
+    return found
 
 
 def _core(placed: Placed) -> tuple[FloatArray, FloatArray | None]:
