@@ -19,6 +19,8 @@ INSTANTS = 64
 """Times at which the smallest clearance and the tool's acceleration are looked for."""
 BATCH = 192
 """Pairs and times that are looked at together."""
+EXACT = 8
+"""Pairs and times of a batch, the likely nearest first, of which GJK is asked: most often one is enough."""
 FINER = 65
 """Times around the nearest one at which its pair is looked at again: one batch costs little more than one row of it."""
 
@@ -60,9 +62,10 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
 
 
 def nearest(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Nearest | None:
-    """The pair and time, of `INSTANTS` and then `FINER` about them, at which the support gap is least.
+    """The pair and time, of `INSTANTS` and then `FINER` about them, at which the distance is least.
 
-    The gap is a lower bound of the distance at that time. Allowed contacts do not count. None: nothing is asked.
+    Of the pairs and times that are likely to be nearest GJK is asked; what is given is a lower bound of the distance
+    there. Allowed contacts do not count. None: nothing is asked.
     """
     best: tuple[float, float, Phase, int] | None = None
     total = sum(phase.t1 - phase.t0 for phase in phases)
@@ -109,12 +112,13 @@ def _nearest(
         units_a, units_b = a[which[column[part]]], b[which[column[part]]]
         one, other = place(solids, where, row[part], units_a), place(solids, where, row[part], units_b)
         gap = likely_gaps(one, other)
-        for k in np.argsort(gap, kind="stable"):
+        for k in np.argsort(gap, kind="stable")[:EXACT]:
             if not gap[k] < best[0]:
                 break
-            true = float(gap[k])
             if solids.piece[units_a[k]] == COVER or solids.piece[units_b[k]] == COVER:
                 true = _between_pieces(solids, where, int(row[part][k]), int(units_a[k]), int(units_b[k]))
+            else:
+                true = max(float(gap[k]), separate(one, other, int(k))[0])
             if true < best[0]:
                 best = true, float(t[row[part][k]]), int(which[column[part][k]])
     return best
