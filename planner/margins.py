@@ -11,19 +11,19 @@ from planner.loops import has_loop
 from planner.outcome import Contact, JointPeak, Margins, Nearest
 from planner.phases import Phase, pair
 from planner.scene import Scene
-from planner.separation import centre_normals, face_normals, gaps, likely_gaps, place, rough_gaps
+from planner.separation import likely_gaps, place, rough_gaps
 from planner.solids import COVER, Carriers, Solids, carriers, standing
 from planner.tool_motion import carrying_peak, tool_peak
 from planner.trajectory import Trajectory, check_limits
 
 INSTANTS = 64
 """Times at which the smallest clearance and the tool's acceleration are looked for."""
-BATCH = 48
+BATCH = 192
 """Pairs and times that are looked at together."""
-FINER = 9
-"""Times around the nearest one at which its pair is looked at again ..."""
-ZOOMS = 3
-"""... so many times, each time closer."""
+EXACT = 8
+"""Pairs and times of a batch, the likely nearest first, of which GJK is asked: most often one is enough."""
+FINER = 65
+"""Times around the nearest one at which its pair is looked at again: one batch costs little more than one row of it."""
 
 
 def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Margins:
@@ -65,9 +65,10 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
 
 
 def nearest(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Nearest | None:
-    """The pair and time, of `INSTANTS` and then `FINER` about them, at which the support gap is least.
+    """The pair and time, of `INSTANTS` and then `FINER` about them, at which the distance is least.
 
-    The gap is a lower bound of the distance at that time. Allowed contacts do not count. None: nothing is asked.
+    Of the pairs and times that are likely to be nearest GJK is asked; what is given is a lower bound of the distance
+    there. Allowed contacts do not count. None: nothing is asked.
     """
     best: tuple[float, float, Phase, int] | None = None
     total = sum(phase.t1 - phase.t0 for phase in phases)
@@ -76,11 +77,8 @@ def nearest(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -
         found = _nearest(prover, trajectory, phase, np.linspace(phase.t0, phase.t1, count), None)
         if found is not None and (best is None or found[0] < best[0]):
             step = (phase.t1 - phase.t0) / (count - 1)
-            gap, time, which = found
-            for _ in range(ZOOMS):
-                around = np.linspace(max(phase.t0, time - step), min(phase.t1, time + step), FINER)
-                gap, time, which = min((gap, time, which), _nearest(prover, trajectory, phase, around, which) or found)
-                step *= 2 / (FINER - 1)
+            around = np.linspace(max(phase.t0, found[1] - step), min(phase.t1, found[1] + step), FINER)
+            gap, time, which = min(found, _nearest(prover, trajectory, phase, around, found[2]) or found)
             best = gap, time, phase, which
     if best is None:
         return None
@@ -116,13 +114,14 @@ def _nearest(
         part = slice(first, first + BATCH)
         units_a, units_b = a[which[column[part]]], b[which[column[part]]]
         one, other = place(solids, where, row[part], units_a), place(solids, where, row[part], units_b)
-        gap = gaps(one, other, np.concatenate([centre_normals(one, other), face_normals(one, other)], axis=1)).max(1)
-        for k in np.argsort(gap, kind="stable"):
+        gap = likely_gaps(one, other)
+        for k in np.argsort(gap, kind="stable")[:EXACT]:
             if not gap[k] < best[0]:
                 break
-            true = float(gap[k])
             if solids.piece[units_a[k]] == COVER or solids.piece[units_b[k]] == COVER:
                 true = _between_pieces(solids, where, int(row[part][k]), int(units_a[k]), int(units_b[k]))
+            else:
+                true = max(float(gap[k]), separate(one, other, int(k))[0])
             if true < best[0]:
                 best = true, float(t[row[part][k]]), int(which[column[part][k]])
     return best

@@ -33,7 +33,10 @@ def closest(
     where = carriers(scene, q[None], t)
     a, b = prover.asked(solids)
     need = _required(scene, phase, solids, b)
-    for i in np.flatnonzero(~(rough_gaps(solids, where, a, b)[0] - SLACK_M > need)):
+    near = np.flatnonzero(~(rough_gaps(solids, where, a, b)[0] - SLACK_M > need))
+    row = np.zeros(len(near), dtype=np.int64)
+    gap = likely_gaps(place(solids, where, row, a[near]), place(solids, where, row, b[near]))
+    for i in near[~(gap - SLACK_M > need[near])]:
         x, y = int(a[i]), int(b[i])
         names = (solids.names[solids.body[x]], solids.names[solids.body[y]])
         own = bool(solids.body[y] < solids.robot_bodies)
@@ -94,6 +97,8 @@ def enclosed(
 
     `rides`: where each body of the surroundings sits by then; `among`: only these of them.
     """
+    if all(world.body.surface is None for world in scene.bodies):
+        return None
     where = carriers(scene, q[None], np.array([t]))
     points = [(mine, _reference_points(solids, where, mine)) for mine in range(solids.robot_bodies)]
     for world in scene.bodies:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
+from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.certificate.claim import Claim
 from planner.phases import Phase
 from planner.requirement import CONTACT_GAP, clearance, uncertainty
@@ -31,6 +31,33 @@ class Intervals:
         return len(self.t0)
 
 
+@dataclass(frozen=True, slots=True)
+class Thrice:
+    """Pairs of units of r rows at start, middle and end of their intervals: 3 r rows, the starts first."""
+
+    one: Placed
+    other: Placed
+
+    def some(self, key: BoolArray | IntArray) -> Thrice:
+        """Some of the rows."""
+        count = len(self.one.unit) // 3
+        which = np.arange(count)[key]
+        rows = np.concatenate([which, which + count, which + 2 * count])
+        return Thrice(self.one.rows(rows), self.other.rows(rows))
+
+    def middle(self) -> tuple[Placed, Placed]:
+        """The pairs in the middle of their intervals, r rows."""
+        count = len(self.one.unit) // 3
+        return self.one.rows(slice(count, 2 * count)), self.other.rows(slice(count, 2 * count))
+
+    def vertical(self) -> FloatArray:
+        """(r, 1, 3): up or down, from the one to the other."""
+        one, other = self.middle()
+        n = np.zeros((len(one.unit), 1, 3))
+        n[:, 0, 2] = np.where(other.centre[:, 2] >= one.centre[:, 2], 1.0, -1.0)
+        return n
+
+
 class Facts:
     """The facts of one phase of one trajectory, for the arrangement of solids that the phase has."""
 
@@ -53,21 +80,19 @@ class Facts:
         where = carriers(self.scene, standing(self.trajectory, t), t)
         return Intervals(t0, t1, where, sweep(self.trajectory, t0, t1, self.scene.robot.rate_matrix))
 
-    def at(self, table: Intervals, row: IntArray, unit: IntArray) -> Placed:
-        return place(self.solids, table.where, row, unit)
-
-    def vertical(self, table: Intervals, row: IntArray, a: IntArray, b: IntArray) -> FloatArray:
-        """(r, 1, 3): up or down, from a to b."""
-        am, bm = self.at(table, row + len(table), a), self.at(table, row + len(table), b)
-        n = np.zeros((len(row), 1, 3))
-        n[:, 0, 2] = np.where(bm.centre[:, 2] >= am.centre[:, 2], 1.0, -1.0)
-        return n
-
-    def claim(self, table: Intervals, row: IntArray, a: IntArray, b: IntArray, normals: FloatArray) -> Claim:
-        """The best of the normals (r, N, 3) for each row."""
-        count, many = normals.shape[:2]
+    def thrice(self, table: Intervals, row: IntArray, a: IntArray, b: IntArray) -> Thrice:
+        """Units a and b (r,) at start, middle and end of the intervals `row` (r,)."""
         size = len(table)
-        each = [gaps(self.at(table, row + k * size, a), self.at(table, row + k * size, b), normals) for k in range(3)]
+        rows = np.concatenate([row, row + size, row + 2 * size])
+        one, other = (place(self.solids, table.where, rows, np.concatenate([unit] * 3)) for unit in (a, b))
+        return Thrice(one, other)
+
+    def claim(
+        self, table: Intervals, row: IntArray, a: IntArray, b: IntArray, placed: Thrice, normals: FloatArray
+    ) -> Claim:
+        """The best of the normals (r, N, 3) for each row, the units being `placed` there."""
+        count, many = normals.shape[:2]
+        each = gaps(placed.one, placed.other, np.concatenate([normals] * 3)).reshape(3, count, many)
         wide = np.repeat(np.arange(count), many)
         flat = normals.reshape(-1, 3)
         speed_a, acceleration_a = self.bounds(table, row[wide], a[wide], flat)

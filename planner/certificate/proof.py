@@ -9,14 +9,14 @@ import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.certificate.claim import Claim, put, take
-from planner.certificate.facts import Facts, Intervals
+from planner.certificate.facts import Facts, Intervals, Thrice
 from planner.certificate.rows import Rows, Unproved, no_rows
 from planner.collision import Collider
 from planner.gjk import separate
 from planner.phases import Phase
 from planner.requirement import SLACK_M
 from planner.scene import Scene
-from planner.separation import Placed, centre_normals, face_normals
+from planner.separation import centre_normals, face_normals
 from planner.solids import COVER, Solids, SolidsMaker, asked_pairs
 from planner.trajectory import Trajectory
 
@@ -67,7 +67,8 @@ class _Proof:
         phase = self.phase
         whole = self.facts.intervals(np.array([phase.t0]), np.array([phase.t1]))
         row = np.zeros(len(a), dtype=np.int64)
-        claim = self.facts.claim(whole, row, a, b, self.facts.vertical(whole, row, a, b))
+        placed = self.facts.thrice(whole, row, a, b)
+        claim = self.facts.claim(whole, row, a, b, placed, placed.vertical())
         left = self.keep(whole, row, a, b, claim)
         a, b = a[left], b[left]
         count = max(1, int(np.ceil((phase.t1 - phase.t0) / COARSEST_S)))
@@ -82,22 +83,23 @@ class _Proof:
         while len(row):
             if len(row) > MOST_ROWS or time.perf_counter() >= self.prover.deadline:
                 return self.unproved(table, row, a, b, 0, np.nan, np.nan, touching=False)
-            middle = row + len(table)
-            am, bm = self.facts.at(table, middle, a), self.facts.at(table, middle, b)
-            normals = np.concatenate([centre_normals(am, bm), seed[:, None]], axis=1)
-            claim = self.facts.claim(table, row, a, b, normals)
+            placed = self.facts.thrice(table, row, a, b)
+            normals = np.concatenate([centre_normals(*placed.middle()), seed[:, None]], axis=1)
+            claim = self.facts.claim(table, row, a, b, placed, normals)
             rest = self.keep(table, row, a, b, claim)
-            row, a, b, claim, am, bm = row[rest], a[rest], b[rest], take(claim, rest), am.rows(rest), bm.rows(rest)
+            if not rest.any():
+                break
+            row, a, b, claim, placed = row[rest], a[rest], b[rest], take(claim, rest), placed.some(rest)
             close = ~(claim.gap_mid - SLACK_M > claim.required)
             if close.any():
-                claim = self.look_closer(table, row, a, b, am, bm, claim, close)
+                claim = self.look_closer(table, row, a, b, placed, claim, close)
                 rest = self.keep(table, row, a, b, claim)
-                row, a, b, claim, am, bm = row[rest], a[rest], b[rest], take(claim, rest), am.rows(rest), bm.rows(rest)
+                row, a, b, claim, placed = row[rest], a[rest], b[rest], take(claim, rest), placed.some(rest)
                 close = ~(claim.gap_mid - SLACK_M > claim.required)
             boxes = close & ((self.solids.piece[a] == COVER) | (self.solids.piece[b] == COVER))
             solid = np.flatnonzero(close & ~boxes)
             if len(solid):
-                resisted = self.ask(table, row, a, b, am, bm, claim, solid)
+                resisted = self.ask(table, row, a, b, placed, claim, solid)
                 if resisted is not None:
                     return resisted
                 # GJK's normals: some rows may be proved by them at once
@@ -146,15 +148,14 @@ class _Proof:
         row: IntArray,
         a: IntArray,
         b: IntArray,
-        am: Placed,
-        bm: Placed,
+        placed: Thrice,
         claim: Claim,
         close: BoolArray,
     ) -> Claim:
         """Face normals for the rows that the first normals do not part."""
         which = np.flatnonzero(close)
-        faces = face_normals(am.rows(which), bm.rows(which))
-        closer = self.facts.claim(table, row[which], a[which], b[which], faces)
+        near = placed.some(which)
+        closer = self.facts.claim(table, row[which], a[which], b[which], near, face_normals(*near.middle()))
         return put(claim, which, take(claim, which).better(closer))
 
     def ask(
@@ -163,12 +164,12 @@ class _Proof:
         row: IntArray,
         a: IntArray,
         b: IntArray,
-        am: Placed,
-        bm: Placed,
+        placed: Thrice,
         claim: Claim,
         solid: IntArray,
     ) -> Unproved | None:
         """FCL, then GJK, about rows that nothing parted yet; `claim` takes the normals that GJK found."""
+        am, bm = placed.middle()
         solid = solid[np.argsort(claim.gap_mid[solid] - claim.required[solid], kind="stable")]
         for i in solid:
             allowed = claim.required[i] < 0
@@ -178,7 +179,7 @@ class _Proof:
             if normal is None:
                 return self.unproved(table, row, a, b, int(i), claim.gap_mid[i], claim.required[i], touching=True)
             one = np.array([i])
-            found = self.facts.claim(table, row[one], a[one], b[one], normal[None, None])
+            found = self.facts.claim(table, row[one], a[one], b[one], placed.some(one), normal[None, None])
             if not found.gap_mid[0] - SLACK_M > found.required[0]:
                 gap = max(distance, float(found.gap_mid[0]))
                 return self.unproved(table, row, a, b, int(i), gap, found.required[0], touching=False)
