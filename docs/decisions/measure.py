@@ -193,7 +193,8 @@ def touching(scene: Scene, prover: Prover, phase: Phase, made: Plan) -> Iterator
             for j in b:
                 row = np.arange(len(table_))
                 one, other = np.full(len(row), i), np.full(len(row), j)
-                claim = facts.claim(table_, row, one, other, facts.vertical(table_, row, one, other))
+                placed = facts.thrice(table_, row, one, other)
+                claim = facts.claim(table_, row, one, other, placed, placed.vertical())
                 least = min(least, float(np.minimum(claim.gap0, claim.gap1).min()))
         gap = float(np.minimum(proved.gap0[mine], proved.gap1[mine]).min())
         yield (solids.names[first], solids.names[second]), least, gap
@@ -228,7 +229,7 @@ def near_pairs(scene: Scene, made: Plan, clearance: float) -> tuple[int, int]:
     fat.body = solids.body
     far = refused = 0
     for row, k in np.argwhere(rough_gaps(solids, where, a, b) < 2 * clearance):
-        one, other = facts.at(at, np.array([row]), a[[k]]), facts.at(at, np.array([row]), b[[k]])
+        one, other = facts.thrice(at, np.array([row]), a[[k]], b[[k]]).middle()
         distance, normal = separate(one, other, 0)
         if normal is None or not clearance < distance < 2 * clearance:
             continue
