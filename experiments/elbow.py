@@ -101,9 +101,9 @@ def told(numbers: dict[str, Any]) -> str:
         f"{numbers['inverse_jacobian_minus_dyads_relative_where_margin_above_0.05']:.0e}, and the determinant is "
         f"−ρ l2 l3 sin q3 to {numbers['determinant_by_transforms_and_by_planner_minus_product']:.0e} m³. It is 0 at "
         f"the outer edge (q3 = 0, stretched), at the inner edge (q3 = 180°, folded), and inside, over the base axis "
-        f"(ρ = 0, aligned): the three kinds that the source names. With the arctan of a quotient that is printed, taken "
-        f"to the letter, {100 * missed:.0f} % of these targets are missed in mode `up`, those behind the base and "
-        f"those for which the elbow bends by more than a right angle, and {100 * anyhow:.0f} % with any choice of signs."
+        f"(ρ = 0, aligned): the three kinds that the source names. With the arctan of a quotient that is printed, "
+        f"taken to the letter, {100 * missed:.0f} % of these targets are missed in mode `up`, those behind the base "
+        f"and those that bend the elbow by more than a right angle, and {100 * anyhow:.0f} % with any choice of signs."
     )
 
 

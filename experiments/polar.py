@@ -102,9 +102,9 @@ def told(numbers: dict[str, Any]) -> str:
         f"{numbers['determinant_by_transforms_and_by_planner_minus_product']:.0e} m². It is 0 inside the workspace, "
         f"where the flange is over the base axis, and at its inner edge, with nothing of the ram out; at the outer "
         f"edge it is not, for there the stroke ends and no axis is lost. With arctan as printed, taken to the letter, "
-        f"every target is met to {numbers['as_printed_off_target_m']:.0e} m, but {100 * below:.0f} % of those below the "
-        f"shoulder, and {100 * above:.0f} % of those above it, with a negative d3: the ram would have to come out at "
-        f"its back."
+        f"every target is met to {numbers['as_printed_off_target_m']:.0e} m, but {100 * below:.0f} % of those below "
+        f"the shoulder, and {100 * above:.0f} % of those above it, with a negative d3: the ram would have to come "
+        f"out at its back."
     )
 
 
