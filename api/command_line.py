@@ -172,7 +172,8 @@ def reproduce(
     from experiments.reproduce import reproduce as run
 
     for done in run(name, out):
-        _print(f"{done.entry.name}: {done.entry.title}, {done.elapsed_s:.1f} s", done.paragraph)
+        place = f"{done.number} of {done.count}, " if done.count > 1 else ""
+        _print(f"{place}{done.entry.name}: {done.entry.title}, {done.elapsed_s:.1f} s", done.paragraph)
         _print(*(str(path) for path in done.files), "")
     return RIGHT
 

@@ -108,35 +108,44 @@ def run() -> Result:
         sorted_.set_ylabel("share of states")
         sorted_.legend(loc="center")
         sorted_.set_title("(b) the matrix, mended and as printed")
-        trips.loglog(margin, np.maximum(angles, floor), ".", ms=1.5, color=BLUE, rasterized=True, label="state")
+        trips.loglog(
+            margin,
+            np.maximum(angles, floor),
+            ".",
+            ms=1.5,
+            color=BLUE,
+            rasterized=True,
+            label="state (0 drawn at $10^{-17}$)",
+        )
         guide = np.array([1e-6, 1.0])
         trips.loglog(guide, 2e-15 / guide, color=INK, ls="--", lw=0.9, label=r"$2\cdot 10^{-15}/|\sin\theta_2|$")
+        trips.set_ylim(3e-18, 1e-6)
         trips.set_xlabel(r"$|\sin\theta_2|$")
         trips.set_ylabel("error of the angles [rad]")
-        trips.legend(loc="upper right")
+        trips.legend(loc="upper right", markerscale=4)
         trips.set_title("(c) joint angles back from the matrix")
 
     return Result(numbers, paragraph, (7.2, 4.2), draw)
 
 
 def chain(axes: Drawing) -> None:
-    """The arm at SHOWN with the frames 0 to 4: x red, y green, z blue."""
+    """The arm at SHOWN with the frames 0 to 4: x solid, y dashed, z dotted."""
     made = [np.eye(4), *printed.frames(SHOWN, A1, A2, D4)]
     origins = np.array([1e3 * frame[:3, 3] for frame in made])
     axes.plot(*origins.T, color=GREY, lw=5, solid_capstyle="round", alpha=0.4)
     for i, (frame, origin) in enumerate(zip(made, origins, strict=True)):
-        for axis, colour in enumerate((RED, GREEN, BLUE)):
+        for axis, (colour, style) in enumerate(((RED, "-"), (GREEN, "--"), (BLUE, ":"))):
             ends = np.stack([origin, origin + (90 if i < 3 else 50) * frame[:3, axis]], -1)
-            axes.plot(*ends, color=colour, lw=1.4, label="xyz"[axis] if i == 0 else None)
-        x, y, z = origin
-        axes.text(x - 35, y - 35, z + 12, str(i), color=INK, fontsize=8, fontweight="bold")
+            axes.plot(*ends, color=colour, ls=style, lw=1.6, label="xyz"[axis] if i == 0 else None)
+        place = origin + ((22, 0, -38) if i == 2 else (-35, -35, 12))
+        axes.text(*place, str(i), color=INK, fontsize=8, fontweight="bold")
     axes.set_xlim(-50, 450)
     axes.set_ylim(-50, 450)
     axes.set_zlim(-300, 100)
-    axes.set_box_aspect((5, 5, 4), zoom=0.95)
+    axes.set_box_aspect((5, 5, 4), zoom=1.02)
     axes.set_xlabel("x [mm]")
     axes.set_ylabel("y [mm]")
     axes.set_zlabel("z [mm]")
     axes.view_init(elev=22, azim=-70)
-    axes.legend(loc="upper left", ncols=3)
-    axes.set_title("(a) frames 0 to 4, z of 3 and 4 down")
+    axes.legend(loc="upper left", ncols=3, bbox_to_anchor=(0.0, 0.97))
+    axes.set_title("(a) frames 0 to 4, z of 3 and 4 down", loc="left")

@@ -128,14 +128,19 @@ def draw(
     figure: Drawing, lines: list[Line], peak: dict[str, FloatArray], answers: dict[str, list[dict[str, Any]]]
 ) -> None:
     """Paths, θ̇1 along the lines, peaks against the distance, the planner's answers."""
-    axes = figure.subplots(2, 2)
-    path, rates, peaks, answered = axes.ravel()
+    parts = figure.add_gridspec(2, 2)
+    path, rates, peaks = (figure.add_subplot(parts[place]) for place in ((0, 0), (0, 1), (1, 0)))
+    strips = parts[1, 1].subgridspec(2, 1, height_ratios=(2.4, 1), hspace=0.05)
+    answered = figure.add_subplot(strips[0])
+    refused = figure.add_subplot(strips[1], sharex=answered)
     mm = np.array(DISTANCES_MM, dtype=np.float64)
     colours = dict(zip(SHOWN_MM, (GREEN, SKY, ORANGE, RED), strict=True))
-    for shown, colour in colours.items():
+    for (shown, colour), style in zip(colours.items(), (":", "-.", "--", "-"), strict=True):
         line = lines[DISTANCES_MM.index(shown)]
-        path.plot([-1e3 * HALF, 1e3 * HALF], [shown, shown], color=colour, lw=1)
-        rates.plot(1e3 * SPEED * line.t, np.degrees(line.qd[:, 0]), color=colour, label=f"h = {shown} mm")
+        path.plot([-1e3 * HALF, 1e3 * HALF], [shown, shown], color=colour, ls=style, lw=1.3)
+        place = (205, shown - (12 if shown == min(SHOWN_MM) else 0))
+        path.annotate(f"{shown} mm", place, color=INK, va="center", fontsize=7)
+        rates.plot(1e3 * SPEED * line.t, np.degrees(line.qd[:, 0]), color=colour, ls=style, label=f"h = {shown} mm")
     nearest = lines[DISTANCES_MM.index(20)]
     for t, shade in ((-0.4, 0.35), (-0.1, 0.5), (0.0, 1.0), (0.1, 0.5), (0.4, 0.35)):
         q = np.array([np.interp(t, nearest.t, np.unwrap(nearest.q[:, i])) for i in (0, 1)])
@@ -143,6 +148,9 @@ def draw(
         tip = elbow + 1e3 * LINK * np.array([np.cos(q.sum()), np.sin(q.sum())])
         path.plot(*np.stack([np.zeros(2), elbow, tip], -1), "o-", color=INK, alpha=shade, lw=1.6, ms=3)
     plan_view(path)
+    path.set_aspect("equal", adjustable="box")
+    path.set_xlim(-230, 290)
+    path.set_ylim(-200, 215)
     path.set_title("(a) lines past the base axis; arm on h = 20 mm")
     rates.axhline(-FASTEST_DEG_S, color=GREY, lw=0.9, ls="--")
     rates.annotate(f"limit {FASTEST_DEG_S}°/s", (-195, -FASTEST_DEG_S), (0, -9), textcoords="offset points", color=GREY)
@@ -159,35 +167,45 @@ def draw(
         peaks.loglog(mm, np.degrees(peak[name]), mark + "-", color=colour, lw=1, label=label)
     peaks.axhline(FASTEST_DEG_S, color=GREY, lw=0.9, ls="--")
     peaks.annotate("limit", (120, FASTEST_DEG_S), (0, 3), textcoords="offset points", color=GREY)
+    peaks.xaxis.set_major_formatter("{x:g}")
+    peaks.yaxis.set_major_formatter("{x:,.0f}")
     peaks.set_xlabel("distance h from the singular position [mm]")
     peaks.set_ylabel("largest joint speed [°/s]")
     peaks.legend(loc="upper right")
     peaks.set_title("(c) what the line asks of the joints")
-    answered.axhline(FASTEST_DEG_S, color=GREY, lw=0.9, ls="--")
-    kinds = {"constant speed": (ORANGE, "o"), "any speed": (BLUE, "s")}
-    for kind, (colour, mark) in kinds.items():
-        rows = [(x, row) for x, row in zip(mm, answers[kind], strict=True) if row["answer"] == "planned"]
-        label = f"{kind}: planned"
-        x, y = [x for x, _ in rows], [row["peak_deg_s"] for _, row in rows]
-        answered.semilogx(x, y, mark + "-", color=colour, lw=1, label=label)
-    levels = {"constant speed": 60.0, "any speed": 20.0}
-    refusals = {str(Reason.MOTION_LIMIT): ("+", "motion limit"), str(Reason.NEAR_SINGULARITY): ("x", "near singular")}
-    for kind, (colour, _) in kinds.items():
-        for reason, (mark, words) in refusals.items():
-            x = [x for x, row in zip(mm, answers[kind], strict=True) if row["answer"] == reason]
-            if x:
-                y = [levels[kind]] * len(x)
-                answered.semilogx(x, y, mark, ms=6, mew=1.5, color=colour, label=f"{kind}: refused, {words}")
-    for x, row in zip(mm, answers["constant speed"], strict=True):
-        if "margin_asked" in row:
-            note = f"{row['margin']:.3f}"
-            answered.annotate(note, (x, 60), (0, 7), textcoords="offset points", ha="center", fontsize=7)
-    answered.annotate(
-        r"margin $|\sin\theta_2|$, 0.05 asked:", (0.7, 60), (0, 18), textcoords="offset points", fontsize=7
-    )
-    answered.set_ylim(0, 560)
-    answered.set_xlim(0.6, 250)
-    answered.set_xlabel("distance h from the singular position [mm]")
-    answered.set_ylabel("largest joint speed on the line [°/s]")
-    answered.legend(loc="upper left")
-    answered.set_title("(d) what the planner answers")
+    planned_and_refused(answered, refused, answers)
+
+
+def planned_and_refused(planned: Drawing, refused: Drawing, answers: dict[str, list[dict[str, Any]]]) -> None:
+    """The planner's answers: the largest joint speed of what it plans, and below, what it refuses and why."""
+    planned.axhline(FASTEST_DEG_S, color=GREY, lw=0.9, ls="--")
+    planned.annotate(f"limit {FASTEST_DEG_S}°/s", (1.0, FASTEST_DEG_S), (0, 3), textcoords="offset points", color=GREY)
+    reasons = {str(Reason.MOTION_LIMIT): ("+", "motion limit"), str(Reason.NEAR_SINGULARITY): ("x", "near singular")}
+    seen: set[str] = set()
+    for row, (kind, colour, mark) in enumerate((("constant speed", ORANGE, "o-"), ("any speed", BLUE, "s--"))):
+        rows = list(zip(DISTANCES_MM, answers[kind], strict=True))
+        good = [(mm, answer["peak_deg_s"]) for mm, answer in rows if answer["answer"] == "planned"]
+        planned.semilogx(*zip(*good, strict=True), mark, color=colour, lw=1, label=kind)
+        for mm, answer in rows:
+            if answer["answer"] in reasons:
+                cross, words = reasons[answer["answer"]]
+                label = None if words in seen else words
+                seen.add(words)
+                refused.plot(mm, row, cross, ms=6, mew=1.5, color=colour, label=label)
+            if row == 0 and "margin_asked" in answer:
+                note = f"{answer['margin']:.3f}"
+                refused.annotate(note, (mm, row), (0, 6), textcoords="offset points", ha="center", fontsize=6.5)
+    planned.set_ylim(0, 400)
+    planned.set_ylabel("largest joint\nspeed [°/s]")
+    planned.tick_params(labelbottom=False)
+    planned.legend(loc="lower left", title="planned at", title_fontsize=7)
+    planned.set_title("(d) what the planner answers")
+    refused.annotate(r"$|\sin\theta_2|$", (12.5, 0), (0, 6), textcoords="offset points", fontsize=6.5)
+    refused.set_ylim(1.6, -1.1)
+    refused.set_yticks([0, 1], ["constant", "any"])
+    refused.set_ylabel("refused")
+    refused.set_xlim(0.6, 250)
+    refused.set_xlabel("distance h from the singular position [mm]")
+    refused.legend(loc="center right", markerscale=0.8)
+    for axes in (planned, refused):
+        axes.xaxis.set_major_formatter("{x:g}")

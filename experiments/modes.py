@@ -146,7 +146,10 @@ def chains(axes: Drawing, p: FloatArray, l1: float, l2: float, mode: str, colour
         elbow = 1e3 * l1 * np.array([np.cos(q[0]), np.sin(q[0])])
         wrist = elbow + 1e3 * l2 * np.array([np.cos(q.sum()), np.sin(q.sum())])
         if name == "planner":
-            axes.plot(*np.stack([np.zeros(2), elbow, wrist], -1), color=colour, lw=2.5, label=f"planner, {mode}")
+            style = "-" if mode == "right" else "--"
+            line = np.stack([np.zeros(2), elbow, wrist], -1)
+            axes.plot(*line, color=colour, ls=style, lw=2.5, label=f"planner, {mode}")
+            axes.plot(*line[:, [0, 2]], "o", ms=5, color=INK, mfc="w", zorder=3)
         else:
             mark, size = marks[name]
             label = f"elbow by {name}" if mode == "right" else None

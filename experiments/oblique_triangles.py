@@ -85,20 +85,26 @@ def run() -> Result:
         swept.plot(1e3 * line, np.degrees(right), color=BLUE, label="equation 1, mended")
         swept.plot(1e3 * line, np.degrees(in_m), color=ORANGE, ls="--", label="as printed, lengths in m")
         swept.plot(1e3 * line, np.degrees(in_mm), color=RED, ls=":", label="as printed, lengths in mm")
-        swept.set_xlabel(f"distance from the base axis [mm], target {1e3 * SWEPT_Z:.0f} mm high")
+        swept.set_xlabel("distance of the target from the base axis [mm]")
         swept.set_ylabel(r"$A_i$ [°]")
         swept.set_ylim(-5, 185)
         swept.set_yticks([0, 45, 90, 135, 180])
         swept.legend(loc="center right", bbox_to_anchor=(1.0, 0.3))
-        swept.set_title("(b) angle at the shoulder, lower triangle")
+        swept.set_title(f"(b) angle at the shoulder, target {1e3 * SWEPT_Z:.0f} mm high")
         guide = np.array([1e-5, 1.0])
-        for rows, colour, label in ((~flat, BLUE, "target"), (flat, ORANGE, rf"target, $\sin A_i<{FLAT}$")):
+        steep = rf"target, $\sin A_i<{FLAT}$"
+        for rows, colour, mark, label in (
+            (~flat, BLUE, ".", "target (0 drawn at $10^{-17}$)"),
+            (flat, ORANGE, "+", steep),
+        ):
             shown = np.maximum(error[rows], 1e-17)
-            errors.loglog(margin[rows], shown, ".", ms=1.5, color=colour, rasterized=True, label=label)
+            size = 1.5 if mark == "." else 3
+            errors.loglog(margin[rows], shown, mark, ms=size, mew=0.6, color=colour, rasterized=True, label=label)
         errors.loglog(guide, 2e-15 / guide, color=INK, ls="--", lw=0.9, label=r"$2\cdot 10^{-15}/|\sin\theta_2|$")
         errors.set_xlabel(r"$|\sin\theta_2|$")
         errors.set_ylabel("mended − dyad [rad]")
-        errors.legend(loc="lower left", markerscale=3)
+        errors.set_ylim(3e-18, 3e-7)
+        errors.legend(loc="upper right", markerscale=2)
         errors.set_title("(c) both joint angles against the dyad")
 
     return Result(numbers, paragraph, (7.2, 4.4), draw)

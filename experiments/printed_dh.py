@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def _homogeneous(rows: list[list[Array | float]]) -> Array:
+def homogeneous(rows: list[list[Array | float]]) -> Array:
     """Matrices (..., 4, 4) of entries that broadcast."""
     flat = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for row in rows for x in row))
     return np.stack(flat, -1).reshape(*flat[0].shape, 4, 4)
@@ -26,21 +26,21 @@ def _homogeneous(rows: list[list[Array | float]]) -> Array:
 def rotation_z(theta: Array) -> Array:
     """Rot_z of 4.1.5, mended."""
     c, s = np.cos(theta), np.sin(theta)
-    return _homogeneous([[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+    return homogeneous([[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
 
 
 def printed_rotation_z(theta: Array) -> Array:
     """Rot_z of 4.1.5 as printed: no rotation."""
     c, s = np.cos(theta), np.sin(theta)
-    return _homogeneous([[c, s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+    return homogeneous([[c, s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
 
 
 def step(theta: Array, d: Array, a: float, alpha: float, *, as_printed: bool = False) -> Array:
     """The matrix of one joint by the four factors of 4.1.5: Rot_z(θ) Trans_z(d) Trans_x(a) Rot_x(α)."""
     turn = printed_rotation_z(theta) if as_printed else rotation_z(theta)
     c, s = np.cos(alpha), np.sin(alpha)
-    along = _homogeneous([[1, 0, 0, a], [0, 1, 0, 0], [0, 0, 1, d], [0, 0, 0, 1]])
-    twist = _homogeneous([[1, 0, 0, 0], [0, c, -s, 0], [0, s, c, 0], [0, 0, 0, 1]])
+    along = homogeneous([[1, 0, 0, a], [0, 1, 0, 0], [0, 0, 1, d], [0, 0, 0, 1]])
+    twist = homogeneous([[1, 0, 0, 0], [0, c, -s, 0], [0, s, c, 0], [0, 0, 0, 1]])
     return np.asarray(turn @ along @ twist)
 
 
@@ -61,7 +61,7 @@ def printed_tool(q: Array, a1: float, a2: float, d4: float) -> Array:
     """T₀⁴ (..., 4, 4) as the closed matrix of 5.3 prints it."""
     c1, s1, c4, s4 = np.cos(q[..., 0]), np.sin(q[..., 0]), np.cos(q[..., 3]), np.sin(q[..., 3])
     c12, s12 = np.cos(q[..., 0] + q[..., 1]), np.sin(q[..., 0] + q[..., 1])
-    return _homogeneous(
+    return homogeneous(
         [
             [c12 * c4 + s12 * s4, -c12 * s4 + s12 * c4, 0, a1 * c1 + a2 * c12],
             [s12 * c4 - c12 * s4, -s12 * s4 - c12 * c4, 0, a1 * s1 + a2 * s12],

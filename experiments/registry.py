@@ -36,6 +36,8 @@ ENTRIES = (
     Entry("modes", "000 figure 1, 001, 004", "Two assemblies, two solutions, one convention"),
     Entry("dh-chain", "001, sections 4 and 5", "The Denavit-Hartenberg chain of a SCARA, and back"),
     Entry("line-through-singularity", "002, singular configurations", "A straight line past a singular position"),
+    Entry("elbow", "002, geometric method and singular configurations", "An elbow arm in closed form, and its det J"),
+    Entry("polar", "002, transformation matrices (I) to (III)", "A polar arm by matrices, and its det J"),
     Entry("oblique-triangles", "003, equations 1 to 6", "Half-angle formulas of oblique triangles against the dyad"),
     Entry("joint-move", "004, section 2", "A joint move with parabolic blends, and the same move by Ruckig"),
 )

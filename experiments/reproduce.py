@@ -17,12 +17,15 @@ ALL = "all"
 
 @dataclass(frozen=True)
 class Reproduced:
-    """One experiment that was run: the files that it left, the `paragraph`, and how long it took."""
+    """One experiment that was run, the `number`-th of `count`: the files that it left, the `paragraph`, and how long it
+    took."""
 
     entry: Entry
     paragraph: str
     files: tuple[Path, ...]
     elapsed_s: float
+    number: int
+    count: int
 
 
 def chosen(name: str) -> tuple[Entry, ...]:
@@ -39,11 +42,11 @@ def reproduce(name: str, folder: Path) -> Iterator[Reproduced]:
     if folder.exists() and not folder.is_dir():
         raise InputError("--out", str(folder), "a folder")
     folder.mkdir(parents=True, exist_ok=True)
-    for entry in entries:
-        yield _one(entry, folder)
+    for number, entry in enumerate(entries, start=1):
+        yield _one(entry, folder, number, len(entries))
 
 
-def _one(entry: Entry, folder: Path) -> Reproduced:
+def _one(entry: Entry, folder: Path, number: int, count: int) -> Reproduced:
     started = time.perf_counter()
     result = entry.run()
     stem = folder / entry.name
@@ -54,4 +57,5 @@ def _one(entry: Entry, folder: Path) -> Reproduced:
     words = stem.with_name(f"{entry.name}.md")
     parts = (f"## {entry.title}", f"Source {entry.source}.", result.paragraph, f"![{entry.name}]({entry.name}.svg)")
     words.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
-    return Reproduced(entry, result.paragraph, (*figures, numbers, words), time.perf_counter() - started)
+    elapsed_s = time.perf_counter() - started
+    return Reproduced(entry, result.paragraph, (*figures, numbers, words), elapsed_s, number, count)

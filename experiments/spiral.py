@@ -13,7 +13,7 @@ import numpy as np
 
 from experiments import printed_rrr as printed
 from experiments.experiment import Drawing, Result
-from experiments.figures import BLUE, GREY, INK, RED, plan_view
+from experiments.figures import BLUE, INK, RED
 from planner.arrays import FloatArray
 from planner.assur.codes import Code
 from planner.errors import FaultError
@@ -131,7 +131,7 @@ def run() -> Result:
     )
 
     def draw(figure: Drawing) -> None:
-        left, right = figure.subfigures(1, 2, width_ratios=(2.55, 1))
+        left, right = figure.subfigures(1, 2, width_ratios=(2.0, 1))
         curves = left.subplots(3, 3, sharex=True)
         rows = ((r"\theta", "°"), (r"\dot\theta", "°/s"), (r"\ddot\theta", "°/s²"))
         dots, scale = ("", r"\dot ", r"\ddot "), np.array([180 / np.pi, 180 / np.pi, 1e3])
@@ -153,21 +153,10 @@ def run() -> Result:
         left.legend(
             handles, ["equation 16", "plan that dwells on the moving point"], loc="outside upper center", ncols=2
         )
-        above, indicator = right.subplots(2, 1, height_ratios=(1.6, 1))
-        q = joints[0, -1]
-        elbow = 1e3 * printed.L_AB * np.array([np.cos(q[0]), np.sin(q[0])])
-        above.plot(*(1e3 * p[:, :2].T), color=RED, lw=1.2, label="spiral")
-        above.plot(
-            *np.stack([np.zeros(2), elbow, 1e3 * p[-1, :2]], -1), "o-", color=INK, lw=2.2, mfc="w", label="arm, 8 s"
-        )
-        around = np.linspace(-0.9, 0.9, 60)
-        for radius in (printed.L_AB - printed.L_BC, printed.L_AB + printed.L_BC):
-            arc = 1e3 * radius * np.array([np.cos(around), np.sin(around)])
-            above.plot(*arc, color=GREY, lw=0.8, ls=":", label="edge of reach" if radius > 0.1 else None)
-        plan_view(above)
-        above.set_ylim(-110, 170)
-        above.legend(loc="upper left")
-        above.set_title("(d) the arm at the end")
+        left.align_ylabels()
+        parts = right.add_gridspec(2, 1, height_ratios=(1.9, 1))
+        arm_at_the_end(right.add_subplot(parts[0], projection="3d"), p, joints[0, -1])
+        indicator = right.add_subplot(parts[1])
         indicator.plot(t, margin, color=BLUE, label=r"$|\sin\theta_2|$")
         indicator.step(t, (code != Code.ASSEMBLED).astype(float), color=RED, label="singular (1: yes)")
         indicator.set_ylim(-0.05, 1.05)
@@ -178,6 +167,33 @@ def run() -> Result:
         indicator.set_title("(e) never singular")
 
     return Result(numbers, paragraph, (7.2, 5.2), draw)
+
+
+def arm_at_the_end(axes: Drawing, p: FloatArray, q: FloatArray) -> None:
+    """Column, both links and quill at the joints q (3,), with the spiral p (T, 3), in space."""
+    shoulder = np.array([0.0, 0.0, printed.L_OA])
+    elbow = shoulder + printed.L_AB * np.array([np.cos(q[0]), np.sin(q[0]), 0.0])
+    wrist = np.array([*p[-1, :2], printed.L_OA])
+    line = 1e3 * np.stack([np.zeros(3), shoulder, elbow, wrist, p[-1]], -1)
+    axes.plot(*(1e3 * p.T), color=RED, lw=1.2, label="spiral")
+    axes.plot(*line, color=INK, lw=2.2, label="arm")
+    axes.plot(*line[:, 1:4], "o", color=INK, mfc="w", ms=4)
+    axes.plot(*line[:, -1:], "v", color=INK, ms=4)
+    axes.set_xlim(0, 125)
+    axes.set_ylim(-80, 40)
+    axes.set_zlim(0, 160)
+    axes.set_box_aspect((125, 120, 160), zoom=0.87)
+    axes.set_xticks([0, 50, 100])
+    axes.set_yticks([-50, 0])
+    axes.set_zticks([0, 50, 100, 150])
+    axes.tick_params(pad=-2)
+    axes.set_xlabel("x [mm]", labelpad=-4)
+    axes.set_ylabel("y [mm]", labelpad=-4)
+    axes.set_zlabel("z [mm]", labelpad=-5)
+    axes.view_init(elev=20, azim=-50)
+    axes.set_anchor("W")
+    axes.legend(loc="upper left", ncols=2, bbox_to_anchor=(0.0, 1.06))
+    axes.set_title("(d) the arm at the end, 8 s", loc="left", pad=12)
 
 
 def ratio_of(point: printed.Point) -> FloatArray:

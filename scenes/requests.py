@@ -1,7 +1,8 @@
 """The doors of this package: what the service, the command line and Python call.
 
-A request is a plain document (dict, list, str, float, int, bool). Whatever is wrong with it is an `InputError` that
-names the field as it was written. Reading and building load no native library; planning does.
+A request is a plain document (dict, list, str, float, int, bool; NumPy's numbers and arrays count as such). Whatever is
+wrong with it is an `InputError` that names the field as it was written. Reading and building load no native library;
+planning does.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from scenes.catalogue import robots
+from scenes.documents.plain import plain
 from scenes.documents.read import read
 from scenes.documents.request import SCHEMA, RequestDocument
 from scenes.faults import located
@@ -41,7 +43,7 @@ __all__ = [
 
 def validate(document: object) -> RequestDocument:
     """The request in SI, its shape and units checked. Names are looked up, and meshes read, when a scene is built."""
-    return read(RequestDocument, document)
+    return read(RequestDocument, plain(document))
 
 
 def request_digest(document: object) -> str:
@@ -59,6 +61,7 @@ def cell_of(document: object, *, folder: Path | None = None) -> Cell:
     """Scene and joint conventions of a request. `folder`: below which mesh files may be named (command line only)."""
     from scenes.build.cell import cell_of as build
 
+    document = plain(document)
     whole = document if folder is None else with_files(document, folder)
     # Faults are told of the document as it was written: of a mesh's file, not of the bytes that took its place.
     return build(document, validate(whole))
@@ -84,6 +87,7 @@ def plan_document(
     from planner.pipeline import plan
     from scenes.answer import answer_of
 
+    document = plain(document)
     cell = cell_of(document, folder=folder)
     with located(document):
         outcome = plan(cell.scene, started=started)
@@ -105,7 +109,7 @@ def check_document(request: object, plan: object, *, folder: Path | None = None)
     from scenes.plans import plan_of
 
     cell = cell_of(request, folder=folder)
-    made, told = plan_of(plan, cell.conventions)  # told before the checker's word, which knows no documents
+    made, told = plan_of(plain(plan), cell.conventions)  # told before the checker's word, which knows no documents
     verdict = check(cell.scene, made)
     findings = [
         {

@@ -74,6 +74,16 @@ def test_all_means_every_experiment_and_a_name_means_itself() -> None:
         assert chosen(entry.name) == (entry,)
 
 
+def test_each_of_all_is_told_as_it_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    two = tuple(entry for entry in ENTRIES if entry.name in ("modes", "polar"))
+    monkeypatch.setattr("experiments.reproduce.ENTRIES", two)
+    told = []
+    for done in reproduce("all", tmp_path):
+        told.append((done.entry, done.number, done.count))
+        assert len(list(tmp_path.iterdir())) == 4 * done.number
+    assert told == [(two[0], 1, 2), (two[1], 2, 2)]
+
+
 def test_an_unknown_experiment_and_a_folder_that_is_a_file_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="spiral"):
         list(reproduce("spirals", tmp_path))

@@ -17,7 +17,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
-from scenes.requests import Scenario, check_document, plan_document, plan_scenario, shipped, unmet
+from planner.census import Counter
+from planner.outcome import Reason, Refusal
+from planner.pipeline import plan
+from scenes.requests import Scenario, check_document, plan_document, plan_scenario, scene_of, shipped, unmet
 
 Array = NDArray[np.float64]
 Answer = dict[str, Any]
@@ -334,18 +337,38 @@ class TestDenseFlow:
         assert 0.0015 <= nearest["gap_m"] <= 0.0115 + 1e-6
 
     @pytest.mark.parametrize(("name", "drifts"), [("dense-flow-uncorrected", 1), ("dense-flow-uncertain", 2)])
-    def test_it_is_refused_by_both_neighbours_for_what_is_missing_to_the_drift(self, name: str, drifts: int) -> None:
-        lines = answer(name)["census"]["lines"]
-        for pair in ({"finger-front", "before"}, {"finger-back", "behind"}):
-            line = next(line for line in lines if set(line["bodies"]) == pair)
-            assert line["reason"] == "BODY_COLLISION"
-            assert line["unit"] == "m"
-            # from the approach to the end of the depart, when the part is met as early as it can be, at 2.8 s
-            least, most = (drifts * 0.005 * t + 0.0015 - 0.0115 for t in (2.65, 3.1))
-            # what else comes too near, on ways that are odder, lacks less or more than that
-            assert line["least"] <= most
-            assert line["most"] >= least
-            assert line["count"] >= 10
+    def test_every_candidate_is_refused_by_both_neighbours_for_exactly_what_is_missing_to_the_drift(
+        self, name: str, drifts: int, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """What is asked of a phase is asked with the drift at its end: 11.5 mm are there, 1.5 mm and the drift are
+        asked. The finger behind is refused in the approach, which ends when the part is met, the one before it in the
+        dwell, which ends 80 ms later. The census keeps least and most only, so the refusals are taken one by one."""
+        refusals: list[Refusal] = []
+        note = Counter.note
+
+        def recorded(self: Counter, refusal: Refusal) -> None:
+            refusals.append(refusal)
+            note(self, refusal)
+
+        monkeypatch.setattr(Counter, "note", recorded)
+        plan(scene_of(scenario(name).request))
+        ends = {}
+        for bodies in (("finger-back", "behind"), ("finger-front", "before")):
+            mine = [refusal for refusal in refusals if refusal.bodies == bodies]
+            assert {(refusal.reason, refusal.unit) for refusal in mine} == {(Reason.BODY_COLLISION, "m")}
+            told = next(line for line in answer(name)["census"]["lines"] if tuple(line["bodies"]) == bodies)
+            assert told["count"] == len(mine)
+            assert told["least"] == min(refusal.amount for refusal in mine)
+            assert told["most"] == max(refusal.amount for refusal in mine)
+            # one candidate comes past the neighbour on its way there, at another distance
+            beside = [r for r in mine if r.interval is not None and r.interval[0] > 2.65]
+            assert len(mine) - len(beside) <= 1
+            ends[bodies[0]] = np.sort([(r.amount + 0.0115 - 0.0015) / (drifts * 0.005) for r in beside])
+        met = ends["finger-back"]
+        assert len(met) >= 80
+        assert met[0] == pytest.approx((900 - 200) / 250, abs=1e-6)  # where the window begins
+        assert met[-1] < (900 + 150) / 250
+        np.testing.assert_allclose(ends["finger-front"], met + 0.08, rtol=0, atol=1e-6)
 
     @pytest.mark.parametrize("name", ["dense-flow-uncorrected", "dense-flow-uncertain"])
     def test_both_neighbours_are_named_in_the_sentence(self, name: str) -> None:
