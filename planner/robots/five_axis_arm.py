@@ -143,7 +143,7 @@ class FiveAxisArm(ElbowArm):
         return found
 
     def out_of_reach(self, p: FloatArray) -> FloatArray:
-        """Metres (...) by which tool points p (..., 3) in the world are out of reach at every pitch, H8; 0: they are not.
+        """Metres (...) by which tool points p (..., 3) in the world are out of reach at every pitch, H8; 0: in reach.
 
         The wrist may be anywhere on the circle of radius l3 about the tool point, so at any distance from |d − l3| to
         d + l3 of the shoulder; the dyad reaches from |l1 − l2| to l1 + l2. NaN where p is not finite.

@@ -1,4 +1,4 @@
-"""What an arm does in the vertical plane that its base turns with three of its axes: the point ζ = ρ + i h of its flange.
+"""What an arm does in the vertical plane that its base turns: the point ζ = ρ + i h of its flange.
 
 ρ is the distance from the base axis (negative on the far side), h the height above the shoulder. Links are terms
 l e^{iψ}, in complex numbers; equations K23 to K25 of docs/kinematics.md.

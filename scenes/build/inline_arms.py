@@ -10,18 +10,31 @@ from planner.shapes import Body, Piece
 from scenes.build.bodies import attached
 from scenes.catalogue.arm import AT_FLANGE, LINKS, Arm, JointConvention, JointKind, in_order, limits_of, order_of
 from scenes.catalogue.entry import Family
-from scenes.documents.robots import ElbowArmDocument, JointDocument, PolarArmDocument, ScaraDocument
+from scenes.documents.robots import (
+    ElbowArmDocument,
+    FiveAxisArmDocument,
+    JointDocument,
+    PolarArmDocument,
+    ScaraDocument,
+)
 from scenes.faults import Path, fault, located
 
-FAMILIES: tuple[Family, ...] = ("scara", "elbow_arm", "polar_arm")
+Inline = ScaraDocument | ElbowArmDocument | PolarArmDocument | FiveAxisArmDocument
+FAMILIES: tuple[Family, ...] = ("scara", "elbow_arm", "polar_arm", "five_axis_arm")
 KINDS: dict[str, tuple[JointKind, ...]] = {
     "rrpr": ("revolute", "revolute", "prismatic", "revolute"),
     "rprr": ("revolute", "prismatic", "revolute", "revolute"),
     "elbow_arm": ("revolute", "revolute", "revolute"),
     "polar_arm": ("revolute", "revolute", "prismatic"),
+    "five_axis_arm": ("revolute",) * 5,
 }
 """Kinds of the joints in the arm's own order: of a SCARA by its axis order, of the others by their family."""
-CALLED: dict[Family, str] = {"scara": "a SCARA", "elbow_arm": "an elbow arm", "polar_arm": "a polar arm"}
+CALLED: dict[Family, str] = {
+    "scara": "a SCARA",
+    "elbow_arm": "an elbow arm",
+    "polar_arm": "a polar arm",
+    "five_axis_arm": "a five-axis arm",
+}
 OVER = np.diag([1.0, -1.0, -1.0])
 """Half a turn about x."""
 
@@ -37,9 +50,7 @@ def turned_over(body: Body) -> Body:
     return Body(body.name, pieces, surface)
 
 
-def inline_arm(
-    document: object, path: Path, family: Family, item: ScaraDocument | ElbowArmDocument | PolarArmDocument
-) -> Arm:
+def inline_arm(document: object, path: Path, family: Family, item: Inline) -> Arm:
     """The arm. Raises `DocumentError` at the field at fault."""
     joints, scara = item.joints, item if isinstance(item, ScaraDocument) else None
     kinds = KINDS[scara.axis_order if scara else family][: len(joints)]
@@ -75,6 +86,7 @@ def inline_arm(
         family=family,
         l1=0.0 if isinstance(item, PolarArmDocument) else item.l1_m,
         l2=0.0 if isinstance(item, PolarArmDocument) else item.l2_m,
+        l3=item.l3_m if isinstance(item, FiveAxisArmDocument) else 0.0,
         height=0.0 if isinstance(item, ScaraDocument) else item.height_m,
         arms_rise=rise,
         z_down=z_down,
@@ -85,7 +97,7 @@ def _bodies(
     document: object,
     path: Path,
     family: Family,
-    item: ScaraDocument | ElbowArmDocument | PolarArmDocument,
+    item: Inline,
     zero: float,
     z_down: bool,
 ) -> tuple[RobotBody, ...]:
@@ -103,9 +115,7 @@ def _bodies(
     return tuple(found)
 
 
-def _pairs(
-    document: object, path: Path, family: Family, item: ScaraDocument | ElbowArmDocument | PolarArmDocument
-) -> tuple[tuple[str, str], ...]:
+def _pairs(document: object, path: Path, family: Family, item: Inline) -> tuple[tuple[str, str], ...]:
     for i, pair in enumerate(item.self_pairs):
         if not set(pair) <= set(LINKS[family]):
             raise fault(document, (*path, "self_pairs", i), f"two of {', '.join(LINKS[family])}")

@@ -10,6 +10,7 @@ from scenes.catalogue.entry import Axis, Entry, Number
 from scenes.catalogue.fanuc import SR_3IA
 from scenes.catalogue.mitsubishi import RH_6CRH6020, RH_6FRH5520
 from scenes.catalogue.papers import BENCHMARK_SCARA, FIUBA_SCARA, OVIEDO_SCARA
+from scenes.catalogue.rv_m1 import RV_M1
 from scenes.catalogue.textbook import ELBOW_ARM, LAB_SCARA, OLIER_SCARA, POLAR_ARM
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ ENTRIES: dict[str, Entry] = {
         LAB_SCARA,
         ELBOW_ARM,
         POLAR_ARM,
+        RV_M1,
     )
 }
 

@@ -15,8 +15,9 @@ import numpy as np
 
 from planner.arrays import FloatArray, IntArray
 from planner.frames.motion import Pose
-from planner.robots import scara, vertical_plane
+from planner.robots import five_axis_arm, scara, vertical_plane
 from planner.robots.elbow_arm import ElbowArm
+from planner.robots.five_axis_arm import FiveAxisArm
 from planner.robots.polar_arm import PolarArm
 from planner.robots.protocol import Limits, Robot, RobotBody
 from planner.robots.scara import Scara
@@ -73,6 +74,7 @@ LINKS: dict[Family, tuple[str, ...]] = {
     "scara": scara.LINKS,
     "elbow_arm": vertical_plane.LINKS,
     "polar_arm": vertical_plane.LINKS,
+    "five_axis_arm": five_axis_arm.LINKS,
 }
 """Names of the link frames of each family, in order."""
 AT_FLANGE = ("quill", "flange")
@@ -95,6 +97,7 @@ class Arm:
     family: Family = "scara"
     l1: float = 0.0
     l2: float = 0.0
+    l3: float = 0.0
     height: float = 0.0
     arms_rise: bool = False
     z_down: bool = False
@@ -116,6 +119,8 @@ class Arm:
             "self_pairs": self.self_pairs,
             "joint_names": names,
         }
+        if self.family == "five_axis_arm":
+            return FiveAxisArm(l1=self.l1, l2=self.l2, l3=self.l3, **shared)
         return PolarArm(**shared) if self.family == "polar_arm" else ElbowArm(l1=self.l1, l2=self.l2, **shared)
 
 

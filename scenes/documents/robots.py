@@ -24,7 +24,7 @@ from scenes.documents.model import (
 )
 from scenes.documents.shapes import AttachedBody, LinkBody
 
-LinkName = Literal["base", "link1", "link2", "link3", "quill", "flange"]
+LinkName = Literal["base", "link1", "link2", "link3", "link4", "quill", "flange"]
 Pair = Annotated[list[Strength], Field(min_length=2, max_length=2)]
 Row = Annotated[list[Strength], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
 Rows = Annotated[list[Row], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
@@ -116,15 +116,27 @@ class PolarArmDocument(InlineArm):
     joints: Annotated[list[JointDocument], Field(min_length=3, max_length=3)]
 
 
+class FiveAxisArmDocument(InlineArm):
+    """An inline five-axis arm (base turn, shoulder, elbow, pitch, roll): height of the shoulder, lengths of upper arm,
+    forearm and hand, this from the pitch axis to the tool point."""
+
+    height_m: Coordinate
+    l1_m: Size
+    l2_m: Size
+    l3_m: Size
+    joints: Annotated[list[JointDocument], Field(min_length=5, max_length=5)]
+
+
 class RobotDocument(Document):
     """A robot in the cell."""
 
-    exactly_one: ClassVar[tuple[Group, ...]] = (("model", "scara", "elbow_arm", "polar_arm"),)
+    exactly_one: ClassVar[tuple[Group, ...]] = (("model", "scara", "elbow_arm", "polar_arm", "five_axis_arm"),)
 
     model: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")] | None = None
     scara: ScaraDocument | None = None
     elbow_arm: ElbowArmDocument | None = None
     polar_arm: PolarArmDocument | None = None
+    five_axis_arm: FiveAxisArmDocument | None = None
     tool: ToolDocument
     base: PoseDocument = PoseDocument(at_m=[0.0, 0.0, 0.0])
     limits: LimitsDocument = Field(default_factory=lambda: LimitsDocument.model_validate({}))

@@ -22,10 +22,14 @@ from scenes.documents.model import (
 )
 
 Match = Literal["velocity", "position"]
+FreeAngle = Angle | Literal["free"]
 
 
 class TargetDocument(Document):
-    """A pose in a frame (the world if none is named), or relative to a body and in that body's frame."""
+    """A pose in a frame (the world if none is named), or relative to a body and in that body's frame.
+
+    `pitch_rad`, `roll_rad`: of the tool, for arms that have them; a number or `free`, which silence means, too.
+    """
 
     at_most_one: ClassVar[tuple[Group, ...]] = (("frame", "body"), ("yaw_rad", "yaw_free"))
 
@@ -34,6 +38,8 @@ class TargetDocument(Document):
     at_m: Point
     yaw_rad: Angle | None = None
     yaw_free: bool = False
+    pitch_rad: FreeAngle | None = None
+    roll_rad: FreeAngle | None = None
 
 
 class ArchDocument(Document):

@@ -1,0 +1,115 @@
+"""Pitch and roll of a hand, by the checker's own derivation, and whether it keeps to them along straight legs.
+
+With the heading φ, M = Rz(φ)ᵀ R of the flange's rotation R is Ry(−P) Rx(r) (H9): its first column is (cos P, 0, sin P),
+and the second row is (0, cos r, −sin r). What stands at its top left zero is how far the tool axis leaves the plane.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from planner.arrays import FloatArray, IntArray
+from planner.checker.order import TIME_S
+from planner.checker.ranges import Ranges
+from planner.checker.settle import settle
+from planner.checker.verdict import Code, Finding
+from planner.outcome import Arrival, Leg, LegKind
+from planner.robots.protocol import Robot, Sweep
+from planner.scene import Move, Scene
+
+STRAIGHT_RAD = 1e-4
+"""rad. Along a straight leg pitch and roll stay within this of the way between those at its ends: as in glued legs."""
+COARSEST_S = 0.005
+"""Length of the intervals to begin with, s, as for glued legs."""
+FAR_M = 1e6
+"""A point this far from the flange's origin accelerates along the vertical, at some attitude, by as much as the hand
+pitches (or rolls), times this; so a bound for it, divided by it, bounds both."""
+
+
+def has_tilt(robot: Robot) -> bool:
+    """Whether an arm has a pitch and a roll to be asked for."""
+    return "pitch" in robot.coordinates
+
+
+def tilt(robot: Robot, q: FloatArray) -> FloatArray:
+    """Pitch and roll (..., 2) of the flange in the joint positions q (..., n), in [-π, π], and third the sine of the
+    angle by which the tool axis leaves the plane of its heading, which is 0: (..., 3)."""
+    rotation, heading = robot.placements(q)[1][..., robot.links.index("flange"), :, :], robot.forward(q)[1]
+    c, s = np.cos(heading)[..., None], np.sin(heading)[..., None]
+    ahead = c * rotation[..., 0, :] + s * rotation[..., 1, :]
+    across = c * rotation[..., 1, :] - s * rotation[..., 0, :]
+    pitch, roll = np.arctan2(rotation[..., 2, 0], ahead[..., 0]), np.arctan2(-across[..., 2], across[..., 1])
+    return np.stack([pitch, roll, across[..., 0]], -1)
+
+
+def tilt_rates(robot: Robot, q: FloatArray, qd: FloatArray) -> FloatArray:
+    """Rates (..., 2) of pitch and roll, by the Jacobian."""
+    rows = [robot.coordinates.index(name) for name in ("pitch", "roll")]
+    return np.asarray((robot.jacobian(q)[..., rows, :] @ qd[..., None])[..., 0])
+
+
+def turned_by(found: FloatArray, asked: FloatArray) -> FloatArray:
+    """How far (...) a tilt (..., 3) is from the pitch and roll (..., 2) that are asked, rad."""
+    apart = found[..., :2] - asked
+    apart = np.abs(apart - 2 * np.pi * np.round(apart / (2 * np.pi)))
+    return np.asarray(np.maximum(apart.max(-1), np.abs(found[..., 2])))
+
+
+def tilt_accelerations(robot: Robot, swept: Sweep) -> FloatArray:
+    """Bounds (N,) of the size of the second derivatives of pitch and of roll, rad/s², over the intervals of a sweep."""
+    many = len(swept.rate)
+    flange, far = np.full(many, robot.links.index("flange")), np.full(many, FAR_M)
+    return np.asarray(robot.point_bounds(flange, far, far, np.tile([0.0, 0.0, 1.0], (many, 1)), swept)[1]) / FAR_M
+
+
+def straight(scene: Scene, ranges: Ranges, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -> list[Finding]:
+    """Findings for straight legs on which the hand does not go from its pitch and roll at the beginning to those at the
+    end, the short way and both together. Not checked: by which law of time, and that the tool point's way is straight.
+    """
+    if not has_tilt(scene.robot):
+        return []
+    met = {arrival.step: arrival.time for arrival in arrivals}
+    found = []
+    for leg in legs:
+        step = scene.task[leg.step]
+        asked = isinstance(step, Move) and step.leg == "cartesian" and leg.kind is LegKind.MOVE
+        if asked and leg.t1 <= met.get(leg.step, -np.inf) + TIME_S:
+            found.append(leg)
+    ways = _Ways(scene, ranges, found)
+    findings = []
+    for excess in settle([np.array([leg.t0, leg.t1]) for leg in found], COARSEST_S, ways.judge):
+        name = scene.task[found[excess.of].step].name
+        what = f"the hand leaves the way between pitch and roll at the ends of the straight leg to {name}"
+        findings.append(Finding(Code.GLUE, what, excess.amount, "rad", f"{excess.time:.6g} s"))
+    return findings
+
+
+class _Ways:
+    """Distance of the hand from the segments, in the plane of pitch and roll, between the ends of legs."""
+
+    def __init__(self, scene: Scene, ranges: Ranges, legs: list[Leg]) -> None:
+        self.robot, self.ranges = scene.robot, ranges
+        ends = [self._tilt(np.array([leg.t0, leg.t1]))[:, :2] for leg in legs]
+        pairs = np.array(ends).reshape(-1, 2, 2)
+        way = pairs[:, 1] - pairs[:, 0]
+        self.way = way - 2 * np.pi * np.round(way / (2 * np.pi))
+        self.middle = pairs[:, 0] + self.way / 2
+
+    def _tilt(self, t: FloatArray) -> FloatArray:
+        return tilt(self.robot, self.ranges.spline.state(t)[0])
+
+    def distance(self, of: IntArray, t: FloatArray) -> FloatArray:
+        """(T,) rad. A segment is no longer than half a turn each way, so that from its middle no turn is in doubt."""
+        found, way = self._tilt(t), self.way[of]
+        beside = found[:, :2] - self.middle[of]
+        beside -= 2 * np.pi * np.round(beside / (2 * np.pi))
+        length = np.maximum((way * way).sum(-1), np.finfo(float).tiny)
+        share = np.clip((beside * way).sum(-1) / length, -0.5, 0.5)
+        return np.asarray(np.maximum(np.sqrt(((beside - share[:, None] * way) ** 2).sum(-1)), np.abs(found[:, 2])))
+
+    def judge(self, of: IntArray, a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Excess of the distance over what is allowed (see `settle`): between two instants pitch and roll leave their
+        chord by at most M h²/8 (V2), and the distance from a segment is greatest at an end of the chord."""
+        taken = np.maximum(self.distance(of, a), self.distance(of, b))[:, None] - STRAIGHT_RAD
+        bent = np.sqrt(2.0) * tilt_accelerations(self.robot, self.ranges.sweep(a, b))
+        return taken + bent[:, None] * (b - a)[:, None] ** 2 / 8, taken
