@@ -36,6 +36,7 @@ ENTRIES = (
     Entry("dh-chain", "001, sections 4 and 5", "The Denavit-Hartenberg chain of a SCARA, and back"),
     Entry("line-through-singularity", "002, singular configurations", "A straight line past a singular position"),
     Entry("oblique-triangles", "003, equations 1 to 6", "Half-angle formulas of oblique triangles against the dyad"),
+    Entry("rv-m1", "003, section 5", "Five axes by tool point, pitch and roll, and the family of pitches"),
     Entry("joint-move", "004, section 2", "A joint move with parabolic blends, and the same move by Ruckig"),
 )
 """In the order of the sources."""

@@ -101,7 +101,7 @@ class _Task:
         if item.yaw_rad is not None and not self.has_yaw:
             raise fault(self.document, (*path, "yaw_rad"), self.no_yaw)
         for key in ("pitch_rad", "roll_rad"):
-            if getattr(item, key) is not None and not self.has_tilt:
+            if key in item.model_fields_set and not self.has_tilt:
                 what = key.removesuffix("_rad")
                 raise fault(self.document, (*path, key), f"no {what}: only arms with five axes have one")
         if item.yaw_free and path[2] == "place":

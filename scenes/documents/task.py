@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
+from pydantic_core import PydanticCustomError
 
 from scenes import bounds
 from scenes.documents.model import (
@@ -22,7 +24,19 @@ from scenes.documents.model import (
 )
 
 Match = Literal["velocity", "position"]
-FreeAngle = Angle | Literal["free"]
+
+
+def _free_or_number(value: object) -> object:
+    """None for `free`, so that it means the same as silence; what a union would refuse once for each of its options is
+    refused once, in words."""
+    number = type(value) in (int, float) and -bounds.TURNS_RAD <= value <= bounds.TURNS_RAD  # type: ignore[operator]
+    if not (number or value == "free"):
+        largest = f"{bounds.TURNS_RAD:g} rad, {math.degrees(bounds.TURNS_RAD):.6g} deg"
+        raise PydanticCustomError("free_or_number", "not allowed", {"allowed": f"free, or a number up to {largest}"})
+    return value if number else None
+
+
+FreeAngle = Annotated[Angle | Literal["free"] | None, BeforeValidator(_free_or_number)]
 
 
 class TargetDocument(Document):
@@ -38,8 +52,8 @@ class TargetDocument(Document):
     at_m: Point
     yaw_rad: Angle | None = None
     yaw_free: bool = False
-    pitch_rad: FreeAngle | None = None
-    roll_rad: FreeAngle | None = None
+    pitch_rad: FreeAngle = None
+    roll_rad: FreeAngle = None
 
 
 class ArchDocument(Document):
