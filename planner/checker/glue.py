@@ -12,11 +12,11 @@ import math
 import numpy as np
 
 from planner.arrays import FloatArray, IntArray
-from planner.checker.meeting import tool_motion, wrapped
+from planner.checker.meeting import tool_motion
 from planner.checker.ranges import Ranges
 from planner.checker.settle import settle
 from planner.checker.targets import Target
-from planner.checker.tilt import has_tilt, tilt, tilt_accelerations, turned_by
+from planner.checker.tilt import has_tilt, tilt, tilt_accelerations, turned_by, wrapped
 from planner.checker.verdict import Code, Finding
 from planner.outcome import GLUED, Leg, LegKind
 from planner.robots.protocol import Sweep

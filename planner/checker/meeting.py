@@ -10,7 +10,7 @@ from planner.arrays import FloatArray
 from planner.checker.order import TIME_S
 from planner.checker.spline import Spline
 from planner.checker.targets import Target, asks_rest, asks_velocity, may_turn
-from planner.checker.tilt import tilt, tilt_rates, turned_by
+from planner.checker.tilt import tilt, tilt_rates, turned_by, wrapped
 from planner.checker.verdict import Code, Finding
 from planner.frames.motion import Motion, Pose
 from planner.outcome import Arrival, Leg, LegKind
@@ -126,11 +126,6 @@ def _tilted(scene: Scene, line: Spline, arrival: Arrival, target: Target) -> lis
         if not fast <= MEET_RAD_S:
             findings.append(Finding(Code.MATCH, f"the tool tilts or rolls when it meets {name}", fast, "rad/s", where))
     return findings
-
-
-def wrapped(angle: FloatArray) -> FloatArray:
-    """The angle less full turns, in [-π, π]."""
-    return np.asarray(angle - 2 * np.pi * np.round(angle / (2 * np.pi)))
 
 
 def _apart(pose: Pose, tool: Motion) -> float:

@@ -21,9 +21,16 @@ STRAIGHT_RAD = 1e-4
 """rad. Along a straight leg pitch and roll stay within this of the way between those at its ends: as in glued legs."""
 COARSEST_S = 0.005
 """Length of the intervals to begin with, s, as for glued legs."""
+HALF_RAD = 1e-6
+"""rad. Ways that are so near to half a turn are as short one way round as the other: the one that was gone counts."""
 FAR_M = 1e6
 """A point this far from the flange's origin accelerates along the vertical, at some attitude, by as much as the hand
 pitches (or rolls), times this; so a bound for it, divided by it, bounds both."""
+
+
+def wrapped(angle: FloatArray) -> FloatArray:
+    """The angle less full turns, in [-π, π]."""
+    return np.asarray(angle - 2 * np.pi * np.round(angle / (2 * np.pi)))
 
 
 def has_tilt(robot: Robot) -> bool:
@@ -50,9 +57,8 @@ def tilt_rates(robot: Robot, q: FloatArray, qd: FloatArray) -> FloatArray:
 
 def turned_by(found: FloatArray, asked: FloatArray) -> FloatArray:
     """How far (...) a tilt (..., 3) is from the pitch and roll (..., 2) that are asked, rad."""
-    apart = found[..., :2] - asked
-    apart = np.abs(apart - 2 * np.pi * np.round(apart / (2 * np.pi)))
-    return np.asarray(np.maximum(apart.max(-1), np.abs(found[..., 2])))
+    apart = np.abs(wrapped(found[..., :2] - asked)).max(-1)
+    return np.asarray(np.maximum(apart, np.abs(found[..., 2])))
 
 
 def tilt_accelerations(robot: Robot, swept: Sweep) -> FloatArray:
@@ -89,11 +95,12 @@ class _Ways:
 
     def __init__(self, scene: Scene, ranges: Ranges, legs: list[Leg]) -> None:
         self.robot, self.ranges = scene.robot, ranges
-        ends = [self._tilt(np.array([leg.t0, leg.t1]))[:, :2] for leg in legs]
-        pairs = np.array(ends).reshape(-1, 2, 2)
-        way = pairs[:, 1] - pairs[:, 0]
-        self.way = way - 2 * np.pi * np.round(way / (2 * np.pi))
-        self.middle = pairs[:, 0] + self.way / 2
+        looks = [self._tilt(np.array([leg.t0, (leg.t0 + leg.t1) / 2, leg.t1]))[:, :2] for leg in legs]
+        begin, halfway, end = np.array(looks).reshape(-1, 3, 2).swapaxes(0, 1)
+        way, gone = wrapped(end - begin), wrapped(halfway - begin)
+        either = np.abs(way) > np.pi - HALF_RAD
+        self.way = np.where(either & (way * gone < 0), way - 2 * np.pi * np.sign(way), way)
+        self.middle = begin + self.way / 2
 
     def _tilt(self, t: FloatArray) -> FloatArray:
         return tilt(self.robot, self.ranges.spline.state(t)[0])
@@ -101,8 +108,7 @@ class _Ways:
     def distance(self, of: IntArray, t: FloatArray) -> FloatArray:
         """(T,) rad. A segment is no longer than half a turn each way, so that from its middle no turn is in doubt."""
         found, way = self._tilt(t), self.way[of]
-        beside = found[:, :2] - self.middle[of]
-        beside -= 2 * np.pi * np.round(beside / (2 * np.pi))
+        beside = wrapped(found[:, :2] - self.middle[of])
         length = np.maximum((way * way).sum(-1), np.finfo(float).tiny)
         share = np.clip((beside * way).sum(-1) / length, -0.5, 0.5)
         return np.asarray(np.maximum(np.sqrt(((beside - share[:, None] * way) ** 2).sum(-1)), np.abs(found[:, 2])))

@@ -101,4 +101,4 @@ class AttachedBody(Document):
 class LinkBody(AttachedBody):
     """A body of an inline robot, on one of its links."""
 
-    link: Literal["base", "link1", "link2", "link3", "quill", "flange"]
+    link: Literal["base", "link1", "link2", "link3", "link4", "quill", "flange"]

@@ -13,7 +13,7 @@ import numpy as np
 from planner.arrays import FloatArray, IntArray
 from planner.frames import Conveyor, Fixed, Frame, Law, Linear, Swing, Turntable, Uncertainty
 from planner.frames.motion import Pose
-from planner.robots.protocol import Limits, RobotBody
+from planner.robots.protocol import Limits, Robot, RobotBody
 from planner.robots.scara import BASE, LINK1, LINK2, QUILL, Scara
 from planner.scene import Clearance, Execution, Follow, Move, Options, Pick, Place, Scene, Start, Step, Target, Tool
 from planner.scene import WorldBody as Around
@@ -101,7 +101,7 @@ def cell(
     qd: tuple[float, ...] | None = None,
     qdd: tuple[float, ...] | None = None,
     time: float = 0.0,
-    robot: Scara | None = None,
+    robot: Robot | None = None,
     tool: Tool = BARE,
     execution: Execution = Execution(),
     carry: float | None = None,
