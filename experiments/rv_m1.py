@@ -106,7 +106,7 @@ def run() -> Result:
         f"{1e3 * SHOWN[0]:.0f} mm from the base axis and {1e3 * SHOWN[1]:.0f} mm high, pitches from {low:.0f}° to "
         f"{high:.0f}° are in reach, with either elbow; within the joint limits assumed for the RV-M1 are those from "
         f"{legal_low:.0f}° to {legal_high:.0f}° with the elbow up, and none with the elbow down. The planner samples "
-        f"this family, the pitch that the arm has first."
+        f"this family every 15°, and takes what can be met soonest first."
     )
 
     def draw(figure: Drawing) -> None:
