@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -13,8 +14,14 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
+from planner.checker import Code, check
+from planner.digest import digest
 from planner.errors import InputError
-from planner.robots.five_axis_arm import FiveAxisArm
+from planner.outcome import Plan, Planned
+from planner.pipeline import plan
+from planner.robots.five_axis_arm import FLANGE, LINK4, FiveAxisArm
+from planner.scene import Scene
+from planner.shapes import Body, Primitive, box
 from scenes.requests import check_document, plan_document, plan_scenario, scene_of
 from scenes.scenarios import shipped, unmet
 
@@ -152,6 +159,47 @@ def test_an_answer_for_another_pitch_than_the_request_asks_is_refused() -> None:
     del other["task"][0]["follow"]["to"]["pitch_deg"]
     verdict = check_document(other, answer())
     assert {"ARRIVAL", "DIGEST"} <= {finding["code"] for finding in verdict["findings"]}
+
+
+@cache
+def proof() -> tuple[Scene, Plan]:
+    scene = scene_of(shipped("rv-m1").request)
+    outcome = plan(scene)
+    assert isinstance(outcome, Planned)
+    return scene, outcome.plan
+
+
+def forged(**columns: Any) -> set[Code]:
+    """What the checker finds when columns of the proof are others and its digest fits."""
+    scene, honest = proof()
+    changed = replace(honest.certificate, **columns)
+    parts = (scene.digest, honest.trajectory, honest.legs, honest.arrivals, changed)
+    verdict = check(scene, replace(honest, certificate=replace(changed, digest=digest(*parts))))
+    return {finding.code for finding in verdict.findings}
+
+
+def test_a_proof_with_slower_points_or_wider_gaps_than_is_true_is_found() -> None:
+    honest = proof()[1].certificate
+    assert forged() == set()
+    assert forged(speed=0.99 * honest.speed) == {Code.BOUND, Code.COVER}
+    assert forged(acceleration=0.99 * honest.acceleration) == {Code.BOUND, Code.COVER}
+    assert forged(gap0=honest.gap0 + 1e-6) == {Code.GAP, Code.COVER}
+
+
+@pytest.mark.parametrize("link", [LINK4, FLANGE])
+def test_a_proof_for_a_smaller_hand_or_flange_is_none_for_this_one(link: int) -> None:
+    """The body 20 mm thicker than it was proved for."""
+    scene, honest = proof()
+    number = next(i for i, item in enumerate(scene.robot.bodies) if item.link == link)
+    body = scene.robot.bodies[number]
+    piece = body.body.pieces[0]
+    assert isinstance(piece.shape, Primitive)
+    shape = box(*(2 * h + 0.04 for h in piece.shape.half))
+    bodies = list(scene.robot.bodies)
+    bodies[number] = replace(body, body=Body(body.body.name, (replace(piece, shape=shape),)))
+    robot: Any = scene.robot
+    other = replace(scene, robot=replace(robot, bodies=tuple(bodies)))
+    assert Code.GAP in {finding.code for finding in check(other, honest).findings}
 
 
 def test_free_and_silent_are_one_request_and_a_number_is_another() -> None:
