@@ -75,27 +75,29 @@ def straight(scene: Scene, ranges: Ranges, legs: tuple[Leg, ...], arrivals: tupl
     if not has_tilt(scene.robot):
         return []
     met = {arrival.step: arrival.time for arrival in arrivals}
-    found = []
-    for leg in legs:
-        step = scene.task[leg.step]
-        asked = isinstance(step, Move) and step.leg == "cartesian" and leg.kind is LegKind.MOVE
-        if asked and leg.t1 <= met.get(leg.step, -np.inf) + TIME_S:
-            found.append(leg)
-    ways = _Ways(scene, ranges, found)
+    names, spans = [], []
+    for number, step in enumerate(scene.task):
+        # however many legs the way is cut into, and whatever they are called
+        own = [leg for leg in legs if leg.step == number and leg.kind is not LegKind.WAIT]
+        own = [leg for leg in own if leg.t1 <= met.get(number, -np.inf) + TIME_S]
+        if isinstance(step, Move) and step.leg == "cartesian" and own:
+            names.append(step.name)
+            spans.append(np.array([own[0].t0, own[-1].t1]))
+    ways = _Ways(scene, ranges, spans)
     findings = []
-    for excess in settle([np.array([leg.t0, leg.t1]) for leg in found], COARSEST_S, ways.judge):
-        name = scene.task[found[excess.of].step].name
+    for excess in settle(spans, COARSEST_S, ways.judge):
+        name = names[excess.of]
         what = f"the hand leaves the way between pitch and roll at the ends of the straight leg to {name}"
         findings.append(Finding(Code.GLUE, what, excess.amount, "rad", f"{excess.time:.6g} s"))
     return findings
 
 
 class _Ways:
-    """Distance of the hand from the segments, in the plane of pitch and roll, between the ends of legs."""
+    """Distance of the hand from the segments, in the plane of pitch and roll, between the ends of spans [t0, t1]."""
 
-    def __init__(self, scene: Scene, ranges: Ranges, legs: list[Leg]) -> None:
+    def __init__(self, scene: Scene, ranges: Ranges, spans: list[FloatArray]) -> None:
         self.robot, self.ranges = scene.robot, ranges
-        looks = [self._tilt(np.array([leg.t0, (leg.t0 + leg.t1) / 2, leg.t1]))[:, :2] for leg in legs]
+        looks = [self._tilt(np.array([t0, (t0 + t1) / 2, t1]))[:, :2] for t0, t1 in spans]
         begin, halfway, end = np.array(looks).reshape(-1, 3, 2).swapaxes(0, 1)
         way, gone = wrapped(end - begin), wrapped(halfway - begin)
         either = np.abs(way) > np.pi - HALF_RAD

@@ -176,6 +176,12 @@ def test_a_hand_that_leaves_the_way_of_pitch_and_roll_on_a_straight_leg_is_found
     ]
     assert Code.ARRIVAL not in wrong
     assert Code.GLUE not in found(scene, bumped(plan, LegKind.MOVE, 4, 0.1 * OFF))
+    # cut into two legs at the knot where it is off its way, one of them called by another name, it is found as well
+    aside = bumped(plan, LegKind.MOVE, 4, 5 * OFF)
+    moved = np.flatnonzero(aside.trajectory.q[:, 4] != plan.trajectory.q[:, 4])[0]
+    t, leg = float(aside.trajectory.time[moved]), aside.legs[0]
+    halves = (replace(leg, t1=t), replace(leg, t0=t, kind=LegKind.ARCH))
+    assert wrong[Code.GLUE] == found(scene, replace(aside, legs=halves))[Code.GLUE]
     # by a joint leg it may go as it likes
     loose = five_axis_cell(goes(aim(0.3, 0.15, 0.35, pitch=DOWN, roll=1.2)))
     assert Code.GLUE not in found(loose, bumped(plan, LegKind.MOVE, 4, 5 * OFF))
