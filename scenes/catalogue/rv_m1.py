@@ -10,7 +10,7 @@ UNSAID = "nothing is quoted"
 
 
 def _axis(name: str, ends: tuple[float, float], speed: float) -> Axis:
-    """A joint that reaches its speed in 0.2 s, which is ours."""
+    """A joint that reaches its speed in 0.2 s, which is ours: waist, shoulder, elbow, pitch and roll of the wrist."""
     limit = Number(5.0 * speed, "deg_s2", "estimated", UNSAID)
     return Axis(
         name=name,
@@ -32,11 +32,11 @@ RV_M1 = Entry(
     l2=Number(160.0, "mm", "third_party", QUOTED),
     l3=Number(72.0, "mm", "third_party", QUOTED + "; without a tool"),
     axes=(
-        _axis("waist", (-150.0, 150.0), 120.0),
-        _axis("shoulder", (-30.0, 100.0), 72.0),
-        _axis("elbow", (-110.0, 0.0), 109.0),
-        _axis("wristpitch", (-90.0, 90.0), 100.0),
-        _axis("wristroll", (-180.0, 180.0), 163.0),
+        _axis("j1", (-150.0, 150.0), 120.0),
+        _axis("j2", (-30.0, 100.0), 72.0),
+        _axis("j3", (-110.0, 0.0), 109.0),
+        _axis("j4", (-90.0, 90.0), 100.0),
+        _axis("j5", (-180.0, 180.0), 163.0),
     ),
     solids=(
         Solid("base-column", "base", "cylinder", (75.0, 220.0), (0.0, 0.0, 110.0)),

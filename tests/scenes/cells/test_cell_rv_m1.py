@@ -266,7 +266,7 @@ def test_every_number_that_nobody_vouches_for_is_told_with_the_plan() -> None:
     told = "\n".join(answer()["assumptions"])
     for what in ("length of link 1 250", "length of link 2 160", "length of the hand 72", "height of the shoulder 300"):
         assert f"mitsubishi-rv-m1: {what} mm, third_party: widely quoted for the Mitsubishi RV-M1, unsourced" in told
-    for joint in ("waist", "shoulder", "elbow", "wristpitch", "wristroll"):
+    for joint in ("j1", "j2", "j3", "j4", "j5"):
         assert f"{joint} lower end of its range" in told
         assert f"{joint} acceleration" in told
 
