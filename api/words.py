@@ -43,7 +43,7 @@ MARKS = {"vendor_config": " c", "third_party": " t", "disputed": " d", "estimate
 LEGEND = (
     "c: a maker's configuration file, perhaps a placeholder; t: second hand; d: disputed; e: estimated; else as told\n"
     "unit: of the range; speed, acceleration and jerk are the same per s, s2 and s3\n"
-    "reach: from the axis of the first joint to that of the wrist, arm straight"
+    "reach: from the axis of the first joint to that of the flange, arm straight"
 )
 SHOWN_AS = {
     "m": ("mm", 1e3),
@@ -126,8 +126,8 @@ def _mark(quantity: dict[str, Any]) -> str:
 
 
 def _reach(robot: dict[str, Any]) -> str:
-    """How far the flange comes from the shoulder: both links, or, of an arm that extends, its longest extent."""
-    links = [robot["l1"], robot["l2"]] if "l1" in robot else [robot["joints"][-1]["upper"]]
+    """How far the flange comes from the shoulder: all links, or, of an arm that extends, its longest extent."""
+    links = [robot[key] for key in ("l1", "l2", "l3") if key in robot] or [robot["joints"][-1]["upper"]]
     marks = "".join(sorted({_mark(link) for link in links}))
     return f"{number(sum(_shop(link)[0] for link in links), 4)} mm{marks}"
 
@@ -141,7 +141,9 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
         row(legs, leg["kind"], f"{leg['from_s']:.3f}", f"{leg['to_s']:.3f}", names.get(leg["step"], ""), note)
     yield legs
     yield ""
-    arrivals = table("arrival", ">at s", ">x mm", ">y mm", ">z mm", ">yaw deg", ">along mm", ">window left s", "speed")
+    angles = ("yaw_rad", *(key for key in ("pitch_rad", "roll_rad") if key in answer["arrivals"][0]))
+    head = ("arrival", ">at s", ">x mm", ">y mm", ">z mm", *(f">{key.removesuffix('_rad')} deg" for key in angles))
+    arrivals = table(*head, ">along mm", ">window left s", "speed")
     for arrival in answer["arrivals"]:
         along, left = arrival["along_m"], arrival["window_left_s"]
         row(
@@ -149,13 +151,12 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
             arrival["control_point"],
             f"{arrival['time_s']:.3f}",
             *(f"{1e3 * x:.1f}" for x in arrival["at_m"]),
-            f"{math.degrees(arrival['yaw_rad']):.1f}",
+            *(f"{math.degrees(arrival[key]):.1f}" for key in angles),
             "" if along is None else f"{1e3 * along:.1f}",
             "" if left is None else f"{left:.3f}",
             "matched" if arrival["matched"] else "",
         )
-    yield arrivals
-    yield ""
+    yield from (arrivals, "")
     margins = answer["margins"]
     bound = answer["lower_bound_s"]
     least = f"; no plan takes less than {bound:.3f} s" if bound else ""

@@ -39,6 +39,7 @@ ENTRIES = (
     Entry("elbow", "002, geometric method and singular configurations", "An elbow arm in closed form, and its det J"),
     Entry("polar", "002, transformation matrices (I) to (III)", "A polar arm by matrices, and its det J"),
     Entry("oblique-triangles", "003, equations 1 to 6", "Half-angle formulas of oblique triangles against the dyad"),
+    Entry("rv-m1", "003, section 5", "Five axes by tool point, pitch and roll, and the family of pitches"),
     Entry("joint-move", "004, section 2", "A joint move with parabolic blends, and the same move by Ruckig"),
 )
 """In the order of the sources."""

@@ -184,4 +184,6 @@ def _arrival(
         yaw_offset=sample.yaw_offset,
         along_m=None if along is None else float(along),
         window_left_s=left[0] if bounded and left else None,
+        pitch=None if point.tilt is None else point.tilt[0],
+        roll=None if point.tilt is None else point.tilt[1],
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from planner.arrays import FloatArray
 from planner.certificate import Rows
 from planner.frames.motion import Pose
+from planner.frames.tilted import Tilt
 from planner.legs.control_point import ControlPoint, control_point
 from planner.legs.glued import lead_time
 from planner.legs.joint import Reached, Shape
@@ -34,7 +35,7 @@ class Chain:
     proofs: tuple[Rows, ...] = ()
     glued_to: ControlPoint | None = None
     """The control point above which a glued leg ended: the arm still moves with its frame."""
-    prepared: dict[tuple[int, float], Meetings | Refusal] = field(default_factory=dict)
+    prepared: dict[tuple[int, float, Tilt | None], Meetings | Refusal] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +73,13 @@ class Draft:
         return standing(self.trajectory, t)
 
 
-def prepared(scene: Scene, chain: Chain, yaw_offset: float, modes: tuple[int, ...]) -> Meetings | Refusal:
+def prepared(
+    scene: Scene, chain: Chain, yaw_offset: float, tilt: Tilt | None, modes: tuple[int, ...]
+) -> Meetings | Refusal:
     """How the next control point can be met from this chain; kept with the chain."""
-    key = (chain.step, yaw_offset)
+    key = (chain.step, yaw_offset, tilt)
     if key not in chain.prepared:
-        point = control_point(scene, chain.step, chain.rides, chain.carried, yaw_offset)
+        point = control_point(scene, chain.step, chain.rides, chain.carried, yaw_offset, tilt)
         lead = lead_time(scene, point, 1.0) if point.glued else 0.0
         found = (
             lead if isinstance(lead, Refusal) else meetings(scene, point, chain.state.time, lead, modes, chain.state.q)

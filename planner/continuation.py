@@ -11,12 +11,14 @@ from planner.assembly import assembled, laws_over
 from planner.chain import Chain, Draft, Outline, Sample
 from planner.errors import FaultError
 from planner.frames.motion import Motion, Pose
+from planner.frames.tilted import TiltedMotion
 from planner.legs.control_point import ControlPoint
 from planner.legs.glued import glue
 from planner.legs.joint import JointMotion
 from planner.legs.meeting import Meetings
 from planner.legs.state import Knots, Stretch
 from planner.legs.straight import mode_changes, straight
+from planner.legs.tilt import tilt_of
 from planner.outcome import LegKind, Reason, Refusal
 from planner.phases import Phase, initial_rides
 from planner.scene import Move, Scene
@@ -120,10 +122,11 @@ def _line(scene: Scene, chain: Chain, point: ControlPoint, wait: float, mode: in
             return before.flange(t, before.depart)
     elif state.resting:
         p, yaw = scene.robot.forward(state.q)
-        pose = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw))
+        pose, tilt = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)), tilt_of(scene.robot, state.q)
 
         def left(t: FloatArray) -> Motion:
-            return Motion.still(pose, np.shape(t))
+            still = Motion.still(pose, np.shape(t))
+            return still if tilt is None else TiltedMotion.of(still, np.array(tilt))
     else:
         return Refusal(
             "straight", Reason.MOTION_LIMIT, chain.step, detail="a straight leg begins at rest or in a frame"

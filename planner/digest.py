@@ -58,6 +58,8 @@ def _items(
         yield from (int(arrival.step), arrival.control_point, float(arrival.time), float(arrival.until))
         yield from (float(value) for value in (arrival.pose.x, arrival.pose.y, arrival.pose.z, arrival.pose.yaw))
         yield from (bool(arrival.matched), float(arrival.yaw_offset), arrival.along_m, arrival.window_left_s)
+        if arrival.pitch is not None or arrival.roll is not None:
+            yield from (arrival.pitch, arrival.roll)
     yield from certificate.names
     yield from (np.asarray(getattr(certificate, name), dtype="<f8") for name in REALS)
     yield from (np.asarray(getattr(certificate, name), dtype="<i8") for name in INDICES)

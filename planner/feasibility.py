@@ -10,11 +10,12 @@ from planner.certificate import Prover
 from planner.frames import Fixed
 from planner.frames.motion import Pose
 from planner.legs.control_point import ControlPoint, control_point
+from planner.legs.tilt import pitch_free, roll_free, tilts
 from planner.loops import lost_at
 from planner.obstruction import closest, enclosed
 from planner.outcome import LegKind, Reason, Refusal
 from planner.phases import Carried, Phase, held, initial_rides, pair, resting_on, yaw_offsets
-from planner.range import out_of_range, whatever_the_yaw
+from planner.range import beyond_every_pitch, out_of_range, whatever_the_yaw
 from planner.robots.protocol import Code
 from planner.scene import Pick, Place, Scene
 
@@ -34,15 +35,22 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
     """
     rides, carried = initial_rides(scene), None
     for number, step in enumerate(scene.task):
-        offsets = yaw_offsets(scene, step)
+        offsets, tilt = yaw_offsets(scene, step), tilts(scene, step, scene.start.q)[0]
+        if pitch_free(scene, step):
+            never = beyond_every_pitch(scene, control_point(scene, number, rides, carried, 0.0, tilt))
+            if never is not None:
+                return never
+            continue  # some pitch reaches it; which of them are free of bodies is a matter of search
         if isinstance(step, Place) and (carried is None or carried.part != step.part):
             return None  # the scene's constructor has refused this already
         turns = offsets if offsets is not None else (0.0,)
-        beyond = [out_of_range(scene, control_point(scene, number, rides, carried, turn)) for turn in turns]
+        beyond = [out_of_range(scene, control_point(scene, number, rides, carried, turn, tilt)) for turn in turns]
         if all(r is not None and (offsets is not None or whatever_the_yaw(scene, r)) for r in beyond):
             return beyond[0]
+        if roll_free(scene, step):
+            continue  # at another roll a body on the flange may be elsewhere
         found = [
-            _point(scene, prover, control_point(scene, number, rides, carried, o), rides, carried)
+            _point(scene, prover, control_point(scene, number, rides, carried, o, tilt), rides, carried)
             for o in (offsets if offsets is not None else (0.0,))
         ]
         if all(r is not None and (offsets is not None or _whatever_the_yaw(scene, prover, r, carried)) for r in found):

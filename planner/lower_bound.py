@@ -6,9 +6,10 @@ import numpy as np
 
 from planner.arrays import FloatArray
 from planner.legs.control_point import ControlPoint, control_point
+from planner.legs.tilt import pitch_free, roll_free, tilts
 from planner.phases import held, initial_rides, yaw_offsets
 from planner.robots.turns import equivalents
-from planner.scene import Pick, Place, Scene
+from planner.scene import Pick, Place, Scene, Step
 from planner.ways import Option
 
 
@@ -20,7 +21,7 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
     and have one yaw.
     """
     rides, carried = initial_rides(scene), None
-    free = yaw_offsets(scene, scene.task[0]) is None
+    free = yaw_offsets(scene, scene.task[0]) is None or _tilt_free(scene, scene.task[0], moving=scene.start.moving)
     total = min((_first(option, free=free) for option in first), default=0.0)
     before: list[FloatArray] = []
     turned = False
@@ -28,8 +29,9 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
         offsets = yaw_offsets(scene, step)
         here: list[FloatArray] = []
         for offset in offsets or ():
-            point = control_point(scene, number, rides, carried, offset)
-            if point.still and not (isinstance(step, Place) and turned):
+            point = control_point(scene, number, rides, carried, offset, tilts(scene, step, scene.start.q)[0])
+            known = not _tilt_free(scene, step, moving=True)
+            if point.still and known and not (isinstance(step, Place) and turned):
                 here += _positions(scene, point)
             if offset == 0.0:
                 total += point.dwell
@@ -48,10 +50,15 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
 
 def _first(option: Option, *, free: bool) -> float:
     """The lower bound of one way to the first control point; none for a via, which may be passed at any speed, and
-    where the yaw is `free`, for not all yaws were looked at."""
+    where the yaw or the pitch is `free`, for not all were looked at."""
     if option.meeting.point.via or free or not np.isfinite(option.least):
         return 0.0
     return max(0.0, option.least - option.grain)
+
+
+def _tilt_free(scene: Scene, step: Step, *, moving: bool) -> bool:
+    """Whether another pitch or roll than those looked at could be met sooner; not a roll that an arm at rest keeps."""
+    return pitch_free(scene, step) or (moving and roll_free(scene, step))
 
 
 def _positions(scene: Scene, point: ControlPoint) -> list[FloatArray]:

@@ -67,6 +67,7 @@ class Arrival:
     `window_left_s`: time left in its window; `matched`: velocity matched, too. For a follow, pick or place `time` is
     when the glue begins and `until` when it ends (attach, detach); elsewhere until = time. `yaw_offset`: by how much
     the tool was turned about the part's vertical axis, where the part's symmetry (or a free yaw) leaves the choice.
+    `pitch`, `roll`: with which the tool met it, rad; None for an arm that has none.
     """
 
     step: int
@@ -78,6 +79,8 @@ class Arrival:
     yaw_offset: float = 0.0
     along_m: float | None = None
     window_left_s: float | None = None
+    pitch: float | None = None
+    roll: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

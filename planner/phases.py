@@ -235,6 +235,8 @@ def _with_neighbours(found: list[Phase], followed: list[str | None]) -> list[Pha
 
 def yaw_offsets(scene: Scene, step: Step) -> tuple[float, ...] | None:
     """Turns of the tool that a control point leaves to choose from, rad; None: any."""
+    if "pitch" in scene.robot.coordinates:
+        return (0.0,)  # the heading of such an arm follows from the position
     if isinstance(step, Pick):
         fold = scene.index[step.part].yaw_symmetry
         return tuple(2 * np.pi * k / fold for k in range(fold)) if fold > 0 else None

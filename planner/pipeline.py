@@ -13,6 +13,7 @@ from planner.census import Counter
 from planner.certificate import Prover
 from planner.explanation import leading, sentence
 from planner.feasibility import start_impossible
+from planner.legs.tilt import pitch_free
 from planner.lower_bound import lower_bound
 from planner.margins import contacts, margins
 from planner.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Reason, Refusal, Relaxation
@@ -86,8 +87,8 @@ def _for_all_times(scene: Scene, line: CensusLine) -> bool:
         # how early the arm can come depends on how it comes; that a window is over or too short does not. No number:
         # it was not looked at for all times
         return math.isfinite(line.least) and not line.detail.startswith("the arm comes")
-    if yaw_offsets(scene, scene.task[line.step]) is None:
-        return False  # some yaws were tried, not all
+    if yaw_offsets(scene, scene.task[line.step]) is None or pitch_free(scene, scene.task[line.step]):
+        return False  # some yaws, or pitches, were tried, not all
     if line.reason is Reason.NEAR_SINGULARITY and not line.least > 0:
         return False  # no margin was asked: a stretched arm may stand there
     return line.stage == "inverse" and line.interval is not None and line.interval[0] == line.interval[1]

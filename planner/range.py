@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from planner.frames.motion import Motion
+from planner.frames.tilted import TiltedMotion, like
 from planner.legs.control_point import ControlPoint
 from planner.outcome import Reason, Refusal
-from planner.robots.protocol import Code
+from planner.robots.protocol import Code, Pitching
 from planner.robots.turns import equivalents
 from planner.scene import Scene
 
+EDGE_M = 1e-9
+"""A point is called out of reach at every pitch from this much on, m: rounding of coordinates of a few metres."""
 LOOKS = 400
 """Points between the arm's axis and a point out of reach at which the nearest one within reach is looked for."""
 
@@ -27,6 +30,16 @@ def out_of_range(scene: Scene, point: ControlPoint) -> Refusal | None:
             return None
         refusals.append(first)
     return min(refusals, key=lambda refusal: refusal.amount, default=None)
+
+
+def beyond_every_pitch(scene: Scene, point: ControlPoint) -> Refusal | None:
+    """Why `point` is met at no pitch of the tool, joint limits left aside; None: it is, or moves, or is not known."""
+    if not point.still or not isinstance(scene.robot, Pitching):
+        return None
+    short = float(scene.robot.out_of_reach(point.flange(np.array([scene.start.time])).p)[0])
+    if not short > EDGE_M:
+        return None
+    return Refusal("control point", Reason.OUT_OF_REACH, point.step, (), None, short, "m", "at every pitch of the tool")
 
 
 def whatever_the_yaw(scene: Scene, refusal: Refusal) -> bool:
@@ -71,9 +84,11 @@ def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusa
     share = np.linspace(0.0, 2.0, 2 * LOOKS + 1)
     p, none = axis + share[:, None] * (target - axis), np.zeros(len(share))
     still = np.zeros_like(p)
-    line = Motion(p, still, still, still, none + motion.yaw[0], none, none, none)
+    line = like(Motion(p, still, still, still, none + motion.yaw[0], none, none, none), motion)
     reached = robot.inverse(line, mode, 0).code != Code.OUT_OF_REACH
     distance = float(np.linalg.norm(target - axis))
     short = float(np.abs(share[reached] - 1.0).min()) * distance if reached.any() else float("nan")
     detail = f"the flange would be {1e3 * distance:.0f} mm from the arm's axis"
+    if isinstance(motion, TiltedMotion):
+        detail += f", the tool at a pitch of {np.degrees(motion.tilt[0, 0]):.1f}°"
     return Refusal("control point", Reason.OUT_OF_REACH, point.step, (), None, short, "m", detail)

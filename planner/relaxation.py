@@ -55,7 +55,7 @@ def _reached(found: Found, what: str, value: str, step: int) -> str:
 
 
 def changes(scene: Scene, step: int, blocker: str | None) -> Iterator[tuple[str, str, Scene]]:
-    """Changes in order: window, budget, elbow, match, dwell, belt speed, clearance, margin, a body left out."""
+    """Changes in order: window, budget, elbow, pitch, match, dwell, belt speed, clearance, margin, a body left out."""
     what, options = scene.task[step], scene.options
     if what.window != Window():
         yield "window", "open", _step(scene, step, replace(what, window=Window()))
@@ -66,6 +66,8 @@ def changes(scene: Scene, step: int, blocker: str | None) -> Iterator[tuple[str,
     )
     if options.elbow != "auto" and len(scene.robot.modes) > 1:
         yield "elbow", "auto", replace(scene, options=replace(options, elbow="auto"))
+    if isinstance(what, Move | Follow) and what.target.pitch is not None:
+        yield "pitch", "free", _step(scene, step, replace(what, target=replace(what.target, pitch=None)))
     if isinstance(what, Move) and what.match == "velocity":
         yield "match", "position", _step(scene, step, replace(what, match="position"))
     yield from _dwells(scene, step, what)

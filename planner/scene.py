@@ -181,12 +181,18 @@ class Scene:
         for i, step in enumerate(self.task):
             if isinstance(step, Pick | Place):
                 allowed = f"move and follow: {self.robot.name} has no wrist, so parts would turn as the arm goes"
+                if "pitch" in self.robot.coordinates:
+                    allowed = (
+                        f"move and follow: {self.robot.name} turns and tilts its tool as it goes, and a part with it"
+                    )
                 raise InputError(f"task[{i}]", step.name, allowed)
 
     def _check_step(self, field: str, step: Step) -> None:
         target = step.to if isinstance(step, Place) else getattr(step, "target", None)
         if target is not None and target.frame not in self.frames:
             raise InputError(f"{field}.frame", target.frame, f"one of {sorted(self.frames)}")
+        if target is not None:
+            self._check_tilt(field, target)
         straight = isinstance(step, Move) and step.leg == "cartesian" and step.match == "position"
         if straight and target is not None and not isinstance(self.frames[target.frame].law, Fixed):
             allowed = "velocity: a straight leg meets a moving frame with its velocity"
@@ -200,6 +206,16 @@ class Scene:
             if step.match == "position" and not isinstance(self.frames[self._frame_of(step)].law, Fixed):
                 allowed = "velocity: a part is picked from, and placed on, a moving frame with its velocity"
                 raise InputError(f"{field}.match", step.match, allowed)
+
+    def _check_tilt(self, field: str, target: Target) -> None:
+        """Pitch and roll are asked only of an arm that has them."""
+        for name, value in (("pitch", target.pitch), ("roll", target.roll)):
+            if value is None:
+                continue
+            if name not in self.robot.coordinates:
+                raise InputError(f"{field}.{name}", value, f"no {name}: {self.robot.name} cannot tilt its tool at will")
+            if not math.isfinite(value):
+                raise InputError(f"{field}.{name}", value, "a finite angle")
 
     def _frame_of(self, step: Pick | Place) -> str:
         return step.to.frame if isinstance(step, Place) else self.index[step.part].frame

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from planner.completion import completed
 from planner.continuation import carried_gently, is_straight, outline, straight_draft
 from planner.feasibility import points_impossible
 from planner.legs.meeting import Meetings
+from planner.legs.tilt import tilts
 from planner.outcome import Plan, Refusal
 from planner.phases import yaw_offsets
 from planner.scene import Scene
@@ -29,6 +31,8 @@ PROVED_A_BATCH = 3
 """Continuations proved in one batch before the others of the batch are left alone."""
 PROOFS_A_BATCH = 6
 """Proofs begun in one batch: what passes fine screening is nearly always proved."""
+MOST_WAYS = 12
+"""Ways to meet a control point that are kept, the quickest; one a pitch where the pitch is free."""
 ANY_YAW = 8
 """Yaws that are tried where a control point leaves the yaw free."""
 
@@ -102,15 +106,16 @@ class Search:
     def _sampler(self, chain: Chain) -> Sampler:
         if id(chain) not in self.samplers:
             met: list[tuple[float, Meetings]] = []
-            for offset in self._yaws(chain):
-                meeting = prepared(self.scene, chain, offset, self._modes(chain))
+            attitudes = tilts(self.scene, self.scene.task[chain.step], chain.state.q)
+            for offset, tilt in product(self._yaws(chain), attitudes):
+                meeting = prepared(self.scene, chain, offset, tilt, self._modes(chain))
                 if isinstance(meeting, Refusal):
                     self.found.census.note(meeting)
                     continue
                 for refusal in meeting.refusals:
                     self.found.census.note(refusal)
                 met.append((offset, meeting))
-            ways = options(self.scene, chain, met)
+            ways = options(self.scene, chain, met, max(MOST_WAYS, len(attitudes)))
             if chain.step == 0:
                 self.found.first_ways = ways
             self.samplers[id(chain)] = (chain, Sampler(self.scene, chain, ways, self.rng, self.adaptive))

@@ -18,11 +18,16 @@ class Window:
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A pose of the tool point (or, for a place, of the part) that is constant in a frame. `yaw` free: any yaw."""
+    """A pose of the tool point (or, for a place, of the part) that is constant in a frame. `yaw` free: any yaw.
+
+    `pitch`, `roll`: of the tool, rad, for arms that have these coordinates (`planner.frames.tilted`); None: free.
+    """
 
     frame: str
     pose: Pose
     yaw_free: bool = False
+    pitch: float | None = None
+    roll: float | None = None
 
 
 Match = Literal["velocity", "position"]

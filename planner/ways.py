@@ -10,6 +10,7 @@ from planner.arrays import FloatArray
 from planner.chain import Chain
 from planner.legs.control_point import control_point
 from planner.legs.meeting import Branch, Meetings
+from planner.legs.tilt import tilts
 from planner.scene import Move, Scene
 from planner.timing import least_duration
 
@@ -29,7 +30,7 @@ class Option:
     grain: float
 
 
-def options(scene: Scene, chain: Chain, found: list[tuple[float, Meetings]], most: int = 12) -> tuple[Option, ...]:
+def options(scene: Scene, chain: Chain, found: list[tuple[float, Meetings]], most: int) -> tuple[Option, ...]:
     """Branches of all turns of the part, those with the least possible duration first."""
     limits, state = scene.robot.limits, chain.state
     result = []
@@ -69,7 +70,8 @@ def ahead(scene: Scene, chain: Chain, q: FloatArray) -> FloatArray | None:
     step = scene.task[chain.step]
     if not (isinstance(step, Move) and step.via) or chain.step + 1 >= len(scene.task):
         return None
-    behind = control_point(scene, chain.step + 1, chain.rides, chain.carried, 0.0)
+    tilt = tilts(scene, scene.task[chain.step + 1], q)[0]
+    behind = control_point(scene, chain.step + 1, chain.rides, chain.carried, 0.0, tilt)
     motion = behind.flange(np.array([chain.state.time]), behind.approach)
     found = scene.robot.inverse(motion, chain.mode, 0)
     if not np.isfinite(found.q).all():

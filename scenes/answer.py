@@ -155,6 +155,7 @@ def certificate_document(certificate: Certificate, detail: Detail) -> dict[str, 
 
 
 def _arrival(arrival: Arrival) -> dict[str, Any]:
+    tilt = {"pitch_rad": arrival.pitch, "roll_rad": arrival.roll}
     return {
         "control_point": arrival.control_point,
         "step": int(arrival.step),
@@ -166,6 +167,7 @@ def _arrival(arrival: Arrival) -> dict[str, Any]:
         "matched": bool(arrival.matched),
         "along_m": None if arrival.along_m is None else _number(arrival.along_m),
         "window_left_s": None if arrival.window_left_s is None else _number(arrival.window_left_s),
+        **{key: _number(angle) for key, angle in tilt.items() if angle is not None},
     }
 
 

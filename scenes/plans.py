@@ -53,6 +53,8 @@ def plan_of(plan: object, conventions: Conventions) -> tuple[Plan, tuple[Finding
                 yaw_offset=a.yaw_offset_rad,
                 along_m=a.along_m,
                 window_left_s=a.window_left_s,
+                pitch=a.pitch_rad,
+                roll=a.roll_rad,
             )
             for a in document.arrivals
         ),

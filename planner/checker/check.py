@@ -23,6 +23,7 @@ from planner.checker.solids import solids
 from planner.checker.spline import spline
 from planner.checker.stage import Stage, stage
 from planner.checker.targets import targets
+from planner.checker.tilt import straight
 from planner.checker.verdict import Code, Finding, Verdict
 from planner.checker.window import windows
 from planner.digest import digest
@@ -36,7 +37,8 @@ def check(scene: Scene, plan: Plan) -> Verdict:
     """Whether `plan` does what `scene` asks and is proved to, from both alone (docs/guarantees.md).
 
     A plan that is no plan gets findings, not exceptions. Not checked: that the plan is good; that a Cartesian leg is
-    straight; the working mode and the singularity margin, which are manners of planning and endanger nothing here.
+    straight (that pitch and roll go along with it is); the working mode and the singularity margin, which are manners
+    of planning and endanger nothing here.
     """
     malformed = form(scene, plan)
     if malformed:
@@ -59,6 +61,7 @@ def check(scene: Scene, plan: Plan) -> Verdict:
     goals = targets(scene, plan.arrivals)
     findings += meetings(scene, line, plan.legs, plan.arrivals, goals) + arches(scene, line, plan.legs)
     findings += windows(scene, plan.arrivals, goals) + glued(scene, swept, plan.legs, goals)
+    findings += straight(scene, swept, plan.legs, plan.arrivals)
     of_plan = phases(scene, plan.legs, plan.arrivals)
     findings += carried(scene, line, of_plan)
     scenery = stage(scene, solids(scene), of_plan)

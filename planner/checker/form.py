@@ -32,7 +32,7 @@ def form(scene: Scene, plan: Plan) -> list[Finding]:
         step = getattr(arrival, "step", None)
         if not (all(map(_finite, numbers)) and _index(step, len(scene.task))):
             findings.append(Finding(Code.FORM, f"arrival {i} is not an arrival of this task: {arrival!r:.100}"))
-        optional = [getattr(arrival, name, None) for name in ("along_m", "window_left_s")]
+        optional = [getattr(arrival, name, None) for name in ("along_m", "window_left_s", "pitch", "roll")]
         named = isinstance(getattr(arrival, "control_point", None), str)
         if not (named and all(x is None or _finite(x) for x in optional)):
             findings.append(Finding(Code.FORM, f"arrival {i} has something that is not a finite number"))

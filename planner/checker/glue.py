@@ -12,10 +12,11 @@ import math
 import numpy as np
 
 from planner.arrays import FloatArray, IntArray
-from planner.checker.meeting import tool_motion, wrapped
+from planner.checker.meeting import tool_motion
 from planner.checker.ranges import Ranges
 from planner.checker.settle import settle
 from planner.checker.targets import Target
+from planner.checker.tilt import has_tilt, tilt, tilt_accelerations, turned_by, wrapped
 from planner.checker.verdict import Code, Finding
 from planner.outcome import GLUED, Leg, LegKind
 from planner.robots.protocol import Sweep
@@ -31,7 +32,7 @@ COARSEST_S = 0.005
 YAW_ARM_M = 1e6
 """A point this far from the flange's axis moves and accelerates along any horizontal line, at some yaw, by as much as
 the flange turns, times this; so bounds for it, divided by it, are bounds of the yaw's rates."""
-WHAT = ("leaves its line or point", "goes below its point", "goes higher than asked", "is turned")
+WHAT = ("leaves its line or point", "goes below its point", "goes higher than asked", "is turned", "tilts or rolls")
 
 
 def glued(scene: Scene, ranges: Ranges, legs: tuple[Leg, ...], found: tuple[Target, ...]) -> list[Finding]:
@@ -40,7 +41,7 @@ def glued(scene: Scene, ranges: Ranges, legs: tuple[Leg, ...], found: tuple[Targ
     followers = _Followers(scene, ranges, follows, [found[leg.step] for leg in follows])
     findings = []
     for excess in settle([np.array([leg.t0, leg.t1]) for leg in follows], COARSEST_S, followers.judge):
-        unit = "rad" if excess.column == 3 else "m"
+        unit = "rad" if excess.column >= 3 else "m"
         what = f"the tool {WHAT[excess.column]} in {followers.told(excess.of)}"
         if not excess.decided:
             what += " (or could not be shown not to)"
@@ -63,6 +64,8 @@ class _Followers:
         self.following = np.array([leg.kind is LegKind.FOLLOW for leg in legs], dtype=bool)
         self.height = np.array([_height(leg, target) for leg, target in zip(legs, targets, strict=True)])
         self.turns = np.array([target.turns for target in targets], dtype=bool)
+        self.tilts = np.array([target.tilt or (0.0, 0.0) for target in targets])
+        self.tilting = has_tilt(scene.robot)
 
     def told(self, i: int) -> str:
         return f"{self.legs[i].kind} of {self.targets[i].step.name}"
@@ -78,17 +81,25 @@ class _Followers:
             turned[rows] -= goal.yaw
         return e, np.where(self.turns[of], wrapped(turned), 0.0)
 
+    def tilted(self, of: IntArray, t: FloatArray) -> FloatArray:
+        """Greater of the angles (T,) by which pitch and roll are off those of the point, rad."""
+        return turned_by(tilt(self.scene.robot, self.ranges.spline.state(t)[0]), self.tilts[of])
+
     def judge(self, of: IntArray, a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Excess of distance, of depth, of height and of yaw over what is allowed (see `settle`)."""
+        """Excess of distance, of depth, of height, of yaw, and of pitch and roll over what is allowed (`settle`)."""
         both = np.tile(of, 2)
         e, yaw = self.error(both, np.concatenate([a, b]))
         off = np.sqrt(e[:, 0] ** 2 + e[:, 1] ** 2 + self.following[both] * e[:, 2] ** 2) - GLUE_M
         high = e[:, 2] - self.height[both] - GLUE_M
-        taken = np.stack([off, -e[:, 2] - GLUE_M, high, np.abs(yaw) - GLUE_RAD], -1)
-        taken = np.maximum(taken[: len(a)], taken[len(a) :])
+        columns = [off, -e[:, 2] - GLUE_M, high, np.abs(yaw) - GLUE_RAD]
         m = self.accelerations(of, a, b)
         across = np.sqrt(m[:, 0] ** 2 + m[:, 1] ** 2 + self.following[of] * m[:, 2] ** 2)
-        bent = np.stack([across, m[:, 2], m[:, 2], m[:, 3]], -1)
+        bends = [across, m[:, 2], m[:, 2], m[:, 3]]
+        if self.tilting:
+            columns.append(self.tilted(both, np.concatenate([a, b])) - GLUE_RAD)
+            bends.append(tilt_accelerations(self.scene.robot, self.ranges.sweep(a, b)))
+        taken, bent = np.stack(columns, -1), np.stack(bends, -1)
+        taken = np.maximum(taken[: len(a)], taken[len(a) :])
         return taken + bent * (b - a)[:, None] ** 2 / 8, taken
 
     def accelerations(self, of: IntArray, a: FloatArray, b: FloatArray) -> FloatArray:

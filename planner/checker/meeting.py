@@ -10,6 +10,7 @@ from planner.arrays import FloatArray
 from planner.checker.order import TIME_S
 from planner.checker.spline import Spline
 from planner.checker.targets import Target, asks_rest, asks_velocity, may_turn
+from planner.checker.tilt import tilt, tilt_rates, turned_by, wrapped
 from planner.checker.verdict import Code, Finding
 from planner.frames.motion import Motion, Pose
 from planner.outcome import Arrival, Leg, LegKind
@@ -82,6 +83,7 @@ def _met(scene: Scene, line: Spline, arrival: Arrival, target: Target) -> list[F
     off = float(np.abs(wrapped(tool.yaw - goal.yaw)).max()) if target.turns else 0.0
     if not off <= MEET_RAD:
         findings.append(Finding(Code.ARRIVAL, f"the tool is turned against {name}", off, "rad", where))
+    findings += _tilted(scene, line, arrival, target)
     off = _apart(arrival.pose, tool)
     if not off <= MEET_M:
         findings.append(Finding(Code.ARRIVAL, f"the arrival at {name} says another pose", off, "m or rad", where))
@@ -101,9 +103,29 @@ def _met(scene: Scene, line: Spline, arrival: Arrival, target: Target) -> list[F
     return findings
 
 
-def wrapped(angle: FloatArray) -> FloatArray:
-    """The angle less full turns, in [-π, π]."""
-    return np.asarray(angle - 2 * np.pi * np.round(angle / (2 * np.pi)))
+def _tilted(scene: Scene, line: Spline, arrival: Arrival, target: Target) -> list[Finding]:
+    """Whether the hand has the pitch and roll that are asked, and that the arrival says; and keeps them if matched."""
+    name, robot, where = target.step.name, scene.robot, f"{arrival.time:.6g} s"
+    if target.tilt is None:
+        if arrival.pitch is None and arrival.roll is None:
+            return []
+        return [Finding(Code.ARRIVAL, f"the arrival at {name} says a pitch or a roll, which the arm has not")]
+    if arrival.pitch is None or arrival.roll is None:
+        return [Finding(Code.ARRIVAL, f"the arrival at {name} does not say pitch and roll")]
+    q, qd = line.state(np.array([arrival.time, arrival.until]))[:2]
+    found, findings = tilt(robot, q), []
+    for what, asked in (
+        ("is tilted or rolled against", target.tilt),
+        ("has not the pitch and roll that are said at", None),
+    ):
+        amount = float(turned_by(found, np.array(asked or (arrival.pitch, arrival.roll))).max())
+        if not amount <= MEET_RAD:
+            findings.append(Finding(Code.ARRIVAL, f"the tool {what} {name}", amount, "rad", where))
+    if arrival.matched or asks_velocity(target.step):
+        fast = float(np.abs(tilt_rates(robot, q, qd)[0]).max())
+        if not fast <= MEET_RAD_S:
+            findings.append(Finding(Code.MATCH, f"the tool tilts or rolls when it meets {name}", fast, "rad/s", where))
+    return findings
 
 
 def _apart(pose: Pose, tool: Motion) -> float:

@@ -6,10 +6,13 @@ import math
 from dataclasses import dataclass
 
 from planner.arrays import FloatArray
+from planner.checker.tilt import has_tilt
 from planner.frames.motion import Motion, Pose
+from planner.frames.tilted import Tilt
 from planner.outcome import Arrival
 from planner.phases import yaw_offsets
 from planner.scene import Move, Pick, Place, Scene, Step
+from planner.scene import Target as Asked
 
 TURN = 1e-9
 """A turn that a symmetry allows is recognised up to this, rad."""
@@ -27,6 +30,9 @@ class Target:
     point: Pose
     turns: bool
     """Whether the tool's yaw is asked for."""
+    tilt: Tilt | None = None
+    """Pitch and roll of the tool: as asked or, where that is free, as its arrival says; NaN where it says nothing. None
+    for an arm without."""
 
     def motion(self, scene: Scene, t: FloatArray) -> Motion:
         """Motion of the tool point if it stays in `frame`, at times t."""
@@ -36,6 +42,7 @@ class Target:
 def targets(scene: Scene, arrivals: tuple[Arrival, ...]) -> tuple[Target, ...]:
     """One target a step. A part is taken turned by its arrival's offset and put down in the pose that is asked."""
     offsets = {arrival.step: arrival.yaw_offset for arrival in arrivals}
+    claims = {arrival.step: arrival for arrival in arrivals}
     lies = {body.name: (body.frame, body.pose) for body in scene.bodies}
     has_yaw = "yaw" in scene.robot.coordinates
     taken = Pose()
@@ -53,8 +60,18 @@ def targets(scene: Scene, arrivals: tuple[Arrival, ...]) -> tuple[Target, ...]:
         else:
             point = step.target.pose
             tool = Pose(point.x, point.y, point.z, point.yaw + turn.yaw)
-            found.append(Target(number, step, step.target.frame, tool, point, has_yaw))
+            tilt = _tilt(step.target, claims.get(number)) if has_tilt(scene.robot) else None
+            found.append(Target(number, step, step.target.frame, tool, point, has_yaw, tilt))
     return tuple(found)
+
+
+def _tilt(asked: Asked, claim: Arrival | None) -> Tilt:
+    """What is asked, or else what is claimed."""
+    free = (None, None) if claim is None else (claim.pitch, claim.roll)
+    pitch, roll = (
+        one if one is not None else other for one, other in zip((asked.pitch, asked.roll), free, strict=True)
+    )
+    return math.nan if pitch is None else pitch, math.nan if roll is None else roll
 
 
 def may_turn(scene: Scene, step: Step, offset: float) -> bool:

@@ -12,6 +12,7 @@ from planner.arrays import FloatArray
 from planner.errors import InputError
 from planner.frames import Conveyor, Fixed, Linear
 from planner.frames.motion import Motion, Pose
+from planner.frames.tilted import Tilt, TiltedMotion
 from planner.phases import Carried, flange_target
 from planner.scene import Follow, Move, Pick, Place, Scene, Window
 
@@ -43,6 +44,8 @@ class ControlPoint:
     yaw_offset: float
     point: Pose
     """The pose in the frame whose way along a conveyor is measured: the part's, or the target's."""
+    tilt: Tilt | None = None
+    """Pitch and roll of the tool at the point, which it keeps while it is there; None: the arm has none."""
 
     @property
     def name(self) -> str:
@@ -65,7 +68,8 @@ class ControlPoint:
     def flange(self, t: FloatArray, above: float = 0.0) -> Motion:
         """Motion of the flange (world) when it is glued to the point, `above` metres over it, at times t (...)."""
         lifted = replace(self.pose, z=self.pose.z + above)
-        return self.scene.frames[self.frame].law.motion(np.asarray(t, dtype=np.float64)).at(lifted)
+        motion = self.scene.frames[self.frame].law.motion(np.asarray(t, dtype=np.float64)).at(lifted)
+        return motion if self.tilt is None else TiltedMotion.of(motion, np.array(self.tilt))
 
     @cached_property
     def intervals(self) -> list[tuple[float, float]]:
@@ -169,9 +173,15 @@ def travelled(law: Conveyor | Linear, scene: Scene, frame: str, point: Pose, t: 
 
 
 def control_point(
-    scene: Scene, step: int, rides: dict[str, tuple[str, Pose]], carried: Carried | None, yaw_offset: float
+    scene: Scene,
+    step: int,
+    rides: dict[str, tuple[str, Pose]],
+    carried: Carried | None,
+    yaw_offset: float,
+    tilt: Tilt | None = None,
 ) -> ControlPoint:
-    """The control point of a step, with parts where `rides` says and `carried` in the gripper."""
+    """The control point of a step, with parts where `rides` says and `carried` in the gripper; an arm with pitch and
+    roll meets it with those of `tilt`."""
     what = scene.task[step]
     frame, pose = flange_target(scene, what, rides, carried, yaw_offset)
     approach = depart = dwell = 0.0
@@ -188,4 +198,4 @@ def control_point(
         if isinstance(what, Pick)
         else (what.to.pose if isinstance(what, Place) else what.target.pose)
     )
-    return ControlPoint(scene, step, frame, pose, approach, depart, dwell, matched, via, yaw_offset, point)
+    return ControlPoint(scene, step, frame, pose, approach, depart, dwell, matched, via, yaw_offset, point, tilt)

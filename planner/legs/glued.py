@@ -16,6 +16,7 @@ from planner.legs.control_point import ControlPoint
 from planner.legs.limits import rates
 from planner.legs.singular import nearest
 from planner.legs.state import Knots, State, Stretch
+from planner.legs.tilt import PATH_RAD, tilt_off
 from planner.outcome import LegKind, Reason, Refusal
 from planner.robots.protocol import Code, Robot
 from planner.scene import Scene
@@ -156,9 +157,9 @@ def _knots(scene: Scene, point: ControlPoint, state: State, mode: int, heights: 
         found = joint_states(scene, point, state, mode, heights, t)
         if isinstance(found, Refusal):
             return found
-        middle = (t[1:] + t[:-1]) / 2
-        trajectory = Trajectory(found.time, found.q, found.qd, found.qdd)
-        if _off_path(robot, trajectory, point, heights, middle) <= PATH_M:
+        middle, trajectory = (t[1:] + t[:-1]) / 2, Trajectory(found.time, found.q, found.qd, found.qdd)
+        held = point.tilt is None or tilt_off(robot, trajectory.evaluate(middle), point.flange(middle)) <= PATH_RAD
+        if held and _off_path(robot, trajectory, point, heights, middle) <= PATH_M:
             return found
         spacing /= 2
     return Refusal("glued", Reason.MOTION_LIMIT, point.step, (point.frame,), detail="the frame's motion is not smooth")

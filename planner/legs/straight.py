@@ -1,4 +1,5 @@
 """Straight Cartesian legs between two moving frames: p(s, t) = A(t) + s (B(t) - A(t)), s from 0 to 1 timed by Ruckig.
+Yaw, pitch and roll go from end to end by the same s, the short way round.
 
 At s = 0 the flange moves with the frame it leaves, at s = 1 with the one it meets, so velocity and acceleration match
 at both ends by construction. With Δ = B - A (equation L1):
@@ -15,10 +16,12 @@ import numpy as np
 
 from planner.arrays import FloatArray
 from planner.frames.motion import Motion
+from planner.frames.tilted import TiltedMotion, like
 from planner.legs.glued import PATH_M, REFINEMENTS, SPACING_S, continued
 from planner.legs.limits import rates
 from planner.legs.singular import nearest
 from planner.legs.state import Knots, State, Stretch
+from planner.legs.tilt import PATH_RAD, tilt_off
 from planner.outcome import LegKind, Reason, Refusal
 from planner.robots.protocol import Code, Inverse
 from planner.scene import Scene
@@ -57,7 +60,13 @@ class _Line:
         turn = np.round((b.yaw[0] - a.yaw[0]) / (2 * np.pi)) * 2 * np.pi
         p, v, acceleration = _blend(a.p, a.v, a.a, b.p, b.v, b.a, s[:, None], sd[:, None], sdd[:, None])
         yaw, yaw_d, yaw_dd = _blend(a.yaw, a.yaw_d, a.yaw_dd, b.yaw - turn, b.yaw_d, b.yaw_dd, s, sd, sdd)
-        return Motion(p, v, acceleration, np.zeros_like(p), yaw, yaw_d, yaw_dd, np.zeros_like(yaw))
+        motion = Motion(p, v, acceleration, np.zeros_like(p), yaw, yaw_d, yaw_dd, np.zeros_like(yaw))
+        if not (isinstance(a, TiltedMotion) and isinstance(b, TiltedMotion)):
+            return motion
+        turns = np.round((b.tilt[0] - a.tilt[0]) / (2 * np.pi)) * 2 * np.pi
+        rates = a.tilt_d, a.tilt_dd, b.tilt - turns, b.tilt_d, b.tilt_dd
+        tilt = _blend(a.tilt, *rates, s[:, None], sd[:, None], sdd[:, None])
+        return TiltedMotion.of(motion, *tilt, np.zeros_like(tilt[0]))
 
 
 def _blend(
@@ -126,8 +135,10 @@ def _knots(scene: Scene, step: int, state: State, mode: int, line: _Line) -> Kno
             qd[-1] = qdd[-1] = 0.0
         knots = Knots(t, q, qd, qdd)
         middle = (t[1:] + t[:-1]) / 2
-        position, _ = robot.forward(Trajectory(t, q, qd, qdd).evaluate(middle))
-        if float(np.sqrt(((position - line.motion(middle).p) ** 2).sum(-1)).max()) <= PATH_M:
+        between, path = Trajectory(t, q, qd, qdd).evaluate(middle), line.motion(middle)
+        position, _ = robot.forward(between)
+        off = float(np.sqrt(((position - path.p) ** 2).sum(-1)).max())
+        if off <= PATH_M and tilt_off(robot, between, path) <= PATH_RAD:
             return knots
         spacing /= 2
     return Refusal("straight", Reason.MOTION_LIMIT, step, detail="the joints' motion along the line is not smooth")
@@ -163,7 +174,8 @@ def mode_changes(scene: Scene, step: int, state: State, modes: tuple[int, int], 
     p = begin.p + s[:, None] * (end.p - begin.p)
     still = np.zeros_like(p)
     none = np.zeros(LOOKS)
-    found = robot.inverse(Motion(p, still, still, still, np.full(LOOKS, begin.yaw[0]), none, none, none), modes[0], 0)
+    line = like(Motion(p, still, still, still, np.full(LOOKS, begin.yaw[0]), none, none, none), begin)
+    found = robot.inverse(line, modes[0], 0)
     change = f"a straight leg cannot change from {robot.modes[modes[0]]} to {robot.modes[modes[1]]}"
     if not np.isfinite(found.q).all():
         return Refusal("straight", Reason.OUT_OF_REACH, step, detail=f"{change}, and the line leaves the workspace")

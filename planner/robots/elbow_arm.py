@@ -53,10 +53,10 @@ class ElbowArm(TiltingArm):
         """(3, 3): φ̇1, ψ̇2, ψ̇3 per joint rate."""
         return _RATES
 
-    def _names(self) -> tuple[str, str, str]:
+    def _names(self) -> tuple[str, ...]:
         return ("theta1", "theta2", "theta3")
 
-    def _kinds(self) -> tuple[str, str, str]:
+    def _kinds(self) -> tuple[str, ...]:
         return ("revolute", "revolute", "revolute")
 
     def _side(self, mode: int) -> tuple[int, int]:
@@ -97,7 +97,7 @@ class ElbowArm(TiltingArm):
     @np.errstate(all="ignore")
     def mode_of(self, q: FloatArray) -> IntArray:
         """Working mode number (...) of q: by the signs of ρ and of sin θ3; −1 where they are not finite."""
-        rho, sine = self._zeta(FLANGE, (q,))[0][0], np.sin(q[..., 2])
+        rho, sine = self._zeta(self.tip, (q,))[0][0], np.sin(q[..., 2])
         found = np.where(rho >= 0.0, np.where(sine > 0.0, 1, 0), np.where(sine > 0.0, 2, 3))
         return np.where(np.isfinite(rho + sine), found, -1)
 

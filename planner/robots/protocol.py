@@ -7,7 +7,7 @@ Everything that differs between families is behind this protocol; planner, certi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from planner.errors import InputError
 from planner.frames.motion import Motion, Pose
 from planner.shapes import Body
 
-__all__ = ["Code", "Inverse", "Joint", "Limits", "Robot", "RobotBody", "Serial", "Sweep"]
+__all__ = ["Code", "Inverse", "Joint", "Limits", "Pitching", "Robot", "RobotBody", "Serial", "Sweep"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +123,8 @@ class Robot(Protocol):
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """Task coordinates it can follow, out of x, y, z, yaw (a three-axis SCARA has no yaw of its own)."""
+        """Task coordinates it can follow, out of x, y, z, yaw, pitch, roll (a three-axis SCARA has no yaw of its own;
+        pitch and roll come together, and such an arm is `Pitching`)."""
         ...
 
     @property
@@ -231,4 +232,14 @@ class Robot(Protocol):
         """Upper bounds (N,) of |n·ẋ| and |n·ẍ| over N intervals, for every point x of link number `link` (N,), along
         unit vectors `n` (N, 3). The points are within horizontal distance `reach` (N,) of the link frame's z axis (an
         upright link looks at this alone) and within `distance` (N,) of its origin (a `tilting` link looks at this)."""
+        ...
+
+
+@runtime_checkable
+class Pitching(Protocol):
+    """An arm whose hand has a pitch and a roll: its flange moves as a `TiltedMotion`, and `inverse` asks for one."""
+
+    def out_of_reach(self, p: FloatArray) -> FloatArray:
+        """Metres (...) by which tool points p (..., 3) in the world are out of reach at every pitch and roll; 0: they
+        are not, joint limits left aside."""
         ...

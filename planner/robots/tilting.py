@@ -1,4 +1,4 @@
-"""Arms with three axes whose links tilt: a base that turns, and a mechanism of two joints in a vertical plane.
+"""Arms whose links tilt: a base that turns, and a mechanism of two joints in a vertical plane (and, maybe, a wrist).
 
 The base is an RPR dyad in the horizontal plane: angle φ1 and radius ρ of the tool point. What is left is the point
 (ρ, h), h the height above the shoulder, in the plane that the base turns; an RRR dyad there makes the elbow arm, an RPR
@@ -21,12 +21,12 @@ from planner.frames.motion import Motion, Pose
 from planner.robots.planar import principal
 from planner.robots.protocol import Inverse, Joint, Limits, RobotBody, Serial, Sweep
 from planner.robots.riders import check_riders, joints_of
-from planner.robots.vertical_plane import BASE, FLANGE, LINK1, LINK2, LINK3, LINKS, TILTING, InVerticalPlane, turned
+from planner.robots.vertical_plane import BASE, LINK1, LINK2, LINK3, LINKS, TILTING, InVerticalPlane, turned
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TiltingArm(InVerticalPlane, Serial):
-    """What elbow arm and polar arm share; with what is in its plane it implements `planner.robots.protocol.Robot`.
+    """What elbow, polar and five-axis arm share; with what is in its plane it is a `planner.robots.protocol.Robot`.
 
     Link frames: `base` at the base origin; `link1` at the shoulder, turned by φ1, upright; `link2` at the shoulder and
     `link3`, `flange` where the arm says, turned by φ1 and then tilted: x ahead along the link, y level, so that all
@@ -55,10 +55,15 @@ class TiltingArm(InVerticalPlane, Serial):
         names = self.joint_names or self._names()
         object.__setattr__(self, "joints", joints_of(names, self._kinds(), self.limits))
         object.__setattr__(self, "joint_names", names)
-        check_riders(LINKS, self.bodies, self.self_pairs)
+        check_riders(self.links, self.bodies, self.self_pairs)
         if not np.isfinite(self.height):
             raise InputError("robot.height", self.height, "a finite number")
         object.__setattr__(self, "turn", RPR(ROUNDING * self.longest))
+
+    @property
+    def tip(self) -> int:
+        """Number of the flange, the last link."""
+        return len(self.links) - 1
 
     @np.errstate(all="ignore")
     def inverse(self, flange: Motion, mode: int, order: int = 3) -> Inverse:
@@ -79,7 +84,7 @@ class TiltingArm(InVerticalPlane, Serial):
         heights[0] = heights[0] - self.height
         # over the axis the radius has no derivatives, but the posture is that of (0, h)
         flat = [np.where(aligned, 0.0, radius) for radius in radii]
-        solved = self._assembled(assembly, list(zip(flat, heights, strict=True)))
+        solved = self._assembled(assembly, self._inward(flange, list(zip(flat, heights, strict=True))))
         joints = np.empty((order + 1, *solved.code.shape, 3))
         joints[..., 1:] = solved.joints
         joints[0, ..., 0] = principal(seen.angle - self.base.yaw)
@@ -96,21 +101,21 @@ class TiltingArm(InVerticalPlane, Serial):
 
     @np.errstate(all="ignore")
     def forward(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Flange position (..., 3) and heading (...) in the world for q (..., 3); NaN where q is not finite."""
-        rho, h = self._zeta(FLANGE, (q,))[0]
+        """Flange position (..., 3) and heading (...) in the world for q (..., n); NaN where q is not finite."""
+        rho, h = self._zeta(self.tip, (q,))[0]
         phi = q[..., 0] + self.base.yaw
         p = np.stack([rho * np.cos(phi), rho * np.sin(phi), h + self.height], -1)
         return p + self.base.position, phi
 
     @np.errstate(all="ignore")
     def placements(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Link frames in the world for q (..., 3): positions (..., 5, 3) and rotations (..., 5, 3, 3), K31."""
-        shape, phi = q.shape[:-1], q[..., 0] + self.base.yaw
+        """Link frames in the world for q (..., n): positions (..., L, 3) and rotations (..., L, 3, 3), K31."""
+        shape, phi = (*q.shape[:-1], len(self.links)), q[..., 0] + self.base.yaw
         c, s = np.cos(phi), np.sin(phi)
-        p, rotation = np.empty((*shape, 5, 3)), np.zeros((*shape, 5, 3, 3))
+        p, rotation = np.empty((*shape, 3)), np.zeros((*shape, 3, 3))
         p[...] = self.base.position
         p[..., LINK1:, 2] += self.height
-        for link in (LINK3, FLANGE):
+        for link in range(LINK3, len(self.links)):
             rho, h = self._zeta(link, (q,))[0]
             p[..., link, 0] += rho * c
             p[..., link, 1] += rho * s
@@ -119,7 +124,7 @@ class TiltingArm(InVerticalPlane, Serial):
         for link, cos, sin in ((BASE, np.cos(self.base.yaw), np.sin(self.base.yaw)), (LINK1, c, s)):
             rotation[..., link, 0, 0] = rotation[..., link, 1, 1] = cos
             rotation[..., link, 1, 0], rotation[..., link, 0, 1] = sin, -sin
-        for link in (LINK2, LINK3, FLANGE):
+        for link in range(LINK2, len(self.links)):
             psi = self._tilt(link, q)
             up, ahead = np.sin(psi), np.cos(psi)
             columns = ((ahead * c, ahead * s, up), (-s, c, 0.0 * up), (-up * c, -up * s, ahead))
@@ -130,11 +135,11 @@ class TiltingArm(InVerticalPlane, Serial):
 
     @np.errstate(all="ignore")
     def link_motion(self, link: int, q: FloatArray, qd: FloatArray, qdd: FloatArray, qddd: FloatArray) -> Motion:
-        """Motion of a link's origin in the world for joint motion (..., 3), its yaw being the heading φ1, K23.
+        """Motion of a link's origin in the world for joint motion (..., n), its yaw being the heading φ1, K23.
 
         Raises `FaultError` for a link that does not exist. NaN where the joint motion is not finite.
         """
-        if link not in range(len(LINKS)):
+        if link not in range(len(self.links)):
             raise FaultError(f"{type(self).__name__}.link_motion: link {link}")
         if link == BASE:
             return Motion.still(self.base, q.shape[:-1])
@@ -150,7 +155,7 @@ class TiltingArm(InVerticalPlane, Serial):
     @np.errstate(all="ignore")
     def jacobian(self, q: FloatArray) -> FloatArray:
         """(..., 3, 3): rates of x, y, z in the world per joint rate, K26 or K27."""
-        phi, rho = q[..., 0] + self.base.yaw, self._zeta(FLANGE, (q,))[0][0]
+        phi, rho = q[..., 0] + self.base.yaw, self._zeta(self.tip, (q,))[0][0]
         c, s, plane = np.cos(phi), np.sin(phi), self._plane_jacobian(q)
         found = np.zeros((*q.shape[:-1], 3, 3))
         found[..., 0, 0], found[..., 1, 0] = -rho * s, rho * c
@@ -161,7 +166,7 @@ class TiltingArm(InVerticalPlane, Serial):
 
     def _alignment(self, q: FloatArray) -> FloatArray:
         """Distance (...) of the flange from the base axis, m."""
-        rho: FloatArray = self._zeta(FLANGE, (q,))[0][0]
+        rho: FloatArray = self._zeta(self.tip, (q,))[0][0]
         return np.abs(rho)
 
     @np.errstate(all="ignore")
@@ -181,7 +186,7 @@ class TiltingArm(InVerticalPlane, Serial):
         return np.minimum(self._dyad_margin(q)[2], self._alignment(q))
 
     def within(self, q: FloatArray) -> BoolArray:
-        """Whether q (..., 3) keeps the position limits, (...); NaN does not."""
+        """Whether q (..., n) keeps the position limits, (...); NaN does not."""
         return np.asarray(((self.limits.lower <= q) & (q <= self.limits.upper)).all(-1))
 
     @np.errstate(all="ignore")
@@ -197,7 +202,7 @@ class TiltingArm(InVerticalPlane, Serial):
         Arguments: `link`, `reach`, `distance` (N,), m; `n` (N, 3); `sweep` of this robot's `rate_matrix`. Rows with
         NaN, or a negative reach or distance, are bounded by inf. Raises `FaultError` for a link that does not exist.
         """
-        if not ((link >= 0) & (link < len(LINKS))).all():
+        if not ((link >= 0) & (link < len(self.links))).all():
             raise FaultError(f"{type(self).__name__}.point_bounds: no such link")
         v, a, far = self._plane_bounds(link, np.where(distance >= 0, distance, np.nan), sweep)
         upright = link < LINK2

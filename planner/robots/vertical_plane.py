@@ -1,4 +1,4 @@
-"""What an arm with three axes does in the vertical plane that its base turns: the point ζ = ρ + i h of its flange.
+"""What an arm does in the vertical plane that its base turns: the point ζ = ρ + i h of its flange.
 
 ρ is the distance from the base axis (negative on the far side), h the height above the shoulder. Links are terms
 l e^{iψ}, in complex numbers; equations K23 to K25 of docs/kinematics.md.
@@ -14,6 +14,7 @@ import numpy as np
 
 from planner.arrays import FloatArray, IntArray
 from planner.assur.rrr import Planar
+from planner.frames.motion import Motion
 from planner.robots.protocol import Sweep
 
 LINKS = ("base", "link1", "link2", "link3", "flange")
@@ -52,11 +53,11 @@ class InVerticalPlane(ABC):
         """(3, 3): the rates that bound point speeds."""
 
     @abstractmethod
-    def _names(self) -> tuple[str, str, str]:
+    def _names(self) -> tuple[str, ...]:
         """Names of the joints if none are given."""
 
     @abstractmethod
-    def _kinds(self) -> tuple[str, str, str]:
+    def _kinds(self) -> tuple[str, ...]:
         """Kinds of the joints."""
 
     @abstractmethod
@@ -67,9 +68,13 @@ class InVerticalPlane(ABC):
     def _assembled(self, assembly: int, path: list[Planar]) -> InPlane:
         """Joints 2 and 3 for (ρ, h) and its derivatives."""
 
+    def _inward(self, _flange: Motion, path: list[Planar]) -> list[Planar]:
+        """(ρ, h), with derivatives, of the end of the mechanism in the plane, from those of the flange: the same."""
+        return path
+
     @abstractmethod
     def _arms(self, link: int, joints: Orders) -> list[tuple[list[FloatArray], list[FloatArray]]]:
-        """The terms l e^{iψ} of ζ of a link's origin: l and ψ with as many derivatives as `joints` (..., 3) has."""
+        """The terms l e^{iψ} of ζ of a link's origin: l and ψ with as many derivatives as `joints` (..., n) has."""
 
     @abstractmethod
     def _tilt(self, link: int, q: FloatArray, /) -> FloatArray:

@@ -45,7 +45,7 @@ def cell_of(document: object, request: RequestDocument) -> Cell:
         if named.name in taken:
             raise fault(document, ("bodies", i, "name"), "a name that no body of the robot or its tool has")
     surroundings += bodies.world_bodies(document, request.bodies, list(known), places)
-    steps = task.steps_of(document, request.task, known, places, "yaw" in robot.coordinates)
+    steps = task.steps_of(document, request.task, known, places, robot.coordinates)
     _check_riders(document, request, steps)
     carry = None if request.carry is None else request.carry.acceleration_m_s2
     with located(document):

@@ -23,17 +23,25 @@ from scenes.catalogue.arm import (
     order_of,
 )
 from scenes.catalogue.entry import Family
-from scenes.documents.robots import ElbowArmDocument, FiveBarDocument, JointDocument, PolarArmDocument, ScaraDocument
+from scenes.documents.robots import (
+    ElbowArmDocument,
+    FiveAxisArmDocument,
+    FiveBarDocument,
+    JointDocument,
+    PolarArmDocument,
+    ScaraDocument,
+)
 from scenes.faults import Path, fault, located
 
-FAMILIES: tuple[Family, ...] = ("scara", "elbow_arm", "polar_arm", "five_bar")
-Inline = ScaraDocument | ElbowArmDocument | PolarArmDocument | FiveBarDocument
+FAMILIES: tuple[Family, ...] = ("scara", "elbow_arm", "polar_arm", "five_axis_arm", "five_bar")
+Inline = ScaraDocument | ElbowArmDocument | PolarArmDocument | FiveAxisArmDocument | FiveBarDocument
 KINDS: dict[str, tuple[JointKind, ...]] = {
     "rrpr": ("revolute", "revolute", "prismatic", "revolute"),
     "rprr": ("revolute", "prismatic", "revolute", "revolute"),
     "elbow_arm": ("revolute", "revolute", "revolute"),
     "polar_arm": ("revolute", "revolute", "prismatic"),
     "five_bar": ("revolute", "revolute", "prismatic", "revolute"),
+    "five_axis_arm": ("revolute",) * 5,
 }
 """Kinds of the joints in the arm's own order: of a SCARA by its axis order, of the others by their family."""
 CALLED: dict[Family, str] = {
@@ -41,6 +49,7 @@ CALLED: dict[Family, str] = {
     "elbow_arm": "an elbow arm",
     "polar_arm": "a polar arm",
     "five_bar": "a five-bar",
+    "five_axis_arm": "a five-axis arm",
 }
 OVER = np.diag([1.0, -1.0, -1.0])
 """Half a turn about x."""
@@ -107,6 +116,7 @@ def inline_arm(document: object, path: Path, family: Family, item: Inline) -> Ar
         **shared,
         l1=0.0 if isinstance(item, PolarArmDocument) else item.l1_m,
         l2=0.0 if isinstance(item, PolarArmDocument) else item.l2_m,
+        l3=item.l3_m if isinstance(item, FiveAxisArmDocument) else 0.0,
         height=0.0 if isinstance(item, ScaraDocument) else item.height_m,
         arms_rise=rise,
         z_down=z_down,

@@ -20,13 +20,18 @@ from scenes.documents.task import (
 )
 from scenes.faults import Path, as_written, fault
 
+NO_YAW = "no yaw: the robot has no wrist"
+
 
 class _Task:
     """Reads the steps in order, and knows what the gripper holds in between."""
 
-    def __init__(self, document: object, frames: dict[str, Frame], places: Places, has_yaw: bool) -> None:
-        self.document, self.frames, self.has_yaw = document, frames, has_yaw
-        self.places = places
+    def __init__(
+        self, document: object, frames: dict[str, Frame], places: Places, coordinates: tuple[str, ...]
+    ) -> None:
+        self.document, self.frames, self.places = document, frames, places
+        self.has_yaw, self.has_tilt = "yaw" in coordinates, "pitch" in coordinates
+        self.no_yaw = "no yaw: the tool's heading follows from the position" if self.has_tilt else NO_YAW
         self.held: str | None = None
         self.names: set[str] = set()
 
@@ -58,7 +63,7 @@ class _Task:
         if self.held is not None:
             raise fault(self.document, (*path, "part"), f"a pick after {self.held} is placed")
         if not self.has_yaw and item.grasp_yaw_rad != 0.0:
-            raise fault(self.document, (*path, "grasp_yaw_rad"), "no yaw: the robot has no wrist")
+            raise fault(self.document, (*path, "grasp_yaw_rad"), self.no_yaw)
         self.held = item.part
         window = self._window(path, item, self.places[item.part][0])
         return Pick(
@@ -94,7 +99,11 @@ class _Task:
     def _target(self, path: Path, item: TargetDocument, free: bool = False) -> Target:
         """`free`: whether a target that says nothing of the yaw leaves it free."""
         if item.yaw_rad is not None and not self.has_yaw:
-            raise fault(self.document, (*path, "yaw_rad"), "no yaw: the robot has no wrist")
+            raise fault(self.document, (*path, "yaw_rad"), self.no_yaw)
+        for key in ("pitch_rad", "roll_rad"):
+            if key in item.model_fields_set and not self.has_tilt:
+                what = key.removesuffix("_rad")
+                raise fault(self.document, (*path, key), f"no {what}: only arms with five axes have one")
         if item.yaw_free and path[2] == "place":
             raise fault(self.document, (*path, "yaw_free"), "a yaw_rad: a part is placed as it has to lie")
         silent = item.yaw_rad is None and not item.yaw_free
@@ -104,7 +113,7 @@ class _Task:
         if item.body is not None and item.body == self.held:
             raise fault(self.document, (*path, "body"), "a body that is not in the gripper")
         frame, pose = resolve(self.document, path, item, item.yaw_rad or 0.0, list(self.frames), self.places)
-        return Target(frame, pose, yaw_free)
+        return Target(frame, pose, yaw_free, _asked(item.pitch_rad), _asked(item.roll_rad))
 
     def _window(self, path: Path, item: WindowedStep, frame: str) -> Window:
         for key, ends in (("window_s", item.window_s), ("window_m", item.window_m)):
@@ -132,6 +141,11 @@ class _Task:
         return tuple(names)
 
 
+def _asked(angle: float | str | None) -> float | None:
+    """The angle, rad; None where it is free."""
+    return angle if isinstance(angle, float) else None
+
+
 def _reversed(document: object, path: Path) -> str:
     """The two ends as they were written, in words."""
     _, ends = as_written(document, path)
@@ -139,8 +153,15 @@ def _reversed(document: object, path: Path) -> str:
 
 
 def steps_of(
-    document: object, task: Sequence[StepDocument], frames: dict[str, Frame], places: Places, has_yaw: bool
+    document: object,
+    task: Sequence[StepDocument],
+    frames: dict[str, Frame],
+    places: Places,
+    coordinates: tuple[str, ...],
 ) -> tuple[Step, ...]:
-    """The steps, in order. Raises `DocumentError` where a step asks for what is not there, or not in the gripper."""
-    reader = _Task(document, frames, dict(places), has_yaw)
+    """The steps, in order, for a robot with these coordinates.
+
+    Raises `DocumentError` where a step asks for what is not there, or not in the gripper.
+    """
+    reader = _Task(document, frames, dict(places), coordinates)
     return tuple(reader.step(i, item) for i, item in enumerate(task))

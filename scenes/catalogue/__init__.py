@@ -11,6 +11,7 @@ from scenes.catalogue.fanuc import SR_3IA
 from scenes.catalogue.mitsubishi import RH_6CRH6020, RH_6FRH5520
 from scenes.catalogue.mitsubishi_rp import RP_5AH
 from scenes.catalogue.papers import BENCHMARK_SCARA, FIUBA_SCARA, OVIEDO_SCARA
+from scenes.catalogue.rv_m1 import RV_M1
 from scenes.catalogue.textbook import ELBOW_ARM, LAB_SCARA, OLIER_SCARA, POLAR_ARM
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ ENTRIES: dict[str, Entry] = {
         LAB_SCARA,
         ELBOW_ARM,
         POLAR_ARM,
+        RV_M1,
     )
 }
 
@@ -44,7 +46,7 @@ def entry_of(model: str) -> Entry:
 @lru_cache(maxsize=len(ENTRIES))
 def arm_named(model: str) -> Arm:
     """The arm of a model, built once."""
-    from scenes.catalogue.arm import arm_of
+    from scenes.catalogue.of_entry import arm_of
 
     return arm_of(entry_of(model))
 

@@ -15,15 +15,14 @@ import numpy as np
 
 from planner.arrays import FloatArray, IntArray
 from planner.frames.motion import Pose
-from planner.robots import five_bar_links, scara, vertical_plane
+from planner.robots import five_axis_arm, five_bar_links, scara, vertical_plane
 from planner.robots.elbow_arm import ElbowArm
-from planner.robots.five_bar import PARALLEL_LEAST, FiveBar
+from planner.robots.five_axis_arm import FiveAxisArm
+from planner.robots.five_bar import FiveBar
 from planner.robots.polar_arm import PolarArm
 from planner.robots.protocol import Limits, Robot, RobotBody
 from planner.robots.scara import Scara
-from planner.shapes import AXES, Body, Piece, Primitive, box, cylinder
-from scenes.catalogue.entry import Axis, Entry, Family, FiveBarEntry, Number
-from scenes.units import TWIN_UNITS, to_si
+from scenes.catalogue.entry import Family
 
 JointKind = Literal["revolute", "prismatic"]
 SI_OF: dict[JointKind, str] = {"revolute": "rad", "prismatic": "m"}
@@ -77,6 +76,7 @@ LINKS: dict[Family, tuple[str, ...]] = {
     "elbow_arm": vertical_plane.LINKS,
     "polar_arm": vertical_plane.LINKS,
     "five_bar": five_bar_links.LINKS,
+    "five_axis_arm": five_axis_arm.LINKS,
 }
 """Names of the link frames of each family, in order."""
 AT_FLANGE = ("quill", "flange")
@@ -100,6 +100,7 @@ class Arm:
     family: Family = "scara"
     l1: float = 0.0
     l2: float = 0.0
+    l3: float = 0.0
     height: float = 0.0
     arms_rise: bool = False
     z_down: bool = False
@@ -121,6 +122,8 @@ class Arm:
             "self_pairs": self.self_pairs,
             "joint_names": names,
         }
+        if self.family == "five_axis_arm":
+            return FiveAxisArm(l1=self.l1, l2=self.l2, l3=self.l3, **shared)
         return PolarArm(**shared) if self.family == "polar_arm" else ElbowArm(l1=self.l1, l2=self.l2, **shared)
 
 
@@ -165,20 +168,6 @@ def limits_of(ranges: Sequence[tuple[float, float]], signs: Sequence[int], rates
     return Limits(lower, upper, *(np.array(rate) for rate in rates))
 
 
-def attached(
-    name: str, shape: Primitive, at: Sequence[float], yaw: float = 0.0, axis: Literal["x", "y", "z"] = "z"
-) -> Body:
-    """A body of one primitive at a pose in its carrier's frame; `axis`: along which the primitive's z lies."""
-    c, s = np.cos(yaw), np.sin(yaw)
-    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return Body(name, (Piece(shape, np.array(at), turn @ AXES[axis]),))
-
-
-def si(number: Number) -> float:
-    """A number of the catalogue in SI."""
-    return float(to_si(number.value, number.unit)) if number.unit in TWIN_UNITS else float(number.value)  # type: ignore[arg-type]
-
-
 def in_order(limits: Limits, conventions: Conventions) -> Limits:
     """Limits that are in the maker's order in the planner's."""
     order = np.argsort(places(conventions))
@@ -186,60 +175,3 @@ def in_order(limits: Limits, conventions: Conventions) -> Limits:
 
 
 LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk")
-
-
-def arm_of(entry: Entry) -> Arm:
-    """The arm of a catalogue entry."""
-    kinds, rise, zero = [axis.kind for axis in entry.axes], False, 0.0
-    own: tuple[int | None, ...] = (None,) * len(kinds)
-    if entry.family == "scara":
-        own, rise = order_of(kinds)
-    if entry.family in WITH_QUILL:
-        lift = entry.axes[kinds.index("prismatic")]
-        zero = 0.0 if lift.zero is None else si(lift.zero)
-    bodies = []
-    for solid in entry.solids:
-        size = [x / 1000 for x in solid.size]
-        lower = 0.0 if solid.link in AT_FLANGE else zero
-        at = (solid.at[0] / 1000, solid.at[1] / 1000, solid.at[2] / 1000 - lower)
-        shape = box(*size) if solid.kind == "box" else cylinder(*size)
-        bodies.append(RobotBody(attached(solid.name, shape, at), LINKS[entry.family].index(solid.link)))
-    conventions = tuple(
-        JointConvention(axis.name, axis.kind, axis.sign, place) for axis, place in zip(entry.axes, own, strict=True)
-    )
-    shared: dict[str, Any] = {
-        "name": entry.model,
-        "conventions": conventions,
-        "limits": in_order(_limits(entry.axes), conventions),
-        "zero_m": zero,
-        "bodies": tuple(bodies),
-        "self_pairs": entry.self_pairs,
-        "assumptions": entry.assumptions(),
-        "family": entry.family,
-    }
-    lengths = {name: si(number) for name, number in entry.lengths()}
-    if isinstance(entry, FiveBarEntry):
-        return FiveBarArm(
-            separation=lengths["separation"],
-            proximal=(lengths["l1"], lengths["l1"]),
-            distal=(lengths["l2"], lengths["l2"]),
-            assembly="front",
-            parallel_least=PARALLEL_LEAST,
-            **shared,
-        )
-    return Arm(
-        arms_rise=rise,
-        z_down=entry.tool_frame == "z_down",
-        l1=lengths.get("l1", 0.0),
-        l2=lengths.get("l2", 0.0),
-        height=lengths.get("height", 0.0),
-        **shared,
-    )
-
-
-def _limits(axes: tuple[Axis, ...]) -> Limits:
-    return limits_of(
-        [(si(axis.lower), si(axis.upper)) for axis in axes],
-        [axis.sign for axis in axes],
-        [[si(getattr(axis, name)) for axis in axes] for name in ("velocity", "acceleration", "jerk")],
-    )

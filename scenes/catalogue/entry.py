@@ -24,6 +24,7 @@ LinkName = Literal[
     "link1",
     "link2",
     "link3",
+    "link4",
     "quill",
     "flange",
     "proximal-left",
@@ -31,7 +32,7 @@ LinkName = Literal[
     "proximal-right",
     "distal-right",
 ]
-Family = Literal["scara", "elbow_arm", "polar_arm", "five_bar"]
+Family = Literal["scara", "elbow_arm", "polar_arm", "five_axis_arm", "five_bar"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +70,7 @@ class Solid:
 
     `at` is in the link's frame. Of a SCARA: mounting face for base, that face's height at the axis for link1 and link2,
     the flange for quill and flange. Of an arm whose links tilt: mounting face for base, shoulder for link1 and link2,
-    elbow or end of the ram for link3, the flange for flange; x along the link.
+    elbow or end of the ram for link3, pitch axis of the wrist for link4, the flange for flange; x along the link.
     """
 
     name: str
@@ -83,8 +84,9 @@ class Solid:
 class Entry:
     """An arm of the catalogue. Its axes are in the maker's order.
 
-    `l1`, `l2`: lengths of a SCARA's links, or of an elbow arm's upper arm and forearm; `height`: of the shoulder of an
-    arm whose links tilt, above the mounting face; `tool_frame`: which way the flange's z axis points.
+    `l1`, `l2`: lengths of a SCARA's links, or of an elbow arm's upper arm and forearm; `l3`: of a five-axis arm's hand,
+    from the pitch axis to the tool point; `height`: of the shoulder of an arm whose links tilt, above the mounting
+    face; `tool_frame`: which way the flange's z axis points.
     """
 
     model: str
@@ -98,12 +100,13 @@ class Entry:
     family: Family = "scara"
     l1: Number | None = None
     l2: Number | None = None
+    l3: Number | None = None
     height: Number | None = None
     tool_frame: Literal["z_up", "z_down"] = "z_up"
 
     def lengths(self) -> Iterator[tuple[str, Number]]:
         """Its lengths, by field."""
-        for name, number in (("l1", self.l1), ("l2", self.l2), ("height", self.height)):
+        for name, number in (("l1", self.l1), ("l2", self.l2), ("l3", self.l3), ("height", self.height)):
             if number is not None:
                 yield name, number
 
@@ -137,6 +140,7 @@ LENGTHS = {
     "separation": "distance of the crank axes",
     "l1": "length of link 1",
     "l2": "length of link 2",
+    "l3": "length of the hand",
     "height": "height of the shoulder",
 }
 
@@ -175,6 +179,15 @@ TILTING_PAIRS: tuple[tuple[LinkName, LinkName], ...] = (
     ("link2", "flange"),
 )
 """The same for arms whose links tilt: the turret carries link 2, link 2 carries link 3, link 3 the flange."""
+
+WRIST_PAIRS: tuple[tuple[LinkName, LinkName], ...] = (
+    *TILTING_PAIRS,
+    ("base", "link4"),
+    ("link1", "link4"),
+    ("link2", "link4"),
+    ("link3", "flange"),
+)
+"""The same for arms with a wrist: link 3 carries link 4, the hand, on which the flange rolls."""
 
 JERK_TIME_S = 0.02
 """Time in which an arm is taken to build up its full acceleration, s, since no maker publishes a jerk."""

@@ -116,6 +116,8 @@ def _forget_null(field: dict[str, Any]) -> None:
     if len(options) == 1:
         del field["anyOf"]
         field.update(options[0])
+    elif options:
+        field["anyOf"] = options
     if field.get("default", 0) is None:
         del field["default"]
 
@@ -128,6 +130,8 @@ def _twin_of_field(field: dict[str, Any]) -> dict[str, Any]:
     copy = {key: value for key, value in field.items() if key not in left_out}
     if isinstance(copy.get("items"), dict):
         copy["items"] = _twin_of_field(copy["items"])
+    if "anyOf" in copy:
+        copy["anyOf"] = [_twin_of_field(option) for option in copy["anyOf"]]
     return copy
 
 

@@ -43,6 +43,8 @@ class ArrivalDocument(Document):
     matched: bool
     along_m: Number | None
     window_left_s: Number | None
+    pitch_rad: Angle | None = None
+    roll_rad: Angle | None = None
 
 
 class CertificateDocument(Document):

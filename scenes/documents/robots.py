@@ -131,16 +131,30 @@ class FiveBarDocument(InlineArm):
     joints: Annotated[list[JointDocument], Field(min_length=2, max_length=4)]
 
 
+class FiveAxisArmDocument(InlineArm):
+    """An inline five-axis arm (base turn, shoulder, elbow, pitch, roll): height of the shoulder, lengths of upper arm,
+    forearm and hand, this from the pitch axis to the tool point."""
+
+    height_m: Coordinate
+    l1_m: Size
+    l2_m: Size
+    l3_m: Size
+    joints: Annotated[list[JointDocument], Field(min_length=5, max_length=5)]
+
+
 class RobotDocument(Document):
     """A robot in the cell."""
 
-    exactly_one: ClassVar[tuple[Group, ...]] = (("model", "scara", "elbow_arm", "polar_arm", "five_bar"),)
+    exactly_one: ClassVar[tuple[Group, ...]] = (
+        ("model", "scara", "elbow_arm", "polar_arm", "five_axis_arm", "five_bar"),
+    )
 
     model: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")] | None = None
     scara: ScaraDocument | None = None
     elbow_arm: ElbowArmDocument | None = None
     polar_arm: PolarArmDocument | None = None
     five_bar: FiveBarDocument | None = None
+    five_axis_arm: FiveAxisArmDocument | None = None
     tool: ToolDocument
     base: PoseDocument = PoseDocument(at_m=[0.0, 0.0, 0.0])
     limits: LimitsDocument = Field(default_factory=lambda: LimitsDocument.model_validate({}))

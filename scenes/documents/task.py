@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
+from pydantic_core import PydanticCustomError
 
 from scenes import bounds
 from scenes.documents.model import (
@@ -24,8 +26,24 @@ from scenes.documents.model import (
 Match = Literal["velocity", "position"]
 
 
+def _free_or_number(value: object) -> object:
+    """None for `free`, so that it means the same as silence; what a union would refuse once for each of its options is
+    refused once, in words."""
+    number = type(value) in (int, float) and -bounds.TURNS_RAD <= value <= bounds.TURNS_RAD  # type: ignore[operator]
+    if not (number or value == "free"):
+        largest = f"{bounds.TURNS_RAD:g} rad, {math.degrees(bounds.TURNS_RAD):.6g} deg"
+        raise PydanticCustomError("free_or_number", "not allowed", {"allowed": f"free, or a number up to {largest}"})
+    return value if number else None
+
+
+FreeAngle = Annotated[Angle | Literal["free"] | None, BeforeValidator(_free_or_number)]
+
+
 class TargetDocument(Document):
-    """A pose in a frame (the world if none is named), or relative to a body and in that body's frame."""
+    """A pose in a frame (the world if none is named), or relative to a body and in that body's frame.
+
+    `pitch_rad`, `roll_rad`: of the tool, for arms that have them; a number or `free`, which silence means, too.
+    """
 
     at_most_one: ClassVar[tuple[Group, ...]] = (("frame", "body"), ("yaw_rad", "yaw_free"))
 
@@ -34,6 +52,8 @@ class TargetDocument(Document):
     at_m: Point
     yaw_rad: Angle | None = None
     yaw_free: bool = False
+    pitch_rad: FreeAngle = None
+    roll_rad: FreeAngle = None
 
 
 class ArchDocument(Document):

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +52,15 @@ def test_a_plan_is_told_in_the_words_of_the_shop_and_checked(small_file: Path) -
     for word in ("MOVE", "move-1", "duration", "what binds", "smallest clearance", "post", "plan checked", "10218"):
         assert word in output
     assert errors == ""
+
+
+def test_arrivals_of_an_arm_with_five_axes_have_pitch_and_roll_and_others_have_not(small_file: Path) -> None:
+    code, output, _ = run("plan", "rv-m1")
+    assert code == RIGHT
+    head, arrival = next(pair for pair in pairwise(output.splitlines()) if pair[0].startswith("arrival"))
+    assert "yaw deg  pitch deg  roll deg" in head
+    assert arrival.split()[6:8] == ["-90.0", "20.0"]
+    assert "pitch" not in run("plan", str(small_file))[1]
 
 
 def test_a_request_that_is_not_planned_says_why_and_ends_with_one(far_file: Path) -> None:

@@ -75,6 +75,8 @@ def test_every_number_and_every_word_counts() -> None:
         "yaw_offset": 0.1,
         "along_m": 0.0,
         "window_left_s": None,
+        "pitch": 0.0,
+        "roll": 0.0,
     }
     assert set(arrived) == {field.name for field in fields(Arrival)}
     seen |= {of(arrivals=(replace(ARRIVALS[0], **{name: value}),)) for name, value in arrived.items()}

@@ -53,6 +53,7 @@ AUTHORITIES: dict[str, dict[str, Any]] = {
     "lab-scara": {"lengths": (0.22, 0.2)},
     "elbow-arm": {"lengths": (0.25, 0.232)},
     "polar-arm": {"lengths": (0.0, 0.0)},
+    "mitsubishi-rv-m1": {"lengths": (0.25, 0.16), "velocity": [x * RAD for x in (120, 72, 109, 100, 163)]},
 }
 SCARAS = sorted(model for model, entry in ENTRIES.items() if entry.family == "scara")
 

@@ -117,6 +117,8 @@ def test_legs_of_no_step_time_or_kind_are_refused(changes: dict[str, Any]) -> No
         {"yaw_offset": np.nan},
         {"along_m": np.nan},
         {"window_left_s": "long"},
+        {"pitch": np.nan},
+        {"roll": "flat"},
         {"control_point": None},
     ],
 )

@@ -14,8 +14,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from planner.arrays import FloatArray
+from planner.arrays import BoolArray, FloatArray
 from planner.frames.motion import Motion, Pose
+from planner.frames.tilted import TiltedMotion
 from planner.robots.differential import determinant, inverse_jacobian, transforms
 from planner.robots.protocol import Code, Limits, Robot
 from scenes.catalogue import ENTRIES, arm_named
@@ -36,8 +37,29 @@ READ: dict[str, Callable[[Motion], tuple[FloatArray, ...]]] = {
     "y": lambda m: (m.p[..., 1], m.v[..., 1]),
     "z": lambda m: (m.p[..., 2], m.v[..., 2]),
     "yaw": lambda m: (m.yaw, m.yaw_d),
+    "pitch": lambda m: (tilted(m).tilt[..., 0], tilted(m).tilt_d[..., 0]),
+    "roll": lambda m: (tilted(m).tilt[..., 1], tilted(m).tilt_d[..., 1]),
 }
-"""A task coordinate and its rate out of a motion of the flange. A robot with another coordinate needs a line here."""
+"""A task coordinate and its rate out of a motion of the flange. A robot with another coordinate needs a line here, and
+in `place_of`."""
+ANGLES = frozenset({"yaw", "pitch", "roll"})
+
+
+def tilted(motion: Motion) -> TiltedMotion:
+    assert isinstance(motion, TiltedMotion)
+    return motion
+
+
+def place_of(robot: Robot, q: FloatArray) -> FloatArray:
+    """Task coordinates (..., m) by `forward`; pitch and roll by the flange's rotation and its heading."""
+    p, yaw = robot.forward(q)
+    found = {"x": p[..., 0], "y": p[..., 1], "z": p[..., 2], "yaw": yaw}
+    if "pitch" in robot.coordinates:
+        x, y, z = np.moveaxis(robot.placements(q)[1][..., flange_of(robot), :, :], -1, 0)
+        ahead, level = np.stack([np.cos(yaw), np.sin(yaw)], -1), np.stack([-np.sin(yaw), np.cos(yaw)], -1)
+        found["pitch"] = np.arctan2(x[..., 2], (x[..., :2] * ahead).sum(-1))
+        found["roll"] = np.arctan2(-(z[..., :2] * level).sum(-1), (y[..., :2] * level).sum(-1))
+    return np.stack([found[name] for name in robot.coordinates], -1)
 
 
 @cache
@@ -101,26 +123,26 @@ def apart(robot: Robot, a: FloatArray, b: FloatArray) -> FloatArray:
 
 def off(robot: Robot, q: FloatArray, wanted: Motion) -> FloatArray:
     """How far (...) `forward` is from the flange that was asked in any coordinate the robot has, m or rad."""
-    p, yaw = robot.forward(q)
-    found = {"x": p[..., 0], "y": p[..., 1], "z": p[..., 2], "yaw": yaw}
-    differences = []
-    for name in robot.coordinates:
-        difference = found[name] - READ[name](wanted)[0]
-        differences.append(angle(difference) if name == "yaw" else np.abs(difference))
-    return np.asarray(np.max(differences, axis=0))
+    difference = place_of(robot, q) - np.stack([READ[name](wanted)[0] for name in robot.coordinates], -1)
+    return np.asarray(np.where(turning(robot), angle(difference), np.abs(difference)).max(-1))
+
+
+def turning(robot: Robot) -> BoolArray:
+    """Which of the task coordinates are angles."""
+    return np.array([name in ANGLES for name in robot.coordinates])
 
 
 def jacobian_error(robot: Robot, q: FloatArray) -> float:
     """The largest difference of `jacobian` from differences of `forward`, as a share of the row's largest entry."""
     wanted = np.zeros((len(q), len(robot.coordinates), len(robot.joints)))
+    turns = turning(robot)
+    centre = np.where(turns, place_of(robot, q), 0.0)
     for joint in range(len(robot.joints)):
         step = STEP * np.eye(len(robot.joints))[joint]
-        centre = robot.forward(q)[1]
         for k, weight in zip(range(-4, 5), STENCIL, strict=True):
-            p, yaw = robot.forward(q + k * step)
-            turned = np.angle(np.exp(1j * (yaw - centre)))  # a yaw may be counted from anywhere
-            read = {"x": p[:, 0], "y": p[:, 1], "z": p[:, 2], "yaw": turned}
-            wanted[:, :, joint] += weight * np.stack([read[name] for name in robot.coordinates], -1) / STEP
+            read = place_of(robot, q + k * step) - centre
+            read = np.where(turns, np.angle(np.exp(1j * read)), read)  # an angle may be counted from anywhere
+            wanted[:, :, joint] += weight * read / STEP
     size = np.maximum(1.0, np.abs(wanted).max((1, 2), keepdims=True))
     return float((np.abs(robot.jacobian(q) - wanted) / size).max())
 
@@ -263,7 +285,8 @@ def singular_states(robot: Robot, pairs: int = 4000) -> Singular:
     for row, name in enumerate(robot.coordinates):
         if name in "xyz":
             lost[:, "xyz".index(name)] = left[:, row, -1]
-    return Singular(q[alone], right[alone, -1], lost[alone])
+    lost = lost[alone] / np.linalg.norm(lost[alone], axis=1, keepdims=True)
+    return Singular(q[alone], right[alone, -1], lost)
 
 
 def named_by_geometry(robot: Robot, q: FloatArray, still: FloatArray, lost: FloatArray) -> tuple[Code, Code]:
@@ -272,7 +295,8 @@ def named_by_geometry(robot: Robot, q: FloatArray, still: FloatArray, lost: Floa
 
     ALIGNED: it stays where it is, however far. Else it is at an edge: the direction that is lost points from or to a
     joint's axis that stands still, and the flange only comes nearer to this axis (the outer edge, STRETCHED) or only
-    goes away from it (the inner one, FOLDED). With equal links the inner edge is the axis itself, a hole of no radius:
+    goes away from it (the inner one, FOLDED). A hand keeps its pitch meanwhile, so it is the wrist, at its other end,
+    that comes nearer or goes away. With equal links the inner edge is the axis itself, a hole of no radius:
     there the flange stays, too, and its place is INDETERMINATE.
     """
     elsewhere = q + 0.05 * np.linspace(1.0, 2.0, len(q))
@@ -281,6 +305,8 @@ def named_by_geometry(robot: Robot, q: FloatArray, still: FloatArray, lost: Floa
         frames[..., 2] = 0.0  # the height does not count
     tip = frames[:3, flange_of(robot)]
     stays = np.abs(tip - tip[1]).max() < 1e-9
+    if "pitch" in robot.coordinates:
+        tip = frames[:3, flange_of(robot) - 1]
     names = set()
     for origin in frames[1, np.abs(frames - frames[1]).max((0, 2)) < 1e-12]:  # of links that no joint moves
         away = np.linalg.norm(tip - origin, axis=1)

@@ -150,7 +150,9 @@ def written_out(model: str) -> dict[str, Any]:
     return found
 
 
-@pytest.mark.parametrize("model", ["elbow-arm", "polar-arm", "lab-scara", "olier-scara", "fanuc-sr-3ia"])
+@pytest.mark.parametrize(
+    "model", ["elbow-arm", "polar-arm", "mitsubishi-rv-m1", "lab-scara", "olier-scara", "fanuc-sr-3ia"]
+)
 def test_an_arm_of_the_catalogue_that_is_written_out_is_the_same_arm(model: str) -> None:
     document = written_out(model)
     inline_cell = cell_of(document)
@@ -215,6 +217,11 @@ def test_a_tool_in_a_frame_whose_z_points_down_hangs_below_the_flange() -> None:
         ("polar-arm", lambda arm: arm["joints"][2].update(range_mm=[-100, 300]), "robot"),
         ("polar-arm", lambda arm: arm.update(l1_mm=3), r"polar_arm\.l1_m"),
         ("elbow-arm", lambda arm: arm["joints"].pop(), r"elbow_arm\.joints"),
+        ("elbow-arm", lambda arm: arm["bodies"][0].update(link="link4"), r"elbow_arm\.bodies\[0\]\.link"),
+        ("mitsubishi-rv-m1", lambda arm: arm.pop("l3_mm"), r"five_axis_arm\.l3_m"),
+        ("mitsubishi-rv-m1", lambda arm: arm["bodies"][0].update(link="quill"), r"five_axis_arm\.bodies\[0\]\.link"),
+        ("mitsubishi-rv-m1", lambda arm: arm["joints"].pop(), r"five_axis_arm\.joints"),
+        ("mitsubishi-rv-m1", lambda arm: arm["joints"][4].update(zero_mm=3), r"joints\[4\]\.zero_m"),
         ("lab-scara", lambda arm: arm["bodies"][1].update(link="link3"), r"scara\.bodies\[1\]\.link"),
         ("lab-scara", lambda arm: arm.update(axis_order="rrpr"), r"scara\.joints\[1\]\.range_m"),
     ],

@@ -1,0 +1,75 @@
+"""With which pitch and roll a control point may be met: what is asked, and choices where that is free."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.errors import FaultError
+from planner.frames.motion import Motion
+from planner.frames.tilted import Tilt, TiltedMotion
+from planner.robots.protocol import Robot
+from planner.scene import Scene, Step, Target
+
+PATH_RAD = 1e-5
+"""Between knots pitch and roll leave their path by less than this, rad; the promise of glued legs is 1e-4."""
+PITCHES = 24
+"""Pitches that are tried where a control point leaves the pitch free, beside the one that the arm has: every 15°."""
+SAME_RAD = 1e-9
+"""Pitches nearer to each other than this are one: rounding."""
+
+
+def tilt_of(robot: Robot, q: FloatArray) -> Tilt | None:
+    """Pitch and roll, rad, of the arm's hand in the joint position q (n,); None for an arm that has none."""
+    none = np.zeros_like(q)
+    motion = robot.link_motion(robot.links.index("flange"), q, none, none, none)
+    if not isinstance(motion, TiltedMotion):
+        return None
+    pitch, roll = motion.tilt.tolist()
+    return pitch, roll
+
+
+def tilts(scene: Scene, step: Step, q: FloatArray) -> tuple[Tilt | None, ...]:
+    """Pitches and rolls with which an arm in the joint position q (n,) may go to a step's control point.
+
+    A free roll is kept; it turns nothing else. Of a free pitch the arm's own comes first, then others, nearest first.
+    An arm without them has one choice: None.
+    """
+    target = getattr(step, "target", None)
+    if "pitch" not in scene.robot.coordinates or not isinstance(target, Target):
+        return (None,)
+    now = tilt_of(scene.robot, q)
+    if now is None:
+        raise FaultError(f"{scene.robot.name} has a coordinate pitch, and none in its motion")
+    roll = now[1] if target.roll is None else target.roll
+    if target.pitch is not None:
+        return ((target.pitch, roll),)
+    grid = [2 * math.pi * k / PITCHES - math.pi for k in range(1, PITCHES + 1)]
+    away = {pitch: abs(math.remainder(pitch - now[0], 2 * math.pi)) for pitch in grid}
+    others = sorted((pitch for pitch in grid if away[pitch] > SAME_RAD), key=lambda pitch: (away[pitch], pitch))
+    return tuple((pitch, roll) for pitch in (now[0], *others))
+
+
+def tilt_off(robot: Robot, q: FloatArray, path: Motion) -> float:
+    """How far, rad, the hand in the joint positions q (T, n) is turned against the pitch and roll of its path at most;
+    0 for a path that has none."""
+    if not isinstance(path, TiltedMotion):
+        return 0.0
+    none = np.zeros_like(q)
+    motion = robot.link_motion(robot.links.index("flange"), q, none, none, none)
+    if not isinstance(motion, TiltedMotion):
+        raise FaultError(f"{robot.name} has no pitch and roll to keep to a path")
+    off = motion.tilt - path.tilt
+    return float(np.abs(off - 2 * np.pi * np.round(off / (2 * np.pi))).max())
+
+
+def pitch_free(scene: Scene, step: Step) -> bool:
+    """Whether a step leaves the pitch to choose, so that what was tried is not all there is."""
+    return "pitch" in scene.robot.coordinates and getattr(getattr(step, "target", None), "pitch", None) is None
+
+
+def roll_free(scene: Scene, step: Step) -> bool:
+    """Whether a step leaves the roll to choose."""
+    return "roll" in scene.robot.coordinates and getattr(getattr(step, "target", None), "roll", None) is None
