@@ -15,7 +15,7 @@ from planner.outcome import LegKind, Reason, Refusal
 from planner.phases import Carried, Phase, held, initial_rides, pair, resting_on, yaw_offsets
 from planner.range import out_of_range, whatever_the_yaw
 from planner.robots.protocol import Code
-from planner.scene import Pick, Place, Scene
+from planner.scene import Move, Pick, Place, Scene
 
 START_RATIO = 1e-9
 """A start velocity or acceleration may exceed its limit by this share: rounding of unit conversions."""
@@ -40,6 +40,8 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
         beyond = [out_of_range(scene, control_point(scene, number, rides, carried, turn)) for turn in turns]
         if all(r is not None and (offsets is not None or whatever_the_yaw(scene, r)) for r in beyond):
             return beyond[0]
+        if scene.options.blended and isinstance(step, Move) and step.via:
+            continue  # its pose is missed: that it collides there proves nothing
         found = [
             _point(scene, prover, control_point(scene, number, rides, carried, o), rides, carried)
             for o in (offsets if offsets is not None else (0.0,))

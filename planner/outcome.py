@@ -10,6 +10,7 @@ from enum import StrEnum
 
 from planner.arrays import FloatArray, IntArray
 from planner.frames.motion import Pose
+from planner.leeway import Contact, Margins
 from planner.trajectory import Trajectory
 
 
@@ -58,6 +59,15 @@ class Leg:
 
 
 @dataclass(frozen=True, slots=True)
+class Missed:
+    """By how much a parabolic blend misses its pose at its time: each joint (B3), rad or m in the robot's order, and
+    the tool point, m."""
+
+    joints: tuple[float, ...]
+    distance_m: float
+
+
+@dataclass(frozen=True, slots=True)
 class Arrival:
     """The tool point met a control point: `pose` of the tool point in the world at `time`.
 
@@ -65,6 +75,7 @@ class Arrival:
     `window_left_s`: time left in its window; `matched`: velocity matched, too. For a follow, pick or place `time` is
     when the glue begins and `until` when it ends (attach, detach); elsewhere until = time. `yaw_offset`: by how much
     the tool was turned about the part's vertical axis, where the part's symmetry (or a free yaw) leaves the choice.
+    `missed_by`: of a via with parabolic blends, whose `pose` is then where the tool is at `time`, beside its target.
     """
 
     step: int
@@ -76,6 +87,16 @@ class Arrival:
     yaw_offset: float = 0.0
     along_m: float | None = None
     window_left_s: float | None = None
+    missed_by: Missed | None = None
+
+
+COVERS = ("separation", "position", "velocity", "acceleration", "jerk")
+"""What a certificate covers: separation by its rows, the limits by the exact extrema of the trajectory it is of."""
+
+
+def covered(*, blended: bool) -> tuple[str, ...]:
+    """What the certificate of a plan covers: with parabolic blends all but the jerk, which has no bound."""
+    return COVERS[:-1] if blended else COVERS
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +121,7 @@ class Certificate:
     speed: FloatArray
     acceleration: FloatArray
     digest: str = ""
+    covers: tuple[str, ...] = COVERS
 
     def __len__(self) -> int:
         return len(self.t0)
@@ -155,50 +177,6 @@ class Census:
     candidates: int
     refused: int
     lines: tuple[CensusLine, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class JointPeak:
-    """Peaks of one joint over the plan (exact extrema, SI) and their ratios to the limits."""
-
-    joint: str
-    velocity: float
-    acceleration: float
-    jerk: float
-    velocity_ratio: float
-    acceleration_ratio: float
-    jerk_ratio: float
-
-
-@dataclass(frozen=True, slots=True)
-class Nearest:
-    """Where the arm comes closest to something: a proved lower bound of the distance `gap_m`, less contacts."""
-
-    gap_m: float
-    time: float
-    bodies: tuple[str, str]
-    phase: LegKind
-
-
-@dataclass(frozen=True, slots=True)
-class Contact:
-    """An allowed contact and the time for which it is allowed."""
-
-    bodies: tuple[str, str]
-    t0: float
-    t1: float
-
-
-@dataclass(frozen=True, slots=True)
-class Margins:
-    """How much is left. `binds`: the joint and kind of limit that is used most."""
-
-    peaks: tuple[JointPeak, ...]
-    binds: str
-    nearest: Nearest | None
-    tool_acceleration: float
-    tool_acceleration_limit: float | None
-    singularity: float
 
 
 @dataclass(frozen=True, eq=False)

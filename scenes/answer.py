@@ -10,13 +10,12 @@ import math
 from typing import Any, Literal
 
 from planner.errors import FaultError
+from planner.leeway import JointPeak, Margins
 from planner.outcome import (
     Arrival,
     Census,
     CensusLine,
     Certificate,
-    JointPeak,
-    Margins,
     NotPlanned,
     Outcome,
     Plan,

@@ -1,22 +1,22 @@
 """Times of a move with parabolic blends: as short as the limits of velocity and acceleration of all joints allow.
 
-What has to hold is E4 of `planner.timing.parabolic_blend`. With a given acceleration time 2τ, the same for all poses,
+What has to hold is B4 of `planner.timing.parabolic_blend`. With a given acceleration time 2τ, the same for all poses,
 every segment is as fast as the speeds of the joints allow,
 
-    T_k = max( 2τ, max_j |P_k − P_{k-1}|_j / V_j )                                                          (E5)
+    T_k = max( 2τ, max_j |P_k − P_{k-1}|_j / V_j )                                                          (B5)
 
 and the accelerations then are what they are: one that is too large is a refusal with its number.
 
 Else each pose gets the shortest acceleration time that its change of velocity needs,
 
-    2 τ_k = max_j |v_{k+1} − v_k|_j / A_j                                                                   (E6)
+    2 τ_k = max_j |v_{k+1} − v_k|_j / A_j                                                                   (B6)
 
-and only the segments are free. Slowing a motion down by a factor f divides velocities by f, and with them the τ_k, while
-the T_k grow by f. So for any proportions of the segments there is a least factor with which all of E4 holds,
+and only the segments are free. Slowing a motion down by a factor f divides velocities by f, and with them the τ_k,
+while the T_k grow by f. So for any proportions of the segments there is a least factor with which all of B4 holds,
 
-    f = max( max |P_k − P_{k-1}|/(V T_k),  max √((τ_{k-1} + τ_k)/T_k) )    duration = f Σ T_k + (τ_0 + τ_K)/f      (E7)
+    f = max( max |P_k − P_{k-1}|/(V T_k),  max √((τ_{k-1} + τ_k)/T_k) )    duration = f Σ T_k + (τ_0 + τ_K)/f      (B7)
 
-(above that f the duration only grows). A single segment has no proportions: E7 is then the shortest synchronous
+(above that f the duration only grows). A single segment has no proportions: B7 is then the shortest synchronous
 trapezoid. Of more segments the proportions are looked for one by one and in pairs, in steps that shrink from 50 % to
 0.2 %, always the best of a round: the same poses give the same times. That is a search, not a proof of the optimum.
 """
@@ -42,16 +42,21 @@ KEPT = 1e-9
 """Relative. An acceleration that exceeds its limit by less does so by rounding."""
 
 
-def fastest(poses: FloatArray, velocity: FloatArray, acceleration: FloatArray) -> ParabolicBlend:
-    """The move through `poses` (K+1, n) with acceleration times of its own choice (E6, E7); limits (n,)."""
+def fastest(
+    poses: FloatArray, velocity: FloatArray, acceleration: FloatArray, proportions: FloatArray | None = None
+) -> ParabolicBlend:
+    """The move through `poses` (K+1, n) with acceleration times of its own choice (B6, B7); limits (n,).
+
+    `proportions` (K,): of the segments' times, if they are known and not to be looked for.
+    """
     velocity, acceleration = velocity * (1 - RESERVE), acceleration * (1 - RESERVE)
     way = np.diff(poses, axis=0)
     need = np.abs(way) / velocity, np.abs(way) / acceleration
     least = np.maximum(need[0].max(1), 2 * LEAST_TAU)
-    segments = np.maximum(least, np.sqrt(need[1].max(1)))
+    segments = np.maximum(least, np.sqrt(need[1].max(1))) if proportions is None else proportions
     moves = _moves(len(way))
     best = _measured(way, least, acceleration, segments[None])[0][0]
-    for step in STEPS if len(way) > 1 else ():
+    for step in STEPS if len(way) > 1 and proportions is None else ():
         for _ in range(ROUNDS):
             tried = segments * np.exp(step * moves)
             durations = _measured(way, least, acceleration, tried)[0]
@@ -73,14 +78,14 @@ def _moves(count: int) -> FloatArray:
 def _measured(
     way: FloatArray, least: FloatArray, acceleration: FloatArray, segments: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """E6 and E7 for proportions (M, K): durations (M,), factors (M,), and τ (M, K+1) before they are scaled."""
+    """B6 and B7 for proportions (M, K): durations (M,), factors (M,), and τ (M, K+1) before they are scaled."""
     tau = _half_times(way, acceleration, segments)
     slow = np.maximum((least / segments).max(1), np.sqrt(((tau[:, 1:] + tau[:, :-1]) / segments).max(1)))
     return slow * segments.sum(1) + (tau[:, 0] + tau[:, -1]) / slow, slow, tau
 
 
 def _half_times(way: FloatArray, acceleration: FloatArray, segments: FloatArray) -> FloatArray:
-    """E6: τ (M, K+1) of segments (M, K)."""
+    """B6: τ (M, K+1) of segments (M, K)."""
     rate = way / segments[:, :, None]
     still = np.zeros_like(rate[:, :1])
     leap = np.diff(np.concatenate([still, rate, still], axis=1), axis=1)
@@ -121,7 +126,7 @@ class TooShort:
 def with_acceleration_time(
     poses: FloatArray, velocity: FloatArray, acceleration: FloatArray, acceleration_time: float
 ) -> ParabolicBlend | TooShort:
-    """The move through `poses` (K+1, n) whose acceleration times are all the given one, s (E5); limits (n,).
+    """The move through `poses` (K+1, n) whose acceleration times are all the given one, s (B5); limits (n,).
 
     Raises `InputError` for an acceleration time below 2 `LEAST_TAU`, or that is not a finite number.
     """
@@ -139,7 +144,7 @@ def with_acceleration_time(
 
 
 def _at_full_speed(poses: FloatArray, velocity: FloatArray, acceleration_time: float) -> ParabolicBlend:
-    """E5."""
+    """B5."""
     tau = np.full(len(poses), acceleration_time / 2)
     blends = tau[1:] + tau[:-1]
     segments = np.maximum((np.abs(np.diff(poses, axis=0)) / velocity).max(1), blends)

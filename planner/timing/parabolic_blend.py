@@ -3,21 +3,21 @@
 Poses P_0 … P_K, segment k of duration T_k from P_{k-1} to P_k with v_k = (P_k − P_{k-1})/T_k, and v_0 = v_{K+1} = 0.
 Pose k belongs to its nominal time t_k = τ_0 + T_1 + … + T_k, and half of its acceleration time is τ_k. With s = t − t_k
 
-    zone I,  |s| ≤ τ_k:  q = P_k − v_k (τ_k − s)²/4τ_k + v_{k+1} (τ_k + s)²/4τ_k                             (E1)
-    zone II, between:    q = P_k + v_{k+1} s                                                                (E2)
+    zone I,  |s| ≤ τ_k:  q = P_k − v_k (τ_k − s)²/4τ_k + v_{k+1} (τ_k + s)²/4τ_k                             (B1)
+    zone II, between:    q = P_k + v_{k+1} s                                                                (B2)
 
 so that q̇ goes linearly from v_k to v_{k+1}, and pose k is missed by
 
-    q(t_k) − P_k = τ_k (v_{k+1} − v_k)/4                                                                    (E3)
+    q(t_k) − P_k = τ_k (v_{k+1} − v_k)/4                                                                    (B3)
 
 The motion begins at rest in P_0 at the time 0, τ_0 before its nominal time, and ends at rest in P_K, τ_K behind that of
-the last pose: there E1 is at the pose. Velocity is continuous, acceleration jumps, the jerk has no bound.
+the last pose: there B1 is at the pose. Velocity is continuous, acceleration jumps, the jerk has no bound.
 
 What it keeps: in zone I a velocity lies between v_k and v_{k+1}, the acceleration is constant, and the parabola is the
 Bézier curve of P_k − τ_k v_k, P_k, P_k + τ_k v_{k+1}, which are on the polygon of the poses as long as the zones do not
 overlap. So with limits V, A and a range of each joint that holds all poses, all limits are kept if and only if
 
-    T_k ≥ τ_{k-1} + τ_k        |P_k − P_{k-1}| ≤ V T_k        |v_{k+1} − v_k| ≤ 2 τ_k A                     (E4)
+    T_k ≥ τ_{k-1} + τ_k        |P_k − P_{k-1}| ≤ V T_k        |v_{k+1} − v_k| ≤ 2 τ_k A                     (B4)
 
 for all segments, poses and joints (Source 004; its zones are not printed, docs/sources.md).
 """
@@ -29,15 +29,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import FloatArray
+from planner.blendable import LEAST_ACCELERATION_TIME_S
 from planner.errors import InputError
 
 SHORTEST = 1e-5
-"""s. The shortest straight piece; else zones meet. Over 10 µs, rounding of positions costs a velocity of 1e-10 rad/s and
-an acceleration of 1e-4 rad/s², where there should be none."""
+"""s. The shortest straight piece; else zones meet. Over 10 µs, rounding of positions costs a velocity of 1e-10 rad/s
+and an acceleration of 1e-4 rad/s², where there should be none."""
 MEETS = 1e-12
 """s. Zones that are no further apart, or overlap no more, meet: rounding of sums of times."""
-LEAST_TAU = 1e-3
-"""s. Half of the shortest acceleration time: over 2 ms, rounding of positions costs 1e-8 rad/s² of acceleration."""
+LEAST_TAU = LEAST_ACCELERATION_TIME_S / 2
+"""s. Half of the shortest acceleration time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +95,7 @@ class ParabolicBlend:
 
     @property
     def missed_by(self) -> FloatArray:
-        """E3 for each pose (K+1, n); zero for the first and the last, where the motion rests."""
+        """B3 for each pose (K+1, n); zero for the first and the last, where the motion rests."""
         missed = np.asarray(self.tau[:, None] * np.diff(self.velocities, axis=0) / 4)
         missed[0] = missed[-1] = 0.0
         return missed
