@@ -10,8 +10,9 @@ jumps (`planner.trajectory.jumps`). Its pieces are those that last; at a jump th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, partial
 from itertools import pairwise
 
 import numpy as np
@@ -39,7 +40,7 @@ class Trajectory:
     q: FloatArray
     qd: FloatArray
     qdd: FloatArray
-    jumps: bool = False
+    jumps: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         time = frozen(self.time, (None,), "trajectory.time")
@@ -58,9 +59,10 @@ class Trajectory:
         if self.jumps:
             doubled(self.time, self.q, self.qd, self.qdd)
 
-    def __reduce__(self) -> tuple[type[Trajectory], tuple[FloatArray | bool, ...]]:
+    def __reduce__(self) -> tuple[Callable[..., Trajectory], tuple[FloatArray, ...]]:
         """Between processes only the knots travel; they are validated again."""
-        return Trajectory, (self.time, self.q, self.qd, self.qdd, self.jumps)
+        made = partial(Trajectory, jumps=True) if self.jumps else Trajectory
+        return made, (self.time, self.q, self.qd, self.qdd)
 
     @property
     def n(self) -> int:
