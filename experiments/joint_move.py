@@ -161,7 +161,8 @@ def run() -> Result:
         handles = axes[0, 0].get_legend_handles_labels()
         top.legend(*handles, loc="outside upper center", ncols=3)
         path, radius = bottom.subplots(1, 2)
-        path.plot(1e3 * ruckig_xy[:, 0], 1e3 * ruckig_xy[:, 1], color=ORANGE, ls="--")
+        # the two paths are one line: the wider shows beside the narrower
+        path.plot(1e3 * ruckig_xy[:, 0], 1e3 * ruckig_xy[:, 1], color=ORANGE, lw=4)
         path.plot(1e3 * xy[:, 0], 1e3 * xy[:, 1], color=BLUE)
         path.plot(200, 200, "o", mfc="w", color=INK)
         path.plot(*point, "s", color=BLUE)

@@ -18,7 +18,7 @@ from planner.explanation import SEARCHED
 from planner.legs.blended import Station
 from planner.legs.control_point import control_point
 from planner.legs.meeting import meetings
-from planner.outcome import Refusal
+from planner.outcome import Reason, Refusal
 from planner.phases import yaw_offsets
 from planner.scene import Scene
 from planner.screening import screen
@@ -63,7 +63,7 @@ class BlendSearch(Search):
         if limit is not None:
             batch = batch[: max(0, limit - self.found.census.candidates)]
         drafts: list[Outline | Draft] = []
-        shapes = []
+        shapes, hopeless = [], self.scene.options.acceleration_time_s is not None and sampler.visits == 1
         for shape in batch:
             if time.perf_counter() >= self.deadline:
                 break
@@ -71,7 +71,9 @@ class BlendSearch(Search):
             made = blend_draft(self.scene, chain, shape)
             if isinstance(made, Refusal):
                 self.found.census.add(made)
+                hopeless &= made.reason is Reason.MOTION_LIMIT
                 continue
+            hopeless = False
             best = self.found.best
             if best is None or made.end < best.state.time:
                 drafts.append(made)
@@ -86,6 +88,9 @@ class BlendSearch(Search):
             else:
                 free.append(draft)
         self._prove(sorted(free, key=lambda draft: draft.end))
+        if hopeless:
+            # no direct way keeps the acceleration time: one with more poses would be found by chance, if at all
+            sampler.ways = ()
         return bool(batch)
 
     def _blend_sampler(self, chain: Chain) -> BlendSampler:
