@@ -23,8 +23,10 @@ from planner.outcome import Arrival
 from planner.scene import Scene
 
 BENT = 1e-6
-"""Relative. How much the acceleration may change over a piece, of the limit: what rounding of times and positions does
-to pieces of 10 µs; nobody can tell such a piece from a parabola."""
+"""Relative. How much the acceleration may change over a piece, of the limit; or, if that is more, by what rounding of
+positions does to a short piece (`UNITS`): over 10 µs some 1e-4 rad/s², where limits are some 10 rad/s²."""
+UNITS = 64
+"""Units in the last place of a position: an acceleration is 20 times the difference of two of them, over h²."""
 MISSED = 1e-9
 """rad or m. How far a claimed miss of a joint may be from ours: sums of a few terms of some radians."""
 
@@ -58,9 +60,9 @@ def _parabolas(scene: Scene, line: Spline) -> list[Finding]:
 
 
 def _rounding(line: Spline) -> FloatArray:
-    """What a unit in the last place of position and time does to the acceleration of each piece, (P, n)."""
-    place = np.abs(line.control[0]).max(-1) + np.abs(line.control[1]).max(-1) * np.abs(line.time).max()
-    return np.asarray(64 * np.finfo(np.float64).eps * place / line.length[:, None] ** 2)
+    """What some units in the last place of positions do to the acceleration of each piece, (P, n)."""
+    place = np.abs(line.control[0]).max(-1)
+    return np.asarray(UNITS * np.finfo(np.float64).eps * place / line.length[:, None] ** 2)
 
 
 def _accelerates(scene: Scene, line: Spline) -> FloatArray:

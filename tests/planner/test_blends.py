@@ -83,6 +83,9 @@ CELLS = {
         cell(go(0.3, 0.0, 0.15, 0.0, "belt", match="position", window=Window(along=(0.5, 0.7))), frames=(BELT,))
     ),
     "over a wall": lambda: blend(cell(go(0.4, -0.3), go(0.4, 0.3, name="b"), bodies=(wall(top=0.14),))),
+    "late on the clock": lambda: blend(
+        cell(go(0.4, 0.0, 0.15, via=True), go(0.3, -0.3, name="b"), time=54321.123), acceleration_time_s=0.25
+    ),
     "among": among,
 }
 

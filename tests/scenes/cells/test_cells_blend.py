@@ -93,9 +93,9 @@ def test_without_the_bars_the_elbow_stays_and_the_move_is_shorter() -> None:
     assert min(row[1] for row in found["trajectory"]["position"]) > 0
 
 
-def test_jerk_limited_the_same_cell_stops_nowhere_and_misses_nothing() -> None:
+def test_jerk_limited_the_same_move_misses_nothing_and_has_a_limit_of_jerk() -> None:
     request = request_of(timing="jerk_limited")
-    del request["options"]["acceleration_time_ms"]
+    del request["options"]["acceleration_time_ms"], request["bodies"]
     found = plan_document(request)
     assert found["status"] == "planned"
     assert found["margins"]["jerk"] == "limited"
