@@ -90,7 +90,7 @@ def plan(
         if checked:
             _hold_to_checker(given.check(answer))
     if checked and certificate == "digest":
-        answer["certificate"] = {key: answer["certificate"][key] for key in ("digest", "rows")}
+        answer["certificate"] = {key: answer["certificate"][key] for key in ("digest", "rows", "covers")}
     if out is not None:
         out.write_bytes(to_json(answer) + b"\n")
     if as_json:

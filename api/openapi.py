@@ -54,6 +54,7 @@ PLANNED_SCHEMA: dict[str, Any] = {
                     name: {"type": "array", "items": {"type": "array", "items": {"type": "number"}}}
                     for name in ("position", "velocity", "acceleration")
                 },
+                "acceleration_jumps": {"type": "boolean"},
             },
         },
         "arrivals": {"type": "array", "items": {"type": "object"}},

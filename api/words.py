@@ -145,7 +145,8 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
     head = ("arrival", ">at s", ">x mm", ">y mm", ">z mm", *(f">{key.removesuffix('_rad')} deg" for key in angles))
     arrivals = table(*head, ">along mm", ">window left s", "speed")
     for arrival in answer["arrivals"]:
-        along, left = arrival["along_m"], arrival["window_left_s"]
+        along, left, missed = arrival["along_m"], arrival["window_left_s"], arrival["missed_by"]
+        beside = "" if missed is None else f"missed by {1e3 * missed['distance_m']:.1f} mm"
         row(
             arrivals,
             arrival["control_point"],
@@ -154,14 +155,14 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
             *(f"{math.degrees(arrival[key]):.1f}" for key in angles),
             "" if along is None else f"{1e3 * along:.1f}",
             "" if left is None else f"{left:.3f}",
-            "matched" if arrival["matched"] else "",
+            "matched" if arrival["matched"] else beside,
         )
     yield from (arrivals, "")
     margins = answer["margins"]
     bound = answer["lower_bound_s"]
     least = f"; no plan takes less than {bound:.3f} s" if bound else ""
     yield f"duration            {answer['duration_s']:.3f} s{least}"
-    yield f"what binds          {margins['binds']}"
+    yield f"what binds          {margins['binds']}{'; the jerk is unbounded' * (margins['jerk'] == 'unbounded')}"
     nearest = margins["nearest"]
     yield "smallest clearance  " + (
         "nothing is near"

@@ -20,7 +20,7 @@ def completed(scene: Scene, chain: Chain) -> Plan | Refusal:
     if chain.knots is None:
         raise FaultError("a whole chain without knots")
     knots = chain.knots
-    trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
+    trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd, jumps=scene.options.blended)
     certificate = written(scene, trajectory, chain.legs, chain.arrivals, list(chain.proofs))
     plan = Plan(trajectory, chain.legs, chain.arrivals, certificate)
     verdict = check(scene, plan)

@@ -19,7 +19,7 @@ import numpy as np
 from planner.outcome import Arrival, Certificate, Leg
 from planner.trajectory import Trajectory
 
-FORMAT = "assur-plan-1"
+FORMAT = "assur-plan-2"
 """Changes whenever the meaning of a column, or the order of the items below, does."""
 
 REALS = ("t0", "t1", "normal", "gap0", "gap1", "speed", "acceleration")
@@ -52,14 +52,16 @@ def _items(
 ) -> Iterator[Any]:
     yield from (FORMAT, scene_digest, len(legs), len(arrivals), len(certificate.names))
     yield from (np.asarray(getattr(trajectory, name), dtype="<f8") for name in ("time", "q", "qd", "qdd"))
+    yield from (bool(trajectory.jumps), len(certificate.covers), *certificate.covers)
     for leg in legs:
         yield from (str(leg.kind), int(leg.step), float(leg.t0), float(leg.t1), leg.note)
     for arrival in arrivals:
         yield from (int(arrival.step), arrival.control_point, float(arrival.time), float(arrival.until))
         yield from (float(value) for value in (arrival.pose.x, arrival.pose.y, arrival.pose.z, arrival.pose.yaw))
         yield from (bool(arrival.matched), float(arrival.yaw_offset), arrival.along_m, arrival.window_left_s)
-        if arrival.pitch is not None or arrival.roll is not None:
-            yield from (arrival.pitch, arrival.roll)
+        yield from (arrival.pitch, arrival.roll)
+        missed = arrival.missed_by
+        yield None if missed is None else np.array([*missed.joints, missed.distance_m], dtype="<f8")
     yield from certificate.names
     yield from (np.asarray(getattr(certificate, name), dtype="<f8") for name in REALS)
     yield from (np.asarray(getattr(certificate, name), dtype="<i8") for name in INDICES)

@@ -17,7 +17,7 @@ from planner.outcome import LegKind, Reason, Refusal
 from planner.phases import Carried, Phase, held, initial_rides, pair, resting_on, yaw_offsets
 from planner.range import beyond_every_pitch, out_of_range, whatever_the_yaw
 from planner.robots.protocol import Code
-from planner.scene import Pick, Place, Scene
+from planner.scene import Move, Pick, Place, Scene
 
 START_RATIO = 1e-9
 """A start velocity or acceleration may exceed its limit by this share: rounding of unit conversions."""
@@ -49,6 +49,8 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
             return beyond[0]
         if roll_free(scene, step):
             continue  # at another roll a body on the flange may be elsewhere
+        if scene.options.blended and isinstance(step, Move) and step.via:
+            continue  # its pose is missed: that it collides there proves nothing
         found = [
             _point(scene, prover, control_point(scene, number, rides, carried, o, tilt), rides, carried)
             for o in (offsets if offsets is not None else (0.0,))

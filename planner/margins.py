@@ -7,14 +7,14 @@ import numpy as np
 from planner.arrays import FloatArray
 from planner.certificate import Prover
 from planner.gjk import separate
+from planner.leeway import Contact, JointPeak, Margins, Nearest
 from planner.loops import has_loop
-from planner.outcome import Contact, JointPeak, Margins, Nearest
 from planner.phases import Phase, pair
 from planner.scene import Scene
 from planner.separation import likely_gaps, place, rough_gaps
 from planner.solids import COVER, Carriers, Solids, carriers, standing
 from planner.tool_motion import carrying_peak, tool_peak
-from planner.trajectory import Trajectory, check_limits
+from planner.trajectory import LimitCheck, Trajectory, check_limits
 
 INSTANTS = 64
 """Times at which the smallest clearance and the tool's acceleration are looked for."""
@@ -29,18 +29,12 @@ FINER = 65
 def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Margins:
     """The margins of a plan. Peaks are exact extrema; clearance and tool acceleration are looked for at times."""
     limits = scene.robot.limits
-    report = check_limits(trajectory, limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk)
-    kinds = (report.velocity, report.acceleration, report.jerk)
+    jerk = None if scene.options.blended else limits.jerk
+    report = check_limits(trajectory, limits.lower, limits.upper, limits.velocity, limits.acceleration, jerk)
+    kinds = report.checks[1:]
     tops = [np.maximum(np.abs(kind.lower), np.abs(kind.upper)) for kind in kinds]
-    peaks = tuple(
-        JointPeak(
-            joint.name,
-            *(float(top[i]) for top in tops),
-            *(float(kind.ratio[i]) for kind in kinds),
-        )
-        for i, joint in enumerate(scene.robot.joints)
-    )
-    names = ("velocity", "acceleration", "jerk")
+    peaks = tuple(_peak(joint.name, kinds, tops, i) for i, joint in enumerate(scene.robot.joints))
+    names = ("velocity", "acceleration", "jerk")[: len(kinds)]
     ratio, joint, kind = max(
         (float(report_kind.ratio[i]), peak.joint, name)
         for name, report_kind in zip(names, kinds, strict=True)
@@ -61,7 +55,17 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         tool_acceleration_limit=limit,
         singularity=float(scene.robot.margin(q).min()),
         parallel=float(scene.robot.parallel_margin(q).min()) if has_loop(scene.robot) else None,
+        jerk="limited" if report.jerk is not None else "unbounded",
     )
+
+
+def _peak(joint: str, kinds: tuple[LimitCheck, ...], tops: list[FloatArray], i: int) -> JointPeak:
+    """The peaks of joint number i; no jerk where it was not asked."""
+    (v, a, *j), (v_ratio, a_ratio, *j_ratio) = (
+        [float(top[i]) for top in tops],
+        [float(kind.ratio[i]) for kind in kinds],
+    )
+    return JointPeak(joint, v, a, j[0] if j else None, v_ratio, a_ratio, j_ratio[0] if j_ratio else None)
 
 
 def nearest(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Nearest | None:

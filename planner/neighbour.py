@@ -35,8 +35,8 @@ class TrajectoryLaw(KnownLaw):
     this is sharp for ω; for ω̇ the robot's bound holds the turning too, and gives √(ω̇² + ω⁴) rather than |ω̇|.
 
     Raises `InputError` for a link that the robot has not, a robot with links that tilt, a trajectory of another number
-    of joints, or one that does not begin and end at rest, or on which a robot with a loop is not proved to stay
-    assembled. Not checked: that the trajectory keeps the robot's limits.
+    of joints, one whose acceleration jumps, one that does not begin and end at rest, or one on which a robot with a
+    loop is not proved to stay assembled. Not checked: that the trajectory keeps the robot's limits.
     """
 
     robot: Robot
@@ -54,6 +54,10 @@ class TrajectoryLaw(KnownLaw):
         if self.robot.tilting:
             allowed = "an arm whose links stay upright: every frame of a cell turns about the vertical only"
             raise InputError("neighbour.robot", self.robot.name, allowed)
+        if self.trajectory.jumps:
+            raise InputError(
+                "neighbour.trajectory", "jumps in acceleration", "a trajectory without, as frames have none"
+            )
         for end, rests in (("start", self.trajectory.rest_at_start), ("end", self.trajectory.rest_at_end)):
             if not rests:
                 raise InputError(f"neighbour.trajectory.{end}", "in motion", "at rest: no velocity, no acceleration")

@@ -10,6 +10,7 @@ from enum import StrEnum
 
 from planner.arrays import FloatArray, IntArray
 from planner.frames.motion import Pose
+from planner.leeway import Contact, Margins
 from planner.trajectory import Trajectory
 
 
@@ -60,6 +61,15 @@ class Leg:
 
 
 @dataclass(frozen=True, slots=True)
+class Missed:
+    """By how much a parabolic blend misses its pose at its time: each joint (B3), rad or m in the robot's order, and
+    the tool point, m."""
+
+    joints: tuple[float, ...]
+    distance_m: float
+
+
+@dataclass(frozen=True, slots=True)
 class Arrival:
     """The tool point met a control point: `pose` of the tool point in the world at `time`.
 
@@ -67,7 +77,8 @@ class Arrival:
     `window_left_s`: time left in its window; `matched`: velocity matched, too. For a follow, pick or place `time` is
     when the glue begins and `until` when it ends (attach, detach); elsewhere until = time. `yaw_offset`: by how much
     the tool was turned about the part's vertical axis, where the part's symmetry (or a free yaw) leaves the choice.
-    `pitch`, `roll`: with which the tool met it, rad; None for an arm that has none.
+    `pitch`, `roll`: with which the tool met it, rad; None for an arm that has none. `missed_by`: of a via with
+    parabolic blends, whose `pose` is where the tool is at `time`, while pitch and roll are those of the pose it misses.
     """
 
     step: int
@@ -81,6 +92,16 @@ class Arrival:
     window_left_s: float | None = None
     pitch: float | None = None
     roll: float | None = None
+    missed_by: Missed | None = None
+
+
+COVERS = ("separation", "position", "velocity", "acceleration", "jerk")
+"""What a certificate covers: separation by its rows, the limits by the exact extrema of the trajectory it is of."""
+
+
+def covered(*, blended: bool) -> tuple[str, ...]:
+    """What the certificate of a plan covers: with parabolic blends all but the jerk, which has no bound."""
+    return COVERS[:-1] if blended else COVERS
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +126,7 @@ class Certificate:
     speed: FloatArray
     acceleration: FloatArray
     digest: str = ""
+    covers: tuple[str, ...] = COVERS
 
     def __len__(self) -> int:
         return len(self.t0)
@@ -160,51 +182,6 @@ class Census:
     candidates: int
     refused: int
     lines: tuple[CensusLine, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class JointPeak:
-    """Peaks of one joint over the plan (exact extrema, SI) and their ratios to the limits."""
-
-    joint: str
-    velocity: float
-    acceleration: float
-    jerk: float
-    velocity_ratio: float
-    acceleration_ratio: float
-    jerk_ratio: float
-
-
-@dataclass(frozen=True, slots=True)
-class Nearest:
-    """Where the arm comes closest to something: a proved lower bound of the distance `gap_m`, less contacts."""
-
-    gap_m: float
-    time: float
-    bodies: tuple[str, str]
-    phase: LegKind
-
-
-@dataclass(frozen=True, slots=True)
-class Contact:
-    """An allowed contact and the time for which it is allowed."""
-
-    bodies: tuple[str, str]
-    t0: float
-    t1: float
-
-
-@dataclass(frozen=True, slots=True)
-class Margins:
-    """How much is left. `binds`: the joint and kind of limit used most. `parallel`: None without a loop."""
-
-    peaks: tuple[JointPeak, ...]
-    binds: str
-    nearest: Nearest | None
-    tool_acceleration: float
-    tool_acceleration_limit: float | None
-    singularity: float
-    parallel: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ import math
 import time
 from dataclasses import dataclass
 
+from planner.blend_search import searcher
 from planner.census import Counter
 from planner.certificate import Prover
 from planner.explanation import leading, sentence
@@ -20,7 +21,7 @@ from planner.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Plann
 from planner.phases import phases, yaw_offsets
 from planner.relaxation import relax, worth_trying
 from planner.scene import Scene
-from planner.search import Found, Search
+from planner.search import Found
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +34,9 @@ class _Clock:
 
 
 def plan(scene: Scene, *, adaptive: bool = True, started: float | None = None) -> Outcome:
-    """A jerk-limited trajectory through the scene's control points, proved free of collision, or why there is none.
+    """A trajectory through the scene's control points, proved free of collision, or why there is none.
+
+    It is jerk-limited, unless the scene's timing is `parabolic_blend`.
 
     `started`: the reading of `time.perf_counter` from which the budget counts (None: now); a caller that has built the
     scene for this request says when it began.
@@ -46,7 +49,7 @@ def plan(scene: Scene, *, adaptive: bool = True, started: float | None = None) -
     never = start_impossible(scene, prover)
     if never is not None:
         return _not_planned(scene, clock, never, Counter().census(), proved=True, cut=False, deepest=never.step)
-    found = Search(scene, prover, clock.started, adaptive=adaptive).run()
+    found = searcher(scene, prover, clock.started, adaptive=adaptive).run()
     if found.never is not None:
         census = found.census.census()
         return _not_planned(scene, clock, found.never, census, proved=True, cut=False, deepest=found.never.step)

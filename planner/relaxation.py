@@ -9,12 +9,13 @@ import time
 from collections.abc import Iterator
 from dataclasses import replace
 
+from planner.blend_search import searcher
 from planner.certificate import Prover
 from planner.errors import InputError
 from planner.frames import Conveyor
 from planner.outcome import Reason, Refusal, Relaxation
 from planner.scene import WORLD, Clearance, Follow, Move, Pick, Place, Scene, Step, Window
-from planner.search import Found, Search
+from planner.search import Found
 
 ATTEMPT_S = 1.0
 """Longest time for one change, s."""
@@ -42,7 +43,7 @@ def relax(scene: Scene, step: int, blocker: str | None, deadline: float) -> tupl
 
 def _attempt(scene: Scene, budget: float) -> Found:
     options = replace(scene.options, stop="first", budget_s=budget)
-    return Search(replace(scene, options=options), Prover(scene), time.perf_counter()).run()
+    return searcher(replace(scene, options=options), Prover(scene), time.perf_counter()).run()
 
 
 def _reached(found: Found, what: str, value: str, step: int) -> str:
@@ -55,10 +56,17 @@ def _reached(found: Found, what: str, value: str, step: int) -> str:
 
 
 def changes(scene: Scene, step: int, blocker: str | None) -> Iterator[tuple[str, str, Scene]]:
-    """Changes in order: window, budget, elbow, pitch, match, dwell, belt speed, clearance, margin, a body left out."""
+    """Changes in order: window, acceleration time, budget, elbow, pitch, match, dwell, belt speed, clearance, margin,
+    a body left out."""
     what, options = scene.task[step], scene.options
     if what.window != Window():
         yield "window", "open", _step(scene, step, replace(what, window=Window()))
+    if options.acceleration_time_s is not None:
+        yield (
+            "acceleration time",
+            "left to the planner",
+            replace(scene, options=replace(options, acceleration_time_s=None)),
+        )
     yield (
         "budget",
         f"{4 * options.budget_s:g} s",

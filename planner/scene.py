@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from planner.arrays import FloatArray, frozen
+from planner.blendable import refuse_acceleration_time, refuse_unblendable
 from planner.errors import InputError
 from planner.frames.fixed import Fixed
 from planner.frames.law import Frame
@@ -120,6 +121,14 @@ class Options:
     stay_safe_s: float = 0.0
     latest_end_s: float | None = None
     """The motion must have ended by this time, s."""
+    timing: Literal["jerk_limited", "parabolic_blend"] = "jerk_limited"
+    """`parabolic_blend`: joint moves whose acceleration jumps and whose vias are missed (equations B1 to B7)."""
+    acceleration_time_s: float | None = None
+    """How long each blend lasts, s; None: each as short as the limits allow."""
+
+    @property
+    def blended(self) -> bool:
+        return self.timing == "parabolic_blend"
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,6 +176,9 @@ class Scene:
                 raise InputError(f"task[{i}].arch", step.arch.top_m, allowed)
         self._check_hands()
         self._check_wrist()
+        refuse_acceleration_time(self.options.timing, self.options.acceleration_time_s)
+        if self.options.blended:
+            refuse_unblendable(self.task, self.frames, moving=self.start.moving, end=self.options.end)
 
     def _check_wrist(self) -> None:
         """An arm that cannot turn its tool at will cannot lay down a part as it should lie."""

@@ -4,7 +4,8 @@ On one piece a function f lies within h²/8 max|f''| of the straight line betwee
 interval of length h (equation W1). For |C q̇| that needs C q⃛, for |C q̈| the fourth derivative, which is all but zero
 on a joint leg, for q the acceleration: each from the hull of the whole piece (Bernstein coefficients), and never more
 than that hull itself. An interval that spans pieces is a part of its first, whole pieces, and a part of its last; over
-the whole ones the largest hull is read from a table of running maxima over 1, 2, 4, … pieces.
+the whole ones the largest hull is read from a table of running maxima over 1, 2, 4, … pieces. Nothing is asked of
+what happens between two pieces: where the acceleration jumps each side is bounded by its own piece.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ class _Tables:
 
     def part(self, trajectory: Trajectory, piece: IntArray, a: FloatArray, b: FloatArray) -> FloatArray:
         """Bounds (N, c) over [a, b] (N,), each within one piece."""
-        pieces, tau = np.stack([piece, piece]), np.stack([a, b]) - trajectory.time[piece]
+        pieces, tau = np.stack([piece, piece]), np.stack([a, b]) - trajectory.edges[piece]
         q, qd, qdd = trajectory.states_on_piece(pieces, tau)
         rates = [np.abs(x @ self.rate_matrix.T).max(0) for x in (qd, qdd)]
         ends = np.concatenate([*rates, q.max(0), -q.min(0)], -1)
@@ -112,12 +113,12 @@ def sweep(trajectory: Trajectory, t0: FloatArray, t1: FloatArray, rate_matrix: F
     a = np.minimum(np.maximum(t0, trajectory.start), trajectory.end)
     b = np.minimum(np.maximum(t1, trajectory.start), trajectory.end)
     first = trajectory.piece(a)[0]
-    last = np.maximum(np.minimum(trajectory.time.searchsorted(b, "left") - 1, len(trajectory.steps) - 1), first)
-    bound = tables.part(trajectory, first, a, np.minimum(b, trajectory.time[first + 1]))
+    last = np.maximum(np.minimum(trajectory.edges.searchsorted(b, "left") - 1, len(trajectory.steps) - 1), first)
+    bound = tables.part(trajectory, first, a, np.minimum(b, trajectory.edges[first + 1]))
     more = np.flatnonzero(last > first)
     if len(more):
         tail = last[more]
-        bound[more] = np.maximum(bound[more], tables.part(trajectory, tail, trajectory.time[tail], b[more]))
+        bound[more] = np.maximum(bound[more], tables.part(trajectory, tail, trajectory.edges[tail], b[more]))
         between = more[last[more] > first[more] + 1]
         if len(between):
             bound[between] = np.maximum(bound[between], tables.span(first[between] + 1, last[between] - 1))

@@ -48,7 +48,7 @@ def options(scene: Scene, chain: Chain, found: list[tuple[float, Meetings]], mos
                 branch.qdd[rows],
                 limits.velocity,
                 limits.acceleration,
-                limits.jerk,
+                None if scene.options.blended else limits.jerk,
             )
             least = np.atleast_1d(least)
             first, grain = float(least.min()), 0.0

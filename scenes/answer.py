@@ -9,14 +9,15 @@ from __future__ import annotations
 import math
 from typing import Any, Literal
 
+import numpy as np
+
 from planner.errors import FaultError
+from planner.leeway import JointPeak, Margins
 from planner.outcome import (
     Arrival,
     Census,
     CensusLine,
     Certificate,
-    JointPeak,
-    Margins,
     NotPlanned,
     Outcome,
     Plan,
@@ -26,6 +27,7 @@ from planner.outcome import (
 from scenes.build.cell import Cell
 from scenes.catalogue.arm import as_maker
 from scenes.documents.request import SCHEMA
+from scenes.numbers import interval, number, optional
 
 Detail = Literal["full", "digest"]
 
@@ -63,29 +65,29 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "status": "planned",
-        "duration_s": _number(plan.trajectory.end - plan.trajectory.start),
-        "start_s": _number(plan.trajectory.start),
+        "duration_s": number(plan.trajectory.end - plan.trajectory.start),
+        "start_s": number(plan.trajectory.start),
         "trajectory": trajectory_document(cell, plan),
-        "arrivals": [_arrival(arrival) for arrival in plan.arrivals],
+        "arrivals": [_arrival(cell, arrival) for arrival in plan.arrivals],
         "legs": [
             {
                 "kind": str(leg.kind),
                 "step": int(leg.step),
-                "from_s": _number(leg.t0),
-                "to_s": _number(leg.t1),
+                "from_s": number(leg.t0),
+                "to_s": number(leg.t1),
                 "note": leg.note,
             }
             for leg in plan.legs
         ],
         "contacts": [
-            {"bodies": list(contact.bodies), "from_s": _number(contact.t0), "to_s": _number(contact.t1)}
+            {"bodies": list(contact.bodies), "from_s": number(contact.t0), "to_s": number(contact.t1)}
             for contact in outcome.contacts
         ],
         "margins": _margins(outcome.margins),
-        "lower_bound_s": _optional(outcome.lower_bound_s),
+        "lower_bound_s": optional(outcome.lower_bound_s),
         "certificate": certificate_document(plan.certificate, detail),
         "census": _census(outcome.census),
-        "first_s": _optional(outcome.first_s),
+        "first_s": optional(outcome.first_s),
         **_common(cell, outcome),
     }
 
@@ -101,9 +103,9 @@ def _not_planned(cell: Cell, outcome: NotPlanned) -> dict[str, Any]:
         "refusal": None if outcome.refusal is None else _refusal(outcome.refusal),
         "relaxation": None
         if relaxation is None
-        else {"what": relaxation.what, "value": relaxation.value, "duration_s": _optional(relaxation.duration_s)},
+        else {"what": relaxation.what, "value": relaxation.value, "duration_s": optional(relaxation.duration_s)},
         "tried": list(outcome.tried),
-        "details": {key: _optional(value) for key, value in outcome.details.items()},
+        "details": {key: optional(value) for key, value in outcome.details.items()},
         "census": _census(outcome.census),
         **_common(cell, outcome),
     }
@@ -113,7 +115,7 @@ def _common(cell: Cell, outcome: Outcome) -> dict[str, Any]:
     return {
         "assumptions": list(outcome.assumptions),
         "seed": int(outcome.seed),
-        "elapsed_s": _number(outcome.elapsed_s),
+        "elapsed_s": number(outcome.elapsed_s),
         "cut_by_clock": bool(outcome.cut_by_clock),
         "request_digest": cell.scene.digest,
         "notice": NOTICE,
@@ -135,12 +137,13 @@ def trajectory_document(cell: Cell, plan: Plan) -> dict[str, Any]:
         "joint_units": [joint.unit for joint in cell.conventions],
         "time_s": trajectory.time.tolist(),
         **{key: values.tolist() for key, values in written.items()},
+        "acceleration_jumps": bool(trajectory.jumps),
     }
 
 
 def certificate_document(certificate: Certificate, detail: Detail) -> dict[str, Any]:
-    """The proof: digest and number of rows, and the columns if asked in full."""
-    head = {"digest": certificate.digest, "rows": len(certificate)}
+    """The proof: digest, number of rows, what it covers, and the columns if asked in full."""
+    head = {"digest": certificate.digest, "rows": len(certificate), "covers": list(certificate.covers)}
     if detail == "digest":
         return head
     columns: dict[str, Any] = {"names": list(certificate.names)}
@@ -149,25 +152,31 @@ def certificate_document(certificate: Certificate, detail: Detail) -> dict[str, 
     for name, key in REALS.items():
         values = getattr(certificate, name).tolist()
         if name in MAY_BE_INFINITE:
-            values = [None if value == math.inf else _number(value) for value in values]
+            values = [None if value == math.inf else number(value) for value in values]
         columns[key] = values
     return {**head, **columns}
 
 
-def _arrival(arrival: Arrival) -> dict[str, Any]:
-    tilt = {"pitch_rad": arrival.pitch, "roll_rad": arrival.roll}
+def _arrival(cell: Cell, arrival: Arrival) -> dict[str, Any]:
+    missed, tilt = arrival.missed_by, {"pitch_rad": arrival.pitch, "roll_rad": arrival.roll}
     return {
         "control_point": arrival.control_point,
         "step": int(arrival.step),
-        "time_s": _number(arrival.time),
-        "until_s": _number(arrival.until),
-        "at_m": [_number(x) for x in (arrival.pose.x, arrival.pose.y, arrival.pose.z)],
-        "yaw_rad": _number(arrival.pose.yaw),
-        "yaw_offset_rad": _number(arrival.yaw_offset),
+        "time_s": number(arrival.time),
+        "until_s": number(arrival.until),
+        "at_m": [number(x) for x in (arrival.pose.x, arrival.pose.y, arrival.pose.z)],
+        "yaw_rad": number(arrival.pose.yaw),
+        "yaw_offset_rad": number(arrival.yaw_offset),
         "matched": bool(arrival.matched),
-        "along_m": None if arrival.along_m is None else _number(arrival.along_m),
-        "window_left_s": None if arrival.window_left_s is None else _number(arrival.window_left_s),
-        **{key: _number(angle) for key, angle in tilt.items() if angle is not None},
+        "along_m": None if arrival.along_m is None else number(arrival.along_m),
+        "window_left_s": None if arrival.window_left_s is None else number(arrival.window_left_s),
+        "missed_by": None
+        if missed is None
+        else {
+            "joints": [number(x) for x in as_maker(np.array(missed.joints), cell.conventions).tolist()],
+            "distance_m": number(missed.distance_m),
+        },
+        **{key: number(angle) for key, angle in tilt.items() if angle is not None},
     }
 
 
@@ -179,23 +188,25 @@ def _margins(margins: Margins) -> dict[str, Any]:
         "nearest": None
         if nearest is None
         else {
-            "gap_m": _number(nearest.gap_m),
-            "time_s": _number(nearest.time),
+            "gap_m": number(nearest.gap_m),
+            "time_s": number(nearest.time),
             "bodies": list(nearest.bodies),
             "phase": str(nearest.phase),
         },
-        "tool_acceleration_m_s2": _optional(margins.tool_acceleration),
-        "tool_acceleration_limit_m_s2": _optional(margins.tool_acceleration_limit),
-        "singularity": _optional(margins.singularity),
-        "parallel": _optional(margins.parallel),
+        "tool_acceleration_m_s2": optional(margins.tool_acceleration),
+        "tool_acceleration_limit_m_s2": optional(margins.tool_acceleration_limit),
+        "singularity": optional(margins.singularity),
+        "parallel": optional(margins.parallel),
+        "jerk": margins.jerk,
     }
 
 
 def _peak(peak: JointPeak) -> dict[str, Any]:
     found: dict[str, Any] = {"joint": peak.joint}
     for name in ("velocity", "acceleration", "jerk"):
-        found[name] = _number(getattr(peak, name))
-        found[f"{name}_ratio"] = _number(getattr(peak, f"{name}_ratio"))
+        for key in (name, f"{name}_ratio"):
+            value = getattr(peak, key)
+            found[key] = None if value is None else number(value)
     return found
 
 
@@ -214,9 +225,9 @@ def _line(line: CensusLine) -> dict[str, Any]:
         "step": int(line.step),
         "bodies": list(line.bodies),
         "count": int(line.count),
-        "interval_s": _interval(line.interval),
-        "least": _optional(line.least),
-        "most": _optional(line.most),
+        "interval_s": interval(line.interval),
+        "least": optional(line.least),
+        "most": optional(line.most),
         "unit": line.unit,
         "detail": line.detail,
     }
@@ -228,24 +239,8 @@ def _refusal(refusal: Refusal) -> dict[str, Any]:
         "reason": str(refusal.reason),
         "step": int(refusal.step),
         "bodies": list(refusal.bodies),
-        "interval_s": _interval(refusal.interval),
-        "amount": _optional(refusal.amount),
+        "interval_s": interval(refusal.interval),
+        "amount": optional(refusal.amount),
         "unit": refusal.unit,
         "detail": refusal.detail,
     }
-
-
-def _interval(interval: tuple[float, float] | None) -> list[float | None] | None:
-    return None if interval is None else [_optional(x) for x in interval]
-
-
-def _number(value: float) -> float:
-    """A number that a plan depends on. Raises `FaultError` if it is none."""
-    if not math.isfinite(value):
-        raise FaultError("an answer holds a number that is not finite")
-    return float(value)
-
-
-def _optional(value: float | None) -> float | None:
-    """A number that only informs: null where there is none."""
-    return float(value) if value is not None and math.isfinite(value) else None

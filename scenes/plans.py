@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from planner.checker.verdict import Code, Finding
-from planner.outcome import Arrival, Certificate, Leg, LegKind, Plan
+from planner.outcome import Arrival, Certificate, Leg, LegKind, Missed, Plan
 from scenes.answer import INDICES, REALS
 from scenes.build.frames import placed
 from scenes.build.neighbours import trajectory_of
-from scenes.catalogue.arm import Conventions
-from scenes.documents.plans import CertificateDocument, PlanDocument
+from scenes.catalogue.arm import Conventions, converted
+from scenes.documents.plans import CertificateDocument, MissedDocument, PlanDocument
 from scenes.documents.read import read
 from scenes.faults import Path, fault
 
@@ -36,7 +36,7 @@ def plan_of(plan: object, conventions: Conventions) -> tuple[Plan, tuple[Finding
         if plan.get("status") == "not_planned":
             raise fault(root, (*PLAN, "status"), REFUSAL)
         certificate = plan.get("certificate")
-        if isinstance(certificate, dict) and set(certificate) == {"digest", "rows"}:
+        if isinstance(certificate, dict) and set(certificate) == {"digest", "rows", "covers"}:
             raise fault(root, (*PLAN, "certificate"), "the certificate in full, as certificate=full gives it")
     document = read(PlanDocument, plan, PLAN)
     made = Plan(
@@ -55,12 +55,22 @@ def plan_of(plan: object, conventions: Conventions) -> tuple[Plan, tuple[Finding
                 window_left_s=a.window_left_s,
                 pitch=a.pitch_rad,
                 roll=a.roll_rad,
+                missed_by=_missed(root, i, a.missed_by, conventions),
             )
-            for a in document.arrivals
+            for i, a in enumerate(document.arrivals)
         ),
         certificate=_certificate(root, document.certificate),
     )
     return made, _untrue(document)
+
+
+def _missed(root: object, i: int, item: MissedDocument | None, conventions: Conventions) -> Missed | None:
+    if item is None:
+        return None
+    if len(item.joints) != len(conventions):
+        path = (*PLAN, "arrivals", i, "missed_by", "joints")
+        raise fault(root, path, f"{len(conventions)} numbers, one for each joint")
+    return Missed(tuple(converted(np.array(item.joints, dtype=np.float64), conventions).tolist()), item.distance_m)
 
 
 def _untrue(document: PlanDocument) -> tuple[Finding, ...]:
@@ -89,4 +99,4 @@ def _certificate(root: object, item: CertificateDocument) -> Certificate:
         else:
             columns[name] = np.array([math.inf if v is None else v for v in values], dtype=np.float64)
     columns["normal"] = columns["normal"].reshape(-1, 3)
-    return Certificate(names=tuple(item.names), digest=item.digest, **columns)
+    return Certificate(names=tuple(item.names), digest=item.digest, covers=tuple(item.covers), **columns)

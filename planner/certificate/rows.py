@@ -8,7 +8,7 @@ import numpy as np
 
 from planner.arrays import FloatArray, IntArray
 from planner.digest import digest
-from planner.outcome import Arrival, Certificate, Leg
+from planner.outcome import Arrival, Certificate, Leg, covered
 from planner.scene import Scene
 from planner.solids import Solids
 from planner.trajectory import Trajectory
@@ -77,5 +77,6 @@ def written(
         gap1=column("gap1"),
         speed=column("speed"),
         acceleration=column("acceleration"),
+        covers=covered(blended=scene.options.blended),
     )
     return replace(certificate, digest=digest(scene.digest, trajectory, legs, arrivals, certificate))

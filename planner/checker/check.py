@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from planner.checker.arch import arches
+from planner.checker.blends import blends
 from planner.checker.carry import carried
 from planner.checker.cover import uncovered
 from planner.checker.enclosure import enclosed
@@ -60,6 +61,7 @@ def check(scene: Scene, plan: Plan) -> Verdict:
         return Verdict.of(findings + disorder)
     goals = targets(scene, plan.arrivals)
     findings += meetings(scene, line, plan.legs, plan.arrivals, goals) + arches(scene, line, plan.legs)
+    findings += blends(scene, line, plan.arrivals, goals)
     findings += windows(scene, plan.arrivals, goals) + glued(scene, swept, plan.legs, goals)
     findings += straight(scene, swept, plan.legs, plan.arrivals)
     of_plan = phases(scene, plan.legs, plan.arrivals)

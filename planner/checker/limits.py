@@ -26,11 +26,15 @@ KINDS = ("position", "velocity", "acceleration", "jerk")
 
 
 def limits(scene: Scene, line: Spline) -> list[Finding]:
-    """One finding for each kind of limit and joint that is broken, with the worst excess found and when."""
+    """One finding for each kind of limit and joint that is broken, with the worst excess found and when.
+
+    With parabolic blends the jerk has no bound, and is not looked at: the certificate says so (`blends`).
+    """
     given = scene.robot.limits
     half, middle = (given.upper - given.lower) / 2, (given.upper + given.lower) / 2
     findings = []
-    for kind, control in enumerate(line.control):
+    asked = line.control[:3] if scene.options.blended else line.control
+    for kind, control in enumerate(asked):
         limit = (half, given.velocity, given.acceleration, given.jerk)[kind]
         allowed = limit * (1 + (JERK if kind == 3 else RATE))
         centred = control - (middle if kind == 0 else np.zeros_like(middle))[:, None]

@@ -9,7 +9,7 @@ import numpy as np
 from planner.arrays import FloatArray
 from planner.checker.order import TIME_S
 from planner.checker.spline import Spline
-from planner.checker.targets import Target, asks_rest, asks_velocity, may_turn
+from planner.checker.targets import Target, asks_passing, asks_rest, asks_velocity, may_turn
 from planner.checker.tilt import tilt, tilt_rates, turned_by, wrapped
 from planner.checker.verdict import Code, Finding
 from planner.frames.motion import Motion, Pose
@@ -77,13 +77,17 @@ def _met(scene: Scene, line: Spline, arrival: Arrival, target: Target) -> list[F
     tool, goal = tool_motion(scene, line, times), target.motion(scene, times)
     findings = []
     where = f"{arrival.time:.6g} s"
-    off = float(np.sqrt(((tool.p - goal.p) ** 2).sum(-1)).max())
+    missed = scene.options.blended and asks_passing(step)  # checker.blends says by how much
+    off = 0.0 if missed else float(np.sqrt(((tool.p - goal.p) ** 2).sum(-1)).max())
     if not off <= MEET_M:
         findings.append(Finding(Code.ARRIVAL, f"the tool is not at {name}", off, "m", where))
-    off = float(np.abs(wrapped(tool.yaw - goal.yaw)).max()) if target.turns else 0.0
+    off = float(np.abs(wrapped(tool.yaw - goal.yaw)).max()) if target.turns and not missed else 0.0
     if not off <= MEET_RAD:
         findings.append(Finding(Code.ARRIVAL, f"the tool is turned against {name}", off, "rad", where))
-    findings += _tilted(scene, line, arrival, target)
+    if not missed:
+        findings += tilted(scene, line.state(times)[0], arrival, target)
+    if arrival.matched or asks_velocity(step):
+        findings += _tilting(scene, line, arrival, target)
     off = _apart(arrival.pose, tool)
     if not off <= MEET_M:
         findings.append(Finding(Code.ARRIVAL, f"the arrival at {name} says another pose", off, "m or rad", where))
@@ -103,29 +107,37 @@ def _met(scene: Scene, line: Spline, arrival: Arrival, target: Target) -> list[F
     return findings
 
 
-def _tilted(scene: Scene, line: Spline, arrival: Arrival, target: Target) -> list[Finding]:
-    """Whether the hand has the pitch and roll that are asked, and that the arrival says; and keeps them if matched."""
-    name, robot, where = target.step.name, scene.robot, f"{arrival.time:.6g} s"
+def tilted(scene: Scene, q: FloatArray, arrival: Arrival, target: Target) -> list[Finding]:
+    """Whether the hand has, in the joint positions q (T, n), the pitch and roll that are asked and that the arrival
+    says."""
+    name, where = target.step.name, f"{arrival.time:.6g} s"
     if target.tilt is None:
         if arrival.pitch is None and arrival.roll is None:
             return []
         return [Finding(Code.ARRIVAL, f"the arrival at {name} says a pitch or a roll, which the arm has not")]
     if arrival.pitch is None or arrival.roll is None:
         return [Finding(Code.ARRIVAL, f"the arrival at {name} does not say pitch and roll")]
-    q, qd = line.state(np.array([arrival.time, arrival.until]))[:2]
-    found, findings = tilt(robot, q), []
+    found, findings = tilt(scene.robot, q), []
     for what, asked in (
         ("is tilted or rolled against", target.tilt),
-        ("has not the pitch and roll that are said at", None),
+        ("has not the pitch and roll that are said at", (arrival.pitch, arrival.roll)),
     ):
-        amount = float(turned_by(found, np.array(asked or (arrival.pitch, arrival.roll))).max())
+        amount = float(turned_by(found, np.array(asked)).max())
         if not amount <= MEET_RAD:
             findings.append(Finding(Code.ARRIVAL, f"the tool {what} {name}", amount, "rad", where))
-    if arrival.matched or asks_velocity(target.step):
-        fast = float(np.abs(tilt_rates(robot, q, qd)[0]).max())
-        if not fast <= MEET_RAD_S:
-            findings.append(Finding(Code.MATCH, f"the tool tilts or rolls when it meets {name}", fast, "rad/s", where))
     return findings
+
+
+def _tilting(scene: Scene, line: Spline, arrival: Arrival, target: Target) -> list[Finding]:
+    """Whether a hand that meets its control point with its velocity keeps its pitch and roll there."""
+    if target.tilt is None:
+        return []
+    q, qd = line.state(np.array([arrival.time, arrival.until]))[:2]
+    fast = float(np.abs(tilt_rates(scene.robot, q, qd)[0]).max())
+    if fast <= MEET_RAD_S:
+        return []
+    what = f"the tool tilts or rolls when it meets {target.step.name}"
+    return [Finding(Code.MATCH, what, fast, "rad/s", f"{arrival.time:.6g} s")]
 
 
 def _apart(pose: Pose, tool: Motion) -> float:

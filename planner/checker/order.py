@@ -37,13 +37,13 @@ def ends(scene: Scene, ranges: Ranges) -> list[Finding]:
     findings = []
     line, start, options = ranges.spline, scene.start, scene.options
     given = (np.array([start.time]), start.q, start.qd, start.qdd)
-    have = (line.time[:1], *(control[0, :, 0] for control in line.control[:3]))
+    have = (line.time[:1], *line.first)
     for name, one, other, unit in zip(("time", "q", "qd", "qdd"), given, have, ("s", "1", "1/s", "1/s²"), strict=True):
         off = float(np.abs(one - other).max())
         if not off <= START:
             findings.append(Finding(Code.START, f"the first knot has another {name} than the start", off, unit))
     if options.end == "rest" and not line.at_rest:
-        fastest = max(float(np.abs(control[-1, :, -1]).max()) for control in line.control[1:3])
+        fastest = max(float(np.abs(rate).max()) for rate in line.last[1:])
         findings.append(Finding(Code.END, "the last knot is not at rest", fastest - REST, "1/s, 1/s²"))
     if options.latest_end_s is not None and not line.end <= options.latest_end_s + TIME_S:
         findings.append(Finding(Code.END, "the motion ends too late", line.end - options.latest_end_s, "s"))

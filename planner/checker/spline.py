@@ -4,6 +4,9 @@ Over a piece of length h, with s from 0 to 1, a derivative of degree d is Σ c_i
 c_d at its ends and nowhere leaves [min c, max c]; the part of it over [s0, s1] has control values of its own, by de
 Casteljau's cuts, that lie closer. The control values of q follow from the knots; each derivative's are d/h times the
 differences, taken from q1 − q0 directly so that the rounding of q does not reach the jerk more than it must.
+
+Two knots at one time, of a plan with parabolic blends, are no piece: one piece ends with the first of them, the next
+begins with the second, and everything that is bounded here is bounded piece by piece, on both sides of the jump.
 """
 
 from __future__ import annotations
@@ -21,11 +24,15 @@ State = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 @dataclass(frozen=True, eq=False)
 class Spline:
-    """Control values of q, q̇, q̈, q⃛ over the pieces between `time` (K,): `control[d]` (K-1, n, 6 - d)."""
+    """Control values of q, q̇, q̈, q⃛ over the pieces between `time` (P+1,): `control[d]` (P, n, 6 - d).
+
+    `first`, `last`: q, q̇, q̈ (n,) of the outermost knots, which a jump sets apart from the outermost pieces."""
 
     time: FloatArray
     length: FloatArray
     control: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+    first: tuple[FloatArray, FloatArray, FloatArray]
+    last: tuple[FloatArray, FloatArray, FloatArray]
 
     @property
     def start(self) -> float:
@@ -41,7 +48,8 @@ class Spline:
         return piece, np.clip((t - self.time[piece]) / self.length[piece], 0.0, 1.0)
 
     def state(self, t: FloatArray) -> State:
-        """q, q̇, q̈, q⃛ at times t (T,), each (T, n). If the last knot is at rest, the arm stands still from there on."""
+        """q, q̇, q̈, q⃛ at times t (T,), each (T, n), from the right. If the last knot is at rest, the arm stands still
+        from there on."""
         q, *rates = self.inside(*self.place(t))
         if self.at_rest:
             rates = [np.where((t >= self.end)[:, None], 0.0, rate) for rate in rates]
@@ -58,7 +66,7 @@ class Spline:
     @property
     def at_rest(self) -> bool:
         """Whether the last knot is at rest up to `REST`."""
-        return all(bool((np.abs(control[-1, :, -1]) <= REST).all()) for control in self.control[1:3])
+        return all(bool((np.abs(rate) <= REST).all()) for rate in self.last[1:])
 
 
 REST = 1e-9
@@ -66,19 +74,23 @@ REST = 1e-9
 
 
 def spline(time: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> Spline:
-    """The spline through knots `time` (K,) with `q, qd, qdd` (K, n)."""
-    length = time[1:] - time[:-1]
+    """The spline through knots `time` (K,), not decreasing, and `q, qd, qdd` (K, n); what lasts no time is no piece."""
+    begin = np.flatnonzero(time[1:] > time[:-1])
+    end = begin + 1
+    length = time[end] - time[begin]
     h = length[:, None]
-    step, v0, v1, a0, a1 = q[1:] - q[:-1], qd[:-1], qd[1:], qdd[:-1], qdd[1:]
+    step, v0, v1, a0, a1 = q[end] - q[begin], qd[begin], qd[end], qdd[begin], qdd[end]
     out, back = h * v0 / 5, h * v1 / 5
-    position = [q[:-1], q[:-1] + out, q[:-1] + 2 * out + h * h * a0 / 20]
-    position += [q[1:] - 2 * back + h * h * a1 / 20, q[1:] - back, q[1:]]
+    position = [q[begin], q[begin] + out, q[begin] + 2 * out + h * h * a0 / 20]
+    position += [q[end] - 2 * back + h * h * a1 / 20, q[end] - back, q[end]]
     middle = 5 * step / h - 2 * (v0 + v1) + h * (a1 - a0) / 4
     velocity = np.stack([v0, v0 + h * a0 / 4, middle, v1 - h * a1 / 4, v1], -1)
     inner = 4 * np.diff(velocity[..., 1:4], axis=-1) / h[..., None]
     acceleration = np.concatenate([a0[..., None], inner, a1[..., None]], -1)
     jerk = 3 * np.diff(acceleration, axis=-1) / h[..., None]
-    return Spline(time, length, (np.stack(position, -1), velocity, acceleration, jerk))
+    control = (np.stack(position, -1), velocity, acceleration, jerk)
+    edges = np.append(time[begin], time[-1])
+    return Spline(edges, length, control, (q[0], qd[0], qdd[0]), (q[-1], qd[-1], qdd[-1]))
 
 
 def basis(s: FloatArray, degree: int) -> FloatArray:

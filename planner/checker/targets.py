@@ -92,3 +92,8 @@ def asks_rest(step: Step) -> bool:
     if isinstance(step, Move):
         return step.match == "position" and not step.via
     return isinstance(step, Pick | Place) and step.match == "position"
+
+
+def asks_passing(step: Step) -> bool:
+    """Whether the tool passes its control point without stopping."""
+    return isinstance(step, Move) and step.via

@@ -24,6 +24,8 @@ class Code(StrEnum):
     WINDOW = "WINDOW"
     ARCH = "ARCH"
     CARRY = "CARRY"
+    BLEND = "BLEND"
+    """Of a plan with parabolic blends: no parabola, not the asked acceleration time, not missed as it says."""
     LAW_ENDS = "LAW_ENDS"
     ROW = "ROW"
     """A row of the certificate that means nothing: unknown body, no such piece, outside or across phases."""

@@ -40,5 +40,5 @@ def rates(scene: Scene, stage: str, step: int, knots: Knots) -> Rates | Refusal:
         span = (float(knots.time[0]), float(knots.time[-1]))
         detail = f"{what.name} is beyond its limit"
         return Refusal(stage, Reason.JOINT_LIMIT, step, (what.name,), span, max(below, above), unit, detail)
-    velocity, acceleration, jerk = (float(k.ratio.max()) for k in (report.velocity, report.acceleration, report.jerk))
+    velocity, acceleration, jerk = (float(k.ratio.max()) for k in report.checks[1:])
     return Rates(velocity, acceleration, jerk, report.ok)

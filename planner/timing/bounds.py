@@ -46,23 +46,24 @@ def least_duration(
     a1: FloatArray,
     velocity: FloatArray,
     acceleration: FloatArray,
-    jerk: FloatArray,
+    jerk: FloatArray | None,
 ) -> FloatArray:
     """A lower bound of the duration of any motion between two states within the limits, (...), s.
 
     The greatest over the joints of: the time-optimal double integrator in (position, velocity) under V and A; the
     same in (velocity, acceleration) under A and J; and equation P3 for joints that are at rest at both ends, which is
-    then the minimum itself. Each drops a constraint, so none exceeds the minimum.
+    then the minimum itself. Each drops a constraint, so none exceeds the minimum. `jerk` None: no jerk is limited, and
+    the first of the three is all that is true.
 
     Arguments: states (..., n), limits (n,) or (..., n); all broadcast. States beyond the limits, or NaN, give NaN
     or a number without meaning: they have no motion.
     """
     states = (q0, v0, a0, q1, v1, a1)
     q0, v0, a0, q1, v1, a1 = (np.asarray(state, dtype=np.float64) for state in states)
-    bound = np.maximum(
-        _double_integrator(q1 - q0, v0, v1, velocity, acceleration),
-        _double_integrator(v1 - v0, a0, a1, acceleration, jerk),
-    )
+    bound = _double_integrator(q1 - q0, v0, v1, velocity, acceleration)
+    if jerk is None:
+        return np.asarray(bound.max(-1) * (1 - ROUNDING))
+    bound = np.maximum(bound, _double_integrator(v1 - v0, a0, a1, acceleration, jerk))
     still = (v0 == 0) & (v1 == 0) & (a0 == 0) & (a1 == 0)
     rest = rest_to_rest_time(q1 - q0, velocity, acceleration, jerk)
     return np.asarray(np.where(still, rest, bound).max(-1) * (1 - ROUNDING))

@@ -40,16 +40,17 @@ class LimitCheck:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LimitReport:
-    """All four kinds."""
+    """All four kinds; `jerk` is None where it was not asked."""
 
     position: LimitCheck
     velocity: LimitCheck
     acceleration: LimitCheck
-    jerk: LimitCheck
+    jerk: LimitCheck | None
 
     @property
-    def checks(self) -> tuple[LimitCheck, LimitCheck, LimitCheck, LimitCheck]:
-        return self.position, self.velocity, self.acceleration, self.jerk
+    def checks(self) -> tuple[LimitCheck, ...]:
+        asked = self.position, self.velocity, self.acceleration
+        return asked if self.jerk is None else (*asked, self.jerk)
 
     @property
     def ok(self) -> bool:
@@ -60,13 +61,13 @@ def _bands(
     trajectory: Trajectory, lower: FloatArray, upper: FloatArray, rates: tuple[FloatArray, ...]
 ) -> tuple[tuple[FloatArray, FloatArray, float], ...]:
     """Per kind the band [low, high] (n,) and the relative tolerance."""
-    for name, limit in zip(("lower", "upper", *KINDS[1:]), (lower, upper, *rates), strict=True):
+    for name, limit in zip(("lower", "upper", *KINDS[1:]), (lower, upper, *rates), strict=False):
         if np.shape(limit) != (trajectory.n,) or not np.isfinite(limit).all():
             raise InputError(f"limits.{name}", limit, f"{trajectory.n} finite numbers")
     if not (lower < upper).all() or not all((rate > 0).all() for rate in rates):
         raise InputError("limits", (lower, upper, *rates), "lower below upper, and rates above zero")
     bands = [(lower, upper, LIMIT_TOLERANCE)]
-    bands += [(-r, r, tol) for r, tol in zip(rates, (LIMIT_TOLERANCE, LIMIT_TOLERANCE, JERK_TOLERANCE), strict=True)]
+    bands += [(-r, r, tol) for r, tol in zip(rates, (LIMIT_TOLERANCE, LIMIT_TOLERANCE, JERK_TOLERANCE), strict=False)]
     return tuple(bands)
 
 
@@ -76,13 +77,15 @@ def keeps_limits(
     upper: FloatArray,
     velocity: FloatArray,
     acceleration: FloatArray,
-    jerk: FloatArray,
+    jerk: FloatArray | None,
 ) -> bool:
     """Whether all limits are kept; what `check_limits(...).ok` says, from hulls where they suffice."""
-    for kind, (low, high, tol) in enumerate(_bands(trajectory, lower, upper, (velocity, acceleration, jerk))):
+    rates = (velocity, acceleration) if jerk is None else (velocity, acceleration, jerk)
+    for kind, (low, high, tol) in enumerate(_bands(trajectory, lower, upper, rates)):
         hull = trajectory.bernstein(kind)
         slack = tol * (high - low) / 2
-        if (hull.max((0, 2)) <= high + slack).all() and (hull.min((0, 2)) >= low - slack).all():
+        smooth = kind < 3 or not trajectory.jumps
+        if smooth and (hull.max((0, 2)) <= high + slack).all() and (hull.min((0, 2)) >= low - slack).all():
             continue
         least, most = trajectory.extrema(kind)
         if not ((most <= high + slack).all() and (least >= low - slack).all()):
@@ -96,15 +99,17 @@ def check_limits(
     upper: FloatArray,
     velocity: FloatArray,
     acceleration: FloatArray,
-    jerk: FloatArray,
+    jerk: FloatArray | None,
 ) -> LimitReport:
     """Exact extremes of position, velocity, acceleration and jerk against the limits, each (n,), SI.
 
-    Accepted within `LIMIT_TOLERANCE` and `JERK_TOLERANCE`, nothing else. Raises `InputError` for limits that are not
+    Accepted within `LIMIT_TOLERANCE` and `JERK_TOLERANCE`, nothing else. `jerk` None: not asked; where an acceleration
+    jumps no jerk limit is kept. Raises `InputError` for limits that are not
     n finite numbers, lower below upper, rates positive.
     """
     checks = []
-    for kind, (low, high, tol) in enumerate(_bands(trajectory, lower, upper, (velocity, acceleration, jerk))):
+    rates = (velocity, acceleration) if jerk is None else (velocity, acceleration, jerk)
+    for kind, (low, high, tol) in enumerate(_bands(trajectory, lower, upper, rates)):
         least, most = trajectory.extrema(kind)
         middle, half = (low + high) / 2, (high - low) / 2
         slack = tol * half
@@ -112,7 +117,7 @@ def check_limits(
         ok = bool((most <= high + slack).all() and (least >= low - slack).all())
         where = (None, None) if ok else first_break(trajectory, kind, low - slack, high + slack)
         checks.append(LimitCheck(KINDS[kind], least, most, ratio, ok, *where))
-    return LimitReport(*checks)
+    return LimitReport(checks[0], checks[1], checks[2], checks[3] if jerk is not None else None)
 
 
 def first_break(
@@ -133,7 +138,7 @@ def first_break(
                     found.append((s, joint))
         if found:
             s, joint = min(found)
-            return joint, float(trajectory.time[k] + s * trajectory.steps[k])
+            return joint, float(trajectory.edges[k] + s * trajectory.steps[k])
     return None, None
 
 

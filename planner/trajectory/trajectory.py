@@ -3,12 +3,16 @@
 It is what ROS 2's joint_trajectory_controller runs from points with positions, velocities and accelerations, so
 whatever is proved here holds for what moves. A piecewise cubic with a knot at every jump of its jerk is reproduced
 exactly. Times are strictly increasing; q, q̇ and q̈ are continuous, the jerk jumps at knots.
+
+A trajectory that says so (`jumps`: parabolic blends) may hold two knots at one time, with the same q and q̇, where q̈
+jumps (`planner.trajectory.jumps`). Its pieces are those that last; at a jump the one to the right counts.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, partial
 from itertools import pairwise
 
 import numpy as np
@@ -17,36 +21,32 @@ from planner.arrays import FloatArray, IntArray, frozen
 from planner.errors import FaultError, InputError
 from planner.trajectory.extremum import span
 from planner.trajectory.hermite import hulls, powers
+from planner.trajectory.joining import clipped, joined, meet
+from planner.trajectory.jumps import doubled
 from planner.trajectory.rounding import defect, moved, settled
-
-MEETING_TIME = 1e-9
-"""s. Trajectories that are joined end and begin at the same time up to this; 1 ns is below any controller's clock."""
-MEETING_POSITION = 1e-9
-"""rad or m. ... in the same place: rounding of inverse kinematics, a thousandth of a servo's resolution."""
-MEETING_VELOCITY = 1e-8
-"""rad/s or m/s. ... with the same velocity."""
-MEETING_ACCELERATION = 1e-6
-"""rad/s² or m/s². ... with the same acceleration."""
 
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """Joint motion over [start, end]: `time` (K,) s, `q, qd, qdd` (K, n) rad or m and their derivatives.
 
+    `jumps`: whether two knots may share a time where q and q̇ agree to the bit and q̈ does not.
+
     Raises `InputError` naming the field for fewer than two knots, shapes that differ, values that are not finite and
-    times that do not increase.
+    times that do not increase; with `jumps`, for a third knot at one time and for two that are not such a jump.
     """
 
     time: FloatArray
     q: FloatArray
     qd: FloatArray
     qdd: FloatArray
+    jumps: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         time = frozen(self.time, (None,), "trajectory.time")
         if len(time) < 2:
             raise InputError("trajectory.time", len(time), "at least two knots")
-        if not (time[1:] > time[:-1]).all():
+        if not self.jumps and not (time[1:] > time[:-1]).all():
             raise InputError("trajectory.time", int(np.argmin(time[1:] > time[:-1])) + 1, "strictly increasing times")
         object.__setattr__(self, "time", time)
         width = None
@@ -56,10 +56,13 @@ class Trajectory:
             object.__setattr__(self, name, states)
         if not width:
             raise InputError("trajectory.q", self.q.shape, "at least one joint")
+        if self.jumps:
+            doubled(self.time, self.q, self.qd, self.qdd)
 
-    def __reduce__(self) -> tuple[type[Trajectory], tuple[FloatArray, ...]]:
+    def __reduce__(self) -> tuple[Callable[..., Trajectory], tuple[FloatArray, ...]]:
         """Between processes only the knots travel; they are validated again."""
-        return Trajectory, (self.time, self.q, self.qd, self.qdd)
+        made = partial(Trajectory, jumps=True) if self.jumps else Trajectory
+        return made, (self.time, self.q, self.qd, self.qdd)
 
     @property
     def n(self) -> int:
@@ -89,35 +92,51 @@ class Trajectory:
         return not (self.qd[-1].any() or self.qdd[-1].any())
 
     @cached_property
+    def _begins(self) -> IntArray:
+        """Numbers of the knots at which the pieces begin, (P,): all but the last, and the first of two at one time."""
+        return np.flatnonzero(self.time[1:] > self.time[:-1])
+
+    @cached_property
+    def edges(self) -> FloatArray:
+        """Begins of the pieces and the end of the last, (P+1,) s: the times of the knots, each once."""
+        return _closed(np.append(self.time[self._begins], self.time[-1]))
+
+    @cached_property
     def steps(self) -> FloatArray:
-        """Lengths of the pieces, (K-1,) s."""
-        return _closed(self.time[1:] - self.time[:-1])
+        """Lengths of the pieces, (P,) s; P = K-1 without jumps."""
+        return _closed(self.edges[1:] - self.edges[:-1])
 
     @cached_property
     def _hulls(self) -> tuple[FloatArray, ...]:
-        return tuple(_closed(hull) for hull in hulls(self.steps, self.q, self.qd, self.qdd))
+        if len(self._begins) == len(self.time) - 1:
+            return tuple(_closed(hull) for hull in hulls(self.steps, self.q, self.qd, self.qdd))
+        # rows do not see each other: what lasts no time gets some length, and is left out again
+        length = np.ones(len(self.time) - 1)
+        length[self._begins] = self.steps
+        return tuple(_closed(hull[self._begins]) for hull in hulls(length, self.q, self.qd, self.qdd))
 
     @cached_property
     def coefficients(self) -> FloatArray:
-        """c0..c5 of q(τ) = Σ c_i τ^i, τ = t − t_k, on every piece: (K-1, n, 6)."""
-        return _closed(powers(self.steps, self.q, self.qd, self._hulls))
+        """c0..c5 of q(τ) = Σ c_i τ^i, τ = t − t_k, on every piece: (P, n, 6)."""
+        knots = np.append(self._begins, len(self.time) - 1)
+        return _closed(powers(self.steps, self.q[knots], self.qd[knots], self._hulls))
 
     @cached_property
     def _horner(self) -> tuple[FloatArray, ...]:
-        """Coefficients of q and its three derivatives, order first: (6 - derivative, K-1, n)."""
+        """Coefficients of q and its three derivatives, order first: (6 - derivative, P, n)."""
         out = [np.ascontiguousarray(np.moveaxis(self.coefficients, -1, 0))]
         for degree in (5, 4, 3):
             out.append(out[-1][1:] * np.arange(1.0, degree + 1)[:, None, None])
         return tuple(_closed(c) for c in out)
 
     def bernstein(self, derivative: int) -> FloatArray:
-        """Bernstein coefficients of a derivative (0 to 3) on every piece, (K-1, n, 6 - derivative): its convex hull."""
+        """Bernstein coefficients of a derivative (0 to 3) on every piece, (P, n, 6 - derivative): its convex hull."""
         return self._hulls[derivative]
 
     def piece(self, t: FloatArray) -> tuple[IntArray, FloatArray]:
         """The piece that holds each time, the right one at an inner knot, and the time since its begin."""
-        index = np.minimum(np.maximum(self.time.searchsorted(t, "right") - 1, 0), len(self.time) - 2)
-        return index, t - self.time[index]
+        index = np.minimum(np.maximum(self.edges.searchsorted(t, "right") - 1, 0), len(self.steps) - 1)
+        return index, t - self.edges[index]
 
     def on_piece(self, index: IntArray, tau: FloatArray, derivative: int) -> FloatArray:
         """q or a derivative (0 to 3) of pieces number `index` (...), `tau` (...) s after their begin: (..., n)."""
@@ -151,8 +170,8 @@ class Trajectory:
     def evaluate(self, t: FloatArray | float, derivative: int = 0) -> FloatArray:
         """q or a derivative (0 to 3) at times `t` (...): (..., n).
 
-        At an inner knot the piece to its right counts (this matters for the jerk alone), at a knot its own numbers
-        come back. Outside [start, end], and for a time that is NaN: NaN.
+        At an inner knot the piece to its right counts (this matters for the jerk alone, and for the acceleration
+        where it jumps), at a knot its own numbers come back. Outside [start, end], and for a time that is NaN: NaN.
         """
         t = np.asarray(t, dtype=np.float64)
         held = np.minimum(np.maximum(t, self.time[0]), self.time[-1])
@@ -174,13 +193,23 @@ class Trajectory:
 
         For the polynomials as they stand, not for samples. The interval given holds every value, and is wider than
         the true range by at most 1e-13 of the largest Bernstein coefficient, plus the rounding of the coefficients.
+        Where the acceleration jumps both of its sides count, and the jerk has no bound: −∞ and ∞.
         """
-        return span(self._hulls[derivative])
+        low, high = span(self._hulls[derivative])
+        if len(self._begins) < len(self.time) - 1 and derivative >= 2:
+            leap = np.abs(np.diff(self.qdd, axis=0)[self.time[1:] == self.time[:-1]]).max(0) > 0
+            if derivative == 3:
+                return np.where(leap, -np.inf, low), np.where(leap, np.inf, high)
+            low, high = np.minimum(low, self.qdd.min(0)), np.maximum(high, self.qdd.max(0))
+        return low, high
 
     def shifted(self, by: float) -> Trajectory:
         """The same motion `by` seconds later. Knots follow their rounded times, so that no piece changes its jerk."""
         time, rest = moved(self.time, by)
         wait = -rest[:, None]
+        if self.jumps:
+            # q̇ stays, to be the same on both sides of a jump
+            return Trajectory(time, self.q + wait * self.qd, self.qd, self.qdd, jumps=True)
         q, qd = self.q + wait * self.qd, self.qd + wait * self.qdd
         h = time[1:] - time[:-1]
         left_over = defect(h, q, qd, self.qdd) - defect(self.steps, self.q, self.qd, self.qdd)
@@ -189,49 +218,30 @@ class Trajectory:
     def join(self, *others: Trajectory) -> Trajectory:
         """This trajectory and then the others. Where two meet, the knot of the earlier one stays.
 
+        Where one of two that meet may jump and they differ in acceleration, the meeting becomes a jump.
+
         Raises `FaultError` where time or state at a meeting differ by more than the `MEETING_…` tolerances.
         """
         parts = (self, *others)
         for number, (a, b) in enumerate(pairwise(parts)):
-            _meet(number, a, b)
-        return Trajectory(
-            *(
-                np.concatenate([getattr(self, name), *(getattr(part, name)[1:] for part in others)])
-                for name in ("time", "q", "qd", "qdd")
-            )
-        )
+            meet(number, a, b)
+        knots = (self.time, self.q, self.qd, self.qdd)
+        for part in others:
+            knots = joined(knots, (part.time, part.q, part.qd, part.qdd))
+        return Trajectory(*knots, jumps=any(part.jumps for part in parts))
 
     def clip(self, t0: float, t1: float) -> Trajectory:
         """The motion over [t0, t1], the same polynomials: a piece of a quintic is the quintic of its ends.
+
+        A jump at t0 or t1 stays if it is the trajectory's own begin or end; else what is right of t0 and left of t1.
 
         Raises `FaultError` unless start <= t0 < t1 <= end.
         """
         if not self.start <= t0 < t1 <= self.end:
             raise FaultError(f"cannot clip [{self.start}, {self.end}] s to [{t0}, {t1}] s")
-        inner = (self.time > t0) & (self.time < t1)
-        ends = (self.state(t0), self.state(t1))
-        knots = (
-            np.concatenate([ends[0][k][None], states[inner], ends[1][k][None]])
-            for k, states in enumerate((self.q, self.qd, self.qdd))
-        )
-        return Trajectory(np.concatenate([[t0], self.time[inner], [t1]]), *knots)
+        return Trajectory(*clipped(self, t0, t1), jumps=self.jumps)
 
 
 def _closed(array: FloatArray) -> FloatArray:
     array.flags.writeable = False
     return array
-
-
-def _meet(number: int, a: Trajectory, b: Trajectory) -> None:
-    """Accept two trajectories that meet; raise `FaultError` otherwise."""
-    if a.n != b.n:
-        raise FaultError(f"trajectory {number} has {a.n} joints, trajectory {number + 1} has {b.n}")
-    gaps = {
-        "time": (abs(a.end - b.start), MEETING_TIME),
-        "position": (np.abs(a.q[-1] - b.q[0]).max(), MEETING_POSITION),
-        "velocity": (np.abs(a.qd[-1] - b.qd[0]).max(), MEETING_VELOCITY),
-        "acceleration": (np.abs(a.qdd[-1] - b.qdd[0]).max(), MEETING_ACCELERATION),
-    }
-    for name, (gap, allowed) in gaps.items():
-        if not gap <= allowed:
-            raise FaultError(f"trajectories {number} and {number + 1} differ in {name} by {gap:.3g} where they meet")

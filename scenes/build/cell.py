@@ -101,4 +101,6 @@ def _options(document: object, item: OptionsDocument, modes: tuple[str, ...]) ->
         end=item.end,
         stay_safe_s=item.stay_safe_s,
         latest_end_s=item.latest_end_s,
+        timing=item.timing,
+        acceleration_time_s=item.acceleration_time_s,
     )

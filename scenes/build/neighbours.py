@@ -41,7 +41,8 @@ def trajectory_of(document: object, path: Path, item: TrajectoryDocument, conven
                 raise fault(document, (*path, key, k), f"{len(names)} numbers, one for each joint")
         arrays.append(converted(np.array(rows, dtype=np.float64), conventions))
     try:
-        return Trajectory(np.array(item.time_s, dtype=np.float64), *arrays)
+        q, qd, qdd = arrays
+        return Trajectory(np.array(item.time_s, dtype=np.float64), q, qd, qdd, jumps=item.acceleration_jumps)
     except InputError as error:
         key = "time_s" if "time" in error.field else ""
         raise fault(document, (*path, key) if key else path, error.allowed) from error
@@ -57,6 +58,9 @@ def add_neighbour(
     robot = robots.robot(document, (*path, "robot"), item.robot, its_arm)
     if robot.tilting:
         raise fault(document, (*path, "robot"), "an arm whose links stay upright, not one whose links tilt")
+    if item.trajectory.acceleration_jumps:
+        allowed = "false: a neighbour's links are frames, and the acceleration of a frame does not jump"
+        raise fault(document, (*path, "trajectory", "acceleration_jumps"), allowed)
     trajectory = trajectory_of(document, (*path, "trajectory"), item.trajectory, its_arm.conventions)
     if not (trajectory.rest_at_start and trajectory.rest_at_end):
         allowed = "rest at its first and last knot: it stands still before and after"

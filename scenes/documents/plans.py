@@ -28,6 +28,13 @@ class LegDocument(Document):
     note: Text
 
 
+class MissedDocument(Document):
+    """By how much a parabolic blend misses its pose: the joints, as in the trajectory, and the tool point."""
+
+    joints: Annotated[list[Number], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
+    distance_m: Number
+
+
 class ArrivalDocument(Document):
     """The tool point met a control point."""
 
@@ -45,6 +52,7 @@ class ArrivalDocument(Document):
     window_left_s: Number | None
     pitch_rad: Angle | None = None
     roll_rad: Angle | None = None
+    missed_by: MissedDocument | None = None
 
 
 class CertificateDocument(Document):
@@ -52,6 +60,7 @@ class CertificateDocument(Document):
 
     digest: Text
     rows: Annotated[int, Field(ge=0, le=bounds.MAX_ROWS)]
+    covers: Annotated[list[Text], Field(max_length=16)]
     names: Annotated[list[Text], Field(max_length=8 * bounds.MAX_BODIES)]
     t0_s: Reals
     t1_s: Reals

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from scenes import bounds
 from scenes.documents.frames import FrameDocument
-from scenes.documents.model import Distance, Document, Duration, Instant, Name, Positive
+from scenes.documents.model import Distance, Document, Duration, Instant, Name, Positive, Span
 from scenes.documents.robots import NeighbourDocument, RobotDocument, StartDocument
 from scenes.documents.shapes import BodyDocument
 from scenes.documents.task import StepDocument
@@ -41,6 +41,8 @@ class OptionsDocument(Document):
     end: Literal["rest", "moving"] = "rest"
     stay_safe_s: Duration = 0.0
     latest_end_s: Instant | None = None
+    timing: Literal["jerk_limited", "parabolic_blend"] = "jerk_limited"
+    acceleration_time_s: Span | None = None
 
 
 class ExecutionDocument(Document):

@@ -178,7 +178,9 @@ class StartDocument(Document):
 
 
 class TrajectoryDocument(Document):
-    """Knots in the maker's convention, rad and m, as an answer gives them: quintic Hermite between knots."""
+    """Knots in the maker's convention, rad and m, as an answer gives them: quintic Hermite between knots.
+
+    `acceleration_jumps`: whether two knots may share a time, where the acceleration alone differs."""
 
     joint_names: Annotated[list[str], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
     joint_units: Annotated[list[Literal["rad", "m"]], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
@@ -186,6 +188,7 @@ class TrajectoryDocument(Document):
     position: Rows
     velocity: Rows
     acceleration: Rows
+    acceleration_jumps: bool = False
 
 
 class NeighbourDocument(Document):

@@ -9,7 +9,7 @@ import numpy as np
 
 from planner.digest import digest
 from planner.frames.motion import Pose
-from planner.outcome import Arrival, Certificate, Leg, LegKind
+from planner.outcome import Arrival, Certificate, Leg, LegKind, Missed
 from planner.trajectory import Trajectory
 
 KNOTS = Trajectory(np.array([0.0, 1.0]), np.zeros((2, 3)), np.zeros((2, 3)), np.zeros((2, 3)))
@@ -77,16 +77,19 @@ def test_every_number_and_every_word_counts() -> None:
         "window_left_s": None,
         "pitch": 0.0,
         "roll": 0.0,
+        "missed_by": Missed((0.1, 0.2, 0.3), 0.01),
     }
     assert set(arrived) == {field.name for field in fields(Arrival)}
     seen |= {of(arrivals=(replace(ARRIVALS[0], **{name: value}),)) for name, value in arrived.items()}
-    columns = [field.name for field in fields(Certificate) if field.name not in ("names", "digest")]
+    columns = [field.name for field in fields(Certificate) if field.name not in ("names", "digest", "covers")]
     for name in columns:
         values = getattr(ROWS, name).copy()
         values.flat[-1] += 1
         seen.add(of(certificate=replace(ROWS, **{name: values})))
     seen.add(of(certificate=replace(ROWS, names=("a", "c"))))
-    assert len(seen) == 4 + 4 + len(changed) + len(arrived) + len(columns) + 1
+    seen.add(of(certificate=replace(ROWS, covers=ROWS.covers[:-1])))
+    seen.add(of(trajectory=replace(KNOTS, jumps=True)))
+    assert len(seen) == 4 + 4 + len(changed) + len(arrived) + len(columns) + 3
 
 
 def test_words_do_not_run_into_each_other() -> None:

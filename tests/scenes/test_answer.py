@@ -144,7 +144,7 @@ def test_any_knots_survive_the_makers_convention_and_json(q: Any, qd: Any) -> No
 
 def test_a_digest_is_enough_to_keep_and_not_enough_to_check() -> None:
     answer = answer_of(*good(), certificate="digest")
-    assert set(answer["certificate"]) == {"digest", "rows"}
+    assert set(answer["certificate"]) == {"digest", "rows", "covers"}
     assert answer["certificate"]["rows"] > 0
     with pytest.raises(InputError) as caught:
         check_document(GOOD_REQUEST, answer)

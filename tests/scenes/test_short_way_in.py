@@ -47,7 +47,7 @@ def test_without_its_certificate_an_answer_is_not_checked() -> None:
     request = load("standard-cycle")
     request["options"] |= {"stop": "first", "budget_s": 20}
     answer = plan(request, certificate="digest")
-    assert set(answer["certificate"]) == {"digest", "rows"}
+    assert set(answer["certificate"]) == {"digest", "rows", "covers"}
     with pytest.raises(InputError, match="certificate"):
         check(request, answer)
 

@@ -21,7 +21,7 @@ KNOTS = ("time", "q", "qd", "qdd")
 
 def loose(plan: Plan, **columns: Any) -> Any:
     """The plan with knots that no `Trajectory` would accept."""
-    knots = {name: getattr(plan.trajectory, name) for name in KNOTS} | columns
+    knots = {name: getattr(plan.trajectory, name) for name in (*KNOTS, "jumps")} | columns
     return replace(plan, trajectory=SimpleNamespace(**knots))  # type: ignore[arg-type]
 
 

@@ -212,7 +212,7 @@ def test_a_knot_that_breaks_a_limit_only_between_samples_is_found() -> None:
     knots = {"q": line.q, "qd": line.qd, "qdd": line.qdd}
     columns = {name: np.insert(states, knot + 1, states[knot], axis=0) for name, states in knots.items()}
     columns["q"][knot + 1 :, 3] += 0.22
-    quick = restated(scene, replace(plan, trajectory=Trajectory(time, **columns)))
+    quick = restated(scene, replace(plan, trajectory=Trajectory(time, *columns.values())))
     found = [f for f in check(scene, quick).findings if f.code is Code.LIMIT]
     # Greatest speed of a quintic from rest to rest: 15/8 of the mean, 41.25 rad/s against 40.
     fast = next(f for f in found if "velocity" in f.what)

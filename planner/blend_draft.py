@@ -1,0 +1,145 @@
+"""A continuation by parabolic blends: through vias to the next stop, timed, with its legs and arrivals."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from planner.assembly import laws_over
+from planner.chain import Chain, Draft, Sample
+from planner.errors import FaultError
+from planner.frames.motion import Pose
+from planner.legs.blended import Blended, BlendShape, Station, blended
+from planner.legs.joint import Shape
+from planner.legs.state import Knots, Stretch
+from planner.loops import leaves_assembly
+from planner.outcome import Arrival, Leg, LegKind, Missed, Reason, Refusal
+from planner.phases import phases
+from planner.scene import Move, Scene
+from planner.trajectory import Trajectory, check_limits
+from planner.trajectory.joining import joined
+
+
+def run_of(scene: Scene, step: int) -> range:
+    """The steps from `step` on that are one motion from rest to rest: vias, and the stop behind them."""
+    last = step
+    while isinstance(scene.task[last], Move) and getattr(scene.task[last], "via", False):
+        last += 1
+    return range(step, last + 1)
+
+
+def blend_draft(scene: Scene, chain: Chain, shape: BlendShape) -> Draft | Refusal:
+    """The draft of a way through the stations of the next run of steps, within all limits but that of the jerk."""
+    if not chain.state.resting:
+        raise FaultError("parabolic blends begin at rest")
+    found = blended(scene, chain.step, chain.state.time, chain.state.q, shape)
+    if isinstance(found, Refusal):
+        return found
+    knots = _knots(chain, found)
+    end, latest = knots.last.time, scene.options.latest_end_s
+    if latest is not None and not end <= latest:
+        return Refusal(
+            "timing", Reason.WINDOW_MISSED, chain.step, (), None, end - latest, "s", "the motion ends too late"
+        )
+    unknown = laws_over(scene, chain.step, end)
+    if unknown is not None:
+        return unknown
+    trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd, jumps=True)
+    beyond = _beyond(scene, chain.step, trajectory) or leaves_assembly(scene.robot, chain.step, trajectory)
+    if beyond is not None:
+        return beyond
+    legs = _legs(chain, shape, found, end)
+    arrivals = _arrivals(scene, shape, found, trajectory)
+    after = _after(chain, shape.stations[-1], legs, arrivals, knots)
+    ours = phases(scene, after.legs, after.arrivals)[len(chain.legs) :]
+    if after.step < len(scene.task):
+        ours = ours[: len(legs)]  # the arm does not stand still here
+    last = shape.stations[-1]
+    sample = Sample(last.point.yaw_offset, last.branch, Shape(wait=shape.wait), shape.family)
+    stretch = Stretch(LegKind.MOVE, knots, shape.family)
+    return Draft(chain, sample, (stretch,), legs, arrivals[-1], knots, trajectory, after, ours)
+
+
+def _knots(chain: Chain, found: Blended) -> Knots:
+    """The knots of the motion, the wait before it included."""
+    time, q, qd, qdd = found.law.knots(found.begin)
+    if found.begin > chain.state.time:
+        time, none = np.append(chain.state.time, time), np.zeros_like(q[:1])
+        q, qd, qdd = (np.concatenate([first, part]) for first, part in ((q[:1], q), (none, qd), (none, qdd)))
+    return Knots(time, q, qd, qdd)
+
+
+def _legs(chain: Chain, shape: BlendShape, found: Blended, end: float) -> tuple[Leg, ...]:
+    """A leg to each station, which ends when its pose is due; before the first a wait, if there is one."""
+    edges = [found.begin, *found.times[:-1], end]
+    legs = [
+        Leg(LegKind.MOVE, station.point.step, t0, t1, shape.family)
+        for station, t0, t1 in zip(shape.stations, edges[:-1], edges[1:], strict=True)
+    ]
+    if found.begin > chain.state.time:
+        legs.insert(0, Leg(LegKind.WAIT, chain.step, chain.state.time, found.begin, "lets bodies pass"))
+    return tuple(legs)
+
+
+def _arrivals(scene: Scene, shape: BlendShape, found: Blended, trajectory: Trajectory) -> tuple[Arrival, ...]:
+    made = []
+    for station, number, time in zip(shape.stations, found.poses, found.times, strict=True):
+        point = station.point
+        t = min(time, trajectory.end)
+        p, yaw = scene.robot.forward(trajectory.evaluate(np.array(t)))
+        pose = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)).then(scene.tool.tcp)
+        missed = None
+        if point.via:
+            goal = point.flange(np.array(t)).at(scene.tool.tcp).p
+            distance = float(np.sqrt(((np.array([pose.x, pose.y, pose.z]) - goal) ** 2).sum()))
+            missed = Missed(tuple(found.law.missed_by[number].tolist()), distance)
+        along = point.along(np.array(t))
+        bounded = point.window.time is not None or point.window.along is not None
+        left = [high - t for low, high in point.intervals if low - 1e-12 <= t <= high + 1e-12]
+        made.append(
+            Arrival(
+                step=point.step,
+                control_point=point.name,
+                time=t,
+                until=t,
+                pose=pose,
+                matched=point.matched and not point.via,
+                yaw_offset=point.yaw_offset,
+                along_m=None if along is None else float(along),
+                window_left_s=left[0] if bounded and left else None,
+                missed_by=missed,
+                pitch=None if point.tilt is None else point.tilt[0],
+                roll=None if point.tilt is None else point.tilt[1],
+            )
+        )
+    return tuple(made)
+
+
+def _after(chain: Chain, last: Station, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...], knots: Knots) -> Chain:
+    whole = knots
+    if chain.knots is not None:
+        before, behind = (tuple(getattr(k, name) for name in ("time", "q", "qd", "qdd")) for k in (chain.knots, knots))
+        whole = Knots(*joined(before, behind))
+    return Chain(
+        step=last.point.step + 1,
+        state=knots.last,
+        mode=last.branch.mode,
+        carried=None,
+        rides=chain.rides,
+        legs=chain.legs + legs,
+        arrivals=chain.arrivals + arrivals,
+        knots=whole,
+        proofs=chain.proofs,
+    )
+
+
+def _beyond(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
+    """Whether the spline as written breaks a limit of position, velocity or acceleration."""
+    limits = scene.robot.limits
+    report = check_limits(trajectory, limits.lower, limits.upper, limits.velocity, limits.acceleration, None)
+    if report.ok:
+        return None
+    first = next(check for check in report.checks if not check.ok)
+    joint = scene.robot.joints[first.joint or 0].name
+    reason = Reason.JOINT_LIMIT if first.kind == "position" else Reason.MOTION_LIMIT
+    excess = float(first.ratio.max()) - 1
+    return Refusal("limits", reason, step, (joint,), None, excess, "1", f"the {first.kind} of the spline")

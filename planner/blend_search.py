@@ -1,0 +1,126 @@
+"""The beam for parabolic blends: its continuations are whole runs of steps, from rest through vias to rest.
+
+How a via is blended past depends on the pose behind it, so nothing is proved of a run before all of it is timed.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from planner.blend_candidates import BlendSampler
+from planner.blend_draft import blend_draft, run_of
+from planner.certificate import Prover
+from planner.chain import Chain, Draft, Outline
+from planner.explanation import SEARCHED
+from planner.legs.blended import Station
+from planner.legs.control_point import control_point
+from planner.legs.meeting import meetings
+from planner.legs.tilt import tilts
+from planner.outcome import Reason, Refusal
+from planner.phases import yaw_offsets
+from planner.scene import Scene
+from planner.screening import screen
+from planner.search import ANY_YAW, MOST_WAYS, Found, Search
+from planner.ways import options
+
+
+@dataclass(eq=False)
+class _Known:
+    """A chain, kept beside its sampler: an id is unique only while its owner lives."""
+
+    chain: Chain
+    sampler: BlendSampler
+
+
+class BlendSearch(Search):
+    """One run over one scene with `timing: parabolic_blend`."""
+
+    def __init__(self, scene: Scene, prover: Prover, started: float, *, adaptive: bool = True) -> None:
+        super().__init__(scene, prover, started, adaptive=adaptive)
+        self.known: dict[int, _Known] = {}
+
+    def run(self) -> Found:
+        """As `Search.run`; what was not passed is the step of the run at which most was refused."""
+        found = super().run()
+        if found.plan is None:
+            counts = dict.fromkeys(run_of(self.scene, min(found.deepest, len(self.scene.task) - 1)), 0)
+            for line in found.census.census().lines:
+                if line.step in counts and line.stage in SEARCHED:
+                    counts[line.step] += line.count
+            worst = max(counts, key=lambda step: counts[step])
+            if counts[worst] > 0:
+                found.deepest = worst
+        return found
+
+    def _explore(self, chain: Chain) -> bool:
+        if id(chain) not in self.known:
+            self.known[id(chain)] = _Known(chain, self._blend_sampler(chain))
+        sampler = self.known[id(chain)].sampler
+        batch = sampler.batch()
+        limit = self.scene.options.max_candidates
+        if limit is not None:
+            batch = batch[: max(0, limit - self.found.census.candidates)]
+        drafts: list[Outline | Draft] = []
+        shapes, hopeless = [], self.scene.options.acceleration_time_s is not None and sampler.visits == 1
+        for shape in batch:
+            if time.perf_counter() >= self.deadline:
+                break
+            self.found.census.candidates += 1
+            made = blend_draft(self.scene, chain, shape)
+            if isinstance(made, Refusal):
+                self.found.census.add(made)
+                hopeless &= made.reason is Reason.MOTION_LIMIT
+                continue
+            hopeless = False
+            best = self.found.best
+            if best is None or made.end < best.state.time:
+                drafts.append(made)
+                shapes.append(shape)
+        free = []
+        for draft, shape, screened in zip(drafts, shapes, screen(self.prover, drafts) if drafts else [], strict=True):
+            sampler.learn(shape, screened.bad)
+            if screened.refusal is not None:
+                self.found.census.add(screened.refusal)
+                for also in screened.also:
+                    self.found.census.note(also)
+            else:
+                free.append(draft)
+        self._prove(sorted(free, key=lambda draft: draft.end))
+        if hopeless:
+            # no direct way keeps the acceleration time: one with more poses would be found by chance, if at all
+            sampler.ways = ()
+        return bool(batch)
+
+    def _blend_sampler(self, chain: Chain) -> BlendSampler:
+        """The stations that each step of the run may be, in every turn, mode and yaw that is asked for."""
+        choices = []
+        for step in run_of(self.scene, chain.step):
+            stations = []
+            met = []
+            turns = yaw_offsets(self.scene, self.scene.task[step])
+            attitudes = tilts(self.scene, self.scene.task[step], chain.state.q)
+            yaws = turns or tuple(float(x) for x in 2 * np.pi * np.arange(ANY_YAW) / ANY_YAW)
+            for turn, tilt in product(yaws, attitudes):
+                point = control_point(self.scene, step, chain.rides, None, turn, tilt)
+                found = meetings(self.scene, point, chain.state.time, 0.0, self._modes(chain), chain.state.q)
+                for refusal in found.refusals:
+                    self.found.census.note(refusal)
+                met.append((turn, found))
+                stations += [Station(point, branch) for branch in found.branches]
+            if step == chain.step == 0:
+                self.found.first_ways = options(self.scene, chain, met, max(MOST_WAYS, len(attitudes)))
+            if not stations:
+                self.found.deepest = max(self.found.deepest, step)
+                return BlendSampler(self.scene, chain, (), self.rng, self.adaptive)
+            choices.append(tuple(stations))
+        return BlendSampler(self.scene, chain, tuple(choices), self.rng, self.adaptive)
+
+
+def searcher(scene: Scene, prover: Prover, started: float, *, adaptive: bool = True) -> Search:
+    """The search that the scene's timing asks for."""
+    kind = BlendSearch if scene.options.blended else Search
+    return kind(scene, prover, started, adaptive=adaptive)

@@ -1,0 +1,161 @@
+"""Joint moves with parabolic blends, from rest through poses to rest: which poses, when, and how long it takes.
+
+A control point that moves is met where it is when its pose is due, and when that is depends on where it is: times are
+put in, poses follow, the law gives times, until they are the same. The arm is faster than what it meets, so they are
+soon; where they are not, there is no such move.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.legs.control_point import ControlPoint
+from planner.legs.meeting import Branch
+from planner.outcome import Reason, Refusal
+from planner.robots.protocol import Code
+from planner.scene import Scene
+from planner.timing import ParabolicBlend, TooShort, fastest, with_acceleration_time
+
+AGREES_S = 1e-12
+"""Times that are put in and that come out agree to this, s: at 10 m/s a place is then known to 10 pm."""
+ROUNDS = 60
+"""Rounds after which a point is too fast to be met: a frame at half the arm's speed takes 40."""
+SEARCHED = 3
+"""Rounds in which proportions of the segments are looked for; later ones keep them, for a search may jump."""
+WINDOW_S = 1e-12
+"""A window is kept up to this, s, as by other legs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Station:
+    """A control point that is blended past, or stopped at, in one branch of its joint positions."""
+
+    point: ControlPoint
+    branch: Branch
+
+    def at(self, scene: Scene, t: float) -> FloatArray | Refusal:
+        """Joints (n,) of the pose that is due at `t`."""
+        if self.branch.still:
+            return np.asarray(self.branch.q[0])
+        robot, step = scene.robot, self.point.step
+        found = robot.inverse(self.point.flange(np.array([t])).at_rest(), self.branch.mode, 0)
+        if found.code[0] != Code.ASSEMBLED:
+            return Refusal("timing", Reason.OUT_OF_REACH, step, (), (t, t), detail="where the point is by then")
+        # the turns of the branch: those of the time of its grid that is nearest
+        row = int(np.argmin(np.abs(self.branch.time - t)))
+        revolute = np.array([joint.kind == "revolute" for joint in robot.joints])
+        turns = np.where(revolute, np.round((self.branch.q[row] - found.q[0]) / (2 * np.pi)), 0.0)
+        q = found.q[0] + 2 * np.pi * turns
+        if not robot.within(q[None])[0]:
+            return Refusal("timing", Reason.JOINT_LIMIT, step, (), (t, t), detail="a joint is beyond its limit by then")
+        return np.asarray(q)
+
+
+@dataclass(frozen=True, eq=False)
+class BlendShape:
+    """A way through stations: wait first; `frees[k]` (each (n,)) are more poses on the way to station k; `effort`:
+    share of the limits of acceleration (velocity by its root) that is used, where no acceleration time is given."""
+
+    stations: tuple[Station, ...]
+    frees: tuple[tuple[FloatArray, ...], ...]
+    wait: float = 0.0
+    effort: float = 1.0
+
+    @property
+    def family(self) -> str:
+        count = sum(map(len, self.frees))
+        return f"blends, {count} via{'' if count == 1 else 's'}" if count else "blends"
+
+
+@dataclass(frozen=True, eq=False)
+class Blended:
+    """The law of a way that begins at `begin`, and for each station the number of its pose and its time."""
+
+    begin: float
+    law: ParabolicBlend
+    poses: tuple[int, ...]
+    times: tuple[float, ...]
+
+
+def blended(scene: Scene, step: int, time: float, q: FloatArray, shape: BlendShape) -> Blended | Refusal:
+    """The move from rest in q (n,) at `time`, through the stations, to rest in the last; windows wait for an early arm.
+
+    `step`: the first of the steps, for refusals.
+    """
+    begin = time + shape.wait
+    for _ in range(len(shape.stations) + 2):
+        found = _timed(scene, step, begin, q, shape)
+        if isinstance(found, Refusal):
+            return found
+        early = 0.0
+        for station, t in zip(shape.stations, found.times, strict=True):
+            missed = _window(station.point, t)
+            if isinstance(missed, Refusal):
+                return missed
+            early = max(early, missed)
+        if not early > 0:
+            return found
+        begin += early
+    return Refusal("window", Reason.WINDOW_MISSED, step, detail="no begin was found from which all windows are met")
+
+
+def _window(point: ControlPoint, t: float) -> float | Refusal:
+    """How much too early `t` is for the point's window, s; a refusal where all of it is over."""
+    spans = point.intervals
+    if any(low - WINDOW_S <= t <= high + WINDOW_S for low, high in spans):
+        return 0.0
+    later = [low - t for low, _ in spans if low > t]
+    if later:
+        return min(later)
+    late = t - max((high for _, high in spans), default=np.nan)
+    span = spans[-1] if spans else None
+    detail = "the arm comes after the window has closed"
+    return Refusal("window", Reason.WINDOW_MISSED, point.step, (), span, float(late), "s", detail)
+
+
+def _timed(scene: Scene, step: int, begin: float, q: FloatArray, shape: BlendShape) -> Blended | Refusal:
+    """The move that begins at `begin`."""
+    numbers = tuple(int(k) for k in np.cumsum([len(free) + 1 for free in shape.frees]))
+    times, proportions = (begin,) * len(numbers), None
+    for attempt in range(ROUNDS):
+        poses = [q]
+        for station, free, t in zip(shape.stations, shape.frees, times, strict=True):
+            at = station.at(scene, t)
+            if isinstance(at, Refusal):
+                return at
+            poses += [*free, at]
+        law = _law(scene, step, np.array(poses), shape, proportions)
+        if isinstance(law, Refusal):
+            return law
+        passed = [begin + float(law.passed[k]) for k in numbers]
+        passed[-1] = float(law.duration) + begin
+        still = all(station.branch.still for station in shape.stations)
+        if still or max(abs(a - b) for a, b in zip(times, passed, strict=True)) <= AGREES_S:
+            return Blended(begin, law, numbers, tuple(passed))
+        times = tuple(passed)
+        if attempt >= SEARCHED:
+            proportions = law.segments
+    return Refusal("timing", Reason.MOTION_LIMIT, step, detail="the point moves too fast to be met")
+
+
+def _law(
+    scene: Scene, step: int, poses: FloatArray, shape: BlendShape, proportions: FloatArray | None
+) -> ParabolicBlend | Refusal:
+    limits, given = scene.robot.limits, scene.options.acceleration_time_s
+    if given is None:
+        return fastest(poses, limits.velocity * shape.effort**0.5, limits.acceleration * shape.effort, proportions)
+    made = with_acceleration_time(poses, limits.velocity, limits.acceleration, given)
+    if not isinstance(made, TooShort):
+        return made
+    joint = scene.robot.joints[made.joint]
+    unit = "rad/s²" if joint.kind == "revolute" else "m/s²"
+    enough = "" if made.enough is None else f"; {1e3 * made.enough:.4g} ms would do"
+    detail = (
+        f"with an acceleration time of {1e3 * given:.4g} ms {joint.name} would need {made.needed:.4g} {unit} "
+        f"and has {made.limit:.4g} {unit}{enough}"
+    )
+    excess = made.needed - made.limit
+    return Refusal("timing", Reason.MOTION_LIMIT, step, (joint.name,), None, excess, unit, detail)

@@ -1,0 +1,364 @@
+"""Parabolic blends from request to plan: what is planned holds, the rest is refused at its field or by its number."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+import fcl
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planner.checker import check
+from planner.errors import InputError
+from planner.frames import Conveyor, Turntable
+from planner.frames.motion import Pose
+from planner.neighbour import TrajectoryLaw
+from planner.outcome import NotPlanned, Outcome, Planned, Reason
+from planner.pipeline import plan
+from planner.robots.scara import FLANGE, LINK1
+from planner.scene import Arch, Follow, Options, Pick, Place, Scene, Start, Step, Target, Window
+from planner.shapes import box, cylinder
+from tests.planner.cells import CUP, PART, Around, Swing, arm, at, cell, frame, go, solid, stands
+
+DIAL = frame("dial", Turntable(Pose(0.32, 0.12), 0.8))
+BELT = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.2))
+GATE = frame("gate", Swing(Pose(0.5, 0.0, 0.1), 1.2, 1.1))
+
+
+def blend(scene: Scene, **changes: Any) -> Scene:
+    asked: dict[str, Any] = {"timing": "parabolic_blend", "seed": 1, "budget_s": 60.0, "max_candidates": 150}
+    return replace(scene, options=replace(scene.options, **{**asked, **changes}))
+
+
+def wall() -> Around:
+    """Across the direct way, lower than the lift goes."""
+    return stands("wall", box(0.3, 0.02, 0.16), 0.45, 0.0, 0.08)
+
+
+def among() -> Scene:
+    """Past two vias, over and around a wall, while a bar swings by; two stops."""
+    task: tuple[Step, ...] = (
+        go(0.35, -0.3, 0.15, name="a", via=True),
+        go(0.45, -0.1, 0.18, name="b", via=True),
+        go(0.35, 0.25, 0.1, name="c"),
+        go(0.2, 0.35, 0.12, name="d", via=True),
+        go(0.35, 0.1, 0.15, name="e"),
+    )
+    bar = stands("bar", box(0.2, 0.03, 0.03), 0.2, 0.0, 0.0, frame="gate")
+    bodies = (stands("block", box(0.08, 0.08, 0.12), 0.45, 0.1, 0.06), bar)
+    return blend(cell(*task, bodies=bodies, frames=(GATE,), tool=CUP), stay_safe_s=0.2, clearance=_clear(0.003))
+
+
+def _clear(travel: float) -> Any:
+    return replace(Options().clearance, travel_m=travel)
+
+
+CELLS = {
+    "one move": lambda: blend(cell(go(0.35, -0.2))),
+    "where it is already": lambda: blend(cell(go(0.3, 0.0, 0.1, yaw=0.4), go(0.3, 0.0, 0.1, yaw=0.4, name="again"))),
+    "via": lambda: blend(cell(go(0.4, 0.0, 0.15, via=True), go(0.3, -0.3, name="b"))),
+    "three axes": lambda: blend(
+        cell(go(0.4, 0.0, 0.15, via=True), go(0.3, -0.3, name="b"), q=(0.3, 1.2, 0.2), robot=arm(axes=3))
+    ),
+    "given time": lambda: blend(cell(go(0.4, 0.0, 0.15, via=True), go(0.3, -0.3, name="b")), acceleration_time_s=0.25),
+    "dial": lambda: blend(cell(go(0.1, 0.0, 0.1, 0.0, "dial", match="position"), frames=(DIAL,))),
+    "via on a belt, stop on a dial": lambda: blend(
+        cell(
+            go(0.3, 0.0, 0.15, 0.0, "belt", match="position", via=True, name="v"),
+            go(0.1, 0.0, 0.1, 0.0, "dial", match="position", name="w"),
+            frames=(BELT, DIAL),
+        ),
+        acceleration_time_s=0.4,
+    ),
+    "window": lambda: blend(cell(go(0.35, -0.2, window=Window(time=(2.0, 3.0))))),
+    "window of a via": lambda: blend(
+        cell(go(0.4, 0.0, 0.15, via=True, window=Window(time=(1.5, 1.6))), go(0.3, -0.3, name="b"))
+    ),
+    "window on a belt": lambda: blend(
+        cell(go(0.3, 0.0, 0.15, 0.0, "belt", match="position", window=Window(along=(0.5, 0.7))), frames=(BELT,))
+    ),
+    "over a wall": lambda: blend(cell(go(0.4, -0.3), go(0.4, 0.3, name="b"), bodies=(wall(),))),
+    "late on the clock": lambda: blend(
+        cell(go(0.4, 0.0, 0.15, via=True), go(0.3, -0.3, name="b"), time=54321.123), acceleration_time_s=0.25
+    ),
+    "among": among,
+}
+
+
+@cache
+def answer(name: str) -> tuple[Scene, Outcome]:
+    scene = CELLS[name]()
+    return scene, plan(scene)
+
+
+def planned(name: str) -> tuple[Scene, Planned]:
+    scene, outcome = answer(name)
+    assert isinstance(outcome, Planned), outcome.sentence
+    return scene, outcome
+
+
+@pytest.mark.parametrize("name", sorted(CELLS))
+def test_what_is_planned_is_checked_and_says_that_its_jerk_is_unbounded(name: str) -> None:
+    scene, outcome = planned(name)
+    assert check(scene, outcome.plan).ok
+    assert outcome.plan.trajectory.jumps
+    assert outcome.margins.jerk == "unbounded"
+    assert "jerk" not in outcome.margins.binds
+    for peak in outcome.margins.peaks:
+        assert peak.jerk is peak.jerk_ratio is None
+        assert peak.velocity_ratio <= 1 + 1e-9
+        assert peak.acceleration_ratio <= 1 + 1e-9
+    assert "jerk" not in outcome.plan.certificate.covers
+    assert outcome.lower_bound_s <= outcome.plan.trajectory.duration + 1e-9
+
+
+@pytest.mark.parametrize("name", sorted(CELLS))
+def test_stops_are_met_exactly_at_rest_and_vias_are_missed_by_what_is_said(name: str) -> None:
+    scene, outcome = planned(name)
+    path = outcome.plan.trajectory
+    for step, arrival in zip(scene.task, outcome.plan.arrivals, strict=True):
+        target: Any = getattr(step, "target")  # noqa: B009
+        goal = scene.frames[target.frame].law.motion(np.array(arrival.time)).at(target.pose).p
+        p, yaw = scene.robot.forward(path.evaluate(arrival.time))
+        tool = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)).then(scene.tool.tcp)
+        away = float(np.linalg.norm(np.array([tool.x, tool.y, tool.z]) - goal))
+        if getattr(step, "via", False):
+            assert arrival.missed_by is not None
+            assert abs(away - arrival.missed_by.distance_m) <= 1e-9
+            assert np.linalg.norm(path.evaluate(arrival.time, 1)) > 0.01
+        else:
+            assert arrival.missed_by is None
+            assert away <= 1e-9
+            assert not path.evaluate(arrival.time, 1).any()
+
+
+def test_an_acceleration_time_that_is_given_is_that_of_every_blend() -> None:
+    scene, outcome = planned("given time")
+    path = outcome.plan.trajectory
+    pull = np.abs(path.bernstein(2)).max((1, 2)) > 1e-6
+    assert path.steps[pull].tolist() == pytest.approx([0.25] * int(pull.sum()))
+    assert pull.sum() == 3
+    assert scene.options.acceleration_time_s == 0.25
+
+
+def test_windows_are_waited_for_and_kept() -> None:
+    for name, low, high in (("window", 2.0, 3.0), ("window of a via", 1.5, 1.6)):
+        _, outcome = planned(name)
+        assert low - 1e-9 <= outcome.plan.arrivals[0].time <= high + 1e-9
+        assert outcome.plan.legs[0].kind == "WAIT"
+    _, outcome = planned("window on a belt")
+    assert outcome.plan.arrivals[0].along_m is not None
+    assert 0.5 - 1e-6 <= outcome.plan.arrivals[0].along_m <= 0.7 + 1e-6
+
+
+def test_a_wall_across_the_way_is_blended_over() -> None:
+    _, outcome = planned("over a wall")
+    assert any("wall" in line.bodies for line in outcome.census.lines)
+    assert any("via" in leg.note for leg in outcome.plan.legs)
+
+
+@pytest.mark.parametrize("name", ["among", "over a wall"])
+def test_a_bodys_gap_is_kept_at_every_one_of_many_instants(name: str) -> None:
+    """By FCL, with poses made here, at instants that know nothing of rows; at jumps from both sides."""
+    scene, outcome = planned(name)
+    path = outcome.plan.trajectory
+    inner = path.edges[1:-1]
+    t = np.sort(np.concatenate([np.linspace(path.start, path.end, 3000), inner, inner - 1e-9, inner + 1e-9]))
+    q = path.evaluate(t)
+    robot = scene.robot
+    p, turn = robot.placements(q)
+    own = [(item.link, item.body.pieces[0]) for item in robot.bodies]
+    own += [(FLANGE, body.pieces[0]) for body in scene.tool.bodies]
+    assert LINK1 in {link for link, _ in own}
+    closest = math.inf
+    motions = [scene.frames[body.frame].law.motion(t).at(body.pose) for body in scene.bodies]
+    for k in range(len(t)):
+        mine = [_object(piece, p[k, link], turn[k, link]) for link, piece in own]
+        for body, motion in zip(scene.bodies, motions, strict=True):
+            c, s = math.cos(motion.yaw[k]), math.sin(motion.yaw[k])
+            other = _object(body.body.pieces[0], motion.p[k], np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]))
+            for one in mine:
+                assert not fcl.collide(one, other, fcl.CollisionRequest(), fcl.CollisionResult())
+                closest = min(closest, fcl.distance(one, other, fcl.DistanceRequest(), fcl.DistanceResult()))
+    assert closest >= scene.options.clearance.travel_m - 1e-6
+    assert outcome.margins.nearest is not None
+    assert outcome.margins.nearest.gap_m <= closest + 1e-4
+
+
+def _object(piece: Any, p: Any, turn: Any) -> Any:
+    x, y, z = (2 * h for h in piece.shape.half)
+    shape = fcl.Box(x, y, z) if piece.shape.kind == "box" else fcl.Cylinder(piece.shape.disc, z)
+    return fcl.CollisionObject(shape, fcl.Transform(turn @ piece.rotation, turn @ piece.position + p))
+
+
+def test_the_same_request_gives_the_same_plan() -> None:
+    scene, first = planned("among")
+    again = plan(scene)
+    assert isinstance(again, Planned)
+    assert again.plan.certificate.digest == first.plan.certificate.digest
+    assert again.census == first.census
+
+
+def test_legs_are_moves_that_end_when_their_pose_is_due() -> None:
+    _, outcome = planned("among")
+    legs = [leg for leg in outcome.plan.legs if leg.kind == "MOVE"]
+    assert [leg.step for leg in legs] == [0, 1, 2, 3, 4]
+    assert [leg.t1 for leg in legs] == [arrival.time for arrival in outcome.plan.arrivals]
+    assert all(a.t1 == b.t0 for a, b in pairwise(outcome.plan.legs))
+
+
+@settings(max_examples=30)
+@given(st.integers(0, 10**6))
+def test_random_chains_are_planned_and_checked_and_nothing_is_shorter_than_its_bound(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    steps = []
+    for k in range(int(rng.integers(1, 5))):
+        r, angle = rng.uniform(0.2, 0.55), rng.uniform(-1.2, 1.2)
+        via = bool(rng.random() < 0.5)
+        place = r * math.cos(angle), r * math.sin(angle), rng.uniform(0.06, 0.24), rng.uniform(-2, 2)
+        steps.append(go(*place, name=f"s{k}", via=via))
+    steps.append(go(0.35, 0.1, 0.1, name="last"))
+    elbow = str(rng.choice(["keep", "auto"]))
+    given_time = None if rng.random() < 0.5 else float(rng.uniform(0.3, 0.5))
+    scene = blend(cell(*steps), elbow=elbow, acceleration_time_s=given_time, stop="first")
+    outcome = plan(scene)
+    if isinstance(outcome, NotPlanned):
+        assert outcome.reason in (Reason.JOINT_LIMIT, Reason.MOTION_LIMIT, Reason.OUT_OF_REACH), outcome.sentence
+        return
+    assert check(scene, outcome.plan).ok
+    assert 0 <= outcome.lower_bound_s <= outcome.plan.trajectory.duration + 1e-9
+
+
+def test_the_bound_is_one_of_velocity_and_acceleration_alone() -> None:
+    """A bound that counts on a limit of jerk would lie above the plan."""
+    scene, outcome = planned("one move")
+    limited = plan(replace(scene, options=replace(scene.options, timing="jerk_limited")))
+    assert isinstance(limited, Planned)
+    assert outcome.plan.trajectory.duration < limited.lower_bound_s
+    assert outcome.lower_bound_s <= outcome.plan.trajectory.duration
+    assert outcome.lower_bound_s >= 0.99 * outcome.plan.trajectory.duration
+
+
+def test_an_acceleration_time_that_is_too_short_is_refused_with_joint_limit_and_what_would_do() -> None:
+    scene = blend(cell(go(0.4, 0.0, 0.15, via=True, name="v"), go(0.3, -0.3, name="b")), acceleration_time_s=0.05)
+    outcome = plan(scene)
+    assert isinstance(outcome, NotPlanned)
+    assert outcome.reason is Reason.MOTION_LIMIT
+    assert not outcome.proved
+    refusal = outcome.refusal
+    assert refusal is not None
+    joint = next(i for i, j in enumerate(scene.robot.joints) if j.name == refusal.bodies[0])
+    limit = float(scene.robot.limits.acceleration[joint])
+    assert refusal.unit == "rad/s²"
+    assert refusal.amount > 0
+    for words in ("50 ms", refusal.bodies[0], f"has {limit:.4g} rad/s²", f"need {refusal.amount + limit:.4g}"):
+        assert words in refusal.detail
+    assert outcome.census.candidates < 40  # the direct ways, and none by chance
+
+
+def test_what_would_have_helped_is_to_leave_the_acceleration_time_to_the_planner() -> None:
+    scene = blend(cell(go(0.35, -0.2)), acceleration_time_s=0.02, explain_budget_s=20.0)
+    outcome = plan(scene)
+    assert isinstance(outcome, NotPlanned)
+    assert outcome.relaxation is not None
+    assert outcome.relaxation.what == "acceleration time"
+
+
+def test_a_via_inside_a_body_is_no_proof_that_there_is_no_plan() -> None:
+    """It is missed, after all; a stop there is one."""
+    post = stands("post", cylinder(0.03, 0.25), 0.42, 0.05, 0.125)
+    via = blend(cell(go(0.42, 0.05, via=True, name="v"), go(0.3, -0.3, name="b"), bodies=(post,)), max_candidates=40)
+    outcome = plan(via)
+    assert not (isinstance(outcome, NotPlanned) and outcome.proved)
+    stop = plan(blend(cell(go(0.42, 0.05, name="v"), go(0.3, -0.3, name="b"), bodies=(post,)), max_candidates=40))
+    assert isinstance(stop, NotPlanned)
+    assert stop.proved
+
+
+def test_what_cannot_be_reached_or_comes_too_late_is_refused_with_its_reason() -> None:
+    far = plan(blend(cell(go(0.4, 0.0, via=True, name="v"), go(0.9, 0.0, name="far"))))
+    assert isinstance(far, NotPlanned)
+    assert far.reason is Reason.OUT_OF_REACH
+    assert "far" in far.sentence
+    late = plan(blend(cell(go(0.35, -0.2, window=Window(time=(0.0, 0.05)))), max_candidates=20))
+    assert isinstance(late, NotPlanned)
+    assert late.reason is Reason.WINDOW_MISSED
+    end = plan(blend(cell(go(0.35, -0.2)), max_candidates=20, latest_end_s=0.1))
+    assert isinstance(end, NotPlanned)
+    assert end.reason is Reason.WINDOW_MISSED
+
+
+def test_a_point_that_flees_faster_than_the_arm_is_not_met() -> None:
+    away = frame("away", Conveyor(Pose(0.3, -0.2, 0.0, math.pi / 2), 60.0))
+    outcome = plan(blend(cell(go(0.0, 0.0, 0.1, 0.0, "away", match="position"), frames=(away,)), max_candidates=20))
+    assert isinstance(outcome, NotPlanned)
+
+
+def refused(*task: Step, **changes: Any) -> InputError:
+    options = changes.pop("options", {})
+    with pytest.raises(InputError) as caught:
+        plan(blend(cell(*task, **changes), **options))
+    return caught.value
+
+
+GOAL = go(0.35, -0.2)
+PART_THERE = Around(solid("part", PART), "world", Pose(0.25, 0.30, 0.05))
+
+
+@pytest.mark.parametrize(
+    ("task", "more", "field", "words"),
+    [
+        ((Follow("f", at(0.3, 0.0), 0.1),), {}, "task[0].follow", "moves only"),
+        ((GOAL, Pick("p", "part", Pose(), 0.0, 0.0, 0.0)), {"bodies": (PART_THERE,)}, "task[1].pick", "moves only"),
+        (
+            (
+                Pick("p", "part", Pose(), 0.0, 0.0, 0.0),
+                Place("q", "part", Target("world", Pose(0.3, 0.0)), 0.0, 0.0, 0.0),
+            ),
+            {"bodies": (PART_THERE,)},
+            "task[0].pick",
+            "moves only",
+        ),
+        ((go(0.35, -0.2, leg="cartesian"),), {}, "task[0].move.leg", "joint"),
+        ((go(0.35, -0.2, arch=Arch(0.2)),), {}, "task[0].move.arch", "no arch"),
+        ((go(0.1, 0.0, 0.1, 0.0, "dial"),), {"frames": (DIAL,)}, "task[0].move.match", "position"),
+        ((go(0.1, 0.0, frame="dial", via=True), GOAL), {"frames": (DIAL,)}, "task[0].move.match", "dial moves"),
+        ((GOAL, go(0.3, 0.1, name="v", via=True)), {}, "task[1].move.via", "false"),
+        ((GOAL,), {"qd": (0.1, 0.0, 0.0, 0.0)}, "start.velocity", "at rest"),
+        ((GOAL,), {"options": {"end": "moving"}}, "options.end", "rest"),
+        ((GOAL,), {"options": {"acceleration_time_s": 1e-3}}, "options.acceleration_time", "2 ms"),
+        ((GOAL,), {"options": {"acceleration_time_s": math.nan}}, "options.acceleration_time", "2 ms"),
+        (
+            (GOAL,),
+            {"options": {"timing": "jerk_limited", "acceleration_time_s": 0.2}},
+            "options.acceleration_time",
+            "none",
+        ),
+    ],
+)
+def test_what_does_not_go_with_blends_is_refused_by_its_field(
+    task: tuple[Step, ...], more: dict[str, Any], field: str, words: str
+) -> None:
+    error = refused(*task, **more)
+    assert error.field == field
+    assert words in error.allowed
+
+
+def test_a_start_that_accelerates_is_in_motion() -> None:
+    scene = cell(GOAL)
+    start = Start(0.0, scene.start.q, np.zeros(4), np.array([1.0, 0.0, 0.0, 0.0]))
+    with pytest.raises(InputError, match="at rest"):
+        blend(replace(scene, start=start))
+
+
+def test_an_arm_that_runs_such_a_plan_is_no_frame() -> None:
+    scene, outcome = planned("one move")
+    with pytest.raises(InputError) as caught:
+        TrajectoryLaw(scene.robot, outcome.plan.trajectory, LINK1)
+    assert caught.value.field == "neighbour.trajectory"
