@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal, ParamSpec
 
 import typer
 
-from api import words
+from api import catalogue_table, words
 from api.documents import to_json
 from api.logs import where
 from api.problems import Problem, printable
@@ -135,7 +135,7 @@ def robots(as_json: AsJson = False) -> int:
     if as_json:
         _print_json({"robots": catalogue})
         return RIGHT
-    _print(words.catalogue(catalogue), "", words.LEGEND)
+    _print(catalogue_table.catalogue(catalogue), "", catalogue_table.LEGEND)
     return RIGHT
 
 

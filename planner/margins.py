@@ -20,8 +20,6 @@ INSTANTS = 64
 """Times at which the smallest clearance and the tool's acceleration are looked for."""
 BATCH = 192
 """Pairs and times that are looked at together."""
-EXACT = 8
-"""Pairs and times of a batch, the likely nearest first, of which GJK is asked: most often one is enough."""
 FINER = 65
 """Times around the nearest one at which its pair is looked at again: one batch costs little more than one row of it."""
 
@@ -119,7 +117,7 @@ def _nearest(
         units_a, units_b = a[which[column[part]]], b[which[column[part]]]
         one, other = place(solids, where, row[part], units_a), place(solids, where, row[part], units_b)
         gap = likely_gaps(one, other)
-        for k in np.argsort(gap, kind="stable")[:EXACT]:
+        for k in np.argsort(gap, kind="stable"):
             if not gap[k] < best[0]:
                 break
             if solids.piece[units_a[k]] == COVER or solids.piece[units_b[k]] == COVER:

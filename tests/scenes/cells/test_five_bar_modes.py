@@ -146,8 +146,10 @@ def test_a_forged_plan_that_leaves_its_assembly_mode_and_comes_back_is_refused(*
     made = forged(plan, (t, q, qd, qdd))
     if not certified:
         c = plan.certificate
-        rows = {name: getattr(c, name)[:0] for name in c.__dataclass_fields__ if name not in ("names", "digest")}
-        made = replace(made, certificate=Certificate(names=c.names, digest=c.digest, **rows))
+        rows = {
+            name: getattr(c, name)[:0] for name in c.__dataclass_fields__ if name not in ("names", "digest", "covers")
+        }
+        made = replace(made, certificate=Certificate(names=c.names, digest=c.digest, covers=c.covers, **rows))
     verdict = check(cell_of(asked).scene, resealed(asked, made))
     broken = [finding for finding in verdict.findings if finding.code is Code.ASSEMBLY]
     assert len(broken) == 1
