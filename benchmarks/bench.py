@@ -1,0 +1,69 @@
+"""``python -m benchmarks.bench [--quick]``: measure every section, write its result, print the table of the bars.
+
+A run that was stopped goes on where it was, as long as neither sources nor parameters nor machine have changed. A quick
+run takes a sample of everything, and leaves its results beside the full ones, never in their place.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from benchmarks import runner
+from benchmarks.bars import missed, table
+from benchmarks.machine import ROOT
+from benchmarks.progress import Progress as Kept
+from benchmarks.report import results
+from benchmarks.sections.all_of_them import SECTIONS
+
+RESULTS = ROOT / "benchmarks" / "results"
+WORK = ROOT / "out" / "bench"
+"""Progress and logs: nothing in it is needed once results are written."""
+
+
+def main(
+    quick: Annotated[bool, typer.Option("--quick", help="A sample of everything, in under 3 minutes.")] = False,
+    only: Annotated[list[str] | None, typer.Option(help="Only this section; repeatable.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder of the results.")] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Do not resume: measure everything again.")] = False,
+) -> None:
+    """Run the benchmark. Exit 1 if a figure was refused."""
+    names = [section.name for section in SECTIONS]
+    for name in only or []:
+        if name not in names:
+            raise typer.BadParameter(f"one of {', '.join(names)}", param_hint="--only")
+    work = WORK / ("quick" if quick else "full")
+    folder = out or (work / "results" if quick else RESULTS)
+    work.mkdir(parents=True, exist_ok=True)
+    columns = (TextColumn("{task.description:<10}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True)) as shown:
+        for section in SECTIONS:
+            if only and section.name not in only:
+                continue
+            parameters = section.parameters(quick)
+            path = work / f"{section.name}.jsonl"
+            if fresh:
+                path.unlink(missing_ok=True)
+            kept = Kept(path, runner.key(section, parameters, quick))
+            items = section.items(parameters)
+            there = sum(item.name in kept.records for item in items)
+            task = shown.add_task(section.name, total=len(items), completed=there)
+            opened = partial(runner.process, log=work / "log.txt")
+            records = runner.measured(section, parameters, kept, partial(shown.advance, task), opened)
+            made = section.summary(parameters, records)
+            if section.after is not None and not quick:
+                section.after(parameters, records)
+            runner.write(folder / f"{section.name}.json", runner.result(section, parameters, quick, made))
+    there_now = results(folder)
+    console = Console()
+    console.print(table(there_now))
+    raise typer.Exit(1 if missed(there_now) else 0)
+
+
+if __name__ == "__main__":
+    typer.run(main)
