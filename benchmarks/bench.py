@@ -15,10 +15,10 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from benchmarks import runner
-from benchmarks.bars import missed, table
+from benchmarks.bars import refused, table, unclean
 from benchmarks.machine import ROOT
 from benchmarks.progress import Progress as Kept
-from benchmarks.report import results
+from benchmarks.report import peers, printed, results, sections
 from benchmarks.sections.all_of_them import SECTIONS
 
 RESULTS = ROOT / "benchmarks" / "results"
@@ -30,14 +30,15 @@ def main(
     quick: Annotated[bool, typer.Option("--quick", help="A sample of everything, in under 3 minutes.")] = False,
     only: Annotated[list[str] | None, typer.Option(help="Only this section; repeatable.")] = None,
     out: Annotated[Path | None, typer.Option(help="Folder of the results.")] = None,
+    progress: Annotated[Path | None, typer.Option(help="Folder of what was measured so far.")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Do not resume: measure everything again.")] = False,
 ) -> None:
-    """Run the benchmark. Exit 1 if a figure was refused."""
+    """Run the benchmark. Exit 1 if an answer was not clean."""
     names = [section.name for section in SECTIONS]
     for name in only or []:
         if name not in names:
             raise typer.BadParameter(f"one of {', '.join(names)}", param_hint="--only")
-    work = WORK / ("quick" if quick else "full")
+    work = (progress or WORK) / ("quick" if quick else "full")
     folder = out or (work / "results" if quick else RESULTS)
     work.mkdir(parents=True, exist_ok=True)
     columns = (TextColumn("{task.description:<10}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
@@ -59,10 +60,15 @@ def main(
             if section.after is not None and not quick:
                 section.after(parameters, records)
             runner.write(folder / f"{section.name}.json", runner.result(section, parameters, quick, made))
-    there_now = results(folder)
+    there_now = sections(results(folder))
     console = Console()
+    if "peers" in there_now:
+        console.print(printed("ours and the peers, static problems", peers(there_now)))
     console.print(table(there_now))
-    raise typer.Exit(1 if missed(there_now) else 0)
+    for text in refused(there_now):
+        console.print(f"refused: {text}")
+    console.print(f"results: {folder.relative_to(ROOT) if folder.is_relative_to(ROOT) else folder}")
+    raise typer.Exit(1 if unclean(there_now) else 0)
 
 
 if __name__ == "__main__":

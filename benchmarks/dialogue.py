@@ -23,7 +23,7 @@ GRACE_S = 5.0
 """A process that was asked to end is killed after this."""
 
 
-class ProgramDied(Exception):  # noqa: N818 - it is said of the program
+class ProgramDied(Exception):
     """The process ended, was killed for taking too long, or wrote what is no answer."""
 
 

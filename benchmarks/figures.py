@@ -1,4 +1,4 @@
-"""A figure with its bar. It is formed only over answers that were checked and found clean; else it is refused."""
+"""A figure. It is formed only over answers that were checked and found clean; else it is refused."""
 
 from __future__ import annotations
 
@@ -13,22 +13,13 @@ Document = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """`value` in `unit`; `bar`: what is to be reached, at least or at most. `refused`: why there is no value."""
+    """`value` in `unit`. `refused`: why there is no value."""
 
     name: str
     value: float | None
     unit: str = ""
-    bar: float | None = None
-    at_least: bool = False
     refused: str | None = None
     note: str = ""
-
-    @property
-    def met(self) -> bool | None:
-        """Whether the bar is reached; None without a bar or without a value."""
-        if self.bar is None or self.value is None:
-            return None
-        return self.value >= self.bar if self.at_least else self.value <= self.bar
 
     def document(self) -> Document:
         return asdict(self)
@@ -54,8 +45,6 @@ def figure(
     value: Callable[[Sequence[Mapping[str, Any]]], float | None],
     unit: str = "",
     *,
-    bar: float | None = None,
-    at_least: bool = False,
     note: str = "",
 ) -> Figure:
     """The figure of the records, or a refusal: when one of them is not clean, there are none, or it has no value."""
@@ -63,7 +52,7 @@ def figure(
     worth = value(list(records.values())) if why is None else None
     if why is None and (worth is None or not np.isfinite(worth)):
         why, worth = "no answer to measure", None
-    return Figure(name, None if worth is None else float(worth), unit, bar, at_least, why, note)
+    return Figure(name, None if worth is None else float(worth), unit, why, note)
 
 
 def quantile(values: Iterable[float], share: float) -> float | None:

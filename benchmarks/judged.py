@@ -40,7 +40,7 @@ def warm_up(problems: ProblemSet) -> None:
     for seed, moving in zip(WARM_UP_SEEDS, (False, True), strict=True):
         problem = unrelated_problem(seed, moving)
         for match in ("position", "velocity"):
-            answer(problem, problems, Manners(match=match))  # type: ignore[arg-type]
+            answer(problem, problems, Manners(match=match))
 
 
 def judged(problems: ProblemSet, problem: Problem, line: Document, match: Match) -> Document:

@@ -1,6 +1,6 @@
 """The problems' arm for peers that bring no kinematics: closed forms, and every turn of the joints.
 
-    cos q2 = (r² - a1² - a2²) / (2 a1 a2)      q1 = ∠(x, y) - atan2(a2 sin q2, a1 + a2 cos q2)      (B1)
+cos q2 = (r² - a1² - a2²) / (2 a1 a2)      q1 = ∠(x, y) - atan2(a2 sin q2, a1 + a2 cos q2)      (B1)
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from importlib.metadata import version
+from itertools import pairwise
 from typing import Any
 
 import fcl
@@ -101,7 +102,7 @@ def stopping(points: list[list[float]], limits: Document) -> Document:
     """The trajectory from point to point, at rest at each; knots wherever a jerk changes."""
     rows: list[tuple[float, Any, Any, Any]] = [(0.0, np.array(points[0]), np.zeros(4), np.zeros(4))]
     now = 0.0
-    for a, b in zip(points, points[1:], strict=False):
+    for a, b in pairwise(points):
         origin, way = np.array(a), np.array(b) - np.array(a)
         if not np.abs(way).max() > 1e-9:
             continue

@@ -45,7 +45,9 @@ class Peers:
 
 
 @contextmanager
-def peers(names: tuple[str, ...], environment: Environment, commands: Mapping[str, list[str]] | None = None) -> Iterator[Peers]:
+def peers(
+    names: tuple[str, ...], environment: Environment, commands: Mapping[str, list[str]] | None = None
+) -> Iterator[Peers]:
     """Starts the peers of these names. `commands`: other programs in their places."""
     there = Peers()
     try:

@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 from benchmarks.section import Section
-from benchmarks.sections import dyad, sets
+from benchmarks.sections import durations, dyad, legs, scaling, service, sets, side_by_side
 
-SECTIONS: tuple[Section, ...] = (sets.SECTION, dyad.SECTION)
+SECTIONS: tuple[Section, ...] = (
+    sets.SECTION,
+    durations.SECTION,
+    dyad.SECTION,
+    legs.SECTION,
+    scaling.SECTION,
+    service.SECTION,
+    side_by_side.SECTION,
+)
 
 
 def by_name(name: str) -> Section:

@@ -117,8 +117,8 @@ def tour(
         made["task"] = [_pick(i // 2) if i % 2 == 0 else _place(i // 2, every[i]) for i in range(count)]
         return problem, made, met
     steps = []
-    for i, at in enumerate(every[:count]):
-        step: Document = {"to": {"at_m": at, "yaw_rad": 0.0}, "match": "position", "name": f"point-{i}"}
+    for i, point in enumerate(every[:count]):
+        step: Document = {"to": {"at_m": point, "yaw_rad": 0.0}, "match": "position", "name": f"point-{i}"}
         if kind == "via" and i < count - 1:
             step["via"] = True
             del step["match"]

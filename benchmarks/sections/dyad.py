@@ -29,7 +29,6 @@ ALIKE = 4000
 SAME = 1e-9
 """Largest relative difference between the forms that counts as equal: natural coordinates are iterated to 1e-12 of l²,
 and 5 mm from an edge the printed arccos loses three digits."""
-BAR = 0.4
 ROUNDS, QUICK_ROUNDS = 60, 6
 REPEATS = 3
 """Runs of which the fastest counts, in a round: what else runs on the machine only slows down."""
@@ -87,7 +86,7 @@ def unlike(given: FloatArray) -> list[str]:
 
 
 @contextmanager
-def measuring(parameters: Document, group: str) -> Iterator[Callable[[str], Document]]:
+def measuring(parameters: Document, _group: str) -> Iterator[Callable[[str], Document]]:
     given = race.dyads(parameters["dyads"])
     findings = unlike(given)
     cut: dict[int, list[FloatArray]] = {}
@@ -101,7 +100,7 @@ def measuring(parameters: Document, group: str) -> Iterator[Callable[[str], Docu
 
     ways: dict[str, Form] = {"ours": race.kernel, "printed": race.printed_batch, "relative": relative}
 
-    def measure(item: str) -> Document:
+    def measure(_item: str) -> Document:
         ns: dict[str, Document] = {}
         for block, parts in cut.items():
             of_block: Document = {}
@@ -140,14 +139,14 @@ def summary(parameters: Document, records: Records) -> Summary:
         if rows
     }
     if not rows:
-        return Summary((figure("dyad: ours over the printed equations", records, lambda _: None, bar=BAR),))
+        return Summary((figure("dyad: ours over the printed equations", records, lambda _: None),))
     best = min((block for block in blocks if int(block) <= ALIKE), key=lambda block: median[block]["printed"])
 
     def ratio(records: Any) -> float:
         return float(np.median([row["ns"][best]["ours"] / row["ns"][best]["printed"] for row in records]))
 
     note = f"both in blocks of {int(best):,}, at which the printed equations are fastest"
-    figures = [figure("dyad: ours over the printed equations", records, ratio, bar=BAR, note=note)]
+    figures = [figure("dyad: ours over the printed equations", records, ratio, note=note)]
     for name in FORMS:
         block = blocks[-1] if name == "natural" else best
 

@@ -1,9 +1,9 @@
 """How planning time grows: with the bodies of the cell, and with the control points of the task.
 
 Bodies: 10 to 1,000 of the same density round one path, in cells of which each holds all smaller ones, so the search is
-the same and only what it costs to rule the far ones out differs. Planning is timed on a built scene, building by itself.
-Control points: 1 to 10 of them in the cell of ten, flown by (`via`), stopped at (`move`), and picked and placed in turn
-(`pick`). Every size is built and planned anew in each repeat, one size after the other.
+the same and only what it costs to rule the far ones out differs. Planning is timed on a built scene, building by
+itself. Control points: 1 to 10 of them in the cell of ten, flown by (`via`), stopped at (`move`), and picked and placed
+in turn (`pick`). Every size is built and planned anew in each repeat, one size after the other.
 """
 
 from __future__ import annotations
@@ -35,7 +35,6 @@ BODIES, FEW_BODIES = (10, 30, 100, 300, 1000), (10, 100, 1000)
 POINTS, FEW_POINTS = (1, 2, 5, 10), (1, 10)
 CELLS, FEW_CELLS = 12, 3
 REPEATS, FEW_REPEATS = 5, 2
-BODIES_BAR, POINTS_BAR = 3.0, 12.0
 MEET_M = 2e-6
 """How far from a control point the tool may be when it is met."""
 
@@ -55,7 +54,7 @@ def items(parameters: Document) -> list[Item]:
 
 
 @contextmanager
-def measuring(parameters: Document, group: str) -> Iterator[Callable[[str], Document]]:
+def measuring(parameters: Document, _group: str) -> Iterator[Callable[[str], Document]]:
     problems = problem_set("static")
     warm_up(problems)
 
@@ -82,7 +81,7 @@ def _asked(
     if kind == "bodies":
         problem = crowd(cell, size)
         return problem, request(problem, problems.limits, Manners()), [problem["goal"]["pos"]]
-    return tour(KINDS[KINDS.index(kind)], cell, size, most, problems.limits)  # type: ignore[arg-type]
+    return tour(KINDS[KINDS.index(kind)], cell, size, most, problems.limits)
 
 
 def timed(
@@ -128,12 +127,13 @@ def summary(parameters: Document, records: Records) -> Summary:
         clean = [record for record in of_kind.values() if not record["findings"]]
         least, most = sizes[0], sizes[-1]
         name = "bodies" if kind == "bodies" else f"control points ({kind})"
-        bar = BODIES_BAR if kind == "bodies" else POINTS_BAR
 
         def grown(rows: Any, key: str = "plan_s", least: str = least, most: str = most) -> float:
-            return float(np.median([np.median(r["sizes"][most][key]) / np.median(r["sizes"][least][key]) for r in rows]))
+            return float(
+                np.median([np.median(r["sizes"][most][key]) / np.median(r["sizes"][least][key]) for r in rows])
+            )
 
-        figures.append(figure(f"planning, {least} to {int(most):,} {name}", of_kind, grown, "times", bar=bar))
+        figures.append(figure(f"planning, {least} to {int(most):,} {name}", of_kind, grown, "times"))
         if kind == "bodies":
             figures.append(
                 figure(
@@ -145,7 +145,8 @@ def summary(parameters: Document, records: Records) -> Summary:
             )
         data[kind] = {
             size: {
-                key.removesuffix("_s") + "_ms": 1e3 * float(np.median([np.median(r["sizes"][size][key]) for r in clean]))
+                key.removesuffix("_s") + "_ms": 1e3
+                * float(np.median([np.median(r["sizes"][size][key]) for r in clean]))
                 for key in ("build_s", "plan_s")
             }
             for size in sizes
@@ -154,6 +155,4 @@ def summary(parameters: Document, records: Records) -> Summary:
     return Summary(tuple(figures), data)
 
 
-SECTION = Section(
-    "scaling", "planning time over bodies and over control points", parameters, items, measuring, summary
-)
+SECTION = Section("scaling", "planning time over bodies and over control points", parameters, items, measuring, summary)

@@ -18,16 +18,6 @@ from benchmarks.section import Document, Item, Records, Section, Summary
 from benchmarks.translation import Manners
 
 FAST_S, SOON_S = 0.1, 1.0
-BARS: dict[str, tuple[float, float]] = {
-    "static": (93, 95),
-    "moving bodies": (90, 95),
-    "moving goal": (92, 95),
-    "moving goal, velocity": (92, 92),
-}
-"""Per cent solved within 0.1 s and within 1 s."""
-NO_FAST_BAR = "moving goal, velocity"
-"""For which no bar at 0.1 s was set."""
-P50_MS, P95_MS = 3.0, 30.0
 SAMPLE = 10
 """In a quick run every tenth problem is run."""
 LEARNING = {True: "adaptive", False: "not adaptive"}
@@ -69,7 +59,7 @@ def measuring(parameters: Document, group: str) -> Iterator[Callable[[str], Docu
     yield measure
 
 
-def summary(parameters: Document, records: Records) -> Summary:
+def summary(_parameters: Document, records: Records) -> Summary:
     figures: list[Figure] = []
     data: Document = {}
     for learning in LEARNING.values():
@@ -85,7 +75,6 @@ def summary(parameters: Document, records: Records) -> Summary:
 
 def set_figures(title: str, adaptive: bool, records: Mapping[str, Mapping[str, Any]]) -> list[Figure]:
     """The figures of one set."""
-    fast, soon = BARS[title]
     suffix = "" if adaptive else ", not adaptive"
     unsolved = [name for name, record in records.items() if record["first_s"] is None]
     note = f"not solved: {' '.join(unsolved)}" if unsolved else ""
@@ -100,15 +89,11 @@ def set_figures(title: str, adaptive: bool, records: Mapping[str, Mapping[str, A
 
         return of
 
-    def bar(value: float) -> float | None:
-        return value if adaptive else None
-
-    fast_bar = None if title == NO_FAST_BAR else bar(fast)
     return [
-        figure(f"{title}: solved within 0.1 s{suffix}", records, share(FAST_S), "%", bar=fast_bar, at_least=True),
-        figure(f"{title}: solved within 1 s{suffix}", records, share(SOON_S), "%", bar=bar(soon), at_least=True, note=note),
-        figure(f"{title}: first answer, median{suffix}", records, at(0.5), "ms", bar=bar(P50_MS)),
-        figure(f"{title}: first answer, 95 %{suffix}", records, at(0.95), "ms", bar=bar(P95_MS)),
+        figure(f"{title}: solved within 0.1 s{suffix}", records, share(FAST_S), "%"),
+        figure(f"{title}: solved within 1 s{suffix}", records, share(SOON_S), "%", note=note),
+        figure(f"{title}: first answer, median{suffix}", records, at(0.5), "ms"),
+        figure(f"{title}: first answer, 95 %{suffix}", records, at(0.95), "ms"),
     ]
 
 
