@@ -96,7 +96,7 @@ class Line:
 
 
 def lines(results: Results) -> Iterator[Line]:
-    """The table, line by line; what was not measured says so, what was refused says why."""
+    """The table, line by line; what was not measured says so, what was refused says so."""
     for bar in BARS:
         there = {figure["name"]: figure for figure in results.get(bar.section, {}).get("figures", [])}
         figures = [there.get(name) for name in bar.figures]
@@ -112,13 +112,14 @@ def lines(results: Results) -> Iterator[Line]:
             "not measured" if not any(figures) else told + unit,
             _met(figures, bar),
         )
+    yield _clean(results)
 
 
 def _value(figure: Document | None, bar: Bar) -> str:
     if figure is None:
         return "not measured"
     if figure["refused"] is not None or figure["value"] is None:
-        return f"refused ({figure['refused']})"
+        return "refused"
     return f"{figure['value']:.{bar.decimals}f}"
 
 
@@ -134,19 +135,28 @@ def _met(figures: Sequence[Document | None], bar: Bar) -> str:
     return said[0] if len(set(said)) == 1 else " / ".join(said)
 
 
+def answers(results: Results) -> tuple[int, list[str]]:
+    """How many plans were checked and rechecked, and the items that were not clean."""
+    told = [document["answers"] for document in results.values()]
+    return sum(one["checked"] for one in told), [name for one in told for name in one["not_clean"]]
+
+
+def _clean(results: Results) -> Line:
+    checked, bad = answers(results)
+    title = "plans in which checker or recheck find anything"
+    if not results:
+        return Line(title, "at most 0", "not measured", "?")
+    return Line(title, "at most 0", f"{len(bad)} of {checked:,}", "no" if bad else "yes")
+
+
 def refused(results: Results) -> list[str]:
-    """Every figure that was refused, with the reason."""
-    return [
-        f"{figure['name']}: {figure['refused']}"
-        for document in results.values()
-        for figure in document["figures"]
-        if figure["refused"] is not None
-    ]
-
-
-def unclean(results: Results) -> bool:
-    """Whether a figure was refused because an answer was not clean: that is a defect, not a peer that is missing."""
-    return any("not clean" in text for text in refused(results))
+    """Every reason for which figures were refused, with their names."""
+    by_reason: dict[str, list[str]] = {}
+    for document in results.values():
+        for figure in document["figures"]:
+            if figure["refused"] is not None:
+                by_reason.setdefault(figure["refused"], []).append(figure["name"])
+    return [f"{why}: {'; '.join(names)}" for why, names in by_reason.items()]
 
 
 def table(results: Results) -> Table:

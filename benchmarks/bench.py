@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from benchmarks import runner
-from benchmarks.bars import refused, table, unclean
+from benchmarks.bars import answers, refused, table
 from benchmarks.machine import ROOT
 from benchmarks.progress import Progress as Kept
 from benchmarks.report import peers, printed, results, sections
@@ -24,6 +24,8 @@ from benchmarks.sections.all_of_them import SECTIONS
 RESULTS = ROOT / "benchmarks" / "results"
 WORK = ROOT / "out" / "bench"
 """Progress and logs: nothing in it is needed once results are written."""
+WIDTH = 120
+"""Characters of the tables, where the terminal has not more."""
 
 
 def main(
@@ -59,16 +61,16 @@ def main(
             made = section.summary(parameters, records)
             if section.after is not None and not quick:
                 section.after(parameters, records)
-            runner.write(folder / f"{section.name}.json", runner.result(section, parameters, quick, made))
+            runner.write(folder / f"{section.name}.json", runner.result(section, parameters, quick, records, made))
     there_now = sections(results(folder))
-    console = Console()
+    console = Console(width=max(WIDTH, Console().width))
     if "peers" in there_now:
         console.print(printed("ours and the peers, static problems", peers(there_now)))
     console.print(table(there_now))
     for text in refused(there_now):
-        console.print(f"refused: {text}")
+        console.print(f"refused: {text}", soft_wrap=True)
     console.print(f"results: {folder.relative_to(ROOT) if folder.is_relative_to(ROOT) else folder}")
-    raise typer.Exit(1 if unclean(there_now) else 0)
+    raise typer.Exit(1 if answers(there_now)[1] else 0)
 
 
 if __name__ == "__main__":

@@ -44,9 +44,10 @@ def warm_up(problems: ProblemSet) -> None:
 
 
 def judged(problems: ProblemSet, problem: Problem, line: Document, match: Match) -> Document:
-    """A line of `run_problems` without its trajectory, and with its `findings`, in words."""
+    """A line of `run_problems` without its trajectory, its `findings` in words; `answers`: 1 if there is a plan."""
     findings = recheck(problems, problem, line, match)
-    return {column: line[column] for column in COLUMNS} | {"findings": [said(finding) for finding in findings]}
+    told = {"findings": [said(finding) for finding in findings], "answers": int(line["status"] == "planned")}
+    return {column: line[column] for column in COLUMNS} | told
 
 
 def said(finding: Finding) -> str:

@@ -133,7 +133,7 @@ def profile(there: Results) -> str:
 
 def refusals(there: Results) -> str:
     """What was refused, and why."""
-    found = refused(there)
+    found = refused(sections(there))
     if not there:
         return NOTHING
     return "\n".join(f"- {text}" for text in found) if found else "None: every answer behind a figure was clean."

@@ -14,7 +14,7 @@ from typing import Any
 from benchmarks.dialogue import Program, ProgramDied
 from benchmarks.machine import ROOT, commit, machine, sources
 from benchmarks.progress import Progress
-from benchmarks.section import Document, Item, Section, Summary
+from benchmarks.section import Document, Item, Records, Section, Summary
 
 Ask = Callable[[str], Document]
 Open = Callable[[Section, Document, str], Any]
@@ -75,8 +75,9 @@ def key(section: Section, parameters: Document, quick: bool) -> Document:
     }
 
 
-def result(section: Section, parameters: Document, quick: bool, summary: Summary) -> Document:
-    """The document that a section writes."""
+def result(section: Section, parameters: Document, quick: bool, records: Records, summary: Summary) -> Document:
+    """The document that a section writes. `answers`: how many plans of ours were checked and rechecked, and the items
+    that were not clean."""
     return {
         "schema": "assur-benchmark/1",
         "section": section.name,
@@ -87,6 +88,10 @@ def result(section: Section, parameters: Document, quick: bool, summary: Summary
         "machine": machine(),
         "pinned": section.one_core,
         "parameters": parameters,
+        "answers": {
+            "checked": sum(record.get("answers", 0) for record in records.values()),
+            "not_clean": [name for name, record in records.items() if record.get("findings") != []],
+        },
         "figures": [figure.document() for figure in summary.figures],
         "data": summary.data,
     }

@@ -118,7 +118,7 @@ def measuring(parameters: Document, _group: str) -> Iterator[Callable[[str], Doc
             q = along(start, end, (0.0, 0.0), SIGN, CHECKED)
             reference = fastest_joint_move(q[0], q[-1], limits)
             problem = {"id": item, "start": q[0].tolist(), "goal": {"pos": end, "yaw": 0.0}, "obstacles": []}
-            record: Document = {"reference_s": reference, "findings": []}
+            record: Document = {"reference_s": reference, "findings": [], "answers": 0}
             for stop in ("first", parameters["stop"]):
                 forget()
                 line = {"id": item, "match": "position"}
@@ -127,6 +127,7 @@ def measuring(parameters: Document, _group: str) -> Iterator[Callable[[str], Doc
                 if line["status"] == "planned":
                     made["findings"] += bent(line, start, end)
                 record["findings"] += made["findings"]
+                record["answers"] += made["answers"]
                 record[stop] = {"duration_s": made.get("duration_s"), "elapsed_s": made["elapsed_s"]}
             asked = {"start": start, "end": end, "yaw": [0.0, 0.0], "sign": SIGN, "limits": limits}
             theirs = others.ask("toppra", asked)

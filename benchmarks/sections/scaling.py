@@ -63,6 +63,7 @@ def measuring(parameters: Document, _group: str) -> Iterator[Callable[[str], Doc
         sizes = parameters["bodies" if kind == "bodies" else "points"]
         asked = {size: _asked(kind, int(cell), size, max(sizes), problems) for size in sizes}
         record: Document = {"findings": [], "sizes": {str(size): {"build_s": [], "plan_s": []} for size in sizes}}
+        record["answers"] = parameters["repeats"] * len(sizes)
         for _ in range(parameters["repeats"]):
             for size in sizes:
                 built, planned, found = timed(problems, *asked[size])

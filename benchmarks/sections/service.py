@@ -135,6 +135,7 @@ def measuring(parameters: Document, _group: str) -> Iterator[Callable[[str], Doc
                 if whole.get("trajectory") != answer["trajectory"]:
                     unlike = ["the same request got another answer"]
                 answer = whole
+            record["answers"] = int(answer["status"] == "planned")
             return record | {"findings": unlike + wrong(name, asked, answer)}
 
         def wrong(name: str, asked: Document, answer: Document) -> list[str]:
@@ -152,12 +153,14 @@ def measuring(parameters: Document, _group: str) -> Iterator[Callable[[str], Doc
         def load(number: int) -> Document:
             rates: Document = {}
             findings: list[str] = []
+            planned = 0
             for workers in WORKERS if number % 2 else reversed(WORKERS):
                 seconds, answers = under_load(ports[workers], number)
                 rates[str(workers)] = len(answers) / seconds
                 for name, asked, answer in answers:
                     findings += wrong(name, asked, answer)
-            return {"rates": rates, "findings": findings}
+                    planned += answer["status"] == "planned"
+            return {"rates": rates, "findings": findings, "answers": planned}
 
         def under_load(port: int, number: int) -> tuple[float, list[tuple[str, Document, Document]]]:
             names = [problem["id"] for problem in problems.problems if problem["direct"]]

@@ -86,7 +86,8 @@ def measuring(parameters: Document, _group: str) -> Iterator[Callable[[str], Doc
             ours = judged(
                 problems, problem, answer(problem, problems, Manners(budget, "first", "position", seed)), "position"
             )
-            record: Document = {"assur": ours, "findings": ours["findings"], "versions": others.versions}
+            record: Document = {"assur": ours, "versions": others.versions}
+            record |= {"findings": ours["findings"], "answers": ours["answers"]}
             for name in PEERS:
                 theirs = others.ask(name, question(problem, problems.limits, budget, seed))
                 record[name] = rechecked(problems, problem, theirs)
