@@ -18,9 +18,10 @@ def forget() -> int:
     """
     emptied = 0
     for name, module in list(sys.modules.items()):
-        if name.partition(".")[0] in CACHING and not name.startswith(KEEP):
+        if name.partition(".")[0] in CACHING:
             for value in list(vars(module).values()):
-                if isinstance(value, _lru_cache_wrapper):
+                # by where it is written: a module also holds what it imports
+                if isinstance(value, _lru_cache_wrapper) and not value.__module__.startswith(KEEP):
                     value.cache_clear()
                     emptied += 1
     return emptied

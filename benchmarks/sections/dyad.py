@@ -57,11 +57,11 @@ def natural(given: FloatArray) -> Any:
 
 def unlike(given: FloatArray) -> list[str]:
     """What is not the same in all formulations."""
-    found = []
     made = race.kernel(given)
-    printed = race.printed_batch(given)
     if not (made.code == Code.ASSEMBLED).all():
-        found.append("a dyad is not ASSEMBLED")
+        return ["a dyad is not ASSEMBLED"]
+    found = []
+    printed = race.printed_batch(given)
     truth = np.stack([*printed.phi[1:], *(getattr(printed.c, name) for name in ("x", "y", "xd", "yd", "xdd", "ydd"))])
     w1, a1 = made.rates[0][0], made.rates[1][0]
     (ux, uy), (a, s) = made.u, (given[:6], w1 * w1)
