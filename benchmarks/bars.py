@@ -159,9 +159,9 @@ def refused(results: Results) -> list[str]:
     return [f"{why}: {'; '.join(names)}" for why, names in by_reason.items()]
 
 
-def table(results: Results) -> Table:
-    """The table as it is printed."""
-    shown = Table("figure", "bar", "reached", "met", title=f"sets: {ORDER}", show_lines=True)
+def table(results: Results, said: str = "") -> Table:
+    """The table as it is printed, `said` above it."""
+    shown = Table("figure", "bar", "reached", "met", title=f"{said}sets in the order {ORDER}", show_lines=True)
     for line in lines(results):
         shown.add_row(line.title, line.bar, line.reached, line.met)
     return shown

@@ -54,7 +54,8 @@ def main(
                 path.unlink(missing_ok=True)
             kept = Kept(path, runner.key(section, parameters, quick))
             items = section.items(parameters)
-            there = sum(item.name in kept.records for item in items)
+            records_there = [kept.records.get(item.name) for item in items]
+            there = sum(record is not None and not section.again(record) for record in records_there)
             task = shown.add_task(section.name, total=len(items), completed=there)
             opened = partial(runner.process, log=work / "log.txt")
             records = runner.measured(section, parameters, kept, partial(shown.advance, task), opened)
@@ -66,7 +67,7 @@ def main(
     console = Console(width=max(WIDTH, Console().width))
     if "peers" in there_now:
         console.print(printed("ours and the peers, static problems", peers(there_now)))
-    console.print(table(there_now))
+    console.print(table(there_now, "a sample; " if quick else ""))
     for text in refused(there_now):
         console.print(f"refused: {text}", soft_wrap=True)
     console.print(f"results: {folder.relative_to(ROOT) if folder.is_relative_to(ROOT) else folder}")

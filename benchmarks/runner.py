@@ -48,12 +48,10 @@ def process(section: Section, parameters: Document, group: str, log: Path | None
 def measured(
     section: Section, parameters: Document, progress: Progress, ticked: Callable[[], None], opened: Open = process
 ) -> dict[str, Document]:
-    """The records of all items, in their order; those that `progress` has already are not measured again.
-
-    A record of a process that died is measured again when the run is resumed.
-    """
+    """The records of all items, in their order; those that `progress` has, and the section keeps, are not measured
+    again."""
     items = section.items(parameters)
-    done = {name for name, record in progress.records.items() if "died" not in str(record.get("findings"))}
+    done = {name for name, record in progress.records.items() if not section.again(record)}
     for group, members in groupby(items, key=lambda item: item.group):
         left: Sequence[Item] = [item for item in members if item.name not in done]
         if left:

@@ -30,6 +30,11 @@ class Summary:
     data: Document = field(default_factory=dict)
 
 
+def died(record: Document) -> bool:
+    """Whether the measuring process died under this item: it is measured again when a run is resumed."""
+    return any("process died" in finding for finding in record.get("findings", []))
+
+
 @dataclass(frozen=True, slots=True)
 class Section:
     """A part of the benchmark.
@@ -48,5 +53,7 @@ class Section:
     one_core: bool = True
     limit_s: float = 120.0
     """Longest time that one item may take."""
+    again: Callable[[Document], bool] = died
+    """Whether a record is not kept when a run is resumed."""
     after: Callable[[Document, Records], None] | None = None
     """What is done once, after a full run, with all records."""

@@ -11,6 +11,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,6 +29,8 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
 }
 """What each peer's program cannot run without."""
 INSTALL_S = 600.0
+TRY_AGAIN_S = 1800.0
+"""What could not be installed is tried again after this, not for every section of a run."""
 
 Run = Callable[[Sequence[str]], int]
 
@@ -76,8 +79,9 @@ def prepared(folder: Path = FOLDER, log: Path | None = None) -> Environment:
     wanted = hashlib.sha256(REQUIREMENTS.read_bytes() + version.encode()).hexdigest()
     if stamp.exists() and python.exists():
         said = json.loads(stamp.read_text(encoding="utf-8"))
-        if said["requirements"] == wanted and not said["failed"]:
-            return Environment(python, version)
+        lately = time.time() - stamp.stat().st_mtime < TRY_AGAIN_S
+        if said["requirements"] == wanted and (lately or not said["failed"]):
+            return Environment(python, version, missing(set(said["failed"]), version))
     with (log or Path(os.devnull)).open("ab") as stream:
 
         def run(command: Sequence[str]) -> int:
@@ -98,7 +102,8 @@ def prepared(folder: Path = FOLDER, log: Path | None = None) -> Environment:
 
 def installed(python: Path, run: Run) -> set[str]:
     """Installs requirement by requirement; the names of those that could not be."""
-    pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:"]
+    pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    pip += ["--only-binary", ":all:", "--retries", "1"]
     constraint = ["--constraint", str(REQUIREMENTS)]
     return {name for name, line in requirements().items() if run([*pip, *constraint, line]) != 0}
 

@@ -24,7 +24,7 @@ from benchmarks.problem_set import Problem
 from benchmarks.recheck.arm import tool
 from benchmarks.recheck.spline import Spline
 from benchmarks.run_problems import planned
-from benchmarks.section import Document, Item, Records, Section, Summary
+from benchmarks.section import Document, Item, Records, Section, Summary, died
 from benchmarks.translation import Manners, request
 
 LEGS, SAMPLE, SEED = 200, 20, 20_240
@@ -182,5 +182,12 @@ def _there(record: Document, way: str) -> bool:
 
 
 SECTION = Section(
-    "legs", "straight Cartesian legs over the joint move", parameters, items, measuring, summary, limit_s=900.0
+    "legs",
+    "straight Cartesian legs over the joint move",
+    parameters,
+    items,
+    measuring,
+    summary,
+    limit_s=900.0,
+    again=lambda record: died(record) or record["toppra"]["status"] == "missing",
 )

@@ -56,7 +56,7 @@ def parameters(quick: bool) -> Document:
 
 
 def items(parameters: Document) -> list[Item]:
-    """Problems that the straight motion does not solve, and the rounds of load."""
+    """Round trips with the proof in full and without, and the rounds of load."""
     of_trip = problem_set("static").problems[: parameters["trips"]]
     trips = [f"trip/{problem['id']}/{detail}" for problem in of_trip for detail in ("full", "digest")]
     return [Item("service", name) for name in [*trips, *(f"load/{i}" for i in range(parameters["rounds"]))]]
@@ -181,7 +181,7 @@ def measuring(parameters: Document, _group: str) -> Iterator[Callable[[str], Doc
                         return
                     try:
                         answers.append((name, asked[name], client.plan(asked[name], "full")[1]))
-                    except (RuntimeError, OSError) as error:
+                    except (RuntimeError, OSError, http.client.HTTPException) as error:
                         failures.append(str(error))
                         return
 

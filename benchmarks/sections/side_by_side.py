@@ -21,7 +21,7 @@ from benchmarks.peers.running import environment_of, peers, question
 from benchmarks.problem_set import Problem, ProblemSet
 from benchmarks.recheck.findings import Finding, recheck
 from benchmarks.run_problems import answer
-from benchmarks.section import Document, Item, Records, Section, Summary
+from benchmarks.section import Document, Item, Records, Section, Summary, died
 from benchmarks.translation import Manners, unrelated_problem
 
 BUDGET_S = 1.0
@@ -174,5 +174,6 @@ SECTION = Section(
     measuring,
     summary,
     limit_s=900.0,
+    again=lambda record: died(record) or any(record[name]["status"] == "missing" for name in PEERS),
     after=lower_records,
 )

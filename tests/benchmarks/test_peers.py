@@ -184,6 +184,42 @@ def test_without_a_python_that_they_have_wheels_for_every_peer_says_so(
     assert not (tmp_path / "venv").exists()
 
 
+def test_what_could_not_be_installed_is_not_tried_again_at_once(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    version = environments.PYTHONS[0]
+    made: list[Path] = []
+
+    def failing(python: Path, run: environments.Run) -> set[str]:
+        made.append(python)
+        python.parent.mkdir(parents=True, exist_ok=True)
+        python.touch()
+        return {"mplib"}
+
+    monkeypatch.setattr(environments, "interpreter", lambda: ("true", version))
+    monkeypatch.setattr(environments, "installed", failing)
+    (tmp_path / "venv").mkdir()
+    first = prepared(tmp_path / "venv")
+    assert set(first.missing) == {"mplib"}
+    assert prepared(tmp_path / "venv").missing == first.missing
+    assert len(made) == 1
+    monkeypatch.setattr(environments, "TRY_AGAIN_S", -1.0)
+    prepared(tmp_path / "venv")
+    assert len(made) == 2
+
+
+def test_what_a_missing_peer_left_out_is_measured_when_the_run_is_resumed() -> None:
+    from benchmarks.sections import legs
+    from tests.benchmarks.made_up import records
+
+    for section, peer in ((SECTION, "ompl"), (legs.SECTION, "toppra")):
+        made = next(iter(records(section.name, {}, section.items(section.parameters(True))).values()))
+        whole = made | {"mplib": {"status": "planned"}}
+        assert not section.again(whole)
+        assert section.again(whole | {peer: {"status": "missing", "reason": "no wheel"}})
+        assert section.again({"findings": ["the measuring process died: x"]})
+
+
 def test_every_requirement_is_pinned_and_needed_by_somebody() -> None:
     assert all(re.fullmatch(r"[a-z-]+==[\d.]+", line) for line in requirements().values())
     assert {name for needs in NEEDS.values() for name in needs} == set(requirements())
