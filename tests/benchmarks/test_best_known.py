@@ -125,17 +125,17 @@ def test_the_command_writes_records_and_goes_on_where_it_was(tmp_path: Path) -> 
     path, work = tmp_path / "known.json", tmp_path / "work"
     cores = _cores()
     try:
-        main(budget_s=0.05, seeds=1, only=["A000", "B001"], limit=None, known=path, work=work)
+        main(budget_s=1.0, seeds=1, only=["A000", "B001"], limit=None, known=path, work=work)
         first = read(path)
         assert {name: list(records) for name, records in first.items()} == {
             "static": ["A000"],
             "moving bodies": ["B001"],
         }
-        assert first["static"]["A000"]["searched_s"] == 0.05
+        assert first["static"]["A000"]["searched_s"] == 1.0
         (progress,) = work.iterdir()
         lines = progress.read_bytes()
         path.unlink()
-        main(budget_s=0.05, seeds=1, only=["A000", "B001"], limit=None, known=path, work=work)
+        main(budget_s=1.0, seeds=1, only=["A000", "B001"], limit=None, known=path, work=work)
         assert progress.read_bytes() == lines
         assert read(path) == first
     finally:

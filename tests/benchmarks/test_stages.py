@@ -70,7 +70,7 @@ def test_stages_are_scaled_to_the_time_that_a_request_takes_unwatched() -> None:
 def test_the_profile_of_a_set_adds_up_and_can_be_shown() -> None:
     static = problem_set("static")
     easy = tuple(problem for problem in static.problems if problem["direct"])[:2]
-    data = profiled(ProblemSet("x", static.limits, easy), Manners(), None, 0.2)
+    data = profiled(ProblemSet("x", static.limits, easy), Manners(budget_s=20.0), None, 0.2)
     assert sorted(data["problems"]) == sorted(str(problem["id"]) for problem in easy)
     assert sum(data["stages_ms"].values()) == pytest.approx(data["total_ms"])
     assert {"building", "checker", "timing (ruckig)"} <= set(data["stages_ms"]) <= set(STAGES)
