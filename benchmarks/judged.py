@@ -47,7 +47,7 @@ def judged(problems: ProblemSet, problem: Problem, line: Document, match: Match)
     """A line of `run_problems` without its trajectory, its `findings` in words; `answers`: 1 if there is a plan."""
     findings = recheck(problems, problem, line, match)
     told = {"findings": [said(finding) for finding in findings], "answers": int(line["status"] == "planned")}
-    return {column: line[column] for column in COLUMNS} | told
+    return {column: line.get(column) for column in COLUMNS} | told
 
 
 def said(finding: Finding) -> str:

@@ -24,7 +24,14 @@ def main(name: str) -> None:
             pinned = pin() if section.one_core else "not pinned: it measures several processes"
             told = json.loads(sys.stdin.readline())
             measure = stack.enter_context(section.measuring(told["parameters"], told["group"]))
-            return {"pinned": pinned}, lambda question: measure(question["item"])
+
+            def answer(question: Document) -> Document:
+                try:
+                    return measure(question["item"])
+                except Exception as error:  # noqa: BLE001 - a fault in one item is its record, and refuses its figure
+                    return {"findings": [f"fault: {type(error).__name__}: {error}"]}
+
+            return {"pinned": pinned}, answer
 
         answer_lines(prepare)
 

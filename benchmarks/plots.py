@@ -64,11 +64,11 @@ def solved(figure: Drawing, results: Results) -> None:
     right.set_title("(b) static, beside the peers, free when rechecked")
     for axes in (left, right):
         axes.set_xscale("log")
-        axes.set_xlim(1e-3, 1.2)
+        axes.set_xlim(1.5e-3, 1.2)
         axes.set_ylim(0, 102)
         axes.set_xlabel("time from the request [s]")
         if axes.get_legend_handles_labels()[0]:
-            axes.legend(loc="lower right")
+            axes.legend(loc="lower right" if axes is left else "upper left")
 
 
 def _steps(axes: Drawing, seconds: list[float], total: int, colour: str, style: str, label: str | None) -> None:

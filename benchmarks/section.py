@@ -31,8 +31,9 @@ class Summary:
 
 
 def died(record: Document) -> bool:
-    """Whether the measuring process died under this item: it is measured again when a run is resumed."""
-    return any("process died" in finding for finding in record.get("findings", []))
+    """Whether there was a fault, or the measuring process died: the item is measured again when a run is resumed."""
+    told = record.get("findings", [])
+    return any(finding.startswith(("the measuring process died", "fault: ")) for finding in told)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ Written as problems of the benchmark, so that the independent recheck knows them
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any, Literal
 
@@ -26,6 +27,8 @@ CLEAR_M = 0.07
 """No body stands nearer to a control point, from above."""
 PARTS_Z_M = 0.09
 """Height at which the middles of parts lie; they are 20 mm high."""
+APART_M = 0.05
+"""Between control points, from above: parts lie there, and do not touch."""
 GRASP_M, LIFT_M = 0.011, 0.03
 """Tool point above the middle of a part that is held, and height of approach and depart."""
 TABLE = "obstacle-0"
@@ -76,11 +79,13 @@ def crowd(seed: int, bodies: int) -> Problem:
 def points(seed: int, count: int) -> list[list[float]]:
     """Tool points in turn, on either side of the arm."""
     random = np.random.default_rng([12, seed])
-    found = []
-    for i in range(count):
-        side = 1.0 if i % 2 else -1.0
+    found: list[list[float]] = []
+    while len(found) < count:
+        side = 1.0 if len(found) % 2 else -1.0
         r, angle, z = random.uniform(0.3, 0.5), side * random.uniform(0.3, 1.2), random.uniform(0.14, 0.2)
-        found.append([float(r * np.cos(angle)), float(r * np.sin(angle)), float(z)])
+        at = [float(r * np.cos(angle)), float(r * np.sin(angle)), float(z)]
+        if all(math.dist(at[:2], other[:2]) >= APART_M for other in found):
+            found.append(at)
     return found
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from benchmarks.best_known import PATH, Known, found, merged, read, write
 from benchmarks.cold import forget
-from benchmarks.figures import Figure, figure, quantile
+from benchmarks.figures import Figure, figure, quantile, unclean
 from benchmarks.judged import SETS, judged, label, problem_set, warm_up
 from benchmarks.run_problems import answer
 from benchmarks.section import Document, Item, Records, Section, Summary
@@ -101,7 +101,8 @@ def summary(parameters: Document, records: Records) -> Summary:
         curve[title] = {}
         for budget in parameters["curve_s"]:
             rows = of_group(records, f"{name}/{match}/{budget:g}")
-            there = [p for p in shared if p in rows and p in best]
+            clean = unclean(rows.items()) is None
+            there = [p for p in shared if clean and p in rows and p in best]
             ratios = [rows[p]["duration_s"] / best[p] for p in there if rows[p].get("duration_s") is not None]
             ends = {"median": quantile(ratios, 0.5), "p95": quantile(ratios, 0.95)}
             curve[title][f"{budget:g}"] = ends | {"solved": len(ratios), "of": len(there)}

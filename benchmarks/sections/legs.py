@@ -1,9 +1,9 @@
 """Straight Cartesian legs: how much longer than the joint move between the same ends.
 
 Ends are drawn (seeded) with r from 0.25 to 0.52 m, angle within ±1.5 rad, z from 0.06 to 0.20 m, yaw 0, elbow `right`,
-for the robot of the problems; lines that come closer to the shoulder than the arm reaches are drawn anew. The
-reference is Ruckig's motion from rest to rest, the fastest of all joint motions between the ends, straight or not.
-TOPPRA times the same line without a limit of jerk, in the environment of the peers.
+for the robot of the problems; lines on which a joint would leave its range are drawn anew. The reference is Ruckig's
+motion from rest to rest, the fastest of all joint motions between the ends, straight or not. TOPPRA times the same
+line without a limit of jerk, in the environment of the peers.
 """
 
 from __future__ import annotations
@@ -30,8 +30,6 @@ from benchmarks.translation import Manners, request
 LEGS, SAMPLE, SEED = 200, 20, 20_240
 BUDGET_S = 0.2
 R_M, ANGLE_RAD, Z_M = (0.25, 0.52), 1.5, (0.06, 0.20)
-CLEAR_M = 0.20
-"""Least distance of a line from the shoulder's axis: the elbow's limit keeps the tool 0.16 m away."""
 SHORT_M = 0.02
 """Ends closer than this make no leg."""
 STRAIGHT_M = 2e-5
@@ -52,15 +50,16 @@ def items(parameters: Document) -> list[Item]:
     return [Item("legs", f"leg {i}") for i in range(parameters["legs"])]
 
 
-def ends(number: int, seed: int) -> tuple[list[float], list[float]]:
-    """Tool points at both ends of a leg."""
+def ends(number: int, seed: int, limits: Any) -> tuple[list[float], list[float]]:
+    """Tool points at both ends of a leg on which every joint stays within the limits."""
     random = np.random.default_rng([seed, number])
     while True:
         r, angle = random.uniform(*R_M, 2), random.uniform(-ANGLE_RAD, ANGLE_RAD, 2)
         z = random.uniform(*Z_M, 2)
         points = np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=-1)
-        line = points[0] + np.linspace(0, 1, 200)[:, None] * (points[1] - points[0])
-        if np.hypot(line[:, 0], line[:, 1]).min() >= CLEAR_M and np.linalg.norm(points[1] - points[0]) >= SHORT_M:
+        q = along(points[0], points[1], (0.0, 0.0), SIGN, CHECKED)
+        inside = np.all((q >= limits["qmin"]) & (q <= limits["qmax"]))  # not where the line is out of reach: NaN
+        if inside and np.linalg.norm(points[1] - points[0]) >= SHORT_M:
             return points[0].tolist(), points[1].tolist()
 
 
@@ -114,7 +113,7 @@ def measuring(parameters: Document, _group: str) -> Iterator[Callable[[str], Doc
         )
 
         def measure(item: str) -> Document:
-            start, end = ends(int(item.rpartition(" ")[2]), parameters["seed"])
+            start, end = ends(int(item.rpartition(" ")[2]), parameters["seed"], limits)
             q = along(start, end, (0.0, 0.0), SIGN, CHECKED)
             reference = fastest_joint_move(q[0], q[-1], limits)
             problem = {"id": item, "start": q[0].tolist(), "goal": {"pos": end, "yaw": 0.0}, "obstacles": []}
@@ -128,7 +127,7 @@ def measuring(parameters: Document, _group: str) -> Iterator[Callable[[str], Doc
                     made["findings"] += bent(line, start, end)
                 record["findings"] += made["findings"]
                 record["answers"] += made["answers"]
-                record[stop] = {"duration_s": made.get("duration_s"), "elapsed_s": made["elapsed_s"]}
+                record[stop] = {"duration_s": made["duration_s"], "elapsed_s": made["elapsed_s"]}
             asked = {"start": start, "end": end, "yaw": [0.0, 0.0], "sign": SIGN, "limits": limits}
             theirs = others.ask("toppra", asked)
             if theirs["status"] == "planned":

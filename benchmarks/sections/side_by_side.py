@@ -102,9 +102,10 @@ def summary(_parameters: Document, records: Records) -> Summary:
     for name, title in TITLES.items():
         of_name = {item: record.get(name) for item, record in records.items()}
         lines = {item: line for item, line in of_name.items() if line is not None}
+        faulty = {item: record for item, record in records.items() if name not in record}
         missing = sorted({line["reason"] for line in lines.values() if line["status"] == "missing"})
         if name == "assur" or not missing:
-            figures += _figures(title, lines)
+            figures += _figures(title, lines | faulty)
         else:
             figures += [Figure(f"{title}: {what}", None, refused=f"missing: {missing[0]}") for what in WHAT]
         answered = [line for line in lines.values() if line["status"] == "planned"]

@@ -253,3 +253,23 @@ def test_a_peers_program_imports_only_what_its_environment_has(name: str) -> Non
     libraries = {library for library in reached(name) if library not in sys.stdlib_module_names}
     assert {LIBRARY.get(library, library) for library in libraries} <= set(NEEDS[name])
     assert name in libraries
+
+
+def test_a_peer_that_keeps_every_limit_lowers_a_record_and_one_that_does_not_never_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from benchmarks.best_known import read
+    from benchmarks.sections import side_by_side
+    from tests.benchmarks.made_up import records
+
+    path = tmp_path / "known.json"
+    monkeypatch.setattr(side_by_side, "PATH", path)
+    parameters = SECTION.parameters(True)
+    made = records("peers", parameters, SECTION.items(parameters))
+    for problem, kept in (("A000", {}), ("A010", {"limits": ["jerk"]}), ("A020", {"fatal": ["collision: x"]})):
+        made[problem] = made[problem] | {"ompl": made[problem]["ompl"] | kept | {"duration_s": 0.3}}
+    side_by_side.lower_records(parameters, made)
+    after = read(path)["static"]
+    assert after["A000"]["by"] == "OMPL RRTConnect 2"
+    assert after["A000"]["duration_s"] == 0.3
+    assert {"A010", "A020"} & set(after) == set()

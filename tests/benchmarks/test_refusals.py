@@ -11,6 +11,7 @@ import pytest
 
 from benchmarks.figures import Figure, figure, quantile, unclean
 from benchmarks.judged import SETS, judged, problem_set
+from benchmarks.peers.arm import along as straight
 from benchmarks.problem_set import ProblemSet
 from benchmarks.run_problems import answer
 from benchmarks.sections import cells, dyad, legs, scaling, sets
@@ -137,8 +138,6 @@ def _differences(given: Any) -> Any:
 
 def test_a_leg_that_is_bent_or_misses_its_end_is_found() -> None:
     start, end = [0.35, -0.2, 0.1], [0.4, 0.25, 0.15]
-    from benchmarks.peers.arm import along as straight
-
     q = straight(start, end, (0.0, 0.0), 1.0, 200)
     assert legs.off_line(q, start, end, legs.STRAIGHT_M) == []
     assert any("misses an end" in text for text in legs.off_line(q[:-20], start, end, legs.STRAIGHT_M))
@@ -148,13 +147,16 @@ def test_a_leg_that_is_bent_or_misses_its_end_is_found() -> None:
 
 
 def test_legs_are_drawn_where_they_should_be_and_the_same_every_time() -> None:
-    drawn = [legs.ends(i, legs.SEED) for i in range(40)]
-    assert drawn == [legs.ends(i, legs.SEED) for i in range(40)]
+    drawn = [legs.ends(i, legs.SEED, STATIC.limits) for i in range(40)]
+    assert drawn == [legs.ends(i, legs.SEED, STATIC.limits) for i in range(40)]
     points = np.array(drawn).reshape(-1, 3)
     r = np.hypot(points[:, 0], points[:, 1])
     assert np.all((r >= 0.25) & (r <= 0.52))
     assert np.all(np.abs(np.arctan2(points[:, 1], points[:, 0])) <= 1.5)
     assert np.all((points[:, 2] >= 0.06) & (points[:, 2] <= 0.20))
+    for start, end in drawn:
+        q = straight(start, end, (0.0, 0.0), legs.SIGN, 100)
+        assert np.all((q >= STATIC.limits["qmin"]) & (q <= STATIC.limits["qmax"]))
 
 
 def test_a_smaller_cell_is_part_of_every_larger_one() -> None:

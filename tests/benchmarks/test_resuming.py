@@ -15,6 +15,9 @@ from benchmarks.figures import Figure, figure
 from benchmarks.machine import ROOT, machine, pin, sources
 from benchmarks.progress import Progress
 from benchmarks.section import Document, Item, Records, Section, Summary
+from benchmarks.sections import durations, dyad, sets, side_by_side
+from benchmarks.sections.all_of_them import SECTIONS
+from tests.benchmarks import made_up
 
 PARAMETERS = {"x": 1}
 NAMES = ["a1", "a2", "b1", "b2"]
@@ -151,14 +154,45 @@ def test_a_program_that_does_not_speak_is_no_program() -> None:
 
 
 def test_the_measuring_process_measures_a_real_section() -> None:
-    from benchmarks.sections import dyad
-
     parameters = dyad.SECTION.parameters(True) | {"dyads": 200, "blocks": [100, 200], "repeats": 1}
     with runner.process(dyad.SECTION, parameters, "dyad") as ask:
         record = ask("round 0")
     assert record["findings"] == []
     assert set(record["ns"]) == {"100", "200"}
     assert all(value > 0 for row in record["ns"].values() for value in row.values())
+
+
+def test_a_fault_in_an_item_is_its_record_and_the_process_goes_on() -> None:
+    parameters = sets.SECTION.parameters(True)
+    with runner.process(sets.SECTION, parameters, "static/position/adaptive") as ask:
+        wrong = ask("static/position/adaptive/A999")
+        assert wrong == {"findings": ["fault: KeyError: 'A999'"]}
+        assert ask("static/position/adaptive/A000")["findings"] == []
+    assert sets.SECTION.again(wrong)
+
+
+@pytest.mark.parametrize("section", SECTIONS, ids=[section.name for section in SECTIONS])
+@pytest.mark.parametrize("finding", ["fault: ValueError: x", "the measuring process died: x"])
+def test_a_record_of_a_fault_refuses_figures_in_every_section_and_breaks_nothing(
+    section: Section, finding: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made_up.long_records(tmp_path / "known.json")
+    for module in (durations, side_by_side):
+        monkeypatch.setattr(module, "PATH", tmp_path / "known.json")
+    parameters = section.parameters(True)
+    items = section.items(parameters)
+    records = made_up.records(section.name, parameters, items)
+    before = section.summary(parameters, records)
+    bad = "static/position/0.2/A000" if section.name == "durations" else items[0].name
+    records[bad] = {"findings": [finding]}
+    assert section.again(records[bad])
+    after = section.summary(parameters, records)
+    assert [one.name for one in after.figures] == [one.name for one in before.figures]
+    changed = [one for one, was in zip(after.figures, before.figures, strict=True) if one != was]
+    assert changed
+    assert all(one.value is None and finding in str(one.refused) for one in changed)
+    if section.after is not None:
+        section.after(parameters, records)
 
 
 def test_what_is_said_of_the_machine_names_no_host_and_no_path() -> None:

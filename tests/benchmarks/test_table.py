@@ -20,11 +20,7 @@ from tests.benchmarks import made_up
 @pytest.fixture(autouse=True)
 def known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Records against which made-up durations have ratios."""
-    from benchmarks.best_known import write
-
-    ids = {"static": "A", "moving bodies": "B", "moving goal": "C", "moving goal, velocity": "C"}
-    long = {"duration_s": 0.45, "by": "x", "commit": None, "searched_s": 90.0}
-    write(tmp_path / "known.json", {name: {f"{letter}000": long} for name, letter in ids.items()})
+    made_up.long_records(tmp_path / "known.json")
     monkeypatch.setattr(durations, "PATH", tmp_path / "known.json")
 
 
