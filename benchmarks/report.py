@@ -153,6 +153,7 @@ BLOCKS: Mapping[str, Callable[[Results], str]] = {
     "profile": profile,
     "refusals": refusals,
     "plots": plots,
+    "readme-bars": lambda there: bars(there) if sections(there) else NOTHING,
     "readme-plots": lambda there: plots(there, "docs/plots"),
 }
 
