@@ -16,7 +16,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.bars import ORDER, lines, refused
+from benchmarks.bars import BARS, ORDER, lines, refused
 from benchmarks.machine import ROOT
 
 RESULTS = ROOT / "benchmarks" / "results"
@@ -104,12 +104,12 @@ def peers(there: Results) -> str:
 
 
 def others(there: Results) -> str:
-    """Every figure that stands in no bar, of dyad, legs, scaling and service."""
-    shown = {name for line in lines(sections(there)) for name in (line.title,)}
+    """Every figure that stands in no bar, and every one that has a note; the peers' are in their own table."""
+    shown = {name for bar in BARS for name in bar.figures}
     rows = ["| figure | value | |", "|---|---|---|"]
-    for name in ("dyad", "legs", "scaling", "service"):
+    for name in ("sets", "durations", "dyad", "legs", "scaling", "service"):
         for figure in there.get(name, {}).get("figures", []):
-            if figure["name"] not in shown:
+            if figure["name"] not in shown or figure["note"]:
                 value = "refused" if figure["value"] is None else f"{figure['value']:.3g} {figure['unit']}".strip()
                 rows.append(f"| {figure['name']} | {value} | {figure['refused'] or figure['note']} |")
     return "\n".join(rows) if len(rows) > 2 else NOTHING
@@ -117,7 +117,8 @@ def others(there: Results) -> str:
 
 def profile(there: Results) -> str:
     """Where a millisecond goes, a column for each profile."""
-    found = {name: document for name, document in there.items() if name.startswith(PROFILES)}
+    names = sorted((name for name in there if name.startswith(PROFILES)), key=lambda name: name.replace("-after", "-z"))
+    found = {name: there[name] for name in names}
     if not found:
         return NOTHING
     stages = list(dict.fromkeys(stage for document in found.values() for stage in document["data"]["stages_ms"]))

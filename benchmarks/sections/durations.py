@@ -7,7 +7,7 @@ run count among the known, so no ratio is below it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -97,16 +97,27 @@ def summary(parameters: Document, records: Records) -> Summary:
             for problem, record in own.items()
             if record.get("duration_s") is not None and record["best_s"]
         }
-        shared = sorted({problem["id"] for problem in problem_set(name).problems[:: parameters["curve_every"]]})
-        curve[title] = {}
-        for budget in parameters["curve_s"]:
-            rows = of_group(records, f"{name}/{match}/{budget:g}")
-            clean = unclean(rows.items()) is None
-            there = [p for p in shared if clean and p in rows and p in best]
-            ratios = [rows[p]["duration_s"] / best[p] for p in there if rows[p].get("duration_s") is not None]
-            ends = {"median": quantile(ratios, 0.5), "p95": quantile(ratios, 0.95)}
-            curve[title][f"{budget:g}"] = ends | {"solved": len(ratios), "of": len(there)}
+        groups = {
+            f"{budget:g}": of_group(records, f"{name}/{match}/{budget:g}") for budget in sorted(parameters["curve_s"])
+        }
+        curve[title] = points(groups, best)
     return Summary(tuple(figures), {"curve": curve, "ratios": ratios_of})
+
+
+def points(groups: Mapping[str, Mapping[str, Document]], best: Mapping[str, float]) -> Document:
+    """The curve of one set: budget → median and 95 % of the ratios, over the problems that every budget solves, lest a
+    longer budget looks worse for solving a harder problem. Budgets with an answer that is not clean have none."""
+    in_all = [set(rows) for rows in groups.values()]
+    there = sorted(set(best).intersection(*in_all)) if in_all else []
+    common = [p for p in there if all(rows[p].get("duration_s") is not None for rows in groups.values())]
+    found = {}
+    for budget, rows in groups.items():
+        clean = unclean(rows.items()) is None
+        ratios = [rows[p]["duration_s"] / best[p] for p in common] if clean else []
+        solved = sum(rows[p].get("duration_s") is not None for p in there)
+        ends = {"median": quantile(ratios, 0.5), "p95": quantile(ratios, 0.95)}
+        found[budget] = ends | {"problems": len(ratios), "solved": solved, "of": len(there)}
+    return found
 
 
 def both(title: str, records: dict[str, Document], note: str) -> list[Figure]:

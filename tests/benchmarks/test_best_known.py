@@ -121,6 +121,20 @@ def test_a_ratio_is_only_formed_against_records_that_were_searched_for(
     assert after["A020"]["searched_s"] == 0.0
 
 
+def test_the_curve_is_of_the_problems_that_every_budget_solves_and_of_clean_answers() -> None:
+    groups = {
+        "0.1": {"A": line(duration_s=0.6), "B": line(None), "C": line(duration_s=0.9)},
+        "1": {"A": line(duration_s=0.5), "B": line(duration_s=2.0), "C": line(duration_s=0.8)},
+    }
+    curve = durations.points(groups, {"A": 0.5, "B": 1.0})
+    assert curve["0.1"] == {"median": 1.2, "p95": 1.2, "problems": 1, "solved": 1, "of": 2}
+    assert curve["1"] == {"median": 1.0, "p95": 1.0, "problems": 1, "solved": 2, "of": 2}
+    groups["1"]["C"] = line(findings=["collision"])
+    curve = durations.points(groups, {"A": 0.5, "B": 1.0})
+    assert (curve["1"]["median"], curve["0.1"]["median"]) == (None, 1.2)
+    assert durations.points({}, {"A": 0.5}) == {}
+
+
 def test_the_command_writes_records_and_goes_on_where_it_was(tmp_path: Path) -> None:
     path, work = tmp_path / "known.json", tmp_path / "work"
     cores = _cores()

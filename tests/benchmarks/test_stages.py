@@ -74,9 +74,9 @@ def test_the_profile_of_a_set_adds_up_and_can_be_shown() -> None:
     assert sorted(data["problems"]) == sorted(str(problem["id"]) for problem in easy)
     assert sum(data["stages_ms"].values()) == pytest.approx(data["total_ms"])
     assert {"building", "checker", "timing (ruckig)"} <= set(data["stages_ms"]) <= set(STAGES)
-    shown = BLOCKS["profile"]({"profile-static-before": {"data": data}})
-    assert shown.splitlines()[0] == "| stage, ms | static-before |"
-    assert f"| **all** | **{data['total_ms']:.2f}** |" in shown
+    shown = BLOCKS["profile"]({"profile-static-after": {"data": data}, "profile-static-before": {"data": data}})
+    assert shown.splitlines()[0] == "| stage, ms | static-before | static-after |"
+    assert f"| **all** | **{data['total_ms']:.2f}** | **{data['total_ms']:.2f}** |" in shown
 
 
 def test_a_set_of_which_nothing_is_solved_has_no_median() -> None:

@@ -87,6 +87,17 @@ def test_a_bar_that_is_missed_on_one_set_says_on_which() -> None:
     assert by_title(there)["first answer, median"][1:] == ("2.0 / 2.0 / 3.0 / 2.0 ms", "yes / yes / no / yes")
 
 
+def test_figures_beside_the_bars_are_shown_too_and_none_twice_without_a_note() -> None:
+    there = made_up.results()
+    shown = BLOCKS["others"](there)
+    assert "| dyad: printed | 80 ns |  |" in shown
+    assert "straight legs over the joint move, 95 %" in shown
+    assert "static: solved within 0.1 s |" not in shown
+    (unsolved,) = [one for one in there["sets"]["figures"] if one["name"] == "static: solved within 1 s"]
+    unsolved["note"] = "not solved: A005"
+    assert "| static: solved within 1 s | 100 % | not solved: A005 |" in BLOCKS["others"](there)
+
+
 def test_a_peer_that_is_missing_is_shown_with_its_reason() -> None:
     there = made_up.results()
     shown = BLOCKS["peers"](there)
