@@ -92,7 +92,7 @@ def duration(figure: Drawing, results: Results) -> None:
     axes.set_xscale("log")
     axes.set_xlabel("budget [s]")
     axes.set_ylabel("duration over the best known")
-    axes.set_title("problems solved at every budget: median; dotted: 95 %")
+    axes.set_title("same problems throughout; dotted: 95 %")
     axes.legend(loc="upper right")
 
 
