@@ -18,7 +18,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from benchmarks.judged import SETS, judged, label, problem_set, warm_up
-from benchmarks.machine import ROOT, commit, pin, sources
+from benchmarks.machine import ROOT, commit, sources
 from benchmarks.progress import Progress as Kept
 from benchmarks.run_problems import answer
 from benchmarks.translation import Manners
@@ -104,7 +104,6 @@ def main(
     work: Annotated[Path, typer.Option(help="Folder of what was searched so far.")] = ROOT / "out" / "best_known",
 ) -> None:
     """Search long, and lower the records."""
-    pin()
     asked = [
         (name, match, problem, seed)
         for seed in range(seeds)

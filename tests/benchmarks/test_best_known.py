@@ -137,33 +137,13 @@ def test_the_curve_is_of_the_problems_that_every_budget_solves_and_of_clean_answ
 
 def test_the_command_writes_records_and_goes_on_where_it_was(tmp_path: Path) -> None:
     path, work = tmp_path / "known.json", tmp_path / "work"
-    cores = _cores()
-    try:
-        main(budget_s=1.0, seeds=1, only=["A000", "B001"], limit=None, known=path, work=work)
-        first = read(path)
-        assert {name: list(records) for name, records in first.items()} == {
-            "static": ["A000"],
-            "moving bodies": ["B001"],
-        }
-        assert first["static"]["A000"]["searched_s"] == 1.0
-        (progress,) = work.iterdir()
-        lines = progress.read_bytes()
-        path.unlink()
-        main(budget_s=1.0, seeds=1, only=["A000", "B001"], limit=None, known=path, work=work)
-        assert progress.read_bytes() == lines
-        assert read(path) == first
-    finally:
-        _give_back(cores)
-
-
-def _cores() -> set[int]:
-    import os
-
-    return set(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else set()
-
-
-def _give_back(cores: set[int]) -> None:
-    import os
-
-    if cores:
-        os.sched_setaffinity(0, cores)
+    main(budget_s=1.0, seeds=1, only=["A000", "B001"], limit=None, known=path, work=work)
+    first = read(path)
+    assert {name: list(records) for name, records in first.items()} == {"static": ["A000"], "moving bodies": ["B001"]}
+    assert first["static"]["A000"]["searched_s"] == 1.0
+    (progress,) = work.iterdir()
+    lines = progress.read_bytes()
+    path.unlink()
+    main(budget_s=1.0, seeds=1, only=["A000", "B001"], limit=None, known=path, work=work)
+    assert progress.read_bytes() == lines
+    assert read(path) == first
