@@ -15,6 +15,7 @@ Results = Mapping[str, Document]
 THREE = ("static", "moving bodies", "moving goal")
 FOUR = (*THREE, "moving goal, velocity")
 ORDER = " / ".join(FOUR)
+NO_BAR = "none"
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +104,7 @@ def lines(results: Results) -> Iterator[Line]:
         wanted = [None if worth is None else f"{worth:g}" for worth in bar.bars]
         sense = "at least " if bar.at_least else "at most "
         one_for_all = wanted[:1] if len(set(wanted)) == 1 else wanted
-        asked = sense + " / ".join(worth or "none" for worth in one_for_all) if any(wanted) else ""
+        asked = sense + " / ".join(worth or NO_BAR for worth in one_for_all) if any(wanted) else ""
         told = " / ".join(_value(figure, bar) for figure in figures)
         unit = f" {bar.unit}" if bar.unit else ""
         yield Line(
@@ -126,13 +127,17 @@ def _value(figure: Document | None, bar: Bar) -> str:
 def _met(figures: Sequence[Document | None], bar: Bar) -> str:
     said = []
     for figure, worth in zip(figures, bar.bars, strict=True):
-        if worth is not None:
-            if figure is None or figure["value"] is None:
-                said.append("?")
-            else:
-                good = figure["value"] >= worth if bar.at_least else figure["value"] <= worth
-                said.append("yes" if good else "no")
-    return said[0] if len(set(said)) == 1 else " / ".join(said)
+        if worth is None:
+            said.append(NO_BAR)
+        elif figure is None or figure["value"] is None:
+            said.append("?")
+        else:
+            good = figure["value"] >= worth if bar.at_least else figure["value"] <= worth
+            said.append("yes" if good else "no")
+    told = set(said) - {NO_BAR}
+    if not told:
+        return ""
+    return told.pop() if len(told) == 1 else " / ".join(said)
 
 
 def answers(results: Results) -> tuple[int, list[str]]:

@@ -85,6 +85,9 @@ def test_a_bar_that_is_missed_on_one_set_says_on_which() -> None:
     (slow,) = [figure for figure in there["sets"]["figures"] if figure["name"] == f"{FOUR[2]}: first answer, median"]
     slow["value"] = 3.04
     assert by_title(there)["first answer, median"][1:] == ("2.0 / 2.0 / 3.0 / 2.0 ms", "yes / yes / no / yes")
+    (few,) = [figure for figure in there["sets"]["figures"] if figure["name"] == f"{FOUR[1]}: solved within 0.1 s"]
+    few["value"] = 89.0
+    assert by_title(there)["solved within 0.1 s"][1:] == ("100 / 89 / 100 / 100 %", "yes / no / yes / none")
 
 
 def test_figures_beside_the_bars_are_shown_too_and_none_twice_without_a_note() -> None:
