@@ -3,6 +3,8 @@
 # make check   ruff, mypy, import rules
 # make serve   the HTTP service on 127.0.0.1:8000
 # make problems  the three benchmark sets, and the independent recheck of every answer
+# make bench   the whole benchmark, peers included: results, table, plots, pages; can be stopped and resumed
+# make bench-quick  a sample of it, in under 3 minutes
 # make clean   remove what these made
 
 VENV := .venv
@@ -20,7 +22,7 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.13 python3.12 python3.11 py
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test check format serve problems clean
+.PHONY: help demo test check format serve problems bench bench-quick clean
 
 help:
 	@sed -n '/^# make/s/^# //p' $(firstword $(MAKEFILE_LIST))
@@ -74,6 +76,13 @@ problems: $(VENV)/installed
 		$(BIN)/python -m benchmarks.recheck "benchmarks/problems/$$set_.json" "$$answers" --match "$$match"; \
 	done
 
+# What was measured stands in the pages even where an answer was not clean: as refused.
+bench: $(VENV)/installed
+	@status=0; $(BIN)/python -m benchmarks.bench || status=$$?; $(BIN)/python -m benchmarks.report; exit $$status
+
+bench-quick: $(VENV)/installed
+	$(BIN)/python -m benchmarks.bench --quick
+
 clean:
-	rm -rf $(VENV) $(OUT) build .coverage .coverage.* htmlcov .hypothesis .mypy_cache .pytest_cache .ruff_cache .import_linter_cache *.egg-info
+	rm -rf $(VENV) .venv-peers $(OUT) build .coverage .coverage.* htmlcov .hypothesis .mypy_cache .pytest_cache .ruff_cache .import_linter_cache *.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -101,16 +101,17 @@ def answer(problem: Problem, problems: ProblemSet, manners: Manners) -> Document
         "reason": None,
     }
     try:
-        return line | _planned(request(problem, problems.limits, manners))
+        return line | planned(request(problem, problems.limits, manners), adaptive=manners.adaptive)
     except Exception as error:  # noqa: BLE001
         return line | {"reason": f"{type(error).__name__}: {error}"}
 
 
-def _planned(document: Document) -> Document:
+def planned(document: Document, *, adaptive: bool = True) -> Document:
+    """What a request comes to, timed and then checked: the columns of a line that are not those of its problem."""
     began = time.perf_counter()
     scene = scene_of(document)
     built = time.perf_counter() - began
-    outcome = plan(scene)
+    outcome = plan(scene, adaptive=adaptive)
     elapsed = time.perf_counter() - began
     if isinstance(outcome, NotPlanned):
         return {"status": "not_planned", "elapsed_s": elapsed, "reason": f"{outcome.reason}: {outcome.sentence}"}

@@ -38,6 +38,8 @@ class Manners:
     stop: Literal["first", "budget"] = "first"
     match: Match = "position"
     seed: int = 0
+    adaptive: bool = True
+    """False: sample without learning from what was refused. No option of a request, only of `planner.pipeline.plan`."""
 
 
 def request(problem: Problem, limits: Mapping[str, tuple[float, ...]], manners: Manners) -> Document:

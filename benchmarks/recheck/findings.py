@@ -48,7 +48,13 @@ class Finding:
     text: str
 
 
-def recheck(problems: ProblemSet, problem: dict[str, Any], answer: dict[str, Any], match: Match) -> list[Finding]:
+def recheck(
+    problems: ProblemSet,
+    problem: dict[str, Any],
+    answer: dict[str, Any],
+    match: Match,
+    latest_end_s: float = LATEST_END_S,
+) -> list[Finding]:
     """Everything that is wrong with one answer; an empty list for a problem that was not solved."""
     name = str(problem["id"])
 
@@ -67,9 +73,9 @@ def recheck(problems: ProblemSet, problem: dict[str, Any], answer: dict[str, Any
         return findings + found("form", f"trajectory: {error}")
     spline = Spline.through(time, *knots)
     complaints = [
-        *_ends(problem, duration, time, knots, match),
+        *_ends(problem, duration, time, knots, match, latest_end_s),
         *_limits(problems, spline),
-        *_collisions(problem, spline),
+        *_collisions(problem, spline, latest_end_s),
     ]
     return findings + [Finding(name, kind, text) for kind, text in complaints]
 
@@ -89,7 +95,7 @@ def _knots(answer: dict[str, Any]) -> tuple[Floats, list[Floats]]:
 
 
 def _ends(
-    problem: dict[str, Any], duration: float, time: Floats, knots: list[Floats], match: Match
+    problem: dict[str, Any], duration: float, time: Floats, knots: list[Floats], match: Match, latest_end_s: float
 ) -> list[tuple[str, str]]:
     found = []
     q, qd, qdd = knots
@@ -101,8 +107,8 @@ def _ends(
         found.append(("start", f"begins {off:.3g} away from the given start"))
     if qd[0].any() or qdd[0].any():
         found.append(("start", f"does not begin at rest: q̇ {qd[0].tolist()}, q̈ {qdd[0].tolist()}"))
-    if not end <= LATEST_END_S:
-        found.append(("end", f"ends at {end:.6f} s, later than {LATEST_END_S} s"))
+    if not end <= latest_end_s:
+        found.append(("end", f"ends at {end:.6f} s, later than {latest_end_s} s"))
     if not abs(duration - end) <= END_S:
         found.append(("form", f"duration_s is {duration}, the last knot is at {end}"))
 
@@ -145,10 +151,10 @@ def _limits(problems: ProblemSet, spline: Spline) -> list[tuple[str, str]]:
     return found
 
 
-def _collisions(problem: dict[str, Any], spline: Spline) -> list[tuple[str, str]]:
+def _collisions(problem: dict[str, Any], spline: Spline, latest_end_s: float) -> list[tuple[str, str]]:
     start, end = float(spline.time[0]), float(spline.time[-1])
     # A duration without end is refused elsewhere; it must not become an endless array here.
-    end = min(end, start + LATEST_END_S)
+    end = min(end, start + latest_end_s)
     samples = np.arange(start, end, STEP_S)
     t = np.unique(np.concatenate([samples, spline.time[spline.time <= end], [end]]))
     bodies, obstacles = placed_bodies(spline.evaluate(t)), placed_obstacles(problem, t)

@@ -1,0 +1,122 @@
+"""A profile says which stage each sample was in; together the stages are the time of a request."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+
+import pytest
+
+from benchmarks import run_problems
+from benchmarks.cold import KEEP, forget
+from benchmarks.judged import problem_set
+from benchmarks.problem_set import ProblemSet
+from benchmarks.profile import profiled
+from benchmarks.report import BLOCKS
+from benchmarks.stages import PARTS, REST, STAGES, WHOLE, milliseconds, sampled, stage
+from benchmarks.translation import Manners
+from planner.outcome import Outcome
+from planner.pipeline import plan
+from planner.scene import Scene
+from scenes import meshes, units
+from scenes.requests import scene_of
+from tests.architecture.source_tree import sources
+
+
+def test_every_module_that_a_stage_names_is_there() -> None:
+    there = {source.name for source in sources("planner", "scenes")}
+    assert [name for name, _ in (*WHOLE, *PARTS) if name not in there] == []
+    assert [name for name in KEEP if name not in there] == []
+
+
+@pytest.mark.parametrize(
+    ("modules", "told"),
+    [
+        (["benchmarks.profile", "scenes.requests", "pydantic.main"], "building"),
+        (["planner.pipeline", "planner.search", "planner.screening", "planner.robots.scara"], "kinematics"),
+        (["planner.pipeline", "planner.search", "planner.screening", "numpy.linalg"], "screening (supports)"),
+        (["planner.pipeline", "planner.checker.check", "planner.robots.scara"], "checker"),
+        (["planner.pipeline", "planner.margins", "planner.separation"], "margins"),
+        (["planner.search", "planner.timing.solver"], "timing (ruckig)"),
+        (["planner.search", "planner.timings_of_others"], REST),
+        (["planner.pipeline"], REST),
+        (["numpy"], REST),
+        ([], REST),
+    ],
+)
+def test_a_stack_is_in_the_stage_of_its_innermost_module_or_of_its_judge(modules: list[str], told: str) -> None:
+    assert stage(modules) == told
+
+
+def test_samples_are_taken_while_the_block_runs_and_not_after() -> None:
+    with sampled(1e-3) as counts:
+        end = time.perf_counter() + 0.1
+        while time.perf_counter() < end:
+            sum(range(100))
+    seen = sum(counts.values())
+    assert seen > 0
+    end = time.perf_counter() + 0.02
+    while time.perf_counter() < end:
+        sum(range(100))
+    assert sum(counts.values()) == seen
+
+
+def test_stages_are_scaled_to_the_time_that_a_request_takes_unwatched() -> None:
+    told = milliseconds(Counter({"checker": 30, REST: 10}), 0.008)
+    assert told == {"checker": pytest.approx(6.0), REST: pytest.approx(2.0)}
+    assert milliseconds(Counter(), 1.0) == {}
+
+
+def test_the_profile_of_a_set_adds_up_and_can_be_shown() -> None:
+    static = problem_set("static")
+    easy = tuple(problem for problem in static.problems if problem["direct"])[:2]
+    data = profiled(ProblemSet("x", static.limits, easy), Manners(budget_s=20.0), None, 0.2)
+    assert sorted(data["problems"]) == sorted(str(problem["id"]) for problem in easy)
+    assert sum(data["stages_ms"].values()) == pytest.approx(data["total_ms"])
+    assert {"building", "checker", "timing (ruckig)"} <= set(data["stages_ms"]) <= set(STAGES)
+    shown = BLOCKS["profile"]({"profile-static-after": {"data": data}, "profile-static-before": {"data": data}})
+    assert shown.splitlines()[0] == "| stage, ms | static-before | static-after |"
+    assert f"| **all** | **{data['total_ms']:.2f}** | **{data['total_ms']:.2f}** |" in shown
+
+
+def test_a_set_of_which_nothing_is_solved_has_no_median() -> None:
+    static = problem_set("static")
+    buried = dict(static.problems[0])
+    buried["obstacles"] = [{"type": "box", "size": [3.0, 3.0, 3.0], "pos": [0, 0, 0], "yaw": 0.0}]
+    with pytest.raises(RuntimeError, match="no problem was solved"):
+        profiled(ProblemSet("x", static.limits, (buried,)), Manners(budget_s=0.05), None, 0.1)
+
+
+def test_caches_are_emptied_that_may_hold_something_of_a_request() -> None:
+    request = {
+        "schema": "assur/1",
+        "robot": {"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_m": [0, 0, 0]}},
+        "start": {"joints": {"j1_deg": 0, "j2_deg": 60, "j3_mm": 250, "j4_deg": 0}},
+        "bodies": [
+            {"name": "part", "shape": {"mesh": {"asset": "bracket", "unit": "mm"}}, "pose": {"at_m": [0.4, -0.2, 0.02]}}
+        ],
+        "task": [{"move": {"to": {"at_m": [0.4, 0.0, 0.25]}}}],
+    }
+    scene_of(request)
+    assert meshes._cover_of.cache_info().currsize > 0
+    spelt = units.si_key.cache_info().currsize
+    assert spelt > 0
+    assert forget() > 0
+    assert meshes._cover_of.cache_info().currsize == 0
+    assert units.si_key.cache_info().currsize == spelt
+
+
+def test_adaptivity_is_switched_off_in_the_planner_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    static = problem_set("static")
+    easy = next(problem for problem in static.problems if problem["direct"])
+    switches = []
+
+    def watched(scene: Scene, *, adaptive: bool) -> Outcome:
+        switches.append(adaptive)
+        return plan(scene, adaptive=adaptive)
+
+    monkeypatch.setattr(run_problems, "plan", watched)
+    for adaptive in (True, False):
+        line = run_problems.answer(easy, static, Manners(budget_s=20.0, adaptive=adaptive))
+        assert line["checked"] is True
+    assert switches == [True, False]
