@@ -196,8 +196,7 @@ def assumed(assumptions: list[str]) -> Iterator[str]:
         yield ""
         yield "assumed, not known (sources: --json):"
         for assumption in assumptions:
-            about, _, rest = assumption.partition(": ")
-            yield f"  {about}: {rest.partition(': ')[0]}"
+            yield "  " + ": ".join(assumption.split(": ")[:2])
 
 
 def everything(answer: dict[str, Any]) -> Iterator[Table | str]:
