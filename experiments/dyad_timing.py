@@ -8,6 +8,8 @@ the general solver that Matlab's backslash is.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from experiments import dyad_race as race
@@ -17,7 +19,12 @@ from planner.arrays import FloatArray
 
 CLAIMED = {"relative": 0.45, "natural": 0.17}
 """Time of the Assur form as a share of the other's, in the source."""
-NOTE = {"textcoords": "offset points", "fontsize": 7}
+NOTE: dict[str, Any] = {
+    "textcoords": "offset points",
+    "fontsize": 7,
+    "bbox": {"boxstyle": "square,pad=0.1", "fc": "w", "ec": "none", "alpha": 0.85},
+    "zorder": 5,
+}
 
 
 def run() -> Result:

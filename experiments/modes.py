@@ -83,7 +83,7 @@ def run() -> Result:
         dyad(left)
         arm_of_004(right)
         handles, labels = left.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=5)
+        figure.legend(handles, labels, loc="outside lower center", ncols=5, handlelength=3)
 
     return Result(numbers, paragraph, (7.2, 3.9), draw)
 

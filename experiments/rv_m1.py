@@ -172,7 +172,7 @@ class Family:
                     axes.annotate(
                         f"{np.degrees(pitch):.0f}°".replace("-", "−"),
                         points[3] + 12 * ahead,
-                        points[3] + 74 * ahead,
+                        points[3] + 78 * ahead + (12 if pitch > -np.radians(75) and pitch < 0 else 0, 0),
                         arrowprops={"arrowstyle": "<-", "color": ORANGE, "lw": 0.7, "shrinkA": 1, "shrinkB": 0},
                         fontsize=6,
                         ha="center",
@@ -185,7 +185,7 @@ class Family:
         axes.plot([0], [height], "o", color=INK, mfc="w", ms=5, zorder=4)
         axes.plot(*(1e3 * np.array([[SHOWN[0]], [SHOWN[1]]])), "o", color=RED, ms=5, zorder=6, label="tool point")
         axes.set_aspect("equal")
-        axes.set_xlim(-60, 470)
+        axes.set_xlim(-60, 490)
         axes.set_ylim(-10, 560)
         axes.set_xlabel("distance from the base axis [mm]")
         axes.set_ylabel("height [mm]")
