@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray
+from planner.arrays import FloatArray, IntArray
 from planner.certificate import Prover
 from planner.gjk import separate
 from planner.leeway import Contact, JointPeak, Margins, Nearest
 from planner.loops import has_loop
-from planner.phases import Phase, pair
+from planner.phases import Phase
 from planner.scene import Scene
-from planner.separation import likely_gaps, place, rough_gaps
-from planner.solids import COVER, Carriers, Solids, carriers, standing
+from planner.separation import likely_gaps, place, rough_gaps, swept_gaps
+from planner.solids import COVER, Carriers, Solids, carriers, exempted, standing
 from planner.tool_motion import carrying_peak, tool_peak
 from planner.trajectory import LimitCheck, Trajectory, check_limits
 
@@ -20,6 +20,8 @@ INSTANTS = 64
 """Times at which the smallest clearance and the tool's acceleration are looked for."""
 BATCH = 192
 """Pairs and times that are looked at together."""
+PAIRS = 64
+"""Pairs that are looked at together, those first whose places come nearest to each other at any times."""
 FINER = 65
 """Times around the nearest one at which its pair is looked at again: one batch costs little more than one row of it."""
 
@@ -99,16 +101,34 @@ def _nearest(
     a, b = prover.asked(solids)
     which = np.arange(len(a)) if only is None else np.array([only])
     if phase.exempt:
-        allowed = [
-            pair(solids.names[solids.body[a[i]]], solids.names[solids.body[b[i]]]) in phase.exempt for i in which
-        ]
-        which = which[~np.array(allowed, dtype=bool)]
+        which = which[~exempted(solids, phase, a[which], b[which])]
     if not len(which):
         return None
     where = carriers(prover.scene, standing(trajectory, t), t)
+    least = swept_gaps(solids, where, a[which], b[which])
+    order = np.argsort(least, kind="stable")
+    best = (np.inf, float(t[0]), int(which[0]))
+    # the pairs that may be nearest first: the others need not be looked at
+    for first in range(0, len(order), PAIRS):
+        some = order[first : first + PAIRS]
+        if not least[some[0]] < best[0]:
+            break
+        best = _nearest_of(solids, where, t, which[some], a, b, best)
+    return best
+
+
+def _nearest_of(
+    solids: Solids,
+    where: Carriers,
+    t: FloatArray,
+    which: IntArray,
+    a: IntArray,
+    b: IntArray,
+    best: tuple[float, float, int],
+) -> tuple[float, float, int]:
+    """`best`, or what is nearer among the pairs number `which` (p,) of units a, b at times t (T,)."""
     rough = rough_gaps(solids, where, a[which], b[which])
     row, column = np.unravel_index(np.argsort(rough, axis=None, kind="stable"), rough.shape)
-    best = (np.inf, float(t[0]), int(which[0]))
     # the roughly nearest first: what is roughly further than the nearest found so far need not be looked at
     for first in range(0, len(row), BATCH):
         if not rough[row[first], column[first]] < best[0]:

@@ -17,10 +17,10 @@ from planner.certificate import Prover
 from planner.gjk import separate
 from planner.loops import lost_at
 from planner.outcome import Reason, Refusal
-from planner.phases import Phase, pair
+from planner.phases import Phase
 from planner.requirement import SLACK_M, clearance, is_certain, worst
-from planner.separation import Placed, likely_gaps, place, rough_gaps
-from planner.solids import COVER, Carriers, Solids, carriers
+from planner.separation import Placed, likely_gaps, place, rough_gaps, swept_gaps
+from planner.solids import COVER, Carriers, Solids, carriers, exempted
 
 STEP_S = 0.02
 """Sampling of drafts, s. It decides how much work a colliding draft causes, not what is accepted."""
@@ -108,9 +108,12 @@ def _screen_group(
         return result
     a, b = prover.asked(solids)
     required = _required(prover, solids, members, a, b)
-    row, which = np.nonzero(~(rough_gaps(solids, samples.where, a, b) - SLACK_M > required[samples.phase]))
+    near = np.flatnonzero(~(swept_gaps(solids, samples.where, a, b) - SLACK_M > required.max(0)))
+    rough = rough_gaps(solids, samples.where, a[near], b[near])
+    row, which = np.nonzero(~(rough - SLACK_M > required[:, near][samples.phase]))
     if not len(row):
         return result
+    which = near[which]
     one, other = place(solids, samples.where, row, a[which]), place(solids, samples.where, row, b[which])
     need = required[samples.phase[row], which]
     gap = likely_gaps(one, other)
@@ -158,9 +161,7 @@ def _required(prover: Prover, solids: Solids, members: list[tuple[int, Phase]], 
             known[key] = np.where(own, clearance(scene, phase), by_frame[frame])
         found[k] = known[key]
         if phase.exempt:
-            for i in range(len(a)):
-                if pair(solids.names[solids.body[a[i]]], solids.names[solids.body[b[i]]]) in phase.exempt:
-                    found[k, i] = -np.inf
+            found[k, exempted(solids, phase, a, b)] = -np.inf
     return found
 
 

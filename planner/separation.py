@@ -21,6 +21,10 @@ ROUNDS = 3
 for nearly parallel faces, where the face normals of `face_normals` are exact."""
 
 
+FEW = 64
+"""Pairs for which bounds at all times are as cheap as bounds over all times together."""
+
+
 @dataclass(frozen=True, slots=True)
 class Placed:
     """Units `unit` (r,) of a `Solids` at world centres (r, 3) with world axes (r, 3, 3), columns."""
@@ -124,11 +128,43 @@ def face_normals(a: Placed, b: Placed) -> FloatArray:
 def rough_gaps(solids: Solids, where: Carriers, a: IntArray, b: IntArray) -> FloatArray:
     """Lower bounds (T, P) of the distances of unit pairs (P,) at all times: vertical order, or bounding circles.
 
-    Cheap enough for all pairs at all times; NaN where a carrier is not known.
+    Cheap enough for many pairs at all times; NaN where a carrier is not known.
     """
     units = np.unique(np.concatenate([a, b]))
     at = np.full(len(solids.body), -1)
     at[units] = np.arange(len(units))
+    centre, tall, wide = _outlines(solids, where, units)
+    ia, ib = at[a], at[b]
+    vertical = np.abs(centre[:, ib, 2] - centre[:, ia, 2]) - tall[:, ia] - tall[:, ib]
+    x, y = centre[:, ib, 0] - centre[:, ia, 0], centre[:, ib, 1] - centre[:, ia, 1]
+    found: FloatArray = np.maximum(vertical, np.sqrt(x * x + y * y) - wide[ia] - wide[ib])
+    return found
+
+
+def swept_gaps(solids: Solids, where: Carriers, a: IntArray, b: IntArray) -> FloatArray:
+    """Lower bounds (P,) of the distances of unit pairs (P,) over all times together: boxes about all places of a unit.
+
+    What does not move is looked at once. Most bodies of a large cell are ruled out by this alone; for no more than
+    `FEW` pairs it does not pay, and they get −inf. NaN where a carrier is not known at some time.
+    """
+    if len(a) <= FEW:
+        return np.full(len(a), -np.inf)
+    low, high = np.full((2, len(solids.body), 3), np.nan)
+    units = np.unique(np.concatenate([a, b]))
+    for carrier in np.unique(solids.carrier[units]):
+        mine = units[solids.carrier[units] == carrier]
+        position, rotation = where.position[:, carrier], where.rotation[:, carrier]
+        moves = bool((position != position[0]).any() or (rotation != rotation[0]).any())
+        times = slice(None) if moves else slice(1)
+        centre, tall, wide = _outlines(solids, Carriers(where.position[times], where.rotation[times]), mine)
+        size = np.stack([np.broadcast_to(wide, tall.shape), np.broadcast_to(wide, tall.shape), tall], -1)
+        low[mine], high[mine] = (centre - size).min(0), (centre + size).max(0)
+    found: FloatArray = np.maximum(low[b] - high[a], low[a] - high[b]).max(1)
+    return found
+
+
+def _outlines(solids: Solids, where: Carriers, units: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Centres (T, U, 3) of units, half heights (T, U) about them, and radii (U,) in all directions."""
     carrier = solids.carrier[units]
     rotation, position = where.rotation, where.position
     centre = position[:, carrier] + (rotation[:, carrier] @ solids.centre[units][None, :, :, None])[..., 0]
@@ -142,11 +178,7 @@ def rough_gaps(solids: Solids, where: Carriers, a: IntArray, b: IntArray) -> Flo
             # about its own origin, which need not be its middle
             wide[k] = float(np.sqrt((vertices**2).sum(-1)).max())
             tall[:, k] = wide[k]
-    ia, ib = at[a], at[b]
-    vertical = np.abs(centre[:, ib, 2] - centre[:, ia, 2]) - tall[:, ia] - tall[:, ib]
-    x, y = centre[:, ib, 0] - centre[:, ia, 0], centre[:, ib, 1] - centre[:, ia, 1]
-    found: FloatArray = np.maximum(vertical, np.sqrt(x * x + y * y) - wide[ia] - wide[ib])
-    return found
+    return centre, tall, wide
 
 
 def likely_gaps(one: Placed, other: Placed) -> FloatArray:

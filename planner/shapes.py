@@ -185,39 +185,6 @@ def corners(shape: Primitive | Hull) -> FloatArray:
     return vertices
 
 
-def reach(piece: Piece, position: FloatArray, rotation: FloatArray) -> float:
-    """Horizontal distance, m, that bounds the piece from the z axis of the frame it is carried by (equation S2).
-
-    `position`, `rotation`: the body's pose in that frame. A solid of revolution about that very axis looks the same
-    however the frame turns, so it counts as a body that does not turn: 0.
-    """
-    centre = position + rotation @ piece.position
-    axes = rotation @ piece.rotation
-    shape = piece.shape
-    if isinstance(shape, Primitive) and shape.half[0] == 0.0 and shape.half[1] == 0.0:
-        upright = (shape.half[2] == 0.0 and shape.disc == 0.0) or bool(np.abs(axes[:2, 2]).max() <= 1e-12)
-        if upright and float(np.hypot(centre[0], centre[1])) <= 1e-12:
-            return 0.0
-    points = centre + corners(shape) @ axes.T
-    grown = shape.disc + shape.ball if isinstance(shape, Primitive) else 0.0
-    return float(np.hypot(points[:, 0], points[:, 1]).max()) + grown
-
-
-def distance(piece: Piece, position: FloatArray, rotation: FloatArray) -> float:
-    """Distance, m, that bounds the piece from the origin of the frame it is carried by (equation S4).
-
-    `position`, `rotation`: the body's pose in that frame. A ball looks the same however the frame turns and tilts, so
-    its points count as its centre does.
-    """
-    centre = position + rotation @ piece.position
-    shape = piece.shape
-    if isinstance(shape, Primitive) and shape.kind == "sphere":
-        return float(np.sqrt(centre @ centre))
-    points = centre + corners(shape) @ (rotation @ piece.rotation).T
-    grown = shape.disc + shape.ball if isinstance(shape, Primitive) else 0.0
-    return float(np.sqrt((points * points).sum(1)).max()) + grown
-
-
 def radius(piece: Piece) -> float:
     """Horizontal distance, m, of the piece's points from the origin of its body's frame at most."""
     points = piece.position + corners(piece.shape) @ piece.rotation.T

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
+from planner.extents import extents
 from planner.frames.motion import Pose
-from planner.phases import Carried, initial_rides
+from planner.phases import Carried, Phase, initial_rides
 from planner.scene import Scene
-from planner.shapes import Body, Hull, Piece, Primitive, box, distance, reach, support
+from planner.shapes import Body, Hull, Piece, Primitive, box, support
 from planner.trajectory import Trajectory
 
 COVER = -1
@@ -52,11 +53,6 @@ class Solids:
         return self.carrier < self.links
 
 
-def _rotation(yaw: float) -> FloatArray:
-    c, s = np.cos(yaw), np.sin(yaw)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
 def bounding_box(body: Body) -> Piece:
     """The box in the body's own axes that holds all of its pieces, a nanometre larger than they are."""
     axes = np.eye(3)
@@ -68,45 +64,30 @@ def bounding_box(body: Body) -> Piece:
 
 @dataclass(frozen=True, slots=True)
 class _Unit:
+    """A unit in its body's axes: number of its piece, shape, position and rotation."""
+
     piece: int
     shape: Primitive | Hull
     position: FloatArray
     rotation: FloatArray
-    half: tuple[float, float, float]
-    disc: float
-    ball: float
-    reach: float
-    distance: float
 
 
-def _units(body: Body, position: FloatArray, rotation: FloatArray) -> list[_Unit]:
+@dataclass(frozen=True, slots=True)
+class _Seat:
+    """A body in an arrangement: on which carrier, at which pose, as which units."""
+
+    name: str
+    carrier: int
+    pose: Pose
+    units: list[_Unit]
+
+
+def _units(body: Body) -> list[_Unit]:
     """A body's units: its only piece, if that is a primitive; else its bounding box and all of its pieces."""
-    pieces = [(k, piece) for k, piece in enumerate(body.pieces)]
-    if len(pieces) > 1 or isinstance(body.pieces[0].shape, Hull):
-        pieces.insert(0, (COVER, bounding_box(body)))
-    found = []
-    for number, piece in pieces:
-        shape, centre, half, disc, ball = piece.shape, piece.position, (0.0, 0.0, 0.0), 0.0, 0.0
-        if isinstance(shape, Primitive):
-            half, disc, ball = shape.half, shape.disc, shape.ball
-        else:
-            # a hull's core is its bounding box in its own axes: a seed for normals, never a claim
-            low, high = shape.vertices.min(0), shape.vertices.max(0)
-            half = tuple(float(x) for x in (high - low) / 2)  # type: ignore[assignment]
-        turned = rotation @ piece.rotation
-        found.append(
-            _Unit(
-                number,
-                shape,
-                position + rotation @ centre,
-                turned,
-                half,
-                disc,
-                ball,
-                reach(piece, position, rotation),
-                distance(piece, position, rotation),
-            )
-        )
+    found = [_Unit(k, piece.shape, piece.position, piece.rotation) for k, piece in enumerate(body.pieces)]
+    if len(found) > 1 or isinstance(found[0].shape, Hull):
+        cover = bounding_box(body)
+        found.insert(0, _Unit(COVER, cover.shape, cover.position, cover.rotation))
     return found
 
 
@@ -118,13 +99,12 @@ class SolidsMaker:
         self.frames = tuple(scene.frames)
         self._flange = scene.robot.links.index("flange")
         self._made: dict[tuple[object, ...], Solids] = {}
-        self._bodies: dict[tuple[object, ...], list[_Unit]] = {}
+        self._bodies: dict[str, list[_Unit]] = {}
 
-    def _placed(self, body: Body, pose: Pose) -> list[_Unit]:
-        key = (body.name, pose)
-        if key not in self._bodies:
-            self._bodies[key] = _units(body, pose.position, _rotation(pose.yaw))
-        return self._bodies[key]
+    def _seat(self, body: Body, carrier: int, pose: Pose) -> _Seat:
+        if body.name not in self._bodies:
+            self._bodies[body.name] = _units(body)
+        return _Seat(body.name, carrier, pose, self._bodies[body.name])
 
     def __call__(self, carried: Carried | None, rides: tuple[tuple[str, str, Pose], ...]) -> Solids:
         """The arrangement in which `carried` is in the gripper and each part of `rides` rides on its frame."""
@@ -136,56 +116,75 @@ class SolidsMaker:
     def _make(self, carried: Carried | None, rides: tuple[tuple[str, str, Pose], ...]) -> Solids:
         scene, links = self.scene, len(self.scene.robot.links)
         where = {**initial_rides(scene), **{part: (frame, pose) for part, frame, pose in rides}}
-        placed: list[tuple[str, int, list[_Unit]]] = []
-        for item in scene.robot.bodies:
-            placed.append((item.body.name, item.link, self._placed(item.body, Pose())))
-        for body in scene.tool.bodies:
-            placed.append((body.name, self._flange, self._placed(body, Pose())))
+        seats = [self._seat(item.body, item.link, Pose()) for item in scene.robot.bodies]
+        seats += [self._seat(body, self._flange, Pose()) for body in scene.tool.bodies]
         if carried is not None:
-            body = scene.index[carried.part].body
-            placed.append((carried.part, self._flange, self._placed(body, carried.in_flange)))
-        robot_bodies = len(placed)
+            seats.append(self._seat(scene.index[carried.part].body, self._flange, carried.in_flange))
+        robot_bodies = len(seats)
+        number = {name: links + k for k, name in enumerate(self.frames)}
         for world in scene.bodies:
-            if carried is not None and world.name == carried.part:
-                continue
-            frame, pose = where[world.name]
-            placed.append((world.name, links + self.frames.index(frame), self._placed(world.body, pose)))
-        return _flatten(placed, links, robot_bodies)
+            if carried is None or world.body.name != carried.part:
+                frame, pose = where[world.body.name]
+                seats.append(self._seat(world.body, number[frame], pose))
+        return _flatten(seats, links, robot_bodies)
 
 
-def _flatten(placed: list[tuple[str, int, list[_Unit]]], links: int, robot_bodies: int) -> Solids:
-    units = [(b, carrier, unit) for b, (_, carrier, units) in enumerate(placed) for unit in units]
-    first = np.cumsum([0] + [len(units) for _, _, units in placed])
-    hulls: list[Hull] = []
-    hull = np.full(len(units), -1, dtype=np.int64)
-    centre = np.array([unit.position for _, _, unit in units]).reshape(-1, 3)
-    for i, (_, _, unit) in enumerate(units):
-        if isinstance(unit.shape, Hull):
-            hull[i] = len(hulls)
-            hulls.append(unit.shape)
+def _flatten(seats: list[_Seat], links: int, robot_bodies: int) -> Solids:
+    units = [unit for seat in seats for unit in seat.units]
+    counts = [len(seat.units) for seat in seats]
+    first = np.cumsum([0, *counts])
+    body = np.repeat(np.arange(len(seats)), counts)
+    pose = np.array([(s.pose.x, s.pose.y, s.pose.z, s.pose.yaw) for s in seats]).reshape(-1, 4)[body]
+    turn = _turns(pose[:, 3])
+    centre = np.array([unit.position for unit in units]).reshape(-1, 3)
+    centre = pose[:, :3] + (turn @ centre[:, :, None])[:, :, 0]
+    rotation = turn @ np.array([unit.rotation for unit in units]).reshape(-1, 3, 3)
+    shapes = tuple(unit.shape for unit in units)
+    hulls = tuple(shape for shape in shapes if isinstance(shape, Hull))
+    hull = np.cumsum([isinstance(shape, Hull) for shape in shapes], dtype=np.int64) - 1
+    hull[[not isinstance(shape, Hull) for shape in shapes]] = -1
+    reach, distance = extents(shapes, centre, rotation)
     return Solids(
-        names=tuple(name for name, _, _ in placed),
+        names=tuple(seat.name for seat in seats),
         links=links,
-        body=np.array([b for b, _, _ in units], dtype=np.int64),
-        piece=np.array([unit.piece for _, _, unit in units], dtype=np.int64),
-        carrier=np.array([carrier for _, carrier, _ in units], dtype=np.int64),
+        body=body,
+        piece=np.array([unit.piece for unit in units], dtype=np.int64),
+        carrier=np.array([seat.carrier for seat in seats], dtype=np.int64)[body],
         centre=centre,
-        rotation=np.array([unit.rotation for _, _, unit in units]).reshape(-1, 3, 3),
-        half=np.array([unit.half for _, _, unit in units]).reshape(-1, 3),
-        disc=np.array([unit.disc for _, _, unit in units], dtype=np.float64),
-        ball=np.array([unit.ball for _, _, unit in units], dtype=np.float64),
+        rotation=rotation,
+        half=np.array([_core(shape) for shape in shapes]).reshape(-1, 3),
+        disc=np.array([shape.disc if isinstance(shape, Primitive) else 0.0 for shape in shapes]),
+        ball=np.array([shape.ball if isinstance(shape, Primitive) else 0.0 for shape in shapes]),
         hull=hull,
-        hulls=tuple(hulls),
-        reach=np.array([unit.reach for _, _, unit in units], dtype=np.float64),
-        distance=np.array([unit.distance for _, _, unit in units], dtype=np.float64),
-        roots=tuple(int(x) for x in first[:-1]),
+        hulls=hulls,
+        reach=reach,
+        distance=distance,
+        roots=tuple(first[:-1].tolist()),
         pieces=tuple(
-            tuple(int(first[b]) + k for k, unit in enumerate(units) if unit.piece != COVER)
-            for b, (_, _, units) in enumerate(placed)
+            tuple(start + k for k, unit in enumerate(seat.units) if unit.piece != COVER)
+            for start, seat in zip(first.tolist(), seats, strict=False)
         ),
-        shapes=tuple(unit.shape for _, _, unit in units),
+        shapes=shapes,
         robot_bodies=robot_bodies,
     )
+
+
+def _turns(yaw: FloatArray) -> FloatArray:
+    """Rotations (U, 3, 3) about the vertical."""
+    found = np.zeros((len(yaw), 3, 3))
+    found[:, 0, 0] = found[:, 1, 1] = np.cos(yaw)
+    found[:, 1, 0] = np.sin(yaw)
+    found[:, 0, 1] = -found[:, 1, 0]
+    found[:, 2, 2] = 1.0
+    return found
+
+
+def _core(shape: Primitive | Hull) -> tuple[float, float, float]:
+    """Half edges, m, of a shape's core; of a hull its bounding box in its own axes: a seed for normals, no claim."""
+    if isinstance(shape, Primitive):
+        return shape.half
+    x, y, z = ((shape.vertices.max(0) - shape.vertices.min(0)) / 2).tolist()
+    return x, y, z
 
 
 def asked_pairs(scene: Scene, solids: Solids) -> tuple[IntArray, IntArray]:
@@ -206,6 +205,16 @@ def asked_pairs(scene: Scene, solids: Solids) -> tuple[IntArray, IntArray]:
         first = np.concatenate([first, [a for a, _ in own]])
         second = np.concatenate([second, [b for _, b in own]])
     return first, second
+
+
+def exempted(solids: Solids, phase: Phase, a: IntArray, b: IntArray) -> BoolArray:
+    """Which pairs (P,) of units are of bodies that may touch in a phase."""
+    number = {name: i for i, name in enumerate(solids.names)}
+    allowed = [(number[x], number[y]) for x, y in phase.exempt if x in number and y in number]
+    found = np.zeros(len(a), dtype=bool)
+    for x, y in allowed + [(y, x) for x, y in allowed]:
+        found |= (solids.body[a] == x) & (solids.body[b] == y)
+    return found
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ from planner.separation import centre_normals, face_normals
 from planner.solids import COVER, Solids, SolidsMaker, asked_pairs
 from planner.trajectory import Trajectory
 
-COARSEST_S = 0.04
+COARSEST_S = 0.08
 """Intervals with which a phase begins, where vertical order alone does not prove it, s."""
 FINEST_S = 2e-5
 """Intervals are halved no further than this, s: what is not proved by then is NOT_CERTIFIED."""

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from planner.arrays import FloatArray
+from planner.extents import extents
 from planner.shapes import Hull, Piece, Primitive, box, capsule, cylinder, sphere
 from tests.planner.cells import block, rotation
 
@@ -202,3 +203,18 @@ def nearer(a: Piece, b: Piece, left: float) -> Piece:
             break
         b = Piece(b.shape, b.position + way / size * min(gap - left, size), b.rotation)
     return b
+
+
+def reach(piece: Piece, position: FloatArray, rotation: FloatArray) -> float:
+    """How far, m, a piece's points are from the z axis of the frame in which its body is at this pose."""
+    return float(_extents(piece, position, rotation)[0][0])
+
+
+def distance_from_origin(piece: Piece, position: FloatArray, rotation: FloatArray) -> float:
+    """How far, m, they are from that frame's origin."""
+    return float(_extents(piece, position, rotation)[1][0])
+
+
+def _extents(piece: Piece, position: FloatArray, rotation: FloatArray) -> tuple[FloatArray, FloatArray]:
+    centre, axes = position + rotation @ piece.position, rotation @ piece.rotation
+    return extents((piece.shape,), centre[None], axes[None])

@@ -7,12 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import planner.separation
 from planner.arrays import FloatArray
 from planner.frames import Turntable
 from planner.frames.motion import Pose
-from planner.separation import centre_normals, face_normals, gaps, likely_gaps, place, rough_gaps, support
+from planner.separation import centre_normals, face_normals, gaps, likely_gaps, place, rough_gaps, support, swept_gaps
 from planner.shapes import Body, Hull, Piece, box, sphere
-from planner.solids import SolidsMaker, carriers
+from planner.solids import SolidsMaker, asked_pairs, carriers
 from tests.planner.cells import Around, arm, block, cell, frame, go, placed
 from tests.planner.convex import KINDS, anywhere, distance, grid_aligned, inside, pairs, shape_of
 
@@ -94,6 +95,46 @@ def test_rough_gaps_of_hulls_that_are_off_their_origin_are_lower_bounds_at_all_t
         true = max(0.0, distance(Piece(hull, np.array([0.05, 0.0, 0.02]), r), b))
         assert rough[0][i] <= true + 1e-8
         assert rough[1][i] <= true + 1e-8
+
+
+@pytest.mark.parametrize("moving", [False, True])
+def test_swept_gaps_are_below_rough_ones_at_all_times_and_tight_where_nothing_moves(
+    moving: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(planner.separation, "FEW", 0)
+    rng = np.random.default_rng(5)
+    dial = frame("dial", Turntable(Pose(0.1, -0.2, 0.0, 0.3), 1.5))
+    shapes = [shape_of(kind, (0.1, 0.07, 0.05), k) for k, kind in enumerate(KINDS * 12)]
+    at = [Pose(x, y, z, yaw) for x, y, z, yaw in rng.uniform(-1.0, 1.0, (len(shapes), 4)).tolist()]
+    bodies = tuple(
+        Around(Body(f"b{k}", (Piece(shape),)), "dial" if moving else "world", pose)
+        for k, (shape, pose) in enumerate(zip(shapes, at, strict=True))
+    )
+    scene = cell(go(0.3, 0.0), bodies=bodies, frames=(dial,))
+    solids = SolidsMaker(scene)(None, ())
+    t = np.linspace(0.0, 1.0, 50)
+    q = np.array([0.3, 1.2, 0.1, 0.0]) + np.outer(t if moving else 0 * t, [1.0, -0.8, 0.05, 2.0])
+    where = carriers(scene, q, t)
+    a, b = asked_pairs(scene, solids)
+    assert len(a) > 100
+    swept, rough = swept_gaps(solids, where, a, b), rough_gaps(solids, where, a, b).min(0)
+    assert (swept <= rough + ROUNDING_M).all()
+    assert (swept > 0.05).any()
+    if not moving:
+        # circles against boxes about them: at most by the diagonal
+        assert (swept >= rough / np.sqrt(2) - 0.42 * 0.5).all()
+
+
+def test_few_pairs_and_unknown_places_are_never_ruled_out_over_all_times(monkeypatch: pytest.MonkeyPatch) -> None:
+    law = Turntable(Pose(0.3, 0.0, 0.1), 1.0, valid=(0.0, 1.0))
+    bodies = (Around(Body("a", (Piece(box(0.1, 0.1, 0.1)),)), "dial"), Around(Body("b", (Piece(sphere(0.1)),))))
+    scene = cell(go(0.3, 0.0), bodies=bodies, frames=(frame("dial", law),), robot=arm(bare=True))
+    solids = SolidsMaker(scene)(None, ())
+    where = carriers(scene, np.zeros((2, 4)), np.array([0.5, 2.0]))
+    a, b = np.array([0]), np.array([1])
+    assert swept_gaps(solids, where, a, b)[0] == -np.inf
+    monkeypatch.setattr(planner.separation, "FEW", 0)
+    assert not swept_gaps(solids, where, a, b)[0] > -1e9
 
 
 def test_unknown_places_give_no_gap() -> None:

@@ -24,8 +24,9 @@ from planner.phases import CONTACT_M, Phase, initial_rides, phases
 from planner.robots.protocol import Code, Limits, RobotBody, Sweep
 from planner.robots.scara import BASE, FLANGE, LINK1, LINK2, QUILL, Scara
 from planner.scene import Clearance, Move, Options, Pick, Place, Scene, Start, Target, Tool, WorldBody
-from planner.shapes import Body, Hull, Piece, box, capsule, cylinder, reach, sphere, support
+from planner.shapes import Body, Hull, Piece, box, capsule, cylinder, sphere, support
 from planner.trajectory import Trajectory
+from tests.planner.convex import reach
 
 MODE = 1
 Height = Callable[[FloatArray], tuple[FloatArray, ...]]

@@ -14,8 +14,9 @@ from planner.arrays import FloatArray
 from planner.checker.solids import solids
 from planner.frames.motion import Pose
 from planner.scene import WorldBody
-from planner.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, distance, sphere, support
+from planner.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere, support
 from tests.planner.checker.hand_made import box_of, carton, crossing, wedge
+from tests.planner.convex import distance_from_origin
 
 
 def turned(yaw: float) -> FloatArray:
@@ -144,7 +145,7 @@ def test_tilting_moves_no_support_faster_than_the_distance_and_the_makers_is_no_
             return float(direction @ position) + support(piece, turned(yaw).T @ direction)
 
         assert abs(along(rotation.T @ n) - along(n)) <= distances[k] * turn + 1e-14
-        assert distances[k] <= distance(piece, position, turned(yaw)) + 1e-15
+        assert distances[k] <= distance_from_origin(piece, position, turned(yaw)) + 1e-15
         outermost = position + points(piece, rng) @ turned(yaw).T
         grown = 0.0 if isinstance(piece.shape, Hull) else piece.shape.disc + piece.shape.ball
         assert distances[k] <= np.sqrt((outermost**2).sum(1)).max() + grown + 1e-12
