@@ -1,6 +1,7 @@
-"""Samples ways by parabolic blends through a run of stations: the direct ones, over the top, then by free vias.
+"""Samples ways by parabolic blends through a run of stations: the direct ones; round what blocks them, by free vias.
 
-Seeded and adaptive: what was nearly free is mutated.
+Seeded and adaptive: what was nearly free is mutated. Free poses are there to go round bodies: they are tried only on
+ways that were timed and then refused.
 """
 
 from __future__ import annotations
@@ -45,6 +46,8 @@ class BlendSampler:
     visits: int = 0
     ways: tuple[tuple[Station, ...], ...] = ()
     elite: list[tuple[float, BlendShape]] = field(default_factory=list)
+    blocked: list[tuple[Station, ...]] = field(default_factory=list)
+    """Ways that were timed directly, and then refused: only they are led round by free poses."""
 
     def __post_init__(self) -> None:
         self.ways = self._shortest()
@@ -55,9 +58,14 @@ class BlendSampler:
         if not self.ways:
             return []
         if visit == 0:
-            direct = [BlendShape(way, ((),) * len(way)) for way in self.ways]
-            return direct + [shape for way in self.ways[:RAISED] for shape in self._raised(way)]
-        return [self._random() for _ in range(BATCH)]
+            return [BlendShape(way, ((),) * len(way)) for way in self.ways]
+        raised = [shape for way in self.blocked[:RAISED] for shape in self._raised(way)] if visit == 1 else []
+        return raised + [self._random() for _ in range(BATCH)]
+
+    def block(self, shape: BlendShape) -> None:
+        """A way was timed, and refused by what is in its way."""
+        if not any(shape.frees) and shape.stations not in self.blocked:
+            self.blocked.append(shape.stations)
 
     def learn(self, shape: BlendShape, bad: float) -> None:
         """`bad`: the share of a draft's samples that were in the way of something; 0: it was free."""
@@ -105,11 +113,12 @@ class BlendSampler:
         rng = self.rng
         if self.adaptive and self.elite and rng.random() < MUTATED:
             return self._mutated()
-        way = self.ways[min(len(self.ways), int(rng.geometric(0.45))) - 1]
+        ways = self.blocked or self.ways
+        way = ways[min(len(ways), int(rng.geometric(0.45))) - 1]
         poses = self._poses(way)
         frees = []
         for one, other in pairwise(poses):
-            count = int(rng.choice(COUNTS, p=WEIGHTS))
+            count = int(rng.choice(COUNTS, p=WEIGHTS)) if self.blocked else 0
             frees.append(tuple(via.q for via in free_vias(rng, self.scene.robot, one, other, count)))
         wait = float(rng.exponential(0.35)) if self._moving() and rng.random() < 0.4 else 0.0
         return BlendShape(way, tuple(frees), wait, float(rng.choice([1.0, 1.0, 0.7, 0.4])))
@@ -126,7 +135,7 @@ class BlendSampler:
         wait = parent.wait
         if self._moving() and rng.random() < 0.5:
             wait = max(0.0, wait + float(rng.normal(0.0, 0.1)))
-        if not any(frees):
+        if not any(frees) and parent.stations in self.blocked:
             # a way that was nearly free is led around at one place
             poses = self._poses(parent.stations)
             k = int(rng.integers(len(frees)))

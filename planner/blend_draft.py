@@ -8,7 +8,7 @@ from planner.assembly import laws_over
 from planner.chain import Chain, Draft, Sample
 from planner.errors import FaultError
 from planner.frames.motion import Pose
-from planner.legs.blended import Blended, BlendShape, Station, blended
+from planner.legs.blended import Blended, BlendShape, Station, blended, blends_by
 from planner.legs.joint import Shape
 from planner.legs.state import Knots, Stretch
 from planner.loops import leaves_assembly
@@ -72,8 +72,8 @@ def _legs(chain: Chain, shape: BlendShape, found: Blended, end: float) -> tuple[
     """A leg to each station, which ends when its pose is due; before the first a wait, if there is one."""
     edges = [found.begin, *found.times[:-1], end]
     legs = [
-        Leg(LegKind.MOVE, station.point.step, t0, t1, shape.family)
-        for station, t0, t1 in zip(shape.stations, edges[:-1], edges[1:], strict=True)
+        Leg(LegKind.MOVE, station.point.step, t0, t1, blends_by(len(free)))
+        for station, free, t0, t1 in zip(shape.stations, shape.frees, edges[:-1], edges[1:], strict=True)
     ]
     if found.begin > chain.state.time:
         legs.insert(0, Leg(LegKind.WAIT, chain.step, chain.state.time, found.begin, "lets bodies pass"))

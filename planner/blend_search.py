@@ -16,7 +16,7 @@ from planner.blend_draft import blend_draft, run_of
 from planner.certificate import Prover
 from planner.chain import Chain, Draft, Outline
 from planner.explanation import SEARCHED
-from planner.legs.blended import Station
+from planner.legs.blended import BlendShape, Station, TooShortBlends
 from planner.legs.control_point import control_point
 from planner.legs.meeting import meetings
 from planner.legs.tilt import tilts
@@ -42,6 +42,7 @@ class BlendSearch(Search):
     def __init__(self, scene: Scene, prover: Prover, started: float, *, adaptive: bool = True) -> None:
         super().__init__(scene, prover, started, adaptive=adaptive)
         self.known: dict[int, _Known] = {}
+        self.unproved: list[Draft] = []
 
     def run(self) -> Found:
         """As `Search.run`; what was not passed is the step of the run at which most was refused."""
@@ -65,35 +66,57 @@ class BlendSearch(Search):
         if limit is not None:
             batch = batch[: max(0, limit - self.found.census.candidates)]
         drafts: list[Outline | Draft] = []
-        shapes, hopeless = [], self.scene.options.acceleration_time_s is not None and sampler.visits == 1
+        shapes: list[BlendShape] = []
+        short: list[TooShortBlends] = []
+        hopeless = self.scene.options.acceleration_time_s is not None and sampler.visits == 1
         for shape in batch:
             if time.perf_counter() >= self.deadline:
                 break
             self.found.census.candidates += 1
             made = blend_draft(self.scene, chain, shape)
+            if isinstance(made, TooShortBlends):
+                short.append(made)
+                continue
             if isinstance(made, Refusal):
                 self.found.census.add(made)
                 hopeless &= made.reason is Reason.MOTION_LIMIT
+                if made.reason is Reason.NEAR_PARALLEL_SINGULARITY:
+                    sampler.block(shape)  # it was timed; another way may stay clear of type 2
                 continue
             hopeless = False
             best = self.found.best
             if best is None or made.end < best.state.time:
                 drafts.append(made)
                 shapes.append(shape)
+        # the least time that does for any of the ways, so that it is the least there is
+        does = [refusal.enough for refusal in short if refusal.enough is not None]
+        for refusal in short:
+            self.found.census.add(refusal.told(min(does, default=None) if hopeless else None))
         free = []
         for draft, shape, screened in zip(drafts, shapes, screen(self.prover, drafts) if drafts else [], strict=True):
             sampler.learn(shape, screened.bad)
             if screened.refusal is not None:
+                sampler.block(shape)
                 self.found.census.add(screened.refusal)
                 for also in screened.also:
                     self.found.census.note(also)
             else:
                 free.append(draft)
         self._prove(sorted(free, key=lambda draft: draft.end))
+        for draft, shape in zip(drafts, shapes, strict=True):
+            if any(draft is other for other in self.unproved):
+                sampler.block(shape)
+        self.unproved.clear()
         if hopeless:
             # no direct way keeps the acceleration time: one with more poses would be found by chance, if at all
             sampler.ways = ()
         return bool(batch)
+
+    def _proved(self, candidate: Draft) -> Chain | None:
+        chain = super()._proved(candidate)
+        if chain is None:
+            self.unproved.append(candidate)
+        return chain
 
     def _blend_sampler(self, chain: Chain) -> BlendSampler:
         """The stations that each step of the run may be, in every turn, mode and yaw that is asked for."""

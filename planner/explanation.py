@@ -72,6 +72,14 @@ def _number(refusal: Refusal | CensusLine) -> str:
     return f"{amount:.3g}"
 
 
+def _beyond(refusal: Refusal | CensusLine) -> str:
+    """Which limit of a joint a motion breaks, where the unit says it."""
+    joint = refusal.bodies[0] if len(refusal.bodies) == 1 and refusal.unit.endswith(("/s", "/s²")) else "a joint"
+    if refusal.unit.endswith("/s²"):
+        return f"{joint} would have to accelerate more than it can"
+    return f"{joint} would have to be faster than it can be"
+
+
 def _because(refusal: Refusal | CensusLine) -> str:
     bodies = " and ".join(refusal.bodies)
     number = _number(refusal)
@@ -102,7 +110,7 @@ def _because(refusal: Refusal | CensusLine) -> str:
         case Reason.CONTROL_POINT_IN_COLLISION:
             return f"the control point can never be met: {detail}"
         case Reason.MOTION_LIMIT:
-            return f"a joint would have to be faster than it can be{': ' + detail if detail else ''}"
+            return f"{_beyond(refusal)}{': ' + detail if detail else ''}"
         case Reason.CARRY_LIMIT:
             return f"the part would be accelerated by {number} too much"
         case Reason.WINDOW_MISSED:

@@ -7,6 +7,7 @@ soon; where they are not, there is no such move.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,8 +67,26 @@ class BlendShape:
 
     @property
     def family(self) -> str:
-        count = sum(map(len, self.frees))
-        return f"blends, {count} via{'' if count == 1 else 's'}" if count else "blends"
+        return blends_by(sum(map(len, self.frees)))
+
+
+def blends_by(count: int) -> str:
+    """Blends, and so many free poses on the way, in words."""
+    return f"blends, {count} via{'' if count == 1 else 's'}" if count else "blends"
+
+
+@dataclass(frozen=True, slots=True)
+class TooShortBlends(Refusal):
+    """An acceleration time that a way cannot keep; `enough`: the least that it can, s, or None."""
+
+    enough: float | None = None
+
+    def told(self, enough: float | None) -> Refusal:
+        """The refusal as the census has it; `enough`: the time that would do, if one is to be told."""
+        tail = "" if enough is None else f"; {1e3 * enough:g} ms would do"
+        return Refusal(
+            self.stage, self.reason, self.step, self.bodies, self.interval, self.amount, self.unit, self.detail + tail
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,10 +171,10 @@ def _law(
         return made
     joint = scene.robot.joints[made.joint]
     unit = "rad/s²" if joint.kind == "revolute" else "m/s²"
-    enough = "" if made.enough is None else f"; {1e3 * made.enough:.4g} ms would do"
+    told, factor = ("deg/s²", math.degrees(1.0)) if joint.kind == "revolute" else ("mm/s²", 1e3)
     detail = (
-        f"with an acceleration time of {1e3 * given:.4g} ms {joint.name} would need {made.needed:.4g} {unit} "
-        f"and has {made.limit:.4g} {unit}{enough}"
+        f"with an acceleration time of {1e3 * given:.4g} ms {joint.name} would need {factor * made.needed:,.0f} {told} "
+        f"and has {factor * made.limit:,.0f} {told}"
     )
     excess = made.needed - made.limit
-    return Refusal("timing", Reason.MOTION_LIMIT, step, (joint.name,), None, excess, unit, detail)
+    return TooShortBlends("timing", Reason.MOTION_LIMIT, step, (joint.name,), None, excess, unit, detail, made.enough)

@@ -25,11 +25,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from planner.arrays import FloatArray
-from planner.errors import InputError
+from planner.errors import FaultError, InputError
 from planner.timing.parabolic_blend import LEAST_TAU, MEETS, SHORTEST, ParabolicBlend
 
 RESERVE = 1e-7
@@ -38,6 +39,8 @@ STEPS = (0.4, 0.1, 0.03, 0.008, 0.002)
 """Changes of the logarithm of a segment's time that are tried."""
 ROUNDS = 40
 """Rounds with one step, at most."""
+TOLD_S = 1e-4
+"""An acceleration time that would do is told in tenths of a millisecond."""
 KEPT = 1e-9
 """Relative. An acceleration that exceeds its limit by less does so by rounding."""
 
@@ -113,8 +116,8 @@ def _settled(
 @dataclass(frozen=True, slots=True)
 class TooShort:
     """An acceleration time is too short: joint number `joint` would need the acceleration `needed` at pose number
-    `pose`, and has `limit`. `enough`: an acceleration time, s, that would do (None: with a longer one the segments
-    change, and it does not, either)."""
+    `pose`, and has `limit`. `enough`: the least acceleration time, s, that would do, told in tenths of a ms, rounded up
+    (None: that rounded up it does not, either)."""
 
     joint: int
     pose: int
@@ -138,9 +141,38 @@ def with_acceleration_time(
     if (share <= 1 + KEPT).all():
         return made
     pose, joint = (int(x) for x in np.unravel_index(np.argmax(share), share.shape))
-    enough = float(share[pose, joint]) * acceleration_time
+    enough = math.ceil(_least_time(poses, velocity, acceleration, acceleration_time) / TOLD_S) * TOLD_S
     does = (np.abs(_at_full_speed(poses, velocity, enough).accelerations) <= acceleration * (1 + KEPT)).all()
     return TooShort(joint, pose, float(size[pose, joint]), float(acceleration[joint]), enough if does else None)
+
+
+def _least_time(poses: FloatArray, velocity: FloatArray, acceleration: FloatArray, above: float) -> float:
+    """The least acceleration time T above `above`, s, with which B5 keeps all accelerations.
+
+    Between the times at which another segment gets longer (B5), a change of velocity is a/T + b: too much where
+    A T² < |a + b T|, which is two open intervals of T for each pose and joint. They are gone through from the left.
+    With the longest times all segments are T, and |a| ≤ A T² holds at last: there is always an answer.
+    """
+    way = np.diff(poses, axis=0)
+    need = (np.abs(way) / velocity).max(1)
+    edges = np.concatenate([[above], np.sort(need[need > above]), [np.inf]])
+    for low, high in pairwise(edges):
+        grown = (need <= low)[:, None]
+        still = np.zeros_like(way[:1])
+        a = np.diff(np.concatenate([still, np.where(grown, way, 0.0), still]), axis=0)
+        steady = np.divide(way, need[:, None], out=np.zeros_like(way), where=~grown)
+        b = np.diff(np.concatenate([still, steady, still]), axis=0)
+        # A T² ∓ (a + b T) < 0 between its roots
+        a, b = np.stack([a, -a]), np.stack([b, -b])
+        root = np.sqrt(np.maximum(b * b + 4 * acceleration * a, 0.0))
+        first, last = ((b - root) / (2 * acceleration)).ravel(), ((b + root) / (2 * acceleration)).ravel()
+        found = low
+        for number in np.argsort(first):
+            if first[number] < found < last[number]:
+                found = float(last[number])
+        if found <= high:
+            return float(found)
+    raise FaultError("with long enough blends any acceleration is kept")
 
 
 def _at_full_speed(poses: FloatArray, velocity: FloatArray, acceleration_time: float) -> ParabolicBlend:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -14,6 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from planner.blend_candidates import DIRECT
 from planner.checker import check
 from planner.errors import InputError
 from planner.frames import Conveyor, Turntable
@@ -257,9 +259,31 @@ def test_an_acceleration_time_that_is_too_short_is_refused_with_joint_limit_and_
     limit = float(scene.robot.limits.acceleration[joint])
     assert refusal.unit == "rad/s²"
     assert refusal.amount > 0
-    for words in ("50 ms", refusal.bodies[0], f"has {limit:.4g} rad/s²", f"need {refusal.amount + limit:.4g}"):
+    has, needs = (f"{math.degrees(x):,.0f} deg/s²" for x in (limit, refusal.amount + limit))
+    for words in ("50 ms", refusal.bodies[0], f"has {has}", f"need {needs}"):
         assert words in refusal.detail
-    assert outcome.census.candidates < 40  # the direct ways, and none by chance
+    assert f"{refusal.bodies[0]} would have to accelerate more than it can" in outcome.sentence
+    assert {line.stage for line in outcome.census.lines if line.step >= 0} <= {"timing", "inverse"}
+    assert outcome.census.candidates <= DIRECT  # the direct ways, and none with more poses
+    told = re.search(r"; ([0-9.]+) ms would do", refusal.detail)
+    assert told is not None
+    least = float(told[1]) * 1e-3
+    assert isinstance(plan(replace(scene, options=replace(scene.options, acceleration_time_s=least))), Planned)
+    sooner = replace(scene.options, acceleration_time_s=least - 2e-4)
+    assert isinstance(plan(replace(scene, options=sooner)), NotPlanned)
+
+
+def test_free_poses_go_round_bodies_and_a_leg_counts_its_own() -> None:
+    """No body, no free pose; a wall is gone over with two free poses a leg, six in all, and a leg tells of two."""
+    task = (go(0.4, -0.3), go(0.4, 0.3, name="b"), go(0.35, 0.3, name="c"))
+    open_cell = plan(blend(cell(*task), stop="budget", max_candidates=80))
+    assert isinstance(open_cell, Planned)
+    assert {leg.note for leg in open_cell.plan.legs if leg.kind == "MOVE"} == {"blends"}
+    vias = (go(0.4, -0.3, via=True), go(0.4, 0.3, name="b", via=True), go(0.35, 0.3, name="c"))
+    walled = plan(blend(cell(*vias, bodies=(wall(),)), max_candidates=400))
+    assert isinstance(walled, Planned)
+    notes = [leg.note for leg in walled.plan.legs if leg.kind == "MOVE"]
+    assert notes == ["blends, 2 vias"] * 3  # up and over on the way to each
 
 
 def test_what_would_have_helped_is_to_leave_the_acceleration_time_to_the_planner() -> None:

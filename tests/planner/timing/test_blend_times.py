@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from planner.errors import InputError
 from planner.timing import ParabolicBlend, TooShort, fastest, least_duration, with_acceleration_time
-from planner.timing.blend_times import RESERVE
+from planner.timing.blend_times import RESERVE, TOLD_S
 from planner.trajectory import Trajectory, check_limits
 
 Floats = NDArray[np.float64]
@@ -120,6 +120,8 @@ def test_a_given_acceleration_time_is_kept_to_the_letter_or_refused_with_what_wo
     assert made.needed > made.limit == PULL[made.joint]
     if made.enough is not None:
         assert made.enough > asked
+        for sooner in np.linspace(asked, made.enough - 1.1 * TOLD_S, 60) if made.enough > asked + 3 * TOLD_S else ():
+            assert isinstance(with_acceleration_time(poses, SPEED, PULL, float(sooner)), TooShort)
         better = with_acceleration_time(poses, SPEED, PULL, made.enough)
         assert isinstance(better, ParabolicBlend)
         assert keeps(better)
@@ -134,7 +136,7 @@ def test_a_refusal_names_the_joint_the_pose_and_the_numbers_of_the_source() -> N
     assert isinstance(found, TooShort)
     assert (found.joint, found.pose, found.limit) == (1, 1, 60.0)
     assert found.needed == pytest.approx(2 * np.radians(450) / 0.2)
-    assert found.enough == pytest.approx(0.2 * found.needed / 60)
+    assert found.enough == pytest.approx(0.2 * found.needed / 60, abs=TOLD_S)
     kept = with_acceleration_time(poses, speed, np.full(4, 80.0), 0.2)
     assert isinstance(kept, ParabolicBlend)
     assert kept.duration == pytest.approx(1.0)
