@@ -6,7 +6,8 @@ from typing import Any
 
 from rich.table import Table
 
-from api.words import SHOWN_AS, number, row, table
+from api.amounts import SHOWN_AS, number
+from api.words import row, table
 
 MARKS = {"vendor_config": " c", "third_party": " t", "disputed": " d", "estimated": " e"}
 """Marks behind a number of the catalogue that is not the maker's own word; `LEGEND` explains them."""

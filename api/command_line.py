@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal, ParamSpec
 
 import typer
 
-from api import catalogue_table, words
+from api import amounts, catalogue_table, words
 from api.documents import to_json
 from api.logs import where
 from api.problems import Problem, printable
@@ -122,7 +122,7 @@ def check(
     else:
         findings = words.table("what is wrong", ">by", "where")
         for finding in verdict["findings"]:
-            words.row(findings, finding["what"], words.amount(finding["amount"], finding["unit"]), finding["where"])
+            words.row(findings, finding["what"], amounts.amount(finding["amount"], finding["unit"]), finding["where"])
         _print("plan wrong", "", findings)
     return RIGHT if verdict["ok"] else WRONG
 

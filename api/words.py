@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from api.amounts import amount, number
 from api.problems import printable
 
 WIDTH = 110
@@ -38,17 +39,13 @@ SAYS = {
     "TIMED_OUT": "the time was up",
 }
 """Reasons as a shift leader says them."""
-SHOWN_AS = {
-    "m": ("mm", 1e3),
-    "mm": ("mm", 1.0),
-    "s": ("ms", 1e3),
-    "rad": ("deg", math.degrees(1.0)),
-    "deg": ("deg", 1.0),
-    "1": ("", 1.0),
-}
-"""Units of the document, and what people are told instead."""
-LEAST_SHOWN = 1e-3
-"""Amounts below a thousandth of mm, ms or degree are told as less than that."""
+BEFORE = ("control point", "inverse")
+"""Stages that look at poses and times at which a point could be met; candidates are ways to those that are left."""
+OF_UNIT = {"/s": "speed", "/s²": "acceleration", "/s³": "jerk"}
+"""What a limit of this unit is one of."""
+RESTING = 1e-9
+"""A joint's velocity in rad/s or m/s up to which it is at rest, and a time in s up to which a knot is that of an
+arrival: rounding of what is written down."""
 SPENT = "the explain budget was spent"
 """Stands last among what was tried when there was no time for more; it is no change that was tried."""
 
@@ -59,24 +56,6 @@ def console(*, stderr: bool = False) -> Console:
     if not made.is_terminal:
         made.width = WIDTH
     return made
-
-
-def amount(value: float | None, unit: str) -> str:
-    """A length in mm, a time in ms or s, an angle in degrees, anything else as it is; nothing for no number."""
-    if value is None:
-        return ""
-    name, factor = ("s", 1.0) if unit == "s" and abs(value) >= 1.0 else SHOWN_AS.get(unit, (unit, 1.0))
-    size = abs(value * factor)
-    if 0.0 < size < LEAST_SHOWN:
-        return f"less than {LEAST_SHOWN:g} {name}".rstrip()
-    return f"{number(value * factor, 3)} {name}".rstrip()
-
-
-def number(value: float, digits: int) -> str:
-    """A number with so many digits that count and no power of ten; whole ones lose none: 359934 → 359,900 (4)."""
-    rounded = float(f"{value:.{digits}g}")
-    whole = f"{rounded:,.0f}"
-    return whole if abs(rounded) >= 10 ** (digits - 1) else f"{rounded:.{digits}g}"
 
 
 def table(*columns: str) -> Table:
@@ -111,25 +90,43 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
             arrivals,
             arrival["control_point"],
             f"{arrival['time_s']:.3f}",
-            *(f"{1e3 * x:.1f}" for x in arrival["at_m"]),
-            *(f"{math.degrees(arrival[key]):.1f}" for key in angles),
-            "" if along is None else f"{1e3 * along:.1f}",
-            "" if left is None else f"{left:.3f}",
-            "matched" if arrival["matched"] else beside,
+            *(f"{1e3 * x:z.1f}" for x in arrival["at_m"]),
+            *(f"{math.degrees(arrival[key]):z.1f}" for key in angles),
+            "" if along is None else f"{1e3 * along:z.1f}",
+            "" if left is None else f"{left:z.3f}",
+            beside or _met(answer["trajectory"], arrival),
         )
     yield from (arrivals, "")
     margins = answer["margins"]
     bound = answer["lower_bound_s"]
-    least = f"; no plan takes less than {bound:.3f} s" if bound else ""
+    least = f"; no plan takes less than {bound:.3f} s" if bound else "; no bound is known"
     yield f"duration            {answer['duration_s']:.3f} s{least}"
     yield f"what binds          {margins['binds']}{'; the jerk is unbounded' * (margins['jerk'] == 'unbounded')}"
     nearest = margins["nearest"]
     yield "smallest clearance  " + (
         "nothing is near"
         if nearest is None
-        else f"{1e3 * nearest['gap_m']:.2f} mm at {nearest['time_s']:.3f} s, "
-        f"{' and '.join(nearest['bodies'])} ({nearest['phase']})"
+        else f"{1e3 * nearest['gap_m']:z.2f} mm at {nearest['time_s']:.3f} s, "
+        f"{' and '.join(nearest['bodies'])} ({_phase(answer['legs'], nearest)})"
     )
+
+
+def _met(trajectory: dict[str, Any], arrival: dict[str, Any]) -> str:
+    """How a point was met: with its velocity, standing still where it does; nothing for what is flown by."""
+    rates = (
+        rate
+        for time, rate in zip(trajectory["time_s"], trajectory["velocity"], strict=True)
+        if abs(time - arrival["time_s"]) <= RESTING
+    )
+    if any(all(abs(x) <= RESTING for x in rate) for rate in rates):
+        return "met, at rest"
+    return "matched" if arrival["matched"] else ""
+
+
+def _phase(legs: list[dict[str, Any]], nearest: dict[str, Any]) -> str:
+    """In which leg the arm is nearest; behind the last one it stands still."""
+    after = nearest["phase"] == "WAIT" and nearest["time_s"] >= legs[-1]["to_s"] and legs[-1]["kind"] != "WAIT"
+    return "standstill after the end" if after else str(nearest["phase"])
 
 
 def not_planned(answer: dict[str, Any]) -> Iterator[Table | str]:
@@ -151,13 +148,22 @@ def not_planned(answer: dict[str, Any]) -> Iterator[Table | str]:
 
 def census(document: dict[str, Any], *, planned: bool) -> Iterator[str]:
     """The census in sentences, most frequent refusal first; `planned`: whether there is a plan after all."""
-    lines, refused = document["lines"], document["refused"]
+    refused = document["refused"]
+    lines = [line for line in document["lines"] if line["stage"] not in BEFORE]
+    before = [line for line in document["lines"] if line["stage"] in BEFORE]
     several = sum(line["count"] for line in lines) > refused
     note = "; a candidate may be refused for several bodies" if several else ""
     yield f"{document['candidates']} candidates, {refused} refused{note}"
     others = document["candidates"] - refused
     if others > 0 and not planned:
-        yield f"the other {others} were proved as far as they go, or were not needed"
+        yield f"the other {others} were not refused: each leads a part of the way, or was set aside for a quicker one"
+    yield from _kinds(lines)
+    if before:
+        yield "poses and times at which the points could be met, looked at before any candidate:"
+        yield from _kinds(before)
+
+
+def _kinds(lines: list[dict[str, Any]]) -> Iterator[str]:
     for line in lines[:CENSUS_LINES]:
         yield "  " + refusal(line)
     if len(lines) > CENSUS_LINES:
@@ -167,13 +173,15 @@ def census(document: dict[str, Any], *, planned: bool) -> Iterator[str]:
 def refusal(line: dict[str, Any]) -> str:
     """One line of the census as a sentence: how many, why, by what, when, by how much."""
     often = "once" if line["count"] == 1 else f"{line['count']} times"
-    words = [f"{often} {_event(line['reason'], line['bodies'])}"]
+    words = [f"{often} {_event(line['reason'], line['bodies'], line['unit'])}"]
     interval = line.get("interval_s")
     if interval is not None and None not in interval:
         first, last = (f"{instant:.3f}" for instant in interval)
         words.append(f"at {first} s" if first == last else f"between {first} and {last} s")
     least, most = amount(line["least"], line["unit"]), amount(line["most"], line["unit"])
-    if least:
+    if least and line["unit"] == "1":
+        words.append(_share(line["reason"], line["least"], line["most"]))
+    elif least:
         words.append(f"by {least}" if least == most else f"by {least} to {most}")
     words.append(f"[step {line['step'] + 1}, {line['stage']}]")
     if line["detail"] and not line["bodies"]:
@@ -181,12 +189,22 @@ def refusal(line: dict[str, Any]) -> str:
     return " ".join(words).replace("] :", "]:")
 
 
-def _event(reason: str, names: list[str]) -> str:
+def _share(reason: str, least: float, most: float) -> str:
+    """An amount without a unit: a margin that is short, or what is above a limit, in per cent of it."""
+    margin = {"NEAR_PARALLEL_SINGULARITY": "parallel margin", "NEAR_SINGULARITY": "singularity margin"}.get(reason)
+    ends = [number(x if margin else 100.0 * x, 3) for x in (least, most)]
+    span = ends[0] if ends[0] == ends[1] else " to ".join(ends)
+    return f"by {span} % of the limit" if margin is None else f"({margin} short by {span})"
+
+
+def _event(reason: str, names: list[str], unit: str) -> str:
     """What happened, and to whom: `names` are bodies, or the joint where a joint is at its limit."""
     if reason in ("BODY_COLLISION", "SELF_COLLISION") and len(names) == 2:
         return f"{names[0]} would hit {names[1]}"
     if reason == "JOINT_LIMIT" and len(names) == 1:
         return f"{names[0]} would pass its limit"
+    if reason == "MOTION_LIMIT" and (what := OF_UNIT.get(unit.removeprefix("rad").removeprefix("m"))):
+        return f"the {what} of {' and '.join(names) or 'a joint'} would pass its limit"
     return SAYS.get(reason, reason) + (f" ({' and '.join(names)})" if names else "")
 
 

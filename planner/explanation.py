@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from planner.outcome import Census, CensusLine, Reason, Refusal
+from planner.outcome import TOLD_AS, Census, CensusLine, Reason, Refusal
 from planner.scene import Scene
 
 SEARCHED = frozenset({"timing", "screening", "certificate", "limits", "glued", "straight", "window"})
@@ -69,6 +69,9 @@ def _number(refusal: Refusal | CensusLine) -> str:
         return f"{math.degrees(amount):.1f}°"
     if unit == "s":
         return f"{1e3 * amount:.0f} ms"
+    if unit in TOLD_AS:
+        told, factor = TOLD_AS[unit]
+        return f"{factor * amount:,.0f} {told}"
     return f"{amount:.3g}"
 
 

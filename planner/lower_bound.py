@@ -9,7 +9,7 @@ from planner.legs.control_point import ControlPoint, control_point
 from planner.legs.tilt import pitch_free, roll_free, tilts
 from planner.phases import held, initial_rides, yaw_offsets
 from planner.robots.turns import equivalents
-from planner.scene import Pick, Place, Scene, Step
+from planner.scene import Follow, Pick, Place, Scene, Step
 from planner.ways import Option
 
 
@@ -27,14 +27,13 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
     turned = False
     for number, step in enumerate(scene.task):
         offsets = yaw_offsets(scene, step)
+        total += _dwell(step)
         here: list[FloatArray] = []
         for offset in offsets or ():
             point = control_point(scene, number, rides, carried, offset, tilts(scene, step, scene.start.q)[0])
             known = not _tilt_free(scene, step, moving=True)
             if point.still and known and not (isinstance(step, Place) and turned):
                 here += _positions(scene, point)
-            if offset == 0.0:
-                total += point.dwell
         if before and here:
             velocity = scene.robot.limits.velocity
             total += min(float(np.max(np.abs(a - b) / velocity)) for a in before for b in here)
@@ -46,6 +45,13 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
         if isinstance(step, Place):
             carried, rides = None, {**rides, step.part: (step.to.frame, step.to.pose)}
     return total
+
+
+def _dwell(step: Step) -> float:
+    """Seconds for which the tool is glued to its point, on whatever way, at whatever yaw it comes there."""
+    if isinstance(step, Pick | Place):
+        return step.dwell_s
+    return step.duration_s if isinstance(step, Follow) else 0.0
 
 
 def _first(option: Option, *, free: bool) -> float:

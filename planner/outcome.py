@@ -5,6 +5,7 @@ Facts only. Times are absolute seconds of the scene's clock, everything else is 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -32,6 +33,15 @@ class Reason(StrEnum):
     LAW_ENDS = "LAW_ENDS"
     NOT_CERTIFIED = "NOT_CERTIFIED"
     TIMED_OUT = "TIMED_OUT"
+
+
+TOLD_AS = {
+    "rad/s": ("deg/s", math.degrees(1.0)),
+    "rad/s²": ("deg/s²", math.degrees(1.0)),
+    "m/s": ("mm/s", 1e3),
+    "m/s²": ("mm/s²", 1e3),
+}
+"""Rates of joints and of the tool, and what people are told instead."""
 
 
 class LegKind(StrEnum):

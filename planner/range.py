@@ -80,6 +80,12 @@ def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refu
 def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusal:
     """By how much a point is out of reach: the distance to the nearest one within reach on the way from the axis."""
     robot, target = scene.robot, motion.p[0]
+    if "z" not in robot.coordinates:
+        has = float(robot.forward(scene.start.q)[0][2])
+        off = abs(float(target[2]) - has)
+        if off > EDGE_M:
+            detail = f"a height of {1e3 * target[2]:.1f} mm is asked of the flange, which stays at {1e3 * has:.1f} mm"
+            return Refusal("control point", Reason.OUT_OF_REACH, point.step, (), None, off, "m", detail)
     axis = np.array([robot.base.x, robot.base.y, target[2]])
     share = np.linspace(0.0, 2.0, 2 * LOOKS + 1)
     p, none = axis + share[:, None] * (target - axis), np.zeros(len(share))

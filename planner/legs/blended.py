@@ -7,7 +7,6 @@ soon; where they are not, there is no such move.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +14,7 @@ import numpy as np
 from planner.arrays import FloatArray
 from planner.legs.control_point import ControlPoint
 from planner.legs.meeting import Branch
-from planner.outcome import Reason, Refusal
+from planner.outcome import TOLD_AS, Reason, Refusal
 from planner.robots.protocol import Code
 from planner.scene import Scene
 from planner.timing import ParabolicBlend, TooShort, fastest, with_acceleration_time
@@ -171,7 +170,7 @@ def _law(
         return made
     joint = scene.robot.joints[made.joint]
     unit = "rad/s²" if joint.kind == "revolute" else "m/s²"
-    told, factor = ("deg/s²", math.degrees(1.0)) if joint.kind == "revolute" else ("mm/s²", 1e3)
+    told, factor = TOLD_AS[unit]
     detail = (
         f"with an acceleration time of {1e3 * given:.4g} ms {joint.name} would need {factor * made.needed:,.0f} {told} "
         f"and has {factor * made.limit:,.0f} {told}"

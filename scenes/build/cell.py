@@ -29,6 +29,7 @@ def cell_of(document: object, request: RequestDocument) -> Cell:
     robot = robots.robot(document, ("robot",), request.robot, arm)
     tool = robots.tool(document, ("robot", "tool"), request.robot.tool, arm)
     start = robots.start(document, request.start, arm.conventions, robot.limits)
+    robots.refuse_open_chain(document, robot, start)
     known = frames.frames_of(document, request.frames)
     places: bodies.Places = {}
     own = [body.body.name for body in robot.bodies] + [body.name for body in tool.bodies]

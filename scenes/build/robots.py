@@ -9,6 +9,7 @@ import numpy as np
 from planner.arrays import FloatArray
 from planner.errors import InputError
 from planner.frames.motion import Pose
+from planner.robots.five_bar import FiveBar
 from planner.robots.protocol import Limits, Robot
 from planner.scene import Start, Tool
 from scenes.build.bodies import attached
@@ -77,6 +78,19 @@ def start(document: object, item: StartDocument, conventions: Conventions, limit
             _hold(document, path, values, (-most, most), conventions, rate)
         rates.append(values)
     return Start(item.at_s, q, *rates)
+
+
+def refuse_open_chain(document: object, robot: Robot, start: Start) -> None:
+    """Raises `DocumentError` at `start.joints` for a five-bar whose couplers cannot meet there."""
+    if not isinstance(robot, FiveBar):
+        return
+    x, y = robot.loop.span((start.q[..., 0],), (start.q[..., 1],))[0]
+    apart, (left, right) = 1e3 * float(np.hypot(x, y)), (1e3 * length for length in robot.distal)
+    if abs(left - right) <= apart <= left + right:
+        return
+    couplers = f"{left + right:.1f} mm long together" if apart > left + right else f"{left:g} mm and {right:g} mm long"
+    allowed = f"joints with which the chain closes; the elbows are {apart:.1f} mm apart, the couplers {couplers}"
+    raise fault(document, ("start", "joints"), allowed)
 
 
 def _hold(

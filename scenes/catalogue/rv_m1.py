@@ -44,7 +44,7 @@ RV_M1 = Entry(
         Solid("upper-arm", "link2", "box", (300.0, 80.0, 60.0), (125.0, 0.0, 0.0)),
         Solid("forearm", "link3", "box", (170.0, 60.0, 50.0), (65.0, 0.0, 0.0)),
         Solid("hand", "link4", "box", (60.0, 44.0, 40.0), (20.0, 0.0, 0.0)),
-        Solid("mounting-face", "flange", "box", (20.0, 36.0, 36.0), (-11.0, 0.0, 0.0)),
+        Solid("hand-flange", "flange", "box", (20.0, 36.0, 36.0), (-11.0, 0.0, 0.0)),
     ),
     solids_status="estimated",
     solids_source="by eye from the lengths",

@@ -14,7 +14,7 @@ import httpx
 import pytest
 from typer.testing import CliRunner
 
-from api import command_line, words
+from api import amounts, command_line, words
 from api.command_line import BAD_INPUT, FAULT, INTERRUPTED, RIGHT, WRONG, app
 from api.documents import to_json
 from api.jobs import FIRST_PLAN
@@ -161,14 +161,14 @@ def test_a_window_that_is_reversed_is_shown(tmp_path: Path) -> None:
 
 
 def test_amounts_have_sensible_digits() -> None:
-    assert words.amount(1.27e-9, "m") == "less than 0.001 mm"
-    assert words.amount(5.06, "s") == "5.06 s"
-    assert words.amount(0.0506, "s") == "50.6 ms"
-    assert words.amount(0.0, "m") == "0 mm"
-    assert words.amount(1.5, "m") == "1,500 mm"
-    assert words.amount(-0.25, "rad") == "-14.3 deg"
-    assert words.amount(None, "m") == ""
-    assert [words.number(x, 4) for x in (359934.3, 446.907, 9999.6, -20.0)] == ["359,900", "446.9", "10,000", "-20"]
+    assert amounts.amount(1.27e-9, "m") == "less than 0.001 mm"
+    assert amounts.amount(5.06, "s") == "5.06 s"
+    assert amounts.amount(0.0506, "s") == "50.6 ms"
+    assert amounts.amount(0.0, "m") == "0 mm"
+    assert amounts.amount(1.5, "m") == "1,500 mm"
+    assert amounts.amount(-0.25, "rad") == "-14.3 deg"
+    assert amounts.amount(None, "m") == ""
+    assert [amounts.number(x, 4) for x in (359934.3, 446.907, 9999.6, -20.0)] == ["359,900", "446.9", "10,000", "-20"]
 
 
 LINE = {"stage": "screening", "reason": "BODY_COLLISION", "step": 0, "bodies": ["cup", "bar"], "count": 1}
@@ -181,10 +181,61 @@ def test_a_census_is_told_in_whole_sentences() -> None:
     document = {"candidates": 7, "refused": 1, "lines": [LINE, LINE]}
     first, second, *_ = words.census(document, planned=False)
     assert first == "7 candidates, 1 refused; a candidate may be refused for several bodies"
-    assert second == "the other 6 were proved as far as they go, or were not needed"
+    assert second.startswith("the other 6 were not refused: each leads a part of the way")
     told = list(words.census({**document, "refused": 2}, planned=True))
     assert told[0] == "7 candidates, 2 refused"
     assert not any("the other" in sentence for sentence in told)
+
+
+def test_what_was_looked_at_before_any_candidate_stands_under_its_own_heading() -> None:
+    before = {**LINE, "stage": "inverse", "reason": "JOINT_LIMIT", "bodies": ["j4"], "count": 15}
+    told = list(words.census({"candidates": 9, "refused": 0, "lines": [before]}, planned=True))
+    assert told[0] == "9 candidates, 0 refused"
+    assert "before any candidate" in told[1]
+    assert told[2].startswith("  15 times j4 would pass its limit")
+    mixed = list(words.census({"candidates": 9, "refused": 1, "lines": [before, LINE]}, planned=True))
+    assert [line.startswith("  ") for line in mixed] == [False, True, False, True]
+
+
+@pytest.mark.parametrize(
+    ("reason", "unit", "least", "said"),
+    [
+        ("MOTION_LIMIT", "rad/s²", 3370.0, "once the acceleration of j1 would pass its limit by 193,000 deg/s²"),
+        ("MOTION_LIMIT", "m/s²", 0.5, "once the acceleration of j1 would pass its limit by 500 mm/s²"),
+        ("MOTION_LIMIT", "rad/s", 0.5, "once the speed of j1 would pass its limit by 28.6 deg/s"),
+        ("MOTION_LIMIT", "1", 0.05, "once speed, acceleration or jerk would pass a limit (j1) by 5 % of the limit"),
+        ("NEAR_PARALLEL_SINGULARITY", "1", 0.05, "(parallel margin short by 0.05)"),
+        ("NEAR_SINGULARITY", "1", 0.05, "(singularity margin short by 0.05)"),
+    ],
+)
+def test_a_refusal_names_what_falls_short_and_in_which_unit(reason: str, unit: str, least: float, said: str) -> None:
+    line = {**LINE, "reason": reason, "unit": unit, "least": least, "most": least, "bodies": ["j1"]}
+    assert said in words.refusal(line)
+
+
+def printed(answer: Any) -> str:
+    console = words.console()
+    with console.capture() as text:
+        for part in words.planned(answer):
+            console.print(part)
+    return text.get()
+
+
+def test_a_point_that_stands_is_met_at_rest_and_no_zero_has_a_sign(small_file: Path) -> None:
+    answer = json.loads(run("plan", str(small_file), "--json")[1])
+    answer["arrivals"][0] |= {"at_m": [-1e-9, -0.0, 0.2], "yaw_rad": -1e-9}
+    answer["lower_bound_s"] = 0.0
+    end = answer["legs"][-1]["to_s"]
+    answer["margins"]["nearest"] = {"gap_m": 0.01, "time_s": end + 0.1, "bodies": ["a", "b"], "phase": "WAIT"}
+    text = printed(answer)
+    assert "met, at rest" in text
+    assert "matched" not in text
+    assert "-0.0" not in text
+    assert "no bound is known" in text
+    assert "(standstill after the end)" in text
+    for rate in answer["trajectory"]["velocity"]:
+        rate[0] = 1.0
+    assert "matched" in printed(answer)
 
 
 def test_what_was_tried_in_vain_is_listed_without_what_is_no_change() -> None:

@@ -53,6 +53,12 @@ def test_no_plan_is_shorter_than_the_bound(name: str) -> None:
         assert 0 <= outcome.lower_bound_s <= outcome.plan.trajectory.duration + 1e-9
 
 
+def test_a_dwell_is_in_the_bound_whatever_the_yaw() -> None:
+    free = replace(at(0.3, 0.1, 0.1, 0.0), yaw_free=True)
+    outcome = planned(cell(Follow("f", free, 0.7), go(0.35, -0.2, name="b")))
+    assert 0.7 <= outcome.lower_bound_s <= outcome.plan.trajectory.duration + 1e-9
+
+
 @settings(max_examples=25)
 @given(st.floats(-0.35, 0.35), st.floats(0.15, 0.45), st.floats(-3, 3), st.sampled_from(["keep", "auto"]))
 def test_a_direct_move_alone_reaches_its_bound_to_four_per_cent(y: float, x: float, yaw: float, elbow: str) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from planner.errors import InputError
 from planner.robots.five_bar import FiveBar
-from scenes.requests import scene_of, shipped
+from scenes.requests import plan_document, scene_of, shipped
 
 
 def request(**changes: Any) -> dict[str, Any]:
@@ -27,6 +27,33 @@ def robot_of(document: dict[str, Any]) -> FiveBar:
     robot = scene_of(document).robot
     assert isinstance(robot, FiveBar)
     return robot
+
+
+def test_couplers_that_cannot_meet_at_the_start_are_bad_input() -> None:
+    for distal, words in (([30, 30], "60.0 mm long together"), ([900, 30], "900 mm and 30 mm long")):
+        with pytest.raises(InputError) as caught:
+            scene_of(request(distal_mm=distal))
+        assert caught.value.field == "start.joints"
+        assert "the chain closes; the elbows are" in caught.value.allowed
+        assert words in caught.value.allowed
+
+
+def test_without_a_lift_another_height_is_refused_by_the_two_heights() -> None:
+    document = request(height_mm=250)
+    arm = document["robot"]["five_bar"]
+    arm["joints"] = [joint for joint in arm["joints"] if "range_mm" not in joint][:2]
+    arm["bodies"], arm["self_pairs"], document["bodies"], document["frames"] = [], [], [], {}
+    document["robot"]["tool"] = {"tcp_mm": [0, 0, 0]}
+    names = [joint["name"] for joint in arm["joints"]]
+    kept = {key: value for key, value in document["start"]["joints"].items() if key.rsplit("_", 1)[0] in names}
+    document["start"]["joints"] = kept
+    document["options"] = {"max_candidates": 20}
+    here = scene_of({**document, "task": [{"move": {"to": {"at_mm": [0, 0, 0]}}}]})
+    x, y, z = (1e3 * value for value in here.robot.forward(here.start.q)[0])
+    answer = plan_document({**document, "task": [{"move": {"to": {"at_mm": [x, y, z + 20]}}}]})
+    assert (answer["reason"], answer["proved"]) == ("OUT_OF_REACH", True)
+    assert f"20.0 mm out of reach (a height of {z + 20:.1f} mm is asked of the flange" in answer["sentence"]
+    assert f"which stays at {z:.1f} mm" in answer["sentence"]
 
 
 def test_a_five_bar_is_what_the_request_says() -> None:

@@ -1,0 +1,39 @@
+"""Amounts for people: mm, ms, degrees, with the digits that count."""
+
+from __future__ import annotations
+
+import math
+
+SHOWN_AS = {
+    "m": ("mm", 1e3),
+    "mm": ("mm", 1.0),
+    "s": ("ms", 1e3),
+    "rad": ("deg", math.degrees(1.0)),
+    "deg": ("deg", 1.0),
+    "rad/s": ("deg/s", math.degrees(1.0)),
+    "rad/s²": ("deg/s²", math.degrees(1.0)),
+    "m/s": ("mm/s", 1e3),
+    "m/s²": ("mm/s²", 1e3),
+    "1": ("", 1.0),
+}
+"""Units of the document, and what people are told instead."""
+LEAST_SHOWN = 1e-3
+"""Amounts below a thousandth of mm, ms or degree are told as less than that."""
+
+
+def amount(value: float | None, unit: str) -> str:
+    """A length in mm, a time in ms or s, an angle in degrees, anything else as it is; nothing for no number."""
+    if value is None:
+        return ""
+    name, factor = ("s", 1.0) if unit == "s" and abs(value) >= 1.0 else SHOWN_AS.get(unit, (unit, 1.0))
+    size = abs(value * factor)
+    if 0.0 < size < LEAST_SHOWN:
+        return f"less than {LEAST_SHOWN:g} {name}".rstrip()
+    return f"{number(value * factor, 3)} {name}".rstrip()
+
+
+def number(value: float, digits: int) -> str:
+    """A number with so many digits that count and no power of ten; whole ones lose none: 359934 → 359,900 (4)."""
+    rounded = float(f"{value:.{digits}g}") + 0.0  # no -0
+    whole = f"{rounded:,.0f}"
+    return whole if abs(rounded) >= 10 ** (digits - 1) else f"{rounded:.{digits}g}"
