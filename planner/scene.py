@@ -170,10 +170,10 @@ class Scene:
                 raise InputError(f"bodies[{i}].pose.frame", body.frame, f"one of {sorted(self.frames)}")
         object.__setattr__(self, "index", {body.name: body for body in self.bodies})
         for i, step in enumerate(self.task):
-            self._check_step(f"task[{i}]", step)
+            self._check_step(f"task[{i}].{type(step).__name__.lower()}", step)
             if isinstance(step, Move) and step.arch is not None and self.robot.lift is None:
                 allowed = f"no arch: {self.robot.name} has no joint that lifts (cartesian legs go up and over)"
-                raise InputError(f"task[{i}].arch", step.arch.top_m, allowed)
+                raise InputError(f"task[{i}].move.arch", step.arch.top_m, allowed)
         self._check_hands()
         self._check_wrist()
         refuse_acceleration_time(self.options.timing, self.options.acceleration_time_s)
@@ -197,7 +197,7 @@ class Scene:
                     allowed = (
                         f"move and follow: {self.robot.name} turns and tilts its tool as it goes, and a part with it"
                     )
-                raise InputError(f"task[{i}]", step.name, allowed)
+                raise InputError(f"task[{i}].{type(step).__name__.lower()}", step.name, allowed)
 
     def _check_step(self, field: str, step: Step) -> None:
         target = step.to if isinstance(step, Place) else getattr(step, "target", None)

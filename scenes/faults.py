@@ -27,6 +27,8 @@ class _Nothing:
 
 
 NOTHING = _Nothing()
+SILENT = ("match",)
+"""Fields that a document may leave out, and whose silence can be the fault: they are named all the same."""
 
 
 class DocumentError(InputError):
@@ -109,7 +111,7 @@ def _follow(document: object, path: Path, field: str) -> Path:
         elif isinstance(here, dict):
             key = _key_for(here, token)
             if key is None:
-                return path
+                return (*path, token) if token in SILENT else path
             path, here = (*path, key), here[key]
         else:
             return path

@@ -39,6 +39,7 @@ def plan_of(plan: object, conventions: Conventions) -> tuple[Plan, tuple[Finding
         if isinstance(certificate, dict) and set(certificate) == {"digest", "rows", "covers"}:
             raise fault(root, (*PLAN, "certificate"), "the certificate in full, as certificate=full gives it")
     document = read(PlanDocument, plan, PLAN)
+    _hold_to_robot(root, document, conventions)
     made = Plan(
         trajectory=trajectory_of(root, (*PLAN, "trajectory"), document.trajectory, conventions),
         legs=tuple(Leg(LegKind(leg.kind), leg.step, leg.from_s, leg.to_s, leg.note) for leg in document.legs),
@@ -62,6 +63,14 @@ def plan_of(plan: object, conventions: Conventions) -> tuple[Plan, tuple[Finding
         certificate=_certificate(root, document.certificate),
     )
     return made, _untrue(document)
+
+
+def _hold_to_robot(root: object, document: PlanDocument, conventions: Conventions) -> None:
+    """Raises `DocumentError` for a plan of other joints than the request's robot has."""
+    names = [joint.name for joint in conventions]
+    if document.trajectory.joint_names != names:
+        allowed = f"{', '.join(names)}; this plan belongs to another request, for another robot"
+        raise fault(root, (*PLAN, "trajectory", "joint_names"), allowed)
 
 
 def _missed(root: object, i: int, item: MissedDocument | None, conventions: Conventions) -> Missed | None:

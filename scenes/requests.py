@@ -14,7 +14,7 @@ from scenes.catalogue import robots
 from scenes.documents.plain import plain
 from scenes.documents.read import read
 from scenes.documents.request import SCHEMA, RequestDocument
-from scenes.faults import located
+from scenes.faults import fault, located
 from scenes.json_text import parse_json
 from scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet, with_files
 
@@ -43,7 +43,10 @@ __all__ = [
 
 def validate(document: object) -> RequestDocument:
     """The request in SI, its shape and units checked. Names are looked up, and meshes read, when a scene is built."""
-    return read(RequestDocument, plain(document))
+    whole = plain(document)
+    if isinstance(whole, dict) and whole.get("status") in ("planned", "not_planned"):
+        raise fault(whole, ("status",), "no status: this is an answer, not a request")
+    return read(RequestDocument, whole)
 
 
 def request_digest(document: object) -> str:

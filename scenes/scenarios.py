@@ -18,7 +18,7 @@ from scenes.bounds import MAX_MESH_BYTES, MAX_TEXT, MAX_YAML_BYTES
 from scenes.documents.model import Document, Instant
 from scenes.documents.read import read
 from scenes.documents.request import RequestDocument
-from scenes.faults import DocumentError, dotted
+from scenes.faults import NOTHING, DocumentError, dotted
 from scenes.yaml_text import Lines, parse_yaml
 
 CELLS = Path(__file__).parent / "cells"
@@ -86,6 +86,8 @@ def load_scenario(path: Path) -> Scenario:
     with path.open("rb") as file:
         text = file.read(MAX_YAML_BYTES + 1)
     document, lines = parse_yaml(text)
+    if isinstance(document, dict) and "request" not in document and {"robot", "task"} & document.keys():
+        raise DocumentError("request", NOTHING, "a request; this file is one without it: put it under request:", 1)
     try:
         read(ScenarioDocument, document)
     except InputError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Sequence
 
 import numpy as np
@@ -121,20 +122,22 @@ def resolve(
     pose = placed(place.at_m, yaw)
     if place.body is not None:
         if place.body not in places:
-            raise fault(document, (*path, "body"), f"a body that is named before: {choices(places)}")
+            raise fault(document, (*path, "body"), f"a body that is named before: {choices(places, place.body)}")
         frame, carrier = places[place.body]
         return frame, carrier.then(pose)
     frame = WORLD if place.frame is None else place.frame
     if frame not in frames:
-        raise fault(document, (*path, "frame"), f"one of {choices(frames)}")
+        raise fault(document, (*path, "frame"), f"one of {choices(frames, frame)}")
     return frame, pose
 
 
 MOST_CHOICES = 12
 
 
-def choices(names: Sequence[str] | Places) -> str:
-    """Names that there are, in words, the first `MOST_CHOICES` of them."""
+def choices(names: Sequence[str] | Places, given: str) -> str:
+    """Names that there are, in words, the first `MOST_CHOICES` of them, and the one that `given` probably means."""
+    close = difflib.get_close_matches(given, list(names), n=1)
+    meant = f"; did you mean {close[0]}?" if close else ""
     shown = sorted(names)
     more = f" and {len(shown) - MOST_CHOICES} more" if len(shown) > MOST_CHOICES else ""
-    return ", ".join(shown[:MOST_CHOICES]) + more if shown else "none is there"
+    return ", ".join(shown[:MOST_CHOICES]) + more + meant if shown else "none is there"

@@ -12,6 +12,7 @@ from planner.frames.motion import Pose
 from planner.robots.five_bar import FiveBar
 from planner.robots.protocol import Limits, Robot
 from planner.scene import Start, Tool
+from scenes.bounds import FAR_M
 from scenes.build.bodies import attached
 from scenes.build.frames import placed, pose_of
 from scenes.build.inline_arms import FAMILIES, inline_arm, turned_over
@@ -109,7 +110,10 @@ def _hold(
             unit = si_key(refused.field)
             signed = sorted(joint.sign * end + 0.0 for end in (lower, upper))
             low, high = (end if unit is None else from_si(end, unit[1]) for end in signed)
-            raise fault(document, (*path, _key(joint, rate)), f"{low:.6g} to {high:.6g}")
+            key = _key(joint, rate)
+            far = unit is None and joint.unit == "m" and abs(values[i]) > FAR_M
+            meant = f"; did you mean {twin_of(key)}?" if far else ""
+            raise fault(document, (*path, key), f"{low:.6g} to {high:.6g}{meant}")
 
 
 def joint_values(document: object, path: Path, values: JointValues, conventions: Conventions, rate: str) -> FloatArray:

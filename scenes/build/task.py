@@ -59,7 +59,7 @@ class _Task:
 
     def _pick(self, path: Path, name: str, item: PickDocument) -> Step:
         if item.part not in self.places:
-            raise fault(self.document, (*path, "part"), f"the name of a body: {choices(self.places)}")
+            raise fault(self.document, (*path, "part"), f"the name of a body: {choices(self.places, item.part)}")
         if self.held is not None:
             raise fault(self.document, (*path, "part"), f"a pick after {self.held} is placed")
         if not self.has_yaw and item.grasp_yaw_rad != 0.0:
@@ -104,6 +104,8 @@ class _Task:
             if key in item.model_fields_set and not self.has_tilt:
                 what = key.removesuffix("_rad")
                 raise fault(self.document, (*path, key), f"no {what}: only arms with five axes have one")
+        if item.yaw_free and not self.has_yaw:
+            raise fault(self.document, (*path, "yaw_free"), self.no_yaw)
         if item.yaw_free and path[2] == "place":
             raise fault(self.document, (*path, "yaw_free"), "a yaw_rad: a part is placed as it has to lie")
         silent = item.yaw_rad is None and not item.yaw_free
@@ -134,7 +136,7 @@ class _Task:
             return None
         for i, name in enumerate(names):
             if name not in self.places or name == part:
-                there = choices([place for place in self.places if place != part])
+                there = choices([place for place in self.places if place != part], name)
                 raise fault(
                     self.document, (*path, "contact_with", i), f"the name of a body that is not the part: {there}"
                 )

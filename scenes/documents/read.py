@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from planner.errors import FaultError
+from scenes.bounds import FAR_M
 from scenes.documents.model import NAME, REFERENCE
 from scenes.faults import DocumentError, Path, as_written, dotted
 from scenes.units import SI_UNITS, TWIN_UNITS, from_si, si_key, twin_of, unit_of
@@ -19,6 +20,8 @@ Model = TypeVar("Model", bound=BaseModel)
 MAX_FAULTS = 20
 """Faults that are told of one document; a reader needs no more at once."""
 
+FEW_FIELDS = 6
+"""Of so many fields the names are told where something else stands in place of their mapping."""
 TYPES = {
     "float_type": "a number",
     "finite_number": "a finite number",
@@ -84,7 +87,7 @@ def _allowed(
         return _known(model, location, value)
     if kind in COMPARISONS:
         name, words = COMPARISONS[kind]
-        return f"{words} {_in_unit_written(context[name], path)}"
+        return f"{words} {_in_unit_written(context[name], path)}{_millimetres(path, value)}"
     if kind in ("too_short", "too_long"):
         few = context.get("min_length", context.get("max_length"))
         return f"{'at least' if kind == 'too_short' else 'at most'} {few} items"
@@ -99,7 +102,18 @@ def _allowed(
         if path[-1] in SHIPPED:
             return _likeliest(str(value), SHIPPED[path[-1]]())
         return f"text that matches {context['pattern']}"
+    if kind in ("model_type", "model_attributes_type"):
+        here = _model_in(_annotation(model, location))
+        names = [] if here is None else [field.alias or name for name, field in here.model_fields.items()]
+        return TYPES[kind] + (f": {', '.join(names)}" if 0 < len(names) <= FEW_FIELDS else "")
     return TYPES.get(kind, kind.replace("_", " "))
+
+
+def _millimetres(path: Path, value: object) -> str:
+    """Which key was meant where a length in metres is so large that it must be one in millimetres."""
+    key = next((part for part in reversed(path) if isinstance(part, str)), "")
+    large = type(value) in (int, float) and abs(value) > FAR_M  # type: ignore[arg-type]
+    return f"; did you mean {twin_of(key)}?" if large and unit_of(key, SI_UNITS) == "m" else ""
 
 
 def _in_unit_written(limit: float, path: Path) -> str:
