@@ -142,6 +142,30 @@ def test_a_refusal_that_is_checked_against_a_scenario_gets_no_line_of_the_scenar
     assert errors.startswith('assur: plan.status: got "not_planned"; allowed: planned; this answer is a refusal')
 
 
+def test_an_answer_is_no_request_and_a_plan_of_another_robot_is_told_as_such(small_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "plan.json"
+    assert run("plan", str(small_file), "--out", str(out))[0] == RIGHT
+    code, _, errors = run("plan", str(out))
+    assert code == BAD_INPUT
+    assert "this is an answer, not a request" in errors
+    code, _, errors = run("check", "rv-m1", str(out))
+    assert code == BAD_INPUT
+    assert errors.startswith("assur: plan.trajectory.joint_names: ")
+    assert "this plan belongs to another request" in errors
+
+
+def test_a_bare_request_in_yaml_is_told_where_to_put_it(tmp_path: Path) -> None:
+    file = tmp_path / "bare.yaml"
+    file.write_text(json.dumps(FIRST_PLAN, indent=1))  # JSON is YAML
+    code, _, errors = run("plan", str(file))
+    assert code == BAD_INPUT
+    assert errors.startswith("assur: line 1: request: it is missing")
+    assert "put it under request:" in errors
+    whole = json.dumps({"about": "A cell.", "request": FIRST_PLAN}, indent=1)
+    file.write_text(whole)
+    assert run("plan", str(file))[0] == RIGHT
+
+
 def test_a_start_out_of_its_range_is_bad_input(tmp_path: Path) -> None:
     file = tmp_path / "low.json"
     joints = {**FIRST_PLAN["start"]["joints"], "j3_mm": 30}

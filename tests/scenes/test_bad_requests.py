@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+from typing import Any
 
 import pytest
 
@@ -123,3 +124,108 @@ def test_masses_are_told_to_be_unused_wherever_one_is_given() -> None:
     assert told in scene_of(request).assumptions
     del request["bodies"][1]["mass_kg"]
     assert told not in scene_of(request).assumptions
+
+
+@pytest.mark.parametrize(
+    ("change", "field", "words"),
+    [
+        (put("task", 0, "pick", "part", value="parrt"), "task[0].pick.part", "did you mean part?"),
+        (put("task", 1, "place", "to", "frame", value="dail"), "task[1].place.to.frame", "did you mean dial?"),
+        (put("bodies", 1, "pose", "frame", value="bellt"), "bodies[1].pose.frame", "did you mean belt?"),
+        (
+            put("task", 2, "move", "to", value={"at_m": [350, 0, 120]}),
+            "task[2].move.to.at_m[0]",
+            "did you mean at_mm?",
+        ),
+        (
+            put("start", "joints", value={"j1_deg": 17, "j2_deg": 68, "j3_m": 250, "j4_deg": 0}),
+            "start.joints.j3_m",
+            "did you mean j3_mm?",
+        ),
+        (put("options", value={"clearance_mm": 5}), "options.clearance_mm", "a mapping of fields: travel, near"),
+        (lambda document: document.update(status="planned"), "status", "this is an answer, not a request"),
+    ],
+)
+def test_a_fault_says_what_was_probably_meant(change: Change, field: str, words: str) -> None:
+    request = copy.deepcopy(GOOD_REQUEST)
+    change(request)
+    with pytest.raises(InputError) as caught:
+        scene_of(request)
+    assert caught.value.field == field
+    assert words in caught.value.allowed
+
+
+def test_a_length_that_is_too_large_in_millimetres_is_not_told_to_be_in_millimetres() -> None:
+    request = copy.deepcopy(GOOD_REQUEST)
+    request["task"][2]["move"]["to"] = {"at_mm": [350000, 0, 120]}
+    with pytest.raises(InputError) as caught:
+        scene_of(request)
+    assert "did you mean" not in caught.value.allowed
+
+
+THREE_AXES: dict[str, Any] = {
+    "schema": "assur/1",
+    "robot": {
+        "elbow_arm": {
+            "height_mm": 300,
+            "l1_mm": 250,
+            "l2_mm": 232,
+            "joints": [
+                {
+                    "name": name,
+                    "range_deg": [-140, 150],
+                    "velocity_deg_s": 180,
+                    "acceleration_deg_s2": 1500,
+                    "jerk_deg_s3": 75000,
+                }
+                for name in ("j1", "j2", "j3")
+            ],
+            "bodies": [],
+            "self_pairs": [],
+        },
+        "tool": {"tcp_mm": [0, 0, 0]},
+    },
+    "start": {"joints": {"j1_deg": 0, "j2_deg": 70, "j3_deg": -90}},
+    "bodies": [{"name": "nut", "shape": {"sphere": {"radius_mm": 8}}, "pose": {"at_mm": [300, 0, 20]}}],
+}
+MOVE = {"move": {"to": {"at_mm": [300, 0, 300]}}}
+
+
+@pytest.mark.parametrize(
+    ("step", "field"),
+    [
+        (
+            {
+                "pick": {
+                    "part": "nut",
+                    "grasp_mm": [0, 0, 0],
+                    "approach": {"mm": 5},
+                    "dwell_ms": 0,
+                    "depart": {"mm": 5},
+                }
+            },
+            "task[1].pick",
+        ),
+        ({"move": {"to": {"at_mm": [300, 0, 300]}, "arch": {"top_mm": 400}}}, "task[1].move.arch"),
+        ({"move": {"to": {"at_mm": [300, 0, 300], "yaw_free": True}}}, "task[1].move.to.yaw_free"),
+        ({"follow": {"to": {"at_mm": [300, 0, 300], "yaw_free": True}, "duration_s": 1}}, "task[1].follow.to.yaw_free"),
+    ],
+)
+def test_what_an_arm_cannot_do_is_refused_where_it_is_asked(step: Any, field: str) -> None:
+    scene_of({**THREE_AXES, "task": [MOVE, MOVE]})
+    with pytest.raises(InputError) as caught:
+        scene_of({**THREE_AXES, "task": [MOVE, step]})
+    assert caught.value.field == field
+
+
+def test_a_manner_that_was_left_out_is_named_where_its_silence_is_the_fault() -> None:
+    request = copy.deepcopy(GOOD_REQUEST)
+    to = {"frame": "dial", "at_mm": [0, 0, 100], "yaw_deg": 0}
+    stop = {"move": {"to": {"at_mm": [350, 0, 120]}}}
+    request["task"] = [stop, {"move": {"to": to, "via": True}}, stop]
+    request["options"] = {"timing": "parabolic_blend"}
+    with pytest.raises(InputError) as caught:
+        scene_of(request)
+    assert caught.value.field == "task[1].move.match"
+    request["task"][1]["move"]["match"] = "position"
+    scene_of(request)
