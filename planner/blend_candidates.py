@@ -120,7 +120,7 @@ class BlendSampler:
         for one, other in pairwise(poses):
             count = int(rng.choice(COUNTS, p=WEIGHTS)) if self.blocked else 0
             frees.append(tuple(via.q for via in free_vias(rng, self.scene.robot, one, other, count)))
-        wait = float(rng.exponential(0.35)) if self._moving() and rng.random() < 0.4 else 0.0
+        wait = float(rng.exponential(0.35)) if self.moving() and rng.random() < 0.4 else 0.0
         return BlendShape(way, tuple(frees), wait, float(rng.choice([1.0, 1.0, 0.7, 0.4])))
 
     def _mutated(self) -> BlendShape:
@@ -133,7 +133,7 @@ class BlendSampler:
             for free in parent.frees
         )
         wait = parent.wait
-        if self._moving() and rng.random() < 0.5:
+        if self.moving() and rng.random() < 0.5:
             wait = max(0.0, wait + float(rng.normal(0.0, 0.1)))
         if not any(frees) and parent.stations in self.blocked:
             # a way that was nearly free is led around at one place
@@ -143,7 +143,8 @@ class BlendSampler:
             frees = (*frees[:k], (via,), *frees[k + 1 :])
         return replace(parent, frees=frees, wait=wait)
 
-    def _moving(self) -> bool:
+    def moving(self) -> bool:
+        """Whether anything moves, so that waiting may change what is in the way."""
         return any(not isinstance(frame.law, Fixed) for frame in self.scene.frames.values())
 
 

@@ -68,7 +68,7 @@ class BlendSearch(Search):
         drafts: list[Outline | Draft] = []
         shapes: list[BlendShape] = []
         short: list[TooShortBlends] = []
-        hopeless = self.scene.options.acceleration_time_s is not None and sampler.visits == 1
+        hopeless, timed = self.scene.options.acceleration_time_s is not None, False
         for shape in batch:
             if time.perf_counter() >= self.deadline:
                 break
@@ -83,15 +83,16 @@ class BlendSearch(Search):
                 if made.reason is Reason.NEAR_PARALLEL_SINGULARITY:
                     sampler.block(shape)  # it was timed; another way may stay clear of type 2
                 continue
-            hopeless = False
+            timed = True
             best = self.found.best
             if best is None or made.end < best.state.time:
                 drafts.append(made)
                 shapes.append(shape)
-        # the least time that does for any of the ways, so that it is the least there is
-        does = [refusal.enough for refusal in short if refusal.enough is not None]
+        untimed = sampler.visits == 1 and not timed
+        # the least time that does for any of the direct ways, so that it is the least there is
+        does = [refusal.enough for refusal in short if untimed and refusal.enough is not None]
         for refusal in short:
-            self.found.census.add(refusal.told(min(does, default=None) if hopeless else None))
+            self.found.census.add(refusal.told(min(does, default=None)))
         free = []
         for draft, shape, screened in zip(drafts, shapes, screen(self.prover, drafts) if drafts else [], strict=True):
             sampler.learn(shape, screened.bad)
@@ -107,8 +108,9 @@ class BlendSearch(Search):
             if any(draft is other for other in self.unproved):
                 sampler.block(shape)
         self.unproved.clear()
-        if hopeless:
-            # no direct way keeps the acceleration time: one with more poses would be found by chance, if at all
+        nothing_else = hopeless or not (sampler.blocked or sampler.moving())
+        if untimed and nothing_else:
+            # no direct way keeps the acceleration time, or comes in time: free poses are there to go round bodies
             sampler.ways = ()
         return bool(batch)
 

@@ -313,6 +313,7 @@ def test_what_cannot_be_reached_or_comes_too_late_is_refused_with_its_reason() -
     late = plan(blend(cell(go(0.35, -0.2, window=Window(time=(0.0, 0.05)))), max_candidates=20))
     assert isinstance(late, NotPlanned)
     assert late.reason is Reason.WINDOW_MISSED
+    assert late.census.candidates <= DIRECT  # in a cell where nothing moves, nothing else would come sooner
     end = plan(blend(cell(go(0.35, -0.2)), max_candidates=20, latest_end_s=0.1))
     assert isinstance(end, NotPlanned)
     assert end.reason is Reason.WINDOW_MISSED
