@@ -44,7 +44,7 @@ def joint(sheet: Sheet, *at: Point) -> None:
 def five_bar(sheet: Sheet) -> None:
     """From above: assembled to the front, elbows outwards; the tool axis of the other assembly as a ghost."""
     base, apart, crank, coupler = (140.0, 672.0), 84.0, 132.0, 176.0
-    theta1, theta5, theta4 = 62.0, -48.0, 44.0
+    theta1, theta5, theta4 = 62.0, -48.0, 72.0
     left, right = (base[0], base[1] + apart / 2), (base[0], base[1] - apart / 2)
     p1, p2 = along(left, theta1, crank), along(right, theta5, crank)
     tool, back = (meeting(p1, p2, coupler, coupler, side) for side in (1, -1))
@@ -72,17 +72,17 @@ def five_bar(sheet: Sheet) -> None:
     wrist = bearing(p1, tool)
     sheet.line(tool, along(tool, wrist, 76), INK, 1, "9 3 2 3")
     sheet.arc(tool, 50, wrist, wrist + theta4, OURS)
-    sheet.text(along(tool, wrist + theta4 / 2, 66), "*θ*_4", OURS)
+    sheet.text((tool[0] + 62, tool[1] + 2), "*θ*_4", OURS)
     sheet.line(tool, along(tool, wrist + theta4, 96), OURS, 1.8, "", "end")
     sheet.text(along(tool, wrist + theta4, 102), "*x* flange", OURS, "start")
     joint(sheet, tool)
     sheet.dot(base, 3.2)
-    sheet.text((base[0] - 12, base[1] - 5), "base", INK, "end", 14)
+    sheet.text((base[0] + 8, base[1] + 6), "base", INK, "start", 14)
     sheet.text((left[0] - 12, left[1] + 2), "left axis", INK, "end", 14)
     sheet.text((right[0] - 12, right[1] - 12), "right axis", INK, "end", 14)
     sheet.text((p1[0] - 8, p1[1] + 18), "left elbow", INK, "middle", 14)
     sheet.text((p2[0] - 4, p2[1] - 28), "right elbow", INK, "middle", 14)
-    sheet.text((tool[0] + 4, tool[1] + 22), "tool axis, front", INK, "start", 14)
+    sheet.text((tool[0] - 6, tool[1] + 44), "tool axis, front", INK, "start", 14)
     half = along(left, theta1, crank / 2)
     sheet.polygon(
         [
@@ -135,26 +135,26 @@ def level(sheet: Sheet, at: Point, length: float) -> None:
     sheet.line(at, along(at, 0, length), FAINT, 1, GHOST)
 
 
-def ghost(sheet: Sheet, shoulder: Point, *lengths: float) -> None:
+def ghost(sheet: Sheet, shoulder: Point, words: str, *lengths: float) -> None:
     """The arm at zero: level, to the right, one link after the other."""
     at = shoulder
     for length in lengths:
         end = (at[0] + length, at[1])
         sheet.bar(at, end, 9, "none", FAINT, GHOST)
         at = end
-    sheet.text((at[0] + 14, at[1] - 5), "all 0", FAINT, "start", 14)
+    sheet.text((at[0] + 14, at[1] - 5), words, FAINT, "start", 14)
 
 
-def tip(sheet: Sheet, at: Point, place: Point, words: str = "tool point") -> None:
+def tip(sheet: Sheet, at: Point, place: Point) -> None:
     sheet.dot(at, 4.2)
-    sheet.text((at[0] + place[0], at[1] + place[1]), words, INK, "start", 14)
+    sheet.text((at[0] + place[0], at[1] + place[1]), "tool point", INK, "start", 14)
 
 
 def elbow_arm(sheet: Sheet) -> None:
     """From the side, in its vertical plane, mode up."""
     shoulder = stand(sheet, (720.0, 520.0), 120)
     theta2, theta3, upper, fore = 58.0, -84.0, 150.0, 130.0
-    ghost(sheet, shoulder, upper, fore)
+    ghost(sheet, shoulder, "all 0", upper, fore)
     elbow = along(shoulder, theta2, upper)
     end = along(elbow, theta2 + theta3, fore)
     sheet.bar(shoulder, elbow, 13)
@@ -177,7 +177,7 @@ def polar_arm(sheet: Sheet) -> None:
     """From the side, in its vertical plane, mode front."""
     shoulder = stand(sheet, (140.0, 90.0), 120)
     psi, length = 36.0, 250.0
-    ghost(sheet, shoulder, length)
+    ghost(sheet, shoulder, "*ψ* = 0", length)
     end = along(shoulder, psi, length)
     sheet.bar(along(shoulder, psi, -34), along(shoulder, psi, 120), 15)
     sheet.bar(along(shoulder, psi, 96), end, 7, "white")
@@ -195,7 +195,7 @@ def five_axis_arm(sheet: Sheet) -> None:
     """From the side, in its vertical plane, mode up, hand below the level."""
     shoulder = stand(sheet, (720.0, 90.0), 120)
     theta2, theta3, theta4, upper, fore, hand = 70.0, -64.0, -52.0, 140.0, 112.0, 72.0
-    ghost(sheet, shoulder, upper, fore, hand)
+    ghost(sheet, shoulder, "all 0", upper, fore, hand)
     elbow = along(shoulder, theta2, upper)
     wrist = along(elbow, theta2 + theta3, fore)
     pitch = theta2 + theta3 + theta4
@@ -213,15 +213,14 @@ def five_axis_arm(sheet: Sheet) -> None:
     sheet.text(along(wrist, theta2 + theta3 + 0.32 * theta4, 96), "*θ*_4", OURS, "start")
     level(sheet, end, 96)
     sheet.line(end, along(end, pitch, 62), INK, 1.4, "", "end")
-    sheet.text(along(end, pitch, 72), "*x* hand", INK, "start", 14)
+    sheet.text((end[0] + 36, end[1] - 64), "*x* hand", INK, "end", 14)
     sheet.arc(end, 78, 0, pitch, OURS)
     sheet.text(along(end, pitch * 0.5, 90), "pitch", OURS, "start")
-    roll = along(wrist, pitch, hand * 0.55)
-    sheet.text((roll[0] - 26, roll[1] - 20), "*θ*_5: roll about the hand", OURS, "end", 14)
+    sheet.text((806, end[1] - 40), "*θ*_5: roll about *x* hand", OURS, "start", 14)
     joint(sheet, shoulder, elbow, wrist)
-    tip(sheet, end, (-14, -26), "")
+    sheet.dot(end, 4.2)
     sheet.text((end[0] - 12, end[1] - 14), "tool point", INK, "end", 14)
-    caption(sheet, 870, 26, "(d) five-axis arm from the side: pitch = *θ*_2 + *θ*_3 + *θ*_4, below the level here")
+    caption(sheet, 870, 26, "(d) five-axis arm from the side: pitch = *θ*_2 + *θ*_3 + *θ*_4 &lt; 0")
 
 
 def drawing() -> str:
