@@ -147,3 +147,9 @@ def test_a_drawing_is_what_its_program_draws(name: str, tmp_path: Path) -> None:
     drawings, drawn = ROOT / "docs" / "drawings", tmp_path / f"{name}.svg"
     subprocess.run([sys.executable, str(drawings / f"draw_{name}.py"), str(drawn)], check=True)
     assert drawn.read_bytes() == (drawings / f"{name}.svg").read_bytes()
+
+
+def test_every_test_that_a_claim_is_held_by_is_where_the_page_says() -> None:
+    named = [name for name in spans("docs/sources.md") if re.fullmatch(r"test_\w+\.py", name)]
+    assert len(set(named)) >= 5
+    assert [name for name in named if not (ROOT / "tests" / "experiments" / name).is_file()] == []
