@@ -81,17 +81,14 @@ def run() -> Result:
         "geometrically.",
         f"Over {STATES:,} random joint vectors the product of the four factors of 4.1.5 is the closed matrix to "
         f"{numbers['product_minus_printed_matrix']:.0e} in every entry (1 or m), panel (b). The planner's arm stands "
-        f"in "
-        f"the same place to {numbers['product_minus_planner_position_m']:.1g} m with θ4 of the opposite sign, for this "
-        f"tool frame looks down. The joint angles come back to "
+        f"in the same place to {numbers['product_minus_planner_position_m']:.1g} m with θ4 of the opposite sign, for "
+        f"this tool frame looks down. The joint angles come back to "
         f"{numbers['round_trip_angle_where_margin_above_0.05_rad']:.0e} rad where |sin θ2| > 0.05, panel (c); nearer "
-        f"to "
-        f"a singular position the error grows as 1/|sin θ2|, which is what rounding of the matrix does, while the "
+        f"to a singular position the error grows as 1/|sin θ2|, which is what rounding of the matrix does, while the "
         f"matrix itself is met to {numbers['round_trip_matrix']:.0e} (1 or m).",
         "It holds, with two slips mended.",
-        f"As printed, Rot_z has a determinant between {rotation.min():.2f} and {rotation.max():.2f} instead of 1, and "
-        f"θ4 "
-        f"is wrong by exactly θ1 + θ2 (median "
+        f"As printed, Rot_z has a determinant between {rotation.min():.2f} and {rotation.max():.2f} instead of 1, "
+        f"and θ4 is wrong by exactly θ1 + θ2 (median "
         f"{np.degrees(numbers['printed_theta4_error_median_rad']):.0f}°), panel (b).".replace(" -", " −"),
     )
 

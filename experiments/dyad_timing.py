@@ -75,20 +75,19 @@ def run() -> Result:
     }
     paragraph = paragraphs(
         "The source solves its dyad in 45 % of the time of relative coordinates and in 17 % of that of natural ones "
-        "(its "
-        "figure 4), in Matlab. It prints neither its code nor the spread of its guesses.",
+        "(its figure 4), in Matlab. It prints neither its code nor the spread of its guesses.",
         f"Panel (a), on plain floats, one dyad at a time, medians of {race.REPEATS} repeats: the printed equations "
-        f"take "
-        f"{100 * shares['relative']:.0f} % of the time of relative coordinates whose two 2 × 2 systems are solved by "
-        f"Cramer's rule, and {100 * shares['relative, general']:.0f} % with the library's general solver; of natural "
-        f"coordinates {100 * shares['natural']:.0f} % and {100 * shares['natural, general']:.0f} % (by means, which "
-        f"restarts draw out, {100 * mean_shares['natural']:.0f} % and {100 * mean_shares['natural, general']:.0f} %). "
-        f"These start from a guess that spreads by {race.SPREAD:g} l1, and needed {tried.mean():.2f} starts on "
-        f"average, "
-        f"at most {tried.max()}, to land on the same assembly. Panel (b), in batches of {race.BATCHES[-1]:,}: the "
-        f"planner's kernel takes {1e9 * batches['kernel'][-1]:.0f} ns for a dyad, the printed form "
-        f"{1e9 * batches['printed'][-1]:.0f} ns, relative coordinates {1e9 * batches['relative'][-1]:.0f} ns, natural "
-        f"ones {1e9 * batches['natural'][-1]:.0f} ns. All formulations agree to {max(worst.values()):.0e} (relative), "
+        f"take {100 * shares['relative']:.0f} % of the time of relative coordinates whose two 2 × 2 systems are "
+        f"solved by Cramer's rule, and {100 * shares['relative, general']:.0f} % with the library's general solver; "
+        f"of natural coordinates {100 * shares['natural']:.0f} % and {100 * shares['natural, general']:.0f} % (by "
+        f"means, which restarts draw out, {100 * mean_shares['natural']:.0f} % and "
+        f"{100 * mean_shares['natural, general']:.0f} %). These start from a guess that spreads by {race.SPREAD:g} "
+        f"l1, and needed {tried.mean():.2f} starts on average, at most {tried.max()}, to land on the same "
+        f"assembly.\n\n"
+        f"Panel (b), in batches of {race.BATCHES[-1]:,}: the planner's kernel takes "
+        f"{1e9 * batches['kernel'][-1]:.0f} ns for a dyad, the printed form {1e9 * batches['printed'][-1]:.0f} ns, "
+        f"relative coordinates {1e9 * batches['relative'][-1]:.0f} ns, natural ones "
+        f"{1e9 * batches['natural'][-1]:.0f} ns. All formulations agree to {max(worst.values()):.0e} (relative), "
         f"natural coordinates being the farthest.",
         f"It depends on what is not printed. {place[sum(between)]} between those of the two solvers, panel (c): the "
         f"shares depend more on the code for the linear systems than on the formulation, for by Cramer's rule relative "

@@ -90,24 +90,22 @@ def told(numbers: dict[str, Any]) -> str:
     anyhow = numbers["as_printed_missed_in_every_mode_share"]
     return paragraphs(
         "The source solves an elbow arm with three axes geometrically and leaves two signs open. It says that a "
-        "Jacobian "
-        "whose determinant is 0 marks a singular position, at an edge of the workspace, inner or outer, or inside it, "
-        "where axes are aligned. It prints neither lengths nor a Jacobian of this arm.",
-        f"Over {numbers['targets']:,} targets, in all four modes that the two signs make: the closed form, with atan2, "
-        f"put through products of Denavit-Hartenberg matrices, meets its target to "
+        "Jacobian whose determinant is 0 marks a singular position, at an edge of the workspace, inner or outer, or "
+        "inside it, where axes are aligned. It prints neither lengths nor a Jacobian of this arm.",
+        f"Over {numbers['targets']:,} targets, in all four modes that the two signs make: the closed form, with "
+        f"atan2, put through products of Denavit-Hartenberg matrices, meets its target to "
         f"{numbers['closed_form_by_transforms_off_target_m']:.0e} m. Its angles are those of the planner's two dyads "
         f"to {numbers['closed_form_minus_dyads_where_margin_above_0.05_rad_m']:.0e} rad where the margin is above "
         f"0.05, and nearer to singular positions to {numbers['closed_form_minus_dyads_times_margin_rad_m']:.0e} rad "
         f"divided by the margin, panel (c). The dyads' velocities are J⁻¹ẋ of those matrices to "
         f"{numbers['inverse_jacobian_minus_dyads_relative_where_margin_above_0.05']:.0e} (relative), and the "
-        f"determinant "
-        f"is −ρ l2 l3 sin q3 to {numbers['determinant_by_transforms_and_by_planner_minus_product']:.0e} m³, panel (b).",
+        f"determinant is −ρ l2 l3 sin q3 to {numbers['determinant_by_transforms_and_by_planner_minus_product']:.0e} "
+        f"m³, panel (b).",
         "It holds. The determinant is 0 at the outer edge (q3 = 0°, stretched), at the inner edge (q3 = 180°, folded), "
         "and inside, over the base axis (ρ = 0 mm, aligned): the three kinds that the source names, panel (a).",
         f"The arctan of a quotient, for which atan2 is put. Taken to the letter it misses {100 * missed:.0f} % of "
-        f"these "
-        f"targets in mode `up`, panel (d): those behind the base, and those that bend the elbow by more than a right "
-        f"angle; and {100 * anyhow:.0f} % with any choice of signs.",
+        f"these targets in mode `up`, panel (d): those behind the base, and those that bend the elbow by more than a "
+        f"right angle; and {100 * anyhow:.0f} % with any choice of signs.",
     )
 
 
@@ -144,7 +142,7 @@ def draw(figure: Drawing, both: forms.Arm, compared: forms.Compared) -> None:
     plane.map(figure, miss, np.where(off > forms.SHARE, 1e3 * off, np.nan), "target missed by [mm]", lines=False)
     plane.regions(miss, off <= forms.SHARE)
     met = 1e3 * (np.hypot(L2, L3) + L2 + L3) / 2
-    for words, place in (("met", (met, 1e3 * HEIGHT)), ("out of\nreach", (0.0, 1e3 * HEIGHT))):
-        miss.annotate(words, place, (0, 0), ha="center", va="center", **NOTE)
+    for words, at in (("met", (met, 1e3 * HEIGHT)), ("out of\nreach", (0.0, 1e3 * HEIGHT))):
+        miss.annotate(words, at, (0, 0), ha="center", va="center", **NOTE)
     miss.annotate("out of reach", (400, 1e3 * HEIGHT + 380), (0, 0), ha="right", **NOTE)
     miss.set_title("(d) as printed, with arctan; mode up")

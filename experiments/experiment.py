@@ -26,6 +26,6 @@ class Result:
 
 def paragraphs(claim: str, measured: str, verdict: str, mended: str = "") -> str:
     """What the paper claims, what was measured and where it is drawn, whether the claim holds, and what had to be
-    mended, as paragraphs of Markdown that say which is which."""
+    mended, as paragraphs of Markdown that say which is which. A part may itself be of two paragraphs."""
     told = {"Claim": claim, "Measured": measured, "Verdict": verdict, "Mended": mended}
     return "\n\n".join(f"**{head}.** {words}" for head, words in told.items() if words)

@@ -208,6 +208,7 @@ def told(numbers: dict[str, Any]) -> str:
     cranks, back = (max(each[key] for each in group) for key in ("cranks_rad", "direct_m"))
     rates = max(each[key] for each in group for key in ("crank_rates", "crank_accelerations"))
     line, legs = numbers["planner"]["straight"], numbers["planner"]["joint_legs"]
+    refused_at = f"{line['parallel_margin']:.3f}".replace("-", "−")
     lost = {}
     for name, each in (("wide", wide), ("short", short)):
         area = each["area_cm2"]["left-right"]
@@ -215,29 +216,22 @@ def told(numbers: dict[str, Any]) -> str:
     return paragraphs(
         "The source closes with a claim that it does not show: its RRR group has its greatest potential in parallel "
         "manipulators, being flexible, simple and efficient, and it identifies and classifies singular "
-        "configurations of "
-        "their direct problem.",
+        "configurations of their direct problem.",
         f"On a five-bar, the RP-5AH with either of the distal lengths that are told of it, 260 mm in panels (a) to "
-        f"(d) and "
-        f"160 mm in (e) to (h): the printed group, used twice, gives the cranks, and once more, between the elbows, "
-        f"the "
-        f"tool again. At {STATES:,} random states for each length, in all working modes, it agrees with the planner to "
-        f"{cranks:.0e} rad (rates and accelerations to {rates:.0e}, relative) and comes back to the tool to "
-        f"{1e9 * back:.0e} nm. In `left-right` 260 mm lose {lost['wide']} to type 2, panel (b), and 160 mm "
-        f"{lost['short']}, inside a closed curve about the base, panel (f). A straight line through that curve is "
-        f"refused "
-        f"(parallel margin {line['parallel_margin']:.3f} where {line['parallel_margin_asked']:g} is asked); a joint "
-        f"leg "
-        f"between the same ends goes around it in {legs['duration_s']:.2f} s, with {legs['parallel_margin']:.2f} at "
-        f"least.",
-        "It holds that nothing but the group is needed, and it classifies: which use of it is aligned tells the kind. "
-        "Between crank axis and tool it is type 1, where the tool cannot go on and a joint leg may change the working "
-        "mode; between the elbows it is type 2, where the motors do not hold the tool. Efficiency is that of the "
-        "group: "
-        "see `dyad-timing`.",
-        f"The printed indicator, |A/B| = 1, sees couplers that are stretched. Equal couplers that fold are the group's "
-        f"third, indeterminate case; the source names it, but nothing in A/B tells that it is near: with 260 mm, where "
-        f"it is the only type 2 there is, |A/B| is {wide['printed_ratio_near_type_2']['most']:.2f} at most wherever "
-        f"|sin| "
-        f"of the couplers' angle is below {KEPT:g}. The planner's margin is that sine.",
+        f"(d) and 160 mm in (e) to (h): the printed group, used twice, gives the cranks, and once more, between the "
+        f"elbows, the tool again. At {STATES:,} random states for each length, in all working modes, it agrees with "
+        f"the planner to {cranks:.0e} rad (rates and accelerations to {rates:.0e}, relative) and comes back to the "
+        f"tool to {1e9 * back:.0e} nm.\n\n"
+        f"In `left-right` 260 mm lose {lost['wide']} to type 2, panel (b), and 160 mm {lost['short']}, inside a "
+        f"closed curve about the base, panel (f). A straight line through that curve is refused (parallel margin "
+        f"{refused_at} where {line['parallel_margin_asked']:g} is asked); a joint leg between the same ends goes "
+        f"around it in {legs['duration_s']:.2f} s, with {legs['parallel_margin']:.2f} at least.",
+        "It holds that nothing but the group is needed, and it classifies: which use of it is aligned tells the "
+        "kind. Between crank axis and tool it is type 1, where the tool cannot go on and a joint leg may change the "
+        "working mode; between the elbows it is type 2, where the motors do not hold the tool. Efficiency is that "
+        "of the group: see `dyad-timing`.",
+        f"The printed indicator, |A/B| = 1, sees couplers that are stretched. Equal couplers that fold are the "
+        f"group's third, indeterminate case; the source names it, but nothing in A/B tells that it is near: with 260 "
+        f"mm, where it is the only type 2 there is, |A/B| is {wide['printed_ratio_near_type_2']['most']:.2f} at most "
+        f"wherever |sin| of the couplers' angle is below {KEPT:g}. The planner's margin is that sine.",
     )

@@ -99,7 +99,8 @@ def ends(panel: Drawing, straight: FloatArray) -> None:
     """Where the legs begin, at the arm's tool, and end (2, 2), m."""
     start, end = 1e3 * straight
     panel.plot(*end, "s", color=INK, mfc="white", ms=4, zorder=5)
-    panel.annotate("start", start, (4, 4), textcoords="offset points", fontsize=6.5, zorder=6)
+    line = {"arrowstyle": "-", "lw": 0.5, "color": INK, "shrinkB": 3}
+    panel.annotate("start", start, (190, 370), arrowprops=line, fontsize=6.5, zorder=6)
     panel.annotate("end", end, (-5, -3), textcoords="offset points", ha="right", fontsize=6.5, zorder=6)
 
 

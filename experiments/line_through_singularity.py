@@ -115,19 +115,17 @@ def told(numbers: dict[str, Any], peak: dict[str, FloatArray], answers: dict[str
         "Near a singular position, the source says, a constant speed of the tool asks for joint speeds that no drive "
         "reaches. It shows one figure of a SCARA, without numbers.",
         f"At {1e3 * SPEED:.0f} mm/s along a line past the base axis of an arm with equal links, panels (a) and (b), "
-        f"the "
-        f"base must turn at {np.degrees(peak['theta1'][0]):.0f}°/s at a distance of {DISTANCES_MM[0]} mm and at "
-        f"{np.degrees(peak['theta1'][-1]):,.0f}°/s at {DISTANCES_MM[-1]} mm, as v/h says, panel (c); its acceleration "
-        f"grows with h to the power {grows['theta1_acceleration']}. The planner's answers are in panel (d). At this "
-        f"constant speed (a point on a belt, to be followed): {said['constant speed']}; the refusals name the margin "
-        f"|sin θ2|, {margins[0]:.3f} to {margins[-1]:.3f}, where 0.05 is asked. At any speed (a straight leg): "
-        f"{said['any speed']}; it slows down, to {answers['any speed'][3]['leg_s']:.1f} s at {DISTANCES_MM[3]} mm, and "
-        f"keeps every joint within its {FASTEST_DEG_S}°/s.",
+        f"the base must turn at {np.degrees(peak['theta1'][0]):.0f}°/s at a distance of {DISTANCES_MM[0]} mm and at "
+        f"{np.degrees(peak['theta1'][-1]):,.0f}°/s at {DISTANCES_MM[-1]} mm, as v/h says, panel (c); its "
+        f"acceleration grows with h to the power {grows['theta1_acceleration']}.\n\n"
+        f"The planner's answers are in panel (d). At this constant speed (a point on a belt, to be followed): "
+        f"{said['constant speed']}; the refusals name the margin |sin θ2|, {margins[0]:.3f} to {margins[-1]:.3f}, "
+        f"where 0.05 is asked. At any speed (a straight leg): {said['any speed']}; it slows down, to "
+        f"{answers['any speed'][3]['leg_s']:.1f} s at {DISTANCES_MM[3]} mm, and keeps every joint within its "
+        f"{FASTEST_DEG_S}°/s.",
         f"It holds for equal links, and not for every singular position: past the hole of an arm with unequal links "
-        f"θ̇2 "
-        f"stays below {np.degrees(peak['hole_theta2'].max()):.0f}°/s, panel (c), and its acceleration alone grows, "
-        f"with "
-        f"h to the power {grows['hole_theta2_acceleration']}.",
+        f"θ̇2 stays below {np.degrees(peak['hole_theta2'].max()):.0f}°/s, panel (c), and its acceleration alone "
+        f"grows, with h to the power {grows['hole_theta2_acceleration']}.",
     )
 
 
@@ -213,6 +211,6 @@ def planned_and_refused(planned: Drawing, refused: Drawing, answers: dict[str, l
     refused.set_ylabel("refused")
     refused.set_xlim(0.27, 250)
     refused.set_xlabel("distance h from the singular position [mm]")
-    refused.legend(loc="center right", markerscale=0.8)
+    refused.legend(loc="center right", markerscale=0.8, fontsize=6, handletextpad=0.1, borderpad=0.3)
     for axes in (planned, refused):
         axes.xaxis.set_major_formatter("{x:g}")

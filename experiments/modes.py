@@ -72,17 +72,13 @@ def run() -> Result:
     most = max(value for row in worst.values() for value in row.values())
     paragraph = paragraphs(
         "Source 000 has two assembly modes, φ = θ ± β; 001 has two signs of a root, 004 an index g = sign(sin θ2). "
-        "None "
-        "says how its choice is called by the others, and 000 counts θ2 against Denavit-Hartenberg.",
+        "None says how its choice is called by the others, and 000 counts θ2 against Denavit-Hartenberg.",
         f"Over {POINTS:,} points spread over the workspace, to 1 mm from its edges, each of the three printed "
-        f"solutions "
-        f"gives the planner's θ1 and θ2 in the mode of this table, to {most:.0e} rad; θ2 of the two modes differs in "
-        f"its "
-        f"sign only. Panel (a) shows the dyad of 000 in both modes, panel (b) the pose of 004; the marks of the three "
-        f"sources lie upon each other.",
-        "They are the same two solutions. In one convention `right` is θ2 > 0, mode 2, +√ and g = +1; `left` is θ2 < "
-        "0, "
-        "mode 1, −√ and g = −1.",
+        f"solutions gives the planner's θ1 and θ2 in the mode named below, to {most:.0e} rad; θ2 of the two modes "
+        f"differs in its sign only. Panel (a) shows the dyad of 000 in both modes, panel (b) the pose of 004; the "
+        f"marks of the three sources lie upon each other.",
+        "They are the same two solutions. In one convention `right` is θ2 > 0, mode 2, +√ and g = +1; `left` is θ2 "
+        "< 0, mode 1, −√ and g = −1.",
     )
 
     def draw(figure: Drawing) -> None:

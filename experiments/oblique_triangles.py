@@ -67,13 +67,12 @@ def run() -> Result:
     }
     paragraph = paragraphs(
         "The source solves the arm by the two oblique triangles of panel (a), and names the law of tangents.",
-        f"Over {TARGETS:,} targets the formulas, mended, give the joint angles of the planner's dyad (elbow up is its "
-        f"mode `left` in the vertical plane) to {numbers['mended_minus_dyad_where_margin_above_0.05_rad']:.0e} rad "
-        f"where "
-        f"|sin θ2| > 0.05, and nearer to singular positions to "
-        f"{numbers['mended_minus_dyad_times_margin_rad']:.0e} rad divided by |sin θ2|, panel (c). Where the target is "
-        f"above or below the shoulder the lower triangle is flat and they lose up to two digits more, which the dyad, "
-        f"having no such triangle, does not.",
+        f"Over {TARGETS:,} targets the formulas, mended, give the joint angles of the planner's dyad (elbow up is "
+        f"its mode `left` in the vertical plane) to {numbers['mended_minus_dyad_where_margin_above_0.05_rad']:.0e} "
+        f"rad where |sin θ2| > 0.05, and nearer to singular positions to "
+        f"{numbers['mended_minus_dyad_times_margin_rad']:.0e} rad divided by |sin θ2|, panel (c). Where the target "
+        f"is above or below the shoulder the lower triangle is flat and they lose up to two digits more, which the "
+        f"dyad, having no such triangle, does not.",
         "The construction holds; what is printed of it does not.",
         f"What is printed are half-angle formulas with a slip: the product under the root is not divided, so that the "
         f"angle depends on the unit of length. Equation 1 as printed is wrong by up to "

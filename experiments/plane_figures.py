@@ -70,7 +70,10 @@ class Plane:
         if lines:
             levels = float(np.nanmax(values)) * np.array([0.25, 0.5, 0.75])
             drawn = axes.contour(x, y, np.nan_to_num(values), levels=levels, colors="w", linewidths=0.6)
-            axes.clabel(drawn, fmt="%.2g", fontsize=6)
+            level = values[MANY // 2, MANY // 2 :]  # to the right, at the height of the shoulder
+            outward = [int(np.flatnonzero(level >= least)[0]) + MANY // 2 for least in levels]
+            places = [(side * x[MANY // 2, k], 1e3 * self.height) for k in outward for side in (-1, 1)]
+            axes.clabel(drawn, fmt="%.2g", fontsize=6, manual=places)
         bar = figure.colorbar(shown, ax=axes, shrink=0.85, pad=0.02)
         bar.set_label(label)
         bar.outline.set_linewidth(0.5)

@@ -89,28 +89,25 @@ def told(numbers: dict[str, Any]) -> str:
     above = numbers["as_printed_negative_d3_above_the_shoulder_share"]
     return paragraphs(
         "The source multiplies three matrices to T, and solves a polar arm by taking them to the other side one by "
-        "one. "
-        "It prints no numbers.",
+        "one. It prints no numbers.",
         f"Over {numbers['targets']:,} targets: its matrices follow from its table of parameters to "
-        f"{numbers['printed_matrices_minus_table_of_parameters']:.0e} in an entry (1 or m), and the closed T is their "
-        f"product to {numbers['closed_tool_matrix_minus_product']:.0e}. The closed form, with atan2, meets its target "
-        f"to "
-        f"{numbers['closed_form_by_transforms_off_target_m']:.0e} m, and its joints are those of the planner's two RPR "
-        f"dyads, `front` and `back` of panel (a), to {numbers['closed_form_minus_dyads_rad_m']:.0e} rad or m at any "
-        f"margin, panel (c). The dyads' velocities are J⁻¹ẋ of the matrices to "
-        f"{numbers['inverse_jacobian_minus_dyads_relative_where_margin_above_0.05']:.0e} (relative) where the margin "
-        f"is "
-        f"above 0.05. The determinant is −d3² sin θ2 = d3 r to "
+        f"{numbers['printed_matrices_minus_table_of_parameters']:.0e} in an entry (1 or m), and the closed T is "
+        f"their product to {numbers['closed_tool_matrix_minus_product']:.0e}. The closed form, with atan2, meets its "
+        f"target to {numbers['closed_form_by_transforms_off_target_m']:.0e} m, and its joints are those of the "
+        f"planner's two RPR dyads, `front` and `back` of panel (a), to "
+        f"{numbers['closed_form_minus_dyads_rad_m']:.0e} rad or m at any margin, panel (c). The dyads' velocities "
+        f"are J⁻¹ẋ of the matrices to {numbers['inverse_jacobian_minus_dyads_relative_where_margin_above_0.05']:.0e} "
+        f"(relative) where the margin is above 0.05. The determinant is −d3² sin θ2 = d3 r to "
         f"{numbers['determinant_by_transforms_and_by_planner_minus_product']:.0e} m², panel (b).",
         "It holds, once mended. The determinant is 0 inside the workspace, where the flange is over the base axis, and "
         "at its inner edge, with nothing of the ram out; at the outer edge it is not, for there the stroke ends and no "
         "axis is lost.",
         f"Product (III), with a 0 for the 1 in its second row, gives ²A₃ to "
         f"{numbers['product_iii_mended_minus_a3']:.0e} in an entry (1 or m); as printed one is wrong by "
-        f"{numbers['product_iii_as_printed_minus_a3_median']:.2f} in the median. With arctan as printed, taken to the "
-        f"letter, every target is met to {numbers['as_printed_off_target_m']:.0e} m, but {100 * below:.0f} % of those "
-        f"below the shoulder, and {100 * above:.0f} % of those above it, with a negative d3, panel (d): the ram would "
-        f"have to come out at its back.",
+        f"{numbers['product_iii_as_printed_minus_a3_median']:.2f} in the median. With arctan as printed, taken to "
+        f"the letter, every target is met to {numbers['as_printed_off_target_m']:.0e} m, but {100 * below:.0f} % of "
+        f"those below the shoulder, and {100 * above:.0f} % of those above it, with a negative d3, panel (d): the "
+        f"ram would have to come out at its back.",
     )
 
 

@@ -97,14 +97,13 @@ def run() -> Result:
         "and solving the two oblique triangles for it; the roll, it says, plays no part. Without a given pitch there "
         "are many solutions, of which one has to be chosen.",
         f"The planner has its dyad in place of the triangles. Over {TARGETS:,} random targets the mended source and "
-        f"the "
-        f"planner's mode `up` agree in all five joints to "
+        f"the planner's mode `up` agree in all five joints to "
         f"{numbers['mended_minus_planner_where_sine_above_0.05_rad']:.0e} rad where |sin θ3| > 0.05 (and the lower "
         f"triangle is not flat), and to {numbers['mended_minus_planner_times_sine_rad']:.0e} rad divided by |sin θ3| "
-        f"elsewhere, panel (c). At a tool point {1e3 * SHOWN[0]:.0f} mm from the base axis and {1e3 * SHOWN[1]:.0f} mm "
-        f"high, panels (a) and (b), pitches from {low:.0f}° to {high:.0f}° are in reach, with either elbow; within the "
-        f"joint limits assumed for the RV-M1 are those from {legal_low:.0f}° to {legal_high:.0f}° with the elbow up, "
-        f"and "
+        f"elsewhere, panel (c).\n\n"
+        f"At a tool point {1e3 * SHOWN[0]:.0f} mm from the base axis and {1e3 * SHOWN[1]:.0f} mm high, panels (a) "
+        f"and (b), pitches from {low:.0f}° to {high:.0f}° are in reach, with either elbow; within the joint limits "
+        f"assumed for the RV-M1 are those from {legal_low:.0f}° to {legal_high:.0f}° with the elbow up, and "
         f"none with the elbow down.".replace(" -", " −"),
         "It holds, once mended. Of the many solutions the planner samples the pitches every 15°, and takes what can be "
         "met soonest first.",

@@ -120,20 +120,18 @@ def run() -> Result:
     low, high = (f"{end:.1f}".replace("-", "−") for end in numbers["range_theta1_deg"])
     paragraph = paragraphs(
         "The source drives a SCARA (150, 80, 50 mm) along the spiral of its equation 16 for 8 s in one assembly "
-        "mode. It "
-        "shows θ1 with two derivatives, and an indicator that there is no singular configuration; it prints no values.",
+        "mode. It shows θ1 with two derivatives, and an indicator that there is no singular configuration; it "
+        "prints no values.",
         f"In assembly mode 2, panels (a) to (c): θ1 goes from {low}° to {high}°, at "
-        f"{numbers['peak_theta1_deg_s']:.1f}°/s "
-        f"at most, and l3 from 100 mm to 20 mm. No configuration is singular: |sin θ2| is never below "
-        f"{numbers['margin_least']:.3f}, panel (e). Panel (d) shows the arm at the end.",
+        f"{numbers['peak_theta1_deg_s']:.1f}°/s at most, and l3 from 100 mm to 20 mm. No configuration is singular: "
+        f"|sin θ2| is never below {numbers['margin_least']:.3f}, panel (e). Panel (d) shows the arm at the end.",
         f"It holds. The printed equations agree with the planner's dyad to "
         f"{max(numbers['printed_minus_planner_rad_m']):.0e} rad and m in every joint, and per s and s² in both "
         f"derivatives. The spiral is an ordinary request, too, dashed in (a) to (c): a control point on a turntable "
-        f"that "
-        f"turns 90°/s and climbs 10 mm/s. The arm starts elsewhere at rest, meets the point at "
-        f"{found['met_at_s']:.1f} s "
-        f"with its velocity, and dwells on it for 8 s; the proved plan leaves equation 16, at {len(t):,} times, by at "
-        f"most {found['tool_off_the_spiral_m']:.0e} m and {found['velocity_off_the_spiral_m_s']:.0e} m/s.",
+        f"that turns 90°/s and climbs 10 mm/s. The arm starts elsewhere at rest, meets the point at "
+        f"{found['met_at_s']:.1f} s with its velocity, and dwells on it for 8 s; the proved plan leaves equation 16, "
+        f"at {len(t):,} times, by at most {found['tool_off_the_spiral_m']:.0e} m and "
+        f"{found['velocity_off_the_spiral_m_s']:.0e} m/s.",
         "The printed group is used with its slips mended: the derivatives of figure 2, and equation 8.",
     )
 
