@@ -31,7 +31,9 @@ TITLES = {
     "scaling": "Planning time over the size of the cell and the task",
 }
 """Of the plots."""
-NOTHING = "Not measured yet: no results are in the repository."
+NOTHING = "Not measured yet."
+"""In place of a table; blocks that would only repeat it are empty."""
+NO_RESULTS = "No results are in the repository yet: `make bench` measures them, and fills what is empty here."
 
 Document = dict[str, Any]
 Results = Mapping[str, Document]
@@ -53,7 +55,10 @@ def sections(there: Results) -> dict[str, Document]:
 
 
 def bars(there: Results) -> str:
-    """The table of the bars."""
+    """The table of the bars; without a result, only the bars."""
+    if not sections(there):
+        rows = [f"{NO_RESULTS} Sets in the order {ORDER}.", "", "| figure | bar |", "|---|---|"]
+        return "\n".join([*rows, *(f"| {line.title} | {line.bar} |" for line in lines({}) if line.bar)])
     rows = [f"Sets in the order {ORDER}.", "", "| figure | bar | reached | met |", "|---|---|---|---|"]
     rows += [f"| {line.title} | {line.bar} | {line.reached} | {line.met} |" for line in lines(sections(there))]
     return "\n".join(rows)
@@ -62,7 +67,7 @@ def bars(there: Results) -> str:
 def conditions(there: Results) -> str:
     """Where and when each section was measured."""
     if not sections(there):
-        return NOTHING
+        return ""
     rows = ["| section | date | commit | processor | cores | Python | NumPy |", "|---|---|---|---|---|---|---|"]
     for name, document in sections(there).items():
         machine = document["machine"]
@@ -136,14 +141,15 @@ def refusals(there: Results) -> str:
     """What was refused, and why."""
     found = refused(sections(there))
     if not there:
-        return NOTHING
-    return "\n".join(f"- {text}" for text in found) if found else "None: every answer behind a figure was clean."
+        return ""
+    listed = "\n".join(f"- {text}" for text in found) if found else "None: every answer behind a figure was clean."
+    return f"Refused figures:\n\n{listed}"
 
 
 def plots(there: Results, folder: str = "plots") -> str:
     """The plots that are there, as links into `folder`."""
     found = [f"![{title}]({folder}/{name}.svg)" for name, title in TITLES.items() if (PLOTS / f"{name}.svg").exists()]
-    return "\n\n".join(found) if there and found else NOTHING
+    return "\n\n".join(found) if there and found else ""
 
 
 BLOCKS: Mapping[str, Callable[[Results], str]] = {
@@ -154,7 +160,7 @@ BLOCKS: Mapping[str, Callable[[Results], str]] = {
     "profile": profile,
     "refusals": refusals,
     "plots": plots,
-    "readme-bars": lambda there: bars(there) if sections(there) else NOTHING,
+    "readme-bars": lambda there: bars(there) if sections(there) else NO_RESULTS,
     "readme-plots": lambda there: plots(there, "docs/plots"),
 }
 

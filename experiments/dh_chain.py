@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from experiments import printed_dh as printed
-from experiments.experiment import Drawing, Result
+from experiments.experiment import Drawing, Result, paragraphs
 from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
 from planner.arrays import FloatArray
 from planner.robots.planar import principal
@@ -76,17 +76,20 @@ def run() -> Result:
         "printed_theta4_error_median_rad": float(np.median(theta4)),
         "printed_theta4_error_minus_theta1_plus_theta2_rad": float(np.abs(theta4 - dropped).max()),
     }
-    paragraph = (
-        f"The source multiplies four matrices to a closed T₀⁴ and inverts it geometrically. Over {STATES:,} random "
-        f"joint vectors the product of the four factors of 4.1.5, with Rot_z mended, is the closed matrix to "
-        f"{numbers['product_minus_printed_matrix']:.0e} in every entry, and the planner's arm stands in the same "
-        f"place to {numbers['product_minus_planner_position_m']:.1g} m with θ4 of the opposite sign, for this tool "
-        f"frame looks down. The joint angles come back to "
-        f"{numbers['round_trip_angle_where_margin_above_0.05_rad']:.0e} rad where |sin θ2| > 0.05; nearer to a "
-        f"singular position the error grows as 1/|sin θ2|, which is what rounding of the matrix does, while the "
-        f"matrix itself is met to {numbers['round_trip_matrix']:.0e}. As printed, Rot_z has a determinant between "
-        f"{rotation.min():.2f} and {rotation.max():.2f} instead of 1, and θ4 is wrong by exactly θ1 + θ2 (median "
-        f"{np.degrees(numbers['printed_theta4_error_median_rad']):.0f}°)."
+    paragraph = paragraphs(
+        "The source multiplies four matrices to a closed T₀⁴ (panel (a) shows their frames), and inverts it "
+        "geometrically.",
+        f"Over {STATES:,} random joint vectors the product of the four factors of 4.1.5 is the closed matrix to "
+        f"{numbers['product_minus_printed_matrix']:.0e} in every entry (1 or m), panel (b). The planner's arm stands "
+        f"in the same place to {numbers['product_minus_planner_position_m']:.1g} m with θ4 of the opposite sign, for "
+        f"this tool frame looks down. The joint angles come back to "
+        f"{numbers['round_trip_angle_where_margin_above_0.05_rad']:.0e} rad where |sin θ2| > 0.05, panel (c); nearer "
+        f"to a singular position the error grows as 1/|sin θ2|, which is what rounding of the matrix does, while the "
+        f"matrix itself is met to {numbers['round_trip_matrix']:.0e} (1 or m).",
+        "It holds, with two slips mended.",
+        f"As printed, Rot_z has a determinant between {rotation.min():.2f} and {rotation.max():.2f} instead of 1, "
+        f"and θ4 is wrong by exactly θ1 + θ2 (median "
+        f"{np.degrees(numbers['printed_theta4_error_median_rad']):.0f}°), panel (b).".replace(" -", " −"),
     )
 
     def draw(figure: Drawing) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from experiments import dyad_race as race
-from experiments.experiment import Drawing, Result
+from experiments.experiment import Drawing, Result, paragraphs
 from experiments.figures import BLUE, GREEN, INK, ORANGE, RED, SKY
 from planner.arrays import FloatArray
 
@@ -73,25 +73,28 @@ def run() -> Result:
             },
         },
     }
-    paragraph = (
-        f"The source solves its dyad in 45 % of the time of relative coordinates and 17 % of that of natural ones, "
-        f"in Matlab, without its code or the spread of its guesses. Here, on plain floats, one dyad at a time, the "
-        f"printed equations take {100 * shares['relative']:.0f} % of relative coordinates whose two 2 × 2 systems "
-        f"are solved by Cramer's rule, and {100 * shares['relative, general']:.0f} % with the library's general "
-        f"solver; {100 * shares['natural']:.0f} % and {100 * shares['natural, general']:.0f} % of natural "
-        f"coordinates, whose guess spreads by {race.SPREAD:g} l1 and which needed {tried.mean():.2f} starts on "
-        f"average (at most {tried.max()}) to land on the same assembly. These are medians of {race.REPEATS} repeats; "
-        f"by means, which restarts draw out, it is {100 * mean_shares['natural']:.0f} % and "
-        f"{100 * mean_shares['natural, general']:.0f} % of natural coordinates. "
-        f"{place[sum(between)]} between those of the two solvers: they depend more on the code for the linear systems "
-        f"than on the formulation, for by Cramer's rule relative coordinates take {1 / shares['relative']:.1f} times "
-        f"the time of the printed equations. The gain over natural coordinates grows with the spread. The vector "
-        f"form of this project takes {100 * ours['printed']:.0f} % of the printed one, with the same numbers. In "
-        f"batches of {race.BATCHES[-1]:,} the planner's kernel takes {1e9 * batches['kernel'][-1]:.0f} ns for a "
-        f"dyad, the printed form {1e9 * batches['printed'][-1]:.0f}, relative coordinates "
-        f"{1e9 * batches['relative'][-1]:.0f}, natural ones {1e9 * batches['natural'][-1]:.0f}. All formulations "
-        f"agree to {max(worst.values()):.0e}, natural coordinates being the farthest; they alone need luck, and "
-        f"scatter."
+    paragraph = paragraphs(
+        "The source solves its dyad in 45 % of the time of relative coordinates and in 17 % of that of natural ones "
+        "(its figure 4), in Matlab. It prints neither its code nor the spread of its guesses.",
+        f"Panel (a), on plain floats, one dyad at a time, medians of {race.REPEATS} repeats: the printed equations "
+        f"take {100 * shares['relative']:.0f} % of the time of relative coordinates whose two 2 × 2 systems are "
+        f"solved by Cramer's rule, and {100 * shares['relative, general']:.0f} % with the library's general solver; "
+        f"of natural coordinates {100 * shares['natural']:.0f} % and {100 * shares['natural, general']:.0f} % (by "
+        f"means, which restarts draw out, {100 * mean_shares['natural']:.0f} % and "
+        f"{100 * mean_shares['natural, general']:.0f} %). These start from a guess that spreads by {race.SPREAD:g} "
+        f"l1, and needed {tried.mean():.2f} starts on average, at most {tried.max()}, to land on the same "
+        f"assembly.\n\n"
+        f"Panel (b), in batches of {race.BATCHES[-1]:,}: the planner's kernel takes "
+        f"{1e9 * batches['kernel'][-1]:.0f} ns for a dyad, the printed form {1e9 * batches['printed'][-1]:.0f} ns, "
+        f"relative coordinates {1e9 * batches['relative'][-1]:.0f} ns, natural ones "
+        f"{1e9 * batches['natural'][-1]:.0f} ns. All formulations agree to {max(worst.values()):.0e} (relative), "
+        f"natural coordinates being the farthest.",
+        f"It depends on what is not printed. {place[sum(between)]} between those of the two solvers, panel (c): the "
+        f"shares depend more on the code for the linear systems than on the formulation, for by Cramer's rule relative "
+        f"coordinates take {1 / shares['relative']:.1f} times the time of the printed equations. The gain over natural "
+        f"coordinates grows with the spread of the guess; they alone need luck, and their times scatter.",
+        f"The vector form of this project takes {100 * ours['printed']:.0f} % of the time of the printed one, with the "
+        f"same numbers.",
     )
     by_spread = {name: median["printed"] / row for name, row in spread_s.items()}
     return Result(numbers, paragraph, (7.2, 5.6), lambda figure: draw(figure, times, batches, by_spread, shares))
@@ -127,7 +130,7 @@ def draw(
     strips.set_yticks(range(len(rows)), [label for _, label, _ in rows])
     strips.set_ylim(len(rows) - 0.4, -0.8)
     strips.grid(axis="y", visible=False)
-    strips.set_xlabel(f"time of a solution, one at a time, {race.REPEATS} repeats; bar: median [µs]")
+    strips.set_xlabel(f"time of a solution [µs], one at a time; {race.REPEATS} repeats, bar: median")
     strips.set_title("(a) figure 4 of 000 again: position, velocity, acceleration of one dyad")
     batch, spread = lower.subplots(1, 2)
     for name, colour, mark, label in (
@@ -138,8 +141,8 @@ def draw(
     ):
         batch.loglog(race.BATCHES, 1e6 * batches[name], mark, color=colour, lw=1, label=label)
     batch.set_ylim(0.01, 2000)
-    batch.xaxis.set_major_formatter("{x:,.0f}")
-    batch.yaxis.set_major_formatter("{x:g}")
+    for axis in (batch.xaxis, batch.yaxis):
+        axis.set_major_formatter("{x:,g}")
     batch.set_xlabel("dyads in a batch")
     batch.set_ylabel("time of a dyad [µs]")
     batch.legend(loc="upper right")

@@ -8,8 +8,8 @@ import numpy as np
 
 from experiments import closed_forms as forms
 from experiments import printed_forms as printed
-from experiments.experiment import Drawing, Result
-from experiments.figures import BLUE, INK, ORANGE
+from experiments.experiment import Drawing, Result, paragraphs
+from experiments.figures import BLUE, INK, ORANGE, RED
 from experiments.plane_figures import NOTE, Plane
 from experiments.plane_figures import compared as comparison
 from planner.arrays import FloatArray
@@ -85,25 +85,27 @@ def run() -> Result:
 
 
 def told(numbers: dict[str, Any]) -> str:
-    """The paragraph."""
+    """The paragraphs."""
     missed = numbers["as_printed_missed_by_more_than_1_mm_share"]["up"]
     anyhow = numbers["as_printed_missed_in_every_mode_share"]
-    return (
-        f"The source solves an elbow arm with three axes geometrically and leaves two signs open; it says that a "
-        f"Jacobian whose determinant is 0 marks a singular position, at an edge of the workspace, inner or outer, or "
-        f"inside it, where axes are aligned. It prints neither lengths nor a Jacobian of this arm. Measured over "
-        f"{numbers['targets']:,} targets, in all four modes that the two signs make: the closed form, with atan2, put "
-        f"through products of Denavit-Hartenberg matrices, meets its target to "
-        f"{numbers['closed_form_by_transforms_off_target_m']:.0e} m; its angles are those of the planner's two dyads "
+    return paragraphs(
+        "The source solves an elbow arm with three axes geometrically and leaves two signs open. It says that a "
+        "Jacobian whose determinant is 0 marks a singular position, at an edge of the workspace, inner or outer, or "
+        "inside it, where axes are aligned. It prints neither lengths nor a Jacobian of this arm.",
+        f"Over {numbers['targets']:,} targets, in all four modes that the two signs make: the closed form, with "
+        f"atan2, put through products of Denavit-Hartenberg matrices, meets its target to "
+        f"{numbers['closed_form_by_transforms_off_target_m']:.0e} m. Its angles are those of the planner's two dyads "
         f"to {numbers['closed_form_minus_dyads_where_margin_above_0.05_rad_m']:.0e} rad where the margin is above "
         f"0.05, and nearer to singular positions to {numbers['closed_form_minus_dyads_times_margin_rad_m']:.0e} rad "
-        f"divided by the margin. The dyads' velocities are J⁻¹ẋ of those matrices to "
-        f"{numbers['inverse_jacobian_minus_dyads_relative_where_margin_above_0.05']:.0e}, and the determinant is "
-        f"−ρ l2 l3 sin q3 to {numbers['determinant_by_transforms_and_by_planner_minus_product']:.0e} m³. It is 0 at "
-        f"the outer edge (q3 = 0, stretched), at the inner edge (q3 = 180°, folded), and inside, over the base axis "
-        f"(ρ = 0, aligned): the three kinds that the source names. With the arctan of a quotient that is printed, "
-        f"taken to the letter, {100 * missed:.0f} % of these targets are missed in mode `up`, those behind the base "
-        f"and those that bend the elbow by more than a right angle, and {100 * anyhow:.0f} % with any choice of signs."
+        f"divided by the margin, panel (c). The dyads' velocities are J⁻¹ẋ of those matrices to "
+        f"{numbers['inverse_jacobian_minus_dyads_relative_where_margin_above_0.05']:.0e} (relative), and the "
+        f"determinant is −ρ l2 l3 sin q3 to {numbers['determinant_by_transforms_and_by_planner_minus_product']:.0e} "
+        f"m³, panel (b).",
+        "It holds. The determinant is 0 at the outer edge (q3 = 0°, stretched), at the inner edge (q3 = 180°, folded), "
+        "and inside, over the base axis (ρ = 0 mm, aligned): the three kinds that the source names, panel (a).",
+        f"The arctan of a quotient, for which atan2 is put. Taken to the letter it misses {100 * missed:.0f} % of "
+        f"these targets in mode `up`, panel (d): those behind the base, and those that bend the elbow by more than a "
+        f"right angle; and {100 * anyhow:.0f} % with any choice of signs.",
     )
 
 
@@ -117,8 +119,11 @@ def draw(figure: Drawing, both: forms.Arm, compared: forms.Compared) -> None:
     for mode, colour, style, mark, place in (("up", BLUE, "-", "o", (-6, 6)), ("down", ORANGE, "--", "s", (-2, -13))):
         frames = both.frames(both.closed(target, mode))
         line = 1e3 * np.array([frame[[0, 2], 3] for frame in frames[1:]])
-        posture.plot(*line.T, mark + style, color=colour, lw=2.2, ms=5, mfc="w")
+        posture.plot(*line.T, style, color=colour, lw=2.2)
+        posture.plot(*line[1], mark, color=colour, ms=5, mfc="w")
         posture.annotate(f"{mode}", line[1], place, ha="right", color=colour, **NOTE)
+    posture.plot(*line[0], "o", color=INK, ms=5, mfc="w")
+    posture.plot(*line[-1], "D", color=RED, ms=5)
     posture.annotate("target", line[-1], (2, 8), ha="center", **NOTE)
     posture.annotate("inner edge:\nfolded", (-1e3 * (L2 - L3), 1e3 * HEIGHT), (-4, 0), ha="right", va="center", **NOTE)
     posture.set_title("(a) both postures; singular curves")
@@ -135,6 +140,9 @@ def draw(figure: Drawing, both: forms.Arm, compared: forms.Compared) -> None:
     above, shoulder = np.stack([rho, np.zeros_like(rho), h], -1), np.array([0.0, 0.0, HEIGHT])
     off = forms.missed(both, printed.printed_elbow_joints(above, L2, L3, *SIGNS["up"]), above + shoulder)
     plane.map(figure, miss, np.where(off > forms.SHARE, 1e3 * off, np.nan), "target missed by [mm]", lines=False)
+    plane.regions(miss, off <= forms.SHARE)
     met = 1e3 * (np.hypot(L2, L3) + L2 + L3) / 2
-    miss.annotate("met", (met, 1e3 * HEIGHT), (0, 0), ha="center", va="center", **NOTE)
+    for words, at in (("met", (met, 1e3 * HEIGHT)), ("out of\nreach", (0.0, 1e3 * HEIGHT))):
+        miss.annotate(words, at, (0, 0), ha="center", va="center", **NOTE)
+    miss.annotate("out of reach", (400, 1e3 * HEIGHT + 380), (0, 0), ha="right", **NOTE)
     miss.set_title("(d) as printed, with arctan; mode up")

@@ -1,4 +1,4 @@
-"""What an experiment hands over: numbers, a paragraph that puts the claim beside them, and how to draw the figure.
+"""What an experiment hands over: numbers, paragraphs that put the claim beside them, and how to draw the figure.
 
 Numbers come first and need no plotting library; drawing gets an empty figure in the shared style (`figures`).
 """
@@ -15,10 +15,17 @@ Drawing = Any
 
 @dataclass(frozen=True)
 class Result:
-    """One experiment, run: `numbers` that JSON can hold, units in the keys; `paragraph` in Markdown; and the figure,
-    drawn by `draw` on `size` (width, height) inches."""
+    """One experiment, run: `numbers` that JSON can hold, units in the keys; `paragraph`, what is told of them, in
+    Markdown (`paragraphs`); and the figure, drawn by `draw` on `size` (width, height) inches."""
 
     numbers: dict[str, Any]
     paragraph: str
     size: tuple[float, float]
     draw: Callable[[Drawing], None]
+
+
+def paragraphs(claim: str, measured: str, verdict: str, mended: str = "") -> str:
+    """What the paper claims, what was measured and where it is drawn, whether the claim holds, and what had to be
+    mended, as paragraphs of Markdown that say which is which. A part may itself be of two paragraphs."""
+    told = {"Claim": claim, "Measured": measured, "Verdict": verdict, "Mended": mended}
+    return "\n\n".join(f"**{head}.** {words}" for head, words in told.items() if words)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from experiments import printed_rrr
-from experiments.experiment import Result
+from experiments.experiment import Result, paragraphs
 from experiments.five_bar_figure import SIZE, draw
 from experiments.five_bar_places import Paths, elbows, on_curve, standing
 from planner.arrays import FloatArray
@@ -202,34 +202,36 @@ def through_type_2() -> tuple[dict[str, Any], Paths]:
 
 
 def told(numbers: dict[str, Any]) -> str:
-    """The paragraph."""
+    """The paragraphs."""
     wide, short = numbers["distal_mm"].values()
     group = [each["printed_group"] for each in (wide, short)]
     cranks, back = (max(each[key] for each in group) for key in ("cranks_rad", "direct_m"))
     rates = max(each[key] for each in group for key in ("crank_rates", "crank_accelerations"))
     line, legs = numbers["planner"]["straight"], numbers["planner"]["joint_legs"]
+    refused_at = f"{line['parallel_margin']:.3f}".replace("-", "−")
     lost = {}
     for name, each in (("wide", wide), ("short", short)):
         area = each["area_cm2"]["left-right"]
         lost[name] = f"{area['refused']:,.0f} of {area['front'] + area['refused']:,.0f} cm²"
-    return (
-        f"The source closes with a claim that it does not show: its RRR group has its greatest potential in parallel "
-        f"manipulators, being flexible, simple and efficient, and it identifies and classifies singular "
-        f"configurations of their direct problem. Measured on a five-bar, the RP-5AH with either of the distal lengths "
-        f"that are told of it: the printed group, used twice, gives the cranks, and used once more, between the "
-        f"elbows, gives the tool back. At {STATES:,} random states for each length, in all working modes, it agrees "
-        f"with the planner to {cranks:.0e} rad (rates and accelerations to {rates:.0e}, relative) and comes back to "
-        f"the tool to {1e9 * back:.0e} nm; nothing but the group is needed. That part of the claim holds. What the "
-        f"singularities are is told by which use of the group is aligned: one between crank axis and tool is type 1, "
-        f"where the tool cannot go on and a joint leg may change the working mode; the one between the elbows is type "
-        f"2, where the motors do not hold the tool. The claim needs a qualification: the printed indicator, |A/B| = 1, "
-        f"sees couplers that are stretched. Equal couplers that fold are the group's third, indeterminate case; the "
-        f"source names it, but nothing in A/B tells that it is near: with 260 mm, where it is the only type 2 there "
-        f"is, |A/B| is {wide['printed_ratio_near_type_2']['most']:.2f} at most wherever |sin| of the couplers' angle "
-        f"is below {KEPT:g}. The planner's margin is that sine. In `left-right` 260 mm lose {lost['wide']} to type 2, "
-        f"and 160 mm {lost['short']}, inside a closed curve about the base. A straight line through that curve is "
-        f"refused (parallel margin {line['parallel_margin']:.3f} where {line['parallel_margin_asked']:g} is asked); a "
-        f"joint leg between the same ends goes around it in {legs['duration_s']:.2f} s, with "
-        f"{legs['parallel_margin']:.2f} at least. "
-        f"Efficiency is that of the group: see `dyad-timing`."
+    return paragraphs(
+        "The source closes with a claim that it does not show: its RRR group has its greatest potential in parallel "
+        "manipulators, being flexible, simple and efficient, and it identifies and classifies singular "
+        "configurations of their direct problem.",
+        f"On a five-bar, the RP-5AH with either of the distal lengths that are told of it, 260 mm in panels (a) to "
+        f"(d) and 160 mm in (e) to (h): the printed group, used twice, gives the cranks, and once more, between the "
+        f"elbows, the tool again. At {STATES:,} random states for each length, in all working modes, it agrees with "
+        f"the planner to {cranks:.0e} rad (rates and accelerations to {rates:.0e}, relative) and comes back to the "
+        f"tool to {1e9 * back:.0e} nm.\n\n"
+        f"In `left-right` 260 mm lose {lost['wide']} to type 2, panel (b), and 160 mm {lost['short']}, inside a "
+        f"closed curve about the base, panel (f). A straight line through that curve is refused (parallel margin "
+        f"{refused_at} where {line['parallel_margin_asked']:g} is asked); a joint leg between the same ends goes "
+        f"around it in {legs['duration_s']:.2f} s, with {legs['parallel_margin']:.2f} at least.",
+        "It holds that nothing but the group is needed, and it classifies: which use of it is aligned tells the "
+        "kind. Between crank axis and tool it is type 1, where the tool cannot go on and a joint leg may change the "
+        "working mode; between the elbows it is type 2, where the motors do not hold the tool. Efficiency is that "
+        "of the group: see `dyad-timing`.",
+        f"The printed indicator, |A/B| = 1, sees couplers that are stretched. Equal couplers that fold are the "
+        f"group's third, indeterminate case; the source names it, but nothing in A/B tells that it is near: with 260 "
+        f"mm, where it is the only type 2 there is, |A/B| is {wide['printed_ratio_near_type_2']['most']:.2f} at most "
+        f"wherever |sin| of the couplers' angle is below {KEPT:g}. The planner's margin is that sine.",
     )

@@ -35,6 +35,7 @@ def draw(figure: Drawing, robots: list[FiveBar], seen: list[Workspace], paths: P
             if on_way:
                 panel.plot(*(1e3 * paths.straight.T), color=PURPLE, lw=1.4, ls=(0, (3, 1.5)))
                 panel.plot(*(1e3 * paths.around.T), color=GREEN, lw=1.4)
+                ends(panel, paths.straight)
             panel.set_title(f"({'abcdefgh'[row * len(MODES) + mode]}) {name}")
             panel.set_aspect("equal")
             panel.set_xlim(-HALF_MM, HALF_MM)
@@ -92,6 +93,15 @@ def links(robot: FiveBar, tool: FloatArray, mode: int) -> list[FloatArray]:
     q = robot.inverse(standing(tool[None]), mode, 0).q
     side = np.array([0.0, robot.separation / 2])
     return [np.stack([axis, elbow[0], tool]) for axis, elbow in zip((side, -side), elbows(robot, q), strict=True)]
+
+
+def ends(panel: Drawing, straight: FloatArray) -> None:
+    """Where the legs begin, at the arm's tool, and end (2, 2), m."""
+    start, end = 1e3 * straight
+    panel.plot(*end, "s", color=INK, mfc="white", ms=4, zorder=5)
+    line = {"arrowstyle": "-", "lw": 0.5, "color": INK, "shrinkB": 3}
+    panel.annotate("start", start, (190, 370), arrowprops=line, fontsize=6.5, zorder=6)
+    panel.annotate("end", end, (-5, -3), textcoords="offset points", ha="right", fontsize=6.5, zorder=6)
 
 
 def legend(figure: Drawing, panel: Drawing) -> None:

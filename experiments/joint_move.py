@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from experiments.experiment import Drawing, Result
+from experiments.experiment import Drawing, Result, paragraphs
 from experiments.figures import BLUE, GREY, INK, ORANGE, plan_view
 from experiments.printed_joint_move import ParabolicBlend, inverse
 from planner.arrays import FloatArray
@@ -117,27 +117,32 @@ def run() -> Result:
         "ruckig_misses_pose2_by": float(np.abs(timed[0].evaluate(timed[0].duration) - through[1]).max()),
         "ruckig_farthest_x_mm": 1e3 * float(ruckig_xy[:, 0].max()),
     }
-    paragraph = (
-        f"The source reports joint values (0°, 90°, −100 mm, −90°) and (90°, −90°, −200 mm, 0°), a move of 1 s, "
-        f"equal curves of θ̇1 and θ̇4, a middle pose that is not reached, and a straight path out to x = y = 282.8 "
-        f"mm. Measured on the plan of the cell `parabolic-blend` (timing: parabolic_blend, acceleration time 200 ms): "
-        f"the same joint values, {path.duration:.3f} s with segments of 400 ms, max "
-        f"|θ̇1 − θ̇4| = {numbers['theta1_rate_minus_theta4_rate_rad_s']:.1g} rad/s, and x = y = "
-        f"{numbers['farthest_x_mm']:.2f} mm, on the diagonal to {numbers['off_the_diagonal_mm']:.0e} mm: the arm is "
-        f"stretched there, for it changes from right to left. POSE2 is missed by {missed[0]:.2f}°, {missed[1]:.2f}°, "
-        f"{missed[2]:.2f} mm and {missed[3]:.2f}°, as τ(v2 − v1)/4 says and the plan states; "
-        f"in the plane the tool turns back "
-        f"{np.hypot(*(point - 200)):.1f} mm before it. The acceleration jumps, so the jerk is unbounded. Ruckig, "
-        f"with the same speeds and accelerations as limits and each acceleration built up in 20 ms, meets POSE2 "
-        f"exactly, stops there, and takes {numbers['ruckig_duration_s']:.2f} s. The source prints no formulas of its "
-        f"zones: these are one reading, chosen because it gives the total time; the plan differs from it by "
-        f"{numbers['differs_from_the_formulas_by']:.0e} rad at most."
+    off = [f"{value:.2f}".replace("-", "−") for value in missed]
+    paragraph = paragraphs(
+        "The source moves from POSE1, joint values (0°, 90°, −100 mm, −90°), to POSE2, (90°, −90°, −200 mm, 0°), and "
+        "back in 1 s. It reports equal curves of θ̇1 and θ̇4, a middle pose that is not reached, and a straight path "
+        "out to x = y = 282.8 mm.",
+        f"On the plan of the cell `parabolic-blend` (timing: parabolic_blend, acceleration time 200 ms), panels (a) "
+        f"to (d): the same joint values, {path.duration:.3f} s with segments of 400 ms, and |θ̇1 − θ̇4| at most "
+        f"{numbers['theta1_rate_minus_theta4_rate_rad_s']:.1g} rad/s. A pose is passed at the middle of its blend: "
+        f"that of POSE1 begins with the motion and lasts 200 ms, so its circles stand at 0.1 and 0.9 s, though the "
+        f"arm rests in POSE1 at 0 and 1 s.\n\n"
+        f"Panels (e) and (f): x = y = {numbers['farthest_x_mm']:.2f} mm, on the diagonal to "
+        f"{numbers['off_the_diagonal_mm']:.0e} mm; the arm is stretched there, for it changes from right to left. "
+        f"POSE2 is missed by {off[0]}°, {off[1]}°, {off[2]} mm and {off[3]}°, as τ(v2 − v1)/4 says and the plan "
+        f"states; in the plane the tool turns back {np.hypot(*(point - 200)):.1f} mm before it.",
+        f"It holds, at a price: the acceleration jumps, so the jerk is unbounded. Ruckig (dashed), with the same "
+        f"speeds and accelerations as limits and each acceleration built up in 20 ms, meets POSE2 exactly, stops "
+        f"there, and takes {numbers['ruckig_duration_s']:.2f} s.",
+        f"The source prints no formulas of its zones: these are one reading, chosen because it gives the total time. "
+        f"The plan differs from it by {numbers['differs_from_the_formulas_by']:.0e} rad or m at most.",
     )
 
     def draw(figure: Drawing) -> None:
         top, bottom = figure.subfigures(2, 1, height_ratios=(1.25, 1))
         axes = top.subplots(2, 4, sharex=True)
         names = (r"\theta_1", r"\theta_2", "d_3", r"\theta_4")
+        titles = ("(a) base", "(b) elbow", "(c) quill", "(d) wrist")
         for i, name in enumerate(names):
             unit = "mm" if i == 2 else "°"
             for row, ours, other in ((0, q, ruckig_q), (1, qd, ruckig_qd)):
@@ -149,9 +154,9 @@ def run() -> Result:
                 "o",
                 mfc="w",
                 color=INK,
-                label="POSE1, POSE2, POSE1 at their times",
+                label="POSE1, POSE2, POSE1 at the middle of their blends",
             )
-            axes[0, i].set_title(f"({'abcd'[i]})")
+            axes[0, i].set_title(titles[i])
             axes[0, i].set_ylabel(f"${name}$ [{unit}]")
             axes[1, i].set_ylabel(rf"$\dot{{{name.partition('_')[0]}}}_{name[-1]}$ [{unit}/s]")
             axes[1, i].set_xlabel("t [s]")

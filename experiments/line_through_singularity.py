@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.experiment import Drawing, Result
+from experiments.experiment import Drawing, Result, paragraphs
 from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, plan_view
 from experiments.line_requests import FASTEST_DEG_S, HALF, LINK, SPEED, decision
 from planner.arrays import FloatArray
@@ -99,7 +99,7 @@ def run() -> Result:
 
 
 def told(numbers: dict[str, Any], peak: dict[str, FloatArray], answers: dict[str, list[dict[str, Any]]]) -> str:
-    """The paragraph."""
+    """The paragraphs."""
     said = {}
     for kind, rows in answers.items():
         parts: dict[str, list[str]] = {}
@@ -107,20 +107,25 @@ def told(numbers: dict[str, Any], peak: dict[str, FloatArray], answers: dict[str
             parts.setdefault(row["answer"], []).append(f"{mm}")
         said[kind] = "; ".join(f"{answer} at {', '.join(mm)} mm" for answer, mm in parts.items())
     margins = [row["margin"] for row in answers["constant speed"] if row["answer"] == Reason.NEAR_SINGULARITY]
-    return (
-        f"The source says that near a singular position a constant speed of the tool asks for joint speeds that no "
-        f"drive reaches, and shows one figure of a SCARA without numbers. Measured, {1e3 * SPEED:.0f} mm/s along a "
-        f"line past the base axis of an arm with equal links: the base must turn at "
-        f"{np.degrees(peak['theta1'][0]):.0f}°/s at a distance of {DISTANCES_MM[0]} mm and at "
-        f"{np.degrees(peak['theta1'][-1]):,.0f}°/s at {DISTANCES_MM[-1]} mm, as v/h says; its acceleration grows as "
-        f"h^{numbers['exponents_below_10_mm']['theta1_acceleration']:.1f}. Not every singular position does this: "
-        f"past the hole of an arm with unequal links θ̇2 stays below {np.degrees(peak['hole_theta2'].max()):.0f}°/s, "
-        f"and its acceleration alone grows, as h^{numbers['exponents_below_10_mm']['hole_theta2_acceleration']:.1f}. "
-        f"The planner, asked for the same line at this constant speed (a point on a belt, to be followed): "
-        f"{said['constant speed']}. The refusals name the margin |sin θ2|, {margins[0]:.3f} to {margins[-1]:.3f}, "
-        f"where 0.05 is asked. Asked for the line at any speed (a straight leg): {said['any speed']}; it slows down, "
-        f"to {answers['any speed'][3]['leg_s']:.1f} s at {DISTANCES_MM[3]} mm, and keeps every joint within its "
-        f"{FASTEST_DEG_S}°/s."
+    grows = {
+        name: f"{numbers['exponents_below_10_mm'][name]:.1f}".replace("-", "−")
+        for name in ("theta1_acceleration", "hole_theta2_acceleration")
+    }
+    return paragraphs(
+        "Near a singular position, the source says, a constant speed of the tool asks for joint speeds that no drive "
+        "reaches. It shows one figure of a SCARA, without numbers.",
+        f"At {1e3 * SPEED:.0f} mm/s along a line past the base axis of an arm with equal links, panels (a) and (b), "
+        f"the base must turn at {np.degrees(peak['theta1'][0]):.0f}°/s at a distance of {DISTANCES_MM[0]} mm and at "
+        f"{np.degrees(peak['theta1'][-1]):,.0f}°/s at {DISTANCES_MM[-1]} mm, as v/h says, panel (c); its "
+        f"acceleration grows with h to the power {grows['theta1_acceleration']}.\n\n"
+        f"The planner's answers are in panel (d). At this constant speed (a point on a belt, to be followed): "
+        f"{said['constant speed']}; the refusals name the margin |sin θ2|, {margins[0]:.3f} to {margins[-1]:.3f}, "
+        f"where 0.05 is asked. At any speed (a straight leg): {said['any speed']}; it slows down, to "
+        f"{answers['any speed'][3]['leg_s']:.1f} s at {DISTANCES_MM[3]} mm, and keeps every joint within its "
+        f"{FASTEST_DEG_S}°/s.",
+        f"It holds for equal links, and not for every singular position: past the hole of an arm with unequal links "
+        f"θ̇2 stays below {np.degrees(peak['hole_theta2'].max()):.0f}°/s, panel (c), and its acceleration alone "
+        f"grows, with h to the power {grows['hole_theta2_acceleration']}.",
     )
 
 
@@ -200,12 +205,12 @@ def planned_and_refused(planned: Drawing, refused: Drawing, answers: dict[str, l
     planned.tick_params(labelbottom=False)
     planned.legend(loc="lower left", title="planned at", title_fontsize=7)
     planned.set_title("(d) what the planner answers")
-    refused.annotate(r"$|\sin\theta_2|$", (12.5, 0), (0, 6), textcoords="offset points", fontsize=6.5)
+    refused.annotate(r"$|\sin\theta_2|=$", (0.28, 0), (0, 6), textcoords="offset points", fontsize=6.5)
     refused.set_ylim(1.6, -1.1)
     refused.set_yticks([0, 1], ["constant", "any"])
     refused.set_ylabel("refused")
-    refused.set_xlim(0.6, 250)
+    refused.set_xlim(0.27, 250)
     refused.set_xlabel("distance h from the singular position [mm]")
-    refused.legend(loc="center right", markerscale=0.8)
+    refused.legend(loc="center right", markerscale=0.8, fontsize=6, handletextpad=0.1, borderpad=0.3)
     for axes in (planned, refused):
         axes.xaxis.set_major_formatter("{x:g}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from experiments import printed_dh, printed_joint_move, printed_rrr
-from experiments.experiment import Drawing, Result
+from experiments.experiment import Drawing, Result, paragraphs
 from experiments.figures import BLUE, GREY, INK, ORANGE
 from planner.arrays import FloatArray
 from planner.frames.motion import Motion
@@ -70,12 +70,15 @@ def run() -> Result:
         },
     }
     most = max(value for row in worst.values() for value in row.values())
-    paragraph = (
-        f"Source 000 has two assembly modes (φ = θ ± β), 001 two signs of a root, 004 an index g = sign(sin θ2), and "
-        f"000 counts θ2 against Denavit-Hartenberg. In one convention, `right` is θ2 > 0, mode 2, +√ and g = +1, "
-        f"`left` is θ2 < 0, mode 1, −√ and g = −1. Over {POINTS:,} points spread over the workspace, to 1 mm from "
-        f"its edges, each of the three printed solutions gives the planner's θ1 and θ2 in the mode of this table, to "
-        f"{most:.0e} rad; θ2 of the two modes differs in its sign only."
+    paragraph = paragraphs(
+        "Source 000 has two assembly modes, φ = θ ± β; 001 has two signs of a root, 004 an index g = sign(sin θ2). "
+        "None says how its choice is called by the others, and 000 counts θ2 against Denavit-Hartenberg.",
+        f"Over {POINTS:,} points spread over the workspace, to 1 mm from its edges, each of the three printed "
+        f"solutions gives the planner's θ1 and θ2 in the mode named below, to {most:.0e} rad; θ2 of the two modes "
+        f"differs in its sign only. Panel (a) shows the dyad of 000 in both modes, panel (b) the pose of 004; the "
+        f"marks of the three sources lie upon each other.",
+        "They are the same two solutions. In one convention `right` is θ2 > 0, mode 2, +√ and g = +1; `left` is θ2 "
+        "< 0, mode 1, −√ and g = −1.",
     )
 
     def draw(figure: Drawing) -> None:
@@ -83,7 +86,7 @@ def run() -> Result:
         dyad(left)
         arm_of_004(right)
         handles, labels = left.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=5, handlelength=3)
+        figure.legend(handles, labels, loc="outside lower center", ncols=5, handlelength=3, markerscale=0.7)
 
     return Result(numbers, paragraph, (7.2, 3.9), draw)
 
@@ -116,6 +119,11 @@ def dyad(axes: Drawing) -> None:
             color=colour,
         )
     axes.plot([0, 1e3 * d[0]], [0, 1e3 * d[1]], color=GREY, lw=0.9, ls="--")
+    axes.plot([0, 190], [0, 0], color=GREY, lw=0.9)
+    turned = np.linspace(0, theta, 40)
+    axes.plot(150 * np.cos(turned), 150 * np.sin(turned), color=INK, lw=0.9)
+    middle = (165 * np.cos(theta / 2), 165 * np.sin(theta / 2))
+    axes.annotate(r"$\theta$", middle, color=INK, ha="center", va="center")
     axes.annotate("A", (0, 0), (-10, -3), textcoords="offset points", color=INK)
     axes.annotate("B", (1e3 * d[0], 1e3 * d[1]), (6, 2), textcoords="offset points", color=INK)
     finished(axes, "(a) the two assemblies of the RRR dyad (000)", (-60, 460), (-160, 340))
@@ -136,7 +144,7 @@ def arm_of_004(axes: Drawing) -> None:
             ha="center",
             color=colour,
         )
-    finished(axes, "(b) the two solutions of 004's pose, and 001's root", (-110, 330), (-110, 310))
+    finished(axes, "(b) the two solutions of 004's pose, and 001's root", (-110, 330), (-113, 310))
 
 
 def chains(axes: Drawing, p: FloatArray, l1: float, l2: float, mode: str, colour: str) -> None:
@@ -157,6 +165,7 @@ def chains(axes: Drawing, p: FloatArray, l1: float, l2: float, mode: str, colour
 
 
 def finished(axes: Drawing, title: str, x: tuple[float, float], y: tuple[float, float]) -> None:
+    """Title, labels and limits; panels whose limits have one ratio stand at one height."""
     axes.set_title(title)
     axes.set_aspect("equal")
     axes.set_xlim(*x)

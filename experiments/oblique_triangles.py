@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from experiments import printed_triangles as printed
-from experiments.experiment import Drawing, Result
+from experiments.experiment import Drawing, Result, paragraphs
 from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
 from planner.arrays import FloatArray
 from planner.assur.codes import Code
@@ -65,17 +65,19 @@ def run() -> Result:
         "printed_eq_1_in_m_error_deg": spread(in_m - right),
         "printed_eq_1_in_mm_error_deg": spread(in_mm - right),
     }
-    paragraph = (
-        f"The source solves the arm by two oblique triangles and names the law of tangents; what it prints are "
-        f"half-angle formulas with a slip: the product under the root is not divided, so that the angle depends on "
-        f"the unit of length. Mended, they give the joint angles of the planner's dyad (elbow up is its mode `left` "
-        f"in the vertical plane) to {numbers['mended_minus_dyad_where_margin_above_0.05_rad']:.0e} rad over "
-        f"{TARGETS:,} targets with |sin θ2| > 0.05, and nearer to singular positions to "
-        f"{numbers['mended_minus_dyad_times_margin_rad']:.0e} rad divided by |sin θ2|. Where the target is above or "
-        f"below the shoulder the lower triangle is flat and they lose up to two digits more, which the dyad, having "
-        f"no such triangle, does not. Equation 1 as printed is wrong by up to "
+    paragraph = paragraphs(
+        "The source solves the arm by the two oblique triangles of panel (a), and names the law of tangents.",
+        f"Over {TARGETS:,} targets the formulas, mended, give the joint angles of the planner's dyad (elbow up is "
+        f"its mode `left` in the vertical plane) to {numbers['mended_minus_dyad_where_margin_above_0.05_rad']:.0e} "
+        f"rad where |sin θ2| > 0.05, and nearer to singular positions to "
+        f"{numbers['mended_minus_dyad_times_margin_rad']:.0e} rad divided by |sin θ2|, panel (c). Where the target "
+        f"is above or below the shoulder the lower triangle is flat and they lose up to two digits more, which the "
+        f"dyad, having no such triangle, does not.",
+        "The construction holds; what is printed of it does not.",
+        f"What is printed are half-angle formulas with a slip: the product under the root is not divided, so that the "
+        f"angle depends on the unit of length. Equation 1 as printed is wrong by up to "
         f"{numbers['printed_eq_1_in_m_error_deg'][1]:.0f}° with metres, and by up to "
-        f"{numbers['printed_eq_1_in_mm_error_deg'][1]:.0f}° with millimetres."
+        f"{numbers['printed_eq_1_in_mm_error_deg'][1]:.0f}° with millimetres, panel (b).",
     )
 
     def draw(figure: Drawing) -> None:

@@ -6,6 +6,7 @@ Lengths come in m and are drawn in mm; heights come from the shoulder and are dr
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,8 @@ COLOURS = "cividis"
 """Of maps: even in lightness, and the same for the colour-blind."""
 MANY = 301
 """Points of a map's grid to each side."""
+MET, OUT_OF_REACH = "#b9e3d3", "#e6e6e6"
+"""Of a map's places that have no value."""
 NOTE = {"textcoords": "offset points", "fontsize": 7}
 
 
@@ -60,18 +63,30 @@ class Plane:
 
     def map(self, figure: Drawing, axes: Drawing, values: FloatArray, label: str, *, lines: bool) -> None:
         """Values (MANY, MANY) of the grid in colours, NaN left white; `lines`: a quarter, half, three quarters of the
-        largest."""
+        largest, each with its value."""
         rho, h = self.grid()
         x, y = 1e3 * rho, 1e3 * (h + self.height)
         shown = axes.pcolormesh(x, y, values, cmap=COLOURS, vmin=0.0, shading="auto", rasterized=True)
         if lines:
             levels = float(np.nanmax(values)) * np.array([0.25, 0.5, 0.75])
-            axes.contour(x, y, np.nan_to_num(values), levels=levels, colors="w", linewidths=0.6)
+            drawn = axes.contour(x, y, np.nan_to_num(values), levels=levels, colors="w", linewidths=0.6)
+            level = values[MANY // 2, MANY // 2 :]  # to the right, at the height of the shoulder
+            outward = [int(np.flatnonzero(level >= least)[0]) + MANY // 2 for least in levels]
+            places = [(side * x[MANY // 2, k], 1e3 * self.height) for k in outward for side in (-1, 1)]
+            axes.clabel(drawn, fmt="%.2g", fontsize=6, manual=places)
         bar = figure.colorbar(shown, ax=axes, shrink=0.85, pad=0.02)
         bar.set_label(label)
         bar.outline.set_linewidth(0.5)
         axes.grid(visible=False)
         self.curves(axes, named=False)
+
+    def regions(self, axes: Drawing, met: Any) -> None:
+        """What a map leaves blank: places (MANY, MANY) where a target is `met`, green, and what is out of reach, "
+        "grey."""
+        rho, h = self.grid()
+        axes.set_facecolor(OUT_OF_REACH)
+        x, y = 1e3 * rho, 1e3 * (h + self.height)
+        axes.contourf(x, y, np.asarray(met, dtype=np.float64), levels=[0.5, 1.5], colors=[MET])
 
 
 def compared(axes: Drawing, margin: FloatArray, apart: FloatArray, modes: int, *, grows: bool) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from experiments import closed_forms as forms
 from experiments import printed_forms as printed
-from experiments.experiment import Drawing, Result
+from experiments.experiment import Drawing, Result, paragraphs
 from experiments.figures import BLUE, INK, ORANGE, RED
 from experiments.plane_figures import NOTE, Plane
 from experiments.plane_figures import compared as comparison
@@ -84,27 +84,30 @@ def run() -> Result:
 
 
 def told(numbers: dict[str, Any]) -> str:
-    """The paragraph."""
+    """The paragraphs."""
     below = numbers["as_printed_negative_d3_below_the_shoulder_share"]
     above = numbers["as_printed_negative_d3_above_the_shoulder_share"]
-    return (
-        f"The source multiplies three matrices to T, solves a polar arm by taking them to the other side one by one, "
-        f"and prints no numbers. Measured over {numbers['targets']:,} targets: its matrices follow from its table of "
-        f"parameters to {numbers['printed_matrices_minus_table_of_parameters']:.0e}, the closed T is their product to "
-        f"{numbers['closed_tool_matrix_minus_product']:.0e}, and (III), with a 0 for the 1 in its second row, gives "
-        f"²A₃ to {numbers['product_iii_mended_minus_a3']:.0e}; as printed an entry is wrong by "
-        f"{numbers['product_iii_as_printed_minus_a3_median']:.2f} in the median. With atan2 the closed form meets its "
+    return paragraphs(
+        "The source multiplies three matrices to T, and solves a polar arm by taking them to the other side one by "
+        "one. It prints no numbers.",
+        f"Over {numbers['targets']:,} targets: its matrices follow from its table of parameters to "
+        f"{numbers['printed_matrices_minus_table_of_parameters']:.0e} in an entry (1 or m), and the closed T is "
+        f"their product to {numbers['closed_tool_matrix_minus_product']:.0e}. The closed form, with atan2, meets its "
         f"target to {numbers['closed_form_by_transforms_off_target_m']:.0e} m, and its joints are those of the "
-        f"planner's two RPR dyads, `front` and `back`, to {numbers['closed_form_minus_dyads_rad_m']:.0e} rad or m at "
-        f"any margin. The dyads' velocities are J⁻¹ẋ of the matrices to "
-        f"{numbers['inverse_jacobian_minus_dyads_relative_where_margin_above_0.05']:.0e} where the margin is above "
-        f"0.05. The determinant is −d3² sin θ2 = d3 r to "
-        f"{numbers['determinant_by_transforms_and_by_planner_minus_product']:.0e} m². It is 0 inside the workspace, "
-        f"where the flange is over the base axis, and at its inner edge, with nothing of the ram out; at the outer "
-        f"edge it is not, for there the stroke ends and no axis is lost. With arctan as printed, taken to the letter, "
-        f"every target is met to {numbers['as_printed_off_target_m']:.0e} m, but {100 * below:.0f} % of those below "
-        f"the shoulder, and {100 * above:.0f} % of those above it, with a negative d3: the ram would have to come "
-        f"out at its back."
+        f"planner's two RPR dyads, `front` and `back` of panel (a), to "
+        f"{numbers['closed_form_minus_dyads_rad_m']:.0e} rad or m at any margin, panel (c). The dyads' velocities "
+        f"are J⁻¹ẋ of the matrices to {numbers['inverse_jacobian_minus_dyads_relative_where_margin_above_0.05']:.0e} "
+        f"(relative) where the margin is above 0.05. The determinant is −d3² sin θ2 = d3 r to "
+        f"{numbers['determinant_by_transforms_and_by_planner_minus_product']:.0e} m², panel (b).",
+        "It holds, once mended. The determinant is 0 inside the workspace, where the flange is over the base axis, and "
+        "at its inner edge, with nothing of the ram out; at the outer edge it is not, for there the stroke ends and no "
+        "axis is lost.",
+        f"Product (III), with a 0 for the 1 in its second row, gives ²A₃ to "
+        f"{numbers['product_iii_mended_minus_a3']:.0e} in an entry (1 or m); as printed one is wrong by "
+        f"{numbers['product_iii_as_printed_minus_a3_median']:.2f} in the median. With arctan as printed, taken to "
+        f"the letter, every target is met to {numbers['as_printed_off_target_m']:.0e} m, but {100 * below:.0f} % of "
+        f"those below the shoulder, and {100 * above:.0f} % of those above it, with a negative d3, panel (d): the "
+        f"ram would have to come out at its back.",
     )
 
 

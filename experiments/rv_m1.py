@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from experiments import printed_five_axes as printed
-from experiments.experiment import Drawing, Result
+from experiments.experiment import Drawing, Result, paragraphs
 from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
 from planner.arrays import FloatArray
 from planner.assur.codes import Code
@@ -92,21 +92,24 @@ def run() -> Result:
     low, high = numbers["family_pitches_in_reach_deg"]
     legal_low, legal_high = numbers["family_pitches_within_limits_elbow_up_deg"]
     most = numbers["as_printed_error_deg_wrist_behind"][1]
-    paragraph = (
-        f"The source reaches a tool point with a given pitch by stepping back along the hand to the wrist (equation 7) "
-        f"and solving the two oblique triangles for it; the roll, it says, plays no part. The planner does so with its "
-        f"dyad in place of the triangles: over {TARGETS:,} random targets the mended source and the planner's mode "
-        f"`up` agree in all five joints to {numbers['mended_minus_planner_where_sine_above_0.05_rad']:.0e} rad where "
-        f"|sin θ3| > 0.05 (and the lower triangle is not flat), and to "
-        f"{numbers['mended_minus_planner_times_sine_rad']:.0e} rad divided by |sin θ3| elsewhere. Mended were, beside "
-        f"equations 1 to 6, the sign of the hand's height, which the source leaves to the case; and, for the "
+    paragraph = paragraphs(
+        "The source reaches a tool point with a given pitch by stepping back along the hand to the wrist (equation 7) "
+        "and solving the two oblique triangles for it; the roll, it says, plays no part. Without a given pitch there "
+        "are many solutions, of which one has to be chosen.",
+        f"The planner has its dyad in place of the triangles. Over {TARGETS:,} random targets the mended source and "
+        f"the planner's mode `up` agree in all five joints to "
+        f"{numbers['mended_minus_planner_where_sine_above_0.05_rad']:.0e} rad where |sin θ3| > 0.05 (and the lower "
+        f"triangle is not flat), and to {numbers['mended_minus_planner_times_sine_rad']:.0e} rad divided by |sin θ3| "
+        f"elsewhere, panel (c).\n\n"
+        f"At a tool point {1e3 * SHOWN[0]:.0f} mm from the base axis and {1e3 * SHOWN[1]:.0f} mm high, panels (a) "
+        f"and (b), pitches from {low:.0f}° to {high:.0f}° are in reach, with either elbow; within the joint limits "
+        f"assumed for the RV-M1 are those from {legal_low:.0f}° to {legal_high:.0f}° with the elbow up, and "
+        f"none with the elbow down.".replace(" -", " −"),
+        "It holds, once mended. Of the many solutions the planner samples the pitches every 15°, and takes what can be "
+        "met soonest first.",
+        f"Beside equations 1 to 6: the sign of the hand's height, which the source leaves to the case; and, for the "
         f"{numbers['wrist_behind_the_base_axis']:,} targets whose wrist lies behind the base axis, the sign of its "
-        f"radius and of the angle A_i, without which a joint is wrong by up to {most:.0f}°. Without a given "
-        f"pitch, the source says, there are many solutions, of which one has to be chosen. At a tool point "
-        f"{1e3 * SHOWN[0]:.0f} mm from the base axis and {1e3 * SHOWN[1]:.0f} mm high, pitches from {low:.0f}° to "
-        f"{high:.0f}° are in reach, with either elbow; within the joint limits assumed for the RV-M1 are those from "
-        f"{legal_low:.0f}° to {legal_high:.0f}° with the elbow up, and none with the elbow down. The planner samples "
-        f"this family every 15°, and takes what can be met soonest first."
+        f"radius and of the angle A_i, without which a joint is wrong by up to {most:.0f}°.",
     )
 
     def draw(figure: Drawing) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from experiments import printed_rrr as printed
-from experiments.experiment import Drawing, Result
+from experiments.experiment import Drawing, Result, paragraphs
 from experiments.figures import BLUE, INK, RED
 from planner.arrays import FloatArray
 from planner.assur.codes import Code
@@ -117,17 +117,22 @@ def run() -> Result:
         },
     }
     found = numbers["plan"]
-    paragraph = (
-        f"The source drives a SCARA (150, 80, 50 mm) along a spiral for 8 s in one assembly mode, shows θ1 with two "
-        f"derivatives, and an indicator of singular configurations; it prints no values. Measured in assembly mode "
-        f"2: θ1 from {numbers['range_theta1_deg'][0]:.1f}° to {numbers['range_theta1_deg'][1]:.1f}°, at most "
-        f"{numbers['peak_theta1_deg_s']:.1f}°/s; l3 from 100 mm to 20 mm; no singular configuration, |sin θ2| never "
-        f"below {numbers['margin_least']:.3f}. The printed equations, mended, agree with the planner's dyad to "
-        f"{max(numbers['printed_minus_planner_rad_m']):.0e} in every joint and derivative. As a control point on a "
-        f"turntable that turns 90°/s and climbs 10 mm/s, the spiral is an ordinary request: the arm starts elsewhere "
-        f"at rest, meets the point at {found['met_at_s']:.1f} s with its velocity, and dwells on it for 8 s; the "
-        f"proved plan leaves equation 16, at {len(t):,} times, by at most {found['tool_off_the_spiral_m']:.0e} m and "
-        f"{found['velocity_off_the_spiral_m_s']:.0e} m/s."
+    low, high = (f"{end:.1f}".replace("-", "−") for end in numbers["range_theta1_deg"])
+    paragraph = paragraphs(
+        "The source drives a SCARA (150, 80, 50 mm) along the spiral of its equation 16 for 8 s in one assembly "
+        "mode. It shows θ1 with two derivatives, and an indicator that there is no singular configuration; it "
+        "prints no values.",
+        f"In assembly mode 2, panels (a) to (c): θ1 goes from {low}° to {high}°, at "
+        f"{numbers['peak_theta1_deg_s']:.1f}°/s at most, and l3 from 100 mm to 20 mm. No configuration is singular: "
+        f"|sin θ2| is never below {numbers['margin_least']:.3f}, panel (e). Panel (d) shows the arm at the end.",
+        f"It holds. The printed equations agree with the planner's dyad to "
+        f"{max(numbers['printed_minus_planner_rad_m']):.0e} rad and m in every joint, and per s and s² in both "
+        f"derivatives. The spiral is an ordinary request, too, dashed in (a) to (c): a control point on a turntable "
+        f"that turns 90°/s and climbs 10 mm/s. The arm starts elsewhere at rest, meets the point at "
+        f"{found['met_at_s']:.1f} s with its velocity, and dwells on it for 8 s; the proved plan leaves equation 16, "
+        f"at {len(t):,} times, by at most {found['tool_off_the_spiral_m']:.0e} m and "
+        f"{found['velocity_off_the_spiral_m_s']:.0e} m/s.",
+        "The printed group is used with its slips mended: the derivatives of figure 2, and equation 8.",
     )
 
     def draw(figure: Drawing) -> None:
@@ -146,7 +151,7 @@ def run() -> Result:
             axes.set_title(title)
         for axes in curves[2]:
             axes.set_xticks(range(0, 9, 2))
-            axes.set_xlabel("t [s]")
+            axes.set_xlabel("t after the meeting [s]", fontsize=7)
         curves[1, 2].set_ylim(-13, 1)
         curves[2, 2].set_ylim(-1, 1)
         handles = curves[0, 0].get_lines()
@@ -161,7 +166,7 @@ def run() -> Result:
         indicator.step(t, (code != Code.ASSEMBLED).astype(float), color=RED, label="singular (1: yes)")
         indicator.set_ylim(-0.05, 1.05)
         indicator.set_xticks(range(0, 9, 2))
-        indicator.set_xlabel("t [s]")
+        indicator.set_xlabel("t after the meeting [s]", fontsize=7)
         indicator.set_ylabel("indicator [1]")
         indicator.legend(loc="center", bbox_to_anchor=(0.5, 0.33))
         indicator.set_title("(e) never singular")

@@ -25,13 +25,14 @@ def along(start: Point, angle: float, length: float) -> Point:
 
 
 class Sheet:
-    """Collects SVG elements."""
+    """Collects SVG elements on a page of `width` by `height` pixels with a `title`."""
 
-    def __init__(self) -> None:
+    def __init__(self, width: int, height: int, title: str) -> None:
+        self.width, self.height, self.title = width, height, title
         self.parts: list[str] = []
 
     def _at(self, point: Point) -> str:
-        return f"{point[0]:.2f},{HEIGHT - point[1]:.2f}"
+        return f"{point[0]:.2f},{self.height - point[1]:.2f}"
 
     def line(self, a: Point, b: Point, colour: str = INK, width: float = 1.2, dash: str = "", arrow: str = "") -> None:
         """A line from a to b; `arrow`: "end" or "both"."""
@@ -114,10 +115,10 @@ class Sheet:
                 )
         body = "\n".join(self.parts)
         return (
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" '
-            f'height="{HEIGHT}" font-family="\'DejaVu Serif\', Georgia, serif" fill="none">\n'
-            f"<title>Plan view and side view of a SCARA with the symbols of assur</title>\n"
-            f'<defs>{heads}</defs>\n<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>\n{body}\n</svg>\n'
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.width} {self.height}" '
+            f'width="{self.width}" height="{self.height}" font-family="\'DejaVu Serif\', Georgia, serif" fill="none">\n'
+            f"<title>{self.title}</title>\n"
+            f'<defs>{heads}</defs>\n<rect width="{self.width}" height="{self.height}" fill="white"/>\n{body}\n</svg>\n'
         )
 
 
@@ -233,7 +234,7 @@ def side_view(sheet: Sheet) -> None:
 
 def drawing() -> str:
     """The whole SVG."""
-    sheet = Sheet()
+    sheet = Sheet(WIDTH, HEIGHT, "Plan view and side view of a SCARA with the symbols of assur")
     plan_view(sheet)
     side_view(sheet)
     return sheet.svg()

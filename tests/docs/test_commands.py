@@ -170,7 +170,9 @@ def test_every_call_is_answered_as_shown(command: Command, service: str, tmp_pat
         answers.append(json.loads(subprocess.run(words, cwd=tmp_path, capture_output=True, check=True).stdout))
     for answer in answers:
         if command.output:
-            assert lacking(json.loads("\n".join(command.output)), answer) == []
+            shown = json.loads("\n".join(command.output))
+            assert lacking(shown, answer) == []
+            assert lacking(answer, shown) == []  # nothing that is printed is left out
         else:
             assert answer["status"] == "planned", answer
 
@@ -184,3 +186,15 @@ def test_readme_shows_the_commands_that_a_newcomer_needs() -> None:
     lines = [command.line for command in commands("README.md")]
     assert {"make demo", "make test", "assur serve"} <= set(lines)
     assert any(line.startswith("curl ") for line in lines)
+
+
+def test_the_error_that_is_shown_is_what_the_command_line_prints(tmp_path: Path) -> None:
+    (shown,) = (block.text.strip() for block in of_language("text") if block.page == "docs/api.md")
+    save_files("docs/api.md", tmp_path)
+    cell = tmp_path / "cell.yaml"
+    right = cell.read_text(encoding="utf-8")
+    cell.write_text(right.replace("j1_deg: -40,", 'j1_deg: "-40",'), encoding="utf-8")
+    assert cell.read_text(encoding="utf-8") != right
+    result = run("assur plan cell.yaml", tmp_path)
+    assert result.returncode != 0
+    assert result.stderr.strip() == shown

@@ -142,7 +142,14 @@ def test_the_pages_say_proved_and_what_it_is_not() -> None:
         assert "ISO 13849" in said, page
 
 
-def test_the_drawing_is_what_its_program_draws(tmp_path: Path) -> None:
-    drawings = ROOT / "docs" / "drawings"
-    subprocess.run([sys.executable, str(drawings / "draw_scara.py"), str(tmp_path / "scara.svg")], check=True)
-    assert (tmp_path / "scara.svg").read_bytes() == (drawings / "scara.svg").read_bytes()
+@pytest.mark.parametrize("name", ["scara", "arms"])
+def test_a_drawing_is_what_its_program_draws(name: str, tmp_path: Path) -> None:
+    drawings, drawn = ROOT / "docs" / "drawings", tmp_path / f"{name}.svg"
+    subprocess.run([sys.executable, str(drawings / f"draw_{name}.py"), str(drawn)], check=True)
+    assert drawn.read_bytes() == (drawings / f"{name}.svg").read_bytes()
+
+
+def test_every_test_that_a_claim_is_held_by_is_where_the_page_says() -> None:
+    named = [name for name in spans("docs/sources.md") if re.fullmatch(r"test_\w+\.py", name)]
+    assert len(set(named)) >= 5
+    assert [name for name in named if not (ROOT / "tests" / "experiments" / name).is_file()] == []

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from experiments import figures
-from experiments.experiment import Drawing
+from experiments.experiment import Drawing, paragraphs
 from experiments.registry import ENTRIES
 from experiments.reproduce import chosen, reproduce
 from planner.errors import FaultError, InputError
@@ -46,6 +46,34 @@ def test_an_experiment_leaves_two_figures_a_paragraph_and_the_same_numbers_as_be
     assert f"({name}.svg)" in text
     assert done.paragraph == before.paragraph or name == "dyad-timing"
     assert re.search(r"\bnan\b", done.paragraph) is None
+
+
+HEADS = ("Claim", "Measured", "Verdict", "Mended")
+LONGEST = 110
+"""Words of a paragraph that one still reads."""
+
+
+def amiss(told: str) -> list[str]:
+    """What of the paragraphs of an experiment is not as `paragraphs` promises: heads in order, short, panels named."""
+    parts = told.split("\n\n")
+    heads = tuple(re.findall(r"^\*\*(\w+)\.\*\* ", told, re.MULTILINE))
+    found = [] if heads in (HEADS, HEADS[:3]) else [f"heads {heads}"]
+    found += [f"{part[:20]}: {len(part.split())} words" for part in parts if len(part.split()) > LONGEST]
+    return found if re.search(r"[Pp]anels? \([a-h]\)", told) else [*found, "no panel"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_told_is_claim_measurement_verdict_and_what_is_mended(name: str) -> None:
+    assert amiss(result(name).paragraph) == []
+
+
+def test_one_long_block_that_names_no_panel_is_found() -> None:
+    assert amiss(f"**Claim.** {'word ' * LONGEST}") == [
+        "heads ('Claim',)",
+        f"**Claim.** word word: {LONGEST + 1} words",
+        "no panel",
+    ]
+    assert amiss(paragraphs("a", "panel (a)", "c")) == []
 
 
 def test_a_figure_drawn_again_has_the_same_bytes(tmp_path: Path) -> None:
