@@ -76,7 +76,9 @@ def _legs(chain: Chain, shape: BlendShape, found: Blended, end: float) -> tuple[
         for station, free, t0, t1 in zip(shape.stations, shape.frees, edges[:-1], edges[1:], strict=True)
     ]
     if found.begin > chain.state.time:
-        legs.insert(0, Leg(LegKind.WAIT, chain.step, chain.state.time, found.begin, "lets bodies pass"))
+        # a wait that was sampled is for bodies; the rest is for points that are not yet there
+        note = "lets bodies pass" if shape.wait > 0 else "waits for the control point"
+        legs.insert(0, Leg(LegKind.WAIT, chain.step, chain.state.time, found.begin, note))
     return tuple(legs)
 
 

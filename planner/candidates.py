@@ -14,7 +14,8 @@ from planner.frames import Fixed
 from planner.free_vias import free_vias
 from planner.legs.arched import Hop
 from planner.legs.joint import Shape, Via
-from planner.scene import Move, Scene
+from planner.outcome import Reason, Refusal
+from planner.scene import Arch, Move, Scene
 from planner.ways import Option
 
 SIZES = (8, 12, 12, 16, 24)
@@ -101,12 +102,25 @@ class Sampler:
         ends = [float(self.chain.state.q[lift]), *(float(o.branch.q[0, lift]) for o in self.options[:1])]
         asked = -np.inf
         if isinstance(step, Move) and step.arch is not None:
-            flange, _ = scene.robot.forward(self.chain.state.q)
-            # the lift joint moves the flange one to one, so heights differ by a constant
-            offset = float(flange[2]) - float(self.chain.state.q[lift])
-            asked = step.arch.top_m - scene.tool.tcp.z - offset
+            asked = self._asked(step.arch)
             return [asked] if asked <= upper else []
         return [top for top in (upper, (max(ends) + upper) / 2) if top > max(ends) + 1e-3]
+
+    def too_high(self) -> Refusal | None:
+        """Why the arch that is asked for cannot be: the lift ends below it; None: it can, or none is asked."""
+        scene, lift, step = self.scene, self.scene.robot.lift, self.scene.task[self.chain.step]
+        if lift is None or not isinstance(step, Move) or step.arch is None or self._tops():
+            return None
+        joint, over = scene.robot.joints[lift].name, self._asked(step.arch) - float(scene.robot.limits.upper[lift])
+        detail = f"for an arch up to {1e3 * step.arch.top_m:g} mm"
+        return Refusal("inverse", Reason.JOINT_LIMIT, self.chain.step, (joint,), None, over, "m", detail)
+
+    def _asked(self, arch: Arch) -> float:
+        """The lift joint's value at the top of an arch."""
+        scene, q = self.scene, self.chain.state.q
+        flange, _ = scene.robot.forward(q)
+        # the lift joint moves the flange one to one, so heights differ by a constant
+        return arch.top_m - scene.tool.tcp.z - (float(flange[2]) - float(q[scene.robot.lift or 0]))
 
     def _is_via(self) -> bool:
         step = self.scene.task[self.chain.step]

@@ -9,7 +9,7 @@ from planner.frames.tilted import TiltedMotion, like
 from planner.legs.control_point import ControlPoint
 from planner.outcome import Reason, Refusal
 from planner.robots.protocol import Code, Pitching
-from planner.robots.turns import equivalents
+from planner.robots.turns import beyond_range, equivalents
 from planner.scene import Scene
 
 EDGE_M = 1e-9
@@ -65,11 +65,7 @@ def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refu
     q = found.q[0]
     if not np.isfinite(q).all() or len(equivalents(robot, q, robot.limits.lower, robot.limits.upper)):
         return None
-    over = np.maximum(robot.limits.lower - q, q - robot.limits.upper)
-    for i, joint in enumerate(robot.joints):
-        if joint.kind == "revolute":
-            turned = q[i] + 2 * np.pi * np.arange(-3, 4)
-            over[i] = np.maximum(robot.limits.lower[i] - turned, turned - robot.limits.upper[i]).min()
+    over = beyond_range(robot, q)
     worst = int(np.argmax(over))
     name, unit = robot.joints[worst].name, "rad" if robot.joints[worst].kind == "revolute" else "m"
     where = f", {1e3 * above:g} mm above the point" if above else ""

@@ -118,7 +118,12 @@ class Search:
             ways = options(self.scene, chain, met, max(MOST_WAYS, len(attitudes)))
             if chain.step == 0:
                 self.found.first_ways = ways
-            self.samplers[id(chain)] = (chain, Sampler(self.scene, chain, ways, self.rng, self.adaptive))
+            sampler = Sampler(self.scene, chain, ways, self.rng, self.adaptive)
+            high = sampler.too_high()
+            if high is not None:
+                self.found.census.note(high)
+                sampler.options = ()
+            self.samplers[id(chain)] = (chain, sampler)
         return self.samplers[id(chain)][1]
 
     def _yaws(self, chain: Chain) -> tuple[float, ...]:

@@ -25,6 +25,8 @@ ROUNDS = 60
 """Rounds after which a point is too fast to be met: a frame at half the arm's speed takes 40."""
 SEARCHED = 3
 """Rounds in which proportions of the segments are looked for; later ones keep them, for a search may jump."""
+REACHED_S = 1e-9
+"""A point comes into reach at this time of its grid or that much before it, s: at 10 m/s it has gone 10 nm by then."""
 WINDOW_S = 1e-12
 """A window is kept up to this, s, as by other legs."""
 
@@ -52,6 +54,17 @@ class Station:
         if not robot.within(q[None])[0]:
             return Refusal("timing", Reason.JOINT_LIMIT, step, (), (t, t), detail="a joint is beyond its limit by then")
         return np.asarray(q)
+
+    def from_(self, t: float) -> float:
+        """The first time from `t` on at which the point can be met in this branch; inf: it cannot any more."""
+        if self.branch.still:
+            return t
+        time, legal = self.branch.time, self.branch.legal
+        k = int(np.clip(np.searchsorted(time, t, side="right") - 1, 0, len(time) - 1))
+        if time[0] <= t <= time[-1] and legal[k] and legal[min(k + 1, len(time) - 1)]:
+            return t
+        later = np.flatnonzero(legal & (time >= t - REACHED_S))
+        return max(t, float(time[later[0]])) if len(later) else np.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +126,8 @@ def blended(scene: Scene, step: int, time: float, q: FloatArray, shape: BlendSha
             missed = _window(station.point, t)
             if isinstance(missed, Refusal):
                 return missed
-            early = max(early, missed)
+            later = station.from_(t) - t
+            early = max(early, missed, later if later > REACHED_S else 0.0)
         if not early > 0:
             return found
         begin += early
@@ -141,7 +155,12 @@ def _timed(scene: Scene, step: int, begin: float, q: FloatArray, shape: BlendSha
     for attempt in range(ROUNDS):
         poses = [q]
         for station, free, t in zip(shape.stations, shape.frees, times, strict=True):
-            at = station.at(scene, t)
+            # where it can be met first, if that is not yet so: the motion will then have to begin later
+            soonest = station.from_(t)
+            if not np.isfinite(soonest):
+                detail = "it is out of reach when the arm could be there"
+                return Refusal("timing", Reason.OUT_OF_REACH, station.point.step, (), (t, t), detail=detail)
+            at = station.at(scene, soonest)
             if isinstance(at, Refusal):
                 return at
             poses += [*free, at]

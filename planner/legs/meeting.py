@@ -17,6 +17,7 @@ from planner.legs.missed import window_missed
 from planner.legs.singular import nearest
 from planner.outcome import Reason, Refusal
 from planner.robots.protocol import Code, Inverse, Robot
+from planner.robots.turns import beyond_range
 from planner.scene import Scene
 
 GRID_S = 0.004
@@ -189,8 +190,18 @@ def _unreachable(
     if len(parallel):
         best = nearest(robot, found, 0.0, parallel, best=True)
         return Refusal("inverse", best.reason, point.step, (), _span(t), best.missing, "1", f"{mode}: {best.words}")
-    detail = f"{mode}: the arm is stretched or folded"
+    what = " or ".join(WORDS[code] for code in WORDS if (worst == code).any())
+    detail = f"{mode}: {what}"
     return Refusal("inverse", Reason.NEAR_SINGULARITY, point.step, (), _span(t), 0.0, "1", detail)
+
+
+WORDS = {
+    Code.STRETCHED: "the arm is stretched",
+    Code.FOLDED: "the arm is folded",
+    Code.INDETERMINATE: "the tool is on the shoulder's axis",
+    Code.ALIGNED: "the tool is over the base axis",
+}
+"""Codes of positions without derivatives, in words."""
 
 
 def _too_fast(robot: Robot, point: ControlPoint, t: FloatArray, over: FloatArray, mode: str) -> Refusal:
@@ -204,16 +215,7 @@ def _too_fast(robot: Robot, point: ControlPoint, t: FloatArray, over: FloatArray
 
 def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArray, mode: str) -> Refusal:
     """The joint that is nearest to being legal, over all turns, and by how much it is not."""
-    over = np.zeros(q.shape)
-    for i, joint in enumerate(robot.joints):
-        lower, upper = robot.limits.lower[i], robot.limits.upper[i]
-        x = q[:, i]
-        if joint.kind == "revolute":
-            ways = x[:, None] + 2 * np.pi * np.arange(-3, 4)
-            over[:, i] = np.maximum(lower - ways, ways - upper).min(1)
-        else:
-            over[:, i] = np.maximum(lower - x, x - upper)
-    worst = np.maximum(over, 0.0)
+    worst = beyond_range(robot, q)
     row = int(np.argmin(worst.max(1)))
     most = int(np.argmax(worst[row]))
     unit = "rad" if robot.joints[most].kind == "revolute" else "m"

@@ -149,6 +149,9 @@ def _pairs(document: object, path: Path, family: Family, item: Inline) -> tuple[
     for i, pair in enumerate(item.self_pairs):
         if not set(pair) <= set(LINKS[family]):
             raise fault(document, (*path, "self_pairs", i), f"two of {', '.join(LINKS[family])}")
+        if pair[0] == pair[1]:
+            allowed = "two links that differ: what is on one link keeps its place there"
+            raise fault(document, (*path, "self_pairs", i), allowed)
     return tuple((pair[0], pair[1]) for pair in item.self_pairs)
 
 

@@ -23,6 +23,7 @@ from planner.frames.motion import Pose
 from planner.neighbour import TrajectoryLaw
 from planner.outcome import NotPlanned, Outcome, Planned, Reason
 from planner.pipeline import plan
+from planner.robots.protocol import Code
 from planner.robots.scara import FLANGE, LINK1
 from planner.scene import Arch, Follow, Options, Pick, Place, Scene, Start, Step, Target, Window
 from planner.shapes import box, cylinder
@@ -85,6 +86,19 @@ CELLS = {
     "window on a belt": lambda: blend(
         cell(go(0.3, 0.0, 0.15, 0.0, "belt", match="position", window=Window(along=(0.5, 0.7))), frames=(BELT,))
     ),
+    "not yet in reach": lambda: blend(
+        cell(
+            go(0.0, 0.0, 0.15, 0.0, "late", match="position"),
+            frames=(frame("late", Conveyor(Pose(0.35, -1.0, 0.0, np.pi / 2), 0.4)),),
+        )
+    ),
+    "a via not yet in reach": lambda: blend(
+        cell(
+            go(0.0, 0.0, 0.15, 0.0, "late", match="position", via=True, name="v"),
+            go(0.3, 0.2, 0.1, name="w"),
+            frames=(frame("late", Conveyor(Pose(0.35, -1.0, 0.0, np.pi / 2), 0.4)),),
+        )
+    ),
     "over a wall": lambda: blend(cell(go(0.4, -0.3), go(0.4, 0.3, name="b"), bodies=(wall(),))),
     "late on the clock": lambda: blend(
         cell(go(0.4, 0.0, 0.15, via=True), go(0.3, -0.3, name="b"), time=54321.123), acceleration_time_s=0.25
@@ -103,6 +117,23 @@ def planned(name: str) -> tuple[Scene, Planned]:
     scene, outcome = answer(name)
     assert isinstance(outcome, Planned), outcome.sentence
     return scene, outcome
+
+
+def test_a_point_that_is_not_yet_in_reach_is_waited_for_and_met_as_soon_as_it_is() -> None:
+    _, outcome = planned("not yet in reach")
+    assert [leg.note for leg in outcome.plan.legs] == ["waits for the control point", "blends"]
+    scene = CELLS["not yet in reach"]()
+    robot, law = scene.robot, scene.frames["late"].law
+    target = Pose(0.0, 0.0, 0.15)
+    end = outcome.plan.trajectory.end
+
+    def reached(t: float) -> bool:
+        codes = (robot.inverse(law.motion(np.array([t])).at(target).at_rest(), mode, 0) for mode in (0, 1))
+        return any(found.code[0] == Code.ASSEMBLED and robot.within(found.q).all() for found in codes)
+
+    assert reached(end)
+    # meeting times are looked at every 16 ms at most
+    assert not any(reached(t) for t in np.arange(0.0, end - 0.017, 0.01))
 
 
 @pytest.mark.parametrize("name", sorted(CELLS))

@@ -17,9 +17,9 @@ import pytest
 from planner.certificate import Prover
 from planner.chain import initial
 from planner.checker import check
-from planner.outcome import Planned
+from planner.outcome import NotPlanned, Planned, Reason
 from planner.pipeline import plan
-from planner.scene import Clearance, Scene
+from planner.scene import Arch, Clearance, Scene
 from planner.search import Found, Search
 from planner.shapes import box, cylinder
 from tests.planner.cells import CUP, arm, belt_and_dial, cell, go, stands, table_to_table
@@ -208,3 +208,15 @@ def test_the_chain_of_no_steps_is_the_start() -> None:
     assert chain.state.time == 2.0
     assert np.array_equal(chain.state.q, scene.start.q)
     assert chain.mode == int(arm().mode_of(scene.start.q))
+
+
+def test_an_arch_above_the_lift_is_refused_with_what_is_missing_and_not_for_want_of_time() -> None:
+    top = float(arm().limits.upper[2]) + CUP.tcp.z
+    scene = cell(go(0.35, -0.2, arch=Arch(top + 0.07)), tool=CUP)
+    outcome = plan(replace(scene, options=replace(scene.options, max_candidates=100)))
+    assert isinstance(outcome, NotPlanned)
+    assert outcome.reason is Reason.JOINT_LIMIT
+    assert outcome.refusal is not None
+    assert outcome.refusal.bodies == ("z",)
+    assert outcome.refusal.amount == pytest.approx(0.07)
+    assert isinstance(plan(cell(go(0.35, -0.2, arch=Arch(top - 1e-3)), tool=CUP)), Planned)

@@ -272,6 +272,7 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad("inline range upside down", _inline(joint_0={"range_deg": [90, -90]}), "robot.scara.joints[0].range_deg"),
     Bad("inline zero of a turning joint", _inline(joint_0={"zero_mm": 3}), "robot.scara.joints[0].zero_mm"),
     Bad("inline sign of two", _inline(joint_0={"sign": 2}), "robot.scara.joints[0].sign"),
+    Bad("inline pair of a link with itself", _inline(self_pairs=[["flange", "flange"]]), "robot.scara.self_pairs[0]"),
     Bad("inline pair of unknown links", _inline(self_pairs=[["base", "hand"]]), "robot.scara.self_pairs[0][1]"),
     Bad(
         "inline quill that is no solid of revolution",

@@ -14,7 +14,7 @@ from planner.errors import InputError
 from planner.robots import planar, turns
 from planner.robots.protocol import Limits, Robot
 from planner.robots.scara import Scara
-from planner.robots.turns import equivalents
+from planner.robots.turns import beyond_range, equivalents
 
 WIDE = np.array([7.0, 2.6, 0.4, 13.0])
 
@@ -95,3 +95,17 @@ def test_principal_angles_keep_their_bits_and_others_lose_whole_turns() -> None:
 
 def test_the_examples_in_the_docstrings_run() -> None:
     assert doctest.testmod(turns).failed == 0
+
+
+@given(st.floats(-90, 90), st.floats(-80, 80), st.floats(0.1, 9.0), st.floats(-2, 2))
+def test_a_joint_is_beyond_its_range_by_the_least_over_all_turns(q4: float, low: float, wide: float, z: float) -> None:
+    lower, upper = -WIDE.copy(), WIDE.copy()
+    lower[3], upper[3] = low, low + wide
+    robot = Scara("arm", 0.3, 0.2, 4, Limits(lower, upper, WIDE, WIDE, WIDE))
+    every = q4 + 2 * np.pi * np.arange(-60, 61)
+    least = max(0.0, float(np.maximum(low - every, every - (low + wide)).min()))
+    found = beyond_range(robot, np.array([0.0, 1.0, z, q4]))
+    assert found[:2].tolist() == [0.0, 0.0]
+    assert found[2] == max(0.0, abs(z) - 0.4)
+    assert found[3] == pytest.approx(least, abs=1e-12)
+    assert (found[3] == 0.0) == bool(len(equivalents(robot, np.array([0.0, 1.0, 0.0, q4]), lower, upper)))
