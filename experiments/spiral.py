@@ -46,7 +46,7 @@ REQUEST: dict[str, Any] = {
     "task": [
         {
             "follow": {
-                "to": {"frame": "helix", "at_mm": [20, 0, 0], "yaw_free": True},
+                "to": {"frame": "helix", "at_mm": [20, 0, 0]},
                 "duration_s": LASTS_S,
                 "window_s": [BEGINS_S, BEGINS_S + LASTS_S + 1e-3],  # as long as the dwell: met at its beginning
             }
