@@ -57,7 +57,7 @@ def sections(there: Results) -> dict[str, Document]:
 def bars(there: Results) -> str:
     """The table of the bars; without a result, only the bars."""
     if not sections(there):
-        rows = [f"{NO_RESULTS} Sets in the order {ORDER}.", "", "| figure | bar |", "|---|---|"]
+        rows = [NO_RESULTS, "", f"Sets in the order {ORDER}.", "", "| figure | bar |", "|---|---|"]
         return "\n".join([*rows, *(f"| {line.title} | {line.bar} |" for line in lines({}) if line.bar)])
     rows = [f"Sets in the order {ORDER}.", "", "| figure | bar | reached | met |", "|---|---|---|---|"]
     rows += [f"| {line.title} | {line.bar} | {line.reached} | {line.met} |" for line in lines(sections(there))]

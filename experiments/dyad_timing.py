@@ -92,7 +92,7 @@ def run() -> Result:
         f"It depends on what is not printed. {place[sum(between)]} between those of the two solvers, panel (c): the "
         f"shares depend more on the code for the linear systems than on the formulation, for by Cramer's rule relative "
         f"coordinates take {1 / shares['relative']:.1f} times the time of the printed equations. The gain over natural "
-        f"coordinates grows with the spread of the guess; they alone need luck, and their times scatter.",
+        f"coordinates grows with the spread of the guess; they alone need luck, and their times scatter. "
         f"The vector form of this project takes {100 * ours['printed']:.0f} % of the time of the printed one, with the "
         f"same numbers.",
     )

@@ -72,7 +72,7 @@ def run() -> Result:
     most = max(value for row in worst.values() for value in row.values())
     paragraph = paragraphs(
         "Source 000 has two assembly modes, φ = θ ± β; 001 has two signs of a root, 004 an index g = sign(sin θ2). "
-        "None says how its choice is called by the others, and 000 counts θ2 against Denavit-Hartenberg.",
+        "Source 000 counts θ2 against Denavit-Hartenberg.",
         f"Over {POINTS:,} points spread over the workspace, to 1 mm from its edges, each of the three printed "
         f"solutions gives the planner's θ1 and θ2 in the mode named below, to {most:.0e} rad; θ2 of the two modes "
         f"differs in its sign only. Panel (a) shows the dyad of 000 in both modes, panel (b) the pose of 004; the "

@@ -186,3 +186,15 @@ def test_the_table_of_solids_is_that_of_the_catalogue() -> None:
         assert robot["family"] == "scara" or robot["model"] in shown
         assert there == shown.pop(robot["model"], rest), robot["model"]
     assert shown == {}
+
+
+def test_the_arms_that_readme_names_are_those_of_the_catalogue() -> None:
+    table = prose("README.md").split("| arm | of the catalogue")[1].split("\n\n")[0]
+    rows = re.findall(r"^\| (.+?) \| (.+?) \|$", table, re.MULTILINE)
+    there = {robot["model"]: robot["family"] for robot in robots()}
+    scaras = [model for model, family in there.items() if family == "scara"]
+    first, *others = (cell for _, cell in rows)
+    assert first.startswith("eight")
+    assert len(scaras) == 8
+    assert set(re.findall(r"`([\w-]+)`", first)) <= set(scaras)
+    assert {name for cell in others for name in re.findall(r"`([\w-]+)`", cell)} == set(there) - set(scaras)
