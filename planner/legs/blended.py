@@ -158,6 +158,9 @@ def _timed(scene: Scene, step: int, begin: float, q: FloatArray, shape: BlendSha
             # where it can be met first, if that is not yet so: the motion will then have to begin later
             soonest = station.from_(t)
             if not np.isfinite(soonest):
+                missed = _window(station.point, t)
+                if isinstance(missed, Refusal):
+                    return missed
                 detail = "it is out of reach when the arm could be there"
                 return Refusal("timing", Reason.OUT_OF_REACH, station.point.step, (), (t, t), detail=detail)
             at = station.at(scene, soonest)
