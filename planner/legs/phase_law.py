@@ -105,63 +105,63 @@ def quickest(derivatives: tuple[FloatArray, FloatArray, FloatArray], limits: Lim
 
 @dataclass(frozen=True, eq=False)
 class Rates:
-    """What the joints of a line do under a law, in shares of their limits: `table` (4, M, n, 3) holds q' to q'''' by s,
-    over the limits of velocity, acceleration and jerk."""
+    """What the joints of a line do under a law: `table` (M, 4, n) holds q' to q'''' by s, `bounds` (n, 3) the limits of
+    velocity, acceleration and jerk."""
 
     table: FloatArray
+    bounds: FloatArray
 
     @staticmethod
     def of(derivatives: tuple[FloatArray, FloatArray, FloatArray], limits: Limits) -> Rates:
         """The fourth derivative, by differences, serves the slopes of the search alone."""
         fourth = np.gradient(derivatives[2], 1 / (len(derivatives[2]) - 1), axis=0)
         bounds = np.stack([limits.velocity, limits.acceleration, limits.jerk], -1)
-        return Rates(np.stack([*derivatives, fourth])[..., None] / bounds)
+        return Rates(np.stack([*derivatives, fourth], 1), bounds)
 
     def at(self, s: FloatArray) -> FloatArray:
-        """The table at s (R,), (4, R, n, 3)."""
-        last = self.table.shape[1] - 1
+        """The table at s (R,), (4, R, n)."""
+        last = len(self.table) - 1
         x = np.clip(s, 0.0, 1.0) * last
         i = np.minimum(x.astype(int), last - 1)
         w = (x - i)[:, None, None]
-        return np.asarray(self.table[:, i] * (1 - w) + self.table[:, i + 1] * w)
+        return np.asarray((self.table[i] * (1 - w) + self.table[i + 1] * w).swapaxes(0, 1))
 
     def times(self, shape: FloatArray) -> FloatArray:
         """Times (R, n, 3) that velocity, acceleration and jerk need in a state (R, 4) of a law of duration 1 (L4)."""
-        return _times(_values(self.at(shape[:, 0]), shape))
+        return _times(self._values(self.at(shape[:, 0]), shape))
 
     def slopes(self, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
         """These times, and their derivatives (R, n, 3, 4) by s, ṡ, s̈, s⃛."""
         q = self.at(shape[:, 0])
-        values = _values(q, shape)
+        values = self._values(q, shape)
         times = _times(values)
-        (v1, a1, j1), (v2, a2, j2), (_, a3, j3), (_, _, j4) = (np.moveaxis(order, -1, 0) for order in q)
+        q1, q2, q3, q4 = q
         d, dd, ddd = (shape[:, k, None] for k in (1, 2, 3))
-        none = np.zeros_like(v1)
-        partial = np.stack(
-            [
-                np.stack([v2 * d, v1, none, none], -1),
-                np.stack([a2 * dd + a3 * d**2, 2 * a2 * d, a1, none], -1),
-                np.stack([j2 * ddd + 3 * j3 * d * dd + j4 * d**3, 3 * (j2 * dd + j3 * d**2), 3 * j2 * d, j1], -1),
-            ],
-            -2,
-        )
+        partial = np.zeros((*values.shape, 4))
+        partial[..., 0, 0], partial[..., 0, 1] = q2 * d, q1
+        partial[..., 1, 0], partial[..., 1, 1], partial[..., 1, 2] = q2 * dd + q3 * d**2, 2 * q2 * d, q1
+        partial[..., 2, 0] = q2 * ddd + 3 * q3 * d * dd + q4 * d**3
+        partial[..., 2, 1], partial[..., 2, 2], partial[..., 2, 3] = 3 * (q2 * dd + q3 * d**2), 3 * q2 * d, q1
         # of |x|^(1/k): sign(x) |x|^(1/k − 1)/k
-        root = np.sign(values) / _ORDER * np.maximum(times, FLAT * times.max()) ** (1 - _ORDER)
+        root = np.sign(values) / _ORDER * np.maximum(times, FLAT * times.max()) ** (1 - _ORDER) / self.bounds
         return times, partial * root[..., None]
 
-
-def _values(q: FloatArray, shape: FloatArray) -> FloatArray:
-    """q̇, q̈, q⃛ over their limits, (R, n, 3), by the chain rule (L2)."""
-    d, dd, ddd = (shape[:, k, None] for k in (1, 2, 3))
-    v = q[0, ..., 0] * d
-    a = q[0, ..., 1] * dd + q[1, ..., 1] * d**2
-    j = q[0, ..., 2] * ddd + 3 * q[1, ..., 2] * d * dd + q[2, ..., 2] * d**3
-    return np.stack([v, a, j], -1)
+    def _values(self, q: FloatArray, shape: FloatArray) -> FloatArray:
+        """q̇, q̈, q⃛ over their limits, (R, n, 3), by the chain rule (L2)."""
+        q1, q2, q3, _ = q
+        d, dd, ddd = (shape[:, k, None] for k in (1, 2, 3))
+        values = np.empty((*q1.shape, 3))
+        values[..., 0] = q1 * d
+        values[..., 1] = q1 * dd + q2 * d**2
+        values[..., 2] = q1 * ddd + 3 * q2 * d * dd + q3 * d**3
+        return values / self.bounds
 
 
 def _times(values: FloatArray) -> FloatArray:
-    size = np.abs(values)
-    return np.stack([size[..., 0], np.sqrt(size[..., 1]), np.cbrt(size[..., 2])], -1)
+    times = np.abs(values)
+    times[..., 1] = np.sqrt(times[..., 1])
+    times[..., 2] = np.cbrt(times[..., 2])
+    return times
 
 
 _ORDER = np.array([1.0, 2.0, 3.0])

@@ -329,3 +329,27 @@ def test_a_frame_that_stands_at_first_and_then_moves_is_followed() -> None:
     assert np.abs(reached.p - wanted.p).max() <= 1e-9
     assert np.abs(reached.v - wanted.v).max() <= 1e-8
     assert np.abs(wanted.v).max() > 1e-3
+
+
+def test_where_the_line_was_not_told_rightly_the_faster_leg_is_still_taken() -> None:
+    """Past a singular position of this arm the rates peak between the points of the table: by it both laws would take
+    far longer than they do, and the one made for the line is not the faster one."""
+    robot, none = five_axis_arm(), np.zeros(5)
+    q = np.array([2.3885014066, 0.842975315, 0.4918525939, 0.2750692844, 0.6484080749])
+    first = robot.link_motion(robot.links.index("flange"), q, none, none, none)
+    goal = Pose(0.0586589005, 0.4100303915, 0.440375948, 1.428700591)
+
+    def left(t: FloatArray) -> Motion:
+        x, y, z = first.p.tolist()
+        assert isinstance(first, TiltedMotion)
+        return TiltedMotion.of(Motion.still(Pose(x, y, z, float(first.yaw)), np.shape(t)), first.tilt)
+
+    def met(t: FloatArray) -> Motion:
+        return TiltedMotion.of(Motion.still(goal, np.shape(t)), np.array([-0.7751324364, 0.0762509788]))
+
+    scene, state = cell(go(0.3, 0.0), robot=robot, q=tuple(q.tolist())), State(0.0, q, none, none)
+    before = scaled(scene, 0, state, 1, left, met, constant_law, 0)
+    leg = straight(scene, 0, state, 1, left, met)
+    assert isinstance(before, Stretch)
+    assert isinstance(leg, Stretch)
+    assert path(leg).duration <= path(before).duration
