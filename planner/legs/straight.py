@@ -1,119 +1,166 @@
-"""Straight Cartesian legs between two moving frames: p(s, t) = A(t) + s (B(t) - A(t)), s from 0 to 1 timed by Ruckig.
+"""Straight Cartesian legs between two moving frames: p(s, t) = A(t) + s (B(t) - A(t)), s from 0 to 1 by a phase law.
 Yaw, pitch and roll go from end to end by the same s, the short way round.
 
 At s = 0 the flange moves with the frame it leaves, at s = 1 with the one it meets, so velocity and acceleration match
-at both ends by construction. With Δ = B - A (equation L1):
+at both ends by construction (equation L1, `planner.legs.line`).
 
-    ṗ = Ȧ + s Δ̇ + ṡ Δ        p̈ = Ä + s Δ̈ + 2 ṡ Δ̇ + s̈ Δ
+There are two phase laws: one made for the joints' motion along the line (`planner.legs.phase_law`), for which
+frames are taken to stand, and Ruckig's with constant limits of s. The faster leg is taken.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from planner.arrays import FloatArray
 from planner.frames.motion import Motion
-from planner.frames.tilted import TiltedMotion, like
+from planner.frames.tilted import like
 from planner.legs.glued import PATH_M, REFINEMENTS, SPACING_S, continued
 from planner.legs.limits import rates
+from planner.legs.line import Along, Line, Phase, Uniform
+from planner.legs.phase_law import TABLE, PhaseLaw, Rates, quickest
 from planner.legs.singular import nearest
 from planner.legs.state import Knots, State, Stretch
 from planner.legs.tilt import PATH_RAD, tilt_off
 from planner.outcome import LegKind, Reason, Refusal
 from planner.robots.protocol import Code, Inverse
 from planner.scene import Scene
-from planner.timing import Profile, TimingRefusal, time_joints
+from planner.timing import TimingRefusal, time_joints
 from planner.trajectory import Trajectory
 
 ROUNDS = 12
 """Rounds of scaling the phase law until all joints keep their limits."""
+CLOSE_ROUNDS, CLOSE, CLOSE_AIM = 4, 0.985, 0.999
+"""In the first rounds a law made for the line is scaled to this share of the limits, and a leg that reaches so much of
+them is taken. Between still frames rates scale as the law does, and two rounds do: the thousandth is for knots that
+come to lie elsewhere."""
+LOOSE, LOOSE_AIM = 0.9, 0.96
+"""Likewise in all other rounds: frames in motion have a part in the rates that no scaling changes."""
 FIRST = (2.0, 8.0, 80.0)
-"""First guess of the phase law's limits, 1/s, 1/s², 1/s³."""
+"""Limits of the constant phase law to begin with, 1/s, 1/s², 1/s³."""
+CONSTANT_LOOKS = 201
+"""Times at which the constant law is looked at to tell how long it would take on a line."""
+SURELY = 0.95
+"""A leg that takes less than this share of what the constant law would take needs no comparison with it ..."""
+AS_TOLD = 0.05
+"""... if the leg itself was told to this share before it was made. Past a singular position a rate can rise and fall
+between two points of the table, and then neither is."""
 
 LOOKS = 201
 """Points of a line at which its distance from a singular position is looked at."""
 
-Along = Callable[[FloatArray], Motion]
-
-
-@dataclass(frozen=True, slots=True)
-class _Line:
-    """The way between two frames under one phase profile that begins at `begin`."""
-
-    left: Along
-    met: Along
-    phase: Profile
-    begin: float
-
-    @property
-    def end(self) -> float:
-        return self.begin + self.phase.duration
-
-    def motion(self, t: FloatArray) -> Motion:
-        """Equation L1 at times t (T,)."""
-        a, b = self.left(t), self.met(t)
-        clock = np.clip(t - self.begin, 0.0, self.phase.duration)
-        s, sd, sdd = (self.phase.evaluate(clock, order)[:, 0] for order in range(3))
-        turn = np.round((b.yaw[0] - a.yaw[0]) / (2 * np.pi)) * 2 * np.pi
-        p, v, acceleration = _blend(a.p, a.v, a.a, b.p, b.v, b.a, s[:, None], sd[:, None], sdd[:, None])
-        yaw, yaw_d, yaw_dd = _blend(a.yaw, a.yaw_d, a.yaw_dd, b.yaw - turn, b.yaw_d, b.yaw_dd, s, sd, sdd)
-        motion = Motion(p, v, acceleration, np.zeros_like(p), yaw, yaw_d, yaw_dd, np.zeros_like(yaw))
-        if not (isinstance(a, TiltedMotion) and isinstance(b, TiltedMotion)):
-            return motion
-        turns = np.round((b.tilt[0] - a.tilt[0]) / (2 * np.pi)) * 2 * np.pi
-        rates = a.tilt_d, a.tilt_dd, b.tilt - turns, b.tilt_d, b.tilt_dd
-        tilt = _blend(a.tilt, *rates, s[:, None], sd[:, None], sdd[:, None])
-        return TiltedMotion.of(motion, *tilt, np.zeros_like(tilt[0]))
-
-
-def _blend(
-    a: FloatArray,
-    ad: FloatArray,
-    add: FloatArray,
-    b: FloatArray,
-    bd: FloatArray,
-    bdd: FloatArray,
-    s: FloatArray,
-    sd: FloatArray,
-    sdd: FloatArray,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    gap, gap_d, gap_dd = b - a, bd - ad, bdd - add
-    return a + s * gap, ad + s * gap_d + sd * gap, add + s * gap_dd + 2 * sd * gap_d + sdd * gap
+Paced = Callable[[float], Phase | TimingRefusal]
+"""A phase law `scale` times as fast."""
 
 
 def straight(scene: Scene, step: int, state: State, mode: int, left: Along, met: Along) -> Stretch | Refusal:
     """A straight leg from `state`, in which the flange moves as `left` says, until it moves as `met` says.
 
-    The phase law's limits are scaled until velocity, acceleration and jerk of every joint are within limits by the
-    exact extrema of the spline. Refused: out of reach, too near a singularity, a joint position beyond its limit.
+    The phase law is scaled until velocity, acceleration and jerk of every joint are within limits by the exact extrema
+    of the spline. Refused: out of reach, too near a singularity, a joint position beyond its limit.
     """
+    start = np.array([state.time])
+    leg: Stretch | Refusal | None = None
+    standing = _still(left, start) and _still(met, start)
+    if standing:
+        law, surely = _made_for(scene, mode, left(start), met(start))
+        if law is not None:
+            leg = scaled(scene, step, state, mode, left, met, _as_fast(law), CLOSE_ROUNDS)
+        if law is not None and isinstance(leg, Stretch):
+            t = leg.knots.time
+            told = abs(_length(t) / law.duration - 1) <= AS_TOLD
+            if told and _length(t) <= surely and _still(left, t) and _still(met, t):
+                return leg
+    plain = scaled(scene, step, state, mode, left, met, constant_law, 0)
+    if isinstance(plain, Refusal):
+        return plain
+    if not standing:
+        # the line that is gone is rather that from where one frame is left to where the other is met
+        law, _ = _made_for(scene, mode, left(start), met(plain.knots.time[-1:]))
+        if law is not None:
+            leg = scaled(scene, step, state, mode, left, met, _as_fast(law), CLOSE_ROUNDS)
+    if isinstance(leg, Stretch) and _length(leg.knots.time) < _length(plain.knots.time):
+        return leg
+    return plain
+
+
+def _as_fast(law: PhaseLaw) -> Paced:
+    return lambda scale: law.slower(1 / scale)
+
+
+def constant_law(scale: float) -> Phase | TimingRefusal:
+    """Ruckig's law from 0 to 1 with constant limits of s, `scale` times as fast as by `FIRST`."""
+    v, a, j = (np.array([FIRST[order] * scale ** (order + 1)]) for order in range(3))
+    none = np.zeros(1)
+    return time_joints(none, none, none, np.ones(1), none, none, v, a, j)
+
+
+def _made_for(scene: Scene, mode: int, a: Motion, b: Motion) -> tuple[PhaseLaw | None, float]:
+    """The law made for the line between two poses (1,) that stand, if there is one, and the time below which a leg is
+    surely faster than one of the constant law.
+
+    By another scale the constant law is the same shape in another time, so one look tells what it needs (L4).
+    """
+    s = np.linspace(0.0, 1.0, TABLE)
+    row = np.zeros(TABLE, dtype=int)
+    line = Line(lambda _: a.at_rest()[row], lambda _: b.at_rest()[row], Uniform(), 0.0)
+    along = scene.robot.inverse(line.motion(s), mode, 3)
+    derivatives = along.qd, along.qdd, along.qddd
+    law, plain = quickest(derivatives, scene.robot.limits), constant_law(1.0)
+    if law is None or isinstance(plain, TimingRefusal):
+        return None, 0.0
+    t = np.linspace(0.0, plain.duration, CONSTANT_LOOKS)
+    shape = np.concatenate([plain.evaluate(t, order) * plain.duration**order for order in range(4)], 1)
+    needed = float(Rates.of(derivatives, scene.robot.limits).times(shape).max())
+    return law, SURELY * needed
+
+
+def _still(along: Along, t: FloatArray) -> bool:
+    """Whether a frame stands still at all times t (T,)."""
+    motion = along(t)
+    return not (motion.v.any() or motion.a.any() or motion.yaw_d.any() or motion.yaw_dd.any())
+
+
+def _length(t: FloatArray) -> float:
+    return float(t[-1] - t[0])
+
+
+def scaled(
+    scene: Scene, step: int, state: State, mode: int, left: Along, met: Along, paced: Paced, closely: int
+) -> Stretch | Refusal:
+    """The leg by a phase law, as fast as keeps the limits; in so many rounds to begin with, closely so."""
     scale = 1.0
-    for _ in range(ROUNDS):
-        v, a, j = (np.array([FIRST[order] * scale ** (order + 1)]) for order in range(3))
-        none = np.zeros(1)
-        phase = time_joints(none, none, none, np.ones(1), none, none, v, a, j)
+    kept: Stretch | None = None
+    for number in range(ROUNDS):
+        close = number < closely
+        if kept is not None and not close:
+            break
+        phase = paced(scale)
         if isinstance(phase, TimingRefusal):
             return Refusal("straight", Reason.MOTION_LIMIT, step, detail=phase.detail)
-        line = _Line(left, met, phase, state.time)
-        knots = _knots(scene, step, state, mode, line)
+        knots = _knots(scene, step, state, mode, Line(left, met, phase, state.time))
         if isinstance(knots, Refusal):
             return knots
         fast = rates(scene, "straight", step, knots)
         if isinstance(fast, Refusal):
             return fast
         ratio = max(fast.velocity, fast.acceleration**0.5, fast.jerk ** (1 / 3))
-        if 0.9 <= ratio <= 1.0:
-            return Stretch(LegKind.MOVE, knots, "straight")
-        if ratio < 0.9 and scale > 1e3:
+        if LOOSE <= ratio <= 1.0:
+            if kept is None or _length(knots.time) < _length(kept.knots.time):
+                kept = Stretch(LegKind.MOVE, knots, "straight")
+            if ratio >= CLOSE:
+                break
+        if not ratio > 0 or (ratio < LOOSE and scale > 1e3):
             break
-        scale *= 0.96 / ratio
+        scale *= (CLOSE_AIM if close else LOOSE_AIM) / ratio
+    if kept is not None:
+        return kept
     return Refusal("straight", Reason.MOTION_LIMIT, step, detail="no phase law keeps the limits of all joints")
 
 
-def _knots(scene: Scene, step: int, state: State, mode: int, line: _Line) -> Knots | Refusal:
+def _knots(scene: Scene, step: int, state: State, mode: int, line: Line) -> Knots | Refusal:
     spacing, robot = SPACING_S, scene.robot
     for _ in range(REFINEMENTS):
         marks = np.unique(np.append(line.begin + line.phase.switches(), line.end))

@@ -10,15 +10,21 @@ import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
+from benchmarks.sections.legs import fastest_joint_move
 from planner.arrays import FloatArray
 from planner.frames import Conveyor, Fixed, Law, Turntable
 from planner.frames.motion import Motion, Pose
+from planner.frames.tilted import TiltedMotion
+from planner.legs.line import Along
 from planner.legs.state import State, Stretch
-from planner.legs.straight import Along, mode_changes, straight
+from planner.legs.straight import constant_law, mode_changes, scaled, straight
 from planner.outcome import Reason, Refusal
+from planner.robots.protocol import Robot
 from planner.scene import Scene
 from planner.trajectory import Trajectory, check_limits
+from scenes.catalogue import arm_named
 from tests.planner.cells import arm, cell, go, limits
+from tests.planner.five_axis_cells import five_axis_arm
 
 LIMITS = limits()
 ON_THE_LINE_M = 2e-6
@@ -195,3 +201,155 @@ def test_a_leg_to_a_point_that_stands_ends_at_rest_to_the_bit(
     leg = straight(scene, 0, state, mode, along(first, pose), along(*still(0.31, 0.17, 0.12)))
     if isinstance(leg, Stretch):
         assert leg.knots.last.resting
+
+
+def robots() -> dict[str, Robot]:
+    found: dict[str, Robot] = {"scara": arm(), "five-axis": five_axis_arm()}
+    for model in ("elbow-arm", "polar-arm", "mitsubishi-rp-5ah"):
+        entry = arm_named(model)
+        found[model] = entry.robot(Pose(), entry.limits)
+    return found
+
+
+def drawn(rng: np.random.Generator, robot: Robot, mode: int, moving: bool) -> Along | None:
+    """A frame that stands, or a belt or a dial, somewhere in reach in the mode; or nothing."""
+    q = rng.uniform(np.maximum(robot.limits.lower, -3), np.minimum(robot.limits.upper, 3))
+    none = np.zeros_like(q)
+    if not robot.within(q) or robot.mode_of(q) != mode:
+        return None
+    place = robot.link_motion(robot.links.index("flange"), q, none, none, none)
+    x, y, z = place.p.tolist()
+    law: Law = Fixed(Pose(x, y, z, float(place.yaw)))
+    kind = int(rng.integers(3)) if moving else 0
+    if kind == 1:
+        law = Conveyor(Pose(x, y, z, float(rng.uniform(-3, 3))), float(rng.uniform(-0.2, 0.2)))
+    elif kind == 2:
+        law = Turntable(Pose(x, y, z), float(rng.uniform(-1, 1)))
+
+    def motion(t: FloatArray) -> Motion:
+        found = law.motion(np.asarray(t)).at(Pose())
+        return TiltedMotion.of(found, place.tilt) if isinstance(place, TiltedMotion) else found
+
+    return motion
+
+
+@pytest.mark.parametrize("moving", [False, True])
+@pytest.mark.parametrize("name", list(robots()))
+def test_no_leg_is_slower_than_by_the_constant_law_and_what_that_refuses_is_refused_alike(
+    name: str, moving: bool
+) -> None:
+    robot, rng = robots()[name], np.random.default_rng(5)
+    given = robot.limits
+    middle = tuple(((given.lower + given.upper) / 2).tolist())
+    scene = cell(go(0.3, 0.0), robot=robot, q=middle, singularity_margin=0.05)
+    ratios: list[float] = []
+    refused = 0
+    while len(ratios) < 12:
+        mode = int(rng.integers(len(robot.modes)))
+        left, met = drawn(rng, robot, mode, moving), drawn(rng, robot, mode, moving)
+        if left is None or met is None:
+            continue
+        at = robot.inverse(left(np.array(0.2)), mode, 2)
+        if not np.isfinite(at.qdd).all():
+            continue
+        state = State(0.2, at.q, at.qd, at.qdd)
+        before = scaled(scene, 0, state, mode, left, met, constant_law, 0)
+        leg = straight(scene, 0, state, mode, left, met)
+        if isinstance(before, Refusal) or isinstance(leg, Refusal):
+            assert repr(leg) == repr(before)
+            refused += 1
+            continue
+        found = path(leg)
+        assert check_limits(found, given.lower, given.upper, given.velocity, given.acceleration, given.jerk).ok
+        ratios.append(found.duration / path(before).duration)
+    assert refused > 0
+    assert max(ratios) <= 1.01
+    assert np.median(ratios) <= 0.9
+
+
+def test_a_straight_leg_takes_a_tenth_longer_than_the_joint_move_at_most_in_the_median() -> None:
+    """Ends as the benchmark draws them; the reference is the fastest joint motion between them, straight or not."""
+    rng, robot = np.random.default_rng(1), arm()
+    scene = cell(go(0.3, 0.0), robot=robot)
+    given = {"vmax": LIMITS.velocity, "amax": LIMITS.acceleration, "jmax": LIMITS.jerk}
+    ratios: list[float] = []
+    while len(ratios) < 150:
+        mode = len(ratios) % 2
+        r, angle, z = rng.uniform(0.25, 0.52, 2), rng.uniform(-1.5, 1.5, 2), rng.uniform(0.06, 0.20, 2)
+        places = [Fixed(Pose(*end)) for end in np.stack([r * np.cos(angle), r * np.sin(angle), z], -1).tolist()]
+        state = begin(scene, places[0], Pose(), 0.0, mode)
+        leg = straight(scene, 0, state, mode, along(places[0], Pose()), along(places[1], Pose()))
+        if isinstance(leg, Refusal):
+            assert leg.reason in (Reason.NEAR_SINGULARITY, Reason.OUT_OF_REACH, Reason.JOINT_LIMIT)
+            continue
+        ratios.append(path(leg).duration / fastest_joint_move(state.q, leg.knots.q[-1], given))
+    assert min(ratios) >= 1.0
+    assert np.median(ratios) <= 1.10
+
+
+def test_the_same_leg_is_made_again_to_the_bit() -> None:
+    one, other = (between(still(0.3, -0.2), still(0.45, 0.1)) for _ in range(2))
+    assert isinstance(one, Stretch)
+    assert isinstance(other, Stretch)
+    for name in ("time", "q", "qd", "qdd"):
+        assert getattr(one.knots, name).tobytes() == getattr(other.knots, name).tobytes()
+
+
+def test_a_leg_of_no_length_is_refused_and_one_that_only_turns_is_not() -> None:
+    for x in (0.3, 0.3 + 1e-12):
+        nowhere = between(still(0.3, 0.2), still(x, 0.2))
+        assert isinstance(nowhere, Refusal)
+        assert nowhere.reason is Reason.MOTION_LIMIT
+    turned = between(still(0.3, 0.2), (Fixed(Pose(0.3, 0.2, 0.1)), Pose(yaw=1.0)))
+    assert isinstance(turned, Stretch)
+    assert np.abs(np.diff(turned.knots.q[:, :3], axis=0)).max() <= 1e-12
+
+
+def test_a_frame_that_stands_at_first_and_then_moves_is_followed() -> None:
+    """Whether frames stand is asked over all of the leg, not where it begins."""
+
+    def met(t: FloatArray) -> Motion:
+        still_one = Motion.still(Pose(0.3, 0.2, 0.1), np.shape(t))
+        u = np.maximum(np.asarray(t) - 0.05, 0.0)
+        p, v, a = still_one.p.copy(), still_one.v.copy(), still_one.a.copy()
+        p[..., 0] += 0.2 * u**3
+        v[..., 0] += 0.6 * u**2
+        a[..., 0] += 1.2 * u
+        return Motion(p, v, a, still_one.j, *(getattr(still_one, k) for k in ("yaw", "yaw_d", "yaw_dd", "yaw_ddd")))
+
+    scene = cell(go(0.3, 0.0), robot=arm(j4=12.0))
+    state, left = begin(scene, *still(0.3, -0.2), 0.0, 0), along(*still(0.3, -0.2))
+    leg, before = straight(scene, 0, state, 0, left, met), scaled(scene, 0, state, 0, left, met, constant_law, 0)
+    assert isinstance(leg, Stretch)
+    assert isinstance(before, Stretch)
+    assert path(leg).duration <= path(before).duration
+    end = np.array([path(leg).end])
+    wanted, q, qd = met(end), path(leg).evaluate(end), path(leg).evaluate(end, 1)
+    reached = scene.robot.link_motion(scene.robot.links.index("flange"), q, qd, 0 * q, 0 * q)
+    assert np.abs(reached.p - wanted.p).max() <= 1e-9
+    assert np.abs(reached.v - wanted.v).max() <= 1e-8
+    assert np.abs(wanted.v).max() > 1e-3
+
+
+def test_where_the_line_was_not_told_rightly_the_faster_leg_is_still_taken() -> None:
+    """Past a singular position of this arm the rates peak between the points of the table: by it both laws would take
+    far longer than they do, and the one made for the line is not the faster one."""
+    robot, none = five_axis_arm(), np.zeros(5)
+    q = np.array([2.3885014066, 0.842975315, 0.4918525939, 0.2750692844, 0.6484080749])
+    first = robot.link_motion(robot.links.index("flange"), q, none, none, none)
+    goal = Pose(0.0586589005, 0.4100303915, 0.440375948, 1.428700591)
+
+    def left(t: FloatArray) -> Motion:
+        x, y, z = first.p.tolist()
+        assert isinstance(first, TiltedMotion)
+        return TiltedMotion.of(Motion.still(Pose(x, y, z, float(first.yaw)), np.shape(t)), first.tilt)
+
+    def met(t: FloatArray) -> Motion:
+        return TiltedMotion.of(Motion.still(goal, np.shape(t)), np.array([-0.7751324364, 0.0762509788]))
+
+    scene, state = cell(go(0.3, 0.0), robot=robot, q=tuple(q.tolist())), State(0.0, q, none, none)
+    before = scaled(scene, 0, state, 1, left, met, constant_law, 0)
+    leg = straight(scene, 0, state, 1, left, met)
+    assert isinstance(before, Stretch)
+    assert isinstance(leg, Stretch)
+    assert path(leg).duration <= path(before).duration

@@ -1,0 +1,83 @@
+"""The way of the flange between two frames that move, p(s, t) = A(t) + s (B(t) - A(t)), timed by a phase law s(t).
+
+With Δ = B - A (equation L1):
+
+    ṗ = Ȧ + s Δ̇ + ṡ Δ        p̈ = Ä + s Δ̈ + 2 ṡ Δ̇ + s̈ Δ
+
+and likewise yaw, pitch and roll, the short way round.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.arrays import FloatArray
+from planner.frames.motion import Motion
+from planner.frames.tilted import TiltedMotion
+from planner.legs.phase_law import PhaseLaw
+from planner.timing import Profile
+
+Along = Callable[[FloatArray], Motion]
+"""The motion of a frame at times (T,)."""
+Phase = Profile | PhaseLaw
+"""s over the time since the leg began."""
+
+
+class Uniform:
+    """The phase s = t, by which derivatives by time are those by s."""
+
+    duration = 1.0
+
+    def switches(self) -> FloatArray:
+        return np.array([0.0, 1.0])
+
+    def evaluate(self, t: FloatArray, derivative: int = 0) -> FloatArray:
+        return (t, np.ones_like(t), np.zeros_like(t))[derivative][:, None]
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """The way between two frames under one phase profile that begins at `begin`."""
+
+    left: Along
+    met: Along
+    phase: Phase | Uniform
+    begin: float
+
+    @property
+    def end(self) -> float:
+        return self.begin + self.phase.duration
+
+    def motion(self, t: FloatArray) -> Motion:
+        """Equation L1 at times t (T,)."""
+        a, b = self.left(t), self.met(t)
+        clock = np.clip(t - self.begin, 0.0, self.phase.duration)
+        s, sd, sdd = (self.phase.evaluate(clock, order)[:, 0] for order in range(3))
+        turn = np.round((b.yaw[0] - a.yaw[0]) / (2 * np.pi)) * 2 * np.pi
+        p, v, acceleration = _blend(a.p, a.v, a.a, b.p, b.v, b.a, s[:, None], sd[:, None], sdd[:, None])
+        yaw, yaw_d, yaw_dd = _blend(a.yaw, a.yaw_d, a.yaw_dd, b.yaw - turn, b.yaw_d, b.yaw_dd, s, sd, sdd)
+        motion = Motion(p, v, acceleration, np.zeros_like(p), yaw, yaw_d, yaw_dd, np.zeros_like(yaw))
+        if not (isinstance(a, TiltedMotion) and isinstance(b, TiltedMotion)):
+            return motion
+        turns = np.round((b.tilt[0] - a.tilt[0]) / (2 * np.pi)) * 2 * np.pi
+        rates = a.tilt_d, a.tilt_dd, b.tilt - turns, b.tilt_d, b.tilt_dd
+        tilt = _blend(a.tilt, *rates, s[:, None], sd[:, None], sdd[:, None])
+        return TiltedMotion.of(motion, *tilt, np.zeros_like(tilt[0]))
+
+
+def _blend(
+    a: FloatArray,
+    ad: FloatArray,
+    add: FloatArray,
+    b: FloatArray,
+    bd: FloatArray,
+    bdd: FloatArray,
+    s: FloatArray,
+    sd: FloatArray,
+    sdd: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    gap, gap_d, gap_dd = b - a, bd - ad, bdd - add
+    return a + s * gap, ad + s * gap_d + sd * gap, add + s * gap_dd + 2 * sd * gap_d + sdd * gap

@@ -1,0 +1,229 @@
+"""The phase law s(t) of a line that takes the joints from end to end in the least time, all but.
+
+The jerk of s is constant on each of N equal parts of the time. Position, velocity and acceleration are linear in these
+N jerks, the time that a law needs follows from its shape (equation L4 of docs/kinematics.md), and is made least. A law
+is a proposal: what runs is a spline through knots, whose exact extrema decide (`planner.legs.limits`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from planner.arrays import FloatArray, IntArray
+from planner.robots.protocol import Limits
+
+PIECES = 12
+"""Parts of a law. Over Ruckig's joint move (median, lines of the benchmark) 8 reach 1.11, 12 reach 1.05, 24 reach 1.02;
+each part adds two or three knots to a leg."""
+SAMPLES = 4
+"""Steps per part at whose ends the rates are looked at: between them they rise by a few tenths of a percent."""
+TABLE = 401
+"""Points of a line at which the joints' derivatives by s are tabled, linear in between; 2 mm on a line of 0.8 m."""
+STAGES = ((8, 5), (32, 5), (128, 5))
+"""Exponents of the norm that stands for the largest rate, each with its steps at most. The last is within
+4 % of the maximum of 150 equal rates; a hundred were flatter to descend."""
+PASSED_OVER = 1e-3
+"""Rates that count with less than this in the squares, against the largest, are left out of a step."""
+SETTLED = 1e-3
+"""Relative. A step that gains less ends its stage: a leg of 0.5 s is then known to half a millisecond."""
+DAMPING, LEAST_DAMPING, RISE, FALL, TRIES = 1e-3, 1e-9, 8.0, 6.0, 6
+"""Levenberg-Marquardt: damping to begin with and at least, its factors after a failed and a good step, and tries."""
+BACK = 1e-9
+"""1. A law whose ṡ, in shares of the mean speed, falls below minus this goes backwards: not proposed. Rounding."""
+SHORTEST_S = 1e-3
+"""A law of less is not proposed: knots some 10 µs apart do not carry its jerk."""
+FLAT = 1e-12
+"""Relative to the largest rate: below, a root has its slope taken here, where it would be infinite."""
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseLaw:
+    """s(t) from 0 to 1, at rest at both ends, over [0, `duration`] s. `jerks` (N,): s⃛ for a duration of 1, on N equal
+    parts, such that the end conditions hold (L3)."""
+
+    duration: float
+    jerks: FloatArray
+
+    def __post_init__(self) -> None:
+        self.jerks.flags.writeable = False
+
+    def slower(self, factor: float) -> PhaseLaw:
+        """The same shape in `factor` times the duration: rates of order k are divided by factor^k."""
+        return replace(self, duration=self.duration * factor)
+
+    def switches(self) -> FloatArray:
+        """Times at which the jerk jumps, both ends among them, s."""
+        return np.linspace(0.0, self.duration, len(self.jerks) + 1)
+
+    def evaluate(self, t: FloatArray, derivative: int = 0) -> FloatArray:
+        """s or a derivative (0 to 3) at times t (T,) within [0, duration]: (T, 1). The end state is exact."""
+        n = len(self.jerks)
+        x = np.asarray(t) / self.duration
+        part = np.minimum((x * n).astype(int), n - 1)
+        # The last part is counted from the end, where it is (1, 0, 0), the others from where they begin.
+        last = part == n - 1
+        s, sd, sdd = (np.where(last, end, c[part]) for c, end in zip(self._begins(), (1.0, 0.0, 0.0), strict=True))
+        tau, j = np.where(last, x - 1.0, x - part / n), self.jerks[part]
+        orders = (s + tau * (sd + tau * (sdd / 2 + tau * j / 6)), sd + tau * (sdd + tau * j / 2), sdd + tau * j, j)
+        return np.asarray(orders[derivative] / self.duration**derivative)[:, None]
+
+    def forwards(self) -> bool:
+        """Whether s nowhere falls, exactly: ṡ is least where a part begins, or where its s̈ passes zero."""
+        _, sd, sdd = self._begins()
+        h, j = 1 / len(self.jerks), self.jerks
+        tau = np.clip(np.divide(-sdd, j, out=np.zeros_like(j), where=j != 0), 0.0, h)
+        return bool(np.minimum(sd, sd + tau * (sdd + tau * j / 2)).min() >= -BACK)
+
+    def _begins(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """s, ṡ, s̈ (N,) where the parts begin, for a duration of 1."""
+        first = np.arange(len(self.jerks)) / len(self.jerks)
+        states = _states(len(self.jerks), first) @ self.jerks
+        return states[:, 0], states[:, 1], states[:, 2]
+
+
+def quickest(derivatives: tuple[FloatArray, FloatArray, FloatArray], limits: Limits) -> PhaseLaw | None:
+    """The law found for a line whose joints' q', q'', q''' by s, each (M, n), are given at M even s from 0 to 1.
+
+    None where there is none to find: a derivative is not a number, no joint moves, or not far enough for the knots to
+    carry it (`SHORTEST_S`), or what was found goes backwards.
+    """
+    if not (np.isfinite(derivatives).all() and np.any(derivatives[0])):
+        return None
+    rates = Rates.of(derivatives, limits)
+    y, best, found = np.zeros(_FREE.shape[1]), np.inf, np.zeros(_FREE.shape[1])
+    damping = DAMPING
+    for exponent, steps in STAGES:
+        y, damping = _descended(rates, y, exponent, steps, damping)
+        longest = float(rates.times(_shape(y)).max())
+        if longest < best:
+            best, found = longest, y
+    law = PhaseLaw(best, _PLAIN + _FREE @ found)
+    return law if best >= SHORTEST_S and law.forwards() else None
+
+
+@dataclass(frozen=True, eq=False)
+class Rates:
+    """What the joints of a line do under a law: `table` (M, 4, n) holds q' to q'''' by s, `bounds` (n, 3) the limits of
+    velocity, acceleration and jerk."""
+
+    table: FloatArray
+    bounds: FloatArray
+
+    @staticmethod
+    def of(derivatives: tuple[FloatArray, FloatArray, FloatArray], limits: Limits) -> Rates:
+        """The fourth derivative, by differences, serves the slopes of the search alone."""
+        fourth = np.gradient(derivatives[2], 1 / (len(derivatives[2]) - 1), axis=0)
+        bounds = np.stack([limits.velocity, limits.acceleration, limits.jerk], -1)
+        return Rates(np.stack([*derivatives, fourth], 1), bounds)
+
+    def at(self, s: FloatArray) -> FloatArray:
+        """The table at s (R,), (4, R, n)."""
+        last = len(self.table) - 1
+        x = np.clip(s, 0.0, 1.0) * last
+        i = np.minimum(x.astype(int), last - 1)
+        w = (x - i)[:, None, None]
+        return np.asarray((self.table[i] * (1 - w) + self.table[i + 1] * w).swapaxes(0, 1))
+
+    def times(self, shape: FloatArray) -> FloatArray:
+        """Times (R, n, 3) that velocity, acceleration and jerk need in a state (R, 4) of a law of duration 1 (L4)."""
+        return _times(self._values(self.at(shape[:, 0]), shape))
+
+    def slopes(self, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """These times, and their derivatives (R, n, 3, 4) by s, ṡ, s̈, s⃛."""
+        q = self.at(shape[:, 0])
+        values = self._values(q, shape)
+        times = _times(values)
+        q1, q2, q3, q4 = q
+        d, dd, ddd = (shape[:, k, None] for k in (1, 2, 3))
+        partial = np.zeros((*values.shape, 4))
+        partial[..., 0, 0], partial[..., 0, 1] = q2 * d, q1
+        partial[..., 1, 0], partial[..., 1, 1], partial[..., 1, 2] = q2 * dd + q3 * d**2, 2 * q2 * d, q1
+        partial[..., 2, 0] = q2 * ddd + 3 * q3 * d * dd + q4 * d**3
+        partial[..., 2, 1], partial[..., 2, 2], partial[..., 2, 3] = 3 * (q2 * dd + q3 * d**2), 3 * q2 * d, q1
+        # of |x|^(1/k): sign(x) |x|^(1/k − 1)/k
+        root = np.sign(values) / _ORDER * np.maximum(times, FLAT * times.max()) ** (1 - _ORDER) / self.bounds
+        return times, partial * root[..., None]
+
+    def _values(self, q: FloatArray, shape: FloatArray) -> FloatArray:
+        """q̇, q̈, q⃛ over their limits, (R, n, 3), by the chain rule (L2)."""
+        q1, q2, q3, _ = q
+        d, dd, ddd = (shape[:, k, None] for k in (1, 2, 3))
+        values = np.empty((*q1.shape, 3))
+        values[..., 0] = q1 * d
+        values[..., 1] = q1 * dd + q2 * d**2
+        values[..., 2] = q1 * ddd + 3 * q2 * d * dd + q3 * d**3
+        return values / self.bounds
+
+
+def _times(values: FloatArray) -> FloatArray:
+    times = np.abs(values)
+    times[..., 1] = np.sqrt(times[..., 1])
+    times[..., 2] = np.cbrt(times[..., 2])
+    return times
+
+
+_ORDER = np.array([1.0, 2.0, 3.0])
+
+
+def _descended(rates: Rates, y: FloatArray, exponent: int, steps: int, damping: float) -> tuple[FloatArray, float]:
+    """The free jerks after some steps down the norm of all times with this exponent (L5), and the damping reached."""
+    for _ in range(steps):
+        times, slopes = rates.slopes(_shape(y))
+        before, largest = _norm(times, exponent), float(times.max())
+        keep = times > largest * PASSED_OVER ** (2 / exponent)
+        rows: IntArray = np.nonzero(keep)[0]
+        share = times[keep] / largest
+        residual = share ** (exponent / 2)
+        slope = np.einsum("rk,rkf->rf", slopes[keep], _MOVED[rows]) / largest
+        slope *= (exponent / 2 * share ** (exponent / 2 - 1))[:, None]
+        square, descent = slope.T @ slope, slope.T @ residual
+        scale = np.diag(np.diag(square) + FLAT * np.trace(square))
+        for _ in range(TRIES):
+            tried = y - np.linalg.solve(square + damping * scale, descent)
+            after = _norm(rates.times(_shape(tried)), exponent)
+            if after < before:
+                break
+            damping *= RISE
+        else:
+            return y, damping
+        y, damping = tried, max(damping / FALL, LEAST_DAMPING)
+        if after > before * (1 - SETTLED):
+            break
+    return y, damping
+
+
+def _norm(times: FloatArray, exponent: int) -> float:
+    largest = times.max()
+    return float(largest * ((times / largest) ** exponent).sum() ** (1 / exponent))
+
+
+def _states(parts: int, t: FloatArray) -> FloatArray:
+    """The maps (T, 3, N) from N jerks to s, ṡ, s̈ at times t (T,) in [0, 1], from rest in 0 (L3)."""
+    h = 1 / parts
+    begin = np.arange(parts) * h
+    x, w = np.clip(t[:, None] - begin, 0.0, h), np.maximum(t[:, None] - begin - h, 0.0)
+    return np.stack([x**3 / 6 + h**2 / 2 * w + h * w**2 / 2, x**2 / 2 + h * w, x], 1)
+
+
+def _laws() -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Jerks (N,) of the law with the least sum of squares, the directions (N, N − 3) that keep the end conditions, and
+    the states (R, 4), with the maps (R, 4, N − 3) to them, at both sides of all steps."""
+    ends = _states(PIECES, np.ones(1))[0]
+    plain = ends.T @ np.linalg.solve(ends @ ends.T, np.array([1.0, 0.0, 0.0]))
+    free = np.linalg.svd(ends)[2][3:].T
+    steps = PIECES * SAMPLES
+    first = np.arange(steps)
+    sides = np.concatenate([first, first + 1]) / steps
+    jerk = np.tile(np.eye(PIECES)[first // SAMPLES], (2, 1))
+    maps = np.concatenate([_states(PIECES, sides), jerk[:, None]], 1)
+    return plain, free, maps @ plain, maps @ free
+
+
+_PLAIN, _FREE, _STATE, _MOVED = _laws()
+
+
+def _shape(y: FloatArray) -> FloatArray:
+    """States (R, 4) of the law with the free jerks y."""
+    return _STATE + _MOVED @ y

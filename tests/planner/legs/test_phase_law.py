@@ -1,0 +1,172 @@
+"""The phase law of straight legs: its state is its jerk's integral, it keeps what it promises, and it is short."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from planner.arrays import FloatArray
+from planner.frames.motion import Motion
+from planner.legs.phase_law import PIECES, SHORTEST_S, TABLE, PhaseLaw, Rates, quickest
+from planner.robots.protocol import Limits
+from planner.robots.scara import Scara
+from tests.planner.cells import arm, limits
+
+Table = tuple[FloatArray, FloatArray, FloatArray]
+BETWEEN = 0.03
+"""Share by which the rates between the looks of a law may exceed those at them."""
+GAUSS = 0.5 / np.sqrt(3)
+"""Places, about the middle of an interval of length 1, whose mean integrates a cubic."""
+
+
+def along(robot: Scara, a: FloatArray, b: FloatArray, points: int = TABLE) -> Table:
+    """q', q'', q''' by s on the line from a to b."""
+    s, none = np.linspace(0, 1, points), np.zeros(points)
+    p = a + s[:, None] * (b - a)
+    still = np.zeros_like(p)
+    found = robot.inverse(Motion(p, still + (b - a), still, still, none, none, none, none), 0, 3)
+    return found.qd, found.qdd, found.qddd
+
+
+def lines(count: int, seed: int = 1) -> list[tuple[FloatArray, FloatArray]]:
+    """Ends as the benchmark draws them, m."""
+    rng = np.random.default_rng(seed)
+    found = []
+    for _ in range(count):
+        r, angle, z = rng.uniform(0.25, 0.52, 2), rng.uniform(-1.5, 1.5, 2), rng.uniform(0.06, 0.20, 2)
+        ends = np.stack([r * np.cos(angle), r * np.sin(angle), z], -1)
+        found.append((ends[0], ends[1]))
+    return found
+
+
+def law_of(a: FloatArray, b: FloatArray) -> PhaseLaw:
+    found = quickest(along(arm(), a, b), limits())
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_every_order_of_a_law_is_the_integral_of_the_next(order: int) -> None:
+    for a, b in lines(5):
+        law = law_of(a, b).slower(1.7)
+        edges = np.linspace(0.0, law.duration, 3 * PIECES + 1)
+        middle, h = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
+        mean = sum(law.evaluate(middle + sign * GAUSS * h, order + 1)[:, 0] / 2 for sign in (-1, 1))
+        gained = np.diff(law.evaluate(edges, order)[:, 0])
+        assert np.abs(gained - mean * h).max() <= 1e-11 * np.abs(law.evaluate(edges, order)).max()
+
+
+def test_a_law_begins_at_rest_in_0_and_ends_at_rest_in_1_to_the_bit() -> None:
+    for a, b in lines(10):
+        law = law_of(a, b)
+        ends = np.array([0.0, law.duration])
+        assert [law.evaluate(ends, order).tolist() for order in range(3)] == [
+            [[0.0], [1.0]],
+            [[0.0], [0.0]],
+            [[0.0], [0.0]],
+        ]
+
+
+def test_a_slower_law_has_the_same_shape() -> None:
+    law = law_of(*lines(1)[0])
+    slow, t = law.slower(2.0), np.linspace(0, law.duration, 50)
+    assert slow.duration == 2 * law.duration
+    assert slow.switches() == pytest.approx(2 * law.switches())
+    for order in range(4):
+        assert slow.evaluate(2 * t, order) * 2**order == pytest.approx(law.evaluate(t, order), rel=1e-9, abs=1e-9)
+
+
+def test_the_jerk_jumps_at_the_switches_only() -> None:
+    law = law_of(*lines(1)[0])
+    edges = law.switches()
+    assert edges[0] == 0.0
+    assert edges[-1] == law.duration
+    inside = edges[:-1, None] + np.diff(edges)[:, None] * np.array([1e-9, 0.5, 1 - 1e-9])
+    jerks = law.evaluate(inside.ravel(), 3)[:, 0].reshape(inside.shape)
+    assert (jerks == jerks[:, :1]).all()
+    assert np.abs(np.diff(jerks[:, 0])).max() > 0
+
+
+def test_the_slopes_of_the_times_are_those_of_differences() -> None:
+    """Those by s to the interpolation of the table, from point to point."""
+    s = np.linspace(0, 1, TABLE)[:, None]
+    c = np.array([[0.7, -0.4, 0.3, 1.1], [0.2, 0.5, -0.6, 0.1], [0.3, -0.2, 0.4, -0.5]])
+    rates = Rates.of((c[0] + c[1] * s + c[2] * s**2 / 2, c[1] + c[2] * s, c[2] + 0 * s), limits())
+    shape = np.random.default_rng(3).uniform([0.1, 0.5, -3, -20], [0.9, 2.0, 3, 20], (40, 4))
+    times, slopes = rates.slopes(shape)
+    assert (times == rates.times(shape)).all()
+    for k, step in enumerate((1 / (TABLE - 1), 1e-6, 1e-6, 1e-5)):
+        by = np.zeros(4)
+        by[k] = step
+        differences = (rates.times(shape + by) - rates.times(shape - by)) / (2 * step)
+        # where a rate passes zero the root of its size has no slope
+        smooth = times > 0.3 * np.median(times, (0, 1))
+        assert smooth.mean() > 0.5
+        off = np.abs(differences - slopes[..., k])[smooth].max()
+        assert off <= (2e-2 if k == 0 else 1e-7) * np.abs(differences[smooth]).max()
+
+
+def test_a_law_takes_at_least_the_time_that_its_rates_between_the_looks_need_all_but() -> None:
+    shares = []
+    for a, b in lines(30):
+        law = law_of(a, b)
+        fine = 8001
+        t = np.linspace(0, law.duration, fine)
+        shape = np.concatenate([law.evaluate(t, order) * law.duration**order for order in range(4)], 1)
+        truth = float(Rates.of(along(arm(), a, b, fine), limits()).times(shape).max())
+        shares.append(truth / law.duration - 1)
+    assert max(shares) <= BETWEEN
+    assert min(shares) >= -1e-3
+
+
+def test_the_same_line_gives_the_same_law_to_the_bit() -> None:
+    a, b = lines(1)[0]
+    one, other = law_of(a, b), law_of(a, b)
+    assert one.duration == other.duration
+    assert one.jerks.tobytes() == other.jerks.tobytes()
+    assert not one.jerks.flags.writeable
+
+
+def test_a_joint_that_stands_has_no_part_in_the_law() -> None:
+    """On a level line the quill stands, and its limits may be anything."""
+    a, b = np.array([0.3, -0.2, 0.1]), np.array([0.4, 0.2, 0.1])
+    table, given = along(arm(), a, b), limits()
+    assert not table[0][:, 2].any()
+    slow = np.array([1.0, 1.0, 1e-3, 1.0])
+    weak = Limits(given.lower, given.upper, given.velocity * slow, given.acceleration * slow, given.jerk * slow)
+    one, other = quickest(table, given), quickest(table, weak)
+    assert one is not None
+    assert other is not None
+    assert one.jerks.tobytes() == other.jerks.tobytes()
+
+
+def test_where_there_is_nothing_to_find_there_is_no_law() -> None:
+    a, b = np.array([0.3, -0.2, 0.1]), np.array([0.4, 0.2, 0.1])
+    good = along(arm(), a, b)
+    assert quickest(good, limits()) is not None
+    for order in range(3):
+        hole = tuple(part.copy() for part in good)
+        hole[order][200, 1] = np.nan
+        assert quickest((hole[0], hole[1], hole[2]), limits()) is None
+    none = np.zeros_like(good[0])
+    assert quickest((none, none, none), limits()) is None
+    beyond = along(arm(), a, np.array([0.7, 0.2, 0.1]))
+    assert quickest(beyond, limits()) is None
+
+
+def test_a_way_too_short_for_its_knots_has_no_law() -> None:
+    a, b = np.array([0.3, -0.2, 0.1]), np.array([0.4, 0.2, 0.1])
+    for length, there in ((1e-6, True), (1e-12, False)):
+        law = quickest(along(arm(), a, a + length * (b - a)), limits())
+        assert (law is not None) == there
+        assert law is None or law.duration >= SHORTEST_S
+
+
+def test_a_law_that_goes_back_on_the_way_is_known() -> None:
+    assert law_of(*lines(1)[0]).forwards()
+    # back and forth: the second half of the jerks undoes the first
+    jerks = np.zeros(PIECES)
+    jerks[:6] = [1.0, -2.0, 1.0, -1.0, 2.0, -1.0]
+    law = PhaseLaw(1.0, jerks)
+    assert law.evaluate(np.linspace(0, 1, 1000), 1)[:-90].min() < 0
+    assert not law.forwards()
