@@ -89,10 +89,14 @@ def test_a_name_that_does_not_exist_is_found() -> None:
     assert constants_not_there("GRID_S, OUT_OF_BEACH") == {"OUT_OF_BEACH"}
 
 
+MADE = "out/"
+"""What commands write goes here; it is there or not."""
+
+
 def paths_not_there(names: list[str]) -> list[str]:
     """Of code spans that are paths of this repository, those that are not there."""
     paths = [name for name in names if re.fullmatch(r"[\w.-]+(/[\w.-]+)+", name)]
-    known = [path for path in paths if (ROOT / path.split("/")[0]).is_dir()]
+    known = [path for path in paths if (ROOT / path.split("/")[0]).is_dir() and not path.startswith(MADE)]
     return [path for path in known if not (ROOT / path).exists()]
 
 
