@@ -28,7 +28,8 @@ class Wave:
 @given(st.lists(st.floats(0.0, 1.0 - 1e-7) | st.floats(1.0 + 1e-7, 3.0), min_size=1, max_size=4))
 def test_each_item_is_decided_by_itself(heights: list[float]) -> None:
     found = settle([np.array([0.0, 1.0, 3.0])] * len(heights), 0.5, Wave(*heights))
-    assert [excess.of for excess in found] == [k for k, height in enumerate(heights) if height > 1]
+    # those that exceed zero by more are found in earlier rounds
+    assert sorted(excess.of for excess in found) == [k for k, height in enumerate(heights) if height > 1]
     for excess in found:
         assert excess.decided
         assert 0 < excess.amount <= heights[excess.of] - 1
