@@ -58,15 +58,15 @@ def assembled(
     if beyond is not None:
         return beyond
     legs = tuple(Leg(s.kind, chain.step, float(s.knots.time[0]), float(s.knots.time[-1]), s.note) for s in stretches)
-    arrival = _arrival(scene, chain, point, sample, trajectory, begin, end)
-    after = _after(scene, chain, point, sample, legs, arrival, knots)
+    met = arrival(scene, point, trajectory, begin, end)
+    after = _after(scene, chain, point, sample, legs, met, knots)
     ours = phases(scene, after.legs, after.arrivals)[len(chain.legs) :]
     if not final:
         ours = ours[: len(legs)]  # the arm does not stand still here
     heavy = _too_hard(scene, chain.step, trajectory, ours)
     if heavy is not None:
         return heavy
-    return Draft(chain, sample, tuple(stretches), legs, arrival, knots, trajectory, after, ours)
+    return Draft(chain, sample, tuple(stretches), legs, met, knots, trajectory, after, ours)
 
 
 def _too_hard(scene: Scene, step: int, trajectory: Trajectory, ours: tuple[Phase, ...]) -> Refusal | None:
@@ -85,7 +85,7 @@ def _after(
     point: ControlPoint,
     sample: Sample,
     legs: tuple[Leg, ...],
-    arrival: Arrival,
+    met: Arrival,
     knots: Knots,
 ) -> Chain:
     step, carried, rides = scene.task[chain.step], chain.carried, chain.rides
@@ -101,7 +101,7 @@ def _after(
         carried=carried,
         rides=rides,
         legs=chain.legs + legs,
-        arrivals=(*chain.arrivals, arrival),
+        arrivals=(*chain.arrivals, met),
         knots=knots if chain.knots is None else chain.knots.then(knots),
         proofs=chain.proofs,
         glued_to=point if not resting and point.matched and not point.via else None,
@@ -160,28 +160,21 @@ def _beyond(scene: Scene, step: int, knots: Knots) -> Refusal | None:
     return Refusal("limits", Reason.MOTION_LIMIT, step, (), None, worst - 1, "1", "the spline breaks a limit")
 
 
-def _arrival(
-    scene: Scene,
-    chain: Chain,
-    point: ControlPoint,
-    sample: Sample,
-    trajectory: Trajectory,
-    begin: float,
-    end: float,
-) -> Arrival:
+def arrival(scene: Scene, point: ControlPoint, trajectory: Trajectory, begin: float, end: float) -> Arrival:
+    """The arrival at a control point at `begin`, s, where the tool is glued to it until `end`."""
     p, yaw = scene.robot.forward(trajectory.evaluate(np.array(begin)))
     pose = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)).then(scene.tool.tcp)
     along = point.along(np.array(begin))
     left = [high - begin for low, high in point.intervals if low - 1e-12 <= begin <= high + 1e-12]
     bounded = point.window.time is not None or point.window.along is not None
     return Arrival(
-        step=chain.step,
+        step=point.step,
         control_point=point.name,
         time=begin,
         until=end,
         pose=pose,
         matched=point.matched and not point.via,
-        yaw_offset=sample.yaw_offset,
+        yaw_offset=point.yaw_offset,
         along_m=None if along is None else float(along),
         window_left_s=left[0] if bounded and left else None,
         pitch=None if point.tilt is None else point.tilt[0],

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from planner.assembly import laws_over
+from planner.assembly import arrival, laws_over
 from planner.chain import Chain, Draft, Sample
 from planner.errors import FaultError
-from planner.frames.motion import Pose
 from planner.legs.blended import Blended, BlendShape, Station, blended, blends_by
 from planner.legs.joint import Shape
 from planner.legs.state import Knots, Stretch
@@ -87,32 +88,12 @@ def _arrivals(scene: Scene, shape: BlendShape, found: Blended, trajectory: Traje
     for station, number, time in zip(shape.stations, found.poses, found.times, strict=True):
         point = station.point
         t = min(time, trajectory.end)
-        p, yaw = scene.robot.forward(trajectory.evaluate(np.array(t)))
-        pose = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)).then(scene.tool.tcp)
-        missed = None
+        there = arrival(scene, point, trajectory, t, t)
         if point.via:
-            goal = point.flange(np.array(t)).at(scene.tool.tcp).p
-            distance = float(np.sqrt(((np.array([pose.x, pose.y, pose.z]) - goal) ** 2).sum()))
-            missed = Missed(tuple(found.law.missed_by[number].tolist()), distance)
-        along = point.along(np.array(t))
-        bounded = point.window.time is not None or point.window.along is not None
-        left = [high - t for low, high in point.intervals if low - 1e-12 <= t <= high + 1e-12]
-        made.append(
-            Arrival(
-                step=point.step,
-                control_point=point.name,
-                time=t,
-                until=t,
-                pose=pose,
-                matched=point.matched and not point.via,
-                yaw_offset=point.yaw_offset,
-                along_m=None if along is None else float(along),
-                window_left_s=left[0] if bounded and left else None,
-                missed_by=missed,
-                pitch=None if point.tilt is None else point.tilt[0],
-                roll=None if point.tilt is None else point.tilt[1],
-            )
-        )
+            away = there.pose.position - point.flange(np.array(t)).at(scene.tool.tcp).p
+            missed = Missed(tuple(found.law.missed_by[number].tolist()), float(np.sqrt((away**2).sum())))
+            there = replace(there, missed_by=missed)
+        made.append(there)
     return tuple(made)
 
 

@@ -13,7 +13,7 @@ from planner.requirement import CONTACT_GAP, clearance, uncertainty
 from planner.robots.protocol import Sweep
 from planner.scene import Scene
 from planner.separation import Placed, gaps, place
-from planner.solids import Carriers, Solids, carriers, standing
+from planner.solids import Carriers, Solids, carriers, exempted, standing
 from planner.sweep import sweep
 from planner.trajectory import Trajectory
 
@@ -64,16 +64,6 @@ class Facts:
     def __init__(self, scene: Scene, solids: Solids, phase: Phase, trajectory: Trajectory) -> None:
         self.scene, self.solids, self.phase, self.trajectory = scene, solids, phase, trajectory
         self.frames = tuple(scene.frames.values())
-        self.exempt = self._exempt()
-
-    def _exempt(self) -> tuple[tuple[int, int], ...]:
-        """Numbers of the bodies that may touch, in both orders."""
-        number = {name: i for i, name in enumerate(self.solids.names)}
-        found = []
-        for first, second in sorted(self.phase.exempt):
-            if first in number and second in number:
-                found += [(number[first], number[second]), (number[second], number[first])]
-        return tuple(found)
 
     def intervals(self, t0: FloatArray, t1: FloatArray) -> Intervals:
         t = np.concatenate([t0, (t0 + t1) / 2, t1])
@@ -173,6 +163,6 @@ class Facts:
                 r = row[wide[every]]
                 late, _ = self.frame_bounds(int(k), table.t0[r], table.t1[r] + tolerance, b[wide[every]], flat[every])
                 found[rows] += tolerance * late.reshape(len(rows), -1)
-        for first, second in self.exempt:
-            found[(solids.body[a] == first) & (solids.body[b] == second)] = CONTACT_GAP
+        if phase.exempt:
+            found[exempted(solids, phase, a, b)] = CONTACT_GAP
         return found
