@@ -161,6 +161,43 @@ def test_an_answer_for_another_pitch_than_the_request_asks_is_refused() -> None:
     assert {"ARRIVAL", "DIGEST"} <= {finding["code"] for finding in verdict["findings"]}
 
 
+def blends(pitch_deg: float = -60.0) -> Document:
+    """A via with a pitch and a roll that are asked, blended past on the way to another pose."""
+    return {
+        "schema": "assur/1",
+        "robot": {"model": "mitsubishi-rv-m1", "tool": {"tcp_mm": [0, 0, 0]}},
+        "start": {"joints": {"j1_deg": 0, "j2_deg": 80, "j3_deg": -100, "j4_deg": -40, "j5_deg": 0}},
+        "task": [
+            {"move": {"to": {"at_mm": [280, 100, 250], "pitch_deg": pitch_deg, "roll_deg": 20}, "via": True}},
+            {"move": {"to": {"at_mm": [250, -150, 200], "pitch_deg": -80}}},
+        ],
+        "options": {"timing": "parabolic_blend", "seed": 1, "max_candidates": 60, "budget_s": 30, "stop": "first"},
+    }
+
+
+def test_a_via_that_is_blended_past_has_its_pitch_and_roll_in_the_pose_that_is_missed() -> None:
+    made = plan_document(blends())
+    assert made["status"] == "planned"
+    assert check_document(blends(), made)["ok"] is True
+    via = made["arrivals"][0]
+    assert via["pitch_rad"] == pytest.approx(math.radians(-60), abs=1e-12)
+    assert via["roll_rad"] == pytest.approx(math.radians(20), abs=1e-12)
+    # the pose it misses, by the second kinematics: where the joints are then, less what they miss it by
+    knots = made["trajectory"]
+    t, kept = np.unique(knots["time_s"], return_index=True)  # parabolas: positions and velocities say all of them
+    states = np.stack([np.array(knots[key])[kept] for key in ("position", "velocity")], axis=1)
+    q = BPoly.from_derivatives(t, states)(via["time_s"]) - np.array(via["missed_by"]["joints"])
+    assert np.allclose(chain(q)[-1][:3, 3], [0.28, 0.1, 0.25], atol=1e-9)
+    assert q[1] + q[2] + q[3] == pytest.approx(math.radians(-60), abs=1e-9)
+    assert via["missed_by"]["distance_m"] > 1e-3
+    other = check_document(blends(-60.01), made)
+    assert "ARRIVAL" in {finding["code"] for finding in other["findings"]}
+    for key in ("pitch_rad", "roll_rad"):
+        forged = copy.deepcopy(made)
+        forged["arrivals"][0][key] += 1e-4
+        assert "ARRIVAL" in {finding["code"] for finding in check_document(blends(), forged)["findings"]}
+
+
 @cache
 def proof() -> tuple[Scene, Plan]:
     scene = scene_of(shipped("rv-m1").request)
