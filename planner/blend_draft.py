@@ -55,7 +55,7 @@ def blend_draft(scene: Scene, chain: Chain, shape: BlendShape) -> Draft | Refusa
     if after.step < len(scene.task):
         ours = ours[: len(legs)]  # the arm does not stand still here
     last = shape.stations[-1]
-    sample = Sample(last.point.yaw_offset, last.branch, Shape(wait=shape.wait), shape.family)
+    sample = Sample(last.point.yaw_offset, last.branch, Shape(wait=shape.wait))
     stretch = Stretch(LegKind.MOVE, knots, shape.family)
     return Draft(chain, sample, (stretch,), legs, arrivals[-1], knots, trajectory, after, ours)
 

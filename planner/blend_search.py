@@ -84,8 +84,7 @@ class BlendSearch(Search):
                     sampler.block(shape)  # it was timed; another way may stay clear of type 2
                 continue
             timed = True
-            best = self.found.best
-            if best is None or made.end < best.state.time:
+            if made.end < self._before():
                 drafts.append(made)
                 shapes.append(shape)
         untimed = sampler.visits == 1 and not timed
@@ -103,22 +102,13 @@ class BlendSearch(Search):
                     self.found.census.note(also)
             else:
                 free.append(draft)
-        self._prove(sorted(free, key=lambda draft: draft.end))
-        for draft, shape in zip(drafts, shapes, strict=True):
-            if any(draft is other for other in self.unproved):
-                sampler.block(shape)
-        self.unproved.clear()
+        for draft in self._prove(sorted(free, key=lambda draft: draft.end)):
+            sampler.block(next(shape for other, shape in zip(drafts, shapes, strict=True) if other is draft))
         nothing_else = hopeless or not (sampler.blocked or sampler.moving())
         if untimed and nothing_else:
             # no direct way keeps the acceleration time, or comes in time: free poses are there to go round bodies
             sampler.ways = ()
         return bool(batch)
-
-    def _proved(self, candidate: Draft) -> Chain | None:
-        chain = super()._proved(candidate)
-        if chain is None:
-            self.unproved.append(candidate)
-        return chain
 
     def _blend_sampler(self, chain: Chain) -> BlendSampler:
         """The stations that each step of the run may be, in every turn, mode and yaw that is asked for."""

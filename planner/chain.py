@@ -45,7 +45,6 @@ class Sample:
     yaw_offset: float
     branch: Branch
     shape: Shape
-    family: str
     glue_effort: float = 1.0
     stop_pace: float = 1.0
 
@@ -106,6 +105,12 @@ class Outline:
     def at(self, t: FloatArray) -> FloatArray:
         """q (T, n) at times t."""
         return self.reached.at(t)
+
+
+def moved(scene: Scene, chain: Chain) -> tuple[tuple[str, str, Pose], ...]:
+    """The parts that the chain has moved, by name, each with the frame and the pose it rides on now."""
+    start = initial_rides(scene)
+    return tuple((name, *ride) for name, ride in sorted(chain.rides.items()) if ride != start[name])
 
 
 def initial(scene: Scene) -> Chain:

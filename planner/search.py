@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -15,6 +17,7 @@ from planner.chain import Chain, Draft, Outline, Sample, initial, prepared
 from planner.completion import completed
 from planner.continuation import carried_gently, is_straight, outline, straight_draft
 from planner.feasibility import points_impossible
+from planner.glance import Glance
 from planner.legs.meeting import Meetings
 from planner.legs.tilt import tilts
 from planner.outcome import Plan, Refusal
@@ -118,7 +121,9 @@ class Search:
             ways = options(self.scene, chain, met, max(MOST_WAYS, len(attitudes)))
             if chain.step == 0:
                 self.found.first_ways = ways
-            sampler = Sampler(self.scene, chain, ways, self.rng, self.adaptive)
+            sampler = Sampler(
+                self.scene, chain, ways, self.rng, partial(Glance, self.prover, chain, ways), self.adaptive
+            )
             high = sampler.too_high()
             if high is not None:
                 self.found.census.note(high)
@@ -143,7 +148,7 @@ class Search:
     def _explore(self, chain: Chain) -> bool:
         """One batch of continuations; whether there was anything to try."""
         sampler = self._sampler(chain)
-        batch = sampler.batch()
+        batch = sampler.batch(self._before())
         limit = self.scene.options.max_candidates
         if limit is not None:
             batch = batch[: max(0, limit - self.found.census.candidates)]
@@ -152,68 +157,70 @@ class Search:
             if time.perf_counter() >= self.deadline:
                 break
             way = self._way(chain, option, sample)
-            if way is not None:
+            if isinstance(way, Refusal):
+                self.found.census.add(way)
+                sampler.learn(sample, 1.0)
+            elif way.end < self._before():
                 ways.append(way)
         free = []
         for way, screened in zip(ways, screen(self.prover, ways) if ways else [], strict=True):
-            sampler.learn(way.sample, screened.bad)
+            at = None if screened.refusal is None or screened.refusal.interval is None else screened.refusal.interval[0]
+            sampler.learn(way.sample, screened.bad, at)
             if screened.refusal is not None:
                 self.found.census.add(screened.refusal)
                 for also in screened.also:
                     self.found.census.note(also)
             else:
                 free.append(way)
-        self._prove(sorted(free, key=lambda way: way.end))
+        for way in self._prove(sorted(free, key=lambda way: way.end)):
+            sampler.learn(way.sample, 1.0)
         return bool(batch)
 
-    def _way(self, chain: Chain, option: Option, sample: Sample) -> Outline | Draft | None:
-        """A timed way to the control point that may still beat the best plan so far."""
+    def _way(self, chain: Chain, option: Option, sample: Sample) -> Outline | Draft | Refusal:
+        """A timed way to the control point."""
         self.found.census.candidates += 1
-        made: Outline | Draft | Refusal
         if is_straight(self.scene, chain):
-            made = straight_draft(self.scene, chain, option.meeting, sample)
-        else:
-            made = outline(self.scene, chain, option.meeting, sample, ahead(self.scene, chain, chain.state.q))
-        if isinstance(made, Refusal):
-            self.found.census.add(made)
-            return None
-        best = self.found.best
-        return made if best is None or made.end < best.state.time else None
+            return straight_draft(self.scene, chain, option.meeting, sample)
+        return outline(self.scene, chain, option.meeting, sample, ahead(self.scene, chain, chain.state.q))
 
-    def _prove(self, free: list[Outline | Draft]) -> None:
-        """Proves drafts, the earliest first, and adds the chains that come of them."""
-        proved = 0
-        for number, way in enumerate(free):
-            if number >= PROOFS_A_BATCH or proved >= PROVED_A_BATCH or time.perf_counter() >= self.deadline:
-                return
-            candidate = carried_gently(self.scene, way) if isinstance(way, Outline) else way
-            if isinstance(candidate, Refusal):
-                self.found.census.add(candidate)
-                continue
-            if isinstance(way, Outline) and len(candidate.phases) > len(way.phases):
-                # only the way there has been screened, not what follows at the point
-                rest = screen(self.prover, [candidate])[0]
-                if rest.refusal is not None:
-                    self.found.census.add(rest.refusal)
-                    for also in rest.also:
-                        self.found.census.note(also)
-                    continue
-            chain = self._proved(candidate)
-            if chain is None:
+    def _before(self) -> float:
+        """When the best plan so far ends, s: only what ends earlier is of interest."""
+        return math.inf if self.found.best is None else self.found.best.state.time
+
+    def _prove(self, free: list[Outline | Draft]) -> list[Outline | Draft]:
+        """Proves ways, the earliest first, and adds the chains that come of them; gives those that are refused."""
+        proved, refused = 0, []
+        for way in free[:PROOFS_A_BATCH]:
+            if proved >= PROVED_A_BATCH or time.perf_counter() >= self.deadline:
+                break
+            chain = self._proved(way)
+            if isinstance(chain, Refusal):
+                self.found.census.add(chain)
+                refused.append(way)
                 continue
             proved += 1
             self._add(chain)
             if self.scene.options.stop == "first":
-                return
+                break
+        return refused
 
-    def _proved(self, candidate: Draft) -> Chain | None:
-        """The chain that a draft leads to, with the proofs of all its phases."""
+    def _proved(self, way: Outline | Draft) -> Chain | Refusal:
+        """The chain that a way leads to, with the proofs of all its phases."""
+        candidate = carried_gently(self.scene, way) if isinstance(way, Outline) else way
+        if isinstance(candidate, Refusal):
+            return candidate
+        if isinstance(way, Outline) and len(candidate.phases) > len(way.phases):
+            # only the way there has been screened, not what follows at the point
+            rest = screen(self.prover, [candidate])[0]
+            if rest.refusal is not None:
+                for also in rest.also:
+                    self.found.census.note(also)
+                return rest.refusal
         proofs: list[Rows] = []
         for phase in candidate.phases:
             rows = self.prover.prove(phase, candidate.trajectory)
             if isinstance(rows, Unproved):
-                self.found.census.add(refused_proof(rows, candidate.chain.step))
-                return None
+                return refused_proof(rows, candidate.chain.step)
             proofs.append(rows)
         return replace(candidate.after, proofs=(*candidate.chain.proofs, *proofs))
 

@@ -10,13 +10,12 @@ from planner.arrays import FloatArray
 from planner.errors import FaultError
 from planner.legs.arched import Arched, Hop, Vertical, arch, vertical
 from planner.legs.meeting import GRID_S, Branch
+from planner.legs.passing import passing_velocity
 from planner.legs.state import Knots, State
 from planner.outcome import Reason, Refusal
 from planner.scene import Scene
 from planner.timing import Settled, Sketch, TimingRefusal, shortest_duration, sketch_joints
 
-VIA_VELOCITY = 0.9
-"""Share of a velocity limit up to which a via is flown by: the rest is left to Ruckig."""
 TRIES = 12
 """Calls of Ruckig after which a rendezvous is given up: it converges in three or four."""
 
@@ -164,12 +163,7 @@ class JointMotion:
         return branch.q[row], qd, np.zeros_like(qd)
 
     def _passing(self, before: FloatArray, at: FloatArray, behind: FloatArray, pace: float) -> FloatArray:
-        """Joint velocity (n,) with which `at` is flown by on the way from `before` to `behind`."""
-        length = np.abs(behind - at) + np.abs(at - before)
-        duration = float(np.max(length / self.velocity + np.sqrt(length / self.acceleration)))
-        limit = VIA_VELOCITY * self.velocity
-        found: FloatArray = np.clip(pace * (behind - before) / max(duration, 1e-3), -limit, limit)
-        return found
+        return passing_velocity(before, at, behind, pace, self.velocity, self.acceleration)
 
     def _from(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         if self.prefix:
