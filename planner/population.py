@@ -76,10 +76,12 @@ class Population:
 
     def batch(self, before: float) -> list[tuple[Option, Sample]]:
         """Looks at a round of ways and gives the best that were not tried yet and may end before `before`, s."""
-        self._add(self._new())
-        left = np.flatnonzero(~self.tried & (self.end < before))
         least, most = TRIED
-        chosen = left[: max(least, min(most, int((self.bad[left] <= NEARLY_FREE).sum())))].tolist()
+        count = self.sizes[min(self.rounds, len(self.sizes) - 1)]
+        # where most of what seems free is refused for what a glance does not see, looking at more does not help
+        self._add(self._new(count if self._promising(before) < most else FEWEST))
+        left = np.flatnonzero(~self.tried & (self.end < before))
+        chosen = left[: max(least, min(most, self._promising(before)))].tolist()
         self.tried[chosen] = True
         found = [(self.options[int(self.ways.option[i])], self._sample(i)) for i in chosen]
         self.number = {id(sample): i for i, (_, sample) in zip(chosen, found, strict=True)}
@@ -94,8 +96,11 @@ class Population:
             self.glance.remember(at)
         self.bad[i] = max(bad, float(self.bad[i]))
 
-    def _new(self) -> Prospects:
-        count = self.sizes[min(self.rounds, len(self.sizes) - 1)]
+    def _promising(self, before: float) -> int:
+        """How many ways that may be free wait to be tried."""
+        return int((~self.tried & (self.end < before) & (self.bad <= NEARLY_FREE)).sum())
+
+    def _new(self, count: int) -> Prospects:
         varied = int(VARIED * count) if self.adaptive and self.rounds else 0
         self.rounds += 1
         drawn = self.freedom.drawn(self.rng, count - varied, self.shares)

@@ -29,7 +29,7 @@ from planner.ways import Option, ahead, options
 BEAM = 4
 """Chains of one length that are continued in a round."""
 KEPT = 12
-"""Chains of one length that are remembered."""
+"""Chains of one length that are remembered: the beam, and those of other modes."""
 PROVED_A_BATCH = 3
 """Continuations proved in one batch before the others of the batch are left alone."""
 PROOFS_A_BATCH = 6
@@ -160,7 +160,7 @@ class Search:
             if isinstance(way, Refusal):
                 self.found.census.add(way)
                 sampler.learn(sample, 1.0)
-            elif way.end < self._before():
+            elif self._of_use(way):
                 ways.append(way)
         free = []
         for way, screened in zip(ways, screen(self.prover, ways) if ways else [], strict=True):
@@ -182,6 +182,12 @@ class Search:
         if is_straight(self.scene, chain):
             return straight_draft(self.scene, chain, option.meeting, sample)
         return outline(self.scene, chain, option.meeting, sample, ahead(self.scene, chain, chain.state.q))
+
+    def _of_use(self, way: Outline | Draft) -> bool:
+        """Whether the chain that a way leads to would be continued, or be the best plan."""
+        earlier = [chain for chain in self.pool[way.chain.step + 1] if chain.state.time <= way.end]
+        of_mode = any(chain.mode == way.sample.branch.mode for chain in earlier)
+        return way.end < self._before() and (len(earlier) < BEAM or not of_mode)
 
     def _before(self) -> float:
         """When the best plan so far ends, s: only what ends earlier is of interest."""

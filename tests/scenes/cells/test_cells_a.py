@@ -343,6 +343,7 @@ class TestDenseFlow:
         """What is asked of a phase is asked with the drift at its end: 11.5 mm are there, 1.5 mm and the drift are
         asked. The finger behind is refused in the approach, which ends when the part is met, the one before it in the
         dwell, which ends 80 ms later. The census keeps least and most only, so the refusals are taken one by one."""
+        lines = answer(name)["census"]["lines"]
         refusals: list[Refusal] = []
         note = Counter.note
 
@@ -356,7 +357,7 @@ class TestDenseFlow:
         for bodies in (("finger-back", "behind"), ("finger-front", "before")):
             mine = [refusal for refusal in refusals if refusal.bodies == bodies]
             assert {(refusal.reason, refusal.unit) for refusal in mine} == {(Reason.BODY_COLLISION, "m")}
-            told = next(line for line in answer(name)["census"]["lines"] if tuple(line["bodies"]) == bodies)
+            told = next(line for line in lines if tuple(line["bodies"]) == bodies)
             assert told["count"] == len(mine)
             assert told["least"] == min(refusal.amount for refusal in mine)
             assert told["most"] == max(refusal.amount for refusal in mine)

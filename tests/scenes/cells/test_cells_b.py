@@ -347,8 +347,8 @@ def test_what_is_inside_a_closed_mesh_is_refused_with_proof_after_one_batch_of_c
     batches: list[int] = []
     draw = Sampler.batch
 
-    def counted(self: Sampler) -> list[Any]:
-        found = draw(self)
+    def counted(self: Sampler, before: float) -> list[Any]:
+        found = draw(self, before)
         batches.append(len(found))
         return found
 
