@@ -59,7 +59,7 @@ class Glance:
         """
         rough, start = self.rough(ways), self.chain.state.time
         end = rough.end
-        bad = np.where(rough.within(self.prover.scene.robot) & (end <= self.latest), 0.0, 1.0)
+        bad = np.where(rough.possible(self.prover.scene.robot) & (end <= self.latest), 0.0, 1.0)
         # each way at other times: what passes between the looks at one is seen at its likes
         share = (np.arange(LOOKS) + rng.random((len(ways), 1))) / LOOKS
         times = start + (end - start)[:, None] * share

@@ -45,10 +45,10 @@ class Rough:
         begins = np.concatenate([self.begin[:, None], ends], -1)
         return self.segments.some((way, segment)).at(t - begins[way, segment])
 
-    def within(self, robot: Robot) -> BoolArray:
-        """Which motions (N,) stay within the limits of position where a joint turns round."""
+    def possible(self, robot: Robot) -> BoolArray:
+        """Which motions (N,) meet their ends, and stay within the limits of position where a joint turns round."""
         turning = self.segments.turning_points(robot.limits.acceleration, robot.limits.jerk)
-        return np.asarray(robot.within(turning).all((0, 2)))
+        return np.asarray(robot.within(turning).all((0, 2)) & self.segments.meets().all((1, 2)))
 
 
 class RoughMotions:

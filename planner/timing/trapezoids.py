@@ -9,8 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
+from planner.arrays import BoolArray, FloatArray
 from planner.timing.bounds import least_duration
+
+MET = 1e-6
+"""An end is met to this, rad or m: the closed form rounds by some 1e-9."""
 
 
 def mean_acceleration(velocity: FloatArray, acceleration: FloatArray, jerk: FloatArray) -> FloatArray:
@@ -57,11 +60,14 @@ class Trapezoids:
         acceleration: FloatArray,
         duration: FloatArray,
     ) -> Trapezoids:
-        """Profiles that take exactly `duration` (...), at least `trapezoid_time`: a shorter one misses its end.
+        """Profiles that take exactly `duration` (...), at least `trapezoid_time`.
+
+        Not every longer duration is possible for a joint that is fast at its ends, either: if it cannot slow down as
+        much, it ends elsewhere (`meets`).
 
         With D the distance left, T the duration and a the acceleration, the way at cruising velocity c is
         −c²/a + c (T + (v0 + v1)/a) − (v0² + v1²)/(2a) if c is above both ends, linear in c between them, and the mirror
-        image below both (equation P7).
+        image below both (equation P5).
         """
         distance, t, a = q1 - q0, duration[..., None], acceleration
         low, high = np.minimum(v0, v1), np.maximum(v0, v1)
@@ -83,6 +89,10 @@ class Trapezoids:
         up, on, down = np.minimum(t, first), np.maximum(np.minimum(t, last) - first, 0.0), np.maximum(t - last, 0.0)
         found: FloatArray = self.q0 + (self.v0 + np.sign(self.cruise - self.v0) * (a / 2) * up) * up
         return found + self.cruise * on + (self.cruise + np.sign(self.v1 - self.cruise) * (a / 2) * down) * down
+
+    def meets(self) -> BoolArray:
+        """Which joints (..., n) end where they should."""
+        return np.asarray(np.abs(self.at(self.duration) - self.q1) <= MET)
 
     def turning_points(self, acceleration: FloatArray, jerk: FloatArray) -> FloatArray:
         """q (2, ..., n) where each joint turns round in its first and in its last ramp, were its acceleration and jerk
