@@ -5,6 +5,7 @@ Seeded and adaptive: what was free or nearly free is varied.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
@@ -26,9 +27,11 @@ ARCHED = 2
 """Options to which arches are tried first."""
 BATCH = 12
 """Arches in a batch, where an arch is asked for, or waits before a straight leg."""
+FILLED = 6
+"""Batches of the population that are smaller are filled up with arches, and to larger ones ..."""
 ARCHES_TOO = 0.3
-"""How often an arch is tried beside the ways of the population."""
-VARIED = 0.25
+"""... one is added this often."""
+VARIED = 0.5
 """Share of arches that are variations of the best so far, once there are any."""
 ELITE = 6
 """Best arches that are kept for that."""
@@ -48,7 +51,7 @@ class Sampler:
     adaptive: bool = True
     visits: int = 0
     population: Population | None = None
-    elite: list[tuple[float, Sample]] = field(default_factory=list)
+    elite: list[tuple[float, float, Sample]] = field(default_factory=list)
 
     def batch(self, before: float = np.inf) -> list[tuple[Option, Sample]]:
         """The next batch, of ways that may end before `before`, s; empty only if there is nothing left to try."""
@@ -66,18 +69,19 @@ class Sampler:
             parts = self.scene, self.chain, self.options, self.glance(), self.rng
             self.population = Population(*parts, adaptive=self.adaptive)
         found = self.population.batch(before)
-        return [*found, self._arch()] if self._tops() and self.rng.random() < ARCHES_TOO else found
+        arches = max(FILLED - len(found), int(self.rng.random() < ARCHES_TOO)) if self._tops() else 0
+        return found + [self._arch() for _ in range(arches)]
 
-    def learn(self, sample: Sample, bad: float, at: float | None = None) -> None:
+    def learn(self, sample: Sample, bad: float, end: float = math.inf, at: float | None = None) -> None:
         """`bad`: the share of a draft's samples that were in the way of something; 0: it was free; 1: it was refused
-        for another reason. `at`: when something was in its way, s."""
+        for another reason. `end`: when it ends, `at`: when something was in its way, s."""
         if not self.adaptive:
             return
         if self.population is not None:
             self.population.learn(sample, bad, at)
         if sample.shape.hop is not None:
-            self.elite.append((bad, sample))
-            self.elite.sort(key=lambda pair: pair[0])
+            self.elite = [each for each in self.elite if each[2] is not sample] + [(bad, end, sample)]
+            self.elite.sort(key=lambda each: each[:2])
             del self.elite[ELITE:]
 
     def _direct(self) -> list[tuple[Option, Sample]]:
@@ -174,7 +178,7 @@ class Sampler:
 
     def _varied(self) -> tuple[Option, Sample]:
         rng = self.rng
-        _, parent = self.elite[int(rng.integers(len(self.elite)))]
+        *_, parent = self.elite[int(rng.integers(len(self.elite)))]
         option = next(o for o in self.options if o.branch is parent.branch)
         shape, hop = parent.shape, parent.shape.hop
         if hop is not None:

@@ -28,7 +28,7 @@ def test_many_at_once_are_each_by_itself() -> None:
     before, at, behind = rng.uniform(limits().lower, limits().upper, (3, 7, 4))
     pace = rng.uniform(0.0, 1.2, 7)
     together = passing_velocity(before, at, behind, pace, V, A)
-    alone = [passing_velocity(*(x[i] for x in (before, at, behind)), float(pace[i]), V, A) for i in range(7)]
+    alone = [passing_velocity(before[i], at[i], behind[i], float(pace[i]), V, A) for i in range(7)]
     assert np.array_equal(together, np.array(alone))
 
 
