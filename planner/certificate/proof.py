@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import time
+from functools import cached_property
 
 import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.certificate.claim import Claim, put, take
 from planner.certificate.facts import Facts, Intervals, Thrice
+from planner.certificate.planes import MANY, planes
 from planner.certificate.rows import Rows, Unproved, no_rows
 from planner.collision import Collider
 from planner.gjk import separate
@@ -66,18 +68,29 @@ class _Proof:
         a, b = self.prover.asked(self.solids)
         phase = self.phase
         whole = self.facts.intervals(np.array([phase.t0]), np.array([phase.t1]))
+        if len(a) > MANY:
+            behind, done = planes(self.facts, (whole, self.parts), a, b)
+            self.done += [(rows.unit, rows.second, rows.t0, rows.t1, rows.claim) for rows in behind]
+            a, b = a[~done], b[~done]
         row = np.zeros(len(a), dtype=np.int64)
         placed = self.facts.thrice(whole, row, a, b)
         claim = self.facts.claim(whole, row, a, b, placed, placed.vertical())
         left = self.keep(whole, row, a, b, claim)
         a, b = a[left], b[left]
-        count = max(1, int(np.ceil((phase.t1 - phase.t0) / COARSEST_S)))
-        edges = np.linspace(phase.t0, phase.t1, count + 1)
-        edges[-1] = phase.t1
-        table = self.facts.intervals(edges[:-1], edges[1:])
+        if not len(a):
+            return self.rows()
+        count = len(self.parts)
         row = np.repeat(np.arange(count), len(a))
         seed = np.tile(np.array([0.0, 0.0, 1.0]), (len(a) * count, 1))
-        return self.rounds(table, row, np.tile(a, count), np.tile(b, count), seed)
+        return self.rounds(self.parts, row, np.tile(a, count), np.tile(b, count), seed)
+
+    @cached_property
+    def parts(self) -> Intervals:
+        """The intervals with which the phase begins, where it is not proved as a whole."""
+        phase = self.phase
+        count = max(1, int(np.ceil((phase.t1 - phase.t0) / COARSEST_S)))
+        edges = np.linspace(phase.t0, phase.t1, count + 1)
+        return self.facts.intervals(edges[:-1], edges[1:])
 
     def rounds(self, table: Intervals, row: IntArray, a: IntArray, b: IntArray, seed: FloatArray) -> Rows | Unproved:
         while len(row):
