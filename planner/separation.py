@@ -126,19 +126,25 @@ def face_normals(a: Placed, b: Placed) -> FloatArray:
 
 
 def rough_gaps(solids: Solids, where: Carriers, a: IntArray, b: IntArray) -> FloatArray:
-    """Lower bounds (T, P) of the distances of unit pairs (P,) at all times: vertical order, or bounding circles.
+    """Lower bounds (T, P) of the distances of unit pairs (P,) at all times: vertical order, or outlines from above, the
+    first as an oblong with round corners, the second as a circle.
 
     Cheap enough for many pairs at all times; NaN where a carrier is not known.
     """
-    units = np.unique(np.concatenate([a, b]))
-    at = np.full(len(solids.body), -1)
+    at = np.zeros(len(solids.body), dtype=np.int64)
+    at[a] = at[b] = 1
+    units = np.flatnonzero(at)
     at[units] = np.arange(len(units))
-    centre, tall, wide = _outlines(solids, where, units)
     ia, ib = at[a], at[b]
-    vertical = np.abs(centre[:, ib, 2] - centre[:, ia, 2]) - tall[:, ia] - tall[:, ib]
-    x, y = centre[:, ib, 0] - centre[:, ia, 0], centre[:, ib, 1] - centre[:, ia, 1]
-    found: FloatArray = np.maximum(vertical, np.sqrt(x * x + y * y) - wide[ia] - wide[ib])
-    return found
+    seen = _outlines(solids, where, units)
+    found = np.abs(seen.z[:, ib] - seen.z[:, ia])
+    found -= seen.tall[..., ia] + seen.tall[..., ib]
+    x, y = seen.x[:, ib] - seen.x[:, ia], seen.y[:, ib] - seen.y[:, ia]
+    c, s = seen.c[:, ia], seen.s[:, ia]
+    along = np.maximum(np.abs(c * x + s * y) - seen.oblong[ia, 0], 0.0)
+    across = np.maximum(np.abs(c * y - s * x) - seen.oblong[ia, 1], 0.0)
+    flat = np.sqrt(along * along + across * across) - (seen.round[ia] + seen.wide[ib])
+    return np.asarray(np.maximum(found, flat))
 
 
 def swept_gaps(solids: Solids, where: Carriers, a: IntArray, b: IntArray) -> FloatArray:
@@ -150,35 +156,74 @@ def swept_gaps(solids: Solids, where: Carriers, a: IntArray, b: IntArray) -> Flo
     if len(a) <= FEW:
         return np.full(len(a), -np.inf)
     low, high = np.full((2, len(solids.body), 3), np.nan)
-    units = np.unique(np.concatenate([a, b]))
-    for carrier in np.unique(solids.carrier[units]):
-        mine = units[solids.carrier[units] == carrier]
-        position, rotation = where.position[:, carrier], where.rotation[:, carrier]
-        moves = bool((position != position[0]).any() or (rotation != rotation[0]).any())
-        times = slice(None) if moves else slice(1)
-        centre, tall, wide = _outlines(solids, Carriers(where.position[times], where.rotation[times]), mine)
-        size = np.stack([np.broadcast_to(wide, tall.shape), np.broadcast_to(wide, tall.shape), tall], -1)
-        low[mine], high[mine] = (centre - size).min(0), (centre + size).max(0)
+    asked = np.zeros(len(solids.body), dtype=bool)
+    asked[a] = asked[b] = True
+    position, rotation = where.position, where.rotation
+    moves = (position != position[0]).any((0, 2)) | (rotation != rotation[0]).any((0, 2, 3))
+    for moving in (False, True):
+        mine = np.flatnonzero(asked & (moves[solids.carrier] == moving))
+        if len(mine):
+            times = slice(None) if moving else slice(1)
+            seen = _outlines(solids, Carriers(position[times], rotation[times]), mine)
+            for axis, (place, size) in enumerate(((seen.x, seen.wide), (seen.y, seen.wide), (seen.z, seen.tall))):
+                low[mine, axis], high[mine, axis] = (place - size).min(0), (place + size).max(0)
     found: FloatArray = np.maximum(low[b] - high[a], low[a] - high[b]).max(1)
     return found
 
 
-def _outlines(solids: Solids, where: Carriers, units: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Centres (T, U, 3) of units, half heights (T, U) about them, and radii (U,) in all directions."""
-    carrier = solids.carrier[units]
-    rotation, position = where.rotation, where.position
-    centre = position[:, carrier] + (rotation[:, carrier] @ solids.centre[units][None, :, :, None])[..., 0]
-    up = (rotation[:, carrier, 2:3, :] @ solids.rotation[units][None])[:, :, 0, :]
-    tall = np.einsum("tui,ui->tu", np.abs(up), solids.half[units])
-    tall += solids.disc[units] * np.hypot(up[..., 0], up[..., 1]) + solids.ball[units]
-    wide = np.sqrt((solids.half[units] ** 2).sum(-1)) + solids.disc[units] + solids.ball[units]
-    if solids.hulls:
-        for k in np.flatnonzero(solids.hull[units] >= 0):
-            vertices = solids.hulls[int(solids.hull[units[k]])].vertices
-            # about its own origin, which need not be its middle
-            wide[k] = float(np.sqrt((vertices**2).sum(-1)).max())
-            tall[:, k] = wide[k]
-    return centre, tall, wide
+@dataclass(frozen=True, slots=True)
+class _Outlines:
+    """Units from above and from the side: centres x, y, z (T, U), half heights `tall` (T, U) or (U,) about them.
+
+    From above all of a unit is within an oblong of half edges `oblong` (U, 2) along (c, s) (T, U) and across it, grown
+    by `round` (U,), and within the circle of radius `wide` (U,).
+    """
+
+    x: FloatArray
+    y: FloatArray
+    z: FloatArray
+    c: FloatArray
+    s: FloatArray
+    tall: FloatArray
+    oblong: FloatArray
+    round: FloatArray
+    wide: FloatArray
+
+
+UPRIGHT = 1e-12
+"""A unit whose z axis is off its carrier's by no more than this (a few roundings, rad) stands upright in it."""
+
+
+def _outlines(solids: Solids, where: Carriers, units: IntArray) -> _Outlines:
+    carrier, inside = solids.carrier[units], solids.rotation[units]
+    half, disc, ball = solids.half[units], solids.disc[units], solids.ball[units]
+    cx, cy, cz = solids.centre[units].T
+    position, rotation = where.position, where.rotation
+    turning = rotation[:, carrier, 0, 0], rotation[:, carrier, 1, 0]
+    if (rotation[..., 2, 2] == 1.0).all():  # all carriers turn about the vertical only
+        x = position[:, carrier, 0] + turning[0] * cx - turning[1] * cy
+        y = position[:, carrier, 1] + turning[1] * cx + turning[0] * cy
+        z = position[:, carrier, 2] + cz
+        upright = np.maximum(np.abs(inside[:, 2, 0]), np.abs(inside[:, 2, 1])) <= UPRIGHT
+        up = inside[:, 2]
+    else:
+        centre = position[:, carrier] + (rotation[:, carrier] @ solids.centre[units][None, :, :, None])[..., 0]
+        x, y, z = centre[..., 0], centre[..., 1], centre[..., 2]
+        upright, turning = np.zeros(len(units), dtype=bool), (np.ones(x.shape), np.zeros(x.shape))
+        up = (rotation[:, carrier, 2:3, :] @ inside[None])[:, :, 0, :]
+    tall = (np.abs(up) * half).sum(-1) + disc * np.hypot(up[..., 0], up[..., 1]) + ball
+    for k in np.flatnonzero(solids.hull[units] >= 0):
+        vertices = solids.hulls[int(solids.hull[units[k]])].vertices
+        # about its own origin, which need not be its middle
+        ball[k], upright[k] = float(np.sqrt((vertices**2).sum(-1)).max()), False
+        tall[..., k], half[k] = ball[k], 0.0
+    grown = disc + ball
+    wide = grown + np.sqrt(half[:, 0] ** 2 + half[:, 1] ** 2 + np.where(upright, 0.0, half[:, 2]) ** 2)
+    # what does not stand upright is a circle from above, which may be turned in any way
+    ux, uy = np.where(upright, inside[:, :2, 0].T, ((1.0,), (0.0,)))
+    oblong = np.where(upright[:, None], half[:, :2], 0.0)
+    c, s = turning[0] * ux - turning[1] * uy, turning[1] * ux + turning[0] * uy
+    return _Outlines(x, y, z, c, s, tall, oblong, np.where(upright, grown, wide), wide)
 
 
 def likely_gaps(one: Placed, other: Placed) -> FloatArray:
