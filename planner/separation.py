@@ -14,13 +14,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.solids import Carriers, Solids
+from planner.outlines import outlines
+from planner.solids import COVER, Carriers, Solids
 
 ROUNDS = 3
 """Alternating projections between two cores before their direction is taken as a normal. They converge quickly except
 for nearly parallel faces, where the face normals of `face_normals` are exact."""
 
 
+COMMON_M = 1e-12
+"""Points of two solids nearer than this, m, are one point: a few roundings."""
 FEW = 64
 """Pairs for which bounds at all times are as cheap as bounds over all times together."""
 
@@ -100,6 +103,26 @@ def _core(placed: Placed) -> tuple[FloatArray, FloatArray | None]:
     return _laid(placed.solids.half[placed.unit]), disc if disc.any() else None
 
 
+def _line(a: Placed, b: Placed) -> tuple[FloatArray, FloatArray]:
+    """From a point of each core of a to one of b, (r, 3), and its length (r,): about the shortest there is."""
+    on_b, of_a, of_b = b.centre, _core(a), _core(b)
+    for _ in range(ROUNDS):
+        on_a = _nearest(a, *of_a, on_b)
+        on_b = _nearest(b, *of_b, on_a)
+    line = on_b - on_a
+    return line, np.sqrt(np.einsum("ri,ri->r", line, line))
+
+
+def meet(a: Placed, b: Placed) -> BoolArray:
+    """Whether a point is found that both units have in common (r,); False says nothing.
+
+    True only of solids: not of boxes about several pieces, nor of hulls, whose cores are but boxes about them.
+    """
+    solid = [(x.solids.piece[x.unit] != COVER) & (x.solids.hull[x.unit] < 0) for x in (a, b)]
+    touching = _line(a, b)[1] <= a.solids.ball[a.unit] + b.solids.ball[b.unit] + COMMON_M
+    return np.asarray(solid[0] & solid[1] & touching)
+
+
 def centre_normals(a: Placed, b: Placed) -> FloatArray:
     """(r, 2, 3): the vertical, and the line between the nearest points of the cores by alternating projection.
 
@@ -107,12 +130,7 @@ def centre_normals(a: Placed, b: Placed) -> FloatArray:
     """
     n = np.zeros((2, 3, len(a.unit))).transpose(2, 0, 1)
     n[:, 0, 2] = np.where(b.centre[:, 2] >= a.centre[:, 2], 1.0, -1.0)
-    on_b, of_a, of_b = b.centre, _core(a), _core(b)
-    for _ in range(ROUNDS):
-        on_a = _nearest(a, *of_a, on_b)
-        on_b = _nearest(b, *of_b, on_a)
-    line = on_b - on_a
-    length = np.sqrt(np.einsum("ri,ri->r", line, line))
+    line, length = _line(a, b)
     apart = length > 1e-9
     n[:, 1] = np.where(apart[:, None], line / np.where(apart, length, 1.0)[:, None], n[:, 0])
     return n
@@ -136,7 +154,7 @@ def rough_gaps(solids: Solids, where: Carriers, a: IntArray, b: IntArray) -> Flo
     units = np.flatnonzero(at)
     at[units] = np.arange(len(units))
     ia, ib = at[a], at[b]
-    seen = _outlines(solids, where, units)
+    seen = outlines(solids, where, units)
     found = np.abs(seen.z[:, ib] - seen.z[:, ia])
     found -= seen.tall[..., ia] + seen.tall[..., ib]
     x, y = seen.x[:, ib] - seen.x[:, ia], seen.y[:, ib] - seen.y[:, ia]
@@ -164,66 +182,11 @@ def swept_gaps(solids: Solids, where: Carriers, a: IntArray, b: IntArray) -> Flo
         mine = np.flatnonzero(asked & (moves[solids.carrier] == moving))
         if len(mine):
             times = slice(None) if moving else slice(1)
-            seen = _outlines(solids, Carriers(position[times], rotation[times]), mine)
+            seen = outlines(solids, Carriers(position[times], rotation[times]), mine)
             for axis, (place, size) in enumerate(((seen.x, seen.wide), (seen.y, seen.wide), (seen.z, seen.tall))):
                 low[mine, axis], high[mine, axis] = (place - size).min(0), (place + size).max(0)
     found: FloatArray = np.maximum(low[b] - high[a], low[a] - high[b]).max(1)
     return found
-
-
-@dataclass(frozen=True, slots=True)
-class _Outlines:
-    """Units from above and from the side: centres x, y, z (T, U), half heights `tall` (T, U) or (U,) about them.
-
-    From above all of a unit is within an oblong of half edges `oblong` (U, 2) along (c, s) (T, U) and across it, grown
-    by `round` (U,), and within the circle of radius `wide` (U,).
-    """
-
-    x: FloatArray
-    y: FloatArray
-    z: FloatArray
-    c: FloatArray
-    s: FloatArray
-    tall: FloatArray
-    oblong: FloatArray
-    round: FloatArray
-    wide: FloatArray
-
-
-UPRIGHT = 1e-12
-"""A unit whose z axis is off its carrier's by no more than this (a few roundings, rad) stands upright in it."""
-
-
-def _outlines(solids: Solids, where: Carriers, units: IntArray) -> _Outlines:
-    carrier, inside = solids.carrier[units], solids.rotation[units]
-    half, disc, ball = solids.half[units], solids.disc[units], solids.ball[units]
-    cx, cy, cz = solids.centre[units].T
-    position, rotation = where.position, where.rotation
-    turning = rotation[:, carrier, 0, 0], rotation[:, carrier, 1, 0]
-    if (rotation[..., 2, 2] == 1.0).all():  # all carriers turn about the vertical only
-        x = position[:, carrier, 0] + turning[0] * cx - turning[1] * cy
-        y = position[:, carrier, 1] + turning[1] * cx + turning[0] * cy
-        z = position[:, carrier, 2] + cz
-        upright = np.maximum(np.abs(inside[:, 2, 0]), np.abs(inside[:, 2, 1])) <= UPRIGHT
-        up = inside[:, 2]
-    else:
-        centre = position[:, carrier] + (rotation[:, carrier] @ solids.centre[units][None, :, :, None])[..., 0]
-        x, y, z = centre[..., 0], centre[..., 1], centre[..., 2]
-        upright, turning = np.zeros(len(units), dtype=bool), (np.ones(x.shape), np.zeros(x.shape))
-        up = (rotation[:, carrier, 2:3, :] @ inside[None])[:, :, 0, :]
-    tall = (np.abs(up) * half).sum(-1) + disc * np.hypot(up[..., 0], up[..., 1]) + ball
-    for k in np.flatnonzero(solids.hull[units] >= 0):
-        vertices = solids.hulls[int(solids.hull[units[k]])].vertices
-        # about its own origin, which need not be its middle
-        ball[k], upright[k] = float(np.sqrt((vertices**2).sum(-1)).max()), False
-        tall[..., k], half[k] = ball[k], 0.0
-    grown = disc + ball
-    wide = grown + np.sqrt(half[:, 0] ** 2 + half[:, 1] ** 2 + np.where(upright, 0.0, half[:, 2]) ** 2)
-    # what does not stand upright is a circle from above, which may be turned in any way
-    ux, uy = np.where(upright, inside[:, :2, 0].T, ((1.0,), (0.0,)))
-    oblong = np.where(upright[:, None], half[:, :2], 0.0)
-    c, s = turning[0] * ux - turning[1] * uy, turning[1] * ux + turning[0] * uy
-    return _Outlines(x, y, z, c, s, tall, oblong, np.where(upright, grown, wide), wide)
 
 
 def likely_gaps(one: Placed, other: Placed) -> FloatArray:
