@@ -12,7 +12,6 @@ import numpy as np
 from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.certificate.claim import Claim, take
 from planner.certificate.facts import Facts, Intervals
-from planner.frames import Fixed
 from planner.requirement import SLACK_M, worst
 from planner.separation import place, support
 from planner.solids import exempted
@@ -91,12 +90,7 @@ def _needed(facts: Facts, a: IntArray, b: IntArray) -> FloatArray:
     phase, solids = facts.phase, facts.solids
     by_carrier = np.full(solids.links + len(facts.frames), np.inf)
     for k, frame in enumerate(facts.frames, start=solids.links):
-        first, last = frame.law.valid
-        if (
-            isinstance(frame.law, Fixed)
-            and first <= phase.t0
-            and phase.t1 + facts.scene.execution.start_tolerance_s <= last
-        ):
+        if facts.still[k]:
             by_carrier[k] = worst(facts.scene, phase, frame.name)
     need = by_carrier[solids.carrier[b]]
     if phase.exempt:
