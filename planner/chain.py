@@ -107,12 +107,6 @@ class Outline:
         return self.reached.at(t)
 
 
-def moved(scene: Scene, chain: Chain) -> tuple[tuple[str, str, Pose], ...]:
-    """The parts that the chain has moved, by name, each with the frame and the pose it rides on now."""
-    start = initial_rides(scene)
-    return tuple((name, *ride) for name, ride in sorted(chain.rides.items()) if ride != start[name])
-
-
 def initial(scene: Scene) -> Chain:
     """The chain of no steps."""
     start = scene.start

@@ -8,6 +8,8 @@ poses are checked here and sizes where shapes are made. FCL decides refusals onl
 
 from __future__ import annotations
 
+import math
+
 import fcl
 import numpy as np
 
@@ -17,6 +19,9 @@ from planner.shapes import Hull, Primitive
 
 UNIT_AXES = 1e-9
 """Rotations further from orthonormal than this are a fault: FCL would answer "free" to a scaled one."""
+
+
+_IDENTITY = np.eye(3)
 
 
 def _geometry(shape: Primitive | Hull) -> fcl.CollisionGeometry:
@@ -57,7 +62,7 @@ class Collider:
     def _posed(self, placed: Placed, row: int, side: str) -> fcl.CollisionObject:
         found = self._object(placed.solids.shapes[int(placed.unit[row])], side)
         axes, centre = placed.axes[row], placed.centre[row]
-        if not (np.isfinite(centre).all() and np.abs(axes.T @ axes - np.eye(3)).max() <= UNIT_AXES):
+        if not (math.isfinite(centre.sum()) and np.abs(axes.T @ axes - _IDENTITY).max() <= UNIT_AXES):
             raise FaultError(f"pose of {placed.solids.names[int(placed.solids.body[placed.unit[row]])]} is not a pose")
         found.setTransform(fcl.Transform(np.ascontiguousarray(axes), np.ascontiguousarray(centre)))
         return found

@@ -8,7 +8,7 @@ import numpy as np
 
 from planner.arrays import FloatArray
 from planner.assembly import assembled, laws_over
-from planner.chain import Chain, Draft, Outline, Sample, moved
+from planner.chain import Chain, Draft, Outline, Sample
 from planner.errors import FaultError
 from planner.frames.motion import Motion, Pose
 from planner.frames.tilted import TiltedMotion
@@ -20,7 +20,7 @@ from planner.legs.state import Knots, Stretch
 from planner.legs.straight import mode_changes, straight
 from planner.legs.tilt import tilt_of
 from planner.outcome import LegKind, Reason, Refusal
-from planner.phases import Phase
+from planner.phases import Phase, moved
 from planner.scene import Move, Scene
 
 
@@ -38,8 +38,8 @@ def outline(
     unknown = laws_over(scene, chain.step, reached.end)
     if unknown is not None:
         return unknown
-    rides = moved(scene, chain)
-    way = Phase(chain.state.time, reached.end, LegKind.MOVE, chain.step, chain.carried, rides, frozenset(), None, ())
+    away = moved(scene, chain.rides)
+    way = Phase(chain.state.time, reached.end, LegKind.MOVE, chain.step, chain.carried, away, frozenset(), None, ())
     return Outline(chain, meeting, sample, reached, (way,), ahead)
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from planner.outcome import Arrival, Certificate, Leg
 from planner.trajectory import Trajectory
 
-FORMAT = "assur-plan-2"
+FORMAT = "assur-plan-3"
 """Changes whenever the meaning of a column, or the order of the items below, does."""
 
 REALS = ("t0", "t1", "normal", "gap0", "gap1", "speed", "acceleration")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -22,21 +22,29 @@ def extents(shapes: Sequence[Primitive | Hull], centre: FloatArray, axes: FloatA
     same however the frame turns, so it counts as one that does not turn: 0. A ball looks the same however the frame
     turns and tilts, so for the second its points count as its centre does.
     """
-    if not len(shapes):
-        return np.zeros(0), np.zeros(0)
-    hulls = [k for k, shape in enumerate(shapes) if isinstance(shape, Hull)]
-    half = np.array([(0.0, 0.0, 0.0) if isinstance(shape, Hull) else shape.half for shape in shapes])
-    disc = np.array([0.0 if isinstance(shape, Hull) else shape.disc for shape in shapes])
-    ball = np.array([0.0 if isinstance(shape, Hull) else shape.ball for shape in shapes])
+    hulls = {k: shape for k, shape in enumerate(shapes) if isinstance(shape, Hull)}
+    terms = [(0.0,) * 5 if isinstance(shape, Hull) else (*shape.half, shape.disc, shape.ball) for shape in shapes]
+    core = np.array(terms).reshape(-1, 5)
+    return extents_of(core[:, :3], core[:, 3], core[:, 4], hulls, centre, axes)
+
+
+def extents_of(
+    half: FloatArray,
+    disc: FloatArray,
+    ball: FloatArray,
+    hulls: Mapping[int, Hull],
+    centre: FloatArray,
+    axes: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """`extents` of solids by the terms of their support function (S1), `half` (U, 3), `disc` and `ball` (U,), but for
+    `hulls`, by their numbers."""
     points = centre[:, None] + (_SIGNS * half[:, None]) @ axes.transpose(0, 2, 1)
     reach, distance = _farthest(points)
     reach, distance = reach + disc + ball, distance + disc + ball
-    for k in hulls:
-        one = shapes[k]
-        if isinstance(one, Hull):
-            reach[k], distance[k] = (x[0] for x in _farthest((centre[k] + one.vertices @ axes[k].T)[None]))
-    primitive = np.ones(len(shapes), dtype=bool)
-    primitive[hulls] = False
+    primitive = np.ones(len(half), dtype=bool)
+    for k, one in hulls.items():
+        reach[k], distance[k] = (x[0] for x in _farthest((centre[k] + one.vertices @ axes[k].T)[None]))
+        primitive[k] = False
     core = (half == 0.0) & primitive[:, None]
     ball_like = core.all(1) & (disc == 0.0)
     upright = ball_like | (np.abs(axes[:, :2, 2]).max(1) <= ON_AXIS)

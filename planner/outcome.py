@@ -119,7 +119,8 @@ class Certificate:
     """The proof: row i says that on [t0, t1] the bodies `first` and `second` stay apart along `normal`.
 
     Bodies are indices into `names`; a piece is the index of a convex piece of the body, -1 its bounding box (in the
-    body's axes). `gap0, gap1` are support gaps along `normal` (M, 3), from first to second, at t0 and t1; `speed` and
+    body's axes). A second of -1 is no body but the origin of the world: the row says behind which plane the first stays
+    (equation C6). `gap0, gap1` are support gaps along `normal` (M, 3), from first to second, at t0 and t1; `speed` and
     `acceleration` bound how fast the two approach along it. Equations C1, C2 in docs/guarantees.md.
     """
 

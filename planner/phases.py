@@ -146,13 +146,18 @@ def _extent(scene: Scene, name: str) -> tuple[float, float]:
 
 def initial_rides(scene: Scene) -> dict[str, tuple[str, Pose]]:
     """Where every body of the surroundings sits at the start."""
-    return {body.name: (body.frame, body.pose) for body in scene.bodies}
+    return dict(scene.seats)
+
+
+def moved(scene: Scene, rides: dict[str, tuple[str, Pose]]) -> tuple[tuple[str, str, Pose], ...]:
+    """The bodies of `rides` that do not sit where they did at the start, by name, with frame and pose."""
+    names = sorted(name for name, ride in rides.items() if ride != scene.seats[name])
+    return tuple((name, *rides[name]) for name in names)
 
 
 def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -> tuple[Phase, ...]:
     """The phases of a plan with these legs, with the standstill for `stay_safe_s` behind the last one."""
     rides = initial_rides(scene)
-    start = dict(rides)
     offsets = {arrival.step: arrival.yaw_offset for arrival in arrivals}
     ends = {arrival.step: arrival.until for arrival in arrivals}
     followed = _followed(scene)
@@ -182,8 +187,7 @@ def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -
                 exempt = frozenset(pair(name, step.part) for name in supports)
             else:
                 exempt = frozenset(pair(name, step.part) for name in tool)
-        moved = tuple((name, *rides[name]) for name in sorted(rides) if rides[name] != start[name])
-        found.append(Phase(leg.t0, leg.t1, leg.kind, leg.step, carried, moved, exempt, frame, ()))
+        found.append(Phase(leg.t0, leg.t1, leg.kind, leg.step, carried, moved(scene, rides), exempt, frame, ()))
         if leg.kind is LegKind.FOLLOW and isinstance(step, Pick):
             carried = held(scene, step, offsets.get(leg.step, 0.0))
         if leg.kind is LegKind.FOLLOW and isinstance(step, Place):
@@ -191,9 +195,8 @@ def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -
             carried = None
     if scene.options.end == "rest" and scene.options.stay_safe_s > 0 and legs:
         last = legs[-1]
-        moved = tuple((name, *rides[name]) for name in sorted(rides) if rides[name] != start[name])
-        stay = scene.options.stay_safe_s
-        found.append(Phase(last.t1, last.t1 + stay, LegKind.WAIT, -1, carried, moved, frozenset(), None, ()))
+        stay, away = scene.options.stay_safe_s, moved(scene, rides)
+        found.append(Phase(last.t1, last.t1 + stay, LegKind.WAIT, -1, carried, away, frozenset(), None, ()))
     return tuple(_with_neighbours(found, followed))
 
 

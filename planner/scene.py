@@ -13,6 +13,7 @@ from planner.errors import InputError
 from planner.frames.fixed import Fixed
 from planner.frames.law import Frame
 from planner.frames.motion import Pose
+from planner.pieces import Pieces, pieces
 from planner.robots.protocol import Robot
 from planner.shapes import Body
 from planner.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Window
@@ -150,6 +151,8 @@ class Scene:
     digest: str = ""
     """Digest of the request document, carried into the certificate."""
     index: dict[str, WorldBody] = field(init=False, repr=False)
+    pieces: Pieces = field(init=False, repr=False)  # of robot, tool and surroundings, in this order
+    seats: dict[str, tuple[str, Pose]] = field(init=False, repr=False)  # frame and pose of what stands around
 
     def __post_init__(self) -> None:
         n = len(self.robot.joints)
@@ -160,15 +163,16 @@ class Scene:
             raise InputError("start.at_s", self.start.time, "a finite time")
         if not self.task:
             raise InputError("task", self.task, "at least one step")
-        names = [body.name for body in self.bodies] + [b.body.name for b in self.robot.bodies]
-        names += [body.name for body in self.tool.bodies]
-        for name, count in Counter(names).items():
+        solids = [each.body for each in self.robot.bodies] + list(self.tool.bodies) + [b.body for b in self.bodies]
+        for name, count in Counter(body.name for body in solids).items():
             if count > 1:
                 raise InputError("bodies", name, "names that are unique, the robot's and the tool's bodies included")
         for i, body in enumerate(self.bodies):
             if body.frame not in self.frames:
                 raise InputError(f"bodies[{i}].pose.frame", body.frame, f"one of {sorted(self.frames)}")
         object.__setattr__(self, "index", {body.name: body for body in self.bodies})
+        object.__setattr__(self, "seats", {body.name: (body.frame, body.pose) for body in self.bodies})
+        object.__setattr__(self, "pieces", pieces(solids))
         for i, step in enumerate(self.task):
             self._check_step(f"task[{i}].{type(step).__name__.lower()}", step)
             if isinstance(step, Move) and step.arch is not None and self.robot.lift is None:

@@ -19,7 +19,7 @@ from planner.loops import lost_at
 from planner.outcome import Reason, Refusal
 from planner.phases import Phase
 from planner.requirement import SLACK_M, clearance, is_certain, worst
-from planner.separation import Placed, likely_gaps, place, rough_gaps, swept_gaps
+from planner.separation import Placed, likely_gaps, meet, place, rough_gaps, swept_gaps
 from planner.solids import COVER, Carriers, Solids, carriers, exempted
 
 STEP_S = 0.02
@@ -76,16 +76,15 @@ def _sampled(
     prover: Prover, drafts: Sequence[Timed], members: list[tuple[int, Phase]], step: float
 ) -> tuple[_Samples | None, dict[int, Screened]]:
     """Samples of the members; those that do not stay assembled on the way are refused, and not among them."""
-    times, joints, owner, number = [], [], [], []
-    for k, (draft, phase) in enumerate(members):
-        count = max(2, int(np.ceil((phase.t1 - phase.t0) / step)) + 1)
-        t = np.linspace(phase.t0, phase.t1, count)
-        times.append(t)
-        joints.append(drafts[draft].at(t))
-        owner.append(np.full(count, draft))
-        number.append(np.full(count, k))
-    t, q, owners = np.concatenate(times), np.concatenate(joints), np.concatenate(owner)
-    numbers, refused = np.concatenate(number), {}
+    begins, ends = np.array([(phase.t0, phase.t1) for _, phase in members]).T
+    counts = np.maximum(2, np.ceil((ends - begins) / step).astype(np.int64) + 1)
+    numbers, last = np.repeat(np.arange(len(members)), counts), np.cumsum(counts)
+    share = (np.arange(len(numbers)) - np.repeat(last - counts, counts)) / (counts - 1)[numbers]
+    t = np.minimum(begins[numbers] + (ends - begins)[numbers] * share, ends[numbers])
+    every = zip(members, np.split(t, last[:-1]), strict=True)
+    q = np.concatenate([drafts[draft].at(mine) for (draft, _), mine in every])
+    owners = np.array([draft for draft, _ in members])[numbers]
+    refused: dict[int, Screened] = {}
     robot = prover.scene.robot
     kept = robot.assembled(q, q)
     if not kept.all():
@@ -107,37 +106,69 @@ def _screen_group(
     if samples is None:
         return result
     a, b = prover.asked(solids)
-    required = _required(prover, solids, members, a, b)
+    required, like = _required(prover, solids, members, a, b)
     near = np.flatnonzero(~(swept_gaps(solids, samples.where, a, b) - SLACK_M > required.max(0)))
     rough = rough_gaps(solids, samples.where, a[near], b[near])
-    row, which = np.nonzero(~(rough - SLACK_M > required[:, near][samples.phase]))
+    wanted = required[:, near] if len(required) == 1 else required[like[samples.phase]][:, near]
+    row, which = np.nonzero(~(rough - SLACK_M > wanted))
     if not len(row):
         return result
     which = near[which]
     one, other = place(solids, samples.where, row, a[which]), place(solids, samples.where, row, b[which])
-    need = required[samples.phase[row], which]
+    need = required[like[samples.phase[row]], which]
     gap = likely_gaps(one, other)
-    bad = ~(gap - SLACK_M > need)
-    row, which, gap, need, one, other = row[bad], which[bad], gap[bad], need[bad], one.rows(bad), other.rows(bad)
-    for draft in np.unique(samples.owner[row]):
-        mine = np.flatnonzero(samples.owner[row] == draft)
-        share = len(np.unique(row[mine])) / max(1, int((samples.owner == draft).sum()))
-        order = mine[np.argsort(gap[mine], kind="stable")]
-        confirmed: list[Refusal] = []
-        asked: dict[int, int] = {}
-        for i in order:
+    bad = np.flatnonzero(~(gap - SLACK_M > need))
+    if not len(bad):
+        return result
+    close = _Close(row[bad], gap[bad], need[bad], one.rows(bad), other.rows(bad))
+    return result | _confirmed(prover, solids, members, samples, close)
+
+
+@dataclass(frozen=True, slots=True)
+class _Close:
+    """Pairs (r,) that no likely normal parts: the number of the sample, the gap found, what is needed, m, and where
+    both are."""
+
+    row: IntArray
+    gap: FloatArray
+    need: FloatArray
+    one: Placed
+    other: Placed
+
+
+def _confirmed(
+    prover: Prover, solids: Solids, members: list[tuple[int, Phase]], samples: _Samples, close: _Close
+) -> dict[int, Screened]:
+    """What becomes of the drafts that have a close pair."""
+    owner, body = samples.owner[close.row], solids.body[close.other.unit]
+    # rows of one draft and body together, deepest first
+    encounter = owner * len(solids.names) + body
+    order = np.lexsort((close.gap, encounter))
+    first = np.flatnonzero(np.append(True, np.diff(encounter[order]) > 0))
+    deepest = order[first]
+    touch = meet(close.one.rows(deepest), close.other.rows(deepest))
+    hit = np.zeros(len(samples.owner), dtype=bool)
+    hit[close.row] = True
+    shares = np.bincount(samples.owner[hit], minlength=owner.max() + 1) / np.bincount(samples.owner)[: owner.max() + 1]
+    met: dict[int, list[int]] = {}
+    for k in np.argsort(close.gap[deepest], kind="stable").tolist():
+        met.setdefault(int(owner[deepest[k]]), []).append(k)
+    found = {}
+    for draft, encounters in met.items():
+        confirmed: list[tuple[float, Refusal]] = []
+        for k in encounters[:MOST_BODIES]:
             # a few rows of each body that is in the way, deepest first, until one is confirmed
-            body = int(solids.body[other.unit[i]])
-            if asked.get(body, 0) >= MOST_ASKED or (len(asked) >= MOST_BODIES and body not in asked):
-                continue
-            asked[body] = asked.get(body, 0) + 1
-            phase = members[int(samples.phase[row[i]])][1]
-            refusal = _ask(prover, solids, phase, samples, int(row[i]), one, other, int(i), gap[i], float(need[i]))
-            if refusal is not None:
-                confirmed.append(refusal)
-                asked[body] = MOST_ASKED
-        result[int(draft)] = Screened(confirmed[0] if confirmed else None, share, tuple(confirmed[1:]))
-    return result
+            last = first[k + 1] if k + 1 < len(first) else len(order)
+            for i in order[first[k] : min(last, first[k] + MOST_ASKED)].tolist():
+                phase = members[int(samples.phase[close.row[i]])][1]
+                refusal = _ask(prover, solids, phase, samples, close, i, known=bool(touch[k]) and i == deepest[k])
+                if refusal is not None:
+                    confirmed.append((float(close.gap[i]), refusal))
+                    break
+        confirmed.sort(key=lambda pair: pair[0])
+        refusals = [refusal for _, refusal in confirmed]
+        found[draft] = Screened(refusals[0] if refusals else None, float(shares[draft]), tuple(refusals[1:]))
+    return found
 
 
 MOST_ASKED = 4
@@ -146,39 +177,37 @@ MOST_BODIES = 3
 """Bodies about which FCL is asked for one draft: one refuses it, the others are told in the census."""
 
 
-def _required(prover: Prover, solids: Solids, members: list[tuple[int, Phase]], a: IntArray, b: IntArray) -> FloatArray:
-    """(phases, pairs) metres; -inf for pairs that may touch."""
+def _required(
+    prover: Prover, solids: Solids, members: list[tuple[int, Phase]], a: IntArray, b: IntArray
+) -> tuple[FloatArray, IntArray]:
+    """Distances, m, in rows (kinds of phase, pairs), -inf for pairs that may touch; the kind of each phase."""
     scene = prover.scene
     drifts = not is_certain(scene)
-    known: dict[tuple[object, ...], FloatArray] = {}
-    found = np.zeros((len(members), len(a)))
+    known: dict[tuple[object, ...], int] = {}
+    found: list[FloatArray] = []
+    like = np.zeros(len(members), dtype=np.int64)
     own = solids.carrier[b] < solids.links
     frame = np.maximum(solids.carrier[b] - solids.links, 0)
     for k, (_, phase) in enumerate(members):
-        key = (phase.near, phase.glued, phase.beside, phase.t1 if drifts else None)
+        key = (phase.near, phase.glued, phase.beside, phase.exempt, phase.t1 if drifts else None)
         if key not in known:
             by_frame = np.array([worst(scene, phase, name) for name in scene.frames])
-            known[key] = np.where(own, clearance(scene, phase), by_frame[frame])
-        found[k] = known[key]
-        if phase.exempt:
-            found[k, exempted(solids, phase, a, b)] = -np.inf
-    return found
+            need = np.where(own, clearance(scene, phase), by_frame[frame])
+            if phase.exempt:
+                need[exempted(solids, phase, a, b)] = -np.inf
+            known[key] = len(found)
+            found.append(need)
+        like[k] = known[key]
+    return np.array(found), like
 
 
 def _ask(
-    prover: Prover,
-    solids: Solids,
-    phase: Phase,
-    samples: _Samples,
-    time_row: int,
-    one: Placed,
-    other: Placed,
-    i: int,
-    gap_i: float,
-    need: float,
+    prover: Prover, solids: Solids, phase: Phase, samples: _Samples, close: _Close, i: int, *, known: bool
 ) -> Refusal | None:
-    """What FCL, and where it says free GJK, say about row `i`; boxes of several pieces are opened first."""
-    gap = {i: gap_i}
+    """What FCL, and where it says free GJK, say about row `i`; boxes of several pieces are opened first. `known`: that
+    the two touch."""
+    one, other, need, time_row = close.one, close.other, float(close.need[i]), int(close.row[i])
+    gap = {i: float(close.gap[i])}
     first, second = int(one.unit[i]), int(other.unit[i])
     if solids.piece[first] == COVER or solids.piece[second] == COVER:
         pairs = [(x, y) for x in _opened(solids, first) for y in _opened(solids, second)]
@@ -197,7 +226,7 @@ def _ask(
     # the standstill after the last leg belongs to the last step
     step = phase.step if phase.step >= 0 else len(prover.scene.task) - 1
     for k in rows:
-        if prover.collider.touch(one, other, int(k)):
+        if known or prover.collider.touch(one, other, int(k)):
             depth = need - float(gap[int(k)])
             return Refusal("screening", reason, step, names, (t, t), depth, "m", "touch")
         distance, _ = separate(one, other, int(k))

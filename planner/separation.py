@@ -14,13 +14,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.solids import Carriers, Solids
+from planner.outlines import outlines
+from planner.solids import COVER, Carriers, Solids
 
 ROUNDS = 3
 """Alternating projections between two cores before their direction is taken as a normal. They converge quickly except
 for nearly parallel faces, where the face normals of `face_normals` are exact."""
 
 
+COMMON_M = 1e-12
+"""Points of two solids nearer than this, m, are one point: a few roundings."""
 FEW = 64
 """Pairs for which bounds at all times are as cheap as bounds over all times together."""
 
@@ -100,6 +103,26 @@ def _core(placed: Placed) -> tuple[FloatArray, FloatArray | None]:
     return _laid(placed.solids.half[placed.unit]), disc if disc.any() else None
 
 
+def _line(a: Placed, b: Placed) -> tuple[FloatArray, FloatArray]:
+    """From a point of each core of a to one of b, (r, 3), and its length (r,): about the shortest there is."""
+    on_b, of_a, of_b = b.centre, _core(a), _core(b)
+    for _ in range(ROUNDS):
+        on_a = _nearest(a, *of_a, on_b)
+        on_b = _nearest(b, *of_b, on_a)
+    line = on_b - on_a
+    return line, np.sqrt(np.einsum("ri,ri->r", line, line))
+
+
+def meet(a: Placed, b: Placed) -> BoolArray:
+    """Whether a point is found that both units have in common (r,); False says nothing.
+
+    True only of solids: not of boxes about several pieces, nor of hulls, whose cores are but boxes about them.
+    """
+    solid = [(x.solids.piece[x.unit] != COVER) & (x.solids.hull[x.unit] < 0) for x in (a, b)]
+    touching = _line(a, b)[1] <= a.solids.ball[a.unit] + b.solids.ball[b.unit] + COMMON_M
+    return np.asarray(solid[0] & solid[1] & touching)
+
+
 def centre_normals(a: Placed, b: Placed) -> FloatArray:
     """(r, 2, 3): the vertical, and the line between the nearest points of the cores by alternating projection.
 
@@ -107,12 +130,7 @@ def centre_normals(a: Placed, b: Placed) -> FloatArray:
     """
     n = np.zeros((2, 3, len(a.unit))).transpose(2, 0, 1)
     n[:, 0, 2] = np.where(b.centre[:, 2] >= a.centre[:, 2], 1.0, -1.0)
-    on_b, of_a, of_b = b.centre, _core(a), _core(b)
-    for _ in range(ROUNDS):
-        on_a = _nearest(a, *of_a, on_b)
-        on_b = _nearest(b, *of_b, on_a)
-    line = on_b - on_a
-    length = np.sqrt(np.einsum("ri,ri->r", line, line))
+    line, length = _line(a, b)
     apart = length > 1e-9
     n[:, 1] = np.where(apart[:, None], line / np.where(apart, length, 1.0)[:, None], n[:, 0])
     return n
@@ -126,19 +144,25 @@ def face_normals(a: Placed, b: Placed) -> FloatArray:
 
 
 def rough_gaps(solids: Solids, where: Carriers, a: IntArray, b: IntArray) -> FloatArray:
-    """Lower bounds (T, P) of the distances of unit pairs (P,) at all times: vertical order, or bounding circles.
+    """Lower bounds (T, P) of the distances of unit pairs (P,) at all times: vertical order, or outlines from above, the
+    first as an oblong with round corners, the second as a circle.
 
     Cheap enough for many pairs at all times; NaN where a carrier is not known.
     """
-    units = np.unique(np.concatenate([a, b]))
-    at = np.full(len(solids.body), -1)
+    at = np.zeros(len(solids.body), dtype=np.int64)
+    at[a] = at[b] = 1
+    units = np.flatnonzero(at)
     at[units] = np.arange(len(units))
-    centre, tall, wide = _outlines(solids, where, units)
     ia, ib = at[a], at[b]
-    vertical = np.abs(centre[:, ib, 2] - centre[:, ia, 2]) - tall[:, ia] - tall[:, ib]
-    x, y = centre[:, ib, 0] - centre[:, ia, 0], centre[:, ib, 1] - centre[:, ia, 1]
-    found: FloatArray = np.maximum(vertical, np.sqrt(x * x + y * y) - wide[ia] - wide[ib])
-    return found
+    seen = outlines(solids, where, units)
+    found = np.abs(seen.z[:, ib] - seen.z[:, ia])
+    found -= seen.tall[..., ia] + seen.tall[..., ib]
+    x, y = seen.x[:, ib] - seen.x[:, ia], seen.y[:, ib] - seen.y[:, ia]
+    c, s = seen.c[:, ia], seen.s[:, ia]
+    along = np.maximum(np.abs(c * x + s * y) - seen.oblong[ia, 0], 0.0)
+    across = np.maximum(np.abs(c * y - s * x) - seen.oblong[ia, 1], 0.0)
+    flat = np.sqrt(along * along + across * across) - (seen.round[ia] + seen.wide[ib])
+    return np.asarray(np.maximum(found, flat))
 
 
 def swept_gaps(solids: Solids, where: Carriers, a: IntArray, b: IntArray) -> FloatArray:
@@ -150,35 +174,19 @@ def swept_gaps(solids: Solids, where: Carriers, a: IntArray, b: IntArray) -> Flo
     if len(a) <= FEW:
         return np.full(len(a), -np.inf)
     low, high = np.full((2, len(solids.body), 3), np.nan)
-    units = np.unique(np.concatenate([a, b]))
-    for carrier in np.unique(solids.carrier[units]):
-        mine = units[solids.carrier[units] == carrier]
-        position, rotation = where.position[:, carrier], where.rotation[:, carrier]
-        moves = bool((position != position[0]).any() or (rotation != rotation[0]).any())
-        times = slice(None) if moves else slice(1)
-        centre, tall, wide = _outlines(solids, Carriers(where.position[times], where.rotation[times]), mine)
-        size = np.stack([np.broadcast_to(wide, tall.shape), np.broadcast_to(wide, tall.shape), tall], -1)
-        low[mine], high[mine] = (centre - size).min(0), (centre + size).max(0)
+    asked = np.zeros(len(solids.body), dtype=bool)
+    asked[a] = asked[b] = True
+    position, rotation = where.position, where.rotation
+    moves = (position != position[0]).any((0, 2)) | (rotation != rotation[0]).any((0, 2, 3))
+    for moving in (False, True):
+        mine = np.flatnonzero(asked & (moves[solids.carrier] == moving))
+        if len(mine):
+            times = slice(None) if moving else slice(1)
+            seen = outlines(solids, Carriers(position[times], rotation[times]), mine)
+            for axis, (place, size) in enumerate(((seen.x, seen.wide), (seen.y, seen.wide), (seen.z, seen.tall))):
+                low[mine, axis], high[mine, axis] = (place - size).min(0), (place + size).max(0)
     found: FloatArray = np.maximum(low[b] - high[a], low[a] - high[b]).max(1)
     return found
-
-
-def _outlines(solids: Solids, where: Carriers, units: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Centres (T, U, 3) of units, half heights (T, U) about them, and radii (U,) in all directions."""
-    carrier = solids.carrier[units]
-    rotation, position = where.rotation, where.position
-    centre = position[:, carrier] + (rotation[:, carrier] @ solids.centre[units][None, :, :, None])[..., 0]
-    up = (rotation[:, carrier, 2:3, :] @ solids.rotation[units][None])[:, :, 0, :]
-    tall = np.einsum("tui,ui->tu", np.abs(up), solids.half[units])
-    tall += solids.disc[units] * np.hypot(up[..., 0], up[..., 1]) + solids.ball[units]
-    wide = np.sqrt((solids.half[units] ** 2).sum(-1)) + solids.disc[units] + solids.ball[units]
-    if solids.hulls:
-        for k in np.flatnonzero(solids.hull[units] >= 0):
-            vertices = solids.hulls[int(solids.hull[units[k]])].vertices
-            # about its own origin, which need not be its middle
-            wide[k] = float(np.sqrt((vertices**2).sum(-1)).max())
-            tall[:, k] = wide[k]
-    return centre, tall, wide
 
 
 def likely_gaps(one: Placed, other: Placed) -> FloatArray:

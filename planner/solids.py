@@ -11,15 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.extents import extents
+from planner.extents import extents_of
 from planner.frames.motion import Pose
-from planner.phases import Carried, Phase, initial_rides
+from planner.phases import Carried, Phase
 from planner.scene import Scene
-from planner.shapes import Body, Hull, Piece, Primitive, box, support
+from planner.shapes import Hull, Primitive
 from planner.trajectory import Trajectory
+from planner.units import COVER, Units, units
 
-COVER = -1
-"""Piece number of the bounding box of a whole body."""
+__all__ = ["COVER", "Carriers", "Solids", "SolidsMaker", "asked_pairs", "carriers", "exempted", "standing"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,58 +53,24 @@ class Solids:
         return self.carrier < self.links
 
 
-def bounding_box(body: Body) -> Piece:
-    """The box in the body's own axes that holds all of its pieces, a nanometre larger than they are."""
-    axes = np.eye(3)
-    high = np.array([max(support(piece, n) for piece in body.pieces) for n in axes])
-    low = -np.array([max(support(piece, -n) for piece in body.pieces) for n in axes])
-    size = high - low + 2e-9
-    return Piece(box(*(float(x) for x in size)), (high + low) / 2)
-
-
-@dataclass(frozen=True, slots=True)
-class _Unit:
-    """A unit in its body's axes: number of its piece, shape, position and rotation."""
-
-    piece: int
-    shape: Primitive | Hull
-    position: FloatArray
-    rotation: FloatArray
-
-
-@dataclass(frozen=True, slots=True)
-class _Seat:
-    """A body in an arrangement: on which carrier, at which pose, as which units."""
-
-    name: str
-    carrier: int
-    pose: Pose
-    units: list[_Unit]
-
-
-def _units(body: Body) -> list[_Unit]:
-    """A body's units: its only piece, if that is a primitive; else its bounding box and all of its pieces."""
-    found = [_Unit(k, piece.shape, piece.position, piece.rotation) for k, piece in enumerate(body.pieces)]
-    if len(found) > 1 or isinstance(found[0].shape, Hull):
-        cover = bounding_box(body)
-        found.insert(0, _Unit(COVER, cover.shape, cover.position, cover.rotation))
-    return found
-
-
 class SolidsMaker:
     """Makes the `Solids` of a scene, one per arrangement, and keeps them."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.frames = tuple(scene.frames)
-        self._flange = scene.robot.links.index("flange")
+        robot, links = scene.robot, len(scene.robot.links)
+        self._flange = robot.links.index("flange")
+        self._frames = {name: links + k for k, name in enumerate(scene.frames)}
         self._made: dict[tuple[object, ...], Solids] = {}
-        self._bodies: dict[str, list[_Unit]] = {}
-
-    def _seat(self, body: Body, carrier: int, pose: Pose) -> _Seat:
-        if body.name not in self._bodies:
-            self._bodies[body.name] = _units(body)
-        return _Seat(body.name, carrier, pose, self._bodies[body.name])
+        self._units = units(scene.pieces)
+        self._names = [each.body.name for each in robot.bodies] + [body.name for body in scene.tool.bodies]
+        self._own = len(self._names)
+        carrier = [each.link for each in robot.bodies] + [self._flange] * len(scene.tool.bodies)
+        self._carrier = np.array(carrier + [self._frames[each.frame] for each in scene.bodies], dtype=np.int64)
+        self._pose = np.zeros((len(self._carrier), 4))
+        self._pose[self._own :] = np.array([_numbers(each.pose) for each in scene.bodies]).reshape(-1, 4)
+        self._names += scene.index
+        self._number = {name: k for k, name in enumerate(self._names)}
 
     def __call__(self, carried: Carried | None, rides: tuple[tuple[str, str, Pose], ...]) -> Solids:
         """The arrangement in which `carried` is in the gripper and each part of `rides` rides on its frame."""
@@ -114,56 +80,67 @@ class SolidsMaker:
         return self._made[key]
 
     def _make(self, carried: Carried | None, rides: tuple[tuple[str, str, Pose], ...]) -> Solids:
-        scene, links = self.scene, len(self.scene.robot.links)
-        where = {**initial_rides(scene), **{part: (frame, pose) for part, frame, pose in rides}}
-        seats = [self._seat(item.body, item.link, Pose()) for item in scene.robot.bodies]
-        seats += [self._seat(body, self._flange, Pose()) for body in scene.tool.bodies]
+        carrier, pose = self._carrier.copy(), self._pose.copy()
+        for part, frame, there in rides:
+            carrier[self._number[part]], pose[self._number[part]] = self._frames[frame], _numbers(there)
+        order = list(range(len(self._names)))
         if carried is not None:
-            seats.append(self._seat(scene.index[carried.part].body, self._flange, carried.in_flange))
-        robot_bodies = len(seats)
-        number = {name: links + k for k, name in enumerate(self.frames)}
-        for world in scene.bodies:
-            if carried is None or world.body.name != carried.part:
-                frame, pose = where[world.body.name]
-                seats.append(self._seat(world.body, number[frame], pose))
-        return _flatten(seats, links, robot_bodies)
+            held = self._number[carried.part]
+            carrier[held], pose[held] = self._flange, _numbers(carried.in_flange)
+            order.insert(self._own, order.pop(held))
+        robot_bodies = self._own + (carried is not None)
+        names = tuple(self._names[k] for k in order)
+        mine = np.array(order, dtype=np.int64)
+        return _flatten(self._units, mine, carrier[mine], pose[mine], names, len(self.scene.robot.links), robot_bodies)
 
 
-def _flatten(seats: list[_Seat], links: int, robot_bodies: int) -> Solids:
-    units = [unit for seat in seats for unit in seat.units]
-    counts = [len(seat.units) for seat in seats]
-    first = np.cumsum([0, *counts])
-    body = np.repeat(np.arange(len(seats)), counts)
-    pose = np.array([(s.pose.x, s.pose.y, s.pose.z, s.pose.yaw) for s in seats]).reshape(-1, 4)[body]
-    turn = _turns(pose[:, 3])
-    centre = np.array([unit.position for unit in units]).reshape(-1, 3)
-    centre = pose[:, :3] + (turn @ centre[:, :, None])[:, :, 0]
-    rotation = turn @ np.array([unit.rotation for unit in units]).reshape(-1, 3, 3)
-    shapes = tuple(unit.shape for unit in units)
-    hulls = tuple(shape for shape in shapes if isinstance(shape, Hull))
-    hull = np.cumsum([isinstance(shape, Hull) for shape in shapes], dtype=np.int64) - 1
-    hull[[not isinstance(shape, Hull) for shape in shapes]] = -1
-    reach, distance = extents(shapes, centre, rotation)
+def _numbers(pose: Pose) -> tuple[float, float, float, float]:
+    return pose.x, pose.y, pose.z, pose.yaw
+
+
+def _flatten(
+    of_all: Units,
+    bodies: IntArray,
+    carrier: IntArray,
+    pose: FloatArray,
+    names: tuple[str, ...],
+    links: int,
+    robot_bodies: int,
+) -> Solids:
+    """The arrangement of bodies number `bodies` (B,) of `of_all`, at `pose` (B, 4) on `carrier` (B,)."""
+    count = of_all.count[bodies]
+    first = np.cumsum(count) - count
+    body = np.repeat(np.arange(len(bodies)), count)
+    of = of_all.first[bodies][body] + np.arange(len(body)) - first[body]
+    turn = _turns(pose[:, 3])[body]
+    centre = pose[body, :3] + (turn @ of_all.position[of][:, :, None])[:, :, 0]
+    rotation, half, piece = turn @ of_all.rotation[of], of_all.half[of], of_all.piece[of]
+    shapes = tuple(of_all.shapes[k] for k in of)
+    hulls = {k: shape for k, shape in enumerate(shapes) if isinstance(shape, Hull)}
+    reach, distance = extents_of(half, of_all.disc[of], of_all.ball[of], hulls, centre, rotation)
+    hull = np.full(len(of), -1)
+    for number, (k, shape) in enumerate(hulls.items()):
+        # half edges of its bounding box in its own axes: a seed for normals, no claim
+        hull[k], half[k] = number, (shape.vertices.max(0) - shape.vertices.min(0)) / 2
+    ends = (first + count).tolist()
+    whole = (first + (piece[first] == COVER)).tolist()
     return Solids(
-        names=tuple(seat.name for seat in seats),
+        names=names,
         links=links,
         body=body,
-        piece=np.array([unit.piece for unit in units], dtype=np.int64),
-        carrier=np.array([seat.carrier for seat in seats], dtype=np.int64)[body],
+        piece=piece,
+        carrier=carrier[body],
         centre=centre,
         rotation=rotation,
-        half=np.array([_core(shape) for shape in shapes]).reshape(-1, 3),
-        disc=np.array([shape.disc if isinstance(shape, Primitive) else 0.0 for shape in shapes]),
-        ball=np.array([shape.ball if isinstance(shape, Primitive) else 0.0 for shape in shapes]),
+        half=half,
+        disc=of_all.disc[of],
+        ball=of_all.ball[of],
         hull=hull,
-        hulls=hulls,
+        hulls=tuple(hulls.values()),
         reach=reach,
         distance=distance,
-        roots=tuple(first[:-1].tolist()),
-        pieces=tuple(
-            tuple(start + k for k, unit in enumerate(seat.units) if unit.piece != COVER)
-            for start, seat in zip(first.tolist(), seats, strict=False)
-        ),
+        roots=tuple(first.tolist()),
+        pieces=tuple(tuple(range(begin, end)) for begin, end in zip(whole, ends, strict=True)),
         shapes=shapes,
         robot_bodies=robot_bodies,
     )
@@ -177,14 +154,6 @@ def _turns(yaw: FloatArray) -> FloatArray:
     found[:, 0, 1] = -found[:, 1, 0]
     found[:, 2, 2] = 1.0
     return found
-
-
-def _core(shape: Primitive | Hull) -> tuple[float, float, float]:
-    """Half edges, m, of a shape's core; of a hull its bounding box in its own axes: a seed for normals, no claim."""
-    if isinstance(shape, Primitive):
-        return shape.half
-    x, y, z = ((shape.vertices.max(0) - shape.vertices.min(0)) / 2).tolist()
-    return x, y, z
 
 
 def asked_pairs(scene: Scene, solids: Solids) -> tuple[IntArray, IntArray]:

@@ -39,13 +39,15 @@ class _Tables:
     """Rounding that is added to each column, (c,)."""
 
     @cached_property
-    def running(self) -> list[FloatArray]:
-        """Level k: largest of each column over the 2^k pieces from each piece on."""
+    def running(self) -> FloatArray:
+        """(levels, K-1, c): on level k the largest of each column over the 2^k pieces from each piece on, as far as
+        there are so many."""
         levels = [self.whole]
         while 2 ** len(levels) <= len(self.whole):
-            half = 2 ** (len(levels) - 1)
-            levels.append(np.maximum(levels[-1][:-half], levels[-1][half:]))
-        return levels
+            half, level = 2 ** (len(levels) - 1), levels[-1].copy()
+            level[:-half] = np.maximum(level[:-half], level[half:])
+            levels.append(level)
+        return np.stack(levels)
 
     def part(self, trajectory: Trajectory, piece: IntArray, a: FloatArray, b: FloatArray) -> FloatArray:
         """Bounds (N, c) over [a, b] (N,), each within one piece."""
@@ -59,12 +61,7 @@ class _Tables:
     def span(self, first: IntArray, last: IntArray) -> FloatArray:
         """Bounds (N, c) over whole pieces from `first` to `last`, both included."""
         level = np.frexp(last - first + 1)[1] - 1
-        out = np.empty((len(first), self.whole.shape[1]))
-        for k in np.unique(level):
-            rows = level == k
-            table = self.running[k]
-            out[rows] = np.maximum(table[first[rows]], table[last[rows] + 1 - 2**k])
-        return out
+        return np.asarray(np.maximum(self.running[level, first], self.running[level, last + 1 - 2**level]))
 
 
 _known: WeakKeyDictionary[Trajectory, _Tables] = WeakKeyDictionary()
@@ -114,11 +111,13 @@ def sweep(trajectory: Trajectory, t0: FloatArray, t1: FloatArray, rate_matrix: F
     b = np.minimum(np.maximum(t1, trajectory.start), trajectory.end)
     first = trajectory.piece(a)[0]
     last = np.maximum(np.minimum(trajectory.edges.searchsorted(b, "left") - 1, len(trajectory.steps) - 1), first)
-    bound = tables.part(trajectory, first, a, np.minimum(b, trajectory.edges[first + 1]))
     more = np.flatnonzero(last > first)
+    tail, head = last[more], np.minimum(b, trajectory.edges[first + 1])
+    ends = np.concatenate([a, trajectory.edges[tail]]), np.concatenate([head, b[more]])
+    parts = tables.part(trajectory, np.concatenate([first, tail]), *ends)
+    bound = parts[: len(a)]
     if len(more):
-        tail = last[more]
-        bound[more] = np.maximum(bound[more], tables.part(trajectory, tail, trajectory.edges[tail], b[more]))
+        bound[more] = np.maximum(bound[more], parts[len(a) :])
         between = more[last[more] > first[more] + 1]
         if len(between):
             bound[between] = np.maximum(bound[between], tables.span(first[between] + 1, last[between] - 1))

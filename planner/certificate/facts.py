@@ -8,8 +8,9 @@ import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.certificate.claim import Claim
+from planner.frames import Fixed
 from planner.phases import Phase
-from planner.requirement import CONTACT_GAP, clearance, uncertainty
+from planner.requirement import CONTACT_GAP, clearance, is_certain, uncertainty
 from planner.robots.protocol import Sweep
 from planner.scene import Scene
 from planner.separation import Placed, gaps, place
@@ -29,6 +30,18 @@ class Intervals:
 
     def __len__(self) -> int:
         return len(self.t0)
+
+    def some(self, key: slice) -> Intervals:
+        """Some of the intervals, as a table of their own."""
+        size = len(self)
+        rows = (np.arange(size)[key] + size * np.arange(3)[:, None]).ravel()
+        where, swept = self.where, self.swept
+        return Intervals(
+            self.t0[key],
+            self.t1[key],
+            Carriers(where.position[rows], where.rotation[rows]),
+            Sweep(swept.lower[key], swept.upper[key], swept.rate[key], swept.rate_d[key]),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +77,12 @@ class Facts:
     def __init__(self, scene: Scene, solids: Solids, phase: Phase, trajectory: Trajectory) -> None:
         self.scene, self.solids, self.phase, self.trajectory = scene, solids, phase, trajectory
         self.frames = tuple(scene.frames.values())
+        self.certain = is_certain(scene)
+        # carriers of which nothing need be computed: frames that stand still and are known for as long as it matters
+        last = phase.t1 + scene.execution.start_tolerance_s
+        laws = [frame.law for frame in self.frames]
+        fixed = [isinstance(law, Fixed) and law.valid[0] <= phase.t0 and last <= law.valid[1] for law in laws]
+        self.still = np.array([False] * solids.links + fixed)
 
     def intervals(self, t0: FloatArray, t1: FloatArray) -> Intervals:
         t = np.concatenate([t0, (t0 + t1) / 2, t1])
@@ -121,11 +140,16 @@ class Facts:
             speed[mine], acceleration[mine] = self.scene.robot.point_bounds(
                 carrier[mine], solids.reach[mine_units], solids.distance[mine_units], n[mine], part
             )
-        for k in np.unique(carrier[carrier >= solids.links]):
+        for k in self._moving(carrier):
             rows = np.flatnonzero(carrier == k)
             found = self.frame_bounds(int(k), table.t0[row[rows]], table.t1[row[rows]], unit[rows], n[rows])
             speed[rows], acceleration[rows] = found
         return speed, acceleration
+
+    def _moving(self, carrier: IntArray) -> IntArray:
+        """The frames among carriers (r,) that do not stand still."""
+        moving = (carrier >= self.solids.links) & ~self.still[carrier]
+        return np.unique(carrier[moving]) if moving.any() else carrier[:0]
 
     def frame_bounds(
         self, carrier: int, t0: FloatArray, t1: FloatArray, unit: IntArray, n: FloatArray
@@ -148,21 +172,22 @@ class Facts:
     ) -> FloatArray:
         """(r, N) metres: equation C5."""
         scene, phase, solids = self.scene, self.phase, self.solids
-        base = clearance(scene, phase)
-        found = np.full(speed_b.shape, base)
+        found = np.full(speed_b.shape, clearance(scene, phase))
         carrier = solids.carrier[b]
-        t1 = table.t1[row]
+        around = carrier >= solids.links
+        found[around] += scene.execution.tracking_m
         tolerance = scene.execution.start_tolerance_s
-        for k in np.unique(carrier[carrier >= solids.links]):
-            rows = np.flatnonzero(carrier == k)
-            frame = self.frames[k - solids.links].name
-            late_t1 = t1[rows] + tolerance  # the arm may be there as late as that
-            found[rows] += (scene.execution.tracking_m + uncertainty(scene, phase, frame, late_t1))[:, None]
-            if tolerance > 0:
+        if not self.certain:
+            late_t1 = table.t1[row] + tolerance  # the arm may be there as late as that
+            for k in np.unique(carrier[around]):
+                rows = np.flatnonzero(carrier == k)
+                found[rows] += uncertainty(scene, phase, self.frames[k - solids.links].name, late_t1[rows])[:, None]
+        if tolerance > 0:
+            for k in self._moving(carrier):
                 every = np.flatnonzero(carrier[wide] == k)
                 r = row[wide[every]]
                 late, _ = self.frame_bounds(int(k), table.t0[r], table.t1[r] + tolerance, b[wide[every]], flat[every])
-                found[rows] += tolerance * late.reshape(len(rows), -1)
+                found[carrier == k] += tolerance * late.reshape(-1, speed_b.shape[1])
         if phase.exempt:
             found[exempted(solids, phase, a, b)] = CONTACT_GAP
         return found

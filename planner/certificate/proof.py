@@ -10,6 +10,7 @@ import numpy as np
 from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.certificate.claim import Claim, put, take
 from planner.certificate.facts import Facts, Intervals, Thrice
+from planner.certificate.planes import MANY, planes
 from planner.certificate.rows import Rows, Unproved, no_rows
 from planner.collision import Collider
 from planner.gjk import separate
@@ -64,27 +65,31 @@ class _Proof:
     @np.errstate(invalid="ignore")  # where a law is not known there is NaN, and nothing is proved by it
     def run(self) -> Rows | Unproved:
         a, b = self.prover.asked(self.solids)
-        phase = self.phase
-        whole = self.facts.intervals(np.array([phase.t0]), np.array([phase.t1]))
+        count = max(1, int(np.ceil((self.phase.t1 - self.phase.t0) / COARSEST_S)))
+        edges = np.linspace(self.phase.t0, self.phase.t1, count + 1)
+        # interval 0 is the whole phase, the parts with which it begins otherwise are behind it
+        table = self.facts.intervals(np.append(edges[0], edges[:-1]), np.append(edges[-1], edges[1:]))
+        if len(a) > MANY:
+            behind, done = planes(self.facts, (table.some(slice(1)), table.some(slice(1, None))), a, b)
+            self.done += [(rows.unit, rows.second, rows.t0, rows.t1, rows.claim) for rows in behind]
+            a, b = a[~done], b[~done]
         row = np.zeros(len(a), dtype=np.int64)
-        placed = self.facts.thrice(whole, row, a, b)
-        claim = self.facts.claim(whole, row, a, b, placed, placed.vertical())
-        left = self.keep(whole, row, a, b, claim)
+        placed = self.facts.thrice(table, row, a, b)
+        left = self.keep(table, row, a, b, self.facts.claim(table, row, a, b, placed, placed.vertical()))
         a, b = a[left], b[left]
-        count = max(1, int(np.ceil((phase.t1 - phase.t0) / COARSEST_S)))
-        edges = np.linspace(phase.t0, phase.t1, count + 1)
-        edges[-1] = phase.t1
-        table = self.facts.intervals(edges[:-1], edges[1:])
-        row = np.repeat(np.arange(count), len(a))
-        seed = np.tile(np.array([0.0, 0.0, 1.0]), (len(a) * count, 1))
-        return self.rounds(table, row, np.tile(a, count), np.tile(b, count), seed)
+        return self.rounds(table, 1 + np.repeat(np.arange(count), len(a)), np.tile(a, count), np.tile(b, count), None)
 
-    def rounds(self, table: Intervals, row: IntArray, a: IntArray, b: IntArray, seed: FloatArray) -> Rows | Unproved:
+    def rounds(
+        self, table: Intervals, row: IntArray, a: IntArray, b: IntArray, seed: FloatArray | None
+    ) -> Rows | Unproved:
+        """`seed`: for each row a normal that has been the best for longer intervals."""
         while len(row):
             if len(row) > MOST_ROWS or time.perf_counter() >= self.prover.deadline:
                 return self.unproved(table, row, a, b, 0, np.nan, np.nan, touching=False)
             placed = self.facts.thrice(table, row, a, b)
-            normals = np.concatenate([centre_normals(*placed.middle()), seed[:, None]], axis=1)
+            normals = centre_normals(*placed.middle())
+            if seed is not None:
+                normals = np.concatenate([normals, seed[:, None]], axis=1)
             claim = self.facts.claim(table, row, a, b, placed, normals)
             rest = self.keep(table, row, a, b, claim)
             if not rest.any():
@@ -116,8 +121,8 @@ class _Proof:
         self, table: Intervals, row: IntArray, a: IntArray, b: IntArray, normal: FloatArray, boxes: BoolArray
     ) -> tuple[Intervals, IntArray, IntArray, IntArray, FloatArray]:
         """The next round: boxes become pieces on the same interval, everything else halves its interval."""
-        old, whole = np.unique(row[boxes], return_inverse=True)
-        halved, place_in = np.unique(row[~boxes], return_inverse=True)
+        old, whole = _ranked(row[boxes], len(table))
+        halved, place_in = _ranked(row[~boxes], len(table))
         middle = (table.t0[halved] + table.t1[halved]) / 2
         t0 = np.concatenate([table.t0[old], table.t0[halved], middle])
         t1 = np.concatenate([table.t1[old], middle, table.t1[halved]])
@@ -234,3 +239,12 @@ class _Proof:
             column("speed"),
             column("acceleration"),
         )
+
+
+def _ranked(numbers: IntArray, many: int) -> tuple[IntArray, IntArray]:
+    """Which of 0..many-1 occur, ascending, and the place of each among them."""
+    rank = np.zeros(many, dtype=np.int64)
+    rank[numbers] = 1
+    which = np.flatnonzero(rank)
+    rank[which] = np.arange(len(which))
+    return which, rank[numbers]

@@ -31,7 +31,7 @@ class Unproved:
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """Proved rows of one phase; bodies are numbers in `solids.names`."""
+    """Proved rows of one phase, of units; where the second is -1, of the first alone."""
 
     solids: Solids
     t0: FloatArray
@@ -54,24 +54,30 @@ def written(
     scene: Scene, trajectory: Trajectory, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...], proofs: list[Rows]
 ) -> Certificate:
     """The certificate of a whole plan from the rows of its phases."""
-    names = tuple(dict.fromkeys(name for rows in proofs for name in rows.solids.names))
-    number = {name: i for i, name in enumerate(names)}
+    number: dict[str, int] = {}
 
     def bodies(rows: Rows, unit: IntArray) -> IntArray:
-        of = np.array([number[name] for name in rows.solids.names], dtype=np.int64)
-        return of[rows.solids.body[unit]]
+        """Numbers of the names of bodies, in the order in which they are first needed; of no body -1."""
+        mine, which = np.unique(np.where(unit < 0, -1, rows.solids.body[unit]), return_inverse=True)
+        of = [-1 if body < 0 else number.setdefault(rows.solids.names[body], len(number)) for body in mine]
+        return np.array(of, dtype=np.int64)[which]
+
+    def pieces(rows: Rows, unit: IntArray) -> IntArray:
+        return np.where(unit < 0, -1, rows.solids.piece[unit])
 
     def column(name: str) -> FloatArray:
         return np.concatenate([getattr(rows, name) for rows in proofs])
 
+    first = np.concatenate([bodies(rows, rows.first) for rows in proofs])
+    second = np.concatenate([bodies(rows, rows.second) for rows in proofs])
     certificate = Certificate(
-        names=names,
+        names=tuple(number),
         t0=column("t0"),
         t1=column("t1"),
-        first=np.concatenate([bodies(rows, rows.first) for rows in proofs]),
-        first_piece=np.concatenate([rows.solids.piece[rows.first] for rows in proofs]),
-        second=np.concatenate([bodies(rows, rows.second) for rows in proofs]),
-        second_piece=np.concatenate([rows.solids.piece[rows.second] for rows in proofs]),
+        first=first,
+        first_piece=np.concatenate([pieces(rows, rows.first) for rows in proofs]),
+        second=second,
+        second_piece=np.concatenate([pieces(rows, rows.second) for rows in proofs]),
         normal=column("normal"),
         gap0=column("gap0"),
         gap1=column("gap1"),

@@ -12,6 +12,7 @@ from planner.checker.blends import blends
 from planner.checker.carry import carried
 from planner.checker.cover import uncovered
 from planner.checker.enclosure import enclosed
+from planner.checker.far import planes
 from planner.checker.form import form
 from planner.checker.glue import glued
 from planner.checker.limits import limits
@@ -19,7 +20,7 @@ from planner.checker.loop import loops
 from planner.checker.meeting import meetings
 from planner.checker.order import ends, legs
 from planner.checker.ranges import Ranges, ranges
-from planner.checker.rows import proved, sorted_out
+from planner.checker.rows import least_of, proved, sorted_out
 from planner.checker.solids import solids
 from planner.checker.spline import spline
 from planner.checker.stage import Stage, stage
@@ -74,9 +75,12 @@ def check(scene: Scene, plan: Plan) -> Verdict:
 def _apart(scenery: Stage, of_plan: tuple[Phase, ...], plan: Plan, swept: Ranges) -> list[Finding]:
     """Separation: true rows that prove what is required, for every asked pair, over the whole of every phase."""
     rows, senseless = sorted_out(scenery, of_plan, plan.certificate)
-    good, untrue = proved(scenery, of_plan, plan.certificate, rows, swept)
-    holes = uncovered(scenery, of_plan, rows.some(good))
-    return senseless + untrue + holes + enclosed(scenery, of_plan, swept)
+    pairs, alone = rows.some(rows.second >= 0), rows.some(rows.second < 0)
+    good, untrue = proved(scenery, of_plan, plan.certificate, pairs, swept)
+    least, false = least_of(scenery, of_plan, plan.certificate, alone, swept)
+    behind = planes(of_plan, alone, plan.certificate.normal[alone.number], least)
+    holes = uncovered(scenery, of_plan, pairs.some(good), behind)
+    return senseless + untrue + false + holes + enclosed(scenery, of_plan, swept)
 
 
 def _known(scenery: Stage, of_plan: tuple[Phase, ...]) -> list[Finding]:

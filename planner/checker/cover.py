@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
+from planner.checker.far import Planes, far
 from planner.checker.rows import Rows
 from planner.checker.stage import Stage
 from planner.checker.verdict import Code, Finding
@@ -29,9 +30,12 @@ class _Spans:
     end: IntArray
 
 
-def uncovered(stage: Stage, phases: tuple[Phase, ...], rows: Rows) -> list[Finding]:
-    """A finding for each phase in which a pair that must stay apart is not covered throughout."""
+def uncovered(stage: Stage, phases: tuple[Phase, ...], rows: Rows, behind: Planes) -> list[Finding]:
+    """A finding for each phase in which a pair that must stay apart is not covered throughout, by rows or by a plane
+    that the one stays behind."""
     keys, phase, first, second = _asked(stage, phases)
+    left = np.flatnonzero(~far(stage, phases, behind, phase, first, second))
+    keys, phase, first, second = keys[left], phase[left], first[left], second[left]
     times = np.unique(np.concatenate([rows.t0, rows.t1, [x for p in phases for x in (p.t0, p.t1)]]))
     bounds = np.searchsorted(times, np.array([[p.t0, p.t1] for p in phases]))
     spans, pieces = _by_key(stage, rows, times, keys)
@@ -47,34 +51,47 @@ def uncovered(stage: Stage, phases: tuple[Phase, ...], rows: Rows) -> list[Findi
 
 def asked_pairs(stage: Stage) -> BoolArray:
     """(P, B, B), above the diagonal: the pairs of bodies that must stay apart in each phase."""
+    found = np.zeros((len(stage.seat), stage.seat.shape[1], stage.seat.shape[1]), dtype=bool)
+    found[_pairs(stage)] = True
+    return found
+
+
+def _pairs(stage: Stage) -> tuple[IntArray, IntArray, IntArray]:
+    """Phases, and first and second bodies, first < second, of all pairs that must stay apart."""
     robot, links = stage.of_robot, stage.scene.robot.links
-    count = robot.shape[1]
-    upper = np.triu(np.ones((count, count), dtype=bool), 1)
     wanted = np.zeros((len(links), len(links)), dtype=bool)
-    for one, other in stage.scene.robot.self_pairs:
-        i, k = links.index(one), links.index(other)
+    for names in stage.scene.robot.self_pairs:
+        i, k = (links.index(name) for name in names)
         wanted[i, k] = wanted[k, i] = i != k
+    phase, mine = np.nonzero(robot)
     carrier = np.where(robot, stage.carrier[stage.seat], 0)
-    both = robot[:, :, None] & robot[:, None, :]
-    own = both & wanted[carrier[:, :, None], carrier[:, None, :]]
-    return np.asarray((own | (robot[:, :, None] != robot[:, None, :])) & upper)
+    later = np.arange(robot.shape[1]) > mine[:, None]
+    own = robot[phase] & wanted[carrier[phase, mine][:, None], carrier[phase]] & later
+    row, other = np.nonzero(~robot[phase] | own)
+    phase, mine = phase[row], mine[row]
+    return phase, np.minimum(mine, other), np.maximum(mine, other)
 
 
 def _asked(stage: Stage, phases: tuple[Phase, ...]) -> tuple[IntArray, IntArray, IntArray, IntArray]:
     """Keys, ascending, of all pairs asked for in phases that last; their phases and bodies."""
-    asked = asked_pairs(stage)
-    asked[[not phase.t1 > phase.t0 for phase in phases]] = False
-    keys = np.flatnonzero(asked)
-    phase, first, second = np.unravel_index(keys, asked.shape)
-    return keys, phase, first, second
+    phase, first, second = _pairs(stage)
+    keys = _key(stage, phase, first, second)
+    order = np.argsort(keys)
+    order = order[np.array([p.t1 > p.t0 for p in phases], dtype=bool)[phase[order]]]
+    return keys[order], phase[order], first[order], second[order]
+
+
+def _key(stage: Stage, phase: IntArray, first: IntArray, second: IntArray) -> IntArray:
+    """One number for two bodies, first < second, in a phase."""
+    count = len(stage.solids.count)
+    return np.asarray((phase * count + first) * count + second)
 
 
 def _by_key(stage: Stage, rows: Rows, times: FloatArray, keys: IntArray) -> tuple[_Spans, tuple[IntArray, IntArray]]:
     """Rows that serve a key, as ranks, and their pieces of the key's first and second body (−1: all of them)."""
     swap = rows.first > rows.second
     low, high = np.where(swap, rows.second, rows.first), np.where(swap, rows.first, rows.second)
-    count = len(stage.solids.count)
-    key = (rows.phase * count + low) * count + high
+    key = _key(stage, rows.phase, low, high)
     place = np.minimum(np.searchsorted(keys, key), max(0, len(keys) - 1))
     serves = keys[place] == key if len(keys) else np.zeros(len(key), dtype=bool)
     spans = _Spans(place, np.searchsorted(times, rows.t0), np.searchsorted(times, rows.t1))

@@ -1,5 +1,8 @@
 """Whether each row of the certificate is true, and whether it amounts to the distance required (C1 to C5).
 
+A row whose second body is −1 is of the first alone, against the origin of the world: no distance is required of it
+by itself, `planner.checker.far` says what follows from it (C6).
+
 Nothing in a row is believed: gaps and bounds are computed again and compared, and the proof goes through with the
 worse of the two. So a false row is found even where it would not have mattered, and a slip of ours in the comparison
 could not have let one pass.
@@ -38,7 +41,8 @@ differences of rounding between the two of us; both are a million times the roun
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """The rows that make sense: their `number` in the certificate, their `phase`, and bodies as our own numbers."""
+    """The rows that make sense: their `number` in the certificate, their `phase`, and bodies as our own numbers; the
+    second is -1 in a row of the first alone."""
 
     number: IntArray
     phase: IntArray
@@ -58,7 +62,10 @@ class Rows:
 
 
 def sorted_out(stage: Stage, phases: tuple[Phase, ...], certificate: Certificate) -> tuple[Rows, list[Finding]]:
-    """The rows that name bodies and pieces that exist, over an interval inside one phase; findings for the others."""
+    """The rows that name bodies and pieces that exist, over an interval inside one phase; findings for the others.
+
+    A row of one body alone is of the whole body or of its box, never of some other piece of several.
+    """
     solids = stage.solids
     known = np.array([solids.number.get(name, -1) for name in certificate.names] or [-1], dtype=np.int64)
     index = [np.where((i >= 0) & (i < len(certificate.names)), i, 0) for i in (certificate.first, certificate.second)]
@@ -68,6 +75,10 @@ def sorted_out(stage: Stage, phases: tuple[Phase, ...], certificate: Certificate
     pieces = (certificate.first_piece, certificate.second_piece)
     for body, piece in zip((one, other), pieces, strict=True):
         named &= (piece >= -1) & (piece < solids.count[np.maximum(body, 0)])
+    alone = (certificate.second == -1) & (certificate.second_piece == -1)
+    alone &= (one >= 0) & (index[0] == certificate.first) & (pieces[0] >= -1)
+    alone &= pieces[0] < np.where(solids.count[np.maximum(one, 0)] == 1, 1, 0)
+    named, other = named | alone, np.where(alone, -1, other)
     begins, ends = np.array([phase.t0 for phase in phases]), np.array([phase.t1 for phase in phases])
     phase = np.searchsorted(begins, certificate.t0, side="right") - 1
     within = (phase >= 0) & (certificate.t0 <= certificate.t1) & (certificate.t1 <= ends[np.maximum(phase, 0)])
@@ -83,8 +94,17 @@ def proved(
     stage: Stage, phases: tuple[Phase, ...], certificate: Certificate, rows: Rows, ranges: Ranges
 ) -> tuple[BoolArray, list[Finding]]:
     """Which rows (N,) are true and prove the required distance, and findings for those that are not or do not."""
+    least, findings = least_of(stage, phases, certificate, rows, ranges)
+    return least > -np.inf, findings
+
+
+def least_of(
+    stage: Stage, phases: tuple[Phase, ...], certificate: Certificate, rows: Rows, ranges: Ranges
+) -> tuple[FloatArray, list[Finding]]:
+    """What each row (N,) proves, m, −inf where it is not true or does not prove the required distance, and findings for
+    those."""
     if not len(rows):
-        return np.zeros(0, dtype=bool), []
+        return np.zeros(0), []
     c, i = certificate, rows.number
     n, speed, acceleration = c.normal[i], c.speed[i], c.acceleration[i]
     seats = [stage.seat[rows.phase, body] for body in (rows.first, rows.second)]
@@ -93,7 +113,8 @@ def proved(
     spans, span = np.unique(rows.t0 + 1j * rows.t1, return_inverse=True)
     swept = _each(ranges.sweep(spans.real.copy(), spans.imag.copy()), span)
     bounds = [stage.bounds(seats[k], pieces[k], n, rows.t0, rows.t1, swept) for k in (0, 1)]
-    own_speed, own_acceleration = bounds[0][0] + bounds[1][0], bounds[0][1] + bounds[1][1]
+    pair = rows.second >= 0  # the origin of the world does not move
+    own_speed, own_acceleration = (bounds[0][k] + np.where(pair, bounds[1][k], 0.0) for k in (0, 1))
     gap0, gap1 = _gaps(stage, ranges, seats, pieces, n, rows)
 
     length = np.sqrt((n * n).sum(1))
@@ -105,7 +126,7 @@ def proved(
     g0, g1 = np.minimum(gap0, c.gap0[i]), np.minimum(gap1, c.gap1[i])
     v, m, h = np.maximum(speed, own_speed), np.maximum(acceleration, own_acceleration), rows.t1 - rows.t0
     least = np.fmax((g0 + g1 - v * h) / 2, np.minimum(g0, g1) - m * h**2 / 8) - SLACK_M
-    asked = required(stage, phases, rows, n)
+    asked = np.where(pair, required(stage, phases, rows, n), -np.inf)
     apart = least >= asked
     over = np.fmax(c.gap0[i] - gap0, c.gap1[i] - gap1)
     under = np.fmax(own_speed - speed, own_acceleration - acceleration)
@@ -115,7 +136,7 @@ def proved(
         *_worst(Code.BOUND, "claims a bound of speed or acceleration below ours", ~fast, under, "m/s, m/s²", c, rows),
         *_worst(Code.SEPARATION, "does not prove the required distance", ~apart, asked - least, "m", c, rows),
     ]
-    return unit & gaps & fast & apart, findings
+    return np.where(unit & gaps & fast & apart, least, -np.inf), findings
 
 
 def _gaps(
@@ -127,9 +148,10 @@ def _gaps(
     found = []
     for which in np.split(at.ravel(), 2):
         total = np.zeros(len(n))
-        for seat, piece, side in zip(seats, pieces, (n, -n), strict=True):
+        for body, seat, piece, side in zip((rows.first, rows.second), seats, pieces, (n, -n), strict=True):
             carrier = stage.carrier[seat]
-            total -= stage.support(seat, piece, side, position[which, carrier], rotation[which, carrier])
+            reach = stage.support(seat, piece, side, position[which, carrier], rotation[which, carrier])
+            total -= np.where(body >= 0, reach, 0.0)  # no body: the origin of the world
         found.append(total)
     return found[0], found[1]
 

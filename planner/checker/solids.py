@@ -1,7 +1,7 @@
 """All convex pieces of a scene, and each body's bounding box, as one table; supports and reaches of many at once.
 
-The checker's own table: it shares the shapes with the planner, nothing else. A *solid* is a row of it: a piece of a
-body, or the box in the body's own axes that holds all its pieces.
+The checker's own table: it shares the shapes and their numbers (`planner.pieces`) with the planner, nothing else. A
+*solid* is a row of it: a piece of a body, or the box in the body's own axes that holds all its pieces.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.scene import Scene
-from planner.shapes import Body, Hull
+from planner.shapes import Body
 
 UPRIGHT = 1e-12
 """A solid of revolution whose axis is off the vertical by no more than this (a few roundings, rad) stands upright."""
@@ -108,56 +108,28 @@ def _farthest(points: FloatArray) -> FloatArray:
 def solids(scene: Scene) -> Solids:
     """The table of a scene: bodies of the robot, of the tool, of the surroundings, in this order."""
     bodies = [item.body for item in scene.robot.bodies] + list(scene.tool.bodies) + [item.body for item in scene.bodies]
-    pieces = [piece for body in bodies for piece in body.pieces]
-    count = np.array([len(body.pieces) for body in bodies], dtype=np.int64)
-    first = np.cumsum(count) - count
-    half, disc, ball, hull = np.zeros((len(pieces), 3)), np.zeros(len(pieces)), np.zeros(len(pieces)), []
-    vertices: list[FloatArray] = []
-    for i, piece in enumerate(pieces):
-        if isinstance(piece.shape, Hull):
-            hull.append(len(vertices))
-            vertices.append(piece.shape.vertices)
-        else:
-            hull.append(-1)
-            half[i], disc[i], ball[i] = piece.shape.half, piece.shape.disc, piece.shape.ball
-    raw = Solids(
+    raw, boxes = scene.pieces, len(bodies)
+    vertices = tuple(hull.vertices for hull in raw.hulls)
+    low, high = np.zeros((2, boxes, 3))
+    if boxes:
+        size = (np.abs(raw.rotation) * raw.half[:, None]).sum(-1) + raw.ball[:, None]
+        size += raw.disc[:, None] * np.hypot(raw.rotation[..., 0], raw.rotation[..., 1])
+        lowest, highest = raw.position - size, raw.position + size
+        for k in np.flatnonzero(raw.hull >= 0):
+            corners = raw.position[k] + vertices[raw.hull[k]] @ raw.rotation[k].T
+            lowest[k], highest[k] = corners.min(0), corners.max(0)
+        low, high = np.minimum.reduceat(lowest, raw.first), np.maximum.reduceat(highest, raw.first)
+    return Solids(
         bodies=tuple(bodies),
         number={body.name: i for i, body in enumerate(bodies)},
-        first=first,
-        count=count,
-        box=first,
-        position=np.array([piece.position for piece in pieces]).reshape(-1, 3),
-        rotation=np.array([piece.rotation for piece in pieces]).reshape(-1, 3, 3),
-        half=half,
-        disc=disc,
-        ball=ball,
-        hull=np.array(hull, dtype=np.int64),
-        vertices=tuple(vertices),
-    )
-    return _with_boxes(raw)
-
-
-def _with_boxes(raw: Solids) -> Solids:
-    """The same table with a box a body behind the pieces."""
-    many, axes = len(raw.position), np.eye(3)
-    if not many:
-        return raw
-    every = np.repeat(np.arange(many), 3)
-    high = raw.support(every, np.tile(axes, (many, 1))).reshape(many, 3)
-    low = -raw.support(every, np.tile(-axes, (many, 1))).reshape(many, 3)
-    high, low = np.maximum.reduceat(high, raw.first), np.minimum.reduceat(low, raw.first)
-    boxes = len(raw.count)
-    return Solids(
-        bodies=raw.bodies,
-        number=raw.number,
         first=raw.first,
         count=raw.count,
-        box=many + np.arange(boxes),
+        box=len(raw.position) + np.arange(boxes),
         position=np.concatenate([raw.position, (high + low) / 2]),
         rotation=np.concatenate([raw.rotation, np.tile(np.eye(3), (boxes, 1, 1))]),
         half=np.concatenate([raw.half, (high - low) / 2]),
         disc=np.concatenate([raw.disc, np.zeros(boxes)]),
         ball=np.concatenate([raw.ball, np.zeros(boxes)]),
         hull=np.concatenate([raw.hull, np.full(boxes, -1)]),
-        vertices=raw.vertices,
+        vertices=vertices,
     )

@@ -56,7 +56,7 @@ class ArrivalDocument(Document):
 
 
 class CertificateDocument(Document):
-    """The proof in columns; a null bound is infinite."""
+    """The proof in columns; a null bound is infinite, a second body of -1 none: the row is of the first alone."""
 
     digest: Text
     rows: Annotated[int, Field(ge=0, le=bounds.MAX_ROWS)]

@@ -11,10 +11,20 @@ import planner.separation
 from planner.arrays import FloatArray
 from planner.frames import Turntable
 from planner.frames.motion import Pose
-from planner.separation import centre_normals, face_normals, gaps, likely_gaps, place, rough_gaps, support, swept_gaps
-from planner.shapes import Body, Hull, Piece, box, sphere
-from planner.solids import SolidsMaker, asked_pairs, carriers
-from tests.planner.cells import Around, arm, block, cell, frame, go, placed
+from planner.separation import (
+    centre_normals,
+    face_normals,
+    gaps,
+    likely_gaps,
+    meet,
+    place,
+    rough_gaps,
+    support,
+    swept_gaps,
+)
+from planner.shapes import Body, Hull, Piece, box, cylinder, sphere
+from planner.solids import COVER, SolidsMaker, asked_pairs, carriers
+from tests.planner.cells import Around, arm, block, cell, frame, go, mesh_box, placed, rotation, solid
 from tests.planner.convex import KINDS, anywhere, distance, grid_aligned, inside, pairs, shape_of
 
 ROUNDING_M = 1e-12
@@ -192,3 +202,52 @@ def test_a_hull_is_its_vertices_wherever_its_origin_is() -> None:
     first = support(a, n) + (n @ a.centre[:, :, None])[..., 0]
     second = support(b, n) + (n @ b.centre[:, :, None])[..., 0]
     assert np.abs(first - second).max() <= 1e-12
+
+
+@given(pairs())
+def test_what_is_said_to_have_a_common_point_does_touch(both: tuple[Piece, Piece]) -> None:
+    a, b = placed([both])
+    if meet(a, b)[0]:
+        assert distance(*both) <= ROUNDING_M
+
+
+@pytest.mark.parametrize("first", KINDS)
+@pytest.mark.parametrize("second", KINDS)
+def test_a_common_point_of_solids_that_are_deep_in_each_other_is_found(first: str, second: str) -> None:
+    rng = np.random.default_rng(2)
+    both = [
+        (
+            Piece(shape_of(first, (0.1, 0.08, 0.12), k), np.zeros(3), rotation(rng)),
+            Piece(shape_of(second, (0.1, 0.08, 0.12), k), rng.uniform(-0.01, 0.01, 3), rotation(rng)),
+        )
+        for k in range(20)
+    ]
+    # a hull's core is only a box about it: nothing is said of it
+    assert meet(*placed(both)).tolist() == ["hull" not in (first, second)] * 20
+
+
+def test_no_common_point_is_claimed_of_the_box_about_several_pieces() -> None:
+    scene = cell(go(0.3, 0.0), bodies=(Around(mesh_box("bin", 0.3, 0.3, 0.3)), Around(solid("ball", sphere(0.02)))))
+    solids = SolidsMaker(scene)(None, ())
+    where, row = carriers(scene, np.zeros((1, 4)), np.zeros(1)), np.zeros(1, dtype=np.int64)
+    bin_, ball = (np.array([solids.roots[solids.names.index(name)]]) for name in ("bin", "ball"))
+    assert solids.piece[bin_[0]] == COVER
+    assert not meet(place(solids, where, row, bin_), place(solids, where, row, ball))[0]
+    assert meet(place(solids, where, row, ball), place(solids, where, row, ball))[0]
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7, -2.0])
+def test_upright_solids_beside_each_other_are_roughly_as_far_apart_as_they_are(yaw: float) -> None:
+    """A post beside a long bar, at all places round it: at the most its roundness from above is lost."""
+    around = np.linspace(0.0, 2 * np.pi, 33)
+    bar = Around(solid("bar", box(0.4, 0.08, 0.06)), "world", Pose(0.1, 0.2, 0.0, yaw))
+    posts = tuple(
+        Around(solid(f"post-{k}", cylinder(0.02, 0.5)), "world", Pose(0.1 + 0.3 * np.cos(x), 0.2 + 0.3 * np.sin(x)))
+        for k, x in enumerate(around)
+    )
+    solids = SolidsMaker(cell(go(0.3, 0.0), bodies=(bar, *posts), robot=arm(bare=True)))(None, ())
+    where = carriers(cell(go(0.3, 0.0)), np.zeros((1, 4)), np.zeros(1))
+    a, b = np.zeros(len(posts), dtype=np.int64), np.arange(1, len(posts) + 1)
+    x, y = 0.3 * np.cos(around - yaw), 0.3 * np.sin(around - yaw)
+    true = np.hypot(np.maximum(np.abs(x) - 0.2, 0), np.maximum(np.abs(y) - 0.04, 0)) - 0.02
+    assert np.abs(rough_gaps(solids, where, a, b)[0] - true).max() <= ROUNDING_M

@@ -15,8 +15,9 @@ from planner.phases import Carried
 from planner.robots.scara import FLANGE
 from planner.scene import Scene
 from planner.shapes import Body, Hull, Piece, box, corners, cylinder, sphere, support
-from planner.solids import COVER, SolidsMaker, asked_pairs, bounding_box, carriers, standing
+from planner.solids import COVER, SolidsMaker, asked_pairs, carriers, standing
 from planner.trajectory import Trajectory
+from planner.units import bounding_box
 from tests.planner.cells import CUP, Around, arm, block, cell, frame, go, mesh_box, solid, stands, table_to_table
 from tests.planner.convex import anywhere, grid_aligned
 

@@ -1,0 +1,199 @@
+"""Rows of one body alone: what they say is true, pairs that they part need no others, and forged ones are refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from planner.arrays import BoolArray, FloatArray
+from planner.certificate import Prover
+from planner.checker import Code, check
+from planner.frames import Fixed, Linear
+from planner.frames.motion import Pose
+from planner.outcome import Plan, Planned
+from planner.phases import phases
+from planner.pipeline import plan
+from planner.scene import Clearance, Execution, Scene, WorldBody
+from planner.separation import place, support
+from planner.shapes import box, cylinder
+from planner.solids import carriers, standing
+from tests.planner.cells import CUP, arm, cell, frame, go, stands
+from tests.planner.checker.hand_made import carton, with_rows, without
+
+FAR_M = 1.3
+"""From the shoulder to the ring of posts: out of reach of the arm, which is 0.6 m long."""
+
+
+@cache
+def ring() -> tuple[Scene, Plan]:
+    """An arm with a cup among three posts and a carton in reach, in a ring of sixty that are not."""
+    angles = np.linspace(0.0, 2 * np.pi, 60, endpoint=False)
+    posts = [
+        stands(f"post-{i}", cylinder(0.03, 0.5), FAR_M * np.cos(x), FAR_M * np.sin(x), 0.25)
+        for i, x in enumerate(angles)
+    ]
+    near = [
+        stands(f"stub-{i}", box(0.05, 0.05, 0.04), x, y, 0.02) for i, (x, y) in enumerate([(0.3, 0.3), (0.4, -0.3)])
+    ]
+    scene = cell(
+        go(0.35, -0.25, 0.15, leg="joint"),
+        bodies=(*posts, *near, WorldBody(carton(), "world", Pose(0.45, 0.1, 0.03))),
+        robot=arm(column=0.05),
+        tool=CUP,
+        stay_safe_s=0.3,
+    )
+    outcome = plan(scene)
+    assert isinstance(outcome, Planned)
+    return scene, outcome.plan
+
+
+def alone(made: Plan) -> BoolArray:
+    return np.asarray(made.certificate.second == -1)
+
+
+def codes(scene: Scene, made: Plan) -> set[Code]:
+    return {finding.code for finding in check(scene, made).findings}
+
+
+def reach(scene: Scene, made: Plan, row: int, t: FloatArray) -> FloatArray:
+    """max of n·x over the body of a row, n being its normal, at times t (T,)."""
+    c = made.certificate
+    phase = next(p for p in phases(scene, made.legs, made.arrivals) if p.t0 <= c.t0[row] and c.t1[row] <= p.t1)
+    solids = Prover(scene).solids(phase.carried, phase.rides)
+    unit = solids.roots[solids.names.index(c.names[c.first[row]])]
+    where = carriers(scene, standing(made.trajectory, t), t)
+    placed = place(solids, where, np.arange(len(t)), np.full(len(t), unit))
+    n = np.tile(c.normal[row], (len(t), 1, 1))
+    return np.asarray(support(placed, n)[:, 0] + placed.centre @ c.normal[row])
+
+
+def test_a_few_rows_of_bodies_alone_do_for_a_ring_of_sixty_posts() -> None:
+    scene, made = ring()
+    c = made.certificate
+    assert check(scene, made).findings == ()
+    assert alone(made).any()
+    assert not any(name.startswith("post") for name in c.names)
+    assert len(c) < 200  # for the posts alone there would be 600: 2 phases, 5 bodies, 60 posts
+    assert set(c.second_piece[alone(made)]) == {-1}
+
+
+def test_each_row_of_a_body_alone_is_true_at_all_times_that_are_looked_at() -> None:
+    scene, made = ring()
+    c = made.certificate
+    h = c.t1 - c.t0
+    least = np.fmax((c.gap0 + c.gap1 - c.speed * h) / 2, np.minimum(c.gap0, c.gap1) - c.acceleration * h**2 / 8)
+    for row in np.flatnonzero(alone(made)):
+        found = -reach(scene, made, int(row), np.linspace(c.t0[row], c.t1[row], 41))
+        assert found.min() >= least[row] - 1e-12
+        assert abs(found[0] - c.gap0[row]) <= 1e-12
+        assert abs(found[-1] - c.gap1[row]) <= 1e-12
+
+
+def test_without_any_one_of_them_a_pair_is_not_covered() -> None:
+    scene, made = ring()
+    for row in np.flatnonzero(alone(made)):
+        assert codes(scene, without(scene, made, np.arange(len(made.certificate)) == row)) == {Code.COVER}
+
+
+@pytest.mark.parametrize("column", ["gap0", "gap1"])
+def test_a_gap_to_the_origin_claimed_a_nanometre_above_the_true_one_is_found(column: str) -> None:
+    scene, made = ring()
+    for row in np.flatnonzero(alone(made)):
+        values = getattr(made.certificate, column).copy()
+        values[row] += 1e-9
+        assert codes(scene, with_rows(scene, made, **{column: values})) == {Code.GAP, Code.COVER}
+
+
+@pytest.mark.parametrize(("column", "least"), [("speed", 1e-3), ("acceleration", 1e-2)])
+def test_a_bound_of_a_body_alone_below_the_true_one_is_found(column: str, least: float) -> None:
+    scene, made = ring()
+    values = getattr(made.certificate, column)
+    moving = np.flatnonzero(alone(made) & (values > least))
+    assert len(moving) >= 4
+    for row in moving:
+        lower = values.copy()
+        lower[row] *= 1 - 1e-6
+        assert codes(scene, with_rows(scene, made, **{column: lower})) == {Code.BOUND, Code.COVER}
+
+
+def test_a_normal_of_a_body_alone_that_is_no_unit_vector_is_found() -> None:
+    scene, made = ring()
+    for row in np.flatnonzero(alone(made)):
+        normal = made.certificate.normal.copy()
+        normal[row] *= 1.001
+        assert Code.NORMAL in codes(scene, with_rows(scene, made, normal=normal))
+
+
+def test_a_true_row_that_claims_less_than_it_could_parts_less() -> None:
+    """Gaps a metre lower are no lie; but what was before the plane is not before that one."""
+    scene, made = ring()
+    for row in np.flatnonzero(alone(made)):
+        gap0, gap1 = made.certificate.gap0.copy(), made.certificate.gap1.copy()
+        gap0[row] -= 5.0
+        gap1[row] -= 5.0
+        assert codes(scene, with_rows(scene, made, gap0=gap0, gap1=gap1)) == {Code.COVER}
+
+
+def test_rows_that_leave_out_an_ulp_of_time_count_for_nothing() -> None:
+    scene, made = ring()
+    c = made.certificate
+    for row in np.flatnonzero(alone(made) & (c.t1 > c.t0)):
+        for name, towards in (("t0", np.inf), ("t1", -np.inf)):
+            times = getattr(c, name).copy()
+            times[row] = np.nextafter(times[row], towards)
+            assert Code.COVER in codes(scene, with_rows(scene, made, **{name: times}))
+
+
+def test_a_body_that_stands_before_no_plane_is_not_covered() -> None:
+    """The same plan in a cell where one post, or a carton, stands where the arm may come: nothing is said about it."""
+    scene, made = ring()
+    for index, x in ((0, 0.62), (20, -0.2)):
+        bodies = list(scene.bodies)
+        bodies[index] = replace(bodies[index], pose=Pose(x, 0.0, 0.25))
+        wrong = replace(scene, bodies=tuple(bodies))
+        assert Code.COVER in codes(wrong, with_rows(wrong, made))
+
+
+def test_a_body_on_a_frame_that_moves_or_is_not_known_throughout_needs_rows_of_its_own() -> None:
+    scene, made = ring()
+    end = made.trajectory.end
+    crawls, ends = Linear(Pose(), (1e-9, 0.0, 0.0)), Fixed(Pose(), (0.0, end + 0.1))
+    for law, found in ((Fixed(Pose()), set()), (crawls, {Code.COVER}), (ends, {Code.COVER, Code.LAW_ENDS})):
+        bodies = (replace(scene.bodies[0], frame="other"), *scene.bodies[1:])
+        asked = replace(scene, frames={**scene.frames, "other": frame("other", law)}, bodies=bodies)
+        assert codes(asked, with_rows(asked, made)) == found
+
+
+def test_planes_keep_the_distance_that_is_asked() -> None:
+    """The ring is a hand's breadth too near for a clearance of 0.9 m, for servo lag, and for frames that drift."""
+    scene, made = ring()
+    wide = replace(scene, options=replace(scene.options, clearance=Clearance(0.9, 0.9)))
+    lagging = replace(scene, execution=Execution(tracking_m=0.9))
+    drifting = replace(scene, frames={"world": frame("world", Fixed(Pose()), position=0.9)})
+    for asked in (wide, lagging, drifting):
+        assert Code.COVER in codes(asked, with_rows(asked, made))
+
+
+def test_a_row_alone_is_of_a_whole_body_and_names_no_second_piece() -> None:
+    scene, made = ring()
+    c, row = made.certificate, int(np.flatnonzero(alone(made))[0])
+    for column, value in (("second_piece", 0), ("second", -2), ("first", -1), ("first_piece", 3), ("first_piece", -2)):
+        values = getattr(c, column).copy()
+        values[row] = value
+        assert codes(scene, with_rows(scene, made, **{column: values})) == {Code.ROW, Code.COVER}
+
+
+def test_a_row_alone_of_something_around_the_arm_is_true_and_of_no_use() -> None:
+    """What the arm stays behind counts, not what something else is behind."""
+    scene, made = ring()
+    c, row = made.certificate, int(np.flatnonzero(alone(made))[0])
+    stub = scene.index["stub-0"].pose
+    columns = {name: getattr(c, name).copy() for name in ("first", "gap0", "gap1", "speed", "acceleration")}
+    columns["first"][row] = len(c.names)
+    half = np.array([0.025, 0.025, 0.02])
+    columns["gap0"][row] = columns["gap1"][row] = -(c.normal[row] @ stub.position + np.abs(c.normal[row]) @ half)
+    columns["speed"][row] = columns["acceleration"][row] = 0.0
+    assert codes(scene, with_rows(scene, made, names=(*c.names, "stub-0"), **columns)) == {Code.COVER}
