@@ -8,7 +8,7 @@ import numpy as np
 
 from planner.arrays import FloatArray
 from planner.assembly import assembled, laws_over
-from planner.chain import Chain, Draft, Outline, Sample
+from planner.chain import Chain, Draft, Outline, Sample, paced
 from planner.errors import FaultError
 from planner.frames.motion import Motion, Pose
 from planner.frames.tilted import TiltedMotion
@@ -28,7 +28,8 @@ def outline(
     scene: Scene, chain: Chain, meeting: Meetings, sample: Sample, ahead: FloatArray | None
 ) -> Outline | Refusal:
     """The way to the control point that `sample` describes, or why Ruckig has none."""
-    reached = JointMotion(scene, chain.step, chain.state, sample.shape, sample.branch, ahead).meet()
+    pace = paced(scene, chain, sample.shape.effort)
+    reached = JointMotion(scene, chain.step, chain.state, sample.shape, sample.branch, ahead, pace).meet()
     if isinstance(reached, Refusal):
         return reached
     if not meeting.point.glued:

@@ -8,8 +8,9 @@ import numpy as np
 
 from planner.arrays import FloatArray
 from planner.chain import Chain
+from planner.legs.branch import Branch
 from planner.legs.control_point import control_point
-from planner.legs.meeting import Branch, Meetings
+from planner.legs.meeting import Meetings
 from planner.legs.tilt import tilts
 from planner.scene import Move, Scene
 from planner.timing import least_duration

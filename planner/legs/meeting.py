@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
+from planner.legs.branch import Branch
 from planner.legs.control_point import ControlPoint
 from planner.legs.missed import window_missed
 from planner.legs.singular import nearest
@@ -28,19 +29,6 @@ MOST_TIMES = 2500
 """... and at most this many times, so a far horizon makes the grid coarser."""
 LOOK_AHEAD_S = 20.0
 """Meetings are looked for this long after they become possible, s."""
-
-
-@dataclass(frozen=True, eq=False)
-class Branch:
-    """Joint states (G, n) at meeting times (G,) in one mode with one choice of turns; `legal` (G,): may be met then."""
-
-    mode: int
-    time: FloatArray
-    q: FloatArray
-    qd: FloatArray
-    qdd: FloatArray
-    legal: BoolArray
-    still: bool
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from planner.errors import FaultError
 from planner.timing import Profile, time_joints, to_trajectory
 from planner.timing.question import TimingRefusal
-from planner.timing.solver import sketch_joints
 from planner.timing.writing import MERGE
 from tests.planner.timing.legs import MANNERS, ROBOTS, Question, question
 
@@ -142,7 +141,7 @@ def test_a_motion_of_no_duration_has_no_knots() -> None:
 @given(st.integers(0, 10**6), st.sampled_from(("real", "problems", "sharp")), st.sampled_from(MANNERS))
 def test_a_sketch_is_where_its_profile_is_to_ten_micrometres(seed: int, robot: str, manner: str) -> None:
     asked = question(np.random.default_rng(seed), robot, manner)
-    sketch = sketch_joints(*asked.args)
+    sketch = asked.solver.sketch(*asked.states)
     assert not isinstance(sketch, TimingRefusal)
     t = np.linspace(0, sketch.duration, 100)
     assert np.abs(sketch.positions(t) - sketch.profile.evaluate(t)).max() <= 1e-5
