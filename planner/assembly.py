@@ -54,7 +54,7 @@ def assembled(
     if unknown is not None:
         return unknown
     trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
-    beyond = _beyond(scene, chain.step, knots) or leaves_assembly(scene.robot, chain.step, trajectory)
+    beyond = _beyond(scene, chain.step, trajectory) or leaves_assembly(scene.robot, chain.step, trajectory)
     if beyond is not None:
         return beyond
     legs = tuple(Leg(s.kind, chain.step, float(s.knots.time[0]), float(s.knots.time[-1]), s.note) for s in stretches)
@@ -145,13 +145,13 @@ def laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
     return None
 
 
-def _beyond(scene: Scene, step: int, knots: Knots) -> Refusal | None:
+def _beyond(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
     """Whether a joint breaks a limit on the way: moving ends overshoot, and the spline as written is what counts."""
     limits = scene.robot.limits
     kinds = limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk
-    if keeps_limits(Trajectory(knots.time, knots.q, knots.qd, knots.qdd), *kinds):
+    if keeps_limits(trajectory, *kinds):
         return None
-    fast = rates(scene, "limits", step, knots)
+    fast = rates(scene, "limits", step, trajectory)
     if isinstance(fast, Refusal):
         return fast
     if fast.ok:

@@ -110,14 +110,14 @@ def glue(scene: Scene, point: ControlPoint, state: State, mode: int, effort: flo
         if not heights.end > heights.begin:
             touch = Knots(np.array([state.time]), state.q[None], state.qd[None], state.qdd[None])
             return Glued((Stretch(LegKind.FOLLOW, touch),), state.time, state.time)
-        knots = _knots(scene, point, state, mode, heights)
-        if isinstance(knots, Refusal):
-            return knots
-        fast = rates(scene, "glued", point.step, knots)
+        spline = _spline(scene, point, state, mode, heights)
+        if isinstance(spline, Refusal):
+            return spline
+        fast = rates(scene, "glued", point.step, spline)
         if isinstance(fast, Refusal):
             return fast
         if fast.ok:
-            return _cut(heights, knots)
+            return _cut(heights, Knots.of(spline))
         worst = max(fast.velocity**2, fast.acceleration, fast.jerk ** (2 / 3))
         effort *= min(0.8, 0.95 / worst)
     too_fast = "the frame's own motion is too fast"
@@ -149,8 +149,8 @@ def _way(scene: Scene, point: ControlPoint, high: float, low: float, effort: flo
     return found
 
 
-def _knots(scene: Scene, point: ControlPoint, state: State, mode: int, heights: _Heights) -> Knots | Refusal:
-    """Knots at all switches and close enough in between, the first being `state` itself."""
+def _spline(scene: Scene, point: ControlPoint, state: State, mode: int, heights: _Heights) -> Trajectory | Refusal:
+    """The spline through knots at all switches and close enough in between, the first being `state` itself."""
     robot, spacing = scene.robot, SPACING_S
     for _ in range(REFINEMENTS):
         t = _filled(heights.switches(), spacing)
@@ -160,7 +160,7 @@ def _knots(scene: Scene, point: ControlPoint, state: State, mode: int, heights: 
         middle, trajectory = (t[1:] + t[:-1]) / 2, Trajectory(found.time, found.q, found.qd, found.qdd)
         held = point.tilt is None or tilt_off(robot, trajectory.evaluate(middle), point.flange(middle)) <= PATH_RAD
         if held and _off_path(robot, trajectory, point, heights, middle) <= PATH_M:
-            return found
+            return trajectory
         spacing /= 2
     return Refusal("glued", Reason.MOTION_LIMIT, point.step, (point.frame,), detail="the frame's motion is not smooth")
 

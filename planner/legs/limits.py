@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from planner.legs.state import Knots
 from planner.outcome import Reason, Refusal
 from planner.scene import Scene
 from planner.trajectory import Trajectory, check_limits
@@ -20,11 +19,11 @@ class Rates:
     ok: bool
 
 
-def rates(scene: Scene, stage: str, step: int, knots: Knots) -> Rates | Refusal:
+def rates(scene: Scene, stage: str, step: int, trajectory: Trajectory) -> Rates | Refusal:
     """How fast the leg is; a refusal where a joint position is beyond its limit, which no slowing down mends."""
     limits = scene.robot.limits
     report = check_limits(
-        Trajectory(knots.time, knots.q, knots.qd, knots.qdd),
+        trajectory,
         limits.lower,
         limits.upper,
         limits.velocity,
@@ -37,7 +36,7 @@ def rates(scene: Scene, stage: str, step: int, knots: Knots) -> Rates | Refusal:
         above = float(report.position.upper[joint] - limits.upper[joint])
         what = scene.robot.joints[joint]
         unit = "rad" if what.kind == "revolute" else "m"
-        span = (float(knots.time[0]), float(knots.time[-1]))
+        span = (trajectory.start, trajectory.end)
         detail = f"{what.name} is beyond its limit"
         return Refusal(stage, Reason.JOINT_LIMIT, step, (what.name,), span, max(below, above), unit, detail)
     velocity, acceleration, jerk = (float(k.ratio.max()) for k in report.checks[1:])
