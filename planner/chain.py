@@ -39,6 +39,8 @@ class Chain:
     """The control point above which a glued leg ended: the arm still moves with its frame."""
     prepared: dict[tuple[int, float, Tilt | None], Meetings | Refusal] = field(default_factory=dict)
     paces: dict[float, Pace] = field(default_factory=dict)
+    lines: dict[tuple[ControlPoint, float, int], Stretch | Refusal] = field(default_factory=dict)
+    """Straight legs from here by control point, wait and mode: full turns of the meeting make no other."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -87,7 +87,10 @@ def finished(scene: Scene, way: Outline) -> Draft | Refusal:
 
 def straight_draft(scene: Scene, chain: Chain, meeting: Meetings, sample: Sample) -> Draft | Refusal:
     """The whole continuation by a Cartesian leg."""
-    line = _line(scene, chain, meeting.point, sample.shape.wait, sample.branch.mode)
+    key = meeting.point, sample.shape.wait, sample.branch.mode
+    if key not in chain.lines:
+        chain.lines[key] = _line(scene, chain, *key)
+    line = chain.lines[key]
     if isinstance(line, Refusal):
         return line
     return _continued(scene, chain, meeting.point, sample, line)

@@ -15,6 +15,7 @@ from planner.arrays import FloatArray
 from planner.legs.control_point import ControlPoint
 from planner.legs.limits import rates
 from planner.legs.singular import nearest
+from planner.legs.spacing import spaced
 from planner.legs.state import Knots, State, Stretch
 from planner.legs.tilt import PATH_RAD, tilt_off
 from planner.outcome import LegKind, Reason, Refusal
@@ -75,17 +76,18 @@ class _Heights:
 
     def evaluate(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Height, its rate and acceleration at t (T,)."""
-        parts = []
-        for order in range(3):
-            x = np.zeros(len(t))
-            if self.down:
-                rows = t < self.met
-                x[rows] = self.down.evaluate(np.clip(t[rows] - self.begin, 0.0, self.down.duration), order)[:, 0]
-            if self.up:
-                rows = t > self.left
-                x[rows] = self.up.evaluate(np.clip(t[rows] - self.left, 0.0, self.up.duration), order)[:, 0]
-            parts.append(x)
-        return parts[0], parts[1], parts[2]
+        heights = np.zeros((3, len(t)))
+        if self.down:
+            rows = t < self.met
+            clock = np.clip(t[rows] - self.begin, 0.0, self.down.duration)
+            for height, x in zip(heights, self.down.states(clock), strict=True):
+                height[rows] = x[:, 0]
+        if self.up:
+            rows = t > self.left
+            clock = np.clip(t[rows] - self.left, 0.0, self.up.duration)
+            for height, x in zip(heights, self.up.states(clock), strict=True):
+                height[rows] = x[:, 0]
+        return heights[0], heights[1], heights[2]
 
 
 def lead_time(scene: Scene, point: ControlPoint, effort: float) -> float | Refusal:
@@ -216,9 +218,7 @@ def _filled(switches: FloatArray, spacing: float) -> FloatArray:
     last = t[-1]
     t = t[keep]
     t[-1] = last
-    count = np.maximum(1, np.ceil(np.diff(t) / spacing)).astype(int)
-    parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(t[:-1], t[1:], count, strict=True)]
-    return np.concatenate([*parts, t[-1:]])
+    return spaced(t, spacing)
 
 
 def _off_path(robot: Robot, trajectory: Trajectory, point: ControlPoint, heights: _Heights, t: FloatArray) -> float:
