@@ -13,7 +13,7 @@ from planner.legs.limits import rates
 from planner.legs.state import Knots, State, Stretch
 from planner.loops import leaves_assembly
 from planner.outcome import Arrival, Leg, LegKind, Reason, Refusal
-from planner.phases import Phase, held, phases
+from planner.phases import Phase, held, moved_parts, phases
 from planner.scene import Pick, Place, Scene
 from planner.timing import TimingRefusal, time_joints
 from planner.tool_motion import RESERVE, carrying_peak
@@ -88,11 +88,12 @@ def _after(
     met: Arrival,
     knots: Knots,
 ) -> Chain:
-    step, carried, rides = scene.task[chain.step], chain.carried, chain.rides
+    step, carried, rides, moved = scene.task[chain.step], chain.carried, chain.rides, chain.moved
     if isinstance(step, Pick):
         carried = held(scene, step, sample.yaw_offset)
     if isinstance(step, Place):
         carried, rides = None, {**rides, step.part: (step.to.frame, step.to.pose)}
+        moved = moved_parts(scene, rides)
     resting = knots.last.resting
     return Chain(
         step=chain.step + 1,
@@ -100,6 +101,7 @@ def _after(
         mode=sample.branch.mode,
         carried=carried,
         rides=rides,
+        moved=moved,
         legs=chain.legs + legs,
         arrivals=(*chain.arrivals, met),
         knots=knots if chain.knots is None else chain.knots.then(knots),

@@ -31,6 +31,8 @@ class Chain:
     mode: int
     carried: Carried | None
     rides: dict[str, tuple[str, Pose]]
+    moved: tuple[tuple[str, str, Pose], ...] = ()
+    """Of them those that differ from the start's, as phases have them."""
     legs: tuple[Leg, ...] = ()
     arrivals: tuple[Arrival, ...] = ()
     knots: Knots | None = None

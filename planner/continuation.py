@@ -20,7 +20,7 @@ from planner.legs.state import Knots, Stretch
 from planner.legs.straight import mode_changes, straight
 from planner.legs.tilt import tilt_of
 from planner.outcome import LegKind, Reason, Refusal
-from planner.phases import Phase, initial_rides
+from planner.phases import Phase
 from planner.scene import Move, Scene
 
 
@@ -39,9 +39,8 @@ def outline(
     unknown = laws_over(scene, chain.step, reached.end)
     if unknown is not None:
         return unknown
-    start = initial_rides(scene)
-    moved = tuple((name, *ride) for name, ride in sorted(chain.rides.items()) if ride != start[name])
-    way = Phase(chain.state.time, reached.end, LegKind.MOVE, chain.step, chain.carried, moved, frozenset(), None, ())
+    times = chain.state.time, reached.end
+    way = Phase(*times, LegKind.MOVE, chain.step, chain.carried, chain.moved, frozenset(), None, ())
     return Outline(chain, meeting, sample, reached, (way,), ahead)
 
 

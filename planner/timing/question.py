@@ -96,8 +96,10 @@ def numbers(arguments: Sequence[FloatArray]) -> list[Row]:
 
 def accepted(names: Sequence[str], rows: Sequence[Row], n: int) -> None:
     """Accepts rows of n finite numbers each; `InputError` naming the first that is not."""
+    # a sum is finite only if every number is
+    if n > 0 and all(len(row) == n for row in rows) and math.isfinite(sum(map(sum, rows))):
+        return
     for name, row in zip(names, rows, strict=True):
-        # the sum of a row is finite only if every number is
         if not (len(row) == n > 0 and math.isfinite(sum(row))):
             raise InputError(f"timing.{name}", row, f"{n or 'some'} finite numbers")
 
@@ -115,6 +117,8 @@ def lowered_limits(start: Numbers, goal: Numbers, allowed: Allowed) -> Limits | 
     − before the goal). A state that needs the whole jerk limit for that gets it.
     """
     (_, v0, a0), (_, v1, a1), usual = start, goal, allowed.lowered
+    if not (any(v0) or any(a0) or any(v1) or any(a1)):
+        return usual
     states = zip(v0, a0, v1, a1, usual.velocity, usual.acceleration, usual.jerk, strict=True)
     ease = [_at_ease(*joint) for joint in states]
     if all(ease):
@@ -153,8 +157,6 @@ def lowered_limits(start: Numbers, goal: Numbers, allowed: Allowed) -> Limits | 
 
 def _at_ease(v0: float, a0: float, v1: float, a1: float, v: float, a: float, j: float) -> bool:
     """Whether both states, and what they lead to (P2), are within the lowered limits: nearly always."""
-    if v0 == a0 == v1 == a1 == 0.0:
-        return True
     if not (-a <= a0 <= a and -a <= a1 <= a and -v <= v0 <= v and -v <= v1 <= v):
         return False
     return -v <= v0 + a0 * abs(a0) / (2 * j) <= v and -v <= v1 - a1 * abs(a1) / (2 * j) <= v

@@ -185,7 +185,7 @@ def _at_rest(start: Numbers, goal: Numbers) -> bool:
 
 
 def _still(row: Row) -> Row:
-    return [x if abs(x) >= RESIDUAL else 0.0 for x in row]
+    return [x if abs(x) >= RESIDUAL else 0.0 for x in row] if any(row) else row
 
 
 @dataclass(frozen=True, slots=True, eq=False)

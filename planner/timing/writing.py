@@ -80,7 +80,7 @@ def _excess(profile: Profile, knots: Knots) -> float:
     """How far a spline may be over the limits its phases were made for: the worst joint, in units of the reserves."""
     time, *states = knots
     _, *rates = rate_hulls(time[1:] - time[:-1], *states)
-    over = [np.abs(hull).max((0, 2)) / limit - 1 for hull, limit in zip(rates, profile.limits, strict=True)]
+    over = [np.abs(hull).max(0).max(1) / limit - 1 for hull, limit in zip(rates, profile.limits, strict=True)]
     return float(max(over[0].max() / RATE_RESERVE, over[1].max() / JERK_RESERVE))
 
 

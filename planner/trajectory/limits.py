@@ -88,7 +88,7 @@ def _kept(trajectory: Trajectory, kind: int, low: FloatArray, high: FloatArray, 
     slack = tol * (high - low) / 2
     hull = trajectory.bernstein(kind)
     smooth = kind < 3 or not trajectory.jumps
-    if smooth and (hull.max((0, 2)) <= high + slack).all() and (hull.min((0, 2)) >= low - slack).all():
+    if smooth and (hull.max(0).max(1) <= high + slack).all() and (hull.min(0).min(1) >= low - slack).all():
         return True
     least, most = trajectory.extrema(kind)
     return bool((most <= high + slack).all() and (least >= low - slack).all())

@@ -68,6 +68,14 @@ def test_a_law_begins_at_rest_in_0_and_ends_at_rest_in_1_to_the_bit() -> None:
         ]
 
 
+def test_the_states_of_a_law_are_its_three_orders_to_the_bit() -> None:
+    for parts in (PIECES, 5):
+        jerks = np.random.default_rng(parts).normal(size=parts)
+        law = PhaseLaw(0.7, jerks)
+        t = np.linspace(0, 0.7, 40)
+        assert all(np.array_equal(x, law.evaluate(t, order)) for order, x in enumerate(law.states(t)))
+
+
 def test_a_slower_law_has_the_same_shape() -> None:
     law = law_of(*lines(1)[0])
     slow, t = law.slower(2.0), np.linspace(0, law.duration, 50)

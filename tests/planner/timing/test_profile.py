@@ -147,3 +147,13 @@ def test_a_sketch_is_where_its_profile_is_to_ten_micrometres(seed: int, robot: s
     assert np.abs(sketch.positions(t) - sketch.profile.evaluate(t)).max() <= 1e-5
     beyond = np.array([-1.0, sketch.duration + 1.0])
     assert np.abs(sketch.positions(beyond) - [asked.q0, asked.q1]).max() <= 1e-6
+
+
+@given(st.integers(0, 10**6), st.sampled_from(MANNERS))
+def test_the_states_are_the_three_orders_to_the_bit_and_what_is_no_time_has_none(seed: int, manner: str) -> None:
+    asked = question(np.random.default_rng(seed), "real", manner)
+    profile = time_joints(*asked.args)
+    assert isinstance(profile, Profile)
+    t = np.linspace(0, profile.duration, 30)
+    assert all(np.array_equal(x, profile.evaluate(t, order)) for order, x in enumerate(profile.states(t)))
+    assert all(np.isnan(x).all() for x in profile.states(np.array([np.nan])))
