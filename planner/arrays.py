@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -33,3 +34,13 @@ def frozen(values: Any, shape: Sequence[int | None], field: str) -> FloatArray:
         raise InputError(field, values, "finite numbers")
     array.flags.writeable = False
     return array
+
+
+def every(flags: BoolArray) -> BoolArray:
+    """`flags.all(-1)` (...), for a last axis of a few: NumPy reduces a short axis four times as slowly."""
+    return np.asarray(reduce(np.logical_and, [flags[..., k] for k in range(flags.shape[-1])]))
+
+
+def largest(values: FloatArray) -> FloatArray:
+    """`values.max(-1)` (...), likewise, ten times as slowly; NaN where any is."""
+    return np.asarray(reduce(np.maximum, [values[..., k] for k in range(values.shape[-1])]))

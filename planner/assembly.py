@@ -13,7 +13,7 @@ from planner.legs.limits import rates
 from planner.legs.state import Knots, State, Stretch
 from planner.loops import leaves_assembly
 from planner.outcome import Arrival, Leg, LegKind, Reason, Refusal
-from planner.phases import Phase, held, phases
+from planner.phases import Phase, held, moved_parts, phases
 from planner.scene import Pick, Place, Scene
 from planner.timing import TimingRefusal, time_joints
 from planner.tool_motion import RESERVE, carrying_peak
@@ -54,7 +54,7 @@ def assembled(
     if unknown is not None:
         return unknown
     trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
-    beyond = _beyond(scene, chain.step, knots) or leaves_assembly(scene.robot, chain.step, trajectory)
+    beyond = _beyond(scene, chain.step, trajectory) or leaves_assembly(scene.robot, chain.step, trajectory)
     if beyond is not None:
         return beyond
     legs = tuple(Leg(s.kind, chain.step, float(s.knots.time[0]), float(s.knots.time[-1]), s.note) for s in stretches)
@@ -88,11 +88,12 @@ def _after(
     met: Arrival,
     knots: Knots,
 ) -> Chain:
-    step, carried, rides = scene.task[chain.step], chain.carried, chain.rides
+    step, carried, rides, moved = scene.task[chain.step], chain.carried, chain.rides, chain.moved
     if isinstance(step, Pick):
         carried = held(scene, step, sample.yaw_offset)
     if isinstance(step, Place):
         carried, rides = None, {**rides, step.part: (step.to.frame, step.to.pose)}
+        moved = moved_parts(scene, rides)
     resting = knots.last.resting
     return Chain(
         step=chain.step + 1,
@@ -100,6 +101,7 @@ def _after(
         mode=sample.branch.mode,
         carried=carried,
         rides=rides,
+        moved=moved,
         legs=chain.legs + legs,
         arrivals=(*chain.arrivals, met),
         knots=knots if chain.knots is None else chain.knots.then(knots),
@@ -145,13 +147,13 @@ def laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
     return None
 
 
-def _beyond(scene: Scene, step: int, knots: Knots) -> Refusal | None:
+def _beyond(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
     """Whether a joint breaks a limit on the way: moving ends overshoot, and the spline as written is what counts."""
     limits = scene.robot.limits
     kinds = limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk
-    if keeps_limits(Trajectory(knots.time, knots.q, knots.qd, knots.qdd), *kinds):
+    if keeps_limits(trajectory, *kinds):
         return None
-    fast = rates(scene, "limits", step, knots)
+    fast = rates(scene, "limits", step, trajectory)
     if isinstance(fast, Refusal):
         return fast
     if fast.ok:

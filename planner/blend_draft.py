@@ -108,6 +108,7 @@ def _after(chain: Chain, last: Station, legs: tuple[Leg, ...], arrivals: tuple[A
         mode=last.branch.mode,
         carried=None,
         rides=chain.rides,
+        moved=chain.moved,
         legs=chain.legs + legs,
         arrivals=chain.arrivals + arrivals,
         knots=whole,

@@ -8,10 +8,12 @@ from planner.arrays import FloatArray
 from planner.certificate import Rows
 from planner.frames.motion import Pose
 from planner.frames.tilted import Tilt
+from planner.legs.branch import Branch
 from planner.legs.control_point import ControlPoint, control_point
 from planner.legs.glued import lead_time
 from planner.legs.joint import Reached, Shape
-from planner.legs.meeting import Branch, Meetings, meetings
+from planner.legs.meeting import Meetings, meetings
+from planner.legs.pace import Pace
 from planner.legs.state import Knots, State, Stretch
 from planner.outcome import Arrival, Leg, Refusal
 from planner.phases import Carried, Phase, initial_rides
@@ -29,6 +31,8 @@ class Chain:
     mode: int
     carried: Carried | None
     rides: dict[str, tuple[str, Pose]]
+    moved: tuple[tuple[str, str, Pose], ...] = ()
+    """Of them those that differ from the start's, as phases have them."""
     legs: tuple[Leg, ...] = ()
     arrivals: tuple[Arrival, ...] = ()
     knots: Knots | None = None
@@ -36,6 +40,9 @@ class Chain:
     glued_to: ControlPoint | None = None
     """The control point above which a glued leg ended: the arm still moves with its frame."""
     prepared: dict[tuple[int, float, Tilt | None], Meetings | Refusal] = field(default_factory=dict)
+    paces: dict[float, Pace] = field(default_factory=dict)
+    lines: dict[tuple[ControlPoint, float, int], Stretch | Refusal] = field(default_factory=dict)
+    """Straight legs from here by control point, wait and mode: full turns of the meeting make no other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +92,13 @@ def prepared(
         )
         chain.prepared[key] = found
     return chain.prepared[key]
+
+
+def paced(scene: Scene, chain: Chain, effort: float) -> Pace:
+    """The pace of joint legs of this effort; kept with the chain."""
+    if effort not in chain.paces:
+        chain.paces[effort] = Pace(scene.robot.limits, scene.robot.lift, effort)
+    return chain.paces[effort]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ import numpy as np
 
 from planner.arrays import FloatArray
 from planner.assembly import assembled, laws_over
-from planner.chain import Chain, Draft, Outline, Sample
+from planner.chain import Chain, Draft, Outline, Sample, paced
 from planner.errors import FaultError
 from planner.frames.motion import Motion, Pose
 from planner.frames.tilted import TiltedMotion
@@ -20,7 +20,7 @@ from planner.legs.state import Knots, Stretch
 from planner.legs.straight import mode_changes, straight
 from planner.legs.tilt import tilt_of
 from planner.outcome import LegKind, Reason, Refusal
-from planner.phases import Phase, moved
+from planner.phases import Phase
 from planner.scene import Move, Scene
 
 
@@ -28,7 +28,8 @@ def outline(
     scene: Scene, chain: Chain, meeting: Meetings, sample: Sample, ahead: FloatArray | None
 ) -> Outline | Refusal:
     """The way to the control point that `sample` describes, or why Ruckig has none."""
-    reached = JointMotion(scene, chain.step, chain.state, sample.shape, sample.branch, ahead).meet()
+    pace = paced(scene, chain, sample.shape.effort)
+    reached = JointMotion(scene, chain.step, chain.state, sample.shape, sample.branch, ahead, pace).meet()
     if isinstance(reached, Refusal):
         return reached
     if not meeting.point.glued:
@@ -38,8 +39,8 @@ def outline(
     unknown = laws_over(scene, chain.step, reached.end)
     if unknown is not None:
         return unknown
-    away = moved(scene, chain.rides)
-    way = Phase(chain.state.time, reached.end, LegKind.MOVE, chain.step, chain.carried, away, frozenset(), None, ())
+    times = chain.state.time, reached.end
+    way = Phase(*times, LegKind.MOVE, chain.step, chain.carried, chain.moved, frozenset(), None, ())
     return Outline(chain, meeting, sample, reached, (way,), ahead)
 
 
@@ -85,7 +86,10 @@ def finished(scene: Scene, way: Outline) -> Draft | Refusal:
 
 def straight_draft(scene: Scene, chain: Chain, meeting: Meetings, sample: Sample) -> Draft | Refusal:
     """The whole continuation by a Cartesian leg."""
-    line = _line(scene, chain, meeting.point, sample.shape.wait, sample.branch.mode)
+    key = meeting.point, sample.shape.wait, sample.branch.mode
+    if key not in chain.lines:
+        chain.lines[key] = _line(scene, chain, *key)
+    line = chain.lines[key]
     if isinstance(line, Refusal):
         return line
     return _continued(scene, chain, meeting.point, sample, line)

@@ -14,7 +14,7 @@ from planner.legs.tilt import pitch_free, roll_free, tilts
 from planner.loops import lost_at
 from planner.obstruction import closest, enclosed
 from planner.outcome import LegKind, Reason, Refusal
-from planner.phases import Carried, Phase, held, initial_rides, moved, pair, resting_on, yaw_offsets
+from planner.phases import Carried, Phase, held, initial_rides, moved_parts, pair, resting_on, yaw_offsets
 from planner.range import beyond_every_pitch, out_of_range, whatever_the_yaw
 from planner.robots.protocol import Code
 from planner.scene import Move, Pick, Place, Scene
@@ -150,7 +150,7 @@ def _point(
         for body in scene.bodies
         if rides[body.name][0] == point.frame or (fixed and isinstance(scene.frames[rides[body.name][0]].law, Fixed))
     )
-    away = moved(scene, rides)
+    away = moved_parts(scene, rides)
     solids = prover.solids(carried, away)
     kind = LegKind.FOLLOW if point.glued else LegKind.MOVE
     phase = Phase(t, t, kind, point.step, carried, away, frozenset(), point.frame if point.glued else None, ())

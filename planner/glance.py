@@ -11,7 +11,7 @@ from planner.arrays import FloatArray, IntArray
 from planner.certificate import Prover
 from planner.chain import Chain
 from planner.outcome import LegKind
-from planner.phases import Phase, moved
+from planner.phases import Phase
 from planner.prospects import Prospects
 from planner.requirement import clearance, worst
 from planner.rough import Rough, RoughMotions
@@ -39,7 +39,7 @@ class Glance:
     def __init__(self, prover: Prover, chain: Chain, options: tuple[Option, ...]) -> None:
         self.prover, self.chain = prover, chain
         self.rough = RoughMotions(prover.scene.robot, chain, options)
-        self.solids = prover.solids(chain.carried, moved(prover.scene, chain.rides))
+        self.solids = prover.solids(chain.carried, chain.moved)
         self.pairs = prover.asked(self.solids)
         self.times: list[float] = []
         """When ways that had seemed free were in the way of something, s."""
@@ -94,8 +94,9 @@ class Glance:
     def _required(self, until: float) -> FloatArray:
         """Clearances (P,) of the pairs, m, on a way that ends at `until`, s."""
         scene, chain, links = self.prover.scene, self.chain, self.solids.links
-        rides = moved(scene, chain.rides)
-        way = Phase(chain.state.time, until, LegKind.MOVE, chain.step, chain.carried, rides, frozenset(), None, ())
+        way = Phase(
+            chain.state.time, until, LegKind.MOVE, chain.step, chain.carried, chain.moved, frozenset(), None, ()
+        )
         by_frame = np.array([worst(scene, way, name) for name in scene.frames])
         carrier = self.solids.carrier[self.pairs[1]]
         return np.where(carrier < links, clearance(scene, way), by_frame[np.maximum(carrier - links, 0)])

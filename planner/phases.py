@@ -149,8 +149,8 @@ def initial_rides(scene: Scene) -> dict[str, tuple[str, Pose]]:
     return dict(scene.seats)
 
 
-def moved(scene: Scene, rides: dict[str, tuple[str, Pose]]) -> tuple[tuple[str, str, Pose], ...]:
-    """The bodies of `rides` that do not sit where they did at the start, by name, with frame and pose."""
+def moved_parts(scene: Scene, rides: dict[str, tuple[str, Pose]]) -> tuple[tuple[str, str, Pose], ...]:
+    """The bodies that no longer ride where they did at the start, by name, and where they ride now."""
     names = sorted(name for name, ride in rides.items() if ride != scene.seats[name])
     return tuple((name, *rides[name]) for name in names)
 
@@ -158,6 +158,7 @@ def moved(scene: Scene, rides: dict[str, tuple[str, Pose]]) -> tuple[tuple[str, 
 def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -> tuple[Phase, ...]:
     """The phases of a plan with these legs, with the standstill for `stay_safe_s` behind the last one."""
     rides = initial_rides(scene)
+    moved: tuple[tuple[str, str, Pose], ...] = ()
     offsets = {arrival.step: arrival.yaw_offset for arrival in arrivals}
     ends = {arrival.step: arrival.until for arrival in arrivals}
     followed = _followed(scene)
@@ -187,16 +188,16 @@ def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -
                 exempt = frozenset(pair(name, step.part) for name in supports)
             else:
                 exempt = frozenset(pair(name, step.part) for name in tool)
-        found.append(Phase(leg.t0, leg.t1, leg.kind, leg.step, carried, moved(scene, rides), exempt, frame, ()))
+        found.append(Phase(leg.t0, leg.t1, leg.kind, leg.step, carried, moved, exempt, frame, ()))
         if leg.kind is LegKind.FOLLOW and isinstance(step, Pick):
             carried = held(scene, step, offsets.get(leg.step, 0.0))
         if leg.kind is LegKind.FOLLOW and isinstance(step, Place):
             rides[step.part] = (step.to.frame, step.to.pose)
-            carried = None
+            carried, moved = None, moved_parts(scene, rides)
     if scene.options.end == "rest" and scene.options.stay_safe_s > 0 and legs:
         last = legs[-1]
-        stay, away = scene.options.stay_safe_s, moved(scene, rides)
-        found.append(Phase(last.t1, last.t1 + stay, LegKind.WAIT, -1, carried, away, frozenset(), None, ()))
+        stay = scene.options.stay_safe_s
+        found.append(Phase(last.t1, last.t1 + stay, LegKind.WAIT, -1, carried, moved, frozenset(), None, ()))
     return tuple(_with_neighbours(found, followed))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.chain import Chain
-from planner.legs.passing import passing_velocity
+from planner.legs.passing import passing_velocities
 from planner.prospects import MOST_VIAS, Prospects
 from planner.robots.protocol import Robot
 from planner.timing.trapezoids import Trapezoids, mean_acceleration, trapezoid_time
@@ -72,7 +72,7 @@ class RoughMotions:
         q[:, 0], qd[:, 0] = self.state.q, self.state.qd
         q[:, 1:-1] = np.where(used, ways.via[way, number], self.state.q)
         self._meet(ways.option, np.full(count, -np.inf), q, qd)
-        passing = passing_velocity(q[:, :-2], q[:, 1:-1], q[:, 2:], ways.pace[way, number], v, a)
+        passing = passing_velocities(q[:, :-2], q[:, 1:-1], q[:, 2:], ways.pace[way, number], v, a)
         qd[:, 1:-1] = np.where(used, passing, self.state.qd)
         a = np.broadcast_to(mean_acceleration(v, a, limits.jerk * effort**1.5), (count, SEGMENTS, len(self.state.q)))
         begin = self.state.time + ways.wait

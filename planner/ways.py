@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
+from planner.arrays import FloatArray, IntArray
 from planner.chain import Chain
+from planner.legs.branch import Branch
 from planner.legs.control_point import control_point
-from planner.legs.meeting import Branch, Meetings
+from planner.legs.meeting import Meetings
 from planner.legs.tilt import tilts
 from planner.scene import Move, Scene
 from planner.timing import least_duration
@@ -32,37 +33,37 @@ class Option:
 
 def options(scene: Scene, chain: Chain, found: list[tuple[float, Meetings]], most: int) -> tuple[Option, ...]:
     """Branches of all turns of the part, those with the least possible duration first."""
-    limits, state = scene.robot.limits, chain.state
+    ways = [(yaw_offset, meeting, branch) for yaw_offset, meeting in found for branch in meeting.branches]
+    if not ways:
+        return ()
+    looked_at = [branch.rows[:: 1 + len(branch.time) // LOOKED_AT] for _, _, branch in ways]
+    durations = _least(scene, chain, [branch for _, _, branch in ways], looked_at)
     result = []
-    for yaw_offset, meeting in found:
-        for branch in meeting.branches:
-            rows = np.flatnonzero(branch.legal)
-            stride = 1 + len(branch.time) // LOOKED_AT
-            rows = rows[::stride]
-            least = least_duration(
-                state.q,
-                state.qd,
-                state.qdd,
-                branch.q[rows],
-                branch.qd[rows],
-                branch.qdd[rows],
-                limits.velocity,
-                limits.acceleration,
-                None if scene.options.blended else limits.jerk,
-            )
-            least = np.atleast_1d(least)
-            first, grain = float(least.min()), 0.0
-            if not branch.still:
-                # the earliest time looked at that the lower bound allows; any before it come after the one before
-                time = branch.time[rows]
-                ready = np.flatnonzero(time >= state.time + least)
-                first = float(time[ready[0]]) - state.time if len(ready) else np.inf
-                step = float(np.diff(branch.time).max(initial=0.0))
-                before = float(time[ready[0] - 1]) if len(ready) and ready[0] > 0 else first + state.time - step
-                grain = first + state.time - before if len(ready) else 0.0
-            result.append(Option(meeting, yaw_offset, branch, first, grain))
+    for (yaw_offset, meeting, branch), rows, least in zip(ways, looked_at, durations, strict=True):
+        first, grain = float(least.min()), 0.0
+        if not branch.still:
+            # the earliest time looked at that the lower bound allows; any before it come after the one before
+            time = branch.time[rows]
+            ready = np.flatnonzero(time >= chain.state.time + least)
+            first = float(time[ready[0]]) - chain.state.time if len(ready) else np.inf
+            step = float(np.diff(branch.time).max(initial=0.0))
+            before = float(time[ready[0] - 1]) if len(ready) and ready[0] > 0 else first + chain.state.time - step
+            grain = first + chain.state.time - before if len(ready) else 0.0
+        result.append(Option(meeting, yaw_offset, branch, first, grain))
     result.sort(key=lambda option: option.least)
     return tuple(result[:most])
+
+
+def _least(scene: Scene, chain: Chain, branches: list[Branch], rows: list[IntArray]) -> list[FloatArray]:
+    """Lower bounds of the durations to some rows of each branch, s: all in one batch."""
+    limits, state = scene.robot.limits, chain.state
+    q, qd, qdd = (
+        np.concatenate([getattr(branch, name)[at] for branch, at in zip(branches, rows, strict=True)])
+        for name in ("q", "qd", "qdd")
+    )
+    jerk = None if scene.options.blended else limits.jerk
+    least = least_duration(state.q, state.qd, state.qdd, q, qd, qdd, limits.velocity, limits.acceleration, jerk)
+    return np.split(least, np.cumsum([len(at) for at in rows[:-1]]))
 
 
 def ahead(scene: Scene, chain: Chain, q: FloatArray) -> FloatArray | None:

@@ -272,7 +272,7 @@ def grid(limit: int) -> None:
 
 def sketches(limit: int) -> None:
     """Decision 0008."""
-    seconds: dict[str, list[float]] = {"read": [], "finished": []}
+    seconds: dict[str, list[float]] = {"sketch": [], "cubics": [], "finished": []}
 
     def counted(name: str, kept: Callable[..., Any]) -> Callable[..., Any]:
         def inner(*arguments: Any) -> Any:
@@ -283,18 +283,20 @@ def sketches(limit: int) -> None:
 
         return inner
 
-    made = table("set", "motions timed", "profiles made", "a sketch, µs", "a profile more, µs")
+    solver, answer = planner.timing.solver.Solver, planner.timing.solver._Solved
+    made = table("set", "timed", "made exact", "a sketch, µs", "its phases, µs", "a profile more, µs")
     for name in SETS:
         for each in seconds.values():
             each.clear()
         with (
-            swapped(planner.timing.solver, "_read", counted("read", planner.timing.solver._read)),
+            swapped(solver, "sketch", counted("sketch", solver.sketch)),
+            swapped(answer, "cubics", counted("cubics", answer.cubics)),
             swapped(planner.timing.sketch, "finished", counted("finished", finished)),
         ):
             for _ in solved(name, limit):
                 pass
         middle = [f"{1e6 * np.median(each):.0f}" for each in seconds.values() if each]
-        made.add_row(name, *(str(len(each)) for each in seconds.values()), *middle)
+        made.add_row(name, *(str(len(seconds[each])) for each in ("sketch", "finished")), *middle)
     OUT.print(made)
 
 

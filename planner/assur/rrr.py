@@ -193,6 +193,9 @@ class RRR:
         dx, dy = given[0], given[1]
         under, low, high, over = self._bounds
         square = dx * dx + dy * dy
+        near = (under <= square) & (square <= over)
+        if not near.any():
+            return np.full((4 + len(given), dx.size), np.nan), np.full(dx.shape, int(Code.OUT_OF_REACH))
         finite = np.isfinite(np.stack(given)).all(0)
         stretched = finite & (high <= square) & (square <= over)
         small = square <= (ROUNDING * (self.l1 + self.l2)) ** 2

@@ -49,6 +49,9 @@ class Pose:
         return Pose(-c * self.x - s * self.y, s * self.x - c * self.y, -self.z, -self.yaw)
 
 
+_UP = np.array([0.0, 0.0, 1.0])
+
+
 @dataclass(frozen=True, slots=True)
 class Motion:
     """Pose of a frame in the world over times of shape (...), with three time derivatives.
@@ -73,6 +76,11 @@ class Motion:
         c, s = np.cos(self.yaw), np.sin(self.yaw)
         rx, ry = c * offset.x - s * offset.y, s * offset.x + c * offset.y
         w, dw, ddw = self.yaw_d, self.yaw_dd, self.yaw_ddd
+        if not (w.any() or dw.any() or ddw.any()):
+            p = self.p + offset.z * _UP
+            p[..., 0] += rx
+            p[..., 1] += ry
+            return Motion(p, self.v, self.a, self.j, self.yaw + offset.yaw, w, dw, ddw)
         zero = np.zeros_like(rx)
         r = np.stack([rx, ry, zero + offset.z], -1)
         flat = np.stack([rx, ry, zero], -1)

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import FloatArray
+from planner.legs.branch import Branch
 from planner.legs.control_point import ControlPoint
-from planner.legs.meeting import Branch
 from planner.outcome import TOLD_AS, Reason, Refusal
 from planner.robots.protocol import Code
 from planner.scene import Scene

@@ -15,6 +15,7 @@ from planner.arrays import FloatArray
 from planner.legs.control_point import ControlPoint
 from planner.legs.limits import rates
 from planner.legs.singular import nearest
+from planner.legs.spacing import spaced
 from planner.legs.state import Knots, State, Stretch
 from planner.legs.tilt import PATH_RAD, tilt_off
 from planner.outcome import LegKind, Reason, Refusal
@@ -75,17 +76,18 @@ class _Heights:
 
     def evaluate(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Height, its rate and acceleration at t (T,)."""
-        parts = []
-        for order in range(3):
-            x = np.zeros(len(t))
-            if self.down:
-                rows = t < self.met
-                x[rows] = self.down.evaluate(np.clip(t[rows] - self.begin, 0.0, self.down.duration), order)[:, 0]
-            if self.up:
-                rows = t > self.left
-                x[rows] = self.up.evaluate(np.clip(t[rows] - self.left, 0.0, self.up.duration), order)[:, 0]
-            parts.append(x)
-        return parts[0], parts[1], parts[2]
+        heights = np.zeros((3, len(t)))
+        if self.down:
+            rows = t < self.met
+            clock = np.clip(t[rows] - self.begin, 0.0, self.down.duration)
+            for height, x in zip(heights, self.down.states(clock), strict=True):
+                height[rows] = x[:, 0]
+        if self.up:
+            rows = t > self.left
+            clock = np.clip(t[rows] - self.left, 0.0, self.up.duration)
+            for height, x in zip(heights, self.up.states(clock), strict=True):
+                height[rows] = x[:, 0]
+        return heights[0], heights[1], heights[2]
 
 
 def lead_time(scene: Scene, point: ControlPoint, effort: float) -> float | Refusal:
@@ -110,14 +112,14 @@ def glue(scene: Scene, point: ControlPoint, state: State, mode: int, effort: flo
         if not heights.end > heights.begin:
             touch = Knots(np.array([state.time]), state.q[None], state.qd[None], state.qdd[None])
             return Glued((Stretch(LegKind.FOLLOW, touch),), state.time, state.time)
-        knots = _knots(scene, point, state, mode, heights)
-        if isinstance(knots, Refusal):
-            return knots
-        fast = rates(scene, "glued", point.step, knots)
+        spline = _spline(scene, point, state, mode, heights)
+        if isinstance(spline, Refusal):
+            return spline
+        fast = rates(scene, "glued", point.step, spline)
         if isinstance(fast, Refusal):
             return fast
         if fast.ok:
-            return _cut(heights, knots)
+            return _cut(heights, Knots.of(spline))
         worst = max(fast.velocity**2, fast.acceleration, fast.jerk ** (2 / 3))
         effort *= min(0.8, 0.95 / worst)
     too_fast = "the frame's own motion is too fast"
@@ -149,8 +151,8 @@ def _way(scene: Scene, point: ControlPoint, high: float, low: float, effort: flo
     return found
 
 
-def _knots(scene: Scene, point: ControlPoint, state: State, mode: int, heights: _Heights) -> Knots | Refusal:
-    """Knots at all switches and close enough in between, the first being `state` itself."""
+def _spline(scene: Scene, point: ControlPoint, state: State, mode: int, heights: _Heights) -> Trajectory | Refusal:
+    """The spline through knots at all switches and close enough in between, the first being `state` itself."""
     robot, spacing = scene.robot, SPACING_S
     for _ in range(REFINEMENTS):
         t = _filled(heights.switches(), spacing)
@@ -160,7 +162,7 @@ def _knots(scene: Scene, point: ControlPoint, state: State, mode: int, heights: 
         middle, trajectory = (t[1:] + t[:-1]) / 2, Trajectory(found.time, found.q, found.qd, found.qdd)
         held = point.tilt is None or tilt_off(robot, trajectory.evaluate(middle), point.flange(middle)) <= PATH_RAD
         if held and _off_path(robot, trajectory, point, heights, middle) <= PATH_M:
-            return found
+            return trajectory
         spacing /= 2
     return Refusal("glued", Reason.MOTION_LIMIT, point.step, (point.frame,), detail="the frame's motion is not smooth")
 
@@ -216,9 +218,7 @@ def _filled(switches: FloatArray, spacing: float) -> FloatArray:
     last = t[-1]
     t = t[keep]
     t[-1] = last
-    count = np.maximum(1, np.ceil(np.diff(t) / spacing)).astype(int)
-    parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(t[:-1], t[1:], count, strict=True)]
-    return np.concatenate([*parts, t[-1:]])
+    return spaced(t, spacing)
 
 
 def _off_path(robot: Robot, trajectory: Trajectory, point: ControlPoint, heights: _Heights, t: FloatArray) -> float:

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import FloatArray
-from planner.errors import FaultError
 from planner.legs.arched import Arched, Hop, Vertical, arch, vertical
-from planner.legs.meeting import GRID_S, Branch
+from planner.legs.branch import Branch
+from planner.legs.meeting import GRID_S
+from planner.legs.pace import Pace
 from planner.legs.passing import passing_velocity
 from planner.legs.state import Knots, State
 from planner.outcome import Reason, Refusal
 from planner.scene import Scene
-from planner.timing import Settled, Sketch, TimingRefusal, shortest_duration, sketch_joints
+from planner.timing import SHORTEST, Numbers, Settled, Sketch, TimingRefusal
 
 TRIES = 12
 """Calls of Ruckig after which a rendezvous is given up: it converges in three or four."""
@@ -65,11 +66,14 @@ class Reached:
 
     def at(self, t: FloatArray) -> FloatArray:
         """q (T, n) at times t, the arm standing still before the leg and after it."""
+        if len(self.profiles) == 1:
+            begin, profile = self.profiles[0]
+            return profile.positions(t - begin)
         found = np.empty((len(t), len(self.state.q)))
+        which = np.searchsorted([begin for begin, _ in self.profiles[1:]], t, "right")
         for number, (begin, profile) in enumerate(self.profiles):
-            rows = t >= begin if number else np.ones(len(t), dtype=bool)
-            if rows.any():
-                found[rows] = profile.positions(t[rows] - begin)
+            rows = which == number
+            found[rows] = profile.positions(t[rows] - begin)
         return found
 
     def knots(self) -> Knots:
@@ -84,138 +88,140 @@ class Reached:
 
 
 class JointMotion:
-    """The legs of one shape from one state towards one branch."""
+    """The legs of one shape from one state towards one branch. `pace`: that of the shape's effort, if it is there."""
 
     def __init__(
-        self, scene: Scene, step: int, state: State, shape: Shape, branch: Branch, ahead: FloatArray | None = None
+        self,
+        scene: Scene,
+        step: int,
+        state: State,
+        shape: Shape,
+        branch: Branch,
+        ahead: FloatArray | None = None,
+        pace: Pace | None = None,
     ) -> None:
-        self.scene, self.step, self.shape, self.branch, self.ahead = scene, step, shape, branch, ahead
-        limits = scene.robot.limits
-        self.velocity = limits.velocity * shape.effort**0.5
-        self.acceleration = limits.acceleration * shape.effort
-        self.jerk = limits.jerk * shape.effort**1.5
-        self.lift = scene.robot.lift
-        self.state = state
-        self._verticals: dict[tuple[float, ...], Vertical | TimingRefusal] = {}
+        self.step, self.state, self.shape, self.branch = step, state, shape, branch
+        self.ahead: list[float] | None = None if ahead is None else ahead.tolist()
+        self.pace = Pace(scene.robot.limits, scene.robot.lift, shape.effort) if pace is None else pace
+        self.origin: Numbers = (state.q.tolist(), state.qd.tolist(), state.qdd.tolist())
+        """Where the last leg sets out: at the arm's state, or at the last via."""
         self.prefix: list[Sketch | Settled] = []
+        self._verticals: dict[tuple[float, ...], Vertical | TimingRefusal] = {}
 
     def meet(self) -> Reached | Refusal:
         """The earliest meeting on the branch's grid that this shape reaches (or `late` seconds later).
 
-        Ruckig's shortest duration is asked at the first grid time that a lower bound allows, then at the first one
-        that this duration allows, until it fits: then it is asked to take exactly the time that is left.
+        Ruckig is asked to take exactly the time that is left: to the first grid time that a lower bound allows, and
+        then to the first one that its shortest duration allows, until it fits.
         """
         failed = self._through_vias()
         if failed is not None:
             return failed
         branch, begin = self.branch, self.state.time + self.shape.wait
-        spent = sum(profile.duration for profile in self.prefix)
-        q = self._from()[0]
-        rows = np.flatnonzero(branch.legal)
         if branch.still:
-            return self._finish(int(rows[0]), None, begin)
+            return self._at_any_time(begin)
+        spent = sum(profile.duration for profile in self.prefix)
         # velocity limits alone say that nothing earlier can be met; Ruckig says the rest
-        least = (np.abs(branch.q[rows] - q) / self.velocity).max(-1)
-        rows = rows[branch.time[rows] >= begin + spent + least]
-        asked = self.shape.late
+        least = branch.least(self.origin[0], self.pace.rates[0])
+        possible = branch.times >= begin + spent + least
+        rows, times = branch.rows[possible], branch.times[possible]
+        number, late = 0, self.shape.late
         for _ in range(TRIES):
-            if not len(rows):
+            if not number < len(rows):
                 break
-            row = int(rows[0])
-            shortest = self._shortest(self._goal(row))
-            if isinstance(shortest, TimingRefusal):
-                rows = rows[branch.time[rows] >= branch.time[row] + max(GRID_S, shortest.excess)]
-                continue
-            ready = begin + spent + shortest
-            if ready > branch.time[row]:
-                rows = rows[branch.time[rows] >= ready]
-                continue
-            if asked > 0:
-                later = rows[branch.time[rows] >= branch.time[row] + asked]
-                rows, asked = (later if len(later) else rows), 0.0
-                continue
-            reached = self._finish(row, float(branch.time[row]) - begin - spent, begin)
-            if isinstance(reached, Reached):
-                return reached
-            rows = rows[branch.time[rows] >= branch.time[row] + max(GRID_S, reached.amount)]
-        last = int(np.flatnonzero(branch.legal)[-1])
-        end, soonest = float(branch.time[last]), self._shortest(self._goal(last))
-        need = begin + spent + (float(least[-1]) if isinstance(soonest, TimingRefusal) else soonest)
+            row, time = int(rows[number]), float(times[number])
+            goal, left = self._goal(row), time - begin - spent
+            found = None if late > 0 or left < SHORTEST else self._last(goal, left)
+            if found is None or (isinstance(found, TimingRefusal) and found.reason != "too short"):
+                # not asked yet, or not in exactly this time: what is possible at all?
+                shortest = self._shortest(goal)
+                if isinstance(shortest, TimingRefusal):
+                    number = int(times.searchsorted(time + max(GRID_S, shortest.excess)))
+                    continue
+                if begin + spent + shortest > time:
+                    number = int(times.searchsorted(begin + spent + shortest))
+                    continue
+                if late > 0:
+                    later, late = int(times.searchsorted(time + late)), 0.0
+                    number = later if later < len(rows) else number
+                    continue
+                found = self._last(goal, left) if found is None else found
+            if not isinstance(found, TimingRefusal):
+                return self._reached(found, begin, row, time)
+            step = found.excess if found.reason == "too short" else max(GRID_S, found.excess)
+            number = int(times.searchsorted(time + step))
+        return self._missed(begin, begin + spent, float(least[-1]))
+
+    def _missed(self, begin: float, ready: float, least: float) -> Refusal:
+        """Why no meeting was found; `least`: s that the way to the last one takes at least, after `ready`."""
+        end, soonest = float(self.branch.times[-1]), self._shortest(self._goal(int(self.branch.rows[-1])))
+        need = ready + (least if isinstance(soonest, TimingRefusal) else soonest)
         if not need > end:
             detail = "no motion was found that takes exactly the time to a meeting"
             return Refusal("timing", Reason.MOTION_LIMIT, self.step, (), (begin, end), detail=detail)
         detail = "no meeting time is left"
         return Refusal("timing", Reason.WINDOW_MISSED, self.step, (), (begin, end), need - end, "s", detail)
 
-    def _shortest(self, goal: tuple[FloatArray, FloatArray, FloatArray]) -> float | TimingRefusal:
+    def _shortest(self, goal: Numbers) -> float | TimingRefusal:
         """How long the last leg takes at least, s."""
         if self.shape.hop is None:
-            return shortest_duration(*self._from(), *goal, self.velocity, self.acceleration, self.jerk)
-        found = self._arch(self._from(), goal, None)
+            return self.pace.together.shortest(self.origin, goal)
+        found = self._arch(self.shape.hop, goal, None)
         return found if isinstance(found, TimingRefusal) else found.duration
 
-    def _goal(self, row: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _goal(self, row: int) -> Numbers:
         """The state to be met; a via control point is met with a velocity towards what is `ahead`."""
         branch = self.branch
+        q = branch.q[row].tolist()
         if self.ahead is None or not self.shape.through > 0:
-            return branch.q[row], branch.qd[row], branch.qdd[row]
-        qd = self._passing(self.state.q, branch.q[row], self.ahead, self.shape.through)
-        return branch.q[row], qd, np.zeros_like(qd)
+            return q, branch.qd[row].tolist(), branch.qdd[row].tolist()
+        return q, self._passing(self.state.q.tolist(), q, self.ahead, self.shape.through), [0.0] * len(q)
 
-    def _passing(self, before: FloatArray, at: FloatArray, behind: FloatArray, pace: float) -> FloatArray:
-        return passing_velocity(before, at, behind, pace, self.velocity, self.acceleration)
-
-    def _from(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        if self.prefix:
-            return self.prefix[-1].end
-        return self.state.q, self.state.qd, self.state.qdd
+    def _passing(self, before: list[float], at: list[float], behind: list[float], share: float) -> list[float]:
+        velocity, acceleration, _ = self.pace.rates
+        return passing_velocity(before, at, behind, share, velocity, acceleration)
 
     def _through_vias(self) -> Refusal | None:
         """Times the legs up to the last via."""
-        shape, q = self.shape, self.state.q
+        shape = self.shape
         if not shape.vias:
             return None
-        row = int(np.flatnonzero(self.branch.legal)[0])
-        stations = [q, *(via.q for via in shape.vias), self.branch.q[row]]
+        goal = self.branch.q[int(self.branch.rows[0])].tolist()
+        stations = [self.origin[0], *(via.q.tolist() for via in shape.vias), goal]
         for i, via in enumerate(shape.vias, start=1):
-            v = self._passing(stations[i - 1], via.q, stations[i + 1], via.pace)
-            limits = self.velocity, self.acceleration, self.jerk
-            found = sketch_joints(*self._from(), via.q, v, np.zeros_like(v), *limits)
+            v = self._passing(stations[i - 1], stations[i], stations[i + 1], via.pace)
+            passed: Numbers = (stations[i], v, [0.0] * len(v))
+            found = self.pace.together.sketch(self.origin, passed)
             if isinstance(found, TimingRefusal):
                 return Refusal("timing", Reason.MOTION_LIMIT, self.step, detail=f"via: {found.detail}")
             self.prefix.append(found)
+            self.origin = passed
         return None
 
-    def _last(
-        self, goal: tuple[FloatArray, FloatArray, FloatArray], duration: float | None
-    ) -> Sketch | Settled | Arched | TimingRefusal:
-        start = self._from()
+    def _last(self, goal: Numbers, duration: float | None) -> Sketch | Settled | Arched | TimingRefusal:
         if self.shape.hop is not None:
-            return self._arch(start, goal, duration)
-        return sketch_joints(*start, *goal, self.velocity, self.acceleration, self.jerk, duration)
+            return self._arch(self.shape.hop, goal, duration)
+        return self.pace.together.sketch(self.origin, goal, duration)
 
-    def _finish(self, row: int, duration: float | None, begin: float) -> Reached | Refusal:
-        branch = self.branch
-        last = self._last(self._goal(row), duration)
+    def _at_any_time(self, begin: float) -> Reached | Refusal:
+        """The way to a point that stands: the fastest."""
+        row = int(self.branch.rows[0])
+        last = self._last(self._goal(row), None)
         if isinstance(last, TimingRefusal):
             return Refusal("timing", Reason.MOTION_LIMIT, self.step, (), None, last.excess, "s", last.detail)
+        return self._reached(last, begin, row, None)
+
+    def _reached(self, last: Sketch | Settled | Arched, begin: float, row: int, end: float | None) -> Reached:
+        """The leg whose last part is `last`; `end` None: when that ends."""
         parts, at = [], begin
         for profile in [*self.prefix, last]:
             parts.append((at, profile))
             at += profile.duration
-        return Reached(self.state, tuple(parts), at if duration is None else float(branch.time[row]), row)
+        return Reached(self.state, tuple(parts), at if end is None else end, row)
 
-    def _arch(
-        self,
-        start: tuple[FloatArray, FloatArray, FloatArray],
-        goal: tuple[FloatArray, FloatArray, FloatArray],
-        duration: float | None,
-    ) -> Arched | TimingRefusal:
-        if self.shape.hop is None or self.lift is None:
-            raise FaultError("an arch needs a hop and a lift joint")
-        limits = self.velocity, self.acceleration, self.jerk
+    def _arch(self, hop: Hop, goal: Numbers, duration: float | None) -> Arched | TimingRefusal:
         # on a belt the lift joint meets all later points as it meets the first: its ways are timed once
-        key = tuple(float(x[self.lift]) for x in goal)
+        key = tuple(row[self.pace.lift[0]] for row in goal)
         if key not in self._verticals:
-            self._verticals[key] = vertical(start, goal, self.shape.hop.top, self.lift, limits)
-        return arch(start, goal, self.shape.hop, self.lift, limits, duration, self._verticals[key])
+            self._verticals[key] = vertical(self.origin, goal, hop.top, self.pace)
+        return arch(self.origin, goal, hop, self.pace, duration, self._verticals[key])

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from planner.legs.state import Knots
 from planner.outcome import Reason, Refusal
 from planner.scene import Scene
-from planner.trajectory import Trajectory, check_limits
+from planner.trajectory import Trajectory, check_limits, keeps_positions, rate_ratios
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,25 +19,26 @@ class Rates:
     ok: bool
 
 
-def rates(scene: Scene, stage: str, step: int, knots: Knots) -> Rates | Refusal:
+def rates(scene: Scene, stage: str, step: int, trajectory: Trajectory) -> Rates | Refusal:
     """How fast the leg is; a refusal where a joint position is beyond its limit, which no slowing down mends."""
     limits = scene.robot.limits
-    report = check_limits(
-        Trajectory(knots.time, knots.q, knots.qd, knots.qdd),
-        limits.lower,
-        limits.upper,
-        limits.velocity,
-        limits.acceleration,
-        limits.jerk,
-    )
-    if not report.position.ok:
-        joint = report.position.joint or 0
-        below = float(limits.lower[joint] - report.position.lower[joint])
-        above = float(report.position.upper[joint] - limits.upper[joint])
-        what = scene.robot.joints[joint]
-        unit = "rad" if what.kind == "revolute" else "m"
-        span = (float(knots.time[0]), float(knots.time[-1]))
-        detail = f"{what.name} is beyond its limit"
-        return Refusal(stage, Reason.JOINT_LIMIT, step, (what.name,), span, max(below, above), unit, detail)
-    velocity, acceleration, jerk = (float(k.ratio.max()) for k in report.checks[1:])
-    return Rates(velocity, acceleration, jerk, report.ok)
+    if not keeps_positions(trajectory, limits.lower, limits.upper):
+        return _beyond(scene, stage, step, trajectory)
+    ratios, ok = rate_ratios(trajectory, limits.velocity, limits.acceleration, limits.jerk)
+    velocity, acceleration, jerk = ratios.max(1).tolist()
+    return Rates(velocity, acceleration, jerk, ok)
+
+
+def _beyond(scene: Scene, stage: str, step: int, trajectory: Trajectory) -> Refusal:
+    """The joint that is first beyond its limit of position, and by how much at most."""
+    limits = scene.robot.limits
+    rates = limits.velocity, limits.acceleration, limits.jerk
+    position = check_limits(trajectory, limits.lower, limits.upper, *rates).position
+    joint = position.joint or 0
+    below = float(limits.lower[joint] - position.lower[joint])
+    above = float(position.upper[joint] - limits.upper[joint])
+    what = scene.robot.joints[joint]
+    unit = "rad" if what.kind == "revolute" else "m"
+    span = (trajectory.start, trajectory.end)
+    detail = f"{what.name} is beyond its limit"
+    return Refusal(stage, Reason.JOINT_LIMIT, step, (what.name,), span, max(below, above), unit, detail)

@@ -34,8 +34,9 @@ class Uniform:
     def switches(self) -> FloatArray:
         return np.array([0.0, 1.0])
 
-    def evaluate(self, t: FloatArray, derivative: int = 0) -> FloatArray:
-        return (t, np.ones_like(t), np.zeros_like(t))[derivative][:, None]
+    def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        s = t[:, None]
+        return s, np.ones_like(s), np.zeros_like(s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +56,7 @@ class Line:
         """Equation L1 at times t (T,)."""
         a, b = self.left(t), self.met(t)
         clock = np.clip(t - self.begin, 0.0, self.phase.duration)
-        s, sd, sdd = (self.phase.evaluate(clock, order)[:, 0] for order in range(3))
+        s, sd, sdd = (x[:, 0] for x in self.phase.states(clock))
         turn = np.round((b.yaw[0] - a.yaw[0]) / (2 * np.pi)) * 2 * np.pi
         p, v, acceleration = _blend(a.p, a.v, a.a, b.p, b.v, b.a, s[:, None], sd[:, None], sdd[:, None])
         yaw, yaw_d, yaw_dd = _blend(a.yaw, a.yaw_d, a.yaw_dd, b.yaw - turn, b.yaw_d, b.yaw_dd, s, sd, sdd)

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
+from planner.arrays import BoolArray, FloatArray, IntArray, every
+from planner.legs.branch import Branch
 from planner.legs.control_point import ControlPoint
 from planner.legs.missed import window_missed
 from planner.legs.singular import nearest
@@ -28,19 +29,6 @@ MOST_TIMES = 2500
 """... and at most this many times, so a far horizon makes the grid coarser."""
 LOOK_AHEAD_S = 20.0
 """Meetings are looked for this long after they become possible, s."""
-
-
-@dataclass(frozen=True, eq=False)
-class Branch:
-    """Joint states (G, n) at meeting times (G,) in one mode with one choice of turns; `legal` (G,): may be met then."""
-
-    mode: int
-    time: FloatArray
-    q: FloatArray
-    qd: FloatArray
-    qdd: FloatArray
-    legal: BoolArray
-    still: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +93,7 @@ def meetings(
             refusals.append(Refusal("inverse", best.reason, point.step, (), _span(t), best.missing, "1", detail))
             continue
         over = np.maximum(np.abs(found.qd) / robot.limits.velocity, np.abs(found.qdd) / robot.limits.acceleration)
-        slow = safe & (over <= 1.0).all(-1)
+        slow = safe & every(over <= 1.0)
         if not slow.any():
             refusals.append(_too_fast(robot, point, t[safe], over[safe], robot.modes[mode]))
             continue
@@ -119,8 +107,7 @@ def meetings(
 
 def _assembled(code: IntArray, qd: FloatArray, qdd: FloatArray) -> BoolArray:
     """Rows that are assembled; a stretched arm will do where the point is met at rest and no margin is asked."""
-    finite = np.isfinite(qd).all(-1) & np.isfinite(qdd).all(-1)
-    return np.asarray((code == Code.ASSEMBLED) & finite)
+    return np.asarray((code == Code.ASSEMBLED) & every(np.isfinite(qd) & np.isfinite(qdd)))
 
 
 def _safe(scene: Scene, point: ControlPoint, found: Inverse) -> BoolArray:
@@ -144,16 +131,16 @@ def _turned(
 
     A joint that can go round many times is offered `MOST_TURNS` either way from where it is (`near`; None: all).
     """
-    low, high = q[safe].min(0), q[safe].max(0)
+    met = q[safe]
     choices = []
     for i, joint in enumerate(robot.joints):
         if joint.kind != "revolute":
             choices.append([0])
             continue
-        first = int(np.ceil((robot.limits.lower[i] - high[i]) / (2 * np.pi)))
-        last = int(np.floor((robot.limits.upper[i] - low[i]) / (2 * np.pi)))
+        first = int(np.ceil((robot.limits.lower[i] - met[:, i].max()) / (2 * np.pi)))
+        last = int(np.floor((robot.limits.upper[i] - met[:, i].min()) / (2 * np.pi)))
         if near is not None:
-            here = round((near[i] - float(q[safe][0, i])) / (2 * np.pi))
+            here = round((near[i] - float(met[0, i])) / (2 * np.pi))
             first, last = max(first, here - MOST_TURNS), min(last, here + MOST_TURNS)
         choices.append(list(range(first, last + 1)))
     found = []

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from planner.arrays import FloatArray, IntArray
+from planner.legs.line_rates import FLAT, Rates, Seen
 from planner.robots.protocol import Limits
 
 PIECES = 12
@@ -34,8 +35,6 @@ BACK = 1e-9
 """1. A law whose ṡ, in shares of the mean speed, falls below minus this goes backwards: not proposed. Rounding."""
 SHORTEST_S = 1e-3
 """A law of less is not proposed: knots some 10 µs apart do not carry its jerk."""
-FLAT = 1e-12
-"""Relative to the largest rate: below, a root has its slope taken here, where it would be infinite."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,15 +58,24 @@ class PhaseLaw:
 
     def evaluate(self, t: FloatArray, derivative: int = 0) -> FloatArray:
         """s or a derivative (0 to 3) at times t (T,) within [0, duration]: (T, 1). The end state is exact."""
+        return self._orders(np.asarray(t))[derivative]
+
+    def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """s, ṡ, s̈ (T, 1) at times t (T,) within [0, duration]."""
+        return self._orders(t)[:3]
+
+    def _orders(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         n = len(self.jerks)
-        x = np.asarray(t) / self.duration
+        x = t / self.duration
         part = np.minimum((x * n).astype(int), n - 1)
         # The last part is counted from the end, where it is (1, 0, 0), the others from where they begin.
         last = part == n - 1
         s, sd, sdd = (np.where(last, end, c[part]) for c, end in zip(self._begins(), (1.0, 0.0, 0.0), strict=True))
         tau, j = np.where(last, x - 1.0, x - part / n), self.jerks[part]
-        orders = (s + tau * (sd + tau * (sdd / 2 + tau * j / 6)), sd + tau * (sdd + tau * j / 2), sdd + tau * j, j)
-        return np.asarray(orders[derivative] / self.duration**derivative)[:, None]
+        place = s + tau * (sd + tau * (sdd / 2 + tau * j / 6))
+        orders = place, sd + tau * (sdd + tau * j / 2), sdd + tau * j, j
+        first, second, third, fourth = (x[:, None] / self.duration**k for k, x in enumerate(orders))
+        return first, second, third, fourth
 
     def forwards(self) -> bool:
         """Whether s nowhere falls, exactly: ṡ is least where a part begins, or where its s̈ passes zero."""
@@ -78,8 +86,8 @@ class PhaseLaw:
 
     def _begins(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """s, ṡ, s̈ (N,) where the parts begin, for a duration of 1."""
-        first = np.arange(len(self.jerks)) / len(self.jerks)
-        states = _states(len(self.jerks), first) @ self.jerks
+        n = len(self.jerks)
+        states = (_BEGINS if n == PIECES else _states(n, np.arange(n) / n)) @ self.jerks
         return states[:, 0], states[:, 1], states[:, 2]
 
 
@@ -93,85 +101,25 @@ def quickest(derivatives: tuple[FloatArray, FloatArray, FloatArray], limits: Lim
         return None
     rates = Rates.of(derivatives, limits)
     y, best, found = np.zeros(_FREE.shape[1]), np.inf, np.zeros(_FREE.shape[1])
-    damping = DAMPING
+    seen, damping = rates.seen(_shape(y)), DAMPING
     for exponent, steps in STAGES:
-        y, damping = _descended(rates, y, exponent, steps, damping)
-        longest = float(rates.times(_shape(y)).max())
+        y, seen, damping = _descended(rates, y, seen, exponent, steps, damping)
+        longest = float(seen.times.max())
         if longest < best:
             best, found = longest, y
     law = PhaseLaw(best, _PLAIN + _FREE @ found)
     return law if best >= SHORTEST_S and law.forwards() else None
 
 
-@dataclass(frozen=True, eq=False)
-class Rates:
-    """What the joints of a line do under a law: `table` (M, 4, n) holds q' to q'''' by s, `bounds` (n, 3) the limits of
-    velocity, acceleration and jerk."""
-
-    table: FloatArray
-    bounds: FloatArray
-
-    @staticmethod
-    def of(derivatives: tuple[FloatArray, FloatArray, FloatArray], limits: Limits) -> Rates:
-        """The fourth derivative, by differences, serves the slopes of the search alone."""
-        fourth = np.gradient(derivatives[2], 1 / (len(derivatives[2]) - 1), axis=0)
-        bounds = np.stack([limits.velocity, limits.acceleration, limits.jerk], -1)
-        return Rates(np.stack([*derivatives, fourth], 1), bounds)
-
-    def at(self, s: FloatArray) -> FloatArray:
-        """The table at s (R,), (4, R, n)."""
-        last = len(self.table) - 1
-        x = np.clip(s, 0.0, 1.0) * last
-        i = np.minimum(x.astype(int), last - 1)
-        w = (x - i)[:, None, None]
-        return np.asarray((self.table[i] * (1 - w) + self.table[i + 1] * w).swapaxes(0, 1))
-
-    def times(self, shape: FloatArray) -> FloatArray:
-        """Times (R, n, 3) that velocity, acceleration and jerk need in a state (R, 4) of a law of duration 1 (L4)."""
-        return _times(self._values(self.at(shape[:, 0]), shape))
-
-    def slopes(self, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """These times, and their derivatives (R, n, 3, 4) by s, ṡ, s̈, s⃛."""
-        q = self.at(shape[:, 0])
-        values = self._values(q, shape)
-        times = _times(values)
-        q1, q2, q3, q4 = q
-        d, dd, ddd = (shape[:, k, None] for k in (1, 2, 3))
-        partial = np.zeros((*values.shape, 4))
-        partial[..., 0, 0], partial[..., 0, 1] = q2 * d, q1
-        partial[..., 1, 0], partial[..., 1, 1], partial[..., 1, 2] = q2 * dd + q3 * d**2, 2 * q2 * d, q1
-        partial[..., 2, 0] = q2 * ddd + 3 * q3 * d * dd + q4 * d**3
-        partial[..., 2, 1], partial[..., 2, 2], partial[..., 2, 3] = 3 * (q2 * dd + q3 * d**2), 3 * q2 * d, q1
-        # of |x|^(1/k): sign(x) |x|^(1/k − 1)/k
-        root = np.sign(values) / _ORDER * np.maximum(times, FLAT * times.max()) ** (1 - _ORDER) / self.bounds
-        return times, partial * root[..., None]
-
-    def _values(self, q: FloatArray, shape: FloatArray) -> FloatArray:
-        """q̇, q̈, q⃛ over their limits, (R, n, 3), by the chain rule (L2)."""
-        q1, q2, q3, _ = q
-        d, dd, ddd = (shape[:, k, None] for k in (1, 2, 3))
-        values = np.empty((*q1.shape, 3))
-        values[..., 0] = q1 * d
-        values[..., 1] = q1 * dd + q2 * d**2
-        values[..., 2] = q1 * ddd + 3 * q2 * d * dd + q3 * d**3
-        return values / self.bounds
-
-
-def _times(values: FloatArray) -> FloatArray:
-    times = np.abs(values)
-    times[..., 1] = np.sqrt(times[..., 1])
-    times[..., 2] = np.cbrt(times[..., 2])
-    return times
-
-
-_ORDER = np.array([1.0, 2.0, 3.0])
-
-
-def _descended(rates: Rates, y: FloatArray, exponent: int, steps: int, damping: float) -> tuple[FloatArray, float]:
-    """The free jerks after some steps down the norm of all times with this exponent (L5), and the damping reached."""
+def _descended(
+    rates: Rates, y: FloatArray, seen: Seen, exponent: int, steps: int, damping: float
+) -> tuple[FloatArray, Seen, float]:
+    """The free jerks, `seen`, after some steps down the norm of all times with this exponent (L5), and the damping
+    reached."""
+    before = _norm(seen.times, exponent)
     for _ in range(steps):
-        times, slopes = rates.slopes(_shape(y))
-        before, largest = _norm(times, exponent), float(times.max())
+        times, slopes = seen.times, rates.slopes(seen)
+        largest = float(times.max())
         keep = times > largest * PASSED_OVER ** (2 / exponent)
         rows: IntArray = np.nonzero(keep)[0]
         share = times[keep] / largest
@@ -182,16 +130,18 @@ def _descended(rates: Rates, y: FloatArray, exponent: int, steps: int, damping: 
         scale = np.diag(np.diag(square) + FLAT * np.trace(square))
         for _ in range(TRIES):
             tried = y - np.linalg.solve(square + damping * scale, descent)
-            after = _norm(rates.times(_shape(tried)), exponent)
+            there = rates.seen(_shape(tried))
+            after = _norm(there.times, exponent)
             if after < before:
                 break
             damping *= RISE
         else:
-            return y, damping
-        y, damping = tried, max(damping / FALL, LEAST_DAMPING)
-        if after > before * (1 - SETTLED):
+            return y, seen, damping
+        y, seen, damping = tried, there, max(damping / FALL, LEAST_DAMPING)
+        before, settled = after, after > before * (1 - SETTLED)
+        if settled:
             break
-    return y, damping
+    return y, seen, damping
 
 
 def _norm(times: FloatArray, exponent: int) -> float:
@@ -222,6 +172,8 @@ def _laws() -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
 
 
 _PLAIN, _FREE, _STATE, _MOVED = _laws()
+_BEGINS = _states(PIECES, np.arange(PIECES) / PIECES)
+"""The maps to the states in which the parts begin."""
 
 
 def _shape(y: FloatArray) -> FloatArray:

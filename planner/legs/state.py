@@ -8,6 +8,7 @@ import numpy as np
 
 from planner.arrays import FloatArray
 from planner.outcome import LegKind
+from planner.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +46,11 @@ class Knots:
             np.concatenate([self.qd, other.qd[1:]]),
             np.concatenate([self.qdd, other.qdd[1:]]),
         )
+
+    @staticmethod
+    def of(trajectory: Trajectory) -> Knots:
+        """Those of a trajectory."""
+        return Knots(trajectory.time, trajectory.q, trajectory.qd, trajectory.qdd)
 
     @staticmethod
     def standing(state: State, until: float) -> Knots:

@@ -20,8 +20,10 @@ from planner.frames.tilted import like
 from planner.legs.glued import PATH_M, REFINEMENTS, SPACING_S, continued
 from planner.legs.limits import rates
 from planner.legs.line import Along, Line, Phase, Uniform
-from planner.legs.phase_law import TABLE, PhaseLaw, Rates, quickest
+from planner.legs.line_rates import Rates
+from planner.legs.phase_law import TABLE, PhaseLaw, quickest
 from planner.legs.singular import nearest
+from planner.legs.spacing import spaced
 from planner.legs.state import Knots, State, Stretch
 from planner.legs.tilt import PATH_RAD, tilt_off
 from planner.outcome import LegKind, Reason, Refusal
@@ -140,16 +142,16 @@ def scaled(
         phase = paced(scale)
         if isinstance(phase, TimingRefusal):
             return Refusal("straight", Reason.MOTION_LIMIT, step, detail=phase.detail)
-        knots = _knots(scene, step, state, mode, Line(left, met, phase, state.time))
-        if isinstance(knots, Refusal):
-            return knots
-        fast = rates(scene, "straight", step, knots)
+        spline = _spline(scene, step, state, mode, Line(left, met, phase, state.time))
+        if isinstance(spline, Refusal):
+            return spline
+        fast = rates(scene, "straight", step, spline)
         if isinstance(fast, Refusal):
             return fast
         ratio = max(fast.velocity, fast.acceleration**0.5, fast.jerk ** (1 / 3))
         if LOOSE <= ratio <= 1.0:
-            if kept is None or _length(knots.time) < _length(kept.knots.time):
-                kept = Stretch(LegKind.MOVE, knots, "straight")
+            if kept is None or spline.duration < _length(kept.knots.time):
+                kept = Stretch(LegKind.MOVE, Knots.of(spline), "straight")
             if ratio >= CLOSE:
                 break
         if not ratio > 0 or (ratio < LOOSE and scale > 1e3):
@@ -160,14 +162,14 @@ def scaled(
     return Refusal("straight", Reason.MOTION_LIMIT, step, detail="no phase law keeps the limits of all joints")
 
 
-def _knots(scene: Scene, step: int, state: State, mode: int, line: Line) -> Knots | Refusal:
+def _spline(scene: Scene, step: int, state: State, mode: int, line: Line) -> Trajectory | Refusal:
+    """The spline through knots on the line, at all switches and close enough in between."""
     spacing, robot = SPACING_S, scene.robot
     for _ in range(REFINEMENTS):
         marks = np.unique(np.append(line.begin + line.phase.switches(), line.end))
-        count = np.maximum(1, np.ceil(np.diff(marks) / spacing)).astype(int)
-        parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(marks[:-1], marks[1:], count, strict=True)]
-        t = np.concatenate([*parts, marks[-1:]])
-        motion = line.motion(t)
+        t = spaced(marks, spacing)
+        path = line.motion(np.append(t, (t[1:] + t[:-1]) / 2))
+        motion, between = path[: len(t)], path[len(t) :]
         found = robot.inverse(motion, mode, 2)
         refusal = _refused(scene, step, t, motion, found)
         if refusal is not None:
@@ -180,13 +182,12 @@ def _knots(scene: Scene, step: int, state: State, mode: int, line: Line) -> Knot
         if not (last.v.any() or last.a.any() or last.yaw_d.any() or last.yaw_dd.any()):
             # ... and ends at rest to the bit where the frame it meets stands still
             qd[-1] = qdd[-1] = 0.0
-        knots = Knots(t, q, qd, qdd)
-        middle = (t[1:] + t[:-1]) / 2
-        between, path = Trajectory(t, q, qd, qdd).evaluate(middle), line.motion(middle)
-        position, _ = robot.forward(between)
-        off = float(np.sqrt(((position - path.p) ** 2).sum(-1)).max())
-        if off <= PATH_M and tilt_off(robot, between, path) <= PATH_RAD:
-            return knots
+        spline = Trajectory(t, q, qd, qdd)
+        there = spline.evaluate((t[1:] + t[:-1]) / 2)
+        position, _ = robot.forward(there)
+        off = float(np.sqrt(((position - between.p) ** 2).sum(-1)).max())
+        if off <= PATH_M and tilt_off(robot, there, between) <= PATH_RAD:
+            return spline
         spacing /= 2
     return Refusal("straight", Reason.MOTION_LIMIT, step, detail="the joints' motion along the line is not smooth")
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray, frozen
+from planner.arrays import BoolArray, FloatArray, IntArray, every, frozen
 from planner.assur.rrr import LEFT, RIGHT, RRR
 from planner.errors import FaultError, InputError
 from planner.frames.motion import Motion, Pose
@@ -225,7 +225,7 @@ class Scara(Serial):
 
     def within(self, q: FloatArray) -> BoolArray:
         """Whether q (..., n) keeps the position limits, (...); NaN does not."""
-        return np.asarray(((self.limits.lower <= q) & (q <= self.limits.upper)).all(-1))
+        return every((self.limits.lower <= q) & (q <= self.limits.upper))
 
     @np.errstate(all="ignore")
     def point_bounds(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray
+from planner.arrays import FloatArray, largest
 
 ROUNDING = 1e-12
 """Relative. Taken off every bound: the closed forms round by some 1e-15, and a bound must never exceed the truth."""
@@ -60,13 +60,16 @@ def least_duration(
     """
     states = (q0, v0, a0, q1, v1, a1)
     q0, v0, a0, q1, v1, a1 = (np.asarray(state, dtype=np.float64) for state in states)
-    bound = _double_integrator(q1 - q0, v0, v1, velocity, acceleration)
-    if jerk is None:
-        return np.asarray(bound.max(-1) * (1 - ROUNDING))
-    bound = np.maximum(bound, _double_integrator(v1 - v0, a0, a1, acceleration, jerk))
     still = (v0 == 0) & (v1 == 0) & (a0 == 0) & (a1 == 0)
-    rest = rest_to_rest_time(q1 - q0, velocity, acceleration, jerk)
-    return np.asarray(np.where(still, rest, bound).max(-1) * (1 - ROUNDING))
+    if jerk is not None and still.all():
+        bound = rest_to_rest_time(q1 - q0, velocity, acceleration, jerk)
+    else:
+        bound = _double_integrator(q1 - q0, v0, v1, velocity, acceleration)
+        if jerk is not None:
+            bound = np.maximum(bound, _double_integrator(v1 - v0, a0, a1, acceleration, jerk))
+            if still.any():
+                bound = np.where(still, rest_to_rest_time(q1 - q0, velocity, acceleration, jerk), bound)
+    return largest(bound) * (1 - ROUNDING)
 
 
 def _double_integrator(

@@ -72,12 +72,16 @@ def _integrated(p: float, v: float, a: float, j: float, tau: float) -> tuple[flo
 
 
 def missed(joint: Cubics, goal: tuple[float, float, float], duration: float) -> float:
-    """By how much the last phase misses the goal at the end, in units of the `END_…` tolerances (1: the most).
+    """By how much the last phase misses the goal at the end, in units of the `END_…` tolerances (1: the most)."""
+    return aside(*joint.at(-1, duration - joint.t[-1]), *goal)
+
+
+def aside(p: float, v: float, a: float, goal_p: float, goal_v: float, goal_a: float) -> float:
+    """How far a state is from a goal, in units of the `END_…` tolerances (1: the most).
 
     A norm, which NaN goes through, and not the largest of three, which it may not.
     """
-    p, v, a = joint.at(-1, duration - joint.t[-1])
-    return math.hypot((p - goal[0]) / END_POSITION, (v - goal[1]) / END_VELOCITY, (a - goal[2]) / END_ACCELERATION)
+    return math.hypot((p - goal_p) / END_POSITION, (v - goal_v) / END_VELOCITY, (a - goal_a) / END_ACCELERATION)
 
 
 def ended(joints: list[Cubics], states: list[list[float]], duration: float) -> tuple[FloatArray, FloatArray]:

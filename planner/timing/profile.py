@@ -55,6 +55,10 @@ class Profile:
         out[held != flat] = np.nan
         return out.reshape(*t.shape, self.n)
 
+    def states(self, t: FloatArray) -> State:
+        """q, q̇, q̈ (T, n) at times `t` (T,) within [0, duration]; NaN for a time that is NaN."""
+        return self.at(t, self.active(t, "right"))[:3]
+
     def active(self, t: FloatArray, side: Literal["left", "right"]) -> IntArray:
         """Per time and joint the phase that is under way at t (right) or ends at t (left), (T, n)."""
         past = np.array([row.searchsorted(t, side) for row in self.time])

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -50,50 +51,92 @@ class Limits:
     jerk: list[float]
 
 
-NAMES = ("q0", "v0", "a0", "q1", "v1", "a1", "velocity", "acceleration", "jerk")
+@dataclass(frozen=True, slots=True)
+class Allowed:
+    """The robot's own limits, n finite positive numbers each, and `lowered`: what the solver gets of them at least.
+
+    Raises `InputError` for limits that are none, or of different length.
+    """
+
+    velocity: list[float]
+    acceleration: list[float]
+    jerk: list[float]
+    lowered: Limits = field(init=False)
+
+    def __post_init__(self) -> None:
+        accepted(LIMIT_NAMES, (self.velocity, self.acceleration, self.jerk), len(self.velocity))
+        for name, row in zip(LIMIT_NAMES, (self.velocity, self.acceleration, self.jerk), strict=True):
+            if not min(row) > 0:
+                raise InputError(f"timing.{name}", row, "positive limits")
+        velocity = [v * (1 - RATE_RESERVE) for v in self.velocity]
+        acceleration = [a * (1 - RATE_RESERVE) for a in self.acceleration]
+        jerk = [j * (1 - JERK_RESERVE) for j in self.jerk]
+        lowered = Limits(velocity, [-v for v in velocity], acceleration, [-a for a in acceleration], jerk)
+        object.__setattr__(self, "lowered", lowered)
 
 
-def accepted(arguments: tuple[FloatArray, ...], duration: float | None) -> list[list[float]]:
-    """The nine vectors as lists of equal length, finite, limits positive; `InputError` otherwise."""
-    rows: list[list[float]] = []
-    for name, argument in zip(NAMES, arguments, strict=True):
-        row = np.asarray(argument, dtype=np.float64).tolist()
-        if not isinstance(row, list) or len(row) != len(rows[0] if rows else row) or not row:
+STATE_NAMES = ("q0", "v0", "a0", "q1", "v1", "a1")
+LIMIT_NAMES = ("velocity", "acceleration", "jerk")
+
+Row = list[float]
+Numbers = tuple[Row, Row, Row]
+"""q, q̇, q̈, n numbers each: for four joints NumPy takes three times as long."""
+
+
+def numbers(arguments: Sequence[FloatArray]) -> list[Row]:
+    """Vectors as lists, of one length; `InputError` naming the one that is none. `arguments`: states, then limits."""
+    rows: list[Row] = []
+    for name, argument in zip((*STATE_NAMES, *LIMIT_NAMES), arguments, strict=True):
+        row = np.asarray(argument, dtype=np.float64)
+        if row.ndim != 1 or len(row) != len(rows[0] if rows else row) or not len(row):
             raise InputError(f"timing.{name}", argument, f"a vector of {len(rows[0]) if rows else 'some'} numbers")
-        rows.append(row)
-    for name, row in zip(NAMES, rows, strict=True):
-        # the sum of a row is finite only if every number is
-        if not math.isfinite(sum(row)):
-            raise InputError(f"timing.{name}", row, "finite numbers")
-    for name, row in zip(NAMES[6:], rows[6:], strict=True):
-        if not min(row) > 0:
-            raise InputError(f"timing.{name}", row, "positive limits")
-    if duration is not None and not (math.isfinite(duration) and duration >= 0):
-        raise InputError("timing.duration", duration, "None, or a number of seconds from 0")
+        rows.append(row.tolist())
     return rows
 
 
-def lowered_limits(rows: list[list[float]]) -> Limits | TimingRefusal:
+def accepted(names: Sequence[str], rows: Sequence[Row], n: int) -> None:
+    """Accepts rows of n finite numbers each; `InputError` naming the first that is not."""
+    # a sum is finite only if every number is
+    if n > 0 and all(len(row) == n for row in rows) and math.isfinite(sum(map(sum, rows))):
+        return
+    for name, row in zip(names, rows, strict=True):
+        if not (len(row) == n > 0 and math.isfinite(sum(row))):
+            raise InputError(f"timing.{name}", row, f"{n or 'some'} finite numbers")
+
+
+def accepted_duration(duration: float | None) -> None:
+    """Accepts None and a number of seconds from 0; `InputError` otherwise."""
+    if duration is not None and not (math.isfinite(duration) and duration >= 0):
+        raise InputError("timing.duration", duration, "None, or a number of seconds from 0")
+
+
+def lowered_limits(start: Numbers, goal: Numbers, allowed: Allowed) -> Limits | TimingRefusal:
     """Limits for the solver: lowered, but never below what the end states need, each direction by itself.
 
     A state with acceleration a comes to the velocity v ± a|a|/(2j) whatever one does (equation P2: + after the start,
     − before the goal). A state that needs the whole jerk limit for that gets it.
     """
-    _, v0, a0, _, v1, a1, velocity, acceleration, jerk = rows
+    (_, v0, a0), (_, v1, a1), usual = start, goal, allowed.lowered
+    if not (any(v0) or any(a0) or any(v1) or any(a1)):
+        return usual
+    states = zip(v0, a0, v1, a1, usual.velocity, usual.acceleration, usual.jerk, strict=True)
+    ease = [_at_ease(*joint) for joint in states]
+    if all(ease):
+        return usual
     out = Limits([], [], [], [], [])
-    for i, (v, a, j) in enumerate(zip(velocity, acceleration, jerk, strict=True)):
-        if _at_ease(v0[i], a0[i], v1[i], a1[i], v * (1 - RATE_RESERVE), a * (1 - RATE_RESERVE), j * (1 - JERK_RESERVE)):
-            out.velocity.append(v * (1 - RATE_RESERVE))
-            out.backward.append(-v * (1 - RATE_RESERVE))
-            out.acceleration.append(a * (1 - RATE_RESERVE))
-            out.braking.append(-a * (1 - RATE_RESERVE))
-            out.jerk.append(j * (1 - JERK_RESERVE))
+    for i, (v, a, j) in enumerate(zip(allowed.velocity, allowed.acceleration, allowed.jerk, strict=True)):
+        if ease[i]:
+            out.velocity.append(usual.velocity[i])
+            out.backward.append(usual.backward[i])
+            out.acceleration.append(usual.acceleration[i])
+            out.braking.append(usual.braking[i])
+            out.jerk.append(usual.jerk[i])
             continue
         need_a = (0.0, a0[i], a1[i])
         worst = max(map(abs, need_a))
         if not worst <= a * (1 + LIMIT_TOLERANCE):
             return TimingRefusal("limits", worst / a - 1, f"joint {i}: acceleration {worst}, limit {a}")
-        for lowered_j in (j * (1 - JERK_RESERVE), j):
+        for lowered_j in (usual.jerk[i], j):
             after = v0[i] + a0[i] * abs(a0[i]) / (2 * lowered_j)
             before = v1[i] - a1[i] * abs(a1[i]) / (2 * lowered_j)
             need_v = (0.0, v0[i], v1[i], after, before)
@@ -103,7 +146,7 @@ def lowered_limits(rows: list[list[float]]) -> Limits | TimingRefusal:
         else:
             return TimingRefusal("limits", worst / v - 1, f"joint {i}: velocity comes to {worst}, limit {v}")
         # The solver compares without tolerance: a few roundings more than is needed.
-        lowered_v, lowered_a = v * (1 - RATE_RESERVE), a * (1 - RATE_RESERVE)
+        lowered_v, lowered_a = usual.velocity[i], usual.acceleration[i]
         out.velocity.append(max(lowered_v, max(need_v) * (1 + 1e-14)))
         out.backward.append(min(-lowered_v, min(need_v) * (1 + 1e-14)))
         out.acceleration.append(max(lowered_a, max(need_a) * (1 + 1e-14)))

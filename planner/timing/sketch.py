@@ -1,51 +1,56 @@
 """A timed motion as the solver gave it: positions to some micrometres, for screening; the exact profile on demand.
 
-Most candidates are refused after a look at where they go. Making their ends exact costs more than timing them.
+Most candidates are refused after a look at where they go. Reading the solver's phases and making their ends exact
+costs more than timing them.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
 from planner.arrays import FloatArray
 from planner.timing.ends import Cubics
-from planner.timing.profile import Profile, State, finished
+from planner.timing.profile import Profile, finished
+from planner.timing.question import Numbers
+
+
+class Solved(Protocol):
+    """What the solver found, read as far as it is asked for."""
+
+    def positions(self, times: list[float]) -> list[list[float]]:
+        """q at times within the motion, n numbers each; `FaultError` for a time that is not finite."""
+        ...
+
+    def cubics(self) -> list[Cubics]:
+        """The phases of every joint."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
 class Sketch:
-    """Motion of n joints over [0, `duration`] s between two states; `joints`: the solver's phases."""
+    """Motion of n joints over [0, `duration`] s from the state `begin` to `goal`, as it was `solved`."""
 
     duration: float
-    start: State
-    end: State
-    joints: tuple[Cubics, ...]
+    begin: Numbers
+    goal: Numbers
+    solved: Solved
 
     @cached_property
     def profile(self) -> Profile:
         """The same motion with exact ends."""
-        return finished(list(self.joints), [row.tolist() for row in (*self.start, *self.end)], self.duration)
-
-    @cached_property
-    def _columns(self) -> tuple[FloatArray, FloatArray]:
-        """Begins of the phases (n, S), and position, velocity, half the acceleration, a sixth of the jerk there."""
-        begins = np.array([joint.t for joint in self.joints])
-        rows = np.array([(joint.p, joint.v, joint.a, joint.j) for joint in self.joints])
-        return begins, rows * np.array([1.0, 1.0, 0.5, 1 / 6])[:, None]
+        return finished(self.solved.cubics(), [*self.begin, *self.goal], self.duration)
 
     def positions(self, t: FloatArray) -> FloatArray:
-        """q (T, n) at times t (T,), the joints standing still before and after; off by some 1e-6."""
-        begins, rows = self._columns
-        t = np.minimum(np.maximum(t, 0.0), self.duration)[:, None]
-        phase = (t[:, :, None] >= begins).sum(-1) - 1
-        joint = np.arange(len(begins))
-        tau = t - begins[joint, phase]
-        c = rows[joint, :, phase]
-        found: FloatArray = ((c[..., 3] * tau + c[..., 2]) * tau + c[..., 1]) * tau + c[..., 0]
-        return found
+        """q (T, n) at times t (T,), the joints standing still before and after; off by some 1e-6.
+
+        Raises `FaultError` for a time that is not a number.
+        """
+        times = np.minimum(np.maximum(t, 0.0), self.duration).tolist()
+        return np.array(self.solved.positions(times)).reshape(len(times), len(self.begin[0]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,14 +62,6 @@ class Settled:
     @property
     def duration(self) -> float:
         return self.profile.duration
-
-    @property
-    def start(self) -> State:
-        return self.profile.start
-
-    @property
-    def end(self) -> State:
-        return self.profile.end
 
     def positions(self, t: FloatArray) -> FloatArray:
         """q (T, n) at times t (T,), the joints standing still before and after."""

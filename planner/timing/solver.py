@@ -12,23 +12,36 @@ R7  Motions of any length are answered: refused beyond `LONGEST`.
 R8  Vectors of the wrong length read foreign memory: lengths checked here.
 R9  Positions overshoot when ends move, and there are no position limits: for the caller to check, on extrema.
 R10 Infinite limits switch to another family of profiles: finite limits only.
-R12 It holds the GIL: processes, never threads. Objects are new at every call (2 µs): nothing is left from the last one.
+R12 It holds the GIL: processes, never threads. A `Solver` keeps the library's objects, of which making takes as long as
+    a question from rest to rest: every field that is ever set is set anew at every call, and answers are never shared.
+R13 Asked for the state at a time that is not a number it reads foreign memory, or dies: only finite ones are asked.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any
 
-import numpy as np
 import ruckig
 
 from planner.arrays import FloatArray
-from planner.timing.ends import Cubics, missed
+from planner.errors import FaultError
+from planner.timing.ends import Cubics, aside
 from planner.timing.profile import Profile
-from planner.timing.question import Limits, TimingRefusal, accepted, lowered_limits
+from planner.timing.question import (
+    STATE_NAMES,
+    Allowed,
+    Limits,
+    Numbers,
+    Row,
+    TimingRefusal,
+    accepted,
+    accepted_duration,
+    lowered_limits,
+    numbers,
+)
 from planner.timing.sketch import Settled, Sketch
 from planner.timing.straight import straight
 
@@ -73,85 +86,84 @@ def time_joints(
     duration. Source: Berscheid and Kröger, Jerk-limited Real-time Trajectory Generation with Arbitrary Target States
     (RSS 2021), by way of the library `ruckig`.
     """
-    found = sketch_joints(q0, v0, a0, q1, v1, a1, velocity, acceleration, jerk, duration)
+    q0_, v0_, a0_, q1_, v1_, a1_, *limits = numbers((q0, v0, a0, q1, v1, a1, velocity, acceleration, jerk))
+    found = Solver(*limits).sketch((q0_, v0_, a0_), (q1_, v1_, a1_), duration)
     return found if isinstance(found, TimingRefusal) else found.profile
 
 
-def sketch_joints(
-    q0: FloatArray,
-    v0: FloatArray,
-    a0: FloatArray,
-    q1: FloatArray,
-    v1: FloatArray,
-    a1: FloatArray,
-    velocity: FloatArray,
-    acceleration: FloatArray,
-    jerk: FloatArray,
-    duration: float | None = None,
-) -> Sketch | Settled | TimingRefusal:
-    """`time_joints` without the profile, which is made when it is asked for: candidates are looked at first."""
-    rows = accepted((q0, v0, a0, q1, v1, a1, velocity, acceleration, jerk), duration)
-    if duration is not None and not duration <= LONGEST:
-        return TimingRefusal("too long", duration - LONGEST, f"{duration} s asked, {LONGEST} s allowed")
-    lowered = lowered_limits(rows)
-    if isinstance(lowered, TimingRefusal):
-        return lowered
-    found = _solve(rows, lowered, duration)
-    if isinstance(found, TimingRefusal):
-        return found
-    if found.duration < BRIEF and _at_rest(rows):
-        brief = straight(rows[0], rows[3], lowered, max(found.duration, SHORTEST) if duration is None else duration)
-        if brief is not None:
-            return Settled(brief)
-    return _read(found.profiles[0], rows, lowered, found.duration if duration is None else duration)
+class Solver:
+    """Ruckig for n joints with symmetric limits of n numbers each, which are accepted once.
 
+    Raises `InputError` for limits that are not positive finite numbers of one length, and by its methods for states
+    that are not n finite numbers.
+    """
 
-def shortest_duration(
-    q0: FloatArray,
-    v0: FloatArray,
-    a0: FloatArray,
-    q1: FloatArray,
-    v1: FloatArray,
-    a1: FloatArray,
-    velocity: FloatArray,
-    acceleration: FloatArray,
-    jerk: FloatArray,
-) -> float | TimingRefusal:
-    """How long the fastest motion takes, s: `time_joints` without reading the profile, in a fifth of its time."""
-    rows = accepted((q0, v0, a0, q1, v1, a1, velocity, acceleration, jerk), None)
-    lowered = lowered_limits(rows)
-    if isinstance(lowered, TimingRefusal):
-        return lowered
-    found = _solve(rows, lowered, None)
-    if isinstance(found, TimingRefusal):
-        return found
-    return max(found.duration, SHORTEST) if _at_rest(rows) else float(found.duration)
+    def __init__(self, velocity: Row, acceleration: Row, jerk: Row) -> None:
+        self._allowed = Allowed(velocity, acceleration, jerk)
+        self._n = len(velocity)
+        self._ruckig, self._given = ruckig.Ruckig(self._n), ruckig.InputParameter(self._n)
 
+    def sketch(self, start: Numbers, goal: Numbers, duration: float | None = None) -> Sketch | Settled | TimingRefusal:
+        """`time_joints` without the profile, which is made when it is asked for: candidates are looked at first."""
+        accepted_duration(duration)
+        lowered = self._lowered(start, goal)
+        if duration is not None and not duration <= LONGEST:
+            return TimingRefusal("too long", duration - LONGEST, f"{duration} s asked, {LONGEST} s allowed")
+        if isinstance(lowered, TimingRefusal):
+            return lowered
+        found = self._solve(start, goal, lowered, duration)
+        if isinstance(found, TimingRefusal):
+            return found
+        if found.duration < BRIEF and _at_rest(start, goal):
+            brief = straight(
+                start[0], goal[0], lowered, max(found.duration, SHORTEST) if duration is None else duration
+            )
+            if brief is not None:
+                return Settled(brief)
+        taken = float(found.duration) if duration is None else duration
+        for number, ends in enumerate(zip(*found.at_time(taken), *goal, strict=True)):
+            miss = aside(*ends)
+            if not miss <= 1:
+                return TimingRefusal("unsound", miss, f"the solver misses the goal of joint {number}")
+        return Sketch(taken, start, goal, _Solved(found, lowered))
 
-def _solve(rows: list[list[float]], lowered: Limits, duration: float | None) -> Any:
-    """The solver's trajectory, or a `TimingRefusal`. (The library ships no types.)"""
-    n = len(rows[0])
-    solver, given, found = ruckig.Ruckig(n), ruckig.InputParameter(n), ruckig.Trajectory(n)
-    given.current_position, given.target_position = rows[0], rows[3]
-    given.current_velocity, given.current_acceleration = _still(rows[1]), _still(rows[2])
-    given.target_velocity, given.target_acceleration = _still(rows[4]), _still(rows[5])
-    given.max_velocity, given.min_velocity = lowered.velocity, lowered.backward
-    given.max_acceleration, given.min_acceleration = lowered.acceleration, lowered.braking
-    given.minimum_duration = duration
-    failure = ""
-    for factor in RETRIES:
-        given.max_jerk = [j * factor for j in lowered.jerk]
-        try:
-            solver.validate_input(given, True, True)
-            result = solver.calculate(given, found)
-        except (ruckig.RuckigError, ValueError) as error:
-            failure = str(error).strip()
-            continue
-        good = result in (ruckig.Result.Working, ruckig.Result.Finished)
-        if good and math.isfinite(found.duration) and found.duration >= 0:
-            return _unfit(found, duration) or found
-        failure = f"{result}"
-    return TimingRefusal("no profile", math.nan, failure.splitlines()[0] if failure else "")
+    def shortest(self, start: Numbers, goal: Numbers) -> float | TimingRefusal:
+        """How long the fastest motion takes, s: the duration of `sketch`."""
+        lowered = self._lowered(start, goal)
+        if isinstance(lowered, TimingRefusal):
+            return lowered
+        found = self._solve(start, goal, lowered, None)
+        if isinstance(found, TimingRefusal):
+            return found
+        return max(found.duration, SHORTEST) if _at_rest(start, goal) else float(found.duration)
+
+    def _lowered(self, start: Numbers, goal: Numbers) -> Limits | TimingRefusal:
+        accepted(STATE_NAMES, (*start, *goal), self._n)
+        return lowered_limits(start, goal, self._allowed)
+
+    def _solve(self, start: Numbers, goal: Numbers, lowered: Limits, duration: float | None) -> Any:
+        """The solver's trajectory, or a `TimingRefusal`. (The library ships no types.)"""
+        given, found = self._given, ruckig.Trajectory(self._n)
+        given.current_position, given.target_position = start[0], goal[0]
+        given.current_velocity, given.current_acceleration = _still(start[1]), _still(start[2])
+        given.target_velocity, given.target_acceleration = _still(goal[1]), _still(goal[2])
+        given.max_velocity, given.min_velocity = lowered.velocity, lowered.backward
+        given.max_acceleration, given.min_acceleration = lowered.acceleration, lowered.braking
+        given.minimum_duration = duration
+        failure = ""
+        for factor in RETRIES:
+            given.max_jerk = [j * factor for j in lowered.jerk]
+            try:
+                self._ruckig.validate_input(given, True, True)
+                result = self._ruckig.calculate(given, found)
+            except (ruckig.RuckigError, ValueError) as error:
+                failure = str(error).strip()
+                continue
+            good = result in (ruckig.Result.Working, ruckig.Result.Finished)
+            if good and math.isfinite(found.duration) and found.duration >= 0:
+                return _unfit(found, duration) or found
+            failure = f"{result}"
+        return TimingRefusal("no profile", math.nan, failure.splitlines()[0] if failure else "")
 
 
 def _unfit(found: Any, duration: float | None) -> TimingRefusal | None:
@@ -168,29 +180,39 @@ def _unfit(found: Any, duration: float | None) -> TimingRefusal | None:
     return None
 
 
-def _at_rest(rows: list[list[float]]) -> bool:
-    return not any(map(any, (rows[1], rows[2], rows[4], rows[5])))
+def _at_rest(start: Numbers, goal: Numbers) -> bool:
+    return not (any(start[1]) or any(start[2]) or any(goal[1]) or any(goal[2]))
 
 
-def _still(row: list[float]) -> list[float]:
-    return [x if abs(x) >= RESIDUAL else 0.0 for x in row]
+def _still(row: Row) -> Row:
+    return [x if abs(x) >= RESIDUAL else 0.0 for x in row] if any(row) else row
 
 
-def _read(joints: Sequence[Any], rows: list[list[float]], lowered: Limits, duration: float) -> Sketch | TimingRefusal:
-    """The solver's phases, brake phases included."""
-    braked = any(joint.brake.duration > 0 for joint in joints)
-    cubics = []
-    for number, joint in enumerate(joints):
-        t, p, v, a, j = joint.t, joint.p, joint.v, joint.a, joint.j
-        if braked:
-            brake = joint.brake
-            t, p, v, a, j = brake.t + t, brake.p + p, brake.v + v, brake.a + a, brake.j + j
-        # The solver lets a joint that is there early go on with constant acceleration: one more phase.
-        most = max(lowered.acceleration[number], -lowered.braking[number])
-        cubic = Cubics([0.0, *accumulate(t)], p, v, a, [*j, 0.0], most, lowered.jerk[number])
-        miss = missed(cubic, (rows[3][number], rows[4][number], rows[5][number]), duration)
-        if not miss <= 1:
-            return TimingRefusal("unsound", miss, f"the solver misses the goal of joint {number}")
-        cubics.append(cubic)
-    ends = np.array(rows[:6])
-    return Sketch(duration, (ends[0], ends[1], ends[2]), (ends[3], ends[4], ends[5]), tuple(cubics))
+@dataclass(frozen=True, slots=True, eq=False)
+class _Solved:
+    """An answer of the solver to the limits that it was given."""
+
+    found: Any
+    lowered: Limits
+
+    def positions(self, times: list[float]) -> list[Row]:
+        # R13; the sum is finite only if every time is
+        if not math.isfinite(sum(times)):
+            raise FaultError("a motion has positions at finite times only")
+        at = self.found.at_time
+        return [at(t)[0] for t in times]
+
+    def cubics(self) -> list[Cubics]:
+        """The solver's phases, brake phases included."""
+        joints = self.found.profiles[0]
+        braked = any(joint.brake.duration > 0 for joint in joints)
+        cubics = []
+        for number, joint in enumerate(joints):
+            t, p, v, a, j = joint.t, joint.p, joint.v, joint.a, joint.j
+            if braked:
+                brake = joint.brake
+                t, p, v, a, j = brake.t + t, brake.p + p, brake.v + v, brake.a + a, brake.j + j
+            # The solver lets a joint that is there early go on with constant acceleration: one more phase.
+            most = max(self.lowered.acceleration[number], -self.lowered.braking[number])
+            cubics.append(Cubics([0.0, *accumulate(t)], p, v, a, [*j, 0.0], most, self.lowered.jerk[number]))
+        return cubics

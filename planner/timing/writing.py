@@ -16,7 +16,7 @@ import numpy as np
 from planner.arrays import BoolArray, FloatArray
 from planner.errors import FaultError
 from planner.timing.question import JERK_RESERVE, RATE_RESERVE
-from planner.trajectory.hermite import hulls
+from planner.trajectory.hermite import rate_hulls
 from planner.trajectory.rounding import defect, moved, relaxed, settled
 
 if TYPE_CHECKING:
@@ -79,8 +79,8 @@ def written(profile: Profile, offset: float) -> Knots:
 def _excess(profile: Profile, knots: Knots) -> float:
     """How far a spline may be over the limits its phases were made for: the worst joint, in units of the reserves."""
     time, *states = knots
-    hull = hulls(time[1:] - time[:-1], *states)
-    over = [np.abs(hull[kind]).max((0, 2)) / limit - 1 for kind, limit in zip((2, 3), profile.limits, strict=True)]
+    _, *rates = rate_hulls(time[1:] - time[:-1], *states)
+    over = [np.abs(hull).max(0).max(1) / limit - 1 for hull, limit in zip(rates, profile.limits, strict=True)]
     return float(max(over[0].max() / RATE_RESERVE, over[1].max() / JERK_RESERVE))
 
 

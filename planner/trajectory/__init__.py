@@ -7,6 +7,8 @@ from planner.trajectory.limits import (
     LimitReport,
     check_limits,
     keeps_limits,
+    keeps_positions,
+    rate_ratios,
 )
 from planner.trajectory.trajectory import Trajectory
 
@@ -18,4 +20,6 @@ __all__ = [
     "Trajectory",
     "check_limits",
     "keeps_limits",
+    "keeps_positions",
+    "rate_ratios",
 ]

@@ -30,18 +30,36 @@ def hulls(h: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> tupl
 
     `h` (K-1,) lengths of the pieces in s; `q, qd, qdd` (K, n) states at the knots.
     """
+    q0, q1 = q[:-1], q[1:]
+    length = h[:, None]
+    early, late = length * qd[:-1], length * qd[1:]
+    square = length * length / 20
+    position = np.empty((*q0.shape, 6))
+    position[..., 0] = q0
+    position[..., 1] = q0 + early / 5
+    position[..., 2] = q0 + 2 * early / 5 + square * qdd[:-1]
+    position[..., 3] = q1 - 2 * late / 5 + square * qdd[1:]
+    position[..., 4] = q1 - late / 5
+    position[..., 5] = q1
+    return position, *rate_hulls(h, q, qd, qdd)
+
+
+def rate_hulls(
+    h: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Those of velocity, acceleration and jerk."""
     h = h[:, None]
-    q0, q1, v0, v1, a0, a1 = q[:-1], q[1:], qd[:-1], qd[1:], qdd[:-1], qdd[1:]
-    sq = h * h / 20
-    position = np.stack(
-        [q0, q0 + h * v0 / 5, q0 + 2 * h * v0 / 5 + sq * a0, q1 - 2 * h * v1 / 5 + sq * a1, q1 - h * v1 / 5, q1], -1
-    )
-    middle = 5 * (q1 - q0) / h - 2 * (v0 + v1) + h * (a1 - a0) / 4
-    velocity = np.stack([v0, v0 + h * a0 / 4, middle, v1 - h * a1 / 4, v1], -1)
-    inner = 4 * (velocity[..., 2:4] - velocity[..., 1:3]) / h[..., None]
-    acceleration = np.concatenate([a0[..., None], inner, a1[..., None]], -1)
+    v0, v1, a0, a1 = qd[:-1], qd[1:], qdd[:-1], qdd[1:]
+    velocity, acceleration = np.empty((*v0.shape, 5)), np.empty((*v0.shape, 4))
+    velocity[..., 0] = v0
+    velocity[..., 1] = v0 + h * a0 / 4
+    velocity[..., 2] = 5 * (q[1:] - q[:-1]) / h - 2 * (v0 + v1) + h * (a1 - a0) / 4
+    velocity[..., 3] = v1 - h * a1 / 4
+    velocity[..., 4] = v1
+    acceleration[..., 0], acceleration[..., 3] = a0, a1
+    acceleration[..., 1:3] = 4 * (velocity[..., 2:4] - velocity[..., 1:3]) / h[..., None]
     jerk = 3 * (acceleration[..., 1:] - acceleration[..., :-1]) / h[..., None]
-    return position, velocity, acceleration, jerk
+    return velocity, acceleration, jerk
 
 
 def powers(h: FloatArray, q: FloatArray, qd: FloatArray, hull: tuple[FloatArray, ...]) -> FloatArray:
@@ -52,6 +70,8 @@ def powers(h: FloatArray, q: FloatArray, qd: FloatArray, hull: tuple[FloatArray,
     h = h[:, None]
     acceleration, jerk = hull[2], hull[3]
     j0, j1, j2 = jerk[..., 0], jerk[..., 1], jerk[..., 2]
-    return np.stack(
-        [q[:-1], qd[:-1], acceleration[..., 0] / 2, j0 / 6, (j1 - j0) / (12 * h), (j0 - 2 * j1 + j2) / (60 * h * h)], -1
-    )
+    c = np.empty((*j0.shape, 6))
+    c[..., 0], c[..., 1] = q[:-1], qd[:-1]
+    c[..., 2], c[..., 3] = acceleration[..., 0] / 2, j0 / 6
+    c[..., 4], c[..., 5] = (j1 - j0) / (12 * h), (j0 - 2 * j1 + j2) / (60 * h * h)
+    return c

@@ -57,18 +57,41 @@ class LimitReport:
         return all(check.ok for check in self.checks)
 
 
-def _bands(
-    trajectory: Trajectory, lower: FloatArray, upper: FloatArray, rates: tuple[FloatArray, ...]
-) -> tuple[tuple[FloatArray, FloatArray, float], ...]:
-    """Per kind the band [low, high] (n,) and the relative tolerance."""
-    for name, limit in zip(("lower", "upper", *KINDS[1:]), (lower, upper, *rates), strict=False):
-        if np.shape(limit) != (trajectory.n,) or not np.isfinite(limit).all():
-            raise InputError(f"limits.{name}", limit, f"{trajectory.n} finite numbers")
-    if not (lower < upper).all() or not all((rate > 0).all() for rate in rates):
-        raise InputError("limits", (lower, upper, *rates), "lower below upper, and rates above zero")
-    bands = [(lower, upper, LIMIT_TOLERANCE)]
-    bands += [(-r, r, tol) for r, tol in zip(rates, (LIMIT_TOLERANCE, LIMIT_TOLERANCE, JERK_TOLERANCE), strict=False)]
-    return tuple(bands)
+_Band = tuple[FloatArray, FloatArray, float]
+"""Lower and upper limit (n,), and the relative tolerance."""
+
+
+def _positions(trajectory: Trajectory, lower: FloatArray, upper: FloatArray) -> _Band:
+    for name, limit in (("lower", lower), ("upper", upper)):
+        _accept(trajectory, name, limit)
+    if not (lower < upper).all():
+        raise InputError("limits", (lower, upper), "lower below upper")
+    return lower, upper, LIMIT_TOLERANCE
+
+
+def _rates(trajectory: Trajectory, *rates: FloatArray) -> list[_Band]:
+    """Of velocity, acceleration and, if it is among the rates, jerk."""
+    for name, rate in zip(KINDS[1:], rates, strict=False):
+        _accept(trajectory, name, rate)
+        if not (rate > 0).all():
+            raise InputError("limits", rate, "rates above zero")
+    return [(-r, r, tol) for r, tol in zip(rates, (LIMIT_TOLERANCE, LIMIT_TOLERANCE, JERK_TOLERANCE), strict=False)]
+
+
+def _accept(trajectory: Trajectory, name: str, limit: FloatArray) -> None:
+    if np.shape(limit) != (trajectory.n,) or not np.isfinite(limit).all():
+        raise InputError(f"limits.{name}", limit, f"{trajectory.n} finite numbers")
+
+
+def _kept(trajectory: Trajectory, kind: int, low: FloatArray, high: FloatArray, tol: float) -> bool:
+    """Whether a kind stays within its band; from hulls where they suffice."""
+    slack = tol * (high - low) / 2
+    hull = trajectory.bernstein(kind)
+    smooth = kind < 3 or not trajectory.jumps
+    if smooth and (hull.max(0).max(1) <= high + slack).all() and (hull.min(0).min(1) >= low - slack).all():
+        return True
+    least, most = trajectory.extrema(kind)
+    return bool((most <= high + slack).all() and (least >= low - slack).all())
 
 
 def keeps_limits(
@@ -79,18 +102,36 @@ def keeps_limits(
     acceleration: FloatArray,
     jerk: FloatArray | None,
 ) -> bool:
-    """Whether all limits are kept; what `check_limits(...).ok` says, from hulls where they suffice."""
+    """Whether all limits are kept; what `check_limits(...).ok` says."""
     rates = (velocity, acceleration) if jerk is None else (velocity, acceleration, jerk)
-    for kind, (low, high, tol) in enumerate(_bands(trajectory, lower, upper, rates)):
-        hull = trajectory.bernstein(kind)
-        slack = tol * (high - low) / 2
-        smooth = kind < 3 or not trajectory.jumps
-        if smooth and (hull.max((0, 2)) <= high + slack).all() and (hull.min((0, 2)) >= low - slack).all():
-            continue
-        least, most = trajectory.extrema(kind)
-        if not ((most <= high + slack).all() and (least >= low - slack).all()):
-            return False
-    return True
+    bands = [_positions(trajectory, lower, upper), *_rates(trajectory, *rates)]
+    return all(_kept(trajectory, kind, *band) for kind, band in enumerate(bands))
+
+
+def keeps_positions(trajectory: Trajectory, lower: FloatArray, upper: FloatArray) -> bool:
+    """Whether the limits of position are kept; what `check_limits(...).position.ok` says."""
+    return _kept(trajectory, 0, *_positions(trajectory, lower, upper))
+
+
+def rate_ratios(
+    trajectory: Trajectory, velocity: FloatArray, acceleration: FloatArray, jerk: FloatArray
+) -> tuple[FloatArray, bool]:
+    """Exact peaks of velocity, acceleration and jerk over their limits, (3, n), and whether all are kept; what
+    `check_limits` says of them, without a search for where they are not."""
+    bands = _rates(trajectory, velocity, acceleration, jerk)
+    found = [_peak(trajectory, kind, *band) for kind, band in enumerate(bands, start=1)]
+    return np.stack([ratio for _, _, ratio, _ in found]), all(ok for *_, ok in found)
+
+
+def _peak(
+    trajectory: Trajectory, kind: int, low: FloatArray, high: FloatArray, tol: float
+) -> tuple[FloatArray, FloatArray, FloatArray, bool]:
+    """Extremes of a kind, their ratio to the band, and whether they are in it."""
+    least, most = trajectory.extrema(kind)
+    middle, half = (low + high) / 2, (high - low) / 2
+    slack = tol * half
+    ratio = np.maximum(most - middle, middle - least) / half
+    return least, most, ratio, bool((most <= high + slack).all() and (least >= low - slack).all())
 
 
 def check_limits(
@@ -109,12 +150,10 @@ def check_limits(
     """
     checks = []
     rates = (velocity, acceleration) if jerk is None else (velocity, acceleration, jerk)
-    for kind, (low, high, tol) in enumerate(_bands(trajectory, lower, upper, rates)):
-        least, most = trajectory.extrema(kind)
-        middle, half = (low + high) / 2, (high - low) / 2
-        slack = tol * half
-        ratio = np.maximum(most - middle, middle - least) / half
-        ok = bool((most <= high + slack).all() and (least >= low - slack).all())
+    bands = [_positions(trajectory, lower, upper), *_rates(trajectory, *rates)]
+    for kind, (low, high, tol) in enumerate(bands):
+        least, most, ratio, ok = _peak(trajectory, kind, low, high, tol)
+        slack = tol * (high - low) / 2
         where = (None, None) if ok else first_break(trajectory, kind, low - slack, high + slack)
         checks.append(LimitCheck(KINDS[kind], least, most, ratio, ok, *where))
     return LimitReport(checks[0], checks[1], checks[2], checks[3] if jerk is not None else None)

@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from planner.arrays import FloatArray
-from planner.trajectory.hermite import hulls
+from planner.trajectory.hermite import rate_hulls
 
 
 def defect(h: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> FloatArray:
@@ -65,7 +65,7 @@ def relaxed(
     for k, length in enumerate(h):
         matrix[k, :, k : k + 2] = (piece / length**order).reshape(3, 2, 2)
     matrix *= np.stack([scale**2, scale], -1)
-    gap = jerk[:, None] - np.moveaxis(hulls(h, q, qd, qdd)[3], -1, 1)
+    gap = jerk[:, None] - np.moveaxis(rate_hulls(h, q, qd, qdd)[2], -1, 1)
     inner = matrix[:, :, 1:-1].reshape(3 * size, 2 * (size - 1))
     change = np.linalg.lstsq(inner, gap.reshape(3 * size, -1), rcond=None)[0].reshape(size - 1, 2, -1)
     qd, qdd = qd.copy(), qdd.copy()

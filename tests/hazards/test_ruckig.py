@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from typing import Any
 
 import numpy as np
@@ -9,8 +11,8 @@ import pytest
 import ruckig
 from numpy.typing import NDArray
 
-from planner.errors import InputError
-from planner.timing import Profile, TimingRefusal, time_joints
+from planner.errors import FaultError, InputError
+from planner.timing import Profile, Sketch, Solver, TimingRefusal, time_joints
 from tests.hazards.known import mended_since
 
 Floats = NDArray[np.float64]
@@ -85,6 +87,20 @@ def test_lists_of_different_length_are_bad_input_before_ruckig_reads_beyond_them
     for name in ("q0", "v1", "velocity", "jerk"):
         with pytest.raises(InputError):
             _timed(**{name: [1.0, 1.0]})
+
+
+def test_a_time_that_is_not_a_number_kills_ruckig_or_is_foreign_memory_and_is_a_fault_for_us() -> None:
+    program = (
+        "import ruckig as r; i = r.InputParameter(1); i.target_position = i.max_velocity = i.max_acceleration = [1.0];"
+        "i.max_jerk = [5.0]; t = r.Trajectory(1); r.Ruckig(1).calculate(i, t); print(t.at_time(float('nan')))"
+    )
+    asked = subprocess.run([sys.executable, "-c", program], capture_output=True, check=False, text=True)
+    assert asked.returncode < 0 or "nan" in asked.stdout or mended_since("ruckig", LAST_SEEN)
+    none = [0.0]
+    sketch = Solver(*LIMITS.values()).sketch((none, none, none), ([1.0], none, none))
+    assert isinstance(sketch, Sketch)
+    with pytest.raises(FaultError):
+        sketch.positions(np.array([np.nan]))
 
 
 def test_in_metres_radians_and_seconds_ruckig_finds_every_motion_that_we_ask_for() -> None:

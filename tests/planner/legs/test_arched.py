@@ -8,15 +8,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planner.arrays import FloatArray
-from planner.legs.arched import Arched, Hop, JointState, arch
+from planner.legs.arched import Arched, Hop, arch
+from planner.legs.pace import Pace
 from planner.timing import Profile, TimingRefusal, time_joints
 from planner.trajectory import Trajectory, check_limits
 from tests.planner.cells import limits
+from tests.planner.timing.legs import Floats, numbers
 
 LIFT = 2
 LIMITS = limits()
 RATES = (LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk)
 NONE = np.zeros(4)
+JointState = tuple[Floats, Floats, Floats]
+"""q, q̇, q̈, each (n,)."""
 
 
 def state(rng: np.random.Generator, speed: float = 0.0) -> JointState:
@@ -30,7 +34,7 @@ def state(rng: np.random.Generator, speed: float = 0.0) -> JointState:
 
 
 def over(start: JointState, goal: JointState, hop: Hop, duration: float | None = None) -> Arched | TimingRefusal:
-    return arch(start, goal, hop, LIFT, RATES, duration)
+    return arch(numbers(start), numbers(goal), hop, Pace(LIMITS, LIFT), duration)
 
 
 def made(start: JointState, goal: JointState, hop: Hop, duration: float | None = None) -> Arched:

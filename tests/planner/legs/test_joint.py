@@ -14,14 +14,15 @@ from hypothesis import strategies as st
 from planner.frames import Conveyor, Law, Swing, Turntable
 from planner.frames.motion import Pose
 from planner.legs.arched import Hop
+from planner.legs.branch import Branch
 from planner.legs.control_point import control_point
 from planner.legs.joint import JointMotion, Reached, Shape, Via
-from planner.legs.meeting import Branch, meetings
+from planner.legs.meeting import meetings
 from planner.legs.state import State
 from planner.outcome import Reason, Refusal
 from planner.phases import initial_rides
 from planner.scene import Scene, Window
-from planner.timing import shortest_duration
+from planner.timing import Solver
 from planner.trajectory import Trajectory, check_limits
 from tests.planner.cells import cell, frame, go, limits
 
@@ -146,11 +147,12 @@ def test_no_earlier_time_of_the_grid_could_have_been_met_directly(seed: int, law
     branch = branches(scene, begin)[0]
     found = JointMotion(scene, 0, begin, Shape(), branch).meet()
     assert isinstance(found, Reached)
-    rates = LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk
+    solver = Solver(LIMITS.velocity.tolist(), LIMITS.acceleration.tolist(), LIMITS.jerk.tolist())
+    start = begin.q.tolist(), begin.qd.tolist(), begin.qdd.tolist()
     grid = float(np.diff(branch.time).max())
     earlier = [i for i in np.flatnonzero(branch.legal) if branch.time[i] < found.end - 3.5 * grid]
     for i in earlier[:: max(1, len(earlier) // 40)]:
-        least = shortest_duration(begin.q, begin.qd, begin.qdd, branch.q[i], branch.qd[i], branch.qdd[i], *rates)
+        least = solver.shortest(start, (branch.q[i].tolist(), branch.qd[i].tolist(), branch.qdd[i].tolist()))
         if isinstance(least, float) and begin.time + least <= branch.time[i]:
             # it was possible to be there sooner only if no motion of exactly that time exists (blocked)
             only = replace(branch, legal=np.arange(len(branch.time)) == i)

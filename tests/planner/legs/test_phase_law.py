@@ -7,7 +7,8 @@ import pytest
 
 from planner.arrays import FloatArray
 from planner.frames.motion import Motion
-from planner.legs.phase_law import PIECES, SHORTEST_S, TABLE, PhaseLaw, Rates, quickest
+from planner.legs.line_rates import Rates
+from planner.legs.phase_law import PIECES, SHORTEST_S, TABLE, PhaseLaw, quickest
 from planner.robots.protocol import Limits
 from planner.robots.scara import Scara
 from tests.planner.cells import arm, limits
@@ -67,6 +68,14 @@ def test_a_law_begins_at_rest_in_0_and_ends_at_rest_in_1_to_the_bit() -> None:
         ]
 
 
+def test_the_states_of_a_law_are_its_three_orders_to_the_bit() -> None:
+    for parts in (PIECES, 5):
+        jerks = np.random.default_rng(parts).normal(size=parts)
+        law = PhaseLaw(0.7, jerks)
+        t = np.linspace(0, 0.7, 40)
+        assert all(np.array_equal(x, law.evaluate(t, order)) for order, x in enumerate(law.states(t)))
+
+
 def test_a_slower_law_has_the_same_shape() -> None:
     law = law_of(*lines(1)[0])
     slow, t = law.slower(2.0), np.linspace(0, law.duration, 50)
@@ -93,7 +102,8 @@ def test_the_slopes_of_the_times_are_those_of_differences() -> None:
     c = np.array([[0.7, -0.4, 0.3, 1.1], [0.2, 0.5, -0.6, 0.1], [0.3, -0.2, 0.4, -0.5]])
     rates = Rates.of((c[0] + c[1] * s + c[2] * s**2 / 2, c[1] + c[2] * s, c[2] + 0 * s), limits())
     shape = np.random.default_rng(3).uniform([0.1, 0.5, -3, -20], [0.9, 2.0, 3, 20], (40, 4))
-    times, slopes = rates.slopes(shape)
+    seen = rates.seen(shape)
+    times, slopes = seen.times, rates.slopes(seen)
     assert (times == rates.times(shape)).all()
     for k, step in enumerate((1 / (TABLE - 1), 1e-6, 1e-6, 1e-5)):
         by = np.zeros(4)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.timing import Numbers, Solver
+
 Floats = NDArray[np.float64]
 
 
@@ -44,6 +46,22 @@ class Question:
     @property
     def n(self) -> int:
         return len(self.q0)
+
+    @property
+    def states(self) -> tuple[Numbers, Numbers]:
+        """Start and goal as a `Solver` takes them."""
+        return numbers(self.start), numbers(self.goal)
+
+    @property
+    def solver(self) -> Solver:
+        """A new one for these limits."""
+        return Solver(*numbers(self.limits))
+
+
+def numbers(rows: tuple[Floats, Floats, Floats]) -> Numbers:
+    """Three vectors as plain numbers."""
+    first, second, third = (row.tolist() for row in rows)
+    return first, second, third
 
 
 RH6 = (np.array([6.98, 11.69, 2.4, 43.6]), np.array([125.64, 210.42, 43.02, 785.34]))

@@ -8,7 +8,7 @@ import ruckig
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.timing import Profile, least_duration, rest_to_rest_time, shortest_duration, time_joints
+from planner.timing import Profile, least_duration, rest_to_rest_time, time_joints
 from planner.timing.question import TimingRefusal
 from tests.planner.timing.legs import MANNERS, ROBOTS, Question, question
 
@@ -67,7 +67,7 @@ def test_no_bound_is_above_the_solvers_minimum_at_the_whole_limits(manner: str, 
 @given(st.integers(0, 10**6), st.sampled_from(ROBOTS), st.sampled_from(MANNERS))
 def test_no_bound_is_above_what_we_time(seed: int, robot: str, manner: str) -> None:
     asked = question(np.random.default_rng(seed), robot, manner)
-    shortest, profile = shortest_duration(*asked.args), time_joints(*asked.args)
+    shortest, profile = asked.solver.shortest(*asked.states), time_joints(*asked.args)
     assert isinstance(profile, Profile)
     assert not isinstance(shortest, TimingRefusal)
     assert least_duration(*asked.args) <= min(shortest, profile.duration)

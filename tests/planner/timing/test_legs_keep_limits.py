@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import ruckig
 
-from planner.timing import Profile, TimingRefusal, time_joints, to_trajectory
-from planner.timing.question import lowered_limits
+from planner.timing import Profile, Settled, Sketch, TimingRefusal, time_joints, to_trajectory
+from planner.timing.question import Allowed, lowered_limits
 from planner.trajectory import check_limits, keeps_limits
-from tests.planner.timing.legs import MANNERS, ROBOTS, Question, question
+from tests.planner.timing.legs import MANNERS, ROBOTS, Question, numbers, question
 
 WIDE = 1e3
 
@@ -78,7 +78,7 @@ def test_the_spline_repeats_the_solvers_cubics(manner: str) -> None:
             setattr(given, f"current_{name}", value.tolist())
         for name, value in zip(("position", "velocity", "acceleration"), asked.goal, strict=True):
             setattr(given, f"target_{name}", value.tolist())
-        limits = lowered_limits([row.tolist() for row in asked.args])
+        limits = lowered_limits(*asked.states, Allowed(*numbers(asked.limits)))
         assert not isinstance(limits, TimingRefusal)
         given.max_velocity, given.min_velocity = limits.velocity, limits.backward
         given.max_acceleration, given.min_acceleration = limits.acceleration, limits.braking
@@ -94,6 +94,42 @@ def test_the_spline_repeats_the_solvers_cubics(manner: str) -> None:
         assert np.abs(profile.evaluate(t) - path.evaluate(t)).max() <= 1e-9
     assert len(worst) >= 60
     assert max(worst) <= 1e-9
+
+
+def test_a_solver_that_is_asked_again_answers_like_a_new_one_whatever_it_was_asked_before() -> None:
+    """Each question between a refused one, one of a given duration, and other states under the same limits."""
+    rng, settled = np.random.default_rng(12), 0
+    for k in range(60):
+        one = question(rng, ROBOTS[k % 4], MANNERS[k // 4 % 4], n=1 + k % 5)
+        states, solver = one.states, one.solver
+        far = tuple(row.tolist() for row in (one.q1 + 1.0, 0.3 * one.velocity, 0.1 * one.acceleration))
+        for _ in range(2):
+            solver.shortest(states[0], (far[0], far[1], far[2]))
+            assert isinstance(solver.sketch(states[0], (far[0], [9e9] * one.n, far[2])), TimingRefusal)
+            solver.sketch(*states, 1e-6)
+            for duration in (None, 9.0):
+                again, new = solver.sketch(*states, duration), one.solver.sketch(*states, duration)
+                assert not isinstance(again, TimingRefusal)
+                assert not isinstance(new, TimingRefusal)
+                t = np.linspace(0, new.duration, 50)
+                assert np.array_equal(again.positions(t), new.positions(t))
+                assert all(map(np.array_equal, again.profile.knots(0.3), new.profile.knots(0.3)))
+                settled += isinstance(new, Settled)
+    assert settled > 0
+
+
+def test_a_sketch_keeps_its_motion_when_its_solver_is_asked_again() -> None:
+    rng = np.random.default_rng(13)
+    for manner in MANNERS:
+        one = question(rng, "problems", manner, least=0.1)
+        solver, (start, goal) = one.solver, one.states
+        first = solver.sketch(start, goal)
+        assert isinstance(first, Sketch)
+        t = np.linspace(0, first.duration, 50)
+        before = first.positions(t)
+        solver.sketch(goal, start)
+        assert np.array_equal(first.positions(t), before)
+        assert np.abs(first.profile.evaluate(t) - before).max() <= 1e-5
 
 
 def test_the_same_question_gets_the_same_bytes_whatever_was_asked_before() -> None:

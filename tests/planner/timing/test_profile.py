@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from planner.errors import FaultError
 from planner.timing import Profile, time_joints, to_trajectory
 from planner.timing.question import TimingRefusal
-from planner.timing.solver import sketch_joints
 from planner.timing.writing import MERGE
 from tests.planner.timing.legs import MANNERS, ROBOTS, Question, question
 
@@ -142,9 +141,19 @@ def test_a_motion_of_no_duration_has_no_knots() -> None:
 @given(st.integers(0, 10**6), st.sampled_from(("real", "problems", "sharp")), st.sampled_from(MANNERS))
 def test_a_sketch_is_where_its_profile_is_to_ten_micrometres(seed: int, robot: str, manner: str) -> None:
     asked = question(np.random.default_rng(seed), robot, manner)
-    sketch = sketch_joints(*asked.args)
+    sketch = asked.solver.sketch(*asked.states)
     assert not isinstance(sketch, TimingRefusal)
     t = np.linspace(0, sketch.duration, 100)
     assert np.abs(sketch.positions(t) - sketch.profile.evaluate(t)).max() <= 1e-5
     beyond = np.array([-1.0, sketch.duration + 1.0])
     assert np.abs(sketch.positions(beyond) - [asked.q0, asked.q1]).max() <= 1e-6
+
+
+@given(st.integers(0, 10**6), st.sampled_from(MANNERS))
+def test_the_states_are_the_three_orders_to_the_bit_and_what_is_no_time_has_none(seed: int, manner: str) -> None:
+    asked = question(np.random.default_rng(seed), "real", manner)
+    profile = time_joints(*asked.args)
+    assert isinstance(profile, Profile)
+    t = np.linspace(0, profile.duration, 30)
+    assert all(np.array_equal(x, profile.evaluate(t, order)) for order, x in enumerate(profile.states(t)))
+    assert all(np.isnan(x).all() for x in profile.states(np.array([np.nan])))

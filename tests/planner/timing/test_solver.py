@@ -11,8 +11,8 @@ import ruckig
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.errors import InputError
-from planner.timing import Profile, TimingRefusal, shortest_duration, time_joints, to_trajectory
+from planner.errors import FaultError, InputError
+from planner.timing import Profile, Sketch, Solver, TimingRefusal, time_joints, to_trajectory
 from planner.timing.solver import BRIEF, LONGEST, SHORTEST
 from planner.trajectory import check_limits
 from tests.planner.timing.legs import MANNERS, ROBOTS, question
@@ -35,6 +35,12 @@ def ask(**changed: Any) -> Profile | TimingRefusal:
     return time_joints(**{**PLAIN, **changed})
 
 
+def shortest(**changed: Any) -> float | TimingRefusal:
+    """The same question to a solver, as plain numbers, for the duration alone."""
+    rows = [np.asarray(row).tolist() for row in {**PLAIN, **changed}.values()]
+    return Solver(*rows[6:]).shortest(tuple(rows[:3]), tuple(rows[3:6]))
+
+
 @pytest.mark.parametrize("name", list(PLAIN))
 @pytest.mark.parametrize("value", [[1.0, np.nan], [np.inf, 1.0], [1.0], [1.0, 1.0, 1.0], [], [[1.0, 1.0]], 1.0])
 def test_vectors_that_are_not_finite_or_not_of_one_length_are_bad_input_by_name(name: str, value: Any) -> None:
@@ -42,8 +48,8 @@ def test_vectors_that_are_not_finite_or_not_of_one_length_are_bad_input_by_name(
         ask(**{name: np.array(value)})
     # A first vector of another length shows at the second.
     assert refused.value.field == f"timing.{name}" or name == "q0"
-    with pytest.raises(InputError):
-        shortest_duration(**{**PLAIN, name: np.array(value)})
+    with pytest.raises((InputError, TypeError)):
+        shortest(**{name: np.array(value)})
 
 
 @pytest.mark.parametrize("name", ["velocity", "acceleration", "jerk"])
@@ -76,7 +82,7 @@ def test_a_state_that_is_or_will_be_beyond_a_limit_is_refused_with_its_share(cha
     assert isinstance(refused, TimingRefusal)
     assert refused.reason == "limits"
     assert refused.excess == pytest.approx(excess, abs=1e-9)
-    assert isinstance(shortest_duration(**{**PLAIN, **changed}), TimingRefusal)
+    assert isinstance(shortest(**changed), TimingRefusal)
 
 
 @pytest.mark.parametrize(
@@ -147,8 +153,36 @@ def test_a_motion_of_more_than_ten_minutes_is_refused() -> None:
         assert refused.excess > 0
     for way in (700.0, 1e4, 1e6):
         assert isinstance(ask(q1=way * ONE), TimingRefusal)
-        assert isinstance(shortest_duration(**{**PLAIN, "q1": way * ONE}), TimingRefusal)
+        assert isinstance(shortest(q1=way * ONE), TimingRefusal)
     assert isinstance(ask(duration=LONGEST), Profile)
+
+
+@pytest.mark.parametrize("rows", [([1.0],), ([1.0, 2.0, 3.0],), ([],), ([1.0, math.nan],), ([math.inf, 1.0],)])
+def test_a_solver_refuses_states_and_limits_that_are_not_numbers_of_one_length(rows: tuple[list[float]]) -> None:
+    legal = [1.0, 2.0]
+    for number, name in enumerate(("velocity", "acceleration", "jerk")):
+        limits = [legal] * number + [rows[0]] + [legal] * (2 - number)
+        with pytest.raises(InputError) as refused:
+            Solver(*limits)
+        # the first one says how many joints there are
+        assert refused.value.field == f"timing.{name}" or number == 0
+    solver = Solver(legal, legal, legal)
+    for number, name in enumerate(("q0", "v0", "a0", "q1", "v1", "a1")):
+        states = [legal] * number + [rows[0]] + [legal] * (5 - number)
+        for asked in (solver.sketch, solver.shortest):
+            with pytest.raises(InputError) as refused:
+                asked((states[0], states[1], states[2]), (states[3], states[4], states[5]))
+            assert refused.value.field == f"timing.{name}"
+
+
+@pytest.mark.parametrize("n", [1, 2])
+def test_no_state_is_asked_of_the_solver_at_a_time_that_is_not_a_number(n: int) -> None:
+    sketch = Solver([1.0] * n, [2.0] * n, [50.0] * n).sketch(([0.0] * n,) * 3, ([1.0] * n, [0.0] * n, [0.0] * n))
+    assert isinstance(sketch, Sketch)
+    assert sketch.positions(np.zeros(0)).shape == (0, n)
+    assert sketch.positions(np.array([-np.inf, np.inf])).tolist() == [[0.0] * n, pytest.approx([1.0] * n)]
+    with pytest.raises(FaultError, match="finite"):
+        sketch.positions(np.array([0.0, np.nan, 0.1]))
 
 
 class Broken:
@@ -251,7 +285,7 @@ def test_a_brief_motion_from_rest_to_rest_goes_straight_and_takes_no_longer() ->
     rng, straight = np.random.default_rng(0), 0
     for _ in range(300):
         asked = question(rng, "real", "rest")
-        found, least = time_joints(*asked.args), shortest_duration(*asked.args)
+        found, least = time_joints(*asked.args), asked.solver.shortest(*asked.states)
         assert isinstance(found, Profile)
         assert isinstance(least, float)
         assert found.duration == least
@@ -266,13 +300,13 @@ def test_the_shortest_duration_is_that_of_the_profile_and_can_be_asked_for(
     seed: int, robot: str, manner: str, n: int
 ) -> None:
     asked = question(np.random.default_rng(seed), robot, manner, n)
-    profile, shortest = time_joints(*asked.args), shortest_duration(*asked.args)
+    profile, least = time_joints(*asked.args), asked.solver.shortest(*asked.states)
     assert isinstance(profile, Profile)
-    assert isinstance(shortest, float)
-    assert profile.duration == shortest
-    again = time_joints(*asked.args, duration=shortest)
+    assert isinstance(least, float)
+    assert profile.duration == least
+    again = time_joints(*asked.args, duration=least)
     assert isinstance(again, Profile)
-    assert again.duration == shortest
+    assert again.duration == least
 
 
 def test_a_duration_of_zero_is_for_an_arm_at_rest_that_stays() -> None:

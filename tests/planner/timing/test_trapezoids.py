@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.arrays import FloatArray
-from planner.timing import shortest_duration
+from planner.timing import Solver
 from planner.timing.trapezoids import Trapezoids, mean_acceleration, stopping_distance, trapezoid_time
 from tests.planner.cells import limits
 
@@ -95,7 +95,8 @@ def test_trapezoids_take_about_as_long_as_the_solvers_motions() -> None:
         q0, q1 = rng.uniform(limits().lower, limits().upper, (2, 4))
         v1 = rng.uniform(-0.4, 0.4, 4) * V * (rng.random() < 0.5)
         zero = np.zeros(4)
-        true = shortest_duration(q0, zero, zero, q1, v1, zero, V, A, J)
+        at_rest, goal = (q0.tolist(), [0.0] * 4, [0.0] * 4), (q1.tolist(), v1.tolist(), [0.0] * 4)
+        true = Solver(V.tolist(), A.tolist(), J.tolist()).shortest(at_rest, goal)
         assert isinstance(true, float)
         ratios.append(float(trapezoid_time(q0, zero, q1, v1, V, SLOW)) / true)
     assert np.percentile(ratios, 5) > 0.93

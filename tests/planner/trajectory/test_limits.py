@@ -8,7 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.errors import InputError
-from planner.trajectory import JERK_TOLERANCE, LIMIT_TOLERANCE, Trajectory, check_limits, keeps_limits
+from planner.trajectory import (
+    JERK_TOLERANCE,
+    LIMIT_TOLERANCE,
+    Trajectory,
+    check_limits,
+    keeps_limits,
+    keeps_positions,
+    rate_ratios,
+)
 from tests.planner.trajectory.splines import Floats, spline, splines
 
 KINDS = ("position", "velocity", "acceleration", "jerk")
@@ -50,6 +58,10 @@ def test_a_limit_lowered_by_ten_tolerances_is_broken_by_that_joint_there(kind: i
             report = check_limits(path, *lowered)
             assert report.ok is ok
             assert keeps_limits(path, *lowered) is ok
+            assert keeps_positions(path, *lowered[:2]) is (ok or kind > 0)
+            ratios, rates_ok = rate_ratios(path, *lowered[2:])
+            assert rates_ok is (ok or kind == 0)
+            assert np.array_equal(ratios, [check.ratio for check in report.checks[1:]])
             check = report.checks[kind]
             assert check.ok is ok
             if not ok:
@@ -114,3 +126,30 @@ def test_limits_that_are_none_are_refused(which: int, value: float) -> None:
             check(path, *limits)
         with pytest.raises(InputError):
             check(path, *(limit[:2] for limit in snug(path)))
+
+
+@pytest.mark.parametrize("spoilt", [np.nan, np.inf, 0.0, -1.0])
+def test_rates_and_positions_by_themselves_refuse_limits_that_are_none(spoilt: float) -> None:
+    path = moving(0)
+    limits = snug(path)
+    for kind in (2, 3, 4):
+        rates = [limit.copy() for limit in limits[2:]]
+        rates[kind - 2][1] = spoilt
+        with pytest.raises(InputError):
+            rate_ratios(path, *rates)
+    with pytest.raises(InputError):
+        keeps_positions(path, limits[1], limits[0])
+    with pytest.raises(InputError):
+        keeps_positions(path, limits[0], np.full(3, np.nan))
+    with pytest.raises(InputError):
+        keeps_positions(path, limits[0][:2], limits[1][:2])
+
+
+def test_no_jerk_is_kept_by_a_trajectory_that_jumps() -> None:
+    time, none = np.array([0.0, 1.0, 1.0, 2.0]), np.zeros((4, 1))
+    qd, qdd = np.array([[0.0], [1.0], [1.0], [0.0]]), np.array([[1.0], [1.0], [-1.0], [-1.0]])
+    path = Trajectory(time, np.array([[0.0], [0.5], [0.5], [1.0]]), qd, qdd, jumps=True)
+    ratios, ok = rate_ratios(path, np.array([2.0]), np.array([2.0]), np.array([1e9]))
+    assert not ok
+    assert ratios[:, 0].tolist() == [pytest.approx(0.5), pytest.approx(0.5), np.inf]
+    assert keeps_positions(path, none[0] - 1, none[0] + 2)
