@@ -102,19 +102,16 @@ class Solids:
         if self.vertices:
             for k in np.flatnonzero(self.hull[solid] >= 0):
                 found[:, k] = _farthest((centre[k] + self.vertices[self.hull[solid[k]]] @ axes[k].T)[None])[:, 0]
-        alike = np.stack([self._round(solid), self._ball(solid)])
-        return np.asarray(np.where(alike, _farthest(centre[:, None]), found))
+        return np.asarray(np.where(self._alike(solid), _farthest(centre[:, None]), found))
 
-    def _round(self, solid: IntArray) -> BoolArray:
-        """Whether each solid is one of revolution about a vertical, or a ball."""
-        revolved = (self.half[solid, :2] == 0.0).all(1) & (self.hull[solid] < 0)
+    def _alike(self, solid: IntArray) -> BoolArray:
+        """Whether each solid looks the same however it turns about the vertical, and however it tilts, (2, N): an
+        upright one of revolution, and a ball."""
+        flat = self.half[solid] == 0.0
+        revolved = flat[:, 0] & flat[:, 1] & (self.hull[solid] < 0)
+        ball = revolved & flat[:, 2] & (self.disc[solid] == 0.0)
         upright = np.abs(self.rotation[solid, :2, 2]).max(1) <= UPRIGHT
-        return np.asarray((revolved & upright) | self._ball(solid))
-
-    def _ball(self, solid: IntArray) -> BoolArray:
-        """Whether each solid is a ball."""
-        point = (self.half[solid] == 0.0).all(1) & (self.disc[solid] == 0.0)
-        return np.asarray(point & (self.hull[solid] < 0))
+        return np.stack([ball | (revolved & upright), ball])
 
 
 def turns(yaw: FloatArray) -> FloatArray:
@@ -166,13 +163,15 @@ def solids(scene: Scene) -> Solids:
 
 def _with_boxes(raw: Solids) -> Solids:
     """The same table with a box a body behind the pieces."""
-    many, axes = len(raw.position), np.eye(3)
+    many = len(raw.position)
     if not many:
         return raw
-    every = np.repeat(np.arange(many), 3)
-    high = raw.support(every, np.tile(axes, (many, 1))).reshape(many, 3)
-    low = -raw.support(every, np.tile(-axes, (many, 1))).reshape(many, 3)
-    high, low = np.maximum.reduceat(high, raw.first), np.minimum.reduceat(low, raw.first)
+    # Of each solid along the axes of its body, up and down; only a hull is not the same both ways.
+    every, along = np.repeat(np.arange(many), 3), raw.rotation.reshape(-1, 3)
+    up = raw.about(every, along).reshape(many, 3)
+    down = raw.about(every, -along).reshape(many, 3) if raw.vertices else up
+    high = np.maximum.reduceat(raw.position + up, raw.first)
+    low = np.minimum.reduceat(raw.position - down, raw.first)
     boxes = len(raw.count)
     return Solids(
         bodies=raw.bodies,

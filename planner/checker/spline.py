@@ -50,7 +50,7 @@ class Spline:
     def position(self, t: FloatArray) -> FloatArray:
         """q (T, n) at times t (T,)."""
         piece, s = self.place(t)
-        return _value(self.control[0][piece], basis(s, 5))
+        return _value(self.control[0][piece], *_powers(s))
 
     def state(self, t: FloatArray) -> State:
         """q, q̇, q̈, q⃛ at times t (T,), each (T, n), from the right. If the last knot is at rest, the arm stands still
@@ -63,7 +63,8 @@ class Spline:
 
     def inside(self, piece: IntArray, s: FloatArray) -> State:
         """q, q̇, q̈, q⃛ at s (T,) of the given pieces (T,), each (T, n)."""
-        values = [_value(c[piece], basis(s, 5 - derivative)) for derivative, c in enumerate(self.control)]
+        powers = _powers(s)
+        values = [_value(control[piece], *powers) for control in self.control]
         return values[0], values[1], values[2], values[3]
 
     @property
@@ -74,6 +75,7 @@ class Spline:
 
 REST = 1e-9
 """A joint slower than this is at rest, rad/s or m/s (and rad/s², m/s²): in an hour it goes 4 µm."""
+_EXPONENTS = np.arange(6)
 _CHOOSE = tuple(np.array([comb(degree, i) for i in range(degree + 1)], dtype=np.float64) for degree in range(6))
 """Binomial coefficients, a row a degree."""
 
@@ -107,14 +109,16 @@ def within(x: FloatArray, low: float, high: float) -> FloatArray:
     return np.asarray(np.minimum(np.maximum(x, low), high))
 
 
-def basis(s: FloatArray, degree: int) -> FloatArray:
-    """Bernstein polynomials B_i(s) of a degree, (T, degree + 1)."""
-    i = np.arange(degree + 1)
-    return np.asarray(_CHOOSE[degree] * s[:, None] ** i * (1.0 - s[:, None]) ** i[::-1])
+def _powers(s: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """s⁰ to s⁵ and (1 - s)⁰ to (1 - s)⁵, each (T, 6), for s (T,)."""
+    return s[:, None] ** _EXPONENTS, (1.0 - s)[:, None] ** _EXPONENTS
 
 
-def _value(control: FloatArray, weights: FloatArray) -> FloatArray:
-    """Values (T, n) of polynomials by their control values (T, n, d+1) and `basis` (T, d+1)."""
+def _value(control: FloatArray, up: FloatArray, down: FloatArray) -> FloatArray:
+    """Values (T, n) of polynomials by their control values (T, n, d+1), by Bernstein's Σ c_i (d over i) sⁱ (1-s)ᵈ⁻ⁱ;
+    `up`, `down`: the powers of s and of 1 - s."""
+    degree = control.shape[-1] - 1
+    weights = _CHOOSE[degree] * up[:, : degree + 1] * down[:, degree::-1]
     return np.asarray((control @ weights[:, :, None])[:, :, 0])
 
 

@@ -70,13 +70,18 @@ class Motion:
 
         With r = R(yaw) offset and r⊥ = ẑ × r:  ṙ = ω r⊥,  r̈ = α r⊥ − ω² r,  r⃛ = (α̇ − ω³) r⊥ − 3 ω α r.
         """
-        c, s = np.cos(self.yaw), np.sin(self.yaw)
-        rx, ry = c * offset.x - s * offset.y, s * offset.x + c * offset.y
         w, dw, ddw = self.yaw_d, self.yaw_dd, self.yaw_ddd
-        zero = np.zeros_like(rx)
-        r = np.stack([rx, ry, zero + offset.z], -1)
-        flat = np.stack([rx, ry, zero], -1)
-        turned = np.stack([-ry, rx, zero], -1)
+        if offset.x == 0.0 and offset.y == 0.0:
+            # on the axis: r⊥ is zero
+            p = self.p + np.array([0.0, 0.0, offset.z])
+            return Motion(p, self.v, self.a, self.j, self.yaw + offset.yaw, w, dw, ddw)
+        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        flat, turned = np.zeros((2, *self.p.shape))
+        turned[..., 1] = flat[..., 0] = c * offset.x - s * offset.y
+        flat[..., 1] = s * offset.x + c * offset.y
+        turned[..., 0] = -flat[..., 1]
+        r = flat.copy()
+        r[..., 2] = offset.z
         w_, dw_, ddw_ = w[..., None], dw[..., None], ddw[..., None]
         return Motion(
             self.p + r,
