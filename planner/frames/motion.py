@@ -106,7 +106,8 @@ class Motion:
     @staticmethod
     def still(pose: Pose, shape: tuple[int, ...] = ()) -> Motion:
         """A pose that does not move, repeated over `shape` times."""
-        p = np.tile(pose.position, (*shape, 1))
+        p = np.empty((*shape, 3))
+        p[...] = pose.position
         yaw = np.full(shape, pose.yaw)
         still, unturned = np.zeros((3, *shape, 3)), np.zeros((3, *shape))
         return Motion(p, still[0], still[1], still[2], yaw, unturned[0], unturned[1], unturned[2])
