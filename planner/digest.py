@@ -80,5 +80,6 @@ def _canonical(item: Any) -> bytes:
         return b"i" + _WHOLE(item)
     if isinstance(item, np.ndarray):
         shape = struct.pack(f"<{item.ndim + 1}q", item.ndim, *item.shape)
-        return item.dtype.kind.encode() + shape + (item + 0).astype(item.dtype, copy=False).tobytes()
+        kind, numbers = str(item.dtype.kind), bytes((item + 0).astype(item.dtype, copy=False).tobytes())
+        return kind.encode() + shape + numbers
     return b"f" + _REAL(float(item) + 0.0)

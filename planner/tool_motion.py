@@ -24,9 +24,14 @@ def tool_motion(scene: Scene, trajectory: Trajectory, t: FloatArray) -> Motion:
 
 
 def tool_peak(scene: Scene, trajectory: Trajectory, t0: float, t1: float) -> tuple[float, float]:
-    """Largest acceleration, m/s², of the tool point over [t0, t1] by samples of `STEP_S`, and when."""
+    """Largest acceleration, m/s², of the tool point over [t0, t1], within the trajectory, by samples of `STEP_S`, and
+    when."""
     t = np.linspace(t0, t1, max(2, int(np.ceil((t1 - t0) / STEP_S)) + 1))
-    pull = np.sqrt((tool_motion(scene, trajectory, t).a ** 2).sum(-1))
+    robot = scene.robot
+    q, qd, qdd = trajectory.states_on_piece(*trajectory.piece(t))
+    # the jerk does not count in an acceleration
+    a = robot.link_motion(robot.links.index("flange"), q, qd, qdd, np.zeros_like(q)).at(scene.tool.tcp).a
+    pull = np.sqrt((a * a).sum(-1))
     top = int(np.argmax(pull))
     return float(pull[top]), float(t[top])
 

@@ -125,8 +125,8 @@ def proved(
 def _gaps(
     stage: Stage, ranges: Ranges, seat: IntArray, piece: IntArray, outward: FloatArray, rows: Rows
 ) -> tuple[FloatArray, FloatArray]:
-    """Support gaps (N,), (N,) at both ends of each row (C1); `seat`, `piece`, `outward` (2N, ...): the first bodies, and
-    then the second."""
+    """Support gaps (N,), (N,) at both ends of each row (C1); `seat`, `piece`, `outward` (2N, ...): the first bodies,
+    and then the second."""
     times, at = np.unique(np.concatenate([rows.t0, rows.t1]), return_inverse=True)
     position, rotation = stage.where(ranges.spline.position(times), times)
     which, carrier = np.concatenate([_twice(x) for x in np.split(at.ravel(), 2)]), _twice(stage.carrier[seat])
