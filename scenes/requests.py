@@ -43,7 +43,11 @@ __all__ = [
 
 def validate(document: object) -> RequestDocument:
     """The request in SI, its shape and units checked. Names are looked up, and meshes read, when a scene is built."""
-    whole = plain(document)
+    return _validated(plain(document))
+
+
+def _validated(whole: Any) -> RequestDocument:
+    """`validate` of a document that is plain."""
     if isinstance(whole, dict) and whole.get("status") in ("planned", "not_planned"):
         raise fault(whole, ("status",), "no status: this is an answer, not a request")
     return read(RequestDocument, whole)
@@ -62,12 +66,16 @@ def request_schema() -> dict[str, Any]:
 
 def cell_of(document: object, *, folder: Path | None = None) -> Cell:
     """Scene and joint conventions of a request. `folder`: below which mesh files may be named (command line only)."""
+    return _cell(plain(document), folder)
+
+
+def _cell(document: Any, folder: Path | None) -> Cell:
+    """`cell_of` of a document that is plain."""
     from scenes.build.cell import cell_of as build
 
-    document = plain(document)
     whole = document if folder is None else with_files(document, folder)
     # Faults are told of the document as it was written: of a mesh's file, not of the bytes that took its place.
-    return build(document, validate(whole))
+    return build(document, _validated(whole))
 
 
 def scene_of(document: object, *, folder: Path | None = None) -> Scene:
@@ -91,7 +99,7 @@ def plan_document(
     from scenes.answer import answer_of
 
     document = plain(document)
-    cell = cell_of(document, folder=folder)
+    cell = _cell(document, folder)
     with located(document):
         outcome = plan(cell.scene, started=started)
     return answer_of(cell, outcome, certificate)
