@@ -111,6 +111,9 @@ def proved(
     least = np.fmax((g0 + g1 - v * h) / 2, np.minimum(g0, g1) - m * h**2 / 8) - SLACK_M
     asked = required(stage, phases, rows, n)
     apart = least >= asked
+    good = unit & gaps & fast & apart
+    if good.all():
+        return good, []
     over = np.fmax(c.gap0[i] - gap0, c.gap1[i] - gap1)
     under = np.fmax(own_speed - speed, own_acceleration - acceleration)
     findings = [
@@ -119,7 +122,7 @@ def proved(
         *_worst(Code.BOUND, "claims a bound of speed or acceleration below ours", ~fast, under, "m/s, m/s²", c, rows),
         *_worst(Code.SEPARATION, "does not prove the required distance", ~apart, asked - least, "m", c, rows),
     ]
-    return unit & gaps & fast & apart, findings
+    return good, findings
 
 
 def _gaps(
