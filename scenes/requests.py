@@ -38,16 +38,17 @@ __all__ = [
     "shipped_scenarios",
     "unmet",
     "validate",
+    "validate_parsed",
 ]
 
 
 def validate(document: object) -> RequestDocument:
     """The request in SI, its shape and units checked. Names are looked up, and meshes read, when a scene is built."""
-    return _validated(plain(document))
+    return validate_parsed(plain(document))
 
 
-def _validated(whole: Any) -> RequestDocument:
-    """`validate` of a document that is plain."""
+def validate_parsed(whole: Any) -> RequestDocument:
+    """`validate` of what `parse_json` gave, which has no numbers but Python's own."""
     if isinstance(whole, dict) and whole.get("status") in ("planned", "not_planned"):
         raise fault(whole, ("status",), "no status: this is an answer, not a request")
     return read(RequestDocument, whole)
@@ -75,7 +76,7 @@ def _cell(document: Any, folder: Path | None) -> Cell:
 
     whole = document if folder is None else with_files(document, folder)
     # Faults are told of the document as it was written: of a mesh's file, not of the bytes that took its place.
-    return build(document, _validated(whole))
+    return build(document, validate_parsed(whole))
 
 
 def scene_of(document: object, *, folder: Path | None = None) -> Scene:
