@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import pydantic_core
 from starlette.responses import Response
 
 from api.problems import MEDIA_TYPE, Problem
@@ -15,7 +16,15 @@ def to_json(document: Any) -> bytes:
 
     Raises `ValueError` for a number that is not finite: such a one is our fault and never leaves the house as null.
     """
-    return json.dumps(document, allow_nan=False, separators=(",", ":")).encode("ascii")
+    try:
+        text = pydantic_core.to_json(document, inf_nan_mode="constants")
+    except pydantic_core.PydanticSerializationError:
+        text = b"NaN"
+    # Pydantic's writer is ten times as fast as Python's, and numbers read back the same to the bit. It would write a
+    # NaN, and more than ASCII: whatever looks like one of these is left to Python's.
+    if b"NaN" in text or b"Infinity" in text or not text.isascii():
+        return json.dumps(document, allow_nan=False, separators=(",", ":")).encode("ascii")
+    return text
 
 
 def json_response(body: bytes) -> Response:

@@ -90,6 +90,7 @@ class Seat:
             context=multiprocessing.get_context("spawn"),
         )
         try:
+            await asyncio.to_thread(_launch, pool)
             await self._run(pool, self._warm, (), self._warm_s)
         except BaseException as failed:
             await _dispose(pool)
@@ -123,14 +124,19 @@ class Seat:
     async def _run(pool: pebble.ProcessPool, job: Callable[..., Any], arguments: tuple[Any, ...], wall_s: float) -> Any:
         try:
             async with asyncio.timeout(wall_s + BACKSTOP_S):
-                future = await asyncio.to_thread(pool.schedule, job, args=arguments, timeout=wall_s)
-                return await asyncio.wrap_future(future)
+                # a pool that runs only puts it in its queue
+                return await asyncio.wrap_future(pool.schedule(job, args=arguments, timeout=wall_s))
         except pebble.ProcessExpired as expired:
             raise CrashedError(_how(expired.exitcode)) from expired
         except TimeoutError as late:
             raise KilledError(f"no result after {wall_s:g} s") from late
         except (BrokenProcessPool, RuntimeError) as broken:
             raise NotBegunError("was dead before it began") from broken
+
+
+def _launch(pool: pebble.ProcessPool) -> bool:
+    """Starts the process of a new pool, which takes a while."""
+    return bool(pool.active)
 
 
 async def _dispose(pool: pebble.ProcessPool) -> None:

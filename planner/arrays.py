@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.errors import InputError
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
@@ -19,18 +21,14 @@ def frozen(values: Any, shape: Sequence[int | None], field: str) -> FloatArray:
 
     Raises `InputError` naming `field` otherwise.
     """
-    from planner.errors import InputError
-
     try:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(field, values, "numbers") from error
-    if array.ndim != len(shape) or any(
-        want is not None and have != want for have, want in zip(array.shape, shape, strict=True)
-    ):
+    if array.shape != shape and not _fits(array.shape, shape):
         wanted = tuple("any" if want is None else want for want in shape)
         raise InputError(field, array.shape, f"an array of shape {wanted}")
-    if not np.all(np.isfinite(array)):
+    if not np.isfinite(array).all():
         raise InputError(field, values, "finite numbers")
     array.flags.writeable = False
     return array
@@ -44,3 +42,7 @@ def every(flags: BoolArray) -> BoolArray:
 def largest(values: FloatArray) -> FloatArray:
     """`values.max(-1)` (...), likewise, ten times as slowly; NaN where any is."""
     return np.asarray(reduce(np.maximum, [values[..., k] for k in range(values.shape[-1])]))
+
+
+def _fits(shape: tuple[int, ...], wanted: Sequence[int | None]) -> bool:
+    return len(shape) == len(wanted) and all(want in (None, have) for have, want in zip(shape, wanted, strict=True))

@@ -26,6 +26,9 @@ REALS = ("t0", "t1", "normal", "gap0", "gap1", "speed", "acceleration")
 INDICES = ("first", "first_piece", "second", "second_piece")
 
 
+_WHOLE, _REAL = struct.Struct("<q").pack, struct.Struct("<d").pack
+
+
 def digest(
     scene_digest: str,
     trajectory: Trajectory,
@@ -37,10 +40,8 @@ def digest(
 
     The certificate's own `digest` does not count. Not looked at: whether any of it is true.
     """
-    total = hashlib.sha256()
-    for item in _items(scene_digest, trajectory, legs, arrivals, certificate):
-        total.update(_canonical(item))
-    return total.hexdigest()
+    items = _items(scene_digest, trajectory, legs, arrivals, certificate)
+    return hashlib.sha256(b"".join(map(_canonical, items))).hexdigest()
 
 
 def _items(
@@ -68,15 +69,17 @@ def _items(
 
 
 def _canonical(item: Any) -> bytes:
+    if isinstance(item, float):
+        return b"f" + _REAL(item + 0.0)
     if item is None:
         return b"-"
     if isinstance(item, str):
         text = item.encode(errors="surrogatepass")
-        return b"s" + struct.pack("<q", len(text)) + text
-    if isinstance(item, bool | int):
-        return b"i" + struct.pack("<q", item)
+        return b"s" + _WHOLE(len(text)) + text
+    if isinstance(item, int):
+        return b"i" + _WHOLE(item)
     if isinstance(item, np.ndarray):
         shape = struct.pack(f"<{item.ndim + 1}q", item.ndim, *item.shape)
-        kind, numbers = str(item.dtype.kind), bytes((item + 0).astype(item.dtype).tobytes())
+        kind, numbers = str(item.dtype.kind), bytes((item + 0).astype(item.dtype, copy=False).tobytes())
         return kind.encode() + shape + numbers
-    return b"f" + struct.pack("<d", float(item) + 0.0)
+    return b"f" + _REAL(float(item) + 0.0)

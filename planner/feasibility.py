@@ -24,15 +24,22 @@ START_RATIO = 1e-9
 
 
 def start_impossible(scene: Scene, prover: Prover) -> Refusal | None:
-    """The first necessary condition of the start that does not hold, or None."""
-    return _start_beyond_limits(scene) or _laws_over(scene) or _start_collides(scene, prover)
+    """The first necessary condition of the start that does not hold, or None.
+
+    Whether the arm collides where it stands is `start_collides`: the proof of any candidate shows that it does not.
+    """
+    return _start_beyond_limits(scene) or _laws_over(scene) or _start_enclosed(scene, prover)
 
 
 def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
-    """A control point that can never be met: what hangs on the flange would be inside what stands still around it.
+    """A start that collides, or a control point that can never be met: what hangs on the flange would be inside what
+    stands still around it.
 
-    Asked only when the first candidates have failed: where they have not, the points can be met.
+    Asked only when the first candidates have failed: where they have not, the arm can leave and the points can be met.
     """
+    colliding = start_collides(scene, prover)
+    if colliding is not None:
+        return colliding
     rides, carried = initial_rides(scene), None
     for number, step in enumerate(scene.task):
         offsets, tilt = yaw_offsets(scene, step), tilts(scene, step, scene.start.q)[0]
@@ -116,21 +123,27 @@ def _laws_over(scene: Scene) -> Refusal | None:
     return None
 
 
-def _start_collides(scene: Scene, prover: Prover) -> Refusal | None:
+def start_collides(scene: Scene, prover: Prover) -> Refusal | None:
     """The arm as it stands at the start, against everything, at the clearance that travel asks for."""
     t = scene.start.time
     phase = Phase(t, t, LegKind.WAIT, 0, None, (), frozenset(), None, ())
-    solids = prover.solids(None, ())
-    found = closest(scene, prover, solids, phase, scene.start.q, frozenset())
-    if found is not None:
-        names, short, detail = found
-        return Refusal("start", Reason.START_IN_COLLISION, 0, names, (t, t), short, "m", detail)
-    within = enclosed(scene, solids, scene.start.q, t, frozenset(), initial_rides(scene))
-    if within is not None:
-        return Refusal(
-            "start", Reason.START_IN_COLLISION, 0, within, (t, t), math.nan, "m", f"{within[0]} is inside {within[1]}"
-        )
-    return None
+    found = closest(scene, prover, prover.solids(None, ()), phase, scene.start.q, frozenset())
+    if found is None:
+        return None
+    names, short, detail = found
+    return Refusal("start", Reason.START_IN_COLLISION, 0, names, (t, t), short, "m", detail)
+
+
+def _start_enclosed(scene: Scene, prover: Prover) -> Refusal | None:
+    """Whether the arm stands inside a mesh, which is hollow to the proof."""
+    if all(world.body.surface is None for world in scene.bodies):
+        return None
+    t = scene.start.time
+    within = enclosed(scene, prover.solids(None, ()), scene.start.q, t, frozenset(), initial_rides(scene))
+    if within is None:
+        return None
+    detail = f"{within[0]} is inside {within[1]}"
+    return Refusal("start", Reason.START_IN_COLLISION, 0, within, (t, t), math.nan, "m", detail)
 
 
 def _point(

@@ -29,7 +29,8 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
         offsets = yaw_offsets(scene, step)
         total += _dwell(step)
         here: list[FloatArray] = []
-        for offset in offsets or ():
+        between = bool(before) or number + 1 < len(scene.task)
+        for offset in (offsets or ()) if between else ():
             point = control_point(scene, number, rides, carried, offset, tilts(scene, step, scene.start.q)[0])
             known = not _tilt_free(scene, step, moving=True)
             if point.still and known and not (isinstance(step, Place) and turned):

@@ -29,25 +29,36 @@ def closest(
 ) -> tuple[tuple[str, str], float, str] | None:
     """The first pair nearer than required at the phase's beginning; `among`: only these bodies of the surroundings,
     against what hangs on the flange."""
-    t = np.array([phase.t0])
-    where = carriers(scene, q[None], t)
     a, b = prover.asked(solids)
+    if among is not None:
+        which = _hanging(scene, solids, among, a, b)
+        a, b = a[which], b[which]
+    if not len(a):
+        return None
+    where = carriers(scene, q[None], np.array([phase.t0]))
     need = _required(scene, phase, solids, b)
     near = np.flatnonzero(~(rough_gaps(solids, where, a, b)[0] - SLACK_M > need))
+    if not len(near):
+        return None
     row = np.zeros(len(near), dtype=np.int64)
     gap = likely_gaps(place(solids, where, row, a[near]), place(solids, where, row, b[near]))
     for i in near[~(gap - SLACK_M > need[near])]:
         x, y = int(a[i]), int(b[i])
         names = (solids.names[solids.body[x]], solids.names[solids.body[y]])
-        own = bool(solids.body[y] < solids.robot_bodies)
-        if pair(*names) in exempt or (among is not None and (own or names[1] not in among)):
-            continue
-        if among is not None and scene.robot.links[solids.carrier[x]] not in ("flange", "quill"):
+        if pair(*names) in exempt:
             continue
         found = _pair(prover, solids, where, (x, y), float(need[i]))
         if found is not None:
             return names, *found
     return None
+
+
+def _hanging(scene: Scene, solids: Solids, among: frozenset[str], a: IntArray, b: IntArray) -> IntArray:
+    """Numbers of the pairs of units (P,) of which one hangs on the flange and the other is of a body in `among`."""
+    links = scene.robot.links
+    hanging = np.array([*(link in ("flange", "quill") for link in links), *(False for _ in scene.frames)])
+    other = np.array([i >= solids.robot_bodies and name in among for i, name in enumerate(solids.names)])
+    return np.flatnonzero(hanging[solids.carrier[a]] & other[solids.body[b]])
 
 
 def _required(scene: Scene, phase: Phase, solids: Solids, b: IntArray) -> FloatArray:

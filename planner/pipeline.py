@@ -13,7 +13,7 @@ from planner.blend_search import searcher
 from planner.census import Counter
 from planner.certificate import Prover
 from planner.explanation import leading, sentence
-from planner.feasibility import start_impossible
+from planner.feasibility import start_collides, start_impossible
 from planner.legs.tilt import pitch_free
 from planner.lower_bound import lower_bound
 from planner.margins import contacts, margins
@@ -50,10 +50,12 @@ def plan(scene: Scene, *, adaptive: bool = True, started: float | None = None) -
     if never is not None:
         return _not_planned(scene, clock, never, Counter().census(), proved=True, cut=False, deepest=never.step)
     found = searcher(scene, prover, clock.started, adaptive=adaptive).run()
-    if found.never is not None:
-        census = found.census.census()
-        return _not_planned(scene, clock, found.never, census, proved=True, cut=False, deepest=found.never.step)
     if found.plan is None:
+        # the search may have ended before it asked
+        never = found.never or start_collides(scene, prover)
+        if never is not None:
+            census = found.census.census()
+            return _not_planned(scene, clock, never, census, proved=True, cut=False, deepest=never.step)
         return _not_found(scene, clock, found)
     return _planned(scene, clock, prover, found, found.plan)
 

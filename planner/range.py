@@ -24,7 +24,8 @@ def out_of_range(scene: Scene, point: ControlPoint) -> Refusal | None:
         return None
     refusals = []
     for mode in _allowed(scene):
-        here = [_refused(scene, point, above, mode) for above in (0.0, point.approach, point.depart)]
+        heights = dict.fromkeys((0.0, point.approach, point.depart))
+        here = [_refused(scene, point, above, mode) for above in heights]
         first = next((refusal for refusal in here if refusal is not None), None)
         if first is None:
             return None

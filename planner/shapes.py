@@ -113,8 +113,13 @@ class Hull:
         object.__setattr__(self, "faces", faces)
 
 
-def _identity() -> FloatArray:
-    return np.eye(3)
+AXES = {
+    "x": frozen([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]], (3, 3), "axes.x"),
+    "y": frozen([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]], (3, 3), "axes.y"),
+    "z": frozen(np.eye(3), (3, 3), "axes.z"),
+}
+"""Rotations that lay a solid's local z axis along a body axis."""
+_ORIGIN = frozen(np.zeros(3), (3,), "origin")
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,15 +127,17 @@ class Piece:
     """A convex solid fixed in a body: `position` (3,) m, `rotation` (3, 3) with the solid's axes as its columns."""
 
     shape: Primitive | Hull
-    position: FloatArray = field(default_factory=lambda: np.zeros(3))
-    rotation: FloatArray = field(default_factory=_identity)
+    position: FloatArray = field(default_factory=lambda: _ORIGIN)
+    rotation: FloatArray = field(default_factory=lambda: AXES["z"])
 
     def __post_init__(self) -> None:
-        position = frozen(self.position, (3,), "piece.position")
+        if self.position is not _ORIGIN:
+            object.__setattr__(self, "position", frozen(self.position, (3,), "piece.position"))
+        if any(self.rotation is axes for axes in AXES.values()):
+            return  # read-only and a rotation: most solids have one of these
         rotation = frozen(self.rotation, (3, 3), "piece.rotation")
         if not (np.abs(rotation.T @ rotation - np.eye(3)).max() <= 1e-9 and np.linalg.det(rotation) > 0):
             raise InputError("piece.rotation", rotation.tolist(), "an orthonormal, right-handed matrix")
-        object.__setattr__(self, "position", position)
         object.__setattr__(self, "rotation", rotation)
 
 
@@ -155,14 +162,6 @@ class Body:
                 raise InputError(f"body {self.name}", (vertices.shape, faces.shape), "a surface of (m, 3) and (f, 3)")
             if vertices.flags.writeable or faces.flags.writeable:
                 raise InputError(f"body {self.name}", "writable arrays", "a surface of read-only arrays")
-
-
-AXES = {
-    "x": np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]),
-    "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
-    "z": np.eye(3),
-}
-"""Rotations that lay a solid's local z axis along a body axis."""
 
 
 def support(piece: Piece, n: FloatArray) -> float:

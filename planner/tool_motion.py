@@ -17,14 +17,16 @@ RESERVE = 0.02
 
 
 def tool_motion(scene: Scene, trajectory: Trajectory, t: FloatArray) -> Motion:
-    """Motion of the tool point in the world at times t (T,)."""
+    """Motion of the tool point in the world at times t (T,) within the trajectory, up to its acceleration: its jerk is
+    that of joints which have none."""
     robot = scene.robot
-    q, qd, qdd, qddd = (trajectory.evaluate(t, order) for order in range(4))
-    return robot.link_motion(robot.links.index("flange"), q, qd, qdd, qddd).at(scene.tool.tcp)
+    q, qd, qdd = trajectory.states_on_piece(*trajectory.piece(t))
+    return robot.link_motion(robot.links.index("flange"), q, qd, qdd, np.zeros_like(q)).at(scene.tool.tcp)
 
 
 def tool_peak(scene: Scene, trajectory: Trajectory, t0: float, t1: float) -> tuple[float, float]:
-    """Largest acceleration, m/s², of the tool point over [t0, t1] by samples of `STEP_S`, and when."""
+    """Largest acceleration, m/s², of the tool point over [t0, t1], within the trajectory, by samples of `STEP_S`, and
+    when."""
     t = np.linspace(t0, t1, max(2, int(np.ceil((t1 - t0) / STEP_S)) + 1))
     pull = np.sqrt((tool_motion(scene, trajectory, t).a ** 2).sum(-1))
     top = int(np.argmax(pull))

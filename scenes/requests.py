@@ -38,12 +38,17 @@ __all__ = [
     "shipped_scenarios",
     "unmet",
     "validate",
+    "validate_parsed",
 ]
 
 
 def validate(document: object) -> RequestDocument:
     """The request in SI, its shape and units checked. Names are looked up, and meshes read, when a scene is built."""
-    whole = plain(document)
+    return validate_parsed(plain(document))
+
+
+def validate_parsed(whole: Any) -> RequestDocument:
+    """`validate` of what `parse_json` gave, which has no numbers but Python's own."""
     if isinstance(whole, dict) and whole.get("status") in ("planned", "not_planned"):
         raise fault(whole, ("status",), "no status: this is an answer, not a request")
     return read(RequestDocument, whole)
@@ -62,12 +67,16 @@ def request_schema() -> dict[str, Any]:
 
 def cell_of(document: object, *, folder: Path | None = None) -> Cell:
     """Scene and joint conventions of a request. `folder`: below which mesh files may be named (command line only)."""
+    return _cell(plain(document), folder)
+
+
+def _cell(document: Any, folder: Path | None) -> Cell:
+    """`cell_of` of a document that is plain."""
     from scenes.build.cell import cell_of as build
 
-    document = plain(document)
     whole = document if folder is None else with_files(document, folder)
     # Faults are told of the document as it was written: of a mesh's file, not of the bytes that took its place.
-    return build(document, validate(whole))
+    return build(document, validate_parsed(whole))
 
 
 def scene_of(document: object, *, folder: Path | None = None) -> Scene:
@@ -91,7 +100,7 @@ def plan_document(
     from scenes.answer import answer_of
 
     document = plain(document)
-    cell = cell_of(document, folder=folder)
+    cell = _cell(document, folder)
     with located(document):
         outcome = plan(cell.scene, started=started)
     return answer_of(cell, outcome, certificate)

@@ -43,6 +43,8 @@ def uncovered(stage: Stage, phases: tuple[Phase, ...], rows: Rows, behind: Plane
     whole = (pieces[0] < 0) & (pieces[1] < 0)
     hole = _holes(np.arange(len(keys)), bounds[phase], _pick(spans, whole))
     left = np.flatnonzero(hole >= 0)
+    if not len(left):
+        return []
     sizes = count[first] * count[second]
     for part in _batches(left, sizes, np.bincount(spans.key, minlength=len(keys))):
         hole[part] = _piecewise(part, bounds[phase], spans, pieces, count[first], count[second])
@@ -164,8 +166,6 @@ def _pick(spans: _Spans, which: BoolArray) -> _Spans:
 
 def _batches(left: IntArray, sizes: IntArray, rows: IntArray) -> list[IntArray]:
     """The keys left, in lots that stay below `BATCH`."""
-    if not len(left):
-        return []
     lot = np.cumsum(sizes[left] * np.maximum(1, rows[left])) // BATCH
     return np.split(left, np.flatnonzero(np.diff(lot)) + 1)
 

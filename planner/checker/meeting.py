@@ -8,7 +8,7 @@ import numpy as np
 
 from planner.arrays import FloatArray
 from planner.checker.order import TIME_S
-from planner.checker.spline import Spline
+from planner.checker.spline import Spline, State
 from planner.checker.targets import Target, asks_passing, asks_rest, asks_velocity, may_turn
 from planner.checker.tilt import tilt, tilt_rates, turned_by, wrapped
 from planner.checker.verdict import Code, Finding
@@ -29,8 +29,13 @@ MEET_RAD_S = 1e-6
 
 def tool_motion(scene: Scene, line: Spline, t: FloatArray) -> Motion:
     """Motion of the tool point in the world at times t (T,)."""
+    return _tool(scene, line.state(t))
+
+
+def _tool(scene: Scene, state: State) -> Motion:
+    """Motion of the tool point in the world with the joints in states (T, n)."""
     robot = scene.robot
-    return robot.link_motion(robot.links.index("flange"), *line.state(t)).at(scene.tool.tcp)
+    return robot.link_motion(robot.links.index("flange"), *state).at(scene.tool.tcp)
 
 
 def meetings(
@@ -74,7 +79,8 @@ def _times(legs: tuple[Leg, ...], number: int) -> list[tuple[float, float]]:
 def _met(scene: Scene, line: Spline, arrival: Arrival, target: Target) -> list[Finding]:
     name, step = target.step.name, target.step
     times = np.array([arrival.time, arrival.until])
-    tool, goal = tool_motion(scene, line, times), target.motion(scene, times)
+    state = line.state(times)
+    tool, goal = _tool(scene, state), target.motion(scene, times)
     findings = []
     where = f"{arrival.time:.6g} s"
     missed = scene.options.blended and asks_passing(step)  # checker.blends says by how much
@@ -85,9 +91,9 @@ def _met(scene: Scene, line: Spline, arrival: Arrival, target: Target) -> list[F
     if not off <= MEET_RAD:
         findings.append(Finding(Code.ARRIVAL, f"the tool is turned against {name}", off, "rad", where))
     if not missed:
-        findings += tilted(scene, line.state(times)[0], arrival, target)
+        findings += tilted(scene, state[0], arrival, target)
     if arrival.matched or asks_velocity(step):
-        findings += _tilting(scene, line, arrival, target)
+        findings += _tilting(scene, state, arrival, target)
     off = _apart(arrival.pose, tool)
     if not off <= MEET_M:
         findings.append(Finding(Code.ARRIVAL, f"the arrival at {name} says another pose", off, "m or rad", where))
@@ -101,7 +107,7 @@ def _met(scene: Scene, line: Spline, arrival: Arrival, target: Target) -> list[F
         if not off <= MEET_RAD_S:
             findings.append(Finding(Code.MATCH, f"the tool has not the yaw rate of {name}", off, "rad/s", where))
     if asks_rest(step):
-        off = float(np.abs(line.state(times)[1][0]).max())
+        off = float(np.abs(state[1][0]).max())
         if not off <= MEET_RAD_S:
             findings.append(Finding(Code.MATCH, f"the arm does not stand when it meets {name}", off, "1/s", where))
     return findings
@@ -128,11 +134,11 @@ def tilted(scene: Scene, q: FloatArray, arrival: Arrival, target: Target) -> lis
     return findings
 
 
-def _tilting(scene: Scene, line: Spline, arrival: Arrival, target: Target) -> list[Finding]:
-    """Whether a hand that meets its control point with its velocity keeps its pitch and roll there."""
+def _tilting(scene: Scene, state: State, arrival: Arrival, target: Target) -> list[Finding]:
+    """Whether a hand that meets its control point with its velocity keeps its pitch and roll there; `state`: then."""
     if target.tilt is None:
         return []
-    q, qd = line.state(np.array([arrival.time, arrival.until]))[:2]
+    q, qd = state[:2]
     fast = float(np.abs(tilt_rates(scene.robot, q, qd)[0]).max())
     if fast <= MEET_RAD_S:
         return []

@@ -8,13 +8,12 @@ two parts at its ends and of the whole parts in between. Whether a cut was well 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.checker.spline import Spline, cut
+from planner.checker.spline import Spline, before, begin_of, behind, within
 from planner.robots.protocol import Sweep
 
 TIGHT = 1e-12
@@ -24,8 +23,64 @@ ROUNDS = 40
 """Rounds of cuts. Three are usual; after the last one bounds are still bounds."""
 NEWTON = 4
 """Steps towards a stationary point in each round."""
+_DERIVATIVE = {
+    4: np.array([[-4, 4, 0, 0, 0], [12, -24, 12, 0, 0], [-12, 36, -36, 12, 0], [4, -16, 24, -16, 4]], dtype=np.float64),
+    3: np.array([[-3, 3, 0, 0], [6, -12, 6, 0], [-3, 9, -9, 3], [0, 0, 0, 0]], dtype=np.float64),
+}
+"""By degree: from control values to the coefficients of s⁰ to s³ of the derivative."""
 CLOSEST = 1e-9
 """Parts shorter than this share of their piece are not cut again: doubles hardly tell their ends apart."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Table:
+    """Control values `rows` (6, N, n + 2m) of q, C q̇ and C q̈ of N parts, one column a polynomial.
+
+    q̇ has five and q̈ four of them: they stand first, what is behind them means nothing. So one triangle cuts all.
+    """
+
+    rows: FloatArray
+    joints: int
+    rates: int
+
+    def __getitem__(self, which: IntArray | BoolArray) -> _Table:
+        return _Table(self.rows[:, which], self.joints, self.rates)
+
+    def parts(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Views of q (6, N, n), C q̇ (5, N, m) and C q̈ (4, N, m)."""
+        n, m = self.joints, self.joints + self.rates
+        return self.rows[:, :, :n], self.rows[:5, :, n:m], self.rows[:4, :, m:]
+
+    def cut(self, s0: FloatArray, s1: FloatArray) -> _Table:
+        """The parts over [s0, s1] (N,) of each, 0 <= s0 <= s1 <= 1."""
+        rows, n, m = self.rows.copy(), self.joints, self.joints + self.rates
+        before(rows, s1[:, None])
+        # the last control values must stand last while the other side of the triangle is made
+        rows[1:, :, n:m], rows[2:, :, m:] = rows[:5, :, n:m].copy(), rows[:4, :, m:].copy()
+        behind(rows, begin_of(s0, s1)[:, None])
+        rows[:5, :, n:m], rows[:4, :, m:] = rows[1:, :, n:m].copy(), rows[2:, :, m:].copy()
+        return _Table(rows, n, self.rates)
+
+    def heights(self) -> FloatArray:
+        """Greatest of q, −q, |C q̇|, |C q̈| among control values, (N, 2n + 2m)."""
+        q, rate, rate_d = self.parts()
+        return np.concatenate([q.max(0), -q.min(0), np.abs(rate).max(0), np.abs(rate_d).max(0)], axis=-1)
+
+    def ends(self) -> FloatArray:
+        """Greatest of |C q̇| and |C q̈| at both ends of each part, (N, 2m)."""
+        _, rate, rate_d = self.parts()
+        return np.concatenate([np.abs(rate[::4]).max(0), np.abs(rate_d[::3]).max(0)], axis=-1)
+
+
+def _table(line: Spline, combinations: FloatArray) -> _Table:
+    """The whole pieces."""
+    q, v, a = (np.moveaxis(control, -1, 0) for control in line.control[:3])
+    joints, rates = q.shape[-1], len(combinations)
+    rows = np.zeros((6, len(line.length), joints + 2 * rates))
+    rows[:, :, :joints] = q
+    rows[:5, :, joints : joints + rates] = v @ combinations.T
+    rows[:4, :, joints + rates :] = a @ combinations.T
+    return _Table(rows, joints, rates)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +88,7 @@ class Ranges:
     """Bounds of q, |C q̇| and |C q̈| of a spline: `piece`, `t0`, `t1` (S,) its parts, `top` (S, F) their bounds."""
 
     spline: Spline
-    combinations: FloatArray
-    controls: tuple[FloatArray, ...]
+    table: _Table
     piece: IntArray
     t0: FloatArray
     t1: FloatArray
@@ -45,80 +99,82 @@ class Ranges:
 
         From the last knot on the arm stands still.
         """
-        line, joints = self.spline, self.spline.control[0].shape[1]
-        a, b = np.clip(t0, line.start, line.end), np.clip(t1, line.start, line.end)
-        i = np.clip(np.searchsorted(self.t0, a, side="right") - 1, 0, len(self.t0) - 1)
-        j = np.maximum(np.clip(np.searchsorted(self.t1, b, side="left"), 0, len(self.t1) - 1), i)
+        line, joints = self.spline, self.table.joints
+        a, b = within(t0, line.start, line.end), within(t1, line.start, line.end)
+        last = len(self.t0) - 1
+        i = np.minimum(np.maximum(self.t0.searchsorted(a, "right") - 1, 0), last)
+        j = np.maximum(np.minimum(self.t1.searchsorted(b, "left"), last), i)
         both = np.concatenate([i, j])
         low = np.concatenate([a, np.maximum(a, self.t0[j])])
         high = np.concatenate([np.minimum(b, self.t1[i]), b])
         ends = self._tops(self.piece[both], low, high)
         top = np.maximum(ends[: len(i)], ends[len(i) :])
-        # Even rows of reduceat are maxima of top[i+1:j]; where that stretch is empty they are something else.
-        padded = np.concatenate([self.top, np.full((1, self.top.shape[1]), -np.inf)])
-        between = np.maximum.reduceat(padded, np.stack([i + 1, np.maximum(j, i + 1)], -1).ravel(), axis=0)[::2]
-        top = np.where((j > i + 1)[:, None], np.maximum(top, between), top)
-        if line.at_rest:
-            top = np.where((t0 >= line.end)[:, None], self._standing(), top)
-        rates = len(self.combinations)
-        n, m = 2 * joints, 2 * joints + rates
+        wide = j > i + 1
+        if wide.any():
+            # Even rows of reduceat are maxima of top[i+1:j].
+            stretches = np.stack([i[wide] + 1, j[wide]], -1).ravel()
+            top[wide] = np.maximum(top[wide], np.maximum.reduceat(self.top, stretches, axis=0)[::2])
+        behind_it = t0 >= line.end
+        if behind_it.any() and line.at_rest:
+            top = np.where(behind_it[:, None], self._standing(), top)
+        n, m = 2 * joints, 2 * joints + self.table.rates
         return Sweep(-top[:, joints:n], top[:, :joints], top[:, n:m], top[:, m:])
 
     def _standing(self) -> FloatArray:
         last = self.spline.control[0][-1, :, -1]
-        return np.concatenate([last, -last, np.zeros(2 * len(self.combinations))])
+        return np.concatenate([last, -last, np.zeros(2 * self.table.rates)])
 
     def _tops(self, piece: IntArray, t0: FloatArray, t1: FloatArray) -> FloatArray:
         """Greatest control values (N, F) of q, −q, |C q̇|, |C q̈| over parts [t0, t1] of the given pieces."""
         begin, length = self.spline.time[piece], self.spline.length[piece]
-        s0, s1 = (np.clip((t - begin) / length, 0.0, 1.0) for t in (t0, t1))
-        parts = [cut(control[piece], s0, s1) for control in self.controls]
-        return _heights(parts)
+        s0, s1 = (within((t - begin) / length, 0.0, 1.0) for t in (t0, t1))
+        return self.table[piece].cut(s0, s1).heights()
 
 
 def ranges(line: Spline, combinations: FloatArray) -> Ranges:
     """Bounds of a spline, `combinations` (m, n) being the robot's `rate_matrix`."""
-    controls = (line.control[0], combinations @ line.control[1], combinations @ line.control[2])
+    table = _table(line, combinations)
     piece = np.arange(len(line.length))
     s0, s1 = np.zeros(len(piece)), np.ones(len(piece))
-    parts: Sequence[FloatArray] = controls
-    rates = slice(2 * controls[0].shape[1], None)
-    scale = TIGHT * _heights(controls)[:, rates].max(0)
+    parts, top = table, table.heights()
+    rates = slice(2 * table.joints, None)
+    scale = TIGHT * top[:, rates].max(0)
     done: list[tuple[IntArray, FloatArray, FloatArray, FloatArray]] = []
     for attempt in range(ROUNDS):
-        top = _heights(parts)
-        out = ~(top[:, rates] <= _heights([part[..., [0, -1]] for part in parts])[:, rates] + scale)
+        out = ~(top[:, rates] <= parts.ends() + scale)
         open_ = out.any(1) & (s1 - s0 > CLOSEST) & (attempt < ROUNDS - 1)
-        done.append((piece[~open_], s0[~open_], s1[~open_], top[~open_]))
+        closed = ~open_
+        done.append((piece[closed], s0[closed], s1[closed], top[closed]))
         if not open_.any():
             break
-        of, middle = _cuts(parts[1][open_], parts[2][open_], out[open_], midpoint=attempt % 4 == 3)
+        of, middle = _cuts(parts[open_], out[open_], midpoint=attempt % 4 == 3)
         piece, s0, s1 = _divided(piece[open_], s0[open_], s1[open_], of, middle)
-        parts = [cut(control[piece], s0, s1) for control in controls]
+        parts = table[piece].cut(s0, s1)
+        top = parts.heights()
     piece, s0, s1, top = (np.concatenate(column) for column in zip(*done, strict=True))
     order = np.lexsort((s0, piece))
     piece, s0, s1, top = piece[order], s0[order], s1[order], top[order]
     t0 = line.time[piece] + s0 * line.length[piece]
     t1 = np.where(s1 == 1.0, line.time[piece + 1], line.time[piece] + s1 * line.length[piece])
-    return Ranges(line, combinations, controls, piece, t0, t1, top)
+    return Ranges(line, table, piece, t0, t1, top)
 
 
-def _heights(parts: Sequence[FloatArray]) -> FloatArray:
-    """Greatest of q, −q, |C q̇|, |C q̈| among control values, (N, 2n + 2m)."""
-    q, rate, rate_d = parts
-    return np.concatenate([q.max(-1), -q.min(-1), np.abs(rate).max(-1), np.abs(rate_d).max(-1)], axis=-1)
-
-
-def _cuts(rate: FloatArray, rate_d: FloatArray, out: BoolArray, *, midpoint: bool) -> tuple[IntArray, FloatArray]:
+def _cuts(parts: _Table, out: BoolArray, *, midpoint: bool) -> tuple[IntArray, FloatArray]:
     """Which parts to cut and where, in (0, 1): at the stationary point of every bound that stands `out` (N, 2m)."""
     if midpoint:
         return np.arange(len(out)), np.full(len(out), 0.5)
-    m, rows, where = rate.shape[1], [], []
-    for control, side in ((rate, out[:, :m]), (rate_d, out[:, m:])):
-        row, which = np.nonzero(side)
-        rows.append(row)
-        where.append(_peak(control[row, which]))
-    return np.concatenate(rows), np.concatenate(where)
+    _, rate, rate_d = parts.parts()
+    (row, which), (row_d, which_d) = np.nonzero(out[:, : parts.rates]), np.nonzero(out[:, parts.rates :])
+    slopes, guesses = zip(_slope(rate[:, row, which], 4), _slope(rate_d[:, row_d, which_d], 3), strict=True)
+    return np.concatenate([row, row_d]), _peak(np.concatenate(slopes, axis=1), np.concatenate(guesses))
+
+
+def _slope(control: FloatArray, degree: int) -> tuple[FloatArray, FloatArray]:
+    """Of polynomials by their control values (degree + 1, N), each turned so that the greatest of them is positive: the
+    coefficients of s⁰ to s³ (4, N) of the derivative, and where the greatest of them stands (N,), in [0, 1]."""
+    highest = np.abs(control).argmax(0)
+    sign = np.where(control[highest, np.arange(control.shape[1])] < 0, -1.0, 1.0)
+    return _DERIVATIVE[degree] @ (control * sign), highest / degree
 
 
 def _divided(
@@ -135,17 +191,16 @@ def _divided(
     return piece[part[wide]], begin[wide], end[wide]
 
 
-def _peak(control: FloatArray) -> FloatArray:
-    """A guess, in (0, 1), of where polynomials (N, d+1) are greatest in size: by Newton from the greatest value."""
-    degree, highest = control.shape[1] - 1, np.abs(control).argmax(1)
-    control = control * np.where(control[np.arange(len(control)), highest] < 0, -1.0, 1.0)[:, None]
-    s = highest / degree
+def _peak(slope: FloatArray, s: FloatArray) -> FloatArray:
+    """A guess, in (0, 1), of where polynomials are greatest: by Newton from s (N,), on their derivatives `slope`
+    (4, N), by Horner."""
     for _ in range(NEWTON):
-        level = control
-        while level.shape[1] > 3:
-            level = level[:, :-1] + s[:, None] * np.diff(level, axis=1)
-        curvature = level[:, 2] - 2 * level[:, 1] + level[:, 0]
-        level = level[:, :-1] + s[:, None] * np.diff(level, axis=1)
-        slope = (level[:, 1] - level[:, 0]) / max(1, degree - 1)
-        s = np.clip(np.where(curvature < 0, s - slope / np.where(curvature < 0, curvature, 1.0), s), 0.0, 1.0)
+        value = slope[3] * s + slope[2]
+        curvature = slope[3] * s + value
+        value = value * s + slope[1]
+        curvature = curvature * s + value
+        value = value * s + slope[0]
+        falling = curvature < 0
+        step = np.divide(value, curvature, out=np.zeros_like(s), where=falling)
+        s = within(s - step, 0.0, 1.0)
     return np.where((s > 0) & (s < 1), s, 0.5)

@@ -63,6 +63,8 @@ def _uncertainty(
     frames = list(scene.frames.values())
     place = np.array([frame.uncertainty.position_m for frame in frames])
     drift = np.array([frame.uncertainty.speed_m_s for frame in frames])
+    if not (place.any() or drift.any()):
+        return np.zeros(len(t))
     number = {frame.name: k for k, frame in enumerate(frames)}
     # counts[p, f, g]: whether the uncertainty of frame g counts towards bodies on frame f in phase p.
     counts = np.tile(np.eye(len(frames)), (len(phases), 1, 1))

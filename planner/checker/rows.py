@@ -11,6 +11,7 @@ could not have let one pass.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -22,6 +23,8 @@ from planner.checker.verdict import Code, Finding
 from planner.outcome import Certificate
 from planner.phases import Phase
 from planner.robots.protocol import Sweep
+
+Array = TypeVar("Array", FloatArray, IntArray)
 
 UNIT_NORMAL = 1e-12
 """| |n| - 1 | of a normal at most: a normalised vector is off by 2e-16; in a cell of 50 m this is 0.05 nm of gap."""
@@ -107,15 +110,16 @@ def least_of(
         return np.zeros(0), []
     c, i = certificate, rows.number
     n, speed, acceleration = c.normal[i], c.speed[i], c.acceleration[i]
-    seats = [stage.seat[rows.phase, body] for body in (rows.first, rows.second)]
-    pieces = [rows.first_piece, rows.second_piece]
+    # Both bodies of all rows one behind the other, each with the normal that points out of it.
+    seat = np.concatenate([stage.seat[rows.phase, body] for body in (rows.first, rows.second)])
+    piece, outward = np.concatenate([rows.first_piece, rows.second_piece]), np.concatenate([n, -n])
     # Many rows share an interval; complex numbers sort by both of its ends at once.
     spans, span = np.unique(rows.t0 + 1j * rows.t1, return_inverse=True)
-    swept = _each(ranges.sweep(spans.real.copy(), spans.imag.copy()), span)
-    bounds = [stage.bounds(seats[k], pieces[k], n, rows.t0, rows.t1, swept) for k in (0, 1)]
+    swept = _each(ranges.sweep(spans.real.copy(), spans.imag.copy()), _twice(span.ravel()))
+    bounds = stage.bounds(seat, piece, outward, _twice(rows.t0), _twice(rows.t1), swept)
     pair = rows.second >= 0  # the origin of the world does not move
-    own_speed, own_acceleration = (bounds[0][k] + np.where(pair, bounds[1][k], 0.0) for k in (0, 1))
-    gap0, gap1 = _gaps(stage, ranges, seats, pieces, n, rows)
+    own_speed, own_acceleration = (bound[: len(rows)] + np.where(pair, bound[len(rows) :], 0.0) for bound in bounds)
+    gap0, gap1 = _gaps(stage, ranges, seat, piece, outward, rows)
 
     length = np.sqrt((n * n).sum(1))
     unit = np.abs(length - 1.0) <= UNIT_NORMAL
@@ -128,6 +132,9 @@ def least_of(
     least = np.fmax((g0 + g1 - v * h) / 2, np.minimum(g0, g1) - m * h**2 / 8) - SLACK_M
     asked = np.where(pair, required(stage, phases, rows, n), -np.inf)
     apart = least >= asked
+    good = unit & gaps & fast & apart
+    if good.all():
+        return least, []
     over = np.fmax(c.gap0[i] - gap0, c.gap1[i] - gap1)
     under = np.fmax(own_speed - speed, own_acceleration - acceleration)
     findings = [
@@ -136,24 +143,28 @@ def least_of(
         *_worst(Code.BOUND, "claims a bound of speed or acceleration below ours", ~fast, under, "m/s, m/s²", c, rows),
         *_worst(Code.SEPARATION, "does not prove the required distance", ~apart, asked - least, "m", c, rows),
     ]
-    return np.where(unit & gaps & fast & apart, least, -np.inf), findings
+    return np.where(good, least, -np.inf), findings
 
 
 def _gaps(
-    stage: Stage, ranges: Ranges, seats: list[IntArray], pieces: list[IntArray], n: FloatArray, rows: Rows
+    stage: Stage, ranges: Ranges, seat: IntArray, piece: IntArray, outward: FloatArray, rows: Rows
 ) -> tuple[FloatArray, FloatArray]:
-    """Support gaps (N,), (N,) along n at both ends of each row (C1)."""
+    """Support gaps (N,), (N,) at both ends of each row (C1); `seat`, `piece`, `outward` (2N, ...): the first bodies,
+    and then the second."""
     times, at = np.unique(np.concatenate([rows.t0, rows.t1]), return_inverse=True)
-    position, rotation = stage.where(ranges.spline.state(times)[0], times)
-    found = []
-    for which in np.split(at.ravel(), 2):
-        total = np.zeros(len(n))
-        for body, seat, piece, side in zip((rows.first, rows.second), seats, pieces, (n, -n), strict=True):
-            carrier = stage.carrier[seat]
-            reach = stage.support(seat, piece, side, position[which, carrier], rotation[which, carrier])
-            total -= np.where(body >= 0, reach, 0.0)  # no body: the origin of the world
-        found.append(total)
-    return found[0], found[1]
+    position, rotation = stage.where(ranges.spline.position(times), times)
+    which, carrier = np.concatenate([_twice(x) for x in np.split(at.ravel(), 2)]), _twice(stage.carrier[seat])
+    reach = stage.support(
+        _twice(seat), _twice(piece), _twice(outward), position[which, carrier], rotation[which, carrier]
+    ).reshape(2, 2, len(rows))
+    # no second body: the origin of the world
+    gaps = -reach[:, 0] - np.where(rows.second >= 0, reach[:, 1], 0.0)
+    return gaps[0], gaps[1]
+
+
+def _twice(x: Array) -> Array:
+    """An array (N, ...) and then the same again."""
+    return np.concatenate([x, x])
 
 
 def _each(sweep: Sweep, rows: IntArray) -> Sweep:

@@ -7,6 +7,7 @@ The checker's own table: it shares the shapes and their numbers (`planner.pieces
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +19,19 @@ UPRIGHT = 1e-12
 """A solid of revolution whose axis is off the vertical by no more than this (a few roundings, rad) stands upright."""
 
 _SIGNS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+
+
+class Seated(NamedTuple):
+    """The solids of seated bodies, one after the other: of each body (K,) the first place of its pieces, with its box
+    behind them; by place (N,) the bounds, m, of the horizontal distance of its points from the carrier's z axis and of
+    that from its origin, which solid is there, its centre (N, 3) and its axes (N, 3, 3), columns, in the carrier."""
+
+    start: IntArray
+    reach: FloatArray
+    distance: FloatArray
+    solid: IntArray
+    centre: FloatArray
+    axes: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,24 +58,27 @@ class Solids:
     def support(self, solid: IntArray, n: FloatArray) -> FloatArray:
         """max of n·x over solids (N,) for n (N, 3) in the axes of their bodies (equation S1)."""
         local = (n[:, None, :] @ self.rotation[solid])[:, 0]
-        found = (n * self.position[solid]).sum(1) + (np.abs(local) * self.half[solid]).sum(1)
-        found += self.disc[solid] * np.hypot(local[:, 0], local[:, 1])
-        found += self.ball[solid] * np.sqrt((local * local).sum(1))
-        hull = self.hull[solid]
-        for k in np.unique(hull[hull >= 0]):
-            rows = np.flatnonzero(hull == k)
-            found[rows] += (local[rows] @ self.vertices[k].T).max(1)
-        return np.asarray(found)
+        return np.asarray((n * self.position[solid]).sum(1) + self.about(solid, local))
 
-    def reach(self, body: IntArray, offset: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
-        """How far turning a carrier moves the solids of bodies (K,) at `offset` (K, 4) in it: x, y, z, yaw; about its z
-        axis, and about any axis through its origin.
+    def about(self, solid: IntArray, n: FloatArray) -> FloatArray:
+        """max of n·x over solids (N,) about their centres, for n (N, 3) in their own axes."""
+        found: FloatArray = (np.abs(n) * self.half[solid]).sum(1)
+        found += self.disc[solid] * np.hypot(n[:, 0], n[:, 1])
+        found += self.ball[solid] * np.sqrt((n * n).sum(1))
+        if self.vertices:
+            hull = self.hull[solid]
+            for k in np.unique(hull[hull >= 0]):
+                rows = np.flatnonzero(hull == k)
+                found[rows] += (n[rows] @ self.vertices[k].T).max(1)
+        return found
 
-        The first place of each body (K,), and the reaches and distances in m: of its pieces, and behind them of its
-        box. A reach is a bound of the horizontal distance from the z axis of the points of a solid, a distance one of
-        that from the origin. An upright solid of revolution looks the same however it turns, so its points may be taken
-        to move as its centre does; a ball looks the same however it tilts, too. What bounds the points of all pieces
-        serves for the box, too: a gap of boxes is a gap of what is in them.
+    def reach(self, body: IntArray, offset: FloatArray) -> Seated:
+        """Where the solids of bodies (K,) at `offset` (K, 4) in their carriers are (x, y, z, yaw), and how far turning
+        a carrier moves them: about its z axis, and about any axis through its origin.
+
+        An upright solid of revolution looks the same however it turns, so its points may be taken to move as its
+        centre does; a ball looks the same however it tilts, too. What bounds the points of all pieces serves for the
+        box, too: a gap of boxes is a gap of what is in them.
         """
         sizes = self.count[body] + 1
         start = np.cumsum(sizes) - sizes
@@ -69,35 +86,42 @@ class Solids:
         place = np.arange(len(of)) - start[of]
         boxed = place == sizes[of] - 1
         solid = np.where(boxed, self.box[body[of]], self.first[body[of]] + place)
-        found = self._radii(solid, offset[of])
+        turn = turns(offset[:, 3])[of]
+        centre = (turn @ self.position[solid, :, None])[..., 0] + offset[of, :3]
+        axes = turn @ self.rotation[solid]
+        found = self._radii(solid, centre, axes)
         if len(body):
             widest = np.maximum.reduceat(np.where(boxed, 0.0, found), start, axis=1)
             found = np.where(boxed, np.minimum(found, widest[:, of]), found)
-        return start, found[0], found[1]
+        return Seated(start, found[0], found[1], solid, centre, axes)
 
-    def _radii(self, solid: IntArray, offset: FloatArray) -> FloatArray:
+    def _radii(self, solid: IntArray, centre: FloatArray, axes: FloatArray) -> FloatArray:
         """(2, N): from the carrier's z axis and from its origin."""
-        c, s, nil = np.cos(offset[:, 3]), np.sin(offset[:, 3]), np.zeros(len(solid))
-        turn = np.stack([np.stack([c, -s, nil], -1), np.stack([s, c, nil], -1), np.stack([nil, nil, nil + 1], -1)], -2)
-        centre = (turn @ self.position[solid, :, None])[..., 0] + offset[:, :3]
-        axes = turn @ self.rotation[solid]
         corners = centre[:, None, :] + (_SIGNS * self.half[solid][:, None, :]) @ np.swapaxes(axes, 1, 2)
         found = _farthest(corners) + self.disc[solid] + self.ball[solid]
-        for k in np.flatnonzero(self.hull[solid] >= 0):
-            found[:, k] = _farthest((centre[k] + self.vertices[self.hull[solid[k]]] @ axes[k].T)[None])[:, 0]
-        alike = np.stack([self._round(solid), self._ball(solid)])
-        return np.asarray(np.where(alike, _farthest(centre[:, None]), found))
+        if self.vertices:
+            for k in np.flatnonzero(self.hull[solid] >= 0):
+                found[:, k] = _farthest((centre[k] + self.vertices[self.hull[solid[k]]] @ axes[k].T)[None])[:, 0]
+        return np.asarray(np.where(self._alike(solid), _farthest(centre[:, None]), found))
 
-    def _round(self, solid: IntArray) -> BoolArray:
-        """Whether each solid is one of revolution about a vertical, or a ball."""
-        revolved = (self.half[solid, :2] == 0.0).all(1) & (self.hull[solid] < 0)
+    def _alike(self, solid: IntArray) -> BoolArray:
+        """Whether each solid looks the same however it turns about the vertical, and however it tilts, (2, N): an
+        upright one of revolution, and a ball."""
+        flat = self.half[solid] == 0.0
+        revolved = flat[:, 0] & flat[:, 1] & (self.hull[solid] < 0)
+        ball = revolved & flat[:, 2] & (self.disc[solid] == 0.0)
         upright = np.abs(self.rotation[solid, :2, 2]).max(1) <= UPRIGHT
-        return np.asarray((revolved & upright) | self._ball(solid))
+        return np.stack([ball | (revolved & upright), ball])
 
-    def _ball(self, solid: IntArray) -> BoolArray:
-        """Whether each solid is a ball."""
-        point = (self.half[solid] == 0.0).all(1) & (self.disc[solid] == 0.0)
-        return np.asarray(point & (self.hull[solid] < 0))
+
+def turns(yaw: FloatArray) -> FloatArray:
+    """Rotations (..., 3, 3) about the vertical by `yaw` (...); NaN where it is."""
+    found = np.zeros((*yaw.shape, 3, 3))
+    found[..., 0, 0] = found[..., 1, 1] = np.cos(yaw)
+    found[..., 1, 0] = np.sin(yaw)
+    found[..., 0, 1] = -found[..., 1, 0]
+    found[..., 2, 2] = np.where(np.isnan(yaw), np.nan, 1.0)
+    return found
 
 
 def _farthest(points: FloatArray) -> FloatArray:

@@ -12,7 +12,7 @@ import numpy as np
 
 from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.checker.ranges import Ranges
-from planner.checker.solids import Solids
+from planner.checker.solids import Seated, Solids, turns
 from planner.frames.motion import Pose
 from planner.phases import Phase
 from planner.robots.protocol import Sweep
@@ -22,8 +22,8 @@ from planner.scene import Scene
 @dataclass(frozen=True, eq=False)
 class Stage:
     """`seat` (P, B): the seat of each body in each phase; per seat (S,) its `body`, `carrier`, `offset` (S, 4) as
-    x, y, z, yaw, and `reaches[reach_at[seat] + piece]`, `distances` likewise; a box has the place behind the last
-    piece."""
+    x, y, z, yaw; `seated`: the solids of all seats, the pieces of each from `seated.start[seat]` on, its box behind
+    the last of them."""
 
     scene: Scene
     solids: Solids
@@ -31,9 +31,7 @@ class Stage:
     body: IntArray
     carrier: IntArray
     offset: FloatArray
-    reach_at: IntArray
-    reaches: FloatArray
-    distances: FloatArray
+    seated: Seated
 
     @property
     def links(self) -> int:
@@ -46,42 +44,42 @@ class Stage:
 
     def where(self, q: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Positions (T, C, 3) and rotations (T, C, 3, 3) of all carriers at times t (T,) with joints q (T, n)."""
-        p, rotation = self.scene.robot.placements(q)
-        frames = [frame.law.motion(t) for frame in self.scene.frames.values()]
-        position = np.concatenate([p, *(motion.p[:, None] for motion in frames)], axis=1)
-        turned = np.zeros((len(t), len(frames), 3, 3))
-        yaw = np.stack([motion.yaw for motion in frames], axis=1)
-        turned[..., 0, 0] = turned[..., 1, 1] = np.cos(yaw)
-        turned[..., 1, 0] = np.sin(yaw)
-        turned[..., 0, 1] = -turned[..., 1, 0]
-        turned[..., 2, 2] = np.where(np.isnan(yaw), np.nan, 1.0)
-        return position, np.concatenate([rotation, turned], axis=1)
+        links, frames = self.links, self.scene.frames
+        position, yaw = np.empty((len(t), links + len(frames), 3)), np.empty((len(t), len(frames)))
+        rotation = np.empty((len(t), links + len(frames), 3, 3))
+        position[:, :links], rotation[:, :links] = self.scene.robot.placements(q)
+        for k, frame in enumerate(frames.values()):
+            position[:, links + k], yaw[:, k] = frame.law.pose_at(t)
+        rotation[:, links:] = turns(yaw)
+        return position, rotation
+
+    def place(self, seat: IntArray, piece: IntArray) -> IntArray:
+        """Where in `seated` the pieces (N,) of bodies in seats (N,) are, −1 being the box."""
+        return np.asarray(self.seated.start[seat] + np.where(piece < 0, self.solids.count[self.body[seat]], piece))
 
     def support(
         self, seat: IntArray, piece: IntArray, n: FloatArray, position: FloatArray, rotation: FloatArray
     ) -> FloatArray:
         """max of n·x in the world over pieces (N,) in seats (N,); `position`, `rotation` (N, ...): their carriers."""
-        offset = self.offset[seat]
+        place = self.place(seat, piece)
         local = (n[:, None, :] @ rotation)[:, 0]
-        c, s = np.cos(offset[:, 3]), np.sin(offset[:, 3])
-        own = np.stack([c * local[:, 0] + s * local[:, 1], c * local[:, 1] - s * local[:, 0], local[:, 2]], -1)
-        inside = self.solids.support(self.solids.of(self.body[seat], piece), own)
-        return np.asarray((n * position).sum(1) + (local * offset[:, :3]).sum(1) + inside)
+        own = (local[:, None, :] @ self.seated.axes[place])[:, 0]
+        inside = self.solids.about(self.seated.solid[place], own)
+        return np.asarray((n * position).sum(1) + (local * self.seated.centre[place]).sum(1) + inside)
 
     def bounds(
         self, seat: IntArray, piece: IntArray, n: FloatArray, t0: FloatArray, t1: FloatArray, sweep: Sweep
     ) -> tuple[FloatArray, FloatArray]:
         """Bounds (N,) of |n·ẋ| and |n·ẍ| over [t0, t1] (N,) for the points of pieces; `sweep` is of those intervals."""
         carrier = self.carrier[seat]
-        place = np.where(piece < 0, self.solids.count[self.body[seat]], piece)
-        at = self.reach_at[seat] + place
-        reach = self.reaches[at]
+        at = self.place(seat, piece)
+        reach = self.seated.reach[at]
         speed, acceleration = np.full(len(seat), np.inf), np.full(len(seat), np.inf)
         rows = np.flatnonzero(carrier < self.links)
         if len(rows):
             part = Sweep(sweep.lower[rows], sweep.upper[rows], sweep.rate[rows], sweep.rate_d[rows])
             speed[rows], acceleration[rows] = self.scene.robot.point_bounds(
-                carrier[rows], reach[rows], self.distances[at[rows]], n[rows], part
+                carrier[rows], reach[rows], self.seated.distance[at[rows]], n[rows], part
             )
         for k, frame in enumerate(self.scene.frames.values(), start=self.links):
             rows = np.flatnonzero(carrier == k)
@@ -118,4 +116,4 @@ def stage(scene: Scene, table: Solids, phases: tuple[Phase, ...]) -> Stage:
     offset = np.array([(pose.x, pose.y, pose.z, pose.yaw) for _, _, pose in found]).reshape(-1, 4)
     body = np.array([b for b, _, _ in found], dtype=np.int64)
     carriers = np.array([carrier for _, carrier, _ in found], dtype=np.int64)
-    return Stage(scene, table, seat, body, carriers, offset, *table.reach(body, offset))
+    return Stage(scene, table, seat, body, carriers, offset, table.reach(body, offset))

@@ -73,18 +73,23 @@ class Motion:
 
         With r = R(yaw) offset and r⊥ = ẑ × r:  ṙ = ω r⊥,  r̈ = α r⊥ − ω² r,  r⃛ = (α̇ − ω³) r⊥ − 3 ω α r.
         """
+        w, dw, ddw = self.yaw_d, self.yaw_dd, self.yaw_ddd
+        if offset.x == 0.0 and offset.y == 0.0:
+            # on the axis: r⊥ is zero
+            return Motion(self.p + offset.z * _UP, self.v, self.a, self.j, self.yaw + offset.yaw, w, dw, ddw)
         c, s = np.cos(self.yaw), np.sin(self.yaw)
         rx, ry = c * offset.x - s * offset.y, s * offset.x + c * offset.y
-        w, dw, ddw = self.yaw_d, self.yaw_dd, self.yaw_ddd
         if not (w.any() or dw.any() or ddw.any()):
             p = self.p + offset.z * _UP
             p[..., 0] += rx
             p[..., 1] += ry
             return Motion(p, self.v, self.a, self.j, self.yaw + offset.yaw, w, dw, ddw)
-        zero = np.zeros_like(rx)
-        r = np.stack([rx, ry, zero + offset.z], -1)
-        flat = np.stack([rx, ry, zero], -1)
-        turned = np.stack([-ry, rx, zero], -1)
+        flat, turned = np.zeros((2, *self.p.shape))
+        turned[..., 1] = flat[..., 0] = rx
+        flat[..., 1] = ry
+        turned[..., 0] = -ry
+        r = flat.copy()
+        r[..., 2] = offset.z
         w_, dw_, ddw_ = w[..., None], dw[..., None], ddw[..., None]
         return Motion(
             self.p + r,
@@ -109,7 +114,8 @@ class Motion:
     @staticmethod
     def still(pose: Pose, shape: tuple[int, ...] = ()) -> Motion:
         """A pose that does not move, repeated over `shape` times."""
-        p = np.tile(pose.position, (*shape, 1))
+        p = np.empty((*shape, 3))
+        p[...] = pose.position
         yaw = np.full(shape, pose.yaw)
         still, unturned = np.zeros((3, *shape, 3)), np.zeros((3, *shape))
         return Motion(p, still[0], still[1], still[2], yaw, unturned[0], unturned[1], unturned[2])

@@ -76,7 +76,8 @@ def attached(document: object, path: Path, item: AttachedBody, lower_m: float = 
     body = solid(document, (*path, "shape"), item.name, item.shape)
     at = np.array(item.at_m) - [0.0, 0.0, lower_m]
     turn = _turn(item.yaw_rad)
-    pieces = tuple(Piece(p.shape, at + turn @ p.position, turn @ p.rotation) for p in body.pieces)
+    turned = [p.rotation if item.yaw_rad == 0.0 else turn @ p.rotation for p in body.pieces]
+    pieces = tuple(Piece(p.shape, at + turn @ p.position, axes) for p, axes in zip(body.pieces, turned, strict=True))
     surface = body.surface
     if surface is not None:
         vertices = surface[0] @ turn.T + at

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import pickle
 
+import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from api.documents import to_json
@@ -100,3 +101,37 @@ def test_a_problem_crosses_the_border_of_a_process_whole() -> None:
 def test_a_document_of_ours_with_a_number_that_is_not_finite_never_leaves(number: float) -> None:
     with pytest.raises(ValueError, match="JSON"):
         to_json({"duration_s": [number]})
+
+
+@settings(max_examples=200)
+@given(
+    st.recursive(
+        st.none()
+        | st.booleans()
+        | st.integers(-(2**53), 2**53)
+        | st.floats(allow_nan=False, allow_infinity=False)
+        | st.text(st.characters(exclude_categories=())),
+        lambda inner: st.lists(inner) | st.dictionaries(st.text(st.characters(exclude_categories=())), inner),
+        max_leaves=20,
+    )
+)
+def test_a_document_is_ascii_that_reads_back_the_same_to_the_bit(document: object) -> None:
+    body = to_json(document)
+    assert body.isascii()
+    again = json.loads(body)
+    assert again == document
+    # 0.0 and −0.0 are equal, True and 1 too: Python's writer tells them apart
+    assert json.dumps(again) == json.dumps(document)
+
+
+@pytest.mark.parametrize("word", ["NaN", "Infinity", "-Infinity", "NaNometre"])
+def test_words_that_look_like_no_number_may_be_said(word: str) -> None:
+    assert json.loads(to_json({word: [word, 1.5]})) == {word: [word, 1.5]}
+    with pytest.raises(ValueError, match="JSON"):
+        to_json({word: [word, float("nan")]})
+
+
+@pytest.mark.parametrize("alien", [np.zeros(2), object()])
+def test_what_json_has_no_word_for_is_not_written(alien: object) -> None:
+    with pytest.raises(TypeError):
+        to_json({"x": alien})

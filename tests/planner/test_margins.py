@@ -12,12 +12,16 @@ from hypothesis import strategies as st
 from planner.certificate import Prover
 from planner.frames import Conveyor
 from planner.frames.motion import Pose
-from planner.margins import contacts, margins, nearest
+from planner.gjk import RELATIVE, separate
+from planner.margins import contacts, margins
+from planner.nearest import INSTANTS, nearest
 from planner.outcome import LegKind, Planned
 from planner.phases import Phase, phases
 from planner.pipeline import plan
 from planner.scene import Clearance
+from planner.separation import place
 from planner.shapes import box
+from planner.solids import carriers
 from planner.tool_motion import tool_motion
 from planner.trajectory import Trajectory
 from tests.planner.cells import CRANKED, CUP, belt_and_dial, cell, frame, go, stands, table_to_table
@@ -130,3 +134,37 @@ def test_the_tools_acceleration_is_that_of_its_point_by_differences() -> None:
     assert np.abs(by_difference - stated).max() <= 0.02 * np.abs(stated).max() + 0.1
     found = margins(scene, Prover(scene), path, phases(scene, outcome.plan.legs, outcome.plan.arrivals))
     assert found.tool_acceleration <= np.linalg.norm(stated, axis=1).max() * 1.05
+
+
+def test_no_pair_and_instant_that_was_looked_at_is_nearer_by_more_than_gjk_can_tell() -> None:
+    rng = np.random.default_rng(3)
+    posts = [
+        stands(f"post {i}", box(0.05, 0.04, 0.3), 0.55 * np.cos(a), 0.55 * np.sin(a), 0.1)
+        for i, a in enumerate(rng.uniform(-3.0, 3.0, 9))
+    ]
+    scene = cell(go(0.35, -0.2), bodies=tuple(posts))
+    apart = 0
+    for _ in range(10):
+        q = np.stack([rng.uniform([-2.0, -1.5, 0.1, -1.0], [2.0, 1.5, 0.2, 1.0]) for _ in range(2)])
+        path = Trajectory(np.array([0.0, 1.0]), q, np.zeros((2, 4)), np.zeros((2, 4)))
+        phase = Phase(0.0, 1.0, LegKind.MOVE, 0, None, (), frozenset(), None, ())
+        prover = Prover(scene)
+        found = nearest(prover, path, (phase,))
+        assert found is not None
+        t = np.linspace(0.0, 1.0, INSTANTS)
+        solids = prover.solids(None, ())
+        a, b = prover.asked(solids)
+        where = carriers(scene, path.evaluate(t), t)
+        for row in range(0, len(t), 7):
+            rows = np.full(len(a), row)
+            one, other = place(solids, where, rows, a), place(solids, where, rows, b)
+            least = min(separate(one, other, k)[0] for k in range(len(a)))
+            assert found.gap_m <= least * (1 + 2 * RELATIVE)
+        at = np.array([found.time])
+        where = carriers(scene, path.evaluate(at), at)
+        names = [(solids.names[solids.body[x]], solids.names[solids.body[y]]) for x, y in zip(a, b, strict=True)]
+        k = np.array([names.index(found.bodies)])
+        one, other = (place(solids, where, np.zeros(1, dtype=np.int64), units[k]) for units in (a, b))
+        assert found.gap_m == pytest.approx(separate(one, other, 0)[0], rel=2 * RELATIVE, abs=1e-9)
+        apart += found.gap_m > 1e-3
+    assert apart >= 3

@@ -470,6 +470,16 @@ def test_a_point_inside_a_closed_mesh_is_never_met(size: float) -> None:
     assert "shell" in outcome.sentence
 
 
+@pytest.mark.parametrize("candidates", [1, 1000])
+def test_a_start_that_collides_is_named_however_soon_the_search_ends(candidates: int) -> None:
+    post = stands("post", cylinder(0.03, 0.6), 0.329, 0.37, 0.2)
+    outcome = refused(cell(go(0.35, -0.2), bodies=(post,), max_candidates=candidates))
+    assert outcome.reason is Reason.START_IN_COLLISION
+    assert outcome.proved
+    assert outcome.census.candidates <= 100
+    assert "post" in outcome.sentence
+
+
 def test_a_start_inside_a_closed_mesh_is_refused() -> None:
     p, _ = arm().forward(np.array([0.3, 1.2, 0.1, 0.0]))
     shell = Around(mesh_box("shell", 0.3, 0.3, 0.06), "world", Pose(float(p[0]), float(p[1]), 0.07))
