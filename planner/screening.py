@@ -1,7 +1,8 @@
 """Refuses most colliding drafts in one NumPy batch: all drafts × sampled times × pairs of bodies.
 
-First the vertical order and the distance between bounding circles, for all rows at once; then, for what is left, the
-likely normals. Where no normal parts a pair, FCL decides (design: screen, ask, prove). What passes is not yet proved.
+First the vertical order and the distance between outlines from above, for all rows at once; then, for what is left, the
+likely normals. Where no normal parts a pair, a common point is looked for, and where none is found FCL decides (design:
+screen, ask, prove). What passes is not yet proved.
 """
 
 from __future__ import annotations
