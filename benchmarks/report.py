@@ -17,11 +17,14 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.bars import BARS, ORDER, lines, refused
+from benchmarks.compiled import table as of_compiled
 from benchmarks.machine import ROOT
 
 RESULTS = ROOT / "benchmarks" / "results"
 PROFILES = "profile"
 """Results of `benchmarks.profile` begin with this; they are no sections."""
+COMPILED = "compiled"
+"""The result of `benchmarks.compiled`, no section either."""
 PLOTS = ROOT / "docs" / "plots"
 PAGES = (ROOT / "README.md", ROOT / "docs" / "benchmarks.md")
 MARKED = re.compile(r"(<!-- benchmark: ([a-z-]+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
@@ -50,8 +53,8 @@ def results(folder: Path = RESULTS) -> dict[str, Document]:
 
 
 def sections(there: Results) -> dict[str, Document]:
-    """Without the profiles."""
-    return {name: document for name, document in there.items() if not name.startswith(PROFILES)}
+    """Without the profiles and the compiled experiment."""
+    return {name: document for name, document in there.items() if not name.startswith((PROFILES, COMPILED))}
 
 
 def bars(there: Results) -> str:
@@ -137,6 +140,11 @@ def profile(there: Results) -> str:
     return "\n".join(rows)
 
 
+def compiled(there: Results) -> str:
+    """What a compiled kernel would bring."""
+    return of_compiled.page(there[COMPILED]) if COMPILED in there else NOTHING
+
+
 def refusals(there: Results) -> str:
     """What was refused, and why."""
     found = refused(sections(there))
@@ -158,6 +166,7 @@ BLOCKS: Mapping[str, Callable[[Results], str]] = {
     "peers": peers,
     "others": others,
     "profile": profile,
+    "compiled": compiled,
     "refusals": refusals,
     "plots": plots,
     "readme-bars": lambda there: bars(there) if sections(there) else NO_RESULTS,

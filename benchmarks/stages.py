@@ -11,7 +11,7 @@ from __future__ import annotations
 import signal
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import Any
@@ -80,12 +80,13 @@ def _modules(frame: FrameType | None) -> list[str]:
 
 
 @contextmanager
-def sampled(interval_s: float = INTERVAL_S) -> Iterator[Counter[str]]:
-    """Counts of samples by stage while the block runs. Main thread of a Unix process only."""
+def sampled(interval_s: float = INTERVAL_S, of: Callable[[list[str]], str] = stage) -> Iterator[Counter[str]]:
+    """Counts of samples by stage, or by what `of` says of a stack, while the block runs. Main thread of a Unix process
+    only."""
     counts: Counter[str] = Counter()
 
     def look(_: int, frame: FrameType | None) -> None:
-        counts[stage(_modules(frame))] += 1
+        counts[of(_modules(frame))] += 1
 
     before: Any = signal.signal(signal.SIGALRM, look)
     signal.setitimer(signal.ITIMER_REAL, interval_s, interval_s)

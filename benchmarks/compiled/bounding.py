@@ -23,7 +23,7 @@ class Curve:
     c: FloatArray
     last: FloatArray
     ends: FloatArray
-    hulls: tuple[FloatArray, ...]
+    hulls: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 
 _curves: WeakKeyDictionary[Trajectory, Curve] = WeakKeyDictionary()
@@ -34,7 +34,8 @@ def curve(trajectory: Trajectory) -> Curve:
     found = _curves.get(trajectory)
     if found is None:
         ends = np.stack([trajectory.q[-1], trajectory.qd[-1], trajectory.qdd[-1]])
-        hulls = tuple(trajectory.bernstein(d).copy() for d in range(4))
+        position, velocity, acceleration, jerk = (trajectory.bernstein(d).copy() for d in range(4))
+        hulls = position, velocity, acceleration, jerk
         found = Curve(trajectory.edges.copy(), trajectory.coefficients.copy(), ends[0].copy(), ends, hulls)
         _curves[trajectory] = found
     return found
@@ -150,7 +151,7 @@ def swept(
     for i in range(len(t0)):
         a, b = least(most(t0[i], edges[0]), edges[-1]), least(most(t1[i], edges[0]), edges[-1])
         first = piece(edges, a)
-        last = max(int(min(np.searchsorted(edges, b, side="left") - 1, len(edges) - 2)), first)
+        last = max(min(int(np.searchsorted(edges, b, side="left")) - 1, len(edges) - 2), first)
         part(edges, c, whole, curvature, rates, first, a, least(b, edges[first + 1]), out[i])
         if last > first:
             part(edges, c, whole, curvature, rates, last, edges[last], b, out[i])
@@ -188,9 +189,7 @@ def arm_bound(
 
 
 @kernel
-def law_bound(
-    law: FloatArray, t0: float, t1: float, x: float, y: float, z: float, reach: float
-) -> tuple[float, float]:
+def law_bound(law: FloatArray, t0: float, t1: float, x: float, y: float, z: float, reach: float) -> tuple[float, float]:
     """Bounds of the points of a body on a frame: its law's, and what turning adds."""
     known = law[9] <= t0 <= t1 <= law[10]
     speed = abs(x * law[4] + y * law[5] + z * law[6]) + law[11] if known else np.inf
@@ -227,7 +226,5 @@ def arm_bounds(
     """`Scara.point_bounds`."""
     speed, acceleration = np.empty(len(link)), np.empty(len(link))
     for i in range(len(link)):
-        speed[i], acceleration[i] = arm_bound(
-            arm, link[i], reach[i], n[i, 0], n[i, 1], n[i, 2], rate[i], rate_d[i]
-        )
+        speed[i], acceleration[i] = arm_bound(arm, link[i], reach[i], n[i, 0], n[i, 1], n[i, 2], rate[i], rate_d[i])
     return speed, acceleration

@@ -53,7 +53,7 @@ def support(
     inside = p * table[0] + q * table[1] + r * table[2]
     inside += abs(u) * table[12] + abs(v) * table[13] + abs(w) * table[14]
     inside += table[15] * np.hypot(u, v)
-    return found + (inside + table[16] * np.sqrt(u * u + v * v + w * w))
+    return float(found + (inside + table[16] * np.sqrt(u * u + v * v + w * w)))
 
 
 @kernel
@@ -152,10 +152,11 @@ def numbers(
     ]
     asked = scene.options.clearance
     clearance = np.array([asked.near_m if phase.near else asked.travel_m for phase in phases], dtype=np.float64)
-    packed, c = _known(stage), certificate
+    packed, c, (q, qd, qdd) = _known(stage), certificate, ranges.controls
     return examined(
-        line.time, line.length, ranges.controls, (ranges.piece, ranges.t0, ranges.t1, ranges.top, standing(ranges)),
-        line.at_rest, known.arm, known.laws, packed.seats, packed.table, *seats, *solid, *reach, c.normal[i],
+        line.time, line.length, (q, qd, qdd), (ranges.piece, ranges.t0, ranges.t1, ranges.top, standing(ranges)),
+        line.at_rest, known.arm, known.laws, packed.seats, packed.table, seats[0], seats[1],
+        solid[0], solid[1], reach[0], reach[1], c.normal[i],
         rows.t0, rows.t1, clearance[rows.phase], of_rows.SLACK_M, (c.gap0[i], c.gap1[i], c.speed[i], c.acceleration[i]),
     )  # fmt: skip
 
@@ -209,9 +210,9 @@ def ranges(line: Spline, combinations: FloatArray) -> Ranges:
 
 def sweep(self: Ranges, t0: FloatArray, t1: FloatArray) -> Sweep:
     line, n = self.spline, self.controls[0].shape[1]
-    m = len(self.combinations)
+    m, (q, qd, qdd) = len(self.combinations), self.controls
     top = sweeps(
-        line.time, line.length, *self.controls, self.piece, self.t0, self.t1, self.top, standing(self), line.at_rest,
+        line.time, line.length, q, qd, qdd, self.piece, self.t0, self.t1, self.top, standing(self), line.at_rest,
         np.ascontiguousarray(t0), np.ascontiguousarray(t1),
     )  # fmt: skip
     return Sweep(-top[:, n : 2 * n], top[:, :n], top[:, 2 * n : 2 * n + m], top[:, 2 * n + m :])

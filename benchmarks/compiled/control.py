@@ -1,4 +1,4 @@
-"""Kernels: the checker's spline in Bernstein form, and its bounds over parts of it (`checker.spline`, `checker.ranges`)."""
+"""Kernels: the checker's spline in Bernstein form, and its bounds over parts (`checker.spline`, `checker.ranges`)."""
 
 from __future__ import annotations
 
@@ -192,8 +192,8 @@ def over(
         return
     n, m, parts_ = c0.shape[1], c1.shape[1], len(begins)
     a, b = least(most(t0, time[0]), time[-1]), least(most(t1, time[0]), time[-1])
-    i = int(min(max(np.searchsorted(begins, a, side="right") - 1, 0), parts_ - 1))
-    j = max(int(min(max(np.searchsorted(ends, b, side="left"), 0), parts_ - 1)), i)
+    i = min(max(int(np.searchsorted(begins, a, side="right")) - 1, 0), parts_ - 1)
+    j = max(min(int(np.searchsorted(ends, b, side="left")), parts_ - 1), i)
     b0, b1, b2 = np.empty((n, 6)), np.empty((m, 5)), np.empty((m, 4))
     found = np.empty(len(out))
     out[:] = -np.inf

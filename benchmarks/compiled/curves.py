@@ -24,7 +24,7 @@ for _d in range(1, 6):
 @kernel
 def piece(edges: FloatArray, t: float) -> int:
     """The piece that holds t, the right one at an inner knot."""
-    return int(min(max(np.searchsorted(edges, t, side="right") - 1, 0), len(edges) - 2))
+    return min(max(int(np.searchsorted(edges, t, side="right")) - 1, 0), len(edges) - 2)
 
 
 @kernel
@@ -111,7 +111,7 @@ def stationary(row: FloatArray) -> float:
     for k in range(degree + 1):
         for i in range(k + 1):
             c[k] += row[i] * POWERS[degree, i, k]
-    s = np.argmax(row) / degree
+    s = float(np.argmax(row) / degree)
     for _ in range(5):
         f, g = 0.0, 0.0
         for k in range(degree, 0, -1):

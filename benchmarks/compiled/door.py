@@ -18,8 +18,8 @@ KERNELS: list[Any] = []
 """Every compiled kernel of this process."""
 
 MISSING = (
-    "numba is not installed in this environment, so there is nothing compiled to measure: run `make bench-compiled`, or "
-    "install the extra with `pip install -e .[compiled]`. The planner does not need it."
+    "numba is not installed in this environment, so there is nothing compiled to measure: run `make bench-compiled`, "
+    "or install the extra with `pip install -e .[compiled]`. The planner does not need it."
 )
 
 

@@ -42,9 +42,7 @@ def placements(self: Scara, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     return placing.placements(arm_row(self), np.ascontiguousarray(q)) if q.ndim == 2 else _placements(self, q)
 
 
-def link_motion(
-    self: Scara, link: int, q: FloatArray, qd: FloatArray, qdd: FloatArray, qddd: FloatArray
-) -> Motion:
+def link_motion(self: Scara, link: int, q: FloatArray, qd: FloatArray, qdd: FloatArray, qddd: FloatArray) -> Motion:
     if link != FLANGE or q.ndim != 2:
         FALLBACKS["link motion"] += 1
         return _link_motion(self, link, q, qd, qdd, qddd)

@@ -206,4 +206,5 @@ def distance(
     size = np.sqrt(dot(normal, normal))
     for i in range(3):
         normal[i] /= size
-    return max(0.0, best - table[a, 16] - table[b, 16])
+    found = best - table[a, 16] - table[b, 16]
+    return found if found > 0.0 else 0.0

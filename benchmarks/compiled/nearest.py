@@ -13,6 +13,9 @@ from benchmarks.compiled.placing import everywhere
 from benchmarks.compiled.separating import height, likely, put, rough, width
 from planner import margins, separation
 from planner.arrays import FloatArray, IntArray
+from planner.certificate import Prover
+from planner.phases import Phase
+from planner.trajectory import Trajectory
 
 original = margins._nearest
 """What it is put in the place of, as it was when this was imported."""
@@ -45,22 +48,22 @@ def least_gap(
             about[t, k] = rough(at[t, i], tall[i], wide[i], at[t, j], tall[j], wide[j])
     flat = about.ravel()
     best, when, pair = np.inf, 0, which[0]
-    work, n, normal = np.empty((2, 3)), np.empty((6, 3)), np.empty(3)
+    n, normal = np.empty((6, 3)), np.empty(3)
     for m in np.argsort(flat, kind="mergesort"):
         if not flat[m] < best:
             break
         t, k = m // many, which[m % many]
         i, j = a[k], b[k]
-        gap = likely(number, table, vertices, i, at[t, i], j, at[t, j], work, n)
+        gap = likely(number, table, vertices, i, at[t, i], j, at[t, j], n)
         if gap < best:
-            true = max(gap, max(0.0, distance(number, table, vertices, i, at[t, i], j, at[t, j], normal)))
+            true = max(gap, 0.0, distance(number, table, vertices, i, at[t, i], j, at[t, j], normal))
             if true < best:
                 best, when, pair = true, t, k
     return best, when, pair
 
 
 def nearest_of_phase(
-    prover: margins.Prover, trajectory: margins.Trajectory, phase: margins.Phase, t: FloatArray, only: int | None
+    prover: Prover, trajectory: Trajectory, phase: Phase, t: FloatArray, only: int | None
 ) -> tuple[float, float, int] | None:
     solids = prover.solids(phase.carried, phase.rides)
     known, packed = cell(prover.scene), units(solids)

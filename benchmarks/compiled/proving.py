@@ -14,8 +14,9 @@ from benchmarks.compiled.packing import FALLBACKS, Cell, Units, cell, units
 from benchmarks.compiled.placing import everywhere
 from benchmarks.compiled.separating import faces, gap, least, put, towards
 from planner.arrays import FloatArray, IntArray
-from planner.certificate import proof
+from planner.certificate import Rows, Unproved, proof
 from planner.certificate.claim import Claim
+from planner.phases import Phase
 from planner.requirement import SLACK_M, clearance, is_certain
 from planner.scene import Scene
 from planner.trajectory import Trajectory
@@ -95,7 +96,7 @@ def judged(
     size, count, m = len(t0), len(table), RATES
     at, there = np.empty((3 * size, count, 12)), np.zeros((3 * size, count), dtype=np.bool_)
     claims, stage = np.empty((len(row), 10)), np.empty(len(row), dtype=np.int64)
-    ones, others, work = np.empty((3, 12)), np.empty((3, 12)), np.empty((2, 3))
+    ones, others = np.empty((3, 12)), np.empty((3, 12))
     n, second = np.empty((6, 3)), np.empty(10)
     rate, rate_d = np.empty(m), np.empty(m)
     for r in range(len(row)):
@@ -112,7 +113,7 @@ def judged(
             n[0, 0] = n[0, 1] = 0.0
             n[0, 2] = 1.0 if others[1, 2] >= ones[1, 2] else -1.0
         else:
-            towards(table, i, ones[1], j, others[1], work, n)
+            towards(table, i, ones[1], j, others[1], n)
             n[2] = seed[r]
         claim = claims[r]
         judge(
@@ -176,7 +177,15 @@ class _Ground:
     tables: tuple[FloatArray, FloatArray, FloatArray]
 
     def claims(
-        self, t0: FloatArray, t1: FloatArray, row: IntArray, a: IntArray, b: IntArray, seed: FloatArray, *, vertical: bool
+        self,
+        t0: FloatArray,
+        t1: FloatArray,
+        row: IntArray,
+        a: IntArray,
+        b: IntArray,
+        seed: FloatArray,
+        *,
+        vertical: bool,
     ) -> tuple[FloatArray, IntArray]:
         way, known, packed = curve(self.trajectory), self.cell, self.units
         t = np.concatenate([t0, (t0 + t1) / 2, t1])
@@ -189,14 +198,14 @@ class _Ground:
         )  # fmt: skip
 
 
-def simple(scene: Scene, phase: proof.Phase) -> bool:
+def simple(scene: Scene, phase: Phase) -> bool:
     """Whether the distance asked for is one number."""
     execution = scene.execution
     plain = execution.tracking_m == 0 and execution.start_tolerance_s == 0
     return plain and is_certain(scene) and not phase.exempt
 
 
-def prove(self: proof.Prover, phase: proof.Phase, trajectory: Trajectory) -> proof.Rows | proof.Unproved:
+def prove(self: proof.Prover, phase: Phase, trajectory: Trajectory) -> Rows | Unproved:
     known, packed = cell(self.scene), units(self.solids(phase.carried, phase.rides))
     if not (phase.t1 > phase.t0 and known is not None and packed.plain and simple(self.scene, phase)):
         FALLBACKS["prove"] += 1
@@ -209,11 +218,11 @@ def prove(self: proof.Prover, phase: proof.Phase, trajectory: Trajectory) -> pro
 
 
 def _claim(claims: FloatArray, required: float) -> Claim:
-    columns = (claims[:, k] for k in range(3, 9))
-    return Claim(claims[:, :3], *columns, np.full(len(claims), required))
+    gap0, gap_mid, gap1, speed, acceleration, low = claims.T[3:9]
+    return Claim(claims[:, :3], gap0, gap_mid, gap1, speed, acceleration, low, np.full(len(claims), required))
 
 
-def _rounds(of: proof._Proof, ground: _Ground) -> proof.Rows | proof.Unproved:
+def _rounds(of: proof._Proof, ground: _Ground) -> Rows | Unproved:
     phase, prover, facts = of.phase, of.prover, of.facts
     a, b = prover.asked(of.solids)
     t0, t1 = np.array([phase.t0]), np.array([phase.t1])

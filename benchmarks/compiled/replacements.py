@@ -58,7 +58,9 @@ class Replacement:
                 owner = getattr(owner, part)
             getattr(owner, name)
         except (ImportError, AttributeError) as error:
-            raise Gone(f"{self.module} has no {self.attribute} any more: the experiment must follow the planner") from error
+            raise Gone(
+                f"{self.module} has no {self.attribute} any more: the experiment must follow the planner"
+            ) from error
         return owner, name
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from benchmarks.compiled.door import kernel
@@ -11,8 +13,11 @@ from benchmarks.compiled.separating import height, likely, put, rough, width
 from benchmarks.compiled.separation import place
 from planner import screening, separation
 from planner.arrays import FloatArray, IntArray
+from planner.certificate import Prover
+from planner.outcome import Refusal
+from planner.phases import Phase
 from planner.requirement import SLACK_M
-from planner.solids import Carriers
+from planner.solids import Carriers, Solids
 
 original = screening._screen_group
 """What it is put in the place of, as it was when this was imported."""
@@ -56,7 +61,7 @@ def unseparated(
         if used[u]:
             wide[u] = width(table, number, vertices, u)
     at, tall = np.empty((count, 12)), np.empty(count)
-    work, n = np.empty((2, 3)), np.empty((6, 3))
+    n = np.empty((6, 3))
     room = 64
     row, which, gap = np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64), np.empty(room)
     found = 0
@@ -69,7 +74,7 @@ def unseparated(
             i, j, need = a[k], b[k], required[member[t], k]
             if rough(at[i], tall[i], wide[i], at[j], tall[j], wide[j]) - slack > need:
                 continue
-            value = likely(number, table, vertices, i, at[i], j, at[j], work, n)
+            value = likely(number, table, vertices, i, at[i], j, at[j], n)
             if value - slack > need:
                 continue
             if found == room:
@@ -81,10 +86,10 @@ def unseparated(
 
 
 def screen_group(
-    prover: screening.Prover,
-    solids: screening.Solids,
-    drafts: screening.Sequence[screening.Timed],
-    members: list[tuple[int, screening.Phase]],
+    prover: Prover,
+    solids: Solids,
+    drafts: Sequence[screening.Timed],
+    members: list[tuple[int, Phase]],
     step: float,
 ) -> dict[int, screening.Screened]:
     scene, packed = prover.scene, units(solids)
@@ -112,9 +117,9 @@ def screen_group(
 
 
 def _asked(
-    prover: screening.Prover,
-    solids: screening.Solids,
-    members: list[tuple[int, screening.Phase]],
+    prover: Prover,
+    solids: Solids,
+    members: list[tuple[int, Phase]],
     sampled: tuple[FloatArray, IntArray, FloatArray, FloatArray],
     required: FloatArray,
     bad: tuple[IntArray, IntArray, FloatArray],
@@ -130,7 +135,7 @@ def _asked(
     order = np.lexsort((gap, mine))
     total, seen = np.bincount(draft), np.bincount(draft[_each_once(row)], minlength=len(np.bincount(draft)))
     result: dict[int, screening.Screened] = {}
-    confirmed: list[screening.Refusal] = []
+    confirmed: list[Refusal] = []
     asked: dict[int, int] = {}
     before = -1
     for i in order.tolist():
@@ -141,9 +146,7 @@ def _asked(
         if asked.get(body, 0) < screening.MOST_ASKED and (len(asked) < screening.MOST_BODIES or body in asked):
             asked[body] = asked.get(body, 0) + 1
             phase, need = members[int(member[row[i]])][1], float(required[member[row[i]], which[i]])
-            refusal = screening._ask(
-                prover, solids, phase, samples, int(row[i]), one, other, i, float(gap[i]), need
-            )
+            refusal = screening._ask(prover, solids, phase, samples, int(row[i]), one, other, i, float(gap[i]), need)
             if refusal is not None:
                 confirmed.append(refusal)
                 asked[body] = screening.MOST_ASKED

@@ -27,6 +27,13 @@ def most(x: float, y: float) -> float:
 
 
 @kernel
+def clamp(x: float, size: float) -> float:
+    """x between −size and size; NaN stays."""
+    below = -size if x < -size else x
+    return size if below > size else below
+
+
+@kernel
 def put(
     position: FloatArray, rotation: FloatArray, t: int, number: IntArray, table: FloatArray, u: int, out: FloatArray
 ) -> None:
@@ -49,14 +56,14 @@ def sigma(
     r = x * at[5] + y * at[8] + z * at[11]
     if number[u, 1] >= 0:
         first = number[u, 2]
-        found = p * vertices[first, 0] + q * vertices[first, 1] + r * vertices[first, 2]
+        found: float = p * vertices[first, 0] + q * vertices[first, 1] + r * vertices[first, 2]
         for k in range(first + 1, number[u, 3]):
             found = most(found, p * vertices[k, 0] + q * vertices[k, 1] + r * vertices[k, 2])
         return found
-    found = abs(p) * table[u, 12] + abs(q) * table[u, 13] + abs(r) * table[u, 14]
+    total: float = abs(p) * table[u, 12] + abs(q) * table[u, 13] + abs(r) * table[u, 14]
     if table[u, 15] != 0.0:
-        found += table[u, 15] * np.sqrt(p * p + q * q)
-    return found + table[u, 16]
+        total += table[u, 15] * np.sqrt(p * p + q * q)
+    return float(total + table[u, 16])
 
 
 @kernel
@@ -73,43 +80,45 @@ def gap(
     z: float,
 ) -> float:
     """Along (x, y, z), which points from a to b."""
-    between = x * (other[0] - one[0]) + y * (other[1] - one[1]) + z * (other[2] - one[2])
-    return between - sigma(number, table, vertices, a, one, x, y, z) - sigma(
-        number, table, vertices, b, other, -x, -y, -z
+    between: float = x * (other[0] - one[0]) + y * (other[1] - one[1]) + z * (other[2] - one[2])
+    return (
+        between - sigma(number, table, vertices, a, one, x, y, z) - sigma(number, table, vertices, b, other, -x, -y, -z)
     )
 
 
 @kernel
-def nearest(table: FloatArray, u: int, at: FloatArray, x: FloatArray, out: FloatArray) -> None:
-    """The point of a unit's core nearest to x."""
-    dx, dy, dz = x[0] - at[0], x[1] - at[1], x[2] - at[2]
+def nearest(table: FloatArray, u: int, at: FloatArray, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """The point of a unit's core nearest to (x, y, z)."""
+    dx, dy, dz = x - at[0], y - at[1], z - at[2]
     p = dx * at[3] + dy * at[6] + dz * at[9]
     q = dx * at[4] + dy * at[7] + dz * at[10]
     r = dx * at[5] + dy * at[8] + dz * at[11]
     h0, h1, h2 = table[u, 12], table[u, 13], table[u, 14]
-    i, j, k = least(most(p, -h0), h0), least(most(q, -h1), h1), least(most(r, -h2), h2)
+    i, j, k = clamp(p, h0), clamp(q, h1), clamp(r, h2)
     if table[u, 15] != 0.0:
         ox, oy = p - i, q - j
-        share = least(1.0, table[u, 15] / most(np.sqrt(ox * ox + oy * oy), 1e-300))
+        square, disc = ox * ox + oy * oy, table[u, 15]
+        share = 1.0 if square <= disc * disc else disc / np.sqrt(square)
         i += ox * share
         j += oy * share
-    out[0] = (at[3] * i + at[4] * j + at[5] * k) + at[0]
-    out[1] = (at[6] * i + at[7] * j + at[8] * k) + at[1]
-    out[2] = (at[9] * i + at[10] * j + at[11] * k) + at[2]
+    return (
+        (at[3] * i + at[4] * j + at[5] * k) + at[0],
+        (at[6] * i + at[7] * j + at[8] * k) + at[1],
+        (at[9] * i + at[10] * j + at[11] * k) + at[2],
+    )
 
 
 @kernel
-def towards(
-    table: FloatArray, a: int, one: FloatArray, b: int, other: FloatArray, work: FloatArray, n: FloatArray
-) -> None:
-    """`centre_normals` of a pair into n (2, 3); `work` (2, 3) is scratch."""
+def towards(table: FloatArray, a: int, one: FloatArray, b: int, other: FloatArray, n: FloatArray) -> None:
+    """`centre_normals` of a pair into n (2.., 3)."""
     n[0, 0] = n[0, 1] = 0.0
     n[0, 2] = 1.0 if other[2] >= one[2] else -1.0
-    work[1, 0], work[1, 1], work[1, 2] = other[0], other[1], other[2]
+    bx, by, bz = other[0], other[1], other[2]
+    ax, ay, az = bx, by, bz
     for _ in range(ROUNDS):
-        nearest(table, a, one, work[1], work[0])
-        nearest(table, b, other, work[0], work[1])
-    x, y, z = work[1, 0] - work[0, 0], work[1, 1] - work[0, 1], work[1, 2] - work[0, 2]
+        ax, ay, az = nearest(table, a, one, bx, by, bz)
+        bx, by, bz = nearest(table, b, other, ax, ay, az)
+    x, y, z = bx - ax, by - ay, bz - az
     length = np.sqrt(x * x + y * y + z * z)
     if length > 1e-9:
         n[1, 0], n[1, 1], n[1, 2] = x / length, y / length, z / length
@@ -137,11 +146,10 @@ def likely(
     one: FloatArray,
     b: int,
     other: FloatArray,
-    work: FloatArray,
     n: FloatArray,
 ) -> float:
-    """`likely_gaps` of a pair; `work` (2, 3) and `n` (6, 3) are scratch."""
-    towards(table, a, one, b, other, work, n)
+    """`likely_gaps` of a pair; `n` (6, 3) is scratch."""
+    towards(table, a, one, b, other, n)
     found = most(
         gap(number, table, vertices, a, one, b, other, n[0, 0], n[0, 1], n[0, 2]),
         gap(number, table, vertices, a, one, b, other, n[1, 0], n[1, 1], n[1, 2]),
@@ -159,7 +167,7 @@ def height(table: FloatArray, number: IntArray, vertices: FloatArray, u: int, at
     if number[u, 1] >= 0:
         return width(table, number, vertices, u)
     found = abs(at[9]) * table[u, 12] + abs(at[10]) * table[u, 13] + abs(at[11]) * table[u, 14]
-    return found + (table[u, 15] * np.hypot(at[9], at[10]) + table[u, 16])
+    return float(found + (table[u, 15] * np.hypot(at[9], at[10]) + table[u, 16]))
 
 
 @kernel
@@ -178,4 +186,5 @@ def width(table: FloatArray, number: IntArray, vertices: FloatArray, u: int) -> 
 def rough(one: FloatArray, tall_a: float, wide_a: float, other: FloatArray, tall_b: float, wide_b: float) -> float:
     """`rough_gaps` of a pair."""
     x, y = other[0] - one[0], other[1] - one[1]
-    return most(abs(other[2] - one[2]) - tall_a - tall_b, np.sqrt(x * x + y * y) - wide_a - wide_b)
+    found: float = most(abs(other[2] - one[2]) - tall_a - tall_b, np.sqrt(x * x + y * y) - wide_a - wide_b)
+    return found

@@ -66,9 +66,9 @@ def _gaps(
 
 @kernel
 def _towards(table: FloatArray, a: IntArray, one: FloatArray, b: IntArray, other: FloatArray) -> FloatArray:
-    n, work = np.empty((len(a), 2, 3)), np.empty((2, 3))
+    n = np.empty((len(a), 2, 3))
     for i in range(len(a)):
-        towards(table, a[i], one[i], b[i], other[i], work, n[i])
+        towards(table, a[i], one[i], b[i], other[i], n[i])
     return n
 
 
@@ -90,9 +90,9 @@ def _likely(
     b: IntArray,
     other: FloatArray,
 ) -> FloatArray:
-    out, work, n = np.empty(len(a)), np.empty((2, 3)), np.empty((6, 3))
+    out, n = np.empty(len(a)), np.empty((6, 3))
     for i in range(len(a)):
-        out[i] = likely(number, table, vertices, a[i], one[i], b[i], other[i], work, n)
+        out[i] = likely(number, table, vertices, a[i], one[i], b[i], other[i], n)
     return out
 
 
