@@ -43,6 +43,15 @@ def kernel(function: F) -> F:
     return made
 
 
+def inner(function: F) -> F:
+    """A kernel that is written out wherever another one calls it: a call hands over each array as seven words, which
+    costs as much as a support."""
+    if numba is None:
+        return function
+    made: F = numba.njit(cache=True, error_model="numpy", inline="always")(function)
+    return made
+
+
 def variants() -> int:
     """How many variants of all kernels have been compiled or loaded. It must not grow while something is timed."""
     return sum(len(made.signatures) for made in KERNELS)

@@ -22,6 +22,13 @@ Document = dict[str, Any]
 MARK = "compiled: "
 """Before the name of a stage whose sample was in a compiled function."""
 PACKAGE = "benchmarks.compiled."
+STANDS_FOR = {
+    f"{PACKAGE}proving": "planner.certificate.proof",
+    f"{PACKAGE}screening": "planner.screening",
+    f"{PACKAGE}separation": "planner.separation",
+    f"{PACKAGE}gjk": "planner.gjk",
+}
+"""Modules that are called by others than their stage; of the rest the caller tells the stage."""
 OURS = ("planner.", "scenes.", PACKAGE)
 LEAST_RUNS = 3
 
@@ -29,7 +36,7 @@ LEAST_RUNS = 3
 def place(modules: list[str]) -> str:
     """The stage of a stack by the modules of its frames, outermost first, marked if it is in a compiled function."""
     ours = [name for name in modules if name.startswith(OURS) and not name.startswith(f"{PACKAGE}floor")]
-    told = stage([name for name in modules if not name.startswith(PACKAGE)])
+    told = stage([STANDS_FOR.get(name, name) for name in modules])
     return MARK + told if ours and ours[-1].startswith(PACKAGE) else told
 
 

@@ -8,32 +8,32 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.compiled.door import kernel
+from benchmarks.compiled.door import inner, kernel
 from planner.arrays import FloatArray, IntArray
 
 ROUNDS = 3
 
 
-@kernel
+@inner
 def least(x: float, y: float) -> float:
     """`numpy.minimum`: NaN if one of them is."""
     return x if (x <= y or x != x) else y
 
 
-@kernel
+@inner
 def most(x: float, y: float) -> float:
     """`numpy.maximum`: NaN if one of them is."""
     return x if (x >= y or x != x) else y
 
 
-@kernel
+@inner
 def clamp(x: float, size: float) -> float:
     """x between −size and size; NaN stays."""
     below = -size if x < -size else x
     return size if below > size else below
 
 
-@kernel
+@inner
 def put(
     position: FloatArray, rotation: FloatArray, t: int, number: IntArray, table: FloatArray, u: int, out: FloatArray
 ) -> None:
@@ -46,7 +46,7 @@ def put(
             out[3 + 3 * i + j] = r0 * table[u, 3 + j] + r1 * table[u, 6 + j] + r2 * table[u, 9 + j]
 
 
-@kernel
+@inner
 def sigma(
     number: IntArray, table: FloatArray, vertices: FloatArray, u: int, at: FloatArray, x: float, y: float, z: float
 ) -> float:
@@ -66,7 +66,7 @@ def sigma(
     return float(total + table[u, 16])
 
 
-@kernel
+@inner
 def gap(
     number: IntArray,
     table: FloatArray,
@@ -86,7 +86,7 @@ def gap(
     )
 
 
-@kernel
+@inner
 def nearest(table: FloatArray, u: int, at: FloatArray, x: float, y: float, z: float) -> tuple[float, float, float]:
     """The point of a unit's core nearest to (x, y, z)."""
     dx, dy, dz = x - at[0], y - at[1], z - at[2]

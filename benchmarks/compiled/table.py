@@ -13,7 +13,8 @@ LEAST_MS = 0.02
 
 
 def requests(document: Document) -> str:
-    """Whole requests: first answers as they are, compiled, and the floor."""
+    """Whole requests: first answers as they are, compiled, and the floor: the compiled time, less the share of compiled
+    functions in the requests nearest to it."""
     figures = {figure["name"]: figure["value"] for figure in document["figures"]}
     stages = document["data"]["stages"]
     head = ("set", "", "original", "compiled", "floor", "same motion")
@@ -22,7 +23,7 @@ def requests(document: Document) -> str:
         for share in SHARES:
             before, after = (figures[f"{title}: first answer, {share}, {way}"] for way in ("original", "compiled"))
             near = stages.get(f"{title}/{share}")
-            least = None if near is None else near["floor_ms"]
+            least = None if near is None or after is None else after * near["floor_ms"] / near["compiled_ms"]
             same = figures[f"{title}: the same motion in both ways"] if share == SHARES[0] else None
             cells = [_ms(before), _ms(after), _ms(least), "" if same is None else f"{same:.0f} %"]
             rows.append(f"| {title if share == SHARES[0] else ''} | {share} | {' | '.join(cells)} |")
