@@ -5,6 +5,7 @@
 # make problems  the three benchmark sets, and the independent recheck of every answer
 # make bench   the whole benchmark, peers included: results, table, plots, pages; can be stopped and resumed
 # make bench-quick  a sample of it, in under 3 minutes
+# make bench-compiled  what compiled kernels would bring: an environment of its own with numba, ten minutes
 # make clean   remove what these made
 
 VENV := .venv
@@ -22,7 +23,7 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.13 python3.12 python3.11 py
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test check format serve problems bench bench-quick clean
+.PHONY: help demo test check format serve problems bench bench-quick bench-compiled clean
 
 help:
 	@sed -n '/^# make/s/^# //p' $(firstword $(MAKEFILE_LIST))
@@ -83,6 +84,16 @@ bench: $(VENV)/installed
 bench-quick: $(VENV)/installed
 	$(BIN)/python -m benchmarks.bench --quick
 
+# No part of `make bench`: numba is in an environment of its own, and the planner's has none.
+.venv-compiled/installed: pyproject.toml $(BIN)/python
+	$(PYTHON) -m venv .venv-compiled
+	.venv-compiled/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[plot,compiled]"
+	touch $@
+
+bench-compiled: .venv-compiled/installed
+	.venv-compiled/bin/python -m benchmarks.compiled
+	.venv-compiled/bin/python -m benchmarks.report
+
 clean:
-	rm -rf $(VENV) .venv-peers $(OUT) build .coverage .coverage.* htmlcov .hypothesis .mypy_cache .pytest_cache .ruff_cache .import_linter_cache *.egg-info
+	rm -rf $(VENV) .venv-peers .venv-compiled $(OUT) build .coverage .coverage.* htmlcov .hypothesis .mypy_cache .pytest_cache .ruff_cache .import_linter_cache *.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

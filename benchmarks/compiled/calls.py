@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from benchmarks.cold import forget
 from benchmarks.compiled import packing
 from benchmarks.compiled.comparing import ALIKE, Beside, Compared, Timed
-from benchmarks.compiled.replacements import REPLACEMENTS, replaced
+from benchmarks.compiled.replacements import REPLACEMENTS, Replacement, replaced
 from benchmarks.compiled.requests import Question
 from planner.pipeline import plan
 from scenes.requests import scene_of
@@ -20,11 +21,11 @@ UNHURRIED = {"budget_s": 60.0, "max_candidates": 300}
 Document = dict[str, Any]
 
 
-def compared(questions: list[Question]) -> dict[str, Compared]:
-    """Every call of every replaced function while these requests are answered, by the original and by the compiled
+def compared(questions: list[Question], some: Sequence[Replacement] = REPLACEMENTS) -> dict[str, Compared]:
+    """Every call of these functions while these requests are answered, by the original and by the compiled
     function. Raises `Differs`."""
     beside = Beside()
-    with replaced(wrapped=beside):
+    with replaced(some, beside):
         for question in questions:
             forget()
             packing.forget()

@@ -6,6 +6,8 @@ Where a row is not right the original is asked for the findings: the kernel says
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
 
 import numpy as np
 
@@ -16,8 +18,6 @@ from benchmarks.compiled.packing import FALLBACKS, cell
 from benchmarks.compiled.placing import frame, links
 from benchmarks.compiled.separating import least
 from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.checker import ranges as of_ranges
-from planner.checker import rows as of_rows
 from planner.checker.ranges import Ranges
 from planner.checker.required import required
 from planner.checker.rows import Rows
@@ -29,7 +29,9 @@ from planner.phases import Phase
 from planner.requirement import is_certain
 from planner.robots.protocol import Sweep
 
-original = of_rows.proved
+of_rows: Any = import_module("planner.checker.rows")
+of_ranges: Any = import_module("planner.checker.ranges")
+original: Any = getattr(of_rows, "proved", None)
 """What it is put in the place of, as it was when this was imported."""
 
 GAP0, GAP1, SPEED, ACCELERATION, LEAST, ASKED = range(6)
@@ -192,7 +194,8 @@ def proved(
         if (true & (found[:, LEAST] >= found[:, ASKED])).all():
             return np.ones(len(rows), dtype=bool), []
     FALLBACKS["checker rows"] += 1
-    return original(stage, phases, certificate, rows, ranges)
+    answer: tuple[BoolArray, list[Finding]] = original(stage, phases, certificate, rows, ranges)
+    return answer
 
 
 def standing(ranges: Ranges) -> FloatArray:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+from typing import Any
+
 import numpy as np
 
 from benchmarks.compiled.bounding import curve
@@ -11,13 +14,13 @@ from benchmarks.compiled.gjk import distance
 from benchmarks.compiled.packing import FALLBACKS, cell, units
 from benchmarks.compiled.placing import everywhere
 from benchmarks.compiled.separating import height, likely, put, rough, width
-from planner import margins, separation
+from planner import separation
 from planner.arrays import FloatArray, IntArray
 from planner.certificate import Prover
 from planner.phases import Phase
 from planner.trajectory import Trajectory
 
-original = margins._nearest
+original: Any = getattr(import_module("planner.margins"), "_nearest", None)
 """What it is put in the place of, as it was when this was imported."""
 
 
@@ -70,7 +73,8 @@ def nearest_of_phase(
     a, b = prover.asked(solids)
     if known is None or not packed.plain or phase.exempt or len(a) > separation.FEW:
         FALLBACKS["nearest"] += 1
-        return original(prover, trajectory, phase, t, only)
+        answer: tuple[float, float, int] | None = original(prover, trajectory, phase, t, only)
+        return answer
     which = np.arange(len(a)) if only is None else np.array([only])
     if not len(which):
         return None

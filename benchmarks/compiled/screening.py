@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib import import_module
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +13,7 @@ from benchmarks.compiled.packing import FALLBACKS, cell, units
 from benchmarks.compiled.placing import everywhere
 from benchmarks.compiled.separating import height, likely, put, rough, width
 from benchmarks.compiled.separation import place
-from planner import screening, separation
+from planner import separation
 from planner.arrays import FloatArray, IntArray
 from planner.certificate import Prover
 from planner.outcome import Refusal
@@ -19,7 +21,9 @@ from planner.phases import Phase
 from planner.requirement import SLACK_M
 from planner.solids import Carriers, Solids
 
-original = screening._screen_group
+screening: Any = import_module("planner.screening")
+"""By name, for its inner functions are nobody's business: what is missing is found by `replacements`."""
+original: Any = getattr(screening, "_screen_group", None)
 """What it is put in the place of, as it was when this was imported."""
 
 
@@ -88,16 +92,17 @@ def unseparated(
 def screen_group(
     prover: Prover,
     solids: Solids,
-    drafts: Sequence[screening.Timed],
+    drafts: Sequence[Any],
     members: list[tuple[int, Phase]],
     step: float,
-) -> dict[int, screening.Screened]:
+) -> dict[int, Any]:
     scene, packed = prover.scene, units(solids)
     known = cell(scene)
     a, b = prover.asked(solids)
     if known is None or len(a) > separation.FEW:
         FALLBACKS["screening"] += 1
-        return original(prover, solids, drafts, members, step)
+        answer: dict[int, Any] = original(prover, solids, drafts, members, step)
+        return answer
     begins, ends = np.array([phase.t0 for _, phase in members]), np.array([phase.t1 for _, phase in members])
     t, first = moments(begins, ends, step)
     q = np.empty((len(t), len(scene.start.q)))
@@ -123,7 +128,7 @@ def _asked(
     sampled: tuple[FloatArray, IntArray, FloatArray, FloatArray],
     required: FloatArray,
     bad: tuple[IntArray, IntArray, FloatArray],
-) -> dict[int, screening.Screened]:
+) -> dict[int, Any]:
     """FCL about the bad rows of each draft, deepest first, as the original asks."""
     t, member, position, rotation = sampled
     row, which, gap = bad
@@ -134,7 +139,7 @@ def _asked(
     mine = draft[row]
     order = np.lexsort((gap, mine))
     total, seen = np.bincount(draft), np.bincount(draft[_each_once(row)], minlength=len(np.bincount(draft)))
-    result: dict[int, screening.Screened] = {}
+    result: dict[int, Any] = {}
     confirmed: list[Refusal] = []
     asked: dict[int, int] = {}
     before = -1

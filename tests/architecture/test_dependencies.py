@@ -16,6 +16,8 @@ OPTIONAL = frozenset({"matplotlib"})
 
 PEERS = ("benchmarks/peers/ompl_rrtconnect.py", "benchmarks/peers/mplib_planner.py", "benchmarks/peers/toppra_legs.py")
 """Programs that are not run in the environment of the project."""
+COMPILED = "benchmarks/compiled/door.py"
+"""The one door to numba, which comes with an extra of its own; without it the door is shut and nothing fails."""
 BROUGHT = {"pydantic-core": "pydantic"}
 """Imported, but chosen by the library that is declared: they are made for each other, release by release."""
 
@@ -55,5 +57,13 @@ def test_every_library_that_tests_and_benchmarks_import_comes_with_their_extra()
     declared = {_plain(requirement) for requirement in given}
     extra = {name: where for name, where in _imported(*BESIDE).items() if name not in declared}
     # the peers' programs run in an environment of their own: tests/benchmarks/test_peers.py holds them to it
-    assert {name: where for name, where in extra.items() if not where.startswith(PEERS)} == {}
-    assert set(extra) <= {"ompl", "mplib", "toppra"}
+    assert {name: where for name, where in extra.items() if not where.startswith((*PEERS, COMPILED))} == {}
+    assert set(extra) <= {"ompl", "mplib", "toppra", "numba"}
+    numba = [
+        f"{source.path}:{line}"
+        for source in sources(*PRODUCT, *BESIDE)
+        for module, line in imports(source.tree)
+        if module.partition(".")[0] == "numba" and source.path != COMPILED
+    ]
+    assert numba == []
+    assert [_plain(requirement) for requirement in PROJECT["optional-dependencies"]["compiled"]] == ["numba"]
