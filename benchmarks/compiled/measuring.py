@@ -34,10 +34,10 @@ def parameters(quick: bool) -> Document:
     """All that decides what is measured."""
     return {
         "every": 10 if quick else 1,
-        "rounds": 1 if quick else 3,
+        "rounds": 1 if quick else 2,
         "budget_s": 1.0,
         "compared_every": 1 if quick else ALIKE_EVERY,
-        "seconds": 0.5 if quick else 2.0,
+        "seconds": 0.5 if quick else 1.0,
         "middle": 2 if quick else MIDDLE,
         "repeats": calls.REPEATS,
         "alike": ALIKE,
