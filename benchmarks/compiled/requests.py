@@ -43,7 +43,8 @@ class Question:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What a request came to, with the time of the processor to it, s, and the independent word on it, made outside of that time."""
+    """What a request came to, with the time of the processor to it, s, and the independent word on it, made outside
+    of that time."""
 
     elapsed_s: float
     digest: str | None
