@@ -5,6 +5,7 @@ contacts  what the approach axis alone would say of the contacts that are proved
 grown     pairs further apart than the clearance that FCL refuses when the arm is grown by it
 grid      grids of meeting times against one of 1 ms
 sketches  candidates that were timed, and how many of them needed an exact profile
+glances   ways that seem free to a glance, how many of them are, and what a glance costs beside timing and screening
 
 Each part runs the planner as it is, and beside it the planner with the one choice undone. Counts are the same on every
 machine as long as no clock ends a search; times are not.
@@ -38,14 +39,21 @@ from planner import Scene, plan
 from planner.certificate import Prover
 from planner.certificate.facts import Facts
 from planner.certificate.rows import Rows
+from planner.chain import Outline, Sample, initial, prepared
+from planner.continuation import carried_gently, outline
 from planner.errors import FaultError
 from planner.gjk import separate
-from planner.outcome import Plan, Planned
+from planner.glance import Glance
+from planner.outcome import Plan, Planned, Refusal
 from planner.phases import Phase, phases
+from planner.population import Population
+from planner.screening import screen
+from planner.search import MOST_WAYS
 from planner.separation import rough_gaps
 from planner.shapes import Primitive
 from planner.sweep import sweep
 from planner.timing.profile import finished
+from planner.ways import options
 from scenes.requests import scene_of, shipped, shipped_scenarios
 
 ROOT = Path(__file__).parents[2]
@@ -300,7 +308,39 @@ def sketches(limit: int) -> None:
     OUT.print(made)
 
 
-WHAT = {"rows": rows, "contacts": contacts, "grown": grown, "grid": grid, "sketches": sketches}
+def glances(limit: int) -> None:
+    """Decision 0012: the first ways that are drawn from the start of each problem, all of them timed and screened."""
+    made = table("set", "drawn", "free", "seem free", "of these free", "free but seem not", "a way, glance : the rest")
+    for name in SETS:
+        free, seem, both, drawn, cost = 0, 0, 0, 0, []
+        for _, scene in problems(name, limit):
+            prover, chain, rng = Prover(scene), initial(scene), np.random.default_rng(0)
+            meeting = prepared(scene, chain, 0.0, None, tuple(range(len(scene.robot.modes))))
+            ways = () if isinstance(meeting, Refusal) else options(scene, chain, [(0.0, meeting)], MOST_WAYS)
+            if not ways:
+                continue
+            population = Population(scene, chain, ways, Glance(prover, chain, ways), rng, adaptive=False)
+            prospects = population.freedom.drawn(rng, DRAWN, population.shares)
+            began = time.perf_counter()
+            bad, _ = population.glance(prospects, rng)
+            glanced = time.perf_counter()
+            really = np.zeros(DRAWN, dtype=bool)
+            for i in range(DRAWN):
+                option = ways[int(prospects.option[i])]
+                way = outline(scene, chain, option.meeting, Sample(0.0, option.branch, prospects.shape(i)), None)
+                if isinstance(way, Outline) and screen(prover, [way])[0].refusal is None:
+                    really[i] = not isinstance(carried_gently(scene, way), Refusal)
+            cost.append((time.perf_counter() - glanced) / (glanced - began))
+            drawn, free, seem = drawn + DRAWN, free + int(really.sum()), seem + int((bad == 0).sum())
+            both += int((really & (bad == 0)).sum())
+        shares = (f"{100 * share:.0f} %" for share in (free / drawn, seem / drawn, both / max(1, seem)))
+        made.add_row(name, str(drawn), *shares, f"{free - both}", f"1 : {np.median(cost):.0f}")
+    OUT.print(made)
+
+
+DRAWN = 96
+"""Ways that are drawn of each problem."""
+WHAT = {"rows": rows, "contacts": contacts, "grown": grown, "grid": grid, "sketches": sketches, "glances": glances}
 
 
 def main(
