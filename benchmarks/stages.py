@@ -20,7 +20,7 @@ INTERVAL_S = 0.2e-3
 """Between samples. A stage that takes 1 % of 15 ms is seen once in seven requests."""
 
 WHOLE: tuple[tuple[str, str], ...] = (
-    ("planner.glance", "looking at many ways"),
+    ("planner.around", "looking at many ways"),
     ("planner.checker", "checker"),
     ("planner.margins", "margins"),
     ("planner.lower_bound", "lower bound"),
@@ -33,7 +33,9 @@ PARTS: tuple[tuple[str, str], ...] = (
     ("planner.collision", "screening (fcl)"),
     ("planner.screening", "screening (supports)"),
     ("planner.separation", "screening (supports)"),
+    ("planner.outlines", "screening (supports)"),
     ("planner.solids", "screening (supports)"),
+    ("planner.pieces", "building"),
     ("planner.gjk", "certificate"),
     ("planner.certificate", "certificate"),
     ("planner.requirement", "certificate"),
@@ -44,8 +46,6 @@ PARTS: tuple[tuple[str, str], ...] = (
     ("planner.frames", "kinematics"),
     ("planner.legs", "candidates"),
     ("planner.candidates", "candidates"),
-    ("planner.population", "candidates"),
-    ("planner.prospects", "candidates"),
     ("planner.ways", "candidates"),
     ("planner.chain", "candidates"),
     ("planner.continuation", "candidates"),

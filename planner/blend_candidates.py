@@ -11,10 +11,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from planner.around.free_vias import free_vias
 from planner.arrays import FloatArray
 from planner.chain import Chain
-from planner.frames import Fixed
-from planner.free_vias import free_vias
+from planner.frames import all_stand
 from planner.legs.blended import BlendShape, Station
 from planner.scene import Scene
 
@@ -119,7 +119,7 @@ class BlendSampler:
         frees = []
         for one, other in pairwise(poses):
             count = int(rng.choice(COUNTS, p=WEIGHTS)) if self.blocked else 0
-            frees.append(tuple(via.q for via in free_vias(rng, self.scene.robot, one, other, count)))
+            frees.append(tuple(free_vias(rng, self.scene.robot, one, other[None], count)[0]))
         wait = float(rng.exponential(0.35)) if self.moving() and rng.random() < 0.4 else 0.0
         return BlendShape(way, tuple(frees), wait, float(rng.choice([1.0, 1.0, 0.7, 0.4])))
 
@@ -139,13 +139,13 @@ class BlendSampler:
             # a way that was nearly free is led around at one place
             poses = self._poses(parent.stations)
             k = int(rng.integers(len(frees)))
-            via = free_vias(rng, self.scene.robot, poses[k], poses[k + 1], 1)[0].q
+            via = free_vias(rng, self.scene.robot, poses[k], poses[k + 1][None], 1)[0, 0]
             frees = (*frees[:k], (via,), *frees[k + 1 :])
         return replace(parent, frees=frees, wait=wait)
 
     def moving(self) -> bool:
         """Whether anything moves, so that waiting may change what is in the way."""
-        return any(not isinstance(frame.law, Fixed) for frame in self.scene.frames.values())
+        return not all_stand(self.scene.frames.values())
 
 
 def _typical(station: Station) -> FloatArray:

@@ -11,13 +11,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from planner.around.glance import Glance
+from planner.around.population import Population, glue_effort
+from planner.around.prospects import WAIT_S
 from planner.chain import Chain, Sample
-from planner.glance import Glance
+from planner.frames import all_stand
 from planner.legs.arched import Hop
 from planner.legs.joint import Shape
 from planner.outcome import Reason, Refusal
-from planner.population import Population, glue_effort, moves
-from planner.prospects import WAIT_S
 from planner.scene import Arch, Move, Scene
 from planner.ways import Option
 
@@ -154,6 +155,10 @@ class Sampler:
         step = self.scene.task[self.chain.step]
         return isinstance(step, Move) and step.leg == "cartesian"
 
+    def _may_wait(self) -> bool:
+        """Whether waiting is possible and changes anything."""
+        return self.chain.state.resting and not all_stand(self.scene.frames.values())
+
     def _any_option(self) -> Option:
         return self.options[min(len(self.options) - 1, int(self.rng.geometric(0.45)) - 1)]
 
@@ -172,7 +177,7 @@ class Sampler:
         shape = Shape(hop=Hop(top, float(rng.random()), float(rng.random())))
         if self._is_via():
             shape = replace(shape, through=float(rng.uniform(0.2, 1.0)))
-        if moves(self.scene) and self.chain.state.resting and rng.random() < 0.25:
+        if self._may_wait() and rng.random() < 0.25:
             shape = replace(shape, wait=float(rng.exponential(WAIT_S)))
         return option, self._sample(option, shape)
 
@@ -184,7 +189,7 @@ class Sampler:
         if hop is not None:
             rise, fall = np.clip(np.array([hop.rise, hop.fall]) + rng.normal(0.0, 0.15, 2), 0.0, 1.0)
             shape = replace(shape, hop=Hop(hop.top, float(rise), float(fall)))
-        if moves(self.scene) and self.chain.state.resting and rng.random() < 0.5:
+        if self._may_wait() and rng.random() < 0.5:
             shape = replace(shape, wait=max(0.0, shape.wait + float(rng.normal(0.0, 0.1))))
         return option, replace(parent, shape=shape)
 

@@ -150,7 +150,9 @@ def _confirmed(
     touch = meet(close.one.rows(deepest), close.other.rows(deepest))
     hit = np.zeros(len(samples.owner), dtype=bool)
     hit[close.row] = True
-    shares = np.bincount(samples.owner[hit], minlength=owner.max() + 1) / np.bincount(samples.owner)[: owner.max() + 1]
+    count = np.bincount(samples.owner)[: owner.max() + 1]
+        # a draft that left its assembly has no samples here
+        shares = np.bincount(samples.owner[hit], minlength=owner.max() + 1) / np.maximum(count, 1)
     met: dict[int, list[int]] = {}
     for k in np.argsort(close.gap[deepest], kind="stable").tolist():
         met.setdefault(int(owner[deepest[k]]), []).append(k)

@@ -10,6 +10,7 @@ from itertools import product
 
 import numpy as np
 
+from planner.around.glance import Glance
 from planner.candidates import Sampler
 from planner.census import Counter, refused_proof
 from planner.certificate import Prover, Rows, Unproved
@@ -17,7 +18,6 @@ from planner.chain import Chain, Draft, Outline, Sample, initial, prepared
 from planner.completion import completed
 from planner.continuation import carried_gently, is_straight, outline, straight_draft
 from planner.feasibility import points_impossible
-from planner.glance import Glance
 from planner.legs.meeting import Meetings
 from planner.legs.tilt import tilts
 from planner.outcome import Plan, Refusal

@@ -36,6 +36,8 @@ import planner.timing.sketch
 import planner.timing.solver
 from benchmarks.translation import Manners, request
 from planner import Scene, plan
+from planner.around.glance import Glance
+from planner.around.population import Population
 from planner.certificate import Prover
 from planner.certificate.facts import Facts
 from planner.certificate.rows import Rows
@@ -43,10 +45,8 @@ from planner.chain import Outline, Sample, initial, prepared
 from planner.continuation import carried_gently, outline
 from planner.errors import FaultError
 from planner.gjk import separate
-from planner.glance import Glance
 from planner.outcome import Plan, Planned, Refusal
 from planner.phases import Phase, phases
-from planner.population import Population
 from planner.screening import screen
 from planner.search import MOST_WAYS
 from planner.separation import rough_gaps

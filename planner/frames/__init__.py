@@ -1,7 +1,7 @@
 """Frames of a cell: poses, motions, and the time laws by which frames move."""
 
 from planner.frames.conveyor import Conveyor
-from planner.frames.fixed import Fixed, Linear
+from planner.frames.fixed import Fixed, Linear, all_stand
 from planner.frames.indexer import Indexer
 from planner.frames.keyframes import Keyframes
 from planner.frames.law import Frame, Law, LawBounds, Uncertainty
@@ -27,4 +27,5 @@ __all__ = [
     "Swing",
     "Turntable",
     "Uncertainty",
+    "all_stand",
 ]

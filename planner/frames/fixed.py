@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from planner.arrays import FloatArray
 from planner.errors import InputError
-from planner.frames.law import LawBounds
+from planner.frames.law import Frame, LawBounds
 from planner.frames.motion import Motion, Pose
 from planner.frames.validity import ALWAYS, FURTHEST_S, KnownLaw, interval, number, placed
 
@@ -36,6 +37,11 @@ class Fixed(KnownLaw):
 
     def _bounds(self, t0: FloatArray, _t1: FloatArray, _n: FloatArray, /) -> LawBounds:
         return LawBounds(*np.zeros((4, len(t0))))
+
+
+def all_stand(frames: Iterable[Frame]) -> bool:
+    """Whether none of the frames moves."""
+    return all(isinstance(frame.law, Fixed) for frame in frames)
 
 
 @dataclass(frozen=True)

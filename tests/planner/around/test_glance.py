@@ -7,17 +7,17 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from planner.around.glance import APART_S, REMEMBERED, Glance
+from planner.around.population import NEARLY_FREE, Population
+from planner.around.prospects import MOST_VIAS, Freedom, Prospects, together
+from planner.around.rough import RoughMotions
 from planner.arrays import BoolArray, FloatArray
 from planner.certificate import Prover
 from planner.chain import Outline, Sample, initial, prepared
 from planner.continuation import outline
 from planner.frames import Frame, Linear
 from planner.frames.motion import Pose
-from planner.glance import APART_S, REMEMBERED, Glance
 from planner.legs.meeting import Meetings
-from planner.population import NEARLY_FREE, Population
-from planner.prospects import MOST_VIAS, Freedom, Prospects, together
-from planner.rough import RoughMotions
 from planner.scene import Scene
 from planner.screening import screen
 from planner.shapes import box

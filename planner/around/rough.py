@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from planner.around.prospects import MOST_VIAS, Prospects
 from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.chain import Chain
 from planner.legs.passing import passing_velocities
-from planner.prospects import MOST_VIAS, Prospects
 from planner.robots.protocol import Robot
 from planner.timing.trapezoids import Trapezoids, mean_acceleration, trapezoid_time
 from planner.ways import Option

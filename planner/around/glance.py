@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from planner.around.prospects import Prospects
+from planner.around.rough import Rough, RoughMotions
 from planner.arrays import FloatArray, IntArray
 from planner.certificate import Prover
 from planner.chain import Chain
 from planner.outcome import LegKind
 from planner.phases import Phase
-from planner.prospects import Prospects
 from planner.requirement import clearance, worst
-from planner.rough import Rough, RoughMotions
 from planner.separation import likely_gaps, place, rough_gaps, swept_gaps
 from planner.solids import carriers
 from planner.ways import Option
@@ -23,8 +23,8 @@ LOOKS = 24
 """Times at which a way is looked at."""
 COARSE = 3
 """Every third of them comes first ..."""
-CLOSER = 4
-"""... and only the best fourth of the ways is looked at at the others."""
+CLOSER = 3
+"""... and only the best third of the ways is looked at at the others."""
 REMEMBERED = 6
 """Times at which ways that had seemed free were found not to be; they are looked at as well ..."""
 APART_S = 0.01

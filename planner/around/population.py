@@ -7,15 +7,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from planner.around.glance import LOOKS, Glance
+from planner.around.prospects import Freedom, Prospects, together
 from planner.arrays import BoolArray
 from planner.chain import Chain, Sample
-from planner.frames import Fixed
-from planner.glance import LOOKS, Glance
-from planner.prospects import Freedom, Prospects, together
+from planner.frames import all_stand
 from planner.scene import Move, Scene
 from planner.ways import Option
 
-LOOKED_AT = (48, 96, 128)
+LOOKED_AT = (64, 96, 128)
 """Ways that are looked at in the first rounds of a chain, and in all later ones: the first reacts sooner."""
 MOST_ROWS = 200_000
 """Ways of a round × looks at each × pairs of bodies, about: in large cells fewer ways are looked at ..."""
@@ -37,11 +37,6 @@ TOWARDS = 0.45
 """Share of ways that lead to the first option, of the rest that lead to the second, and so on."""
 GLUE_EFFORTS = (1.0, 1.0, 0.7, 0.4)
 """Shares of the limits that the glued legs at a point use."""
-
-
-def moves(scene: Scene) -> bool:
-    """Whether anything but the arm moves."""
-    return any(not isinstance(frame.law, Fixed) for frame in scene.frames.values())
 
 
 def glue_effort(rng: np.random.Generator) -> tuple[float, float]:
@@ -132,7 +127,7 @@ def _freedom(scene: Scene, chain: Chain, options: tuple[Option, ...]) -> Freedom
         goals=np.array([option.branch.q[int(np.argmax(option.branch.legal))] for option in options]),
         weights=weights / weights.sum(),
         waits=chain.state.resting,
-        moving=moves(scene),
+        moving=not all_stand(scene.frames.values()),
         late=np.array([not option.branch.still for option in options]),
         via=isinstance(step, Move) and step.via,
     )

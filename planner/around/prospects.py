@@ -1,6 +1,6 @@
 """Random ways to the next control point by free vias, drawn many at a time: all are arrays, none is timed yet.
 
-They are cheap enough to draw many and time few: `planner.glance` tells from rough motions which of them are worth it.
+They are cheap enough to draw many and time few: `glance` tells from rough motions which of them are worth it.
 """
 
 from __future__ import annotations
@@ -10,16 +10,13 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from planner.around.free_vias import free_vias
 from planner.arrays import BoolArray, FloatArray, IntArray
 from planner.legs.joint import Shape, Via
 from planner.robots.protocol import Robot
 
 MOST_VIAS = 2
 """Free vias of one way."""
-KINDS = (0.3, 0.4, 0.3)
-"""Shares of vias near the way, anywhere, and with a folded arm."""
-SPREAD = 0.2
-"""Spread of vias near the way, in ranges of the joints."""
 PACES = (0.0, 0.4, 0.8, 1.2)
 """Paces at which a via is flown by."""
 EFFORTS = (1.0, 1.0, 0.7, 0.4)
@@ -86,7 +83,7 @@ class Freedom:
         late = rng.exponential(LATE_S, count) * (self.late[option] & (rng.random(count) < 0.3))
         effort = rng.choice(EFFORTS, count) if self.moving else np.ones(count)
         through = rng.uniform(0.2, 1.0, count) * self.via
-        via = self._vias(rng, option)
+        via = free_vias(rng, self.robot, self.start, self.goals[option], MOST_VIAS)
         return Prospects(option, wait, late, effort, through, vias, via, rng.choice(PACES, (count, MOST_VIAS)))
 
     def direct(self) -> Prospects:
@@ -95,43 +92,6 @@ class Freedom:
         none, full, no_vias = np.zeros(count), np.ones(count), np.zeros(count, dtype=np.int64)
         via = np.broadcast_to(self.start, (count, MOST_VIAS, len(self.start)))
         return Prospects(np.arange(count), none, none, full, full * self.via, no_vias, via, via[..., 0] * 0.0)
-
-    def _vias(self, rng: np.random.Generator, option: IntArray) -> FloatArray:
-        """Joints (N, 2, n) of vias on the way to options (N,)."""
-        limits, shape = self.robot.limits, (len(option), MOST_VIAS)
-        span = limits.upper - limits.lower
-        share = np.sort(rng.uniform(0.1, 0.9, shape), axis=1)
-        goal = self.goals[option][:, None]
-        on_way = self.start + share[..., None] * (goal - self.start)
-        near = on_way + rng.normal(0.0, SPREAD, (*shape, len(span))) * span
-        anywhere = rng.uniform(limits.lower, limits.upper, (*shape, len(span)))
-        kind = rng.choice(len(KINDS), size=shape, p=KINDS)
-        q = np.where((kind == 1)[..., None], anywhere, near)
-        # a folded arm passes where a stretched one does not: one joint near an end of its range
-        free = np.flatnonzero(self._free())
-        joint = rng.choice(free[1:], shape) if len(free) > 1 else np.full(shape, free[0])
-        edge = np.where(rng.random(shape) < 0.5, limits.upper[joint], limits.lower[joint])
-        inward = np.where(edge == limits.upper[joint], -0.3, 0.3) * rng.random(shape) * span[joint]
-        folded = (kind == 2)[..., None] & (np.arange(len(span)) == joint[..., None])
-        q = np.where(folded, (edge + inward)[..., None], q)
-        q = np.where(self._free(), q, on_way)
-        if self.robot.lift is not None:
-            q[..., self.robot.lift] = self._lifted(rng, goal[..., self.robot.lift], shape)
-        return np.asarray(np.clip(q, limits.lower, limits.upper))
-
-    def _lifted(self, rng: np.random.Generator, goal: FloatArray, shape: tuple[int, int]) -> FloatArray:
-        """Values of the lift joint: mostly above both ends, often at the top."""
-        z = self.robot.lift or 0
-        lower, upper = self.robot.limits.lower[z], self.robot.limits.upper[z]
-        above = np.minimum(np.maximum(self.start[z], goal), upper)
-        low = np.where(rng.random(shape) < 0.7, above, lower)
-        return np.where(rng.random(shape) < 0.6, rng.uniform(low, upper, shape), upper)
-
-    def _free(self) -> BoolArray:
-        """Joints (n,) that clear something: the wrist only turns with the way, and the lift has a rule of its own."""
-        free = np.array([number != self.robot.lift for number in range(len(self.robot.joints))])
-        free[3:] = False
-        return free
 
     def varied(self, rng: np.random.Generator, parents: Prospects) -> Prospects:
         """One child of each."""
