@@ -151,8 +151,8 @@ def _confirmed(
     hit = np.zeros(len(samples.owner), dtype=bool)
     hit[close.row] = True
     count = np.bincount(samples.owner)[: owner.max() + 1]
-        # a draft that left its assembly has no samples here
-        shares = np.bincount(samples.owner[hit], minlength=owner.max() + 1) / np.maximum(count, 1)
+    # a draft that left its assembly has no samples here
+    shares = np.bincount(samples.owner[hit], minlength=owner.max() + 1) / np.maximum(count, 1)
     met: dict[int, list[int]] = {}
     for k in np.argsort(close.gap[deepest], kind="stable").tolist():
         met.setdefault(int(owner[deepest[k]]), []).append(k)
