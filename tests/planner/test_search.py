@@ -16,12 +16,15 @@ import pytest
 
 from planner.candidates import Sampler
 from planner.certificate import Prover
-from planner.chain import initial
+from planner.chain import Outline, Sample, initial, prepared
 from planner.checker import check
+from planner.continuation import outline
+from planner.legs.joint import Shape
+from planner.legs.meeting import Meetings
 from planner.outcome import NotPlanned, Planned, Reason
 from planner.pipeline import plan
 from planner.scene import Arch, Clearance, Scene
-from planner.search import Found, Search
+from planner.search import BEAM, Found, Search
 from planner.shapes import box, cylinder
 from tests.planner.cells import CUP, arm, belt_and_dial, cell, go, stands, table_to_table
 
@@ -197,6 +200,31 @@ def test_without_learning_nothing_is_learned_and_plans_are_found_all_the_same() 
     taught.run()
     assert any(_learned(sampler) for _, sampler in taught.samplers.values())
     assert fingerprint(scene, adaptive=False) == fingerprint(scene, adaptive=False)
+
+
+def test_a_way_is_of_use_if_its_chain_would_be_continued_or_be_the_best_plan() -> None:
+    scene = narrow()
+    chain = initial(scene)
+    search = Search(scene, Prover(scene), time.perf_counter())
+    meeting = prepared(scene, chain, 0.0, None, (0, 1))
+    assert isinstance(meeting, Meetings)
+    one, other = (next(b for b in meeting.branches if b.mode == mode) for mode in (0, 1))
+    ways = [outline(scene, chain, meeting, Sample(0.0, branch, Shape()), None) for branch in (one, other)]
+    way, second = ways
+    assert isinstance(way, Outline)
+    assert isinstance(second, Outline)
+    assert search._of_use(way)
+    state = replace(chain.state, time=min(way.end, second.end) - 0.01)
+    early = [replace(chain, step=1, state=state, mode=0) for _ in range(BEAM)]
+    search.pool[1] = early[1:]
+    assert search._of_use(way)
+    search.pool[1] = early
+    assert not search._of_use(way)
+    assert search._of_use(second)  # the earliest of its mode is always continued
+    search.pool[1] = [replace(each, state=replace(state, time=way.end + 0.01)) for each in early]
+    assert search._of_use(way)
+    search.found.best = replace(chain, state=replace(state, time=way.end))
+    assert not search._of_use(way)
 
 
 def test_nothing_is_tried_where_no_mode_reaches_the_point() -> None:
