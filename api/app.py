@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from fastapi import FastAPI
@@ -21,6 +20,7 @@ from api.problems import FieldError, Problem, printable, shown
 from api.routes import router
 from api.service import Service
 from api.settings import Settings
+from api.version import version
 
 HTTP_KINDS = {404: "not-found", 405: "method-not-allowed"}
 """What Starlette itself refuses, by status."""
@@ -40,7 +40,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
 
     app: FastAPI = FastAPIOffline(
         title="assur",
-        version=_version(),
+        version=version(),
         description=openapi.TEXT,
         lifespan=lifespan,
         redirect_slashes=False,
@@ -87,10 +87,3 @@ async def _on_parameter(_: Request, error: Any) -> Response:
         for e in error.errors()
     ]
     return problem_response(Problem("bad-input", str(found[0]), found))
-
-
-def _version() -> str:
-    try:
-        return version("assur")
-    except PackageNotFoundError:
-        return "0"  # run from a source tree that was never installed

@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
 from pathlib import Path
@@ -19,6 +18,7 @@ from api.documents import to_json
 from api.logs import where
 from api.problems import Problem, printable
 from api.targets import json_file, target
+from api.version import version
 from planner.errors import FaultError, InputError
 from scenes import requests
 
@@ -70,6 +70,19 @@ def _code(run: Callable[[], int]) -> int:
         return _say(f"a fault of assur itself: {type(error).__name__} in {last}{said}; please report it", FAULT)
 
 
+def _version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"assur {version()}")
+        raise typer.Exit(RIGHT)
+
+
+@app.callback()
+def assur(
+    _: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
+) -> None:
+    """What stands before a command."""
+
+
 @app.command()
 @_bordered
 def plan(
@@ -84,7 +97,7 @@ def plan(
     given = target(file)
     if out is not None and (out.is_dir() or not out.parent.is_dir()):
         raise InputError("--out", str(out), "a file in a folder that exists")
-    with _working(f"planning {given.name}"):
+    with words.working(f"planning {given.name}"):
         answer = given.plan()
         checked = answer["status"] == "planned"
         if checked:
@@ -97,9 +110,10 @@ def plan(
         _print_json(answer)
     else:
         _print(f"{given.name}: {'planned' if checked else 'not planned'}", "", *words.everything(answer))
-        _print(*(f"not as the file expects: {unmet}" for unmet in given.unmet(answer)))
         if checked:
             _print("plan checked")
+    for unmet in given.unmet(answer):
+        _say(f"not as the file expects: {unmet}")
     return RIGHT if checked else WRONG
 
 
@@ -113,7 +127,7 @@ def check(
     """Check a PLAN against FILE with the checker, which trusts no planner."""
     given = target(file)
     answer = json_file(plan, "PLAN")
-    with _working(f"checking {plan.name}"):
+    with words.working(f"checking {plan.name}"):
         verdict = given.check(answer)
     if as_json:
         _print_json(verdict)
@@ -202,7 +216,7 @@ def main() -> None:
     app()
 
 
-def _say(text: str, code: int, line: int | None = None) -> int:
+def _say(text: str, code: int = RIGHT, line: int | None = None) -> int:
     """One line on standard error; returns `code`."""
     at = "" if line is None else f"line {line}: "
     print(f"assur: {at}{printable(text, 2500)}", file=sys.stderr)
@@ -222,17 +236,6 @@ def _print_json(document: Any) -> None:
 def _hold_to_checker(verdict: dict[str, Any]) -> None:
     if not verdict["ok"]:
         raise FaultError("the checker refuses this plan: " + "; ".join(f["what"] for f in verdict["findings"]))
-
-
-@contextmanager
-def _working(what: str) -> Iterator[None]:
-    """Shows on standard error, if it is a terminal, that something is going on."""
-    console = words.console(stderr=True)
-    if not console.is_terminal:
-        yield
-        return
-    with console.status(f"{printable(what)} ..."):
-        yield
 
 
 if __name__ == "__main__":

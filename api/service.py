@@ -72,7 +72,8 @@ class Service:
         largest = self.settings.max_budget_s
         for name in ("budget_s", "explain_budget_s"):
             if not getattr(options, name) <= largest:
-                raise Problem.of_input(fault(document, ("options", name), f"at most {largest:g} s on this service"))
+                allowed = f"at most {largest:g} s, which is ASSUR_MAX_BUDGET_S of this service"
+                raise Problem.of_input(fault(document, ("options", name), allowed))
         return float(options.budget_s + options.explain_budget_s + self.settings.grace_s)
 
     async def _work(self, job: Any, arguments: tuple[Any, ...], key: str, wall_s: float) -> jobs.Answer:

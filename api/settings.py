@@ -106,7 +106,8 @@ class Settings:
         for name in sorted(name for name in given if name.startswith(PREFIX)):
             if name not in known:
                 near = get_close_matches(name, known, n=1)
-                raise InputError(name, given[name], f"{near[0]}?" if near else "one of " + ", ".join(known))
+                meant = f"; did you mean {near[0]}?" if near else ""
+                raise InputError(name, given[name], f"one of {', '.join(known)}{meant}")
             values[known[name].name] = known[name].metadata["read"](name, given[name].strip())
         return Settings(**values)
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from planner.errors import InputError
 from scenes.bounds import MAX_JSON_BYTES
+from scenes.faults import likeliest
 from scenes.requests import (
     Scenario,
     check_document,
@@ -56,7 +57,7 @@ def target(text: str) -> Target:
     path = Path(text)
     if not _is_file(path):
         if text not in shipped_scenarios():
-            raise InputError("FILE", text, "a file, or a shipped scenario: " + ", ".join(shipped_scenarios()))
+            raise InputError("FILE", text, f"a file, or a shipped scenario: {likeliest(text, shipped_scenarios())}")
         scenario = shipped(text)
     elif path.suffix.lower() == ".json":
         return Target(path.stem, json_file(path, "FILE"), path.parent)

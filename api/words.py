@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from rich.console import Console
@@ -50,12 +51,29 @@ SPENT = "the explain budget was spent"
 """Stands last among what was tried when there was no time for more; it is no change that was tried."""
 
 
+class _Console(Console):
+    def on_broken_pipe(self) -> None:
+        """Leaves a closed pipe to the caller, who has an exit code for it; rich would end the process with 1."""
+        raise BrokenPipeError
+
+
 def console(*, stderr: bool = False) -> Console:
-    """A console that prints texts as they are, as wide as the terminal or `WIDTH`."""
-    made = Console(stderr=stderr, markup=False, highlight=False, emoji=False)
+    """A console that prints texts as they are, as wide as the terminal or `WIDTH`. Raises `BrokenPipeError`."""
+    made = _Console(stderr=stderr, markup=False, highlight=False, emoji=False)
     if not made.is_terminal:
         made.width = WIDTH
     return made
+
+
+@contextmanager
+def working(what: str) -> Iterator[None]:
+    """Shows on standard error, if it is a terminal, that something is going on."""
+    shown = console(stderr=True)
+    if not shown.is_terminal:
+        yield
+        return
+    with shown.status(f"{printable(what)} ..."):
+        yield
 
 
 def table(*columns: str) -> Table:

@@ -16,12 +16,12 @@ import numpy as np
 import typer
 from rich.console import Console
 
+from benchmarks.bench import WORK
 from benchmarks.cold import forget
 from benchmarks.judged import SETS, judged, label, problem_set, warm_up
 from benchmarks.machine import ROOT, commit, machine, pin
 from benchmarks.problem_set import ProblemSet
-from benchmarks.report import PROFILES, RESULTS, printed
-from benchmarks.report import profile as in_words
+from benchmarks.report import PROFILES, RESULTS, columns, printed
 from benchmarks.run_problems import answer
 from benchmarks.runner import write
 from benchmarks.stages import INTERVAL_S, clocked, milliseconds, sampled
@@ -30,6 +30,8 @@ from planner.outcome import NotPlanned
 from planner.pipeline import plan
 from scenes.requests import scene_of
 
+SAMPLES = WORK / "quick" / "results"
+"""Where the profile of a part of a set goes, as the results of a quick benchmark do: no page is filled from there."""
 MIDDLE = 5
 """Problems about the median that are looked at."""
 SECONDS = 2.0
@@ -42,12 +44,14 @@ def main(
     limit: Annotated[int | None, typer.Option(min=1, help="Only the first problems of the set.")] = None,
     seconds: Annotated[float, typer.Option(min=0.01, help="How long each problem is repeated.")] = SECONDS,
     tag: Annotated[str, typer.Option(help="Added to the name of the result: before, after.")] = "",
-    out: Annotated[Path, typer.Option(help="Folder of the result.")] = RESULTS,
+    out: Annotated[Path | None, typer.Option(help="Folder of the result.")] = None,
 ) -> None:
-    """Write the profile of a set as JSON and print it as a table."""
-    if (name, match) not in SETS:
-        allowed = ", ".join(" ".join(pair) for pair in SETS)
-        raise typer.BadParameter(f"one of {allowed}", param_hint="SET")
+    """Write the profile of a set as JSON and print it as a table.
+
+    It goes to benchmarks/results, from where the pages are filled; with --limit to out/bench/quick/results.
+    """
+    refuse(name, match)
+    folder = out or (RESULTS if limit is None else SAMPLES)
     pinned = pin()
     problems = problem_set(name)
     manners = Manners(match="velocity" if match == "velocity" else "position")
@@ -66,10 +70,21 @@ def main(
         "figures": [],
         "data": data,
     }
-    write(out / f"{stem}.json", document)
-    Console().print(printed(str(document["about"]), in_words({stem: document})))
-    shown = out.relative_to(ROOT) if out.is_relative_to(ROOT) else out
+    write(folder / f"{stem}.json", document)
+    Console().print(printed(str(document["about"]), columns({stem: document})))
+    shown = folder.relative_to(ROOT) if folder.is_relative_to(ROOT) else folder
     Console().print(f"problems {' '.join(data['problems'])}; {data['samples']} samples; written to {shown}/{stem}.json")
+
+
+def refuse(name: str, match: str) -> None:
+    """Raises `typer.BadParameter` for a set that there is not, and for a match that it has not."""
+    names = list(dict.fromkeys(known for known, _ in SETS))
+    if name not in names:
+        raise typer.BadParameter(f"{name!r} is none of {', '.join(names)}", param_hint="SET")
+    matches = [way for known, way in SETS if known == name]
+    if match not in matches:
+        allowed = f"{match!r} is not {' or '.join(matches)}, which {name} can be met with"
+        raise typer.BadParameter(allowed, param_hint="--match")
 
 
 def profiled(problems: ProblemSet, manners: Manners, limit: int | None, seconds: float) -> dict[str, Any]:

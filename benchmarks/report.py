@@ -121,6 +121,12 @@ def others(there: Results) -> str:
 
 
 def profile(there: Results) -> str:
+    """Where a millisecond goes, by the profiles of whole sets: one of a sample is not published."""
+    whole = {name: there[name] for name in there if name.startswith(PROFILES) and not there[name]["sample"]}
+    return columns(whole)
+
+
+def columns(there: Results) -> str:
     """Where a millisecond goes, a column for each profile."""
     names = sorted((name for name in there if name.startswith(PROFILES)), key=lambda name: name.replace("-after", "-z"))
     found = {name: there[name] for name in names}
@@ -167,7 +173,8 @@ BLOCKS: Mapping[str, Callable[[Results], str]] = {
 
 def printed(title: str, markdown: str) -> Table:
     """A table of a page as it is printed on a terminal."""
-    head, _, *rows = ([cell.strip() for cell in row.strip("|").split("|")] for row in markdown.splitlines())
+    lines_of_it = markdown.replace("**", "").splitlines()
+    head, _, *rows = ([cell.strip() for cell in row.strip("|").split("|")] for row in lines_of_it)
     shown = Table(*head, title=title)
     for row in rows:
         shown.add_row(*row)

@@ -72,6 +72,7 @@ def run(problems: ProblemSet, chosen: Sequence[Problem], manners: Manners, out: 
     moving = any("v" in problem["goal"] for problem in problems.problems)
     answer(unrelated_problem(WARM_UP_SEED, moving), problems, manners)
     lines = []
+    out.parent.mkdir(parents=True, exist_ok=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with (
         out.open("w", encoding="utf-8") as stream,

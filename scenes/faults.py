@@ -6,7 +6,8 @@ SI names; here it becomes the path with the keys as they were written (`speed_mm
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import difflib
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 from planner.errors import InputError
@@ -84,6 +85,15 @@ def fault(document: object, path: Sequence[str | int], allowed: str) -> Document
     """The error for the field at `path` of `document`."""
     written, value = as_written(document, path)
     return DocumentError(dotted(written), value, allowed)
+
+
+def likeliest(value: str, names: Iterable[str]) -> str:
+    """The names that there are, in words, and the one that was probably meant by `value`."""
+    listed = list(names)
+    plain = {name.replace("-", ""): name for name in listed}
+    spoken = "".join(c for c in value.lower() if c.isalnum())
+    close = difflib.get_close_matches(spoken, plain, n=1)
+    return ", ".join(listed) + (f"; did you mean {plain[close[0]]}?" if close else "")
 
 
 @contextmanager

@@ -41,7 +41,8 @@ def parse_json(data: bytes, *, limit_bytes: int = MAX_JSON_BYTES) -> Any:
             text, parse_constant=_constant, parse_float=_float, parse_int=_int, object_pairs_hook=_mapping
         )
     except json.JSONDecodeError as error:
-        raise DocumentError("request", error.msg, "JSON", line=error.lineno) from None
+        at = f"{error.msg} at line {error.lineno}, column {error.colno}"
+        raise InputError("request", at, "JSON") from None
     except RecursionError:
         raise InputError("request", "deeper nesting", f"nesting up to {MAX_DEPTH} levels") from None
     _inspect(document)

@@ -18,7 +18,7 @@ from scenes.bounds import MAX_MESH_BYTES, MAX_TEXT, MAX_YAML_BYTES
 from scenes.documents.model import Document, Instant
 from scenes.documents.read import read
 from scenes.documents.request import RequestDocument
-from scenes.faults import NOTHING, DocumentError, dotted
+from scenes.faults import NOTHING, DocumentError, dotted, likeliest
 from scenes.yaml_text import Lines, parse_yaml
 
 CELLS = Path(__file__).parent / "cells"
@@ -106,7 +106,7 @@ def shipped(name: str) -> Scenario:
     """A shipped scenario. Raises `InputError` for a name that is none; no other file is ever opened."""
     names = sorted(path.stem for path in CELLS.glob("*.yaml"))
     if name not in names:
-        raise InputError("scenario", name, f"one of {', '.join(names)}")
+        raise InputError("scenario", name, f"one of {likeliest(name, names)}")
     return load_scenario(CELLS / f"{name}.yaml")
 
 

@@ -13,6 +13,7 @@ from scenes.catalogue.mitsubishi_rp import RP_5AH
 from scenes.catalogue.papers import BENCHMARK_SCARA, FIUBA_SCARA, OVIEDO_SCARA
 from scenes.catalogue.rv_m1 import RV_M1
 from scenes.catalogue.textbook import ELBOW_ARM, LAB_SCARA, OLIER_SCARA, POLAR_ARM
+from scenes.faults import likeliest
 
 if TYPE_CHECKING:
     from scenes.catalogue.arm import Arm
@@ -39,7 +40,7 @@ ENTRIES: dict[str, Entry] = {
 def entry_of(model: str) -> Entry:
     """The catalogue's entry of a model. Raises `InputError` for a model that is not there."""
     if model not in ENTRIES:
-        raise InputError("robot.model", model, f"one of {', '.join(sorted(ENTRIES))}")
+        raise InputError("robot.model", model, f"one of {likeliest(model, sorted(ENTRIES))}")
     return ENTRIES[model]
 
 

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from planner.errors import FaultError
 from scenes.bounds import FAR_M
 from scenes.documents.model import NAME, REFERENCE
-from scenes.faults import DocumentError, Path, as_written, dotted
+from scenes.faults import DocumentError, Path, as_written, dotted, likeliest
 from scenes.units import SI_UNITS, TWIN_UNITS, from_si, si_key, twin_of, unit_of
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -90,17 +90,19 @@ def _allowed(
         return f"{words} {_in_unit_written(context[name], path)}{_millimetres(path, value)}"
     if kind in ("too_short", "too_long"):
         few = context.get("min_length", context.get("max_length"))
-        return f"{'at least' if kind == 'too_short' else 'at most'} {few} items"
+        given = f", not {len(value)}" if isinstance(value, list) else ""
+        return f"{'at least' if kind == 'too_short' else 'at most'} {few} item{'' if few == 1 else 's'}{given}"
     if kind in ("string_too_short", "string_too_long"):
         few = context.get("min_length", context.get("max_length"))
-        return f"{'at least' if kind == 'string_too_short' else 'at most'} {few} characters"
+        least = "at least" if kind == "string_too_short" else "at most"
+        return f"{least} {few} character{'' if few == 1 else 's'}"
     if kind == "literal_error":
         return str(context["expected"])
     if kind == "string_pattern_mismatch":
         if context["pattern"] in (NAME, REFERENCE):
             return "a name: a letter, then up to 63 letters, digits, _ . -"
         if path[-1] in SHIPPED:
-            return _likeliest(str(value), SHIPPED[path[-1]]())
+            return f"one of {likeliest(str(value), SHIPPED[path[-1]]())}"
         return f"text that matches {context['pattern']}"
     if kind in ("model_type", "model_attributes_type"):
         here = _model_in(_annotation(model, location))
@@ -189,14 +191,6 @@ def _words_of(annotation: Any) -> str:
     """The words that a field is one of, where it is."""
     words = [str(word) for option in _options(annotation) if get_origin(option) is Literal for word in get_args(option)]
     return f"one of {', '.join(words)}" if len(words) > 1 else "".join(words)
-
-
-def _likeliest(value: str, names: Sequence[str]) -> str:
-    """The names that there are, and the one that was probably meant."""
-    plain = {name.replace("-", ""): name for name in names}
-    spoken = "".join(c for c in value.lower() if c.isalnum())
-    close = difflib.get_close_matches(spoken, plain, n=1)
-    return f"one of {', '.join(names)}" + (f"; did you mean {plain[close[0]]}?" if close else "")
 
 
 def _models() -> Sequence[str]:

@@ -54,6 +54,18 @@ def test_a_bad_body_is_refused_over_http(client: httpx.Client, bad: BadBody) -> 
     assert document["errors"][0]["allowed"] != ""
 
 
+def test_a_budget_above_the_services_is_told_with_the_setting_that_it_is_above(
+    client: httpx.Client, small: dict[str, Any]
+) -> None:
+    document = problem(client.post("/v1/plans", json={**small, "options": {"budget_s": 31}}), 422)
+    assert document["errors"][0]["allowed"] == "at most 30 s, which is ASSUR_MAX_BUDGET_S of this service"
+
+
+def test_a_body_that_is_no_json_is_told_with_line_and_column(client: httpx.Client) -> None:
+    document = problem(client.post("/v1/plans", content=b'{"schema":\n  }', headers=JSON), 400)
+    assert document["errors"][0]["value"] == "Expecting value at line 2, column 3"
+
+
 @pytest.mark.parametrize("bad", BAD_REQUESTS, ids=lambda bad: bad.name)
 def test_a_bad_request_is_refused_over_http(client: httpx.Client, bad: Bad) -> None:
     request = copy.deepcopy(GOOD_REQUEST)

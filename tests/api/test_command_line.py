@@ -18,6 +18,7 @@ from api import amounts, command_line, words
 from api.command_line import BAD_INPUT, FAULT, INTERRUPTED, RIGHT, WRONG, app
 from api.documents import to_json
 from api.jobs import FIRST_PLAN
+from api.version import version
 from scenes.requests import shipped_scenarios
 
 ROOT = Path(__file__).parents[2]
@@ -72,20 +73,32 @@ def test_a_request_that_is_not_planned_says_why_and_ends_with_one(far_file: Path
 
 
 def test_a_refusal_says_by_how_much_and_what_was_tried_and_would_help() -> None:
-    code, output, _ = run("plan", "behind-the-base-keep")
+    code, output, errors = run("plan", "behind-the-base-keep")
     assert code == WRONG
+    assert errors == ""
     for word in ("JOINT_LIMIT", "proved: no plan exists", "j1 would pass its limit", "deg", "what would help", "auto"):
         assert word in output
-    assert "not as the file expects" not in output
 
 
 def test_an_answer_that_is_not_what_the_scenario_expects_is_told_so(tmp_path: Path) -> None:
     shipped = (ROOT / "scenes" / "cells" / "behind-the-base-keep.yaml").read_text(encoding="utf-8")
     file = tmp_path / "cell.yaml"
     file.write_text(shipped.replace("status: not_planned", "status: planned"), encoding="utf-8")
-    code, output, _ = run("plan", str(file))
-    assert code == WRONG
-    assert "not as the file expects: status is not_planned, not planned" in output
+    for form in ((), ("--json",)):
+        code, output, errors = run("plan", str(file), *form)
+        assert code == WRONG
+        assert errors == "assur: not as the file expects: status is not_planned, not planned\n"
+        assert "not as the file expects" not in output
+
+
+def test_what_a_file_expects_beside_a_plan_changes_no_exit_code(tmp_path: Path) -> None:
+    file = tmp_path / "cell.yaml"
+    expect = {"status": "planned", "duration_s": {"max": 0.001}}
+    file.write_text(json.dumps({"about": "A cell.", "request": FIRST_PLAN, "expect": expect}))
+    code, output, errors = run("plan", str(file))
+    assert code == RIGHT
+    assert "plan checked" in output
+    assert errors.startswith("assur: not as the file expects: duration_s is ")
 
 
 def without_times(document: dict[str, Any]) -> bytes:
@@ -357,6 +370,47 @@ def test_a_reader_that_closes_the_pipe_gets_no_traceback() -> None:
     assert len(run.stdout) == 10
     assert run.stderr == b""
     assert run.returncode in (RIGHT, command_line.PIPE_CLOSED)
+
+
+@pytest.mark.parametrize("command", [("robots",), ("robots", "--json"), ("plan", "demo")])
+def test_a_reader_that_is_gone_is_no_request_that_was_not_planned(command: tuple[str, ...]) -> None:
+    here, there = os.pipe()
+    os.close(here)
+    with os.fdopen(there, "wb") as closed:
+        whole = [sys.executable, "-m", "api.command_line", *command]
+        run = subprocess.run(whole, cwd=ROOT, stdout=closed, stderr=subprocess.PIPE, timeout=120, check=False)
+    assert (run.returncode, run.stderr) == (command_line.PIPE_CLOSED, b"")
+
+
+def test_the_version_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run("--version") == (RIGHT, f"assur {version()}\n", "")
+    monkeypatch.setattr("api.version.metadata.version", {"assur": "1.2.3"}.__getitem__)
+    assert run("--version") == (RIGHT, "assur 1.2.3\n", "")
+
+
+def test_a_misspelt_scenario_or_robot_is_answered_with_the_one_that_was_meant(tmp_path: Path) -> None:
+    code, _, errors = run("plan", "demoo")
+    assert code == BAD_INPUT
+    assert errors.endswith("; did you mean demo?\n")
+    code, _, errors = run("plan", "qqqq")
+    assert code == BAD_INPUT
+    assert "did you mean" not in errors
+    file = tmp_path / "misspelt.json"
+    file.write_text(json.dumps({**FIRST_PLAN, "robot": {**FIRST_PLAN["robot"], "model": "fanuc-sr-3a"}}))
+    code, _, errors = run("plan", str(file))
+    assert code == BAD_INPUT
+    assert errors.startswith('assur: robot.model: got "fanuc-sr-3a"; allowed: one of ')
+    assert errors.endswith("; did you mean fanuc-sr-3ia?\n")
+
+
+def test_text_that_is_no_json_is_told_with_line_and_column(tmp_path: Path) -> None:
+    file = tmp_path / "broken.json"
+    file.write_text('{"schema": "assur/1",\n "robot": }')
+    code, _, errors = run("plan", str(file))
+    assert (code, errors) == (
+        BAD_INPUT,
+        'assur: request: got "Expecting value at line 2, column 11"; allowed: JSON\n',
+    )
 
 
 def test_bad_input_ends_with_two_in_a_process_of_its_own() -> None:

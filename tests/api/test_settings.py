@@ -73,7 +73,7 @@ def test_a_value_that_is_not_allowed_and_a_misspelt_name_are_refused_by_name(nam
 
 
 def test_a_misspelt_name_is_answered_with_the_nearest() -> None:
-    with pytest.raises(InputError, match=r"ASSUR_MAX_BUDGET_S\?"):
+    with pytest.raises(InputError, match=r"allowed: one of .*; did you mean ASSUR_MAX_BUDGET_S\?"):
         Settings.from_environment({"ASSUR_MAX_BUDGETS": "2"})
 
 

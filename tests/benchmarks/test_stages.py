@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from pathlib import Path
 
 import pytest
+import typer
 
-from benchmarks import run_problems
+from benchmarks import profile, run_problems
 from benchmarks.cold import KEEP, forget
 from benchmarks.judged import problem_set
 from benchmarks.problem_set import ProblemSet
 from benchmarks.profile import profiled
-from benchmarks.report import BLOCKS
+from benchmarks.report import BLOCKS, NOTHING, printed
 from benchmarks.stages import PARTS, REST, STAGES, WHOLE, milliseconds, sampled, stage
 from benchmarks.translation import Manners
 from planner.outcome import Outcome
@@ -74,9 +76,51 @@ def test_the_profile_of_a_set_adds_up_and_can_be_shown() -> None:
     assert sorted(data["problems"]) == sorted(str(problem["id"]) for problem in easy)
     assert sum(data["stages_ms"].values()) == pytest.approx(data["total_ms"])
     assert {"building", "checker", "timing (ruckig)"} <= set(data["stages_ms"]) <= set(STAGES)
-    shown = BLOCKS["profile"]({"profile-static-after": {"data": data}, "profile-static-before": {"data": data}})
+    whole = {"sample": False, "data": data}
+    shown = BLOCKS["profile"]({"profile-static-after": whole, "profile-static-before": whole})
     assert shown.splitlines()[0] == "| stage, ms | static-before | static-after |"
     assert f"| **all** | **{data['total_ms']:.2f}** | **{data['total_ms']:.2f}** |" in shown
+    assert list(printed("", shown).columns[0].cells)[-1] == "all"
+
+
+def test_the_profile_of_a_part_of_a_set_is_not_published() -> None:
+    whole = {"sample": False, "data": {"stages_ms": {"checker": 2.0}, "total_ms": 2.0}}
+    sample = {**whole, "sample": True}
+    assert BLOCKS["profile"]({"profile-static": sample}) == NOTHING
+    shown = BLOCKS["profile"]({"profile-static": sample, "profile-moving-goal": whole})
+    assert shown.splitlines()[0] == "| stage, ms | moving-goal |"
+
+
+def test_the_profile_of_a_part_of_a_set_goes_beside_the_results_unless_told_where(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = {"problems": ["A000"], "samples": 1, "stages_ms": {"checker": 2.0}, "total_ms": 2.0}
+    monkeypatch.setattr(profile, "profiled", lambda *_: made)
+    monkeypatch.setattr(profile, "pin", lambda: None)
+    monkeypatch.setattr(profile, "RESULTS", tmp_path / "results")
+    monkeypatch.setattr(profile, "SAMPLES", tmp_path / "samples")
+    profile.main("static", limit=10, match="position", seconds=1.0, tag="", out=None)
+    assert [path.parent.name for path in tmp_path.rglob("profile-static.json")] == ["samples"]
+    profile.main("static", limit=10, out=tmp_path / "told", match="position", seconds=1.0, tag="")
+    profile.main("static", limit=None, match="position", seconds=1.0, tag="before", out=None)
+    assert (tmp_path / "told" / "profile-static.json").exists()
+    assert [path.name for path in (tmp_path / "results").iterdir()] == ["profile-static-before.json"]
+
+
+@pytest.mark.parametrize(
+    ("name", "match", "field", "told"),
+    [
+        ("statik", "position", "SET", "none of static, moving_bodies, moving_goal"),
+        ("static", "velocity", "--match", "not position, which static"),
+        ("moving_goal", "speed", "--match", "not position or velocity, which moving_goal"),
+    ],
+)
+def test_a_set_or_a_match_that_there_is_not_is_refused_by_its_own_name(
+    name: str, match: str, field: str, told: str
+) -> None:
+    with pytest.raises(typer.BadParameter, match=told) as refused:
+        profile.refuse(name, match)
+    assert refused.value.param_hint == field
 
 
 def test_a_set_of_which_nothing_is_solved_has_no_median() -> None:

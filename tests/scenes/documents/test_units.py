@@ -145,6 +145,20 @@ def test_a_limit_is_told_in_the_unit_that_was_written() -> None:
     assert caught.value.allowed == "at most 100000 (mm_s)"
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "allowed"),
+    [
+        ("bodies", [{}] * 1001, "at most 1000 items, not 1001"),
+        ("task", [], "at least 1 item, not 0"),
+        ("task", [{}] * 65, "at most 64 items, not 65"),
+    ],
+)
+def test_a_list_that_is_too_long_or_too_short_is_told_with_its_length(key: str, value: object, allowed: str) -> None:
+    with pytest.raises(InputError) as caught:
+        validate({**GOOD_REQUEST, key: value})
+    assert (caught.value.field, caught.value.allowed) == (key, allowed)
+
+
 def test_a_key_that_is_no_text_is_told_by_its_name() -> None:
     number: Any = 7
     for spoilt, field in (({**GOOD_REQUEST, number: 1}, "7"), ({**GOOD_REQUEST, "frames": {number: {}}}, "frames.7")):
