@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from planner.outcome import TOLD_AS, Census, CensusLine, Reason, Refusal
+from planner.outcome import ABOVE, TOLD_AS, Census, CensusLine, Reason, Refusal
 from planner.scene import Scene
 
 SEARCHED = frozenset({"timing", "screening", "certificate", "limits", "glued", "straight", "window"})
@@ -93,7 +93,8 @@ def _because(refusal: Refusal | CensusLine) -> str:
                 f"the point is {number} out of reach ({detail})" if number else f"the point is out of reach ({detail})"
             )
         case Reason.JOINT_LIMIT:
-            return f"{bodies or 'a joint'} would have to go {number} beyond its limit" if number else detail
+            where = f"{detail.rpartition(', ')[2]} " if detail.endswith(ABOVE) else ""
+            return f"{where}{bodies or 'a joint'} would have to go {number} beyond its limit" if number else detail
         case Reason.NEAR_SINGULARITY:
             return (
                 f"the arm would be too near a singular position ({detail})"

@@ -43,6 +43,9 @@ TOLD_AS = {
 }
 """Rates of joints and of the tool, and what people are told instead."""
 
+ABOVE = "above the point"
+"""So ends a detail that is about a height over a control point and not about the point itself."""
+
 
 class LegKind(StrEnum):
     """The legs of a plan, in the words of the shop."""

@@ -13,6 +13,7 @@ from planner.errors import InputError
 from planner.frames import Conveyor, Fixed, Linear
 from planner.frames.motion import Motion, Pose
 from planner.frames.tilted import Tilt, TiltedMotion
+from planner.outcome import ABOVE
 from planner.phases import Carried, flange_target
 from planner.scene import Follow, Move, Pick, Place, Scene, Window
 
@@ -70,6 +71,10 @@ class ControlPoint:
         lifted = replace(self.pose, z=self.pose.z + above)
         motion = self.scene.frames[self.frame].law.motion(np.asarray(t, dtype=np.float64)).at(lifted)
         return motion if self.tilt is None else TiltedMotion.of(motion, np.array(self.tilt))
+
+    def height(self, above: float) -> str:
+        """Where `above` metres over the point is, to be appended to words; nothing for the point itself."""
+        return f", {1e3 * above:g} mm {ABOVE}" if above else ""
 
     @cached_property
     def intervals(self) -> list[tuple[float, float]]:

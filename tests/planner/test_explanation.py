@@ -83,6 +83,14 @@ def test_every_reason_has_its_sentence(reason: Reason, amount: float, unit: str,
     assert "nan" not in found
 
 
+def test_a_height_that_is_not_that_of_the_point_is_told() -> None:
+    facts = Reason.JOINT_LIMIT, 1, ("j3",), None, 0.04, "m"
+    above = said(Refusal("inverse", *facts, "right: j3 is beyond its limit, 30 mm above the point"))
+    assert above == "home: 30 mm above the point j3 would have to go 40.0 mm beyond its limit."
+    here = said(Refusal("inverse", *facts, "right: j3 is beyond its limit"))
+    assert here == "home: j3 would have to go 40.0 mm beyond its limit."
+
+
 def test_every_reason_is_tried_above() -> None:
     """A reason without a sentence would be a fault in the middle of an answer."""
     for reason in Reason:

@@ -9,14 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.frames import Conveyor, Turntable
+from planner.frames import Conveyor, Fixed, Turntable
 from planner.frames.motion import Pose
 from planner.legs.control_point import control_point
 from planner.legs.meeting import LOOK_AHEAD_S, Meetings, meetings
 from planner.outcome import Reason
 from planner.phases import initial_rides
-from planner.scene import Follow, Scene, Window
-from tests.planner.cells import arm, at, cell, frame, go
+from planner.scene import Follow, Pick, Scene, Window
+from planner.scene import WorldBody as Around
+from planner.shapes import box
+from tests.planner.cells import arm, at, cell, frame, go, solid
 
 
 def met(scene: Scene, modes: tuple[int, ...] = (0, 1), earliest: float = 0.0, lead: float = 0.0) -> Meetings:
@@ -68,6 +70,29 @@ def test_what_is_out_of_reach_beyond_a_limit_or_near_singular_says_so_with_a_num
     assert {refusal.reason for refusal in near.refusals} == {Reason.NEAR_SINGULARITY}
     theta2 = math.acos((0.599**2 - 0.325**2 - 0.275**2) / (2 * 0.325 * 0.275))
     assert near.refusals[0].amount == pytest.approx(0.2 - math.sin(theta2), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("z", "missing", "where"),
+    [(-0.03, 0.08, "z is beyond its limit"), (0.26, 0.04, "z is beyond its limit, 30 mm above the point")],
+)
+def test_a_height_that_is_missing_is_that_of_the_point_or_of_its_approach_whichever_is_more(
+    z: float, missing: float, where: str
+) -> None:
+    """From 50 to 250 mm is the lift's; also where the point moves."""
+    for law in (Conveyor(Pose(0.3, 0.2, z), 0.1), Conveyor(Pose(0.3, 0.2, z), 0.0), Fixed(Pose(0.3, 0.2, z))):
+        scene = cell(
+            Pick("take", "part", Pose(), 0.03, 0.0, 0.0),
+            bodies=(Around(solid("part", box(0.02, 0.02, 0.02)), "tray"),),
+            frames=(frame("tray", law),),
+            singularity_margin=0.0,
+        )
+        refusals = met(scene, lead=0.1).refusals
+        assert len(refusals) == 2
+        for refusal in refusals:
+            assert (refusal.reason, refusal.bodies) == (Reason.JOINT_LIMIT, ("z",))
+            assert refusal.amount == pytest.approx(missing)
+            assert refusal.detail.endswith(where)
 
 
 def test_a_point_met_at_rest_does_not_ask_for_a_margin() -> None:
