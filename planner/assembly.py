@@ -12,7 +12,7 @@ from planner.legs.control_point import ControlPoint
 from planner.legs.limits import rates
 from planner.legs.state import Knots, State, Stretch
 from planner.loops import leaves_assembly
-from planner.outcome import Arrival, Leg, LegKind, Reason, Refusal
+from planner.outcome import LATEST, Arrival, Leg, LegKind, Reason, Refusal
 from planner.phases import Phase, held, moved_parts, phases
 from planner.scene import Pick, Place, Scene
 from planner.timing import TimingRefusal, time_joints
@@ -49,7 +49,9 @@ def assembled(
     latest = scene.options.latest_end_s
     if latest is not None and not knots.time[-1] <= latest:
         over = float(knots.time[-1]) - latest
-        return Refusal("timing", Reason.WINDOW_MISSED, chain.step, (), None, over, "s", "the motion ends too late")
+        return Refusal(
+            "timing", Reason.WINDOW_MISSED, chain.step, (), None, over, "s", f"the motion ends after {LATEST}"
+        )
     unknown = laws_over(scene, chain.step, float(knots.time[-1]))
     if unknown is not None:
         return unknown

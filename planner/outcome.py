@@ -46,6 +46,9 @@ TOLD_AS = {
 ABOVE = "above the point"
 """So ends a detail that is about a height over a control point and not about the point itself."""
 
+LATEST = "latest_end_s"
+"""Is in a detail about what would be too late for the whole plan, and not for a window."""
+
 
 class LegKind(StrEnum):
     """The legs of a plan, in the words of the shop."""

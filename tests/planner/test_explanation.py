@@ -9,6 +9,7 @@ import pytest
 
 from planner.explanation import leading, sentence
 from planner.outcome import Census, CensusLine, Reason, Refusal
+from planner.scene import Window
 from tests.planner.cells import cell, go
 
 SCENE = cell(go(0.35, 0.2, name="drop"), go(0.3, 0.0, name="home"))
@@ -54,6 +55,18 @@ def test_a_sentence_names_the_step_the_bodies_the_count_and_the_time() -> None:
 def test_what_no_candidate_refused_is_not_counted() -> None:
     refusal = line(1, "window", Reason.WINDOW_MISSED, bodies=(), least=0.034, unit="s", detail="too late")
     assert said(refusal) == "drop: the window is missed by at least 34 ms: too late."
+
+
+def test_a_step_without_a_window_misses_the_end_of_the_plan() -> None:
+    late = Refusal("timing", Reason.WINDOW_MISSED, 0, amount=0.037, unit="s", detail="no meeting time is left")
+    ends = {"end": "latest_end_s", "window": "the window"}
+    scenes = {
+        "end": cell(go(0.35, 0.2, name="drop"), latest_end_s=1.0),
+        "window": cell(go(0.35, 0.2, name="drop", window=Window(time=(0.0, 0.1))), latest_end_s=1.0),
+    }
+    for name, scene in scenes.items():
+        told = sentence(scene, late, NONE, cut=False, budget=0.2)
+        assert told == f"drop: {ends[name]} is missed by at least 37 ms: no meeting time is left."
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.frames import Conveyor, Fixed, Turntable
+from planner.frames import Conveyor, Fixed, Linear, Turntable
 from planner.frames.motion import Pose
 from planner.legs.control_point import control_point
 from planner.legs.meeting import LOOK_AHEAD_S, Meetings, meetings
@@ -133,3 +133,44 @@ def test_a_window_that_is_over_or_too_short_says_by_how_much() -> None:
     assert short.refusals[0].reason is Reason.WINDOW_MISSED
     assert short.refusals[0].amount == pytest.approx(0.3)
     assert "150 mm of belt" in short.refusals[0].detail
+
+
+BELT = frame("belt", Conveyor(Pose(-0.3, 0.35, 0.05), 0.2))
+"""A point at its origin is between 0.1 and 0.6 m from 0.5 to 3 s."""
+
+
+@pytest.mark.parametrize(
+    ("window", "latest", "missing", "words"),
+    [
+        (Window(time=(0.0, 0.3), along=(0.1, 0.6)), None, 0.2, "have no instant in common"),
+        (Window(time=(4.0, 4.5), along=(0.1, 0.6)), None, 1.0, "have no instant in common"),
+        (Window(time=(0.0, 4.0), along=(0.1, 0.6)), 0.4, 0.1, "comes into its window after latest_end_s"),
+        (Window(time=(4.0, 5.0)), 3.0, 1.0, "the window opens after latest_end_s"),
+        (Window(time=(-3.0, -1.0)), None, 1.0, "the window is over before the start"),
+        (Window(along=(-0.2, -0.1)), None, 0.1, "the point is never inside its window"),
+        # what cannot be said for all times has no number
+        (Window(time=(60.5, 70.0), along=(0.1, 0.6)), None, math.nan, "in the next 60 s"),
+    ],
+)
+def test_windows_that_never_open_say_how_far_they_are_from_it(
+    window: Window, latest: float | None, missing: float, words: str
+) -> None:
+    scene = cell(go(0.0, 0.0, 0.05, 0.0, "belt", window=window), frames=(BELT,), latest_end_s=latest)
+    (refusal,) = met(scene).refusals
+    assert refusal.reason is Reason.WINDOW_MISSED
+    assert refusal.amount == pytest.approx(missing, nan_ok=True)
+    assert refusal.detail.endswith(words)
+
+
+def test_a_window_that_may_open_when_the_law_has_ended_has_no_number() -> None:
+    ends = frame("belt", Linear(Pose(-0.3, 0.35, 0.05), (0.2, 0.0, 0.0), valid=(0.0, 5.0)))
+    for window in (Window(time=(6.0, 7.0)), Window(time=(4.0, 7.0), along=(0.1, 0.6))):
+        (refusal,) = met(cell(go(0.0, 0.0, 0.05, 0.0, "belt", window=window), frames=(ends,))).refusals
+        assert math.isnan(refusal.amount)
+        assert "the window is over" not in refusal.detail
+
+
+def test_who_comes_too_late_for_the_end_of_the_plan_is_not_told_of_a_window() -> None:
+    (late,) = met(cell(go(0.0, 0.0, 0.05, 0.0, "belt"), frames=(BELT,), latest_end_s=1.0), earliest=1.4).refusals
+    assert late.detail.startswith("the arm comes too late for latest_end_s")
+    assert late.amount == pytest.approx(0.4)
