@@ -9,7 +9,7 @@ import numpy as np
 from planner.chain import Chain, Draft, Sample
 from planner.frames.motion import Pose
 from planner.legs.control_point import ControlPoint
-from planner.legs.limits import rates
+from planner.legs.limits import rates, too_fast
 from planner.legs.state import Knots, State, Stretch
 from planner.loops import leaves_assembly
 from planner.outcome import LATEST, Arrival, Leg, LegKind, Reason, Refusal
@@ -160,8 +160,7 @@ def _beyond(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
         return fast
     if fast.ok:
         return None
-    worst = max(fast.velocity, fast.acceleration, fast.jerk)
-    return Refusal("limits", Reason.MOTION_LIMIT, step, (), None, worst - 1, "1", "the spline breaks a limit")
+    return too_fast(scene, "limits", step, fast, "the spline breaks a limit")
 
 
 def arrival(scene: Scene, point: ControlPoint, trajectory: Trajectory, begin: float, end: float) -> Arrival:

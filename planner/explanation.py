@@ -77,9 +77,11 @@ def _number(refusal: Refusal | CensusLine) -> str:
 
 def _beyond(refusal: Refusal | CensusLine) -> str:
     """Which limit of a joint a motion breaks, where the unit says it."""
-    joint = refusal.bodies[0] if len(refusal.bodies) == 1 and refusal.unit.endswith(("/s", "/s²")) else "a joint"
+    joint = refusal.bodies[0] if len(refusal.bodies) == 1 and refusal.unit.endswith(("/s", "/s²", "/s³")) else "a joint"
     if refusal.unit.endswith("/s²"):
         return f"{joint} would have to accelerate more than it can"
+    if refusal.unit.endswith("/s³"):
+        return f"{joint} would have to change its acceleration faster than it may"
     return f"{joint} would have to be faster than it can be"
 
 

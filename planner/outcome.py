@@ -38,8 +38,10 @@ class Reason(StrEnum):
 TOLD_AS = {
     "rad/s": ("deg/s", math.degrees(1.0)),
     "rad/s²": ("deg/s²", math.degrees(1.0)),
+    "rad/s³": ("deg/s³", math.degrees(1.0)),
     "m/s": ("mm/s", 1e3),
     "m/s²": ("mm/s²", 1e3),
+    "m/s³": ("mm/s³", 1e3),
 }
 """Rates of joints and of the tool, and what people are told instead."""
 

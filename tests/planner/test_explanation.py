@@ -96,6 +96,19 @@ def test_every_reason_has_its_sentence(reason: Reason, amount: float, unit: str,
     assert "nan" not in found
 
 
+@pytest.mark.parametrize(
+    ("unit", "words"),
+    [
+        ("rad/s", "be faster than it can be"),
+        ("m/s²", "accelerate more than it can"),
+        ("rad/s³", "change its acceleration faster than it may"),
+    ],
+)
+def test_a_motion_limit_names_the_joint_and_which_of_its_rates(unit: str, words: str) -> None:
+    refusal = Refusal("glued", Reason.MOTION_LIMIT, 1, ("j1",), None, 1.0, unit, "the belt is too fast")
+    assert said(refusal) == f"home: j1 would have to {words}: the belt is too fast."
+
+
 def test_a_height_that_is_not_that_of_the_point_is_told() -> None:
     facts = Reason.JOINT_LIMIT, 1, ("j3",), None, 0.04, "m"
     above = said(Refusal("inverse", *facts, "right: j3 is beyond its limit, 30 mm above the point"))
