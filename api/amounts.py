@@ -12,8 +12,10 @@ SHOWN_AS = {
     "deg": ("deg", 1.0),
     "rad/s": ("deg/s", math.degrees(1.0)),
     "rad/s²": ("deg/s²", math.degrees(1.0)),
+    "rad/s³": ("deg/s³", math.degrees(1.0)),
     "m/s": ("mm/s", 1e3),
     "m/s²": ("mm/s²", 1e3),
+    "m/s³": ("mm/s³", 1e3),
     "1": ("", 1.0),
 }
 """Units of the document, and what people are told instead."""

@@ -9,10 +9,10 @@ import numpy as np
 from planner.chain import Chain, Draft, Sample
 from planner.frames.motion import Pose
 from planner.legs.control_point import ControlPoint
-from planner.legs.limits import rates
+from planner.legs.limits import rates, too_fast
 from planner.legs.state import Knots, State, Stretch
 from planner.loops import leaves_assembly
-from planner.outcome import Arrival, Leg, LegKind, Reason, Refusal
+from planner.outcome import LATEST, Arrival, Leg, LegKind, Reason, Refusal
 from planner.phases import Phase, held, moved_parts, phases
 from planner.scene import Pick, Place, Scene
 from planner.timing import TimingRefusal, time_joints
@@ -49,7 +49,9 @@ def assembled(
     latest = scene.options.latest_end_s
     if latest is not None and not knots.time[-1] <= latest:
         over = float(knots.time[-1]) - latest
-        return Refusal("timing", Reason.WINDOW_MISSED, chain.step, (), None, over, "s", "the motion ends too late")
+        return Refusal(
+            "timing", Reason.WINDOW_MISSED, chain.step, (), None, over, "s", f"the motion ends after {LATEST}"
+        )
     unknown = laws_over(scene, chain.step, float(knots.time[-1]))
     if unknown is not None:
         return unknown
@@ -158,8 +160,7 @@ def _beyond(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
         return fast
     if fast.ok:
         return None
-    worst = max(fast.velocity, fast.acceleration, fast.jerk)
-    return Refusal("limits", Reason.MOTION_LIMIT, step, (), None, worst - 1, "1", "the spline breaks a limit")
+    return too_fast(scene, "limits", step, fast, "the spline breaks a limit")
 
 
 def arrival(scene: Scene, point: ControlPoint, trajectory: Trajectory, begin: float, end: float) -> Arrival:

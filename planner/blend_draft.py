@@ -13,7 +13,7 @@ from planner.legs.blended import Blended, BlendShape, Station, blended, blends_b
 from planner.legs.joint import Shape
 from planner.legs.state import Knots, Stretch
 from planner.loops import leaves_assembly
-from planner.outcome import Arrival, Leg, LegKind, Missed, Reason, Refusal
+from planner.outcome import LATEST, Arrival, Leg, LegKind, Missed, Reason, Refusal
 from planner.phases import phases
 from planner.scene import Move, Scene
 from planner.trajectory import Trajectory, check_limits
@@ -38,9 +38,8 @@ def blend_draft(scene: Scene, chain: Chain, shape: BlendShape) -> Draft | Refusa
     knots = _knots(chain, found)
     end, latest = knots.last.time, scene.options.latest_end_s
     if latest is not None and not end <= latest:
-        return Refusal(
-            "timing", Reason.WINDOW_MISSED, chain.step, (), None, end - latest, "s", "the motion ends too late"
-        )
+        detail = f"the motion ends after {LATEST}"
+        return Refusal("timing", Reason.WINDOW_MISSED, chain.step, (), None, end - latest, "s", detail)
     unknown = laws_over(scene, chain.step, end)
     if unknown is not None:
         return unknown

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from planner.outcome import TOLD_AS, Census, CensusLine, Reason, Refusal
-from planner.scene import Scene
+from planner.outcome import ABOVE, LATEST, TOLD_AS, Census, CensusLine, Reason, Refusal
+from planner.scene import Scene, Window
 
 SEARCHED = frozenset({"timing", "screening", "certificate", "limits", "glued", "straight", "window"})
 """Stages that refuse candidates, one by one."""
@@ -29,7 +29,7 @@ def sentence(scene: Scene, refusal: Refusal | CensusLine | None, census: Census,
             return f"No plan was found among {census.candidates} candidates; the last step was not tried any more."
         return f"No plan was found in {budget:g} s; nothing was tried."
     step = scene.task[refusal.step].name
-    what = _because(refusal)
+    what = _because(scene, refusal)
     tail = ""
     if isinstance(refusal, CensusLine) and refusal.stage in SEARCHED and census.candidates:
         tail = f" ({refusal.count} of {census.candidates} candidates{_span(refusal)})"
@@ -77,13 +77,23 @@ def _number(refusal: Refusal | CensusLine) -> str:
 
 def _beyond(refusal: Refusal | CensusLine) -> str:
     """Which limit of a joint a motion breaks, where the unit says it."""
-    joint = refusal.bodies[0] if len(refusal.bodies) == 1 and refusal.unit.endswith(("/s", "/s²")) else "a joint"
+    joint = refusal.bodies[0] if len(refusal.bodies) == 1 and refusal.unit.endswith(("/s", "/s²", "/s³")) else "a joint"
     if refusal.unit.endswith("/s²"):
         return f"{joint} would have to accelerate more than it can"
+    if refusal.unit.endswith("/s³"):
+        return f"{joint} would have to change its acceleration faster than it may"
     return f"{joint} would have to be faster than it can be"
 
 
-def _because(refusal: Refusal | CensusLine) -> str:
+def _missed(scene: Scene, refusal: Refusal | CensusLine) -> str:
+    """What a motion comes too late for: a step without a window has only the end of the plan."""
+    window = getattr(scene.task[refusal.step], "window", Window())
+    no_window = window.time is None and window.along is None
+    only_latest = no_window and scene.options.latest_end_s is not None
+    return LATEST if only_latest or LATEST in refusal.detail else "the window"
+
+
+def _because(scene: Scene, refusal: Refusal | CensusLine) -> str:
     bodies = " and ".join(refusal.bodies)
     number = _number(refusal)
     detail = refusal.detail
@@ -93,7 +103,8 @@ def _because(refusal: Refusal | CensusLine) -> str:
                 f"the point is {number} out of reach ({detail})" if number else f"the point is out of reach ({detail})"
             )
         case Reason.JOINT_LIMIT:
-            return f"{bodies or 'a joint'} would have to go {number} beyond its limit" if number else detail
+            where = f"{detail.rpartition(', ')[2]} " if detail.endswith(ABOVE) else ""
+            return f"{where}{bodies or 'a joint'} would have to go {number} beyond its limit" if number else detail
         case Reason.NEAR_SINGULARITY:
             return (
                 f"the arm would be too near a singular position ({detail})"
@@ -118,7 +129,7 @@ def _because(refusal: Refusal | CensusLine) -> str:
             return f"the part would be accelerated by {number} too much"
         case Reason.WINDOW_MISSED:
             least = "" if "the glue takes" in detail else "at least "
-            return f"the window is missed by {least}{number}: {detail}" if number else detail
+            return f"{_missed(scene, refusal)} is missed by {least}{number}: {detail}" if number else detail
         case Reason.LAW_ENDS:
             return f"the motion of {bodies or 'a frame'} is not known for long enough{': ' + detail if detail else ''}"
         case Reason.NOT_CERTIFIED:

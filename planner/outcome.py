@@ -38,10 +38,18 @@ class Reason(StrEnum):
 TOLD_AS = {
     "rad/s": ("deg/s", math.degrees(1.0)),
     "rad/s²": ("deg/s²", math.degrees(1.0)),
+    "rad/s³": ("deg/s³", math.degrees(1.0)),
     "m/s": ("mm/s", 1e3),
     "m/s²": ("mm/s²", 1e3),
+    "m/s³": ("mm/s³", 1e3),
 }
 """Rates of joints and of the tool, and what people are told instead."""
+
+ABOVE = "above the point"
+"""So ends a detail that is about a height over a control point and not about the point itself."""
+
+LATEST = "latest_end_s"
+"""Is in a detail about what would be too late for the whole plan, and not for a window."""
 
 
 class LegKind(StrEnum):

@@ -26,10 +26,11 @@ def out_of_range(scene: Scene, point: ControlPoint) -> Refusal | None:
     for mode in _allowed(scene):
         heights = dict.fromkeys((0.0, point.approach, point.depart))
         here = [_refused(scene, point, above, mode) for above in heights]
-        first = next((refusal for refusal in here if refusal is not None), None)
-        if first is None:
+        refused = [refusal for refusal in here if refusal is not None]
+        if not refused:
             return None
-        refusals.append(first)
+        # the worst of them: with less, the others would still not be met
+        refusals.append(max(refused, key=lambda refusal: np.nan_to_num(refusal.amount)))
     return min(refusals, key=lambda refusal: refusal.amount, default=None)
 
 
@@ -69,8 +70,7 @@ def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refu
     over = beyond_range(robot, q)
     worst = int(np.argmax(over))
     name, unit = robot.joints[worst].name, "rad" if robot.joints[worst].kind == "revolute" else "m"
-    where = f", {1e3 * above:g} mm above the point" if above else ""
-    detail = f"elbow {robot.modes[mode]}{where}"
+    detail = f"elbow {robot.modes[mode]}{point.height(above)}"
     return Refusal("control point", Reason.JOINT_LIMIT, point.step, (name,), None, float(over[worst]), unit, detail)
 
 

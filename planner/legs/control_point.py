@@ -13,6 +13,7 @@ from planner.errors import InputError
 from planner.frames import Conveyor, Fixed, Linear
 from planner.frames.motion import Motion, Pose
 from planner.frames.tilted import Tilt, TiltedMotion
+from planner.outcome import ABOVE
 from planner.phases import Carried, flange_target
 from planner.scene import Follow, Move, Pick, Place, Scene, Window
 
@@ -71,19 +72,24 @@ class ControlPoint:
         motion = self.scene.frames[self.frame].law.motion(np.asarray(t, dtype=np.float64)).at(lifted)
         return motion if self.tilt is None else TiltedMotion.of(motion, np.array(self.tilt))
 
+    def height(self, above: float) -> str:
+        """Where `above` metres over the point is, to be appended to words; nothing for the point itself."""
+        return f", {1e3 * above:g} mm {ABOVE}" if above else ""
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """From when on and until when the glue may last, a window along a conveyor left aside; empty if reversed."""
+        law, latest = self.scene.frames[self.frame].law, self.scene.options.latest_end_s
+        opens, closes = self.window.time or (-math.inf, math.inf)
+        low = max(self.scene.start.time, law.valid[0], opens)
+        return low, min(law.valid[1], math.inf if latest is None else latest, closes)
+
     @cached_property
     def intervals(self) -> list[tuple[float, float]]:
         """Times at which the glue may begin, as closed intervals in order; empty: the dwell does not fit."""
-        law = self.scene.frames[self.frame].law
-        low = max(self.scene.start.time, law.valid[0])
-        high = min(
-            law.valid[1], math.inf if self.scene.options.latest_end_s is None else self.scene.options.latest_end_s
-        )
-        found = [(low, high)]
-        if self.window.time is not None:
-            found = [(max(low, self.window.time[0]), min(high, self.window.time[1]))]
+        found = [self.span]
         if self.window.along is not None:
-            inside = self._inside(self.window.along)
+            inside = self.inside(self.window.along)
             found = [(max(a, c), min(b, d)) for a, b in found for c, d in inside]
         return [(a, b - self.dwell) for a, b in found if b - self.dwell >= a]
 
@@ -94,7 +100,8 @@ class ControlPoint:
             return None
         return travelled(law, self.scene, self.frame, self.point, t)
 
-    def _inside(self, window: tuple[float, float]) -> list[tuple[float, float]]:
+    def inside(self, window: tuple[float, float]) -> list[tuple[float, float]]:
+        """When the point is in `window`, m along its conveyor, in the next `HORIZON_S`; closed intervals in order."""
         start = self.scene.start.time
         grid = np.arange(start, start + HORIZON_S + WINDOW_STEP_S, WINDOW_STEP_S)
         way = self._ways(grid, window)
@@ -127,20 +134,6 @@ class ControlPoint:
     def _along(self, t: float) -> float:
         way = self.along(np.array(t))
         return math.nan if way is None else float(way)
-
-    def never_inside(self) -> tuple[float, str, str]:
-        """By how much, its unit, and in words: why the point is in its window at no time that is looked at."""
-        if self.window.along is None:
-            return math.nan, "", "the window is over before the start"
-        grid = np.array([self.scene.start.time + HORIZON_S * k / 1000 for k in range(1001)])
-        way = self.along(grid)
-        low, high = self.window.along
-        if way is None or not np.isfinite(way).all():
-            return math.nan, "", "the point is not inside its window while its motion is known"
-        leaving = way[-1] >= way[-2] if way[-1] > high else way[-1] <= way[-2]
-        if not leaving:
-            return math.nan, "", f"the point is not inside its window in the next {HORIZON_S:g} s"
-        return float(np.maximum(low - way, way - high).min()), "m", "the point is never inside its window"
 
     def _edge(self, grid: FloatArray, index: int, side: int, window: tuple[float, float]) -> float:
         """The last time inside the window between grid point `index`, inside, and its neighbour at `side`, outside."""

@@ -6,14 +6,13 @@ match by construction and approach and retreat are straight in the frame of the 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from planner.arrays import FloatArray
 from planner.legs.control_point import ControlPoint
-from planner.legs.limits import rates
+from planner.legs.limits import rates, too_fast
 from planner.legs.singular import nearest
 from planner.legs.spacing import spaced
 from planner.legs.state import Knots, State, Stretch
@@ -100,7 +99,6 @@ def lead_time(scene: Scene, point: ControlPoint, effort: float) -> float | Refus
 
 def glue(scene: Scene, point: ControlPoint, state: State, mode: int, effort: float) -> Glued | Refusal:
     """The glued block that begins in `state`, which must be that of the flange `point.approach` above the point."""
-    worst = math.inf
     for _ in range(ROUNDS):
         down = _way(scene, point, point.approach, 0.0, effort)
         up = _way(scene, point, 0.0, point.depart, effort)
@@ -120,10 +118,10 @@ def glue(scene: Scene, point: ControlPoint, state: State, mode: int, effort: flo
             return fast
         if fast.ok:
             return _cut(heights, Knots.of(spline))
+        refusal = too_fast(scene, "glued", point.step, fast, f"the own motion of {point.frame} is too fast")
         worst = max(fast.velocity**2, fast.acceleration, fast.jerk ** (2 / 3))
         effort *= min(0.8, 0.95 / worst)
-    too_fast = "the frame's own motion is too fast"
-    return Refusal("glued", Reason.MOTION_LIMIT, point.step, (point.frame,), None, worst - 1, "1", too_fast)
+    return refusal
 
 
 def _way(scene: Scene, point: ControlPoint, high: float, low: float, effort: float) -> Profile | Refusal | None:

@@ -4,19 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from planner.arrays import FloatArray
 from planner.outcome import Reason, Refusal
 from planner.scene import Scene
 from planner.trajectory import Trajectory, check_limits, keeps_positions, rate_ratios
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Rates:
-    """Peaks of velocity, acceleration and jerk over their limits, the worst joint each; `ok`: all are kept."""
+    """Peaks of velocity, acceleration and jerk over their limits, the worst joint each; `ok`: all are kept; `ratios`
+    (3, n): those of all joints."""
 
     velocity: float
     acceleration: float
     jerk: float
     ok: bool
+    ratios: FloatArray
 
 
 def rates(scene: Scene, stage: str, step: int, trajectory: Trajectory) -> Rates | Refusal:
@@ -26,7 +31,18 @@ def rates(scene: Scene, stage: str, step: int, trajectory: Trajectory) -> Rates 
         return _beyond(scene, stage, step, trajectory)
     ratios, ok = rate_ratios(trajectory, limits.velocity, limits.acceleration, limits.jerk)
     velocity, acceleration, jerk = ratios.max(1).tolist()
-    return Rates(velocity, acceleration, jerk, ok)
+    return Rates(velocity, acceleration, jerk, ok, ratios)
+
+
+def too_fast(scene: Scene, stage: str, step: int, fast: Rates, detail: str) -> Refusal:
+    """The refusal of rates that are not `ok`: the joint and the rate whose share of its limit is greatest."""
+    limits = scene.robot.limits
+    kind, joint = (int(k) for k in np.unravel_index(int(fast.ratios.argmax()), fast.ratios.shape))
+    limit = (limits.velocity, limits.acceleration, limits.jerk)[kind]
+    what = scene.robot.joints[joint]
+    unit = ("rad" if what.kind == "revolute" else "m") + ("/s", "/s²", "/s³")[kind]
+    excess = float((fast.ratios[kind, joint] - 1) * limit[joint])
+    return Refusal(stage, Reason.MOTION_LIMIT, step, (what.name,), None, excess, unit, detail)
 
 
 def _beyond(scene: Scene, stage: str, step: int, trajectory: Trajectory) -> Refusal:

@@ -100,7 +100,7 @@ def meetings(
         safe = slow
         here = list(_turned(robot, mode, t, found.q, found.qd, found.qdd, safe, _any_time(point), near))
         if not here:
-            refusals.append(_beyond_limits(robot, point, t[safe], found.q[safe], robot.modes[mode]))
+            refusals.append(_beyond_limits(robot, point, t[safe], found.q[safe], lead, mode))
         branches += here
     return Meetings(point, above, tuple(branches), tuple(refusals))
 
@@ -200,9 +200,18 @@ def _too_fast(robot: Robot, point: ControlPoint, t: FloatArray, over: FloatArray
     return Refusal("inverse", Reason.MOTION_LIMIT, point.step, (name,), _span(t), excess, "1", detail)
 
 
-def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArray, mode: str) -> Refusal:
-    """The joint that is nearest to being legal, over all turns, and by how much it is not."""
-    worst = beyond_range(robot, q)
+def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArray, lead: float, mode: int) -> Refusal:
+    """The joint that is nearest to being legal, over all turns, and by how much it is not: of the point itself and
+    the height `point.approach` over it, where q (T, n) is, whichever asks for more."""
+    worst, where = beyond_range(robot, q), np.full(len(t), point.approach)
+    if point.approach:
+        there = robot.inverse(point.flange(t + lead).at_rest(), mode, 0).q
+        known = np.asarray(np.isfinite(there).all(-1))
+        at_point = beyond_range(robot, np.where(known[:, None], there, q))
+        if known.any():
+            worst[~known] = np.inf  # the point is out of reach by then
+        more = known & (at_point.max(1) >= worst.max(1))
+        worst, where = np.where(more[:, None], at_point, worst), np.where(more, 0.0, where)
     row = int(np.argmin(worst.max(1)))
     most = int(np.argmax(worst[row]))
     unit = "rad" if robot.joints[most].kind == "revolute" else "m"
@@ -215,5 +224,5 @@ def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArr
         _span(t),
         float(worst[row, most]),
         unit,
-        f"{mode}: {name} is beyond its limit",
+        f"{robot.modes[mode]}: {name} is beyond its limit{point.height(float(where[row]))}",
     )

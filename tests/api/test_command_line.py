@@ -239,6 +239,8 @@ def test_what_was_looked_at_before_any_candidate_stands_under_its_own_heading() 
     [
         ("MOTION_LIMIT", "rad/s²", 3370.0, "once the acceleration of j1 would pass its limit by 193,000 deg/s²"),
         ("MOTION_LIMIT", "m/s²", 0.5, "once the acceleration of j1 would pass its limit by 500 mm/s²"),
+        ("MOTION_LIMIT", "rad/s³", 1.0, "once the jerk of j1 would pass its limit by 57.3 deg/s³"),
+        ("MOTION_LIMIT", "m/s³", 0.5, "once the jerk of j1 would pass its limit by 500 mm/s³"),
         ("MOTION_LIMIT", "rad/s", 0.5, "once the speed of j1 would pass its limit by 28.6 deg/s"),
         ("MOTION_LIMIT", "1", 0.05, "once speed, acceleration or jerk would pass a limit (j1) by 5 % of the limit"),
         ("NEAR_PARALLEL_SINGULARITY", "1", 0.05, "(parallel margin short by 0.05)"),

@@ -348,6 +348,7 @@ def test_what_cannot_be_reached_or_comes_too_late_is_refused_with_its_reason() -
     end = plan(blend(cell(go(0.35, -0.2)), max_candidates=20, latest_end_s=0.1))
     assert isinstance(end, NotPlanned)
     assert end.reason is Reason.WINDOW_MISSED
+    assert "latest_end_s is missed by" in end.sentence
 
 
 def test_a_point_that_flees_faster_than_the_arm_is_not_met() -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from planner.explanation import leading, sentence
 from planner.outcome import Census, CensusLine, Reason, Refusal
+from planner.scene import Window
 from tests.planner.cells import cell, go
 
 SCENE = cell(go(0.35, 0.2, name="drop"), go(0.3, 0.0, name="home"))
@@ -56,6 +57,18 @@ def test_what_no_candidate_refused_is_not_counted() -> None:
     assert said(refusal) == "drop: the window is missed by at least 34 ms: too late."
 
 
+def test_a_step_without_a_window_misses_the_end_of_the_plan() -> None:
+    late = Refusal("timing", Reason.WINDOW_MISSED, 0, amount=0.037, unit="s", detail="no meeting time is left")
+    ends = {"end": "latest_end_s", "window": "the window"}
+    scenes = {
+        "end": cell(go(0.35, 0.2, name="drop"), latest_end_s=1.0),
+        "window": cell(go(0.35, 0.2, name="drop", window=Window(time=(0.0, 0.1))), latest_end_s=1.0),
+    }
+    for name, scene in scenes.items():
+        told = sentence(scene, late, NONE, cut=False, budget=0.2)
+        assert told == f"drop: {ends[name]} is missed by at least 37 ms: no meeting time is left."
+
+
 @pytest.mark.parametrize(
     ("reason", "amount", "unit", "words"),
     [
@@ -81,6 +94,27 @@ def test_every_reason_has_its_sentence(reason: Reason, amount: float, unit: str,
     assert found.endswith(".")
     assert words in found
     assert "nan" not in found
+
+
+@pytest.mark.parametrize(
+    ("unit", "words"),
+    [
+        ("rad/s", "be faster than it can be"),
+        ("m/s²", "accelerate more than it can"),
+        ("rad/s³", "change its acceleration faster than it may"),
+    ],
+)
+def test_a_motion_limit_names_the_joint_and_which_of_its_rates(unit: str, words: str) -> None:
+    refusal = Refusal("glued", Reason.MOTION_LIMIT, 1, ("j1",), None, 1.0, unit, "the belt is too fast")
+    assert said(refusal) == f"home: j1 would have to {words}: the belt is too fast."
+
+
+def test_a_height_that_is_not_that_of_the_point_is_told() -> None:
+    facts = Reason.JOINT_LIMIT, 1, ("j3",), None, 0.04, "m"
+    above = said(Refusal("inverse", *facts, "right: j3 is beyond its limit, 30 mm above the point"))
+    assert above == "home: 30 mm above the point j3 would have to go 40.0 mm beyond its limit."
+    here = said(Refusal("inverse", *facts, "right: j3 is beyond its limit"))
+    assert here == "home: j3 would have to go 40.0 mm beyond its limit."
 
 
 def test_every_reason_is_tried_above() -> None:

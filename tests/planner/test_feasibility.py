@@ -19,6 +19,7 @@ from planner.scene import Clearance, Execution, Follow, Pick, Place, Scene
 from planner.search import Search
 from planner.shapes import Body, Piece, box, cylinder, sphere
 from tests.planner.cells import (
+    BARE,
     CUP,
     Around,
     Shape,
@@ -210,6 +211,19 @@ def test_a_height_that_the_lift_joint_does_not_come_to_is_named_with_what_is_mis
     assert refusal is not None
     assert (refusal.reason, refusal.bodies) == (Reason.JOINT_LIMIT, ("z",))
     assert refusal.amount == pytest.approx(0.02, abs=1e-9)
+
+
+@pytest.mark.parametrize(("z", "missing", "where"), [(-0.03, 0.08, "left"), (0.26, 0.04, "30 mm above the point")])
+def test_of_a_point_and_its_approach_the_one_that_misses_more_is_told(z: float, missing: float, where: str) -> None:
+    base = table_to_table()
+    assert isinstance(base.task[0], Pick)
+    part = replace(base.index["part"], pose=Pose(0.25, 0.30, z, 0.5))
+    pick = replace(base.task[0], grasp=Pose(), approach_m=0.03, depart_m=0.0)
+    refusal = found(replace(base, bodies=(part,), task=(pick,), tool=BARE))
+    assert refusal is not None
+    assert (refusal.reason, refusal.bodies) == (Reason.JOINT_LIMIT, ("z",))
+    assert refusal.amount == pytest.approx(missing)
+    assert refusal.detail.endswith(where)
 
 
 @settings(max_examples=40)

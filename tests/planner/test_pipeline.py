@@ -176,6 +176,24 @@ PROVED: dict[str, tuple[Callable[[], Scene], bool]] = {
         lambda: cell(Follow("f", at(0.0, 0.0, 0.1, 0.0, "belt"), 0.1, Window(along=(-0.3, -0.2))), frames=(BELT,)),
         True,
     ),
+    "a window in time that was over before the start": (
+        lambda: cell(go(0.35, 0.2, window=Window(time=(-3.0, -1.0))), max_candidates=20),
+        True,
+    ),
+    "windows without an instant in common": (
+        lambda: cell(
+            Follow("f", at(0.0, 0.0, 0.1, 0.0, "belt"), 0.1, Window(time=(0.0, 0.3), along=(0.3, 0.4))), frames=(BELT,)
+        ),
+        True,
+    ),
+    "a window that opens after the latest end": (
+        lambda: cell(go(0.35, 0.2, window=Window(time=(2.0, 3.0))), latest_end_s=1.0),
+        True,
+    ),
+    "a latest end that the arm is too slow for": (
+        lambda: cell(Follow("f", at(0.35, -0.2), 0.0), go(0.3, 0.3), latest_end_s=0.2, max_candidates=20),
+        False,
+    ),
     "a window that the arm is too slow for": (
         lambda: cell(go(0.35, 0.2, window=Window(time=(0.0, 0.05))), max_candidates=20),
         False,
@@ -438,6 +456,7 @@ def test_a_latest_end_is_kept() -> None:
     assert planned(cell(go(0.35, -0.2), latest_end_s=whole + 0.01)).plan.trajectory.end <= whole + 0.01
     outcome = refused(cell(go(0.35, -0.2), latest_end_s=whole - 0.01, max_candidates=30))
     assert outcome.reason is Reason.WINDOW_MISSED
+    assert "latest_end_s is missed by" in outcome.sentence
 
 
 def test_a_law_that_ends_ends_the_plan() -> None:

@@ -172,6 +172,18 @@ def test_a_frame_that_is_faster_than_the_arm_is_a_motion_limit() -> None:
     assert block.reason in (Reason.MOTION_LIMIT, Reason.JOINT_LIMIT)
 
 
+def test_the_joint_that_is_too_slow_for_a_frame_is_named_with_what_it_lacks() -> None:
+    """At the middle of a dial the wrist alone turns; it can 40 rad/s."""
+    scene = cell_with(Turntable(Pose(0.32, 0.12, 0.06), 45.0), Pose(), CUP)
+    start = begun(replace(scene, robot=arm(j4=200.0)), 0.0, 0)
+    assert start is not None
+    block = glue(start[0].scene, start[0], start[1], 0, 1.0)
+    assert isinstance(block, Refusal)
+    assert (block.reason, block.bodies, block.unit) == (Reason.MOTION_LIMIT, ("theta4",), "rad/s")
+    assert block.amount == pytest.approx(5.0, abs=1e-3)
+    assert "moving" in block.detail
+
+
 def test_a_belt_that_leaves_the_workspace_during_the_glue_is_out_of_reach() -> None:
     scene = cell_with(Conveyor(Pose(0.3, 0.4, 0.06), 0.25), Pose(), CUP, dwell=2.0)
     start = begun(scene, 0.0, 0)

@@ -9,14 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.frames import Conveyor, Turntable
+from planner.frames import Conveyor, Fixed, Linear, Turntable
 from planner.frames.motion import Pose
 from planner.legs.control_point import control_point
 from planner.legs.meeting import LOOK_AHEAD_S, Meetings, meetings
 from planner.outcome import Reason
 from planner.phases import initial_rides
-from planner.scene import Follow, Scene, Window
-from tests.planner.cells import arm, at, cell, frame, go
+from planner.scene import Follow, Pick, Scene, Window
+from planner.scene import WorldBody as Around
+from planner.shapes import box
+from tests.planner.cells import arm, at, cell, frame, go, solid
 
 
 def met(scene: Scene, modes: tuple[int, ...] = (0, 1), earliest: float = 0.0, lead: float = 0.0) -> Meetings:
@@ -70,6 +72,29 @@ def test_what_is_out_of_reach_beyond_a_limit_or_near_singular_says_so_with_a_num
     assert near.refusals[0].amount == pytest.approx(0.2 - math.sin(theta2), abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("z", "missing", "where"),
+    [(-0.03, 0.08, "z is beyond its limit"), (0.26, 0.04, "z is beyond its limit, 30 mm above the point")],
+)
+def test_a_height_that_is_missing_is_that_of_the_point_or_of_its_approach_whichever_is_more(
+    z: float, missing: float, where: str
+) -> None:
+    """From 50 to 250 mm is the lift's; also where the point moves."""
+    for law in (Conveyor(Pose(0.3, 0.2, z), 0.1), Conveyor(Pose(0.3, 0.2, z), 0.0), Fixed(Pose(0.3, 0.2, z))):
+        scene = cell(
+            Pick("take", "part", Pose(), 0.03, 0.0, 0.0),
+            bodies=(Around(solid("part", box(0.02, 0.02, 0.02)), "tray"),),
+            frames=(frame("tray", law),),
+            singularity_margin=0.0,
+        )
+        refusals = met(scene, lead=0.1).refusals
+        assert len(refusals) == 2
+        for refusal in refusals:
+            assert (refusal.reason, refusal.bodies) == (Reason.JOINT_LIMIT, ("z",))
+            assert refusal.amount == pytest.approx(missing)
+            assert refusal.detail.endswith(where)
+
+
 def test_a_point_met_at_rest_does_not_ask_for_a_margin() -> None:
     assert met(cell(go(0.599, 0.0), singularity_margin=0.2)).branches
 
@@ -108,3 +133,44 @@ def test_a_window_that_is_over_or_too_short_says_by_how_much() -> None:
     assert short.refusals[0].reason is Reason.WINDOW_MISSED
     assert short.refusals[0].amount == pytest.approx(0.3)
     assert "150 mm of belt" in short.refusals[0].detail
+
+
+BELT = frame("belt", Conveyor(Pose(-0.3, 0.35, 0.05), 0.2))
+"""A point at its origin is between 0.1 and 0.6 m from 0.5 to 3 s."""
+
+
+@pytest.mark.parametrize(
+    ("window", "latest", "missing", "words"),
+    [
+        (Window(time=(0.0, 0.3), along=(0.1, 0.6)), None, 0.2, "have no instant in common"),
+        (Window(time=(4.0, 4.5), along=(0.1, 0.6)), None, 1.0, "have no instant in common"),
+        (Window(time=(0.0, 4.0), along=(0.1, 0.6)), 0.4, 0.1, "comes into its window after latest_end_s"),
+        (Window(time=(4.0, 5.0)), 3.0, 1.0, "the window opens after latest_end_s"),
+        (Window(time=(-3.0, -1.0)), None, 1.0, "the window is over before the start"),
+        (Window(along=(-0.2, -0.1)), None, 0.1, "the point is never inside its window"),
+        # what cannot be said for all times has no number
+        (Window(time=(60.5, 70.0), along=(0.1, 0.6)), None, math.nan, "in the next 60 s"),
+    ],
+)
+def test_windows_that_never_open_say_how_far_they_are_from_it(
+    window: Window, latest: float | None, missing: float, words: str
+) -> None:
+    scene = cell(go(0.0, 0.0, 0.05, 0.0, "belt", window=window), frames=(BELT,), latest_end_s=latest)
+    (refusal,) = met(scene).refusals
+    assert refusal.reason is Reason.WINDOW_MISSED
+    assert refusal.amount == pytest.approx(missing, nan_ok=True)
+    assert refusal.detail.endswith(words)
+
+
+def test_a_window_that_may_open_when_the_law_has_ended_has_no_number() -> None:
+    ends = frame("belt", Linear(Pose(-0.3, 0.35, 0.05), (0.2, 0.0, 0.0), valid=(0.0, 5.0)))
+    for window in (Window(time=(6.0, 7.0)), Window(time=(4.0, 7.0), along=(0.1, 0.6))):
+        (refusal,) = met(cell(go(0.0, 0.0, 0.05, 0.0, "belt", window=window), frames=(ends,))).refusals
+        assert math.isnan(refusal.amount)
+        assert "the window is over" not in refusal.detail
+
+
+def test_who_comes_too_late_for_the_end_of_the_plan_is_not_told_of_a_window() -> None:
+    (late,) = met(cell(go(0.0, 0.0, 0.05, 0.0, "belt"), frames=(BELT,), latest_end_s=1.0), earliest=1.4).refusals
+    assert late.detail.startswith("the arm comes too late for latest_end_s")
+    assert late.amount == pytest.approx(0.4)
