@@ -17,11 +17,15 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.bars import BARS, ORDER, lines, refused
+from benchmarks.judged import SETS, label
 from benchmarks.machine import ROOT
+from benchmarks.stages import STAGES
 
 RESULTS = ROOT / "benchmarks" / "results"
 PROFILES = "profile"
 """Results of `benchmarks.profile` begin with this; they are no sections."""
+TAGS = ("before", "", "after")
+"""Of profiles that are shown beside each other."""
 PLOTS = ROOT / "docs" / "plots"
 PAGES = (ROOT / "README.md", ROOT / "docs" / "benchmarks.md")
 MARKED = re.compile(r"(<!-- benchmark: ([a-z-]+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
@@ -128,19 +132,30 @@ def profile(there: Results) -> str:
 
 def columns(there: Results) -> str:
     """Where a millisecond goes, a column for each profile."""
-    names = sorted((name for name in there if name.startswith(PROFILES)), key=lambda name: name.replace("-after", "-z"))
+    names = sorted((name for name in there if name.startswith(PROFILES)), key=_place)
     found = {name: there[name] for name in names}
     if not found:
         return NOTHING
-    stages = list(dict.fromkeys(stage for document in found.values() for stage in document["data"]["stages_ms"]))
-    head = [name.removeprefix(PROFILES).strip("-_").replace("_", " ") for name in found]
+    seen = {stage for document in found.values() for stage in document["data"]["stages_ms"]}
+    stages = [stage for stage in STAGES if stage in seen]
+    head = [name.removeprefix(PROFILES).strip("-_").replace("_", " ").replace("-", " ") for name in found]
     rows = ["| stage, ms | " + " | ".join(head) + " |", "|---|" + "---|" * len(found)]
     for stage in stages:
         values = [document["data"]["stages_ms"].get(stage) for document in found.values()]
         rows.append(f"| {stage} | " + " | ".join("" if v is None else f"{v:.2f}" for v in values) + " |")
     totals = [document["data"]["total_ms"] for document in found.values()]
     rows.append("| **all** | " + " | ".join(f"**{total:.2f}**" for total in totals) + " |")
+    commits = [(document.get("commit") or "none")[:7] for document in found.values()]
+    rows.append("| commit | " + " | ".join(commits) + " |")
     return "\n".join(rows)
+
+
+def _place(name: str) -> tuple[int, int]:
+    """Of a profile in the table: in the order of the sets, and what was before first."""
+    tag = next((tag for tag in TAGS if tag and name.endswith(f"-{tag}")), "")
+    known = [label(*pair).replace(", ", " ").replace(" ", "-") for pair in SETS]
+    stem = name.removeprefix(f"{PROFILES}-").removesuffix(f"-{tag}")
+    return known.index(stem) if stem in known else len(known), TAGS.index(tag)
 
 
 def refusals(there: Results) -> str:

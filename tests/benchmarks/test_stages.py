@@ -78,9 +78,15 @@ def test_the_profile_of_a_set_adds_up_and_can_be_shown() -> None:
     assert {"building", "checker", "timing (ruckig)"} <= set(data["stages_ms"]) <= set(STAGES)
     whole = {"sample": False, "data": data}
     shown = BLOCKS["profile"]({"profile-static-after": whole, "profile-static-before": whole})
-    assert shown.splitlines()[0] == "| stage, ms | static-before | static-after |"
+    assert shown.splitlines()[0] == "| stage, ms | static before | static after |"
     assert f"| **all** | **{data['total_ms']:.2f}** | **{data['total_ms']:.2f}** |" in shown
-    assert list(printed("", shown).columns[0].cells)[-1] == "all"
+    assert list(printed("", shown).columns[0].cells)[-2:] == ["all", "commit"]
+    other = {"profile-moving-bodies-before": whole, "profile-moving-goal-velocity": whole, "profile-static": whole}
+    first = BLOCKS["profile"]({"profile-moving-goal-after": whole, **other, "profile-moving-goal": whole}).splitlines()[
+        0
+    ]
+    inside = "static | moving bodies before | moving goal | moving goal after | moving goal velocity"
+    assert first == f"| stage, ms | {inside} |"
 
 
 def test_the_profile_of_a_part_of_a_set_is_not_published() -> None:
@@ -88,7 +94,7 @@ def test_the_profile_of_a_part_of_a_set_is_not_published() -> None:
     sample = {**whole, "sample": True}
     assert BLOCKS["profile"]({"profile-static": sample}) == NOTHING
     shown = BLOCKS["profile"]({"profile-static": sample, "profile-moving-goal": whole})
-    assert shown.splitlines()[0] == "| stage, ms | moving-goal |"
+    assert shown.splitlines()[0] == "| stage, ms | moving goal |"
 
 
 def test_the_profile_of_a_part_of_a_set_goes_beside_the_results_unless_told_where(
