@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import math
 
+from planner.outcome import TOLD_AS
+
 SHOWN_AS = {
     "m": ("mm", 1e3),
     "mm": ("mm", 1.0),
     "s": ("ms", 1e3),
     "rad": ("deg", math.degrees(1.0)),
     "deg": ("deg", 1.0),
-    "rad/s": ("deg/s", math.degrees(1.0)),
-    "rad/s²": ("deg/s²", math.degrees(1.0)),
-    "rad/s³": ("deg/s³", math.degrees(1.0)),
-    "m/s": ("mm/s", 1e3),
-    "m/s²": ("mm/s²", 1e3),
-    "m/s³": ("mm/s³", 1e3),
     "1": ("", 1.0),
+    **TOLD_AS,
 }
 """Units of the document, and what people are told instead."""
 LEAST_SHOWN = 1e-3

@@ -71,7 +71,7 @@ class Sampler:
             self.population = Population(*parts, adaptive=self.adaptive)
         found = self.population.batch(before)
         arches = max(FILLED - len(found), int(self.rng.random() < ARCHES_TOO)) if self._tops() else 0
-        return found + [self._arch() for _ in range(arches)]
+        return found + [self._arch() for _ in range(arches)] or [self.population.anyone()]
 
     def learn(self, sample: Sample, bad: float, end: float = math.inf, at: float | None = None) -> None:
         """`bad`: the share of a draft's samples that were in the way of something; 0: it was free; 1: it was refused

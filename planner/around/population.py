@@ -1,6 +1,6 @@
 """The ways by free vias that one chain has looked at: new ones are drawn, good ones varied, the best are tried.
 
-Drawing and looking cost a tenth of timing and screening, so many are looked at for each that is tried.
+Drawing and looking cost a twentieth of timing and screening, so many are looked at for each that is tried.
 """
 
 from __future__ import annotations
@@ -78,9 +78,14 @@ class Population:
         left = np.flatnonzero(~self.tried & (self.end < before))
         chosen = left[: max(least, min(most, self._promising(before)))].tolist()
         self.tried[chosen] = True
-        found = [(self.options[int(self.ways.option[i])], self._sample(i)) for i in chosen]
+        found = [(self.options[int(self.ways.option[i])], self._sample(self.ways, i)) for i in chosen]
         self.number = {id(sample): i for i, (_, sample) in zip(chosen, found, strict=True)}
         return found
+
+    def anyone(self) -> tuple[Option, Sample]:
+        """A new way, whatever it looks like: that nothing seems worth a try in one round ends no search."""
+        way = self.freedom.drawn(self.rng, 1, self.shares)
+        return self.options[int(way.option[0])], self._sample(way, 0)
 
     def learn(self, sample: Sample, bad: float, at: float | None) -> None:
         """What came of a way that was tried: the share of its samples that were in the way of something, and when."""
@@ -113,9 +118,9 @@ class Population:
         self.ways = together([self.ways, new]).some(order)
         self.bad, self.end, self.tried = bad[order], end[order], tried[order]
 
-    def _sample(self, i: int) -> Sample:
-        option = self.options[int(self.ways.option[i])]
-        return Sample(option.yaw_offset, option.branch, self.ways.shape(i), *glue_effort(self.rng))
+    def _sample(self, ways: Prospects, i: int) -> Sample:
+        option = self.options[int(ways.option[i])]
+        return Sample(option.yaw_offset, option.branch, ways.shape(i), *glue_effort(self.rng))
 
 
 def _freedom(scene: Scene, chain: Chain, options: tuple[Option, ...]) -> Freedom:
