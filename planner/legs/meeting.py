@@ -43,7 +43,7 @@ class Meetings:
 
 def times(point: ControlPoint, earliest: float, lead: float) -> FloatArray:
     """Grid (G,) of meeting times from `earliest` on; the glue begins `lead` seconds after a meeting."""
-    if _any_time(point):
+    if _any_time(point) and point.intervals:
         return np.array([earliest])
     found = []
     for low, high in point.intervals:
