@@ -12,6 +12,7 @@ COPY planner planner
 COPY scenes scenes
 COPY api api
 COPY experiments experiments
+COPY src src
 RUN /opt/assur/bin/pip install --no-deps --force-reinstall .
 
 FROM python:3.11-slim-bookworm

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from planner.outcome import TOLD_AS
+from assur.planner.model.outcome import TOLD_AS
 
 SHOWN_AS = {
     "m": ("mm", 1e3),

@@ -13,14 +13,14 @@ from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
 
-from api import openapi
-from api.documents import problem_response
-from api.gate import Gate
-from api.problems import FieldError, Problem, printable, shown
-from api.routes import router
-from api.service import Service
-from api.settings import Settings
-from api.version import version
+from assur.api import openapi
+from assur.api.documents import problem_response
+from assur.api.gate import Gate
+from assur.api.problems import FieldError, Problem, printable, shown
+from assur.api.routes import router
+from assur.api.service import Service
+from assur.api.settings import Settings
+from assur.api.version import version
 
 HTTP_KINDS = {404: "not-found", 405: "method-not-allowed"}
 """What Starlette itself refuses, by status."""

@@ -7,7 +7,7 @@ import re
 
 from starlette.requests import Request
 
-from api.problems import FieldError, Problem
+from assur.api.problems import FieldError, Problem
 
 READERS = 32
 """So many bodies are read at a time; with their caps this bounds the memory that unread requests take."""

@@ -6,8 +6,8 @@ from typing import Any
 
 from rich.table import Table
 
-from api.amounts import SHOWN_AS, number
-from api.words import row, table
+from assur.api.amounts import SHOWN_AS, number
+from assur.api.words import row, table
 
 MARKS = {"vendor_config": " c", "third_party": " t", "disputed": " d", "estimated": " e"}
 """Marks behind a number of the catalogue that is not the maker's own word; `LEGEND` explains them."""

@@ -13,14 +13,14 @@ from typing import Annotated, Any, Literal, ParamSpec
 
 import typer
 
-from api import amounts, catalogue_table, words
-from api.documents import to_json
-from api.logs import where
-from api.problems import Problem, printable
-from api.targets import json_file, target
-from api.version import version
-from planner.errors import FaultError, InputError
-from scenes import requests
+from assur.api import amounts, catalogue_table, words
+from assur.api.documents import to_json
+from assur.api.logs import where
+from assur.api.problems import Problem, printable
+from assur.api.targets import json_file, target
+from assur.api.version import version
+from assur.planner.errors import FaultError, InputError
+from assur.scenes import requests
 
 RIGHT, WRONG, BAD_INPUT, FAULT = 0, 1, 2, 3
 INTERRUPTED, PIPE_CLOSED = 128 + signal.SIGINT, 128 + signal.SIGPIPE
@@ -183,7 +183,7 @@ def reproduce(
     name: Annotated[str, typer.Argument(help="An experiment, or all.")] = "all",
 ) -> int:
     """Reproduce an experiment of the sources: a figure (PNG, SVG), its numbers (JSON), and what they say."""
-    from experiments.reproduce import reproduce as run
+    from assur.experiments.reproduce import reproduce as run
 
     for done in run(name, out):
         place = f"{done.number} of {done.count}, " if done.count > 1 else ""
@@ -199,8 +199,8 @@ def serve(
     port: Annotated[int | None, typer.Option(min=0, max=65535, help="Port to listen on (ASSUR_PORT).")] = None,
 ) -> int:
     """Run the HTTP service until SIGTERM; other settings come from the environment (docs/service.md)."""
-    from api.serve import serve as run
-    from api.settings import Settings
+    from assur.api.serve import serve as run
+    from assur.api.settings import Settings
 
     settings = Settings.from_environment()
     run(replace(settings, host=host or settings.host, port=settings.port if port is None else port))

@@ -8,7 +8,7 @@ from typing import Any
 import pydantic_core
 from starlette.responses import Response
 
-from api.problems import MEDIA_TYPE, Problem
+from assur.api.problems import MEDIA_TYPE, Problem
 
 
 def to_json(document: Any) -> bytes:

@@ -11,9 +11,9 @@ from uuid import uuid4
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from api.documents import problem_response
-from api.logs import LOGGER, event
-from api.problems import Problem
+from assur.api.documents import problem_response
+from assur.api.logs import LOGGER, event
+from assur.api.problems import Problem
 
 HEADERS = (
     (b"cache-control", b"no-store"),

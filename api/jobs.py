@@ -9,11 +9,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from api.documents import to_json
-from api.logs import where
-from api.problems import FieldError, Problem, shown
-from planner.errors import FaultError, InputError
-from scenes.requests import check_document, parse_json, plan_document, plan_scenario, shipped
+from assur.api.documents import to_json
+from assur.api.logs import where
+from assur.api.problems import FieldError, Problem, shown
+from assur.planner.errors import FaultError, InputError
+from assur.scenes.requests import check_document, parse_json, plan_document, plan_scenario, shipped
 
 Detail = Literal["full", "digest"]
 

@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from types import TracebackType
 from typing import IO
 
-from api.problems import printable
+from assur.api.problems import printable
 
 LOGGER = logging.getLogger("assur")
 LONGEST_MESSAGE = 500

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from api.problems import MEDIA_TYPE, STATUS
-from api.service import scenario_request
-from scenes.requests import request_schema
+from assur.api.problems import MEDIA_TYPE, STATUS
+from assur.api.service import scenario_request
+from assur.scenes.requests import request_schema
 
 TEXT = """\
 Plans jerk-limited motion of SCARA-class robots through moving control points among moving bodies, proved free of

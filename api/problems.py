@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from planner.errors import InputError
-from scenes.faults import NOTHING, DocumentError
+from assur.planner.errors import InputError
+from assur.scenes.faults import NOTHING, DocumentError
 
 MEDIA_TYPE = "application/problem+json"
 SHOWN_CHARACTERS = 80

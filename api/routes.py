@@ -1,4 +1,4 @@
-"""The addresses of the service. Each says what it takes and gives; the work is in `api.service`."""
+"""The addresses of the service. Each says what it takes and gives; the work is in `assur.api.service`."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request
 from starlette.responses import Response
 
-from api import jobs
-from api.bodies import read_body
-from api.documents import json_response, to_json
-from api.gate import CLIENT_GONE, FACTS
-from api.openapi import CHECK_BODY, PLAN_BODY, responses
-from api.problems import Problem
-from api.service import Service, scenario_request
-from api.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
-from planner.errors import InputError
-from scenes.requests import request_schema, robots, shipped_scenarios
+from assur.api import jobs
+from assur.api.bodies import read_body
+from assur.api.documents import json_response, to_json
+from assur.api.gate import CLIENT_GONE, FACTS
+from assur.api.openapi import CHECK_BODY, PLAN_BODY, responses
+from assur.api.problems import Problem
+from assur.api.service import Service, scenario_request
+from assur.api.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
+from assur.planner.errors import InputError
+from assur.scenes.requests import request_schema, robots, shipped_scenarios
 
 BODY_PROBLEMS = ("bad-syntax", "too-slow", "too-large", "wrong-media-type", "bad-input", "quarantined", "fault")
 WORKER_PROBLEMS = ("worker-crashed", "busy", "not-ready", "worker-timeout")

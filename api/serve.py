@@ -9,10 +9,10 @@ from types import FrameType
 
 import uvicorn
 
-from api.app import create_app
-from api.logs import configure, event
-from api.settings import Settings
-from planner.errors import InputError
+from assur.api.app import create_app
+from assur.api.logs import configure, event
+from assur.api.settings import Settings
+from assur.planner.errors import InputError
 
 
 def serve(settings: Settings) -> None:

@@ -9,15 +9,15 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
-from api import jobs
-from api.bodies import READERS
-from api.logs import event
-from api.problems import FieldError, Problem, shown
-from api.settings import Settings
-from api.workers import Workers
-from planner.errors import InputError
-from scenes.faults import fault
-from scenes.requests import parse_json, shipped, validate_parsed
+from assur.api import jobs
+from assur.api.bodies import READERS
+from assur.api.logs import event
+from assur.api.problems import FieldError, Problem, shown
+from assur.api.settings import Settings
+from assur.api.workers import Workers
+from assur.planner.errors import InputError
+from assur.scenes.faults import fault
+from assur.scenes.requests import parse_json, shipped, validate_parsed
 
 SMALL_BYTES = 8192
 """Bodies up to this are read at once: it takes less than 1 ms, and the way to a thread and back half as long. Larger

@@ -13,8 +13,8 @@ from difflib import get_close_matches
 from math import isfinite
 from typing import Any
 
-from planner.errors import InputError
-from scenes.bounds import MAX_BUDGET_S
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_BUDGET_S
 
 PREFIX = "ASSUR_"
 LOG_LEVELS = ("debug", "info", "warning", "error")

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from planner.errors import InputError
-from scenes.bounds import MAX_JSON_BYTES
-from scenes.faults import likeliest
-from scenes.requests import (
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_JSON_BYTES
+from assur.scenes.faults import likeliest
+from assur.scenes.requests import (
     Scenario,
     check_document,
     load_scenario,

@@ -15,8 +15,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from api.amounts import amount, number
-from api.problems import printable
+from assur.api.amounts import amount, number
+from assur.api.problems import printable
 
 WIDTH = 110
 """Columns where the output is not a terminal."""

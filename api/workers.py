@@ -13,10 +13,10 @@ from collections import OrderedDict
 from collections.abc import Callable, Coroutine
 from typing import Any
 
-from api.logs import LOGGER, event
-from api.problems import Problem
-from api.seat import CrashedError, KilledError, NotBegunError, Seat
-from api.settings import Settings
+from assur.api.logs import LOGGER, event
+from assur.api.problems import Problem
+from assur.api.seat import CrashedError, KilledError, NotBegunError, Seat
+from assur.api.settings import Settings
 
 CRASHES = 2
 """So many crashes and a request is quarantined."""

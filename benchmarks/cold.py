@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from functools import _lru_cache_wrapper
 
-KEEP = ("scenes.units", "scenes.catalogue", "scenes.scenarios")
+KEEP = ("assur.scenes.units", "assur.scenes.catalogue", "assur.scenes.scenarios")
 """Modules whose caches hold nothing of a request: how keys are spelt, the shipped robots and scenarios."""
 CACHING = ("planner", "scenes")
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from experiments.experiment import Drawing
-from experiments.figures import BLUE, GREEN, GREY, ORANGE, RED, write
+from assur.experiments.experiment import Drawing
+from assur.experiments.figures import BLUE, GREEN, GREY, ORANGE, RED, write
 
 Document = dict[str, Any]
 Results = Mapping[str, Document]

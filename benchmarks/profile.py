@@ -16,6 +16,9 @@ import numpy as np
 import typer
 from rich.console import Console
 
+from assur.planner.model.outcome import NotPlanned
+from assur.planner.pipeline import plan
+from assur.scenes.requests import scene_of
 from benchmarks.bench import WORK
 from benchmarks.cold import forget
 from benchmarks.judged import SETS, judged, label, problem_set, warm_up
@@ -26,9 +29,6 @@ from benchmarks.run_problems import answer
 from benchmarks.runner import write
 from benchmarks.stages import INTERVAL_S, clocked, milliseconds, sampled
 from benchmarks.translation import Manners, request
-from planner.outcome import NotPlanned
-from planner.pipeline import plan
-from scenes.requests import scene_of
 
 SAMPLES = WORK / "quick" / "results"
 """Where the profile of a part of a set goes, as the results of a quick benchmark do: no page is filled from there."""

@@ -17,13 +17,13 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from assur.planner.checker import check
+from assur.planner.model.outcome import NotPlanned, Plan
+from assur.planner.pipeline import plan
+from assur.scenes.requests import scene_of
 from benchmarks.problem_set import Problem, ProblemSet, ProblemSetError, read_problem_set
 from benchmarks.summary import summary
 from benchmarks.translation import Document, Manners, request, unrelated_problem
-from planner.checker import check
-from planner.outcome import NotPlanned, Plan
-from planner.pipeline import plan
-from scenes.requests import scene_of
 
 WARM_UP_SEED = 987_654_321
 """Of the unrelated problem; the sets were made from seeds of another form."""

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from experiments.printed_forms import Frames, jacobian
-from planner.arrays import FloatArray
-from planner.assur.codes import Code
-from planner.errors import FaultError
-from planner.frames.motion import Motion
-from planner.robots.differential import determinant
-from planner.robots.planar import principal
-from planner.robots.protocol import Robot
+from assur.experiments.printed_forms import Frames, jacobian
+from assur.planner.arrays import FloatArray
+from assur.planner.assur.codes import Code
+from assur.planner.errors import FaultError
+from assur.planner.frames.motion import Motion
+from assur.planner.robots.differential import determinant
+from assur.planner.robots.planar import principal
+from assur.planner.robots.protocol import Robot
 
 CLEAR = 0.05
 """Margin from which errors are told as they are: what requests ask by default."""

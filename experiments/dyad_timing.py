@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from experiments import dyad_race as race
-from experiments.experiment import Drawing, Result, paragraphs
-from experiments.figures import BLUE, GREEN, INK, ORANGE, RED, SKY
-from planner.arrays import FloatArray
+from assur.experiments import dyad_race as race
+from assur.experiments.experiment import Drawing, Result, paragraphs
+from assur.experiments.figures import BLUE, GREEN, INK, ORANGE, RED, SKY
+from assur.planner.arrays import FloatArray
 
 CLAIMED = {"relative": 0.45, "natural": 0.17}
 """Time of the Assur form as a share of the other's, in the source."""

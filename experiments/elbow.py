@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from experiments import closed_forms as forms
-from experiments import printed_forms as printed
-from experiments.experiment import Drawing, Result, paragraphs
-from experiments.figures import BLUE, INK, ORANGE, RED
-from experiments.plane_figures import NOTE, Plane
-from experiments.plane_figures import compared as comparison
-from planner.arrays import FloatArray
-from planner.robots.elbow_arm import ElbowArm
-from planner.robots.protocol import Limits
+from assur.experiments import closed_forms as forms
+from assur.experiments import printed_forms as printed
+from assur.experiments.experiment import Drawing, Result, paragraphs
+from assur.experiments.figures import BLUE, INK, ORANGE, RED
+from assur.experiments.plane_figures import NOTE, Plane
+from assur.experiments.plane_figures import compared as comparison
+from assur.planner.arrays import FloatArray
+from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.robots.protocol import Limits
 
 HEIGHT, L2, L3 = 0.300, 0.250, 0.160
 """m. The source gives no lengths; these are those of `oblique-triangles`."""

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from experiments.experiment import Drawing
-from planner.errors import FaultError, InputError
+from assur.experiments.experiment import Drawing
+from assur.planner.errors import FaultError, InputError
 
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY, INK, GREY = (
     "#0072b2",

@@ -15,19 +15,19 @@ from typing import Any
 
 import numpy as np
 
-from experiments import printed_rrr
-from experiments.experiment import Result, paragraphs
-from experiments.five_bar_figure import SIZE, draw
-from experiments.five_bar_places import Paths, elbows, on_curve, standing
-from planner.arrays import FloatArray
-from planner.errors import FaultError
-from planner.frames.motion import Pose
-from planner.robots.five_bar import MODES, SIGMA, FiveBar
-from planner.robots.five_bar_workspace import Workspace, workspace
-from planner.robots.protocol import Code
-from scenes.catalogue import arm_named
-from scenes.plans import plan_of
-from scenes.requests import cell_of, plan_document, shipped
+from assur.experiments import printed_rrr
+from assur.experiments.experiment import Result, paragraphs
+from assur.experiments.five_bar_figure import SIZE, draw
+from assur.experiments.five_bar_places import Paths, elbows, on_curve, standing
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
+from assur.planner.frames.motion import Pose
+from assur.planner.robots.five_bar import MODES, SIGMA, FiveBar
+from assur.planner.robots.five_bar_workspace import Workspace, workspace
+from assur.planner.robots.protocol import Code
+from assur.scenes.catalogue import arm_named
+from assur.scenes.plans import plan_of
+from assur.scenes.requests import cell_of, plan_document, shipped
 
 MODEL = "mitsubishi-rp-5ah"
 DISTAL_M = (0.26, 0.16)

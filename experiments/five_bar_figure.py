@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from experiments.experiment import Drawing
-from experiments.figures import BLUE, GREEN, INK, PURPLE, RED
-from experiments.five_bar_places import Paths, elbows, on_curve, standing
-from planner.arrays import FloatArray
-from planner.robots.five_bar import MODES, FiveBar
-from planner.robots.five_bar_workspace import Workspace
-from planner.robots.protocol import Code
+from assur.experiments.experiment import Drawing
+from assur.experiments.figures import BLUE, GREEN, INK, PURPLE, RED
+from assur.experiments.five_bar_places import Paths, elbows, on_curve, standing
+from assur.planner.arrays import FloatArray
+from assur.planner.robots.five_bar import MODES, FiveBar
+from assur.planner.robots.five_bar_workspace import Workspace
+from assur.planner.robots.protocol import Code
 
 SIZE = (7.2, 4.6)
 """Inches."""

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.frames.motion import Motion, Pose
-from planner.robots.five_bar import FiveBar
+from assur.planner.arrays import FloatArray
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.robots.five_bar import FiveBar
 
 SINGULAR = 1e-5
 """Up to this a margin, no unit, is that of a point on a curve: a place that is off by 1e-12 m has some 1e-6."""

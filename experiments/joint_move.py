@@ -10,16 +10,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from experiments.experiment import Drawing, Result, paragraphs
-from experiments.figures import BLUE, GREY, INK, ORANGE, plan_view
-from experiments.printed_joint_move import ParabolicBlend, inverse
-from planner.arrays import FloatArray
-from planner.errors import FaultError
-from planner.outcome import Planned
-from planner.pipeline import plan
-from planner.timing import Profile, TimingRefusal, time_joints
-from scenes.requests import scene_of
-from scenes.scenarios import shipped
+from assur.experiments.experiment import Drawing, Result, paragraphs
+from assur.experiments.figures import BLUE, GREY, INK, ORANGE, plan_view
+from assur.experiments.printed_joint_move import ParabolicBlend, inverse
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
+from assur.planner.model.outcome import Planned
+from assur.planner.pipeline import plan
+from assur.planner.timing import Profile, TimingRefusal, time_joints
+from assur.scenes.requests import scene_of
+from assur.scenes.scenarios import shipped
 
 A = 0.2
 """a1 = a2, m."""

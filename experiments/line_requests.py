@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from planner.outcome import Outcome, Planned, Reason
-from planner.pipeline import plan
-from scenes.requests import scene_of
+from assur.planner.model.outcome import Outcome, Planned, Reason
+from assur.planner.pipeline import plan
+from assur.scenes.requests import scene_of
 
 LINK = 0.2
 """l1 = l2 of the arm of 004, m."""

@@ -18,14 +18,14 @@ from typing import Any
 
 import numpy as np
 
-from experiments.experiment import Drawing, Result, paragraphs
-from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, plan_view
-from experiments.line_requests import FASTEST_DEG_S, HALF, LINK, SPEED, decision
-from planner.arrays import FloatArray
-from planner.frames.motion import Motion
-from planner.outcome import Reason
-from planner.robots.protocol import Limits
-from planner.robots.scara import Scara
+from assur.experiments.experiment import Drawing, Result, paragraphs
+from assur.experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, plan_view
+from assur.experiments.line_requests import FASTEST_DEG_S, HALF, LINK, SPEED, decision
+from assur.planner.arrays import FloatArray
+from assur.planner.frames.motion import Motion
+from assur.planner.model.outcome import Reason
+from assur.planner.robots.protocol import Limits
+from assur.planner.robots.scara import Scara
 
 UNEQUAL = (0.225, 0.175)
 """An arm as long, with a hole of 50 mm, m."""

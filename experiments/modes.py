@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from experiments import printed_dh, printed_joint_move, printed_rrr
-from experiments.experiment import Drawing, Result, paragraphs
-from experiments.figures import BLUE, GREY, INK, ORANGE
-from planner.arrays import FloatArray
-from planner.frames.motion import Motion
-from planner.robots.planar import principal
-from planner.robots.protocol import Limits
-from planner.robots.scara import MODES, Scara
+from assur.experiments import printed_dh, printed_joint_move, printed_rrr
+from assur.experiments.experiment import Drawing, Result, paragraphs
+from assur.experiments.figures import BLUE, GREY, INK, ORANGE
+from assur.planner.arrays import FloatArray
+from assur.planner.frames.motion import Motion
+from assur.planner.robots.planar import principal
+from assur.planner.robots.protocol import Limits
+from assur.planner.robots.scara import MODES, Scara
 
 L1, L2 = 0.325, 0.225
 """m. A usual arm; 004's own, with links of 200 mm, is drawn beside it."""

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from experiments import printed_triangles as printed
-from experiments.experiment import Drawing, Result, paragraphs
-from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
-from planner.arrays import FloatArray
-from planner.assur.codes import Code
-from planner.assur.rrr import LEFT, RRR
-from planner.robots.planar import principal
+from assur.experiments import printed_triangles as printed
+from assur.experiments.experiment import Drawing, Result, paragraphs
+from assur.experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
+from assur.planner.arrays import FloatArray
+from assur.planner.assur.codes import Code
+from assur.planner.assur.rrr import LEFT, RRR
+from assur.planner.robots.planar import principal
 
 HEIGHT, LINK1, LINK2 = 0.300, 0.250, 0.160
 """m. The source gives no lengths; these are widely quoted for its RV-M1, without a maker's document."""

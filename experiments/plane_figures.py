@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from experiments.experiment import Drawing
-from experiments.figures import BLUE, GREY, INK, SKY
-from planner.arrays import FloatArray
+from assur.experiments.experiment import Drawing
+from assur.experiments.figures import BLUE, GREY, INK, SKY
+from assur.planner.arrays import FloatArray
 
 COLOURS = "cividis"
 """Of maps: even in lightness, and the same for the colour-blind."""

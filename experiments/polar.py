@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from experiments import closed_forms as forms
-from experiments import printed_forms as printed
-from experiments.experiment import Drawing, Result, paragraphs
-from experiments.figures import BLUE, INK, ORANGE, RED
-from experiments.plane_figures import NOTE, Plane
-from experiments.plane_figures import compared as comparison
-from planner.arrays import FloatArray
-from planner.robots.polar_arm import PolarArm
-from planner.robots.protocol import Limits
+from assur.experiments import closed_forms as forms
+from assur.experiments import printed_forms as printed
+from assur.experiments.experiment import Drawing, Result, paragraphs
+from assur.experiments.figures import BLUE, INK, ORANGE, RED
+from assur.experiments.plane_figures import NOTE, Plane
+from assur.experiments.plane_figures import compared as comparison
+from assur.planner.arrays import FloatArray
+from assur.planner.robots.polar_arm import PolarArm
+from assur.planner.robots.protocol import Limits
 
 L1, LONGEST, SHORTEST = 0.400, 0.650, 1e-3
 """m. The source gives no numbers: the shoulder's height, and how far the ram is out, from nearly nothing."""

@@ -20,7 +20,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.printed_dh import Array, homogeneous, step
+from assur.experiments.printed_dh import Array, homogeneous, step
 
 Frames = list[Array]
 """Transforms (..., 4, 4) of frame 0 and of the frame behind each joint."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from importlib import import_module
 
-from experiments.experiment import Result
-from planner.errors import FaultError
+from assur.experiments.experiment import Result
+from assur.planner.errors import FaultError
 
 
 @dataclass(frozen=True, slots=True)

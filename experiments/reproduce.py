@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from experiments.figures import write
-from experiments.registry import ENTRIES, Entry
-from planner.errors import InputError
+from assur.experiments.figures import write
+from assur.experiments.registry import ENTRIES, Entry
+from assur.planner.errors import InputError
 
 ALL = "all"
 

@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from experiments import printed_five_axes as printed
-from experiments.experiment import Drawing, Result, paragraphs
-from experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
-from planner.arrays import FloatArray
-from planner.assur.codes import Code
-from planner.frames.motion import Motion, Pose
-from planner.frames.tilted import TiltedMotion
-from planner.robots.five_axis_arm import FiveAxisArm
-from planner.robots.planar import principal
-from scenes.catalogue import arm_named
+from assur.experiments import printed_five_axes as printed
+from assur.experiments.experiment import Drawing, Result, paragraphs
+from assur.experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
+from assur.planner.arrays import FloatArray
+from assur.planner.assur.codes import Code
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.robots.five_axis_arm import FiveAxisArm
+from assur.planner.robots.planar import principal
+from assur.scenes.catalogue import arm_named
 
 TARGETS, SEED = 20_000, 5
 SHOWN = (0.38, 0.20)

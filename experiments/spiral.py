@@ -11,17 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from experiments import printed_rrr as printed
-from experiments.experiment import Drawing, Result, paragraphs
-from experiments.figures import BLUE, INK, RED
-from planner.arrays import FloatArray
-from planner.assur.codes import Code
-from planner.errors import FaultError
-from planner.frames.motion import Motion
-from planner.outcome import LegKind, Planned
-from planner.pipeline import plan
-from planner.scene import Scene
-from scenes.requests import scene_of
+from assur.experiments import printed_rrr as printed
+from assur.experiments.experiment import Drawing, Result, paragraphs
+from assur.experiments.figures import BLUE, INK, RED
+from assur.planner.arrays import FloatArray
+from assur.planner.assur.codes import Code
+from assur.planner.errors import FaultError
+from assur.planner.frames.motion import Motion
+from assur.planner.model.outcome import LegKind, Planned
+from assur.planner.model.scene import Scene
+from assur.planner.pipeline import plan
+from assur.scenes.requests import scene_of
 
 LASTS_S, BEGINS_S = 8.0, 1.0
 """Length of the spiral, and when the planner's point begins it: the arm starts at 0 s, elsewhere and at rest."""

@@ -1,6 +1,6 @@
 """Proved jerk-limited motion of SCARA-class robots through moving control points among moving bodies.
 
-``from planner import Scene, check, plan``: `plan(scene)` gives an outcome (`planner.outcome`), `check(scene, plan)` a
+``from planner import Scene, check, plan``: `plan(scene)` gives an outcome (`assur.planner.model.outcome`), `check(scene, plan)` a
 verdict. The three are looked up when they are first asked for, so ``import planner`` loads neither fcl nor ruckig.
 Facts only: documents, files and units are the business of `scenes`.
 """
@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from planner.checker import check
-    from planner.pipeline import plan
-    from planner.scene import Scene
+    from assur.planner.checker import check
+    from assur.planner.model.scene import Scene
+    from assur.planner.pipeline import plan
 
 __all__ = ["Scene", "check", "plan"]
 
@@ -20,15 +20,15 @@ __all__ = ["Scene", "check", "plan"]
 def __getattr__(name: str) -> Any:
     """One of `__all__`, imported now. Raises `AttributeError` for any other name."""
     if name == "Scene":
-        from planner.scene import Scene
+        from assur.planner.model.scene import Scene
 
         return Scene
     if name == "check":
-        from planner.checker import check
+        from assur.planner.checker import check
 
         return check
     if name == "plan":
-        from planner.pipeline import plan
+        from assur.planner.pipeline import plan
 
         return plan
     raise AttributeError(f"module 'planner' has no attribute {name!r}")

@@ -1,6 +1,6 @@
 """Faults, drawn as a small tree: the caller's and ours.
 
-A refusal of a candidate or of a request that cannot be planned is a *value* (see `planner.outcome`);
+A refusal of a candidate or of a request that cannot be planned is a *value* (see `assur.planner.model.outcome`);
 exceptions are for what should never have been asked, and for what should never have happened.
 """
 

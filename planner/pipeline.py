@@ -9,19 +9,29 @@ import math
 import time
 from dataclasses import dataclass
 
-from planner.blend_search import searcher
-from planner.census import Counter
-from planner.certificate import Prover
-from planner.explanation import leading, sentence
-from planner.feasibility import start_collides, start_impossible
-from planner.legs.tilt import pitch_free
-from planner.lower_bound import lower_bound
-from planner.margins import contacts, margins
-from planner.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Reason, Refusal, Relaxation
-from planner.phases import phases, yaw_offsets
-from planner.relaxation import relax, worth_trying
-from planner.scene import Scene
-from planner.search import Found
+from assur.planner.blends.search import searcher
+from assur.planner.collision.proof import Prover
+from assur.planner.feasibility.necessary import start_collides, start_impossible
+from assur.planner.legs.tilt import pitch_free
+from assur.planner.model.outcome import (
+    Census,
+    CensusLine,
+    NotPlanned,
+    Outcome,
+    Plan,
+    Planned,
+    Reason,
+    Refusal,
+    Relaxation,
+)
+from assur.planner.model.phases import phases, yaw_offsets
+from assur.planner.model.scene import Scene
+from assur.planner.relaxation import relax, worth_trying
+from assur.planner.report.margins import contacts, margins
+from assur.planner.report.sentence import leading, sentence
+from assur.planner.search.beam import Found
+from assur.planner.search.census import Counter
+from assur.planner.search.lower_bound import lower_bound
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,13 +9,13 @@ import time
 from collections.abc import Iterator
 from dataclasses import replace
 
-from planner.blend_search import searcher
-from planner.certificate import Prover
-from planner.errors import InputError
-from planner.frames import Conveyor
-from planner.outcome import Reason, Refusal, Relaxation
-from planner.scene import WORLD, Clearance, Follow, Move, Pick, Place, Scene, Step, Window
-from planner.search import Found
+from assur.planner.blends.search import searcher
+from assur.planner.collision.proof import Prover
+from assur.planner.errors import InputError
+from assur.planner.frames import Conveyor
+from assur.planner.model.outcome import Reason, Refusal, Relaxation
+from assur.planner.model.scene import WORLD, Clearance, Follow, Move, Pick, Place, Scene, Step, Window
+from assur.planner.search.beam import Found
 
 ATTEMPT_S = 1.0
 """Longest time for one change, s."""

@@ -4,7 +4,7 @@ Arrows point inwards only: `scenes` knows `planner`, `planner` knows nothing of 
 conventions and every limit of size live here, at the border. Importing anything of this package loads neither fcl, nor
 ruckig, nor trimesh, nor scipy: they come when a scene is planned or a mesh is read.
 
-The short way in, `load`, `plan` and `check`, works on plain documents; the other doors are in `scenes.requests`.
+The short way in, `load`, `plan` and `check`, works on plain documents; the other doors are in `assur.scenes.requests`.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ def load(name: str | Path) -> dict[str, Any]:
     below its folder, are in it already. As on the command line, a file that is there comes before a scenario's name.
     Raises `InputError` naming the field (in YAML with its line), or `OSError` for a file that cannot be read.
     """
-    from scenes.requests import load_scenario, parse_json, shipped
-    from scenes.scenarios import with_files
+    from assur.scenes.requests import load_scenario, parse_json, shipped
+    from assur.scenes.scenarios import with_files
 
     path = Path(name)
     if path.suffix.lower() == ".json":
@@ -42,7 +42,7 @@ def plan(request: object, *, certificate: Literal["full", "digest"] = "full") ->
     `certificate`: the whole table of the proof, which `check` needs, or its digest and size.
     Raises `InputError` naming the field that is not right.
     """
-    from scenes.requests import plan_document
+    from assur.scenes.requests import plan_document
 
     return plan_document(request, certificate=certificate)
 
@@ -52,6 +52,6 @@ def check(request: object, answer: object) -> dict[str, Any]:
 
     Raises `InputError` for what is no plan with a certificate in full.
     """
-    from scenes.requests import check_document
+    from assur.scenes.requests import check_document
 
     return check_document(request, answer)

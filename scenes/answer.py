@@ -11,9 +11,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from planner.errors import FaultError
-from planner.leeway import JointPeak, Margins
-from planner.outcome import (
+from assur.planner.errors import FaultError
+from assur.planner.model.leeway import JointPeak, Margins
+from assur.planner.model.outcome import (
     Arrival,
     Census,
     CensusLine,
@@ -24,10 +24,10 @@ from planner.outcome import (
     Planned,
     Refusal,
 )
-from scenes.build.cell import Cell
-from scenes.catalogue.arm import as_maker
-from scenes.documents.request import SCHEMA
-from scenes.numbers import interval, number, optional
+from assur.scenes.build.cell import Cell
+from assur.scenes.catalogue.arm import as_maker
+from assur.scenes.documents.request import SCHEMA
+from assur.scenes.numbers import interval, number, optional
 
 Detail = Literal["full", "digest"]
 

@@ -10,8 +10,8 @@ import difflib
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
-from planner.errors import InputError
-from scenes.units import SI_UNITS, TWIN_UNITS, twin_of, unit_of
+from assur.planner.errors import InputError
+from assur.scenes.units import SI_UNITS, TWIN_UNITS, twin_of, unit_of
 
 Path = tuple[str | int, ...]
 """Keys and indices from the root of a document."""

@@ -10,9 +10,9 @@ import json
 import math
 from typing import Any, NoReturn
 
-from planner.errors import InputError
-from scenes.bounds import MAX_DEPTH, MAX_INTEGER, MAX_JSON_BYTES
-from scenes.faults import DocumentError, Path, dotted
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_DEPTH, MAX_INTEGER, MAX_JSON_BYTES
+from assur.scenes.faults import DocumentError, Path, dotted
 
 LONGEST_NUMBER = 64
 """Characters of a number: a double needs 25."""

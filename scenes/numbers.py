@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from planner.errors import FaultError
+from assur.planner.errors import FaultError
 
 
 def number(value: float) -> float:

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from planner.checker.verdict import Code, Finding
-from planner.outcome import Arrival, Certificate, Leg, LegKind, Missed, Plan
-from scenes.answer import INDICES, REALS
-from scenes.build.frames import placed
-from scenes.build.neighbours import trajectory_of
-from scenes.catalogue.arm import Conventions, converted
-from scenes.documents.plans import CertificateDocument, MissedDocument, PlanDocument
-from scenes.documents.read import read
-from scenes.faults import Path, fault
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Missed, Plan
+from assur.scenes.answer import INDICES, REALS
+from assur.scenes.build.frames import placed
+from assur.scenes.build.neighbours import trajectory_of
+from assur.scenes.catalogue.arm import Conventions, converted
+from assur.scenes.documents.plans import CertificateDocument, MissedDocument, PlanDocument
+from assur.scenes.documents.read import read
+from assur.scenes.faults import Path, fault
 
 PLAN: Path = ("plan",)
 """Where the plan is in what is checked: {request, plan}."""

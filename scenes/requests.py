@@ -10,17 +10,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from scenes.catalogue import robots
-from scenes.documents.plain import plain
-from scenes.documents.read import read
-from scenes.documents.request import SCHEMA, RequestDocument
-from scenes.faults import fault, located
-from scenes.json_text import parse_json
-from scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet, with_files
+from assur.scenes.catalogue import robots
+from assur.scenes.documents.plain import plain
+from assur.scenes.documents.read import read
+from assur.scenes.documents.request import SCHEMA, RequestDocument
+from assur.scenes.faults import fault, located
+from assur.scenes.json_text import parse_json
+from assur.scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet, with_files
 
 if TYPE_CHECKING:
-    from planner.scene import Scene
-    from scenes.build.cell import Cell
+    from assur.planner.model.scene import Scene
+    from assur.scenes.build.cell import Cell
 
 __all__ = [
     "Scenario",
@@ -72,7 +72,7 @@ def cell_of(document: object, *, folder: Path | None = None) -> Cell:
 
 def _cell(document: Any, folder: Path | None) -> Cell:
     """`cell_of` of a document that is plain."""
-    from scenes.build.cell import cell_of as build
+    from assur.scenes.build.cell import cell_of as build
 
     whole = document if folder is None else with_files(document, folder)
     # Faults are told of the document as it was written: of a mesh's file, not of the bytes that took its place.
@@ -96,8 +96,8 @@ def plan_document(
     `started`: the reading of `time.perf_counter` from which the budget counts. A service gives the time at which it
     took the request up, so that building the scene counts, too; None: the budget is for the search alone.
     """
-    from planner.pipeline import plan
-    from scenes.answer import answer_of
+    from assur.planner.pipeline import plan
+    from assur.scenes.answer import answer_of
 
     document = plain(document)
     cell = _cell(document, folder)
@@ -116,9 +116,9 @@ def plan_scenario(
 
 def check_document(request: object, plan: object, *, folder: Path | None = None) -> dict[str, Any]:
     """The checker's verdict on a planned answer with a full certificate. Raises `InputError` naming the field."""
-    from planner.checker import check
-    from scenes.answer import NOTICE
-    from scenes.plans import plan_of
+    from assur.planner.checker import check
+    from assur.scenes.answer import NOTICE
+    from assur.scenes.plans import plan_of
 
     cell = cell_of(request, folder=folder)
     made, told = plan_of(plain(plan), cell.conventions)  # told before the checker's word, which knows no documents

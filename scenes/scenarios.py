@@ -13,13 +13,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from planner.errors import InputError
-from scenes.bounds import MAX_MESH_BYTES, MAX_TEXT, MAX_YAML_BYTES
-from scenes.documents.model import Document, Instant
-from scenes.documents.read import read
-from scenes.documents.request import RequestDocument
-from scenes.faults import NOTHING, DocumentError, dotted, likeliest
-from scenes.yaml_text import Lines, parse_yaml
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_MESH_BYTES, MAX_TEXT, MAX_YAML_BYTES
+from assur.scenes.documents.model import Document, Instant
+from assur.scenes.documents.read import read
+from assur.scenes.documents.request import RequestDocument
+from assur.scenes.faults import NOTHING, DocumentError, dotted, likeliest
+from assur.scenes.yaml_text import Lines, parse_yaml
 
 CELLS = Path(__file__).parent / "cells"
 """The shipped scenarios."""

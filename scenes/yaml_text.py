@@ -14,8 +14,8 @@ from typing import Any, NoReturn
 
 import yaml
 
-from scenes.bounds import MAX_DEPTH, MAX_INTEGER, MAX_YAML_BYTES
-from scenes.faults import DocumentError, Path, dotted
+from assur.scenes.bounds import MAX_DEPTH, MAX_INTEGER, MAX_YAML_BYTES
+from assur.scenes.faults import DocumentError, Path, dotted
 
 NULL = re.compile(r"(?:|~|null|Null|NULL)\Z")
 TRUE = re.compile(r"(?:true|True|TRUE)\Z")

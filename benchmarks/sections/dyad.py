@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
+from assur.experiments import dyad_forms as forms
+from assur.experiments import dyad_race as race
+from assur.planner.arrays import FloatArray
+from assur.planner.assur.codes import Code
 from benchmarks.figures import figure
 from benchmarks.section import Document, Item, Records, Section, Summary
-from experiments import dyad_forms as forms
-from experiments import dyad_race as race
-from planner.arrays import FloatArray
-from planner.assur.codes import Code
 
 BLOCKS = (500, 1000, 2000, 4000, 10_000)
 """Dyads that each formulation is given at once; the last is all of them."""
@@ -47,7 +47,7 @@ def items(parameters: Document) -> list[Item]:
 
 
 def natural(given: FloatArray) -> Any:
-    """Natural coordinates from guesses that are the solution off by half of l1, as in `experiments.dyad_timing`."""
+    """Natural coordinates from guesses that are the solution off by half of l1, as in `assur.experiments.dyad_timing`."""
     c = race.printed_batch(given).c
     random = np.random.default_rng(race.SEED)
     wanted = c.x, c.y

@@ -15,6 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from assur.planner.checker import check
+from assur.planner.model.outcome import NotPlanned
+from assur.planner.pipeline import plan
+from assur.scenes.requests import scene_of
 from benchmarks.cold import forget
 from benchmarks.figures import Figure, figure
 from benchmarks.judged import problem_set, said, warm_up
@@ -26,10 +30,6 @@ from benchmarks.run_problems import trajectory
 from benchmarks.section import Document, Item, Records, Section, Summary
 from benchmarks.sections.cells import KINDS, LATEST_S, crowd, tour
 from benchmarks.translation import Manners, request
-from planner.checker import check
-from planner.outcome import NotPlanned
-from planner.pipeline import plan
-from scenes.requests import scene_of
 
 BODIES, FEW_BODIES = (10, 30, 100, 300, 1000), (10, 100, 1000)
 POINTS, FEW_POINTS = (1, 2, 5, 10), (1, 10)

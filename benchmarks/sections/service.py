@@ -3,7 +3,7 @@
 Two services run side by side, one with one worker and one with two, each a process of its own on a free port. Round
 trips go to the first over one connection, one after the other: the round trip less the planning time that the answer
 states is what reading, queueing, writing and the network cost. For throughput, four connections keep both services
-busy in turn, with `stop: budget` and `budget_s: 0.2`. Nothing is pinned here. Answers are checked by `scenes.check` and
+busy in turn, with `stop: budget` and `budget_s: 0.2`. Nothing is pinned here. Answers are checked by `assur.scenes.check` and
 by the recheck.
 """
 
@@ -26,13 +26,13 @@ from typing import Any
 
 import numpy as np
 
+from assur.scenes import check
 from benchmarks.figures import figure, quantile
 from benchmarks.judged import problem_set, said
 from benchmarks.machine import ROOT
 from benchmarks.recheck.findings import recheck
 from benchmarks.section import Document, Item, Records, Section, Summary
 from benchmarks.translation import Manners, request, unrelated_problem
-from scenes import check
 
 TRIPS, FEW_TRIPS = 60, 12
 ROUNDS, FEW_ROUNDS = 5, 2
@@ -69,7 +69,7 @@ def served(workers: int) -> Iterator[int]:
     """The port of a service that is ready; it ends with the block."""
     clean = {name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")}
     settings = {"ASSUR_WORKERS": str(workers), "ASSUR_QUEUE": "64", "ASSUR_MAX_TASKS": "100000"}
-    command = [sys.executable, "-m", "api.command_line", "serve", "--port", "0"]
+    command = [sys.executable, "-m", "assur.api.command_line", "serve", "--port", "0"]
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder, "log")
         with log.open("wb") as stream:

@@ -28,33 +28,33 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-import planner.certificate.facts
-import planner.certificate.proof
-import planner.legs.joint
-import planner.legs.meeting
-import planner.timing.sketch
-import planner.timing.solver
+import assur.planner.collision.proof
+import assur.planner.collision.proof_facts
+import assur.planner.legs.joint
+import assur.planner.legs.meeting
+import assur.planner.timing.sketch
+import assur.planner.timing.solver
+from assur.planner import Scene, plan
+from assur.planner.collision.gjk import separate
+from assur.planner.collision.proof import Prover
+from assur.planner.collision.proof_facts import Facts
+from assur.planner.collision.rows import Rows
+from assur.planner.collision.screening import screen
+from assur.planner.collision.support_gaps import rough_gaps
+from assur.planner.errors import FaultError
+from assur.planner.geometry.shapes import Primitive
+from assur.planner.model.outcome import Plan, Planned, Refusal
+from assur.planner.model.phases import Phase, phases
+from assur.planner.search.beam import MOST_WAYS
+from assur.planner.search.extension import carried_gently, outline
+from assur.planner.search.meeting_options import options
+from assur.planner.search.partial_plan import Outline, Sample, initial, prepared
+from assur.planner.search.population import Population
+from assur.planner.search.rough_score import Glance
+from assur.planner.timing.profile import finished
+from assur.planner.trajectory.sweep import sweep
+from assur.scenes.requests import scene_of, shipped, shipped_scenarios
 from benchmarks.translation import Manners, request
-from planner import Scene, plan
-from planner.around.glance import Glance
-from planner.around.population import Population
-from planner.certificate import Prover
-from planner.certificate.facts import Facts
-from planner.certificate.rows import Rows
-from planner.chain import Outline, Sample, initial, prepared
-from planner.continuation import carried_gently, outline
-from planner.errors import FaultError
-from planner.gjk import separate
-from planner.outcome import Plan, Planned, Refusal
-from planner.phases import Phase, phases
-from planner.screening import screen
-from planner.search import MOST_WAYS
-from planner.separation import rough_gaps
-from planner.shapes import Primitive
-from planner.sweep import sweep
-from planner.timing.profile import finished
-from planner.ways import options
-from scenes.requests import scene_of, shipped, shipped_scenarios
 
 ROOT = Path(__file__).parents[2]
 SETS = ("static", "moving_bodies", "moving_goal")
@@ -147,14 +147,14 @@ def rows(limit: int) -> None:
     variants: dict[str, Any] = {
         "as it is": (Facts, "bounds", Facts.bounds),
         "first order only": (Facts, "bounds", first_order(Facts.bounds)),
-        "joint by joint": (planner.certificate.facts, "sweep", joint_by_joint),
+        "joint by joint": (assur.planner.collision.proof_facts, "sweep", joint_by_joint),
     }
     found = table("set", "begin with, ms", "proof", "plans", "rows, median", "rows, all", "not proved")
     for name in (*SETS, "shipped scenarios"):
         plans = list(solved(name, limit) if name in SETS else shipped_plans(limit))
         for coarsest in COARSEST:
             for title, change in variants.items():
-                with swapped(planner.certificate.proof, "COARSEST_S", coarsest), swapped(*change):
+                with swapped(assur.planner.collision.proof, "COARSEST_S", coarsest), swapped(*change):
                     counts = [proof(scene, made) for _, scene, made in plans]
                 whole = [count for count, ok in counts if ok]
                 middle = f"{np.median(whole):.0f}" if whole else ""
@@ -261,7 +261,7 @@ def grid(limit: int) -> None:
     spent: dict[float, list[float]] = defaultdict(list)
     for step in (0.001, 0.002, 0.004, 0.008, 0.016):
         found[step] = {}
-        with swapped(planner.legs.meeting, "GRID_S", step), swapped(planner.legs.joint, "GRID_S", step):
+        with swapped(assur.planner.legs.meeting, "GRID_S", step), swapped(assur.planner.legs.joint, "GRID_S", step):
             for problem, scene in problems("moving_goal", limit):
                 began = time.perf_counter()
                 outcome = plan(scene)
@@ -291,7 +291,7 @@ def sketches(limit: int) -> None:
 
         return inner
 
-    solver, answer = planner.timing.solver.Solver, planner.timing.solver._Solved
+    solver, answer = assur.planner.timing.solver.Solver, assur.planner.timing.solver._Solved
     made = table("set", "timed", "made exact", "a sketch, µs", "its phases, µs", "a profile more, µs")
     for name in SETS:
         for each in seconds.values():
@@ -299,7 +299,7 @@ def sketches(limit: int) -> None:
         with (
             swapped(solver, "sketch", counted("sketch", solver.sketch)),
             swapped(answer, "cubics", counted("cubics", answer.cubics)),
-            swapped(planner.timing.sketch, "finished", counted("finished", finished)),
+            swapped(assur.planner.timing.sketch, "finished", counted("finished", finished)),
         ):
             for _ in solved(name, limit):
                 pass

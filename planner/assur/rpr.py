@@ -18,10 +18,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.assur.codes import Code
-from planner.assur.rrr import Planar
-from planner.errors import FaultError, InputError
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.assur.codes import Code
+from assur.planner.assur.rrr import Planar
+from assur.planner.errors import FaultError, InputError
 
 FORWARD = 1
 """s of the usual assembly: B ahead of A along the slider, l > 0."""

@@ -23,10 +23,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.assur.codes import Code
-from planner.errors import FaultError, InputError
-from planner.shapes import LARGEST_M, SMALLEST_M
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.assur.codes import Code
+from assur.planner.errors import FaultError, InputError
+from assur.planner.geometry.shapes import LARGEST_M, SMALLEST_M
 
 LEFT = 1
 """σ of assembly mode 1: C to the left of A→B, θ₂ < 0."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.checker.meeting import MEET_M
-from planner.checker.spline import Spline
-from planner.checker.verdict import Code, Finding
-from planner.outcome import Leg, LegKind
-from planner.scene import Move, Scene
+from assur.planner.checker.meeting import MEET_M
+from assur.planner.checker.spline import Spline
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.outcome import Leg, LegKind
+from assur.planner.model.scene import Move, Scene
 
 INSTANTS = 256
 """Times at which the height is looked at, each round between the neighbours of the highest."""

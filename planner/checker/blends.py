@@ -13,15 +13,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.checker.meeting import MEET_M, MEET_RAD, tilted
-from planner.checker.order import TIME_S
-from planner.checker.spline import Spline
-from planner.checker.targets import Target, asks_passing
-from planner.checker.tilt import wrapped
-from planner.checker.verdict import Code, Finding
-from planner.outcome import Arrival
-from planner.scene import Scene
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.meeting import MEET_M, MEET_RAD, tilted
+from assur.planner.checker.order import TIME_S
+from assur.planner.checker.spline import Spline
+from assur.planner.checker.targets import Target, asks_passing
+from assur.planner.checker.tilt import wrapped
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.outcome import Arrival
+from assur.planner.model.scene import Scene
 
 BENT = 1e-6
 """Relative. How much the acceleration may change over a piece, of the limit; or, if that is more, by what rounding of

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.checker.settle import settle
-from planner.checker.spline import Spline
-from planner.checker.verdict import Code, Finding
-from planner.frames.motion import Motion
-from planner.phases import Phase
-from planner.scene import Scene
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.checker.settle import settle
+from assur.planner.checker.spline import Spline
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.frames.motion import Motion
+from assur.planner.model.phases import Phase
+from assur.planner.model.scene import Scene
 
 CARRY = 1e-6
 """Relative. What anyone may find over a limit; the limit itself is an estimate of a gripper's grip."""

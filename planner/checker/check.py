@@ -7,31 +7,31 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.checker.arch import arches
-from planner.checker.blends import blends
-from planner.checker.carry import carried
-from planner.checker.cover import uncovered
-from planner.checker.enclosure import enclosed
-from planner.checker.far import planes
-from planner.checker.form import form
-from planner.checker.glue import glued
-from planner.checker.limits import limits
-from planner.checker.loop import loops
-from planner.checker.meeting import meetings
-from planner.checker.order import ends, legs
-from planner.checker.ranges import Ranges, ranges
-from planner.checker.rows import least_of, proved, sorted_out
-from planner.checker.solids import solids
-from planner.checker.spline import spline
-from planner.checker.stage import Stage, stage
-from planner.checker.targets import targets
-from planner.checker.tilt import straight
-from planner.checker.verdict import Code, Finding, Verdict
-from planner.checker.window import windows
-from planner.digest import digest
-from planner.outcome import Plan
-from planner.phases import Phase, phases
-from planner.scene import Scene
+from assur.planner.checker.arch import arches
+from assur.planner.checker.blends import blends
+from assur.planner.checker.carry import carried
+from assur.planner.checker.cover import uncovered
+from assur.planner.checker.enclosure import enclosed
+from assur.planner.checker.far import planes
+from assur.planner.checker.form import form
+from assur.planner.checker.glue import glued
+from assur.planner.checker.limits import limits
+from assur.planner.checker.loop import loops
+from assur.planner.checker.meeting import meetings
+from assur.planner.checker.order import ends, legs
+from assur.planner.checker.ranges import Ranges, ranges
+from assur.planner.checker.rows import least_of, proved, sorted_out
+from assur.planner.checker.solids import solids
+from assur.planner.checker.spline import spline
+from assur.planner.checker.stage import Stage, stage
+from assur.planner.checker.targets import targets
+from assur.planner.checker.tilt import straight
+from assur.planner.checker.verdict import Code, Finding, Verdict
+from assur.planner.checker.window import windows
+from assur.planner.model.digest import digest
+from assur.planner.model.outcome import Plan
+from assur.planner.model.phases import Phase, phases
+from assur.planner.model.scene import Scene
 
 
 @np.errstate(all="ignore")

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.checker.far import Planes, far
-from planner.checker.rows import Rows
-from planner.checker.stage import Stage
-from planner.checker.verdict import Code, Finding
-from planner.phases import Phase
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.checker.far import Planes, far
+from assur.planner.checker.rows import Rows
+from assur.planner.checker.stage import Stage
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.phases import Phase
 
 BATCH = 2_000_000
 """Pairs of pieces, row by row, that are looked at in one go: some 100 MB."""

@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.checker.cover import asked_pairs
-from planner.checker.ranges import Ranges
-from planner.checker.required import exempt
-from planner.checker.stage import Stage
-from planner.checker.verdict import Code, Finding
-from planner.containment import inside
-from planner.phases import Phase
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.checker.cover import asked_pairs
+from assur.planner.checker.ranges import Ranges
+from assur.planner.checker.required import exempt
+from assur.planner.checker.stage import Stage
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.geometry.containment import inside
+from assur.planner.model.phases import Phase
 
 
 def enclosed(stage: Stage, phases: tuple[Phase, ...], ranges: Ranges) -> list[Finding]:

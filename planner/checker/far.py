@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.checker.required import required
-from planner.checker.rows import Rows
-from planner.checker.stage import Stage
-from planner.frames import Fixed
-from planner.phases import Phase
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.checker.required import required
+from assur.planner.checker.rows import Rows
+from assur.planner.checker.stage import Stage
+from assur.planner.frames import Fixed
+from assur.planner.model.phases import Phase
 
 
 @dataclass(frozen=True, eq=False)

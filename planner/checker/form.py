@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.checker.verdict import Code, Finding
-from planner.outcome import Leg, LegKind, Plan, covered
-from planner.scene import Scene
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.outcome import Leg, LegKind, Plan, covered
+from assur.planner.model.scene import Scene
 
 REALS = ("t0", "t1", "gap0", "gap1", "speed", "acceleration")
 INDICES = ("first", "first_piece", "second", "second_piece")

@@ -11,16 +11,16 @@ import math
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.checker.meeting import tool_motion
-from planner.checker.ranges import Ranges
-from planner.checker.settle import settle
-from planner.checker.targets import Target
-from planner.checker.tilt import has_tilt, tilt, tilt_accelerations, turned_by, wrapped
-from planner.checker.verdict import Code, Finding
-from planner.outcome import GLUED, Leg, LegKind
-from planner.robots.protocol import Sweep
-from planner.scene import Pick, Place, Scene
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.checker.meeting import tool_motion
+from assur.planner.checker.ranges import Ranges
+from assur.planner.checker.settle import settle
+from assur.planner.checker.targets import Target
+from assur.planner.checker.tilt import has_tilt, tilt, tilt_accelerations, turned_by, wrapped
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.outcome import GLUED, Leg, LegKind
+from assur.planner.model.scene import Pick, Place, Scene
+from assur.planner.robots.protocol import Sweep
 
 GLUE_M = 1e-5
 """m. In approach, follow and depart the tool stays within this of its line or point: what the design promises; a

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.checker.spline import Spline, cut
-from planner.checker.verdict import Code, Finding
-from planner.scene import Scene
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.spline import Spline, cut
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.scene import Scene
 
 RATE = 1e-9
 """Relative; for positions of half the range. Knots on a limit round to 1e-16 beyond it, and a touching parabola is

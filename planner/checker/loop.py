@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.checker.ranges import Ranges
-from planner.checker.verdict import Code, Finding
-from planner.scene import Scene
+from assur.planner.checker.ranges import Ranges
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.scene import Scene
 
 HALVINGS = 30
 """Of a piece, at most: one of a second is then a nanosecond long."""

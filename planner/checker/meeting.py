@@ -6,15 +6,15 @@ import math
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.checker.order import TIME_S
-from planner.checker.spline import Spline, State
-from planner.checker.targets import Target, asks_passing, asks_rest, asks_velocity, may_turn
-from planner.checker.tilt import tilt, tilt_rates, turned_by, wrapped
-from planner.checker.verdict import Code, Finding
-from planner.frames.motion import Motion, Pose
-from planner.outcome import Arrival, Leg, LegKind
-from planner.scene import Scene
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.order import TIME_S
+from assur.planner.checker.spline import Spline, State
+from assur.planner.checker.targets import Target, asks_passing, asks_rest, asks_velocity, may_turn
+from assur.planner.checker.tilt import tilt, tilt_rates, turned_by, wrapped
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.model.outcome import Arrival, Leg, LegKind
+from assur.planner.model.scene import Scene
 
 MEET_M = 1e-6
 """m. The tool point may be off its control point by this: 1 µm, half of what anyone may find on measuring again; a

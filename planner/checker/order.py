@@ -7,12 +7,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.checker.ranges import Ranges
-from planner.checker.spline import REST
-from planner.checker.verdict import Code, Finding
-from planner.outcome import Leg, LegKind
-from planner.scene import Follow, Move, Pick, Place, Scene, Step
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.ranges import Ranges
+from assur.planner.checker.spline import REST
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.outcome import Leg, LegKind
+from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step
 
 START = 1e-9
 """Greatest difference of the first knot from the given start, in s, rad or m, rad/s.., rad/s²..: what writing and

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.checker.spline import Spline, before, begin_of, behind, within
-from planner.robots.protocol import Sweep
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.checker.spline import Spline, before, begin_of, behind, within
+from assur.planner.robots.protocol import Sweep
 
 TIGHT = 1e-12
 """How far control values may stand out above the ends of a part, relative to the greatest of the whole spline: some

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.checker.stage import Stage
-from planner.phases import CONTACT_M, Phase
-from planner.robots.protocol import Sweep
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.checker.stage import Stage
+from assur.planner.model.phases import CONTACT_M, Phase
+from assur.planner.robots.protocol import Sweep
 
 if TYPE_CHECKING:
-    from planner.checker.rows import Rows
+    from assur.planner.checker.rows import Rows
 
 
 def required(stage: Stage, phases: tuple[Phase, ...], rows: Rows, n: FloatArray) -> FloatArray:

@@ -1,7 +1,7 @@
 """Whether each row of the certificate is true, and whether it amounts to the distance required (C1 to C5).
 
 A row whose second body is −1 is of the first alone, against the origin of the world: no distance is required of it
-by itself, `planner.checker.far` says what follows from it (C6).
+by itself, `assur.planner.checker.far` says what follows from it (C6).
 
 Nothing in a row is believed: gaps and bounds are computed again and compared, and the proof goes through with the
 worse of the two. So a false row is found even where it would not have mattered, and a slip of ours in the comparison
@@ -15,14 +15,14 @@ from typing import TypeVar
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.checker.ranges import Ranges
-from planner.checker.required import required
-from planner.checker.stage import Stage
-from planner.checker.verdict import Code, Finding
-from planner.outcome import Certificate
-from planner.phases import Phase
-from planner.robots.protocol import Sweep
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.checker.ranges import Ranges
+from assur.planner.checker.required import required
+from assur.planner.checker.stage import Stage
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.outcome import Certificate
+from assur.planner.model.phases import Phase
+from assur.planner.robots.protocol import Sweep
 
 Array = TypeVar("Array", FloatArray, IntArray)
 

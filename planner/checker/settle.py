@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
+from assur.planner.arrays import FloatArray, IntArray
 
 PARTS = 4
 """Into how many an undecided interval is cut: remainders shrink as h² or faster."""

@@ -1,6 +1,6 @@
 """All convex pieces of a scene, and each body's bounding box, as one table; supports and reaches of many at once.
 
-The checker's own table: it shares the shapes and their numbers (`planner.pieces`) with the planner, nothing else. A
+The checker's own table: it shares the shapes and their numbers (`assur.planner.geometry.pieces`) with the planner, nothing else. A
 *solid* is a row of it: a piece of a body, or the box in the body's own axes that holds all its pieces.
 """
 
@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.scene import Scene
-from planner.shapes import Body
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.geometry.shapes import Body
+from assur.planner.model.scene import Scene
 
 UPRIGHT = 1e-12
 """A solid of revolution whose axis is off the vertical by no more than this (a few roundings, rad) stands upright."""

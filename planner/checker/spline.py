@@ -16,7 +16,7 @@ from math import comb
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
+from assur.planner.arrays import FloatArray, IntArray
 
 State = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 """q, q̇, q̈, q⃛."""

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.checker.ranges import Ranges
-from planner.checker.solids import Seated, Solids, turns
-from planner.frames.motion import Pose
-from planner.phases import Phase
-from planner.robots.protocol import Sweep
-from planner.scene import Scene
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.checker.ranges import Ranges
+from assur.planner.checker.solids import Seated, Solids, turns
+from assur.planner.frames.motion import Pose
+from assur.planner.model.phases import Phase
+from assur.planner.model.scene import Scene
+from assur.planner.robots.protocol import Sweep
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from planner.arrays import FloatArray
-from planner.checker.tilt import has_tilt
-from planner.frames.motion import Motion, Pose
-from planner.frames.tilted import Tilt
-from planner.outcome import Arrival
-from planner.phases import yaw_offsets
-from planner.scene import Move, Pick, Place, Scene, Step
-from planner.scene import Target as Asked
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.tilt import has_tilt
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.tilted import Tilt
+from assur.planner.model.outcome import Arrival
+from assur.planner.model.phases import yaw_offsets
+from assur.planner.model.scene import Move, Pick, Place, Scene, Step
+from assur.planner.model.scene import Target as Asked
 
 TURN = 1e-9
 """A turn that a symmetry allows is recognised up to this, rad."""

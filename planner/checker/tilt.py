@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.checker.order import TIME_S
-from planner.checker.ranges import Ranges
-from planner.checker.settle import settle
-from planner.checker.verdict import Code, Finding
-from planner.outcome import Arrival, Leg, LegKind
-from planner.robots.protocol import Robot, Sweep
-from planner.scene import Move, Scene
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.checker.order import TIME_S
+from assur.planner.checker.ranges import Ranges
+from assur.planner.checker.settle import settle
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.outcome import Arrival, Leg, LegKind
+from assur.planner.model.scene import Move, Scene
+from assur.planner.robots.protocol import Robot, Sweep
 
 STRAIGHT_RAD = 1e-4
 """rad. Along a straight leg pitch and roll stay within this of the way between those at its ends: as in glued legs."""

@@ -6,15 +6,15 @@ import math
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.checker.meeting import MEET_M
-from planner.checker.order import TIME_S
-from planner.checker.settle import settle
-from planner.checker.targets import Target
-from planner.checker.verdict import Code, Finding
-from planner.frames import Conveyor, Linear
-from planner.outcome import Arrival
-from planner.scene import Scene
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.checker.meeting import MEET_M
+from assur.planner.checker.order import TIME_S
+from assur.planner.checker.settle import settle
+from assur.planner.checker.targets import Target
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.frames import Conveyor, Linear
+from assur.planner.model.outcome import Arrival
+from assur.planner.model.scene import Scene
 
 COARSEST_S = 0.05
 """Length of the intervals to begin with, s: a belt that does not change its speed needs no other."""

@@ -1,15 +1,15 @@
 """Frames of a cell: poses, motions, and the time laws by which frames move."""
 
-from planner.frames.conveyor import Conveyor
-from planner.frames.fixed import Fixed, Linear, all_stand
-from planner.frames.indexer import Indexer
-from planner.frames.keyframes import Keyframes
-from planner.frames.law import Frame, Law, LawBounds, Uncertainty
-from planner.frames.motion import Motion, Pose
-from planner.frames.ramps import Change
-from planner.frames.swing import Swing
-from planner.frames.turntable import Turntable
-from planner.frames.validity import ALWAYS
+from assur.planner.frames.conveyor import Conveyor
+from assur.planner.frames.fixed import Fixed, Linear, all_stand
+from assur.planner.frames.indexer import Indexer
+from assur.planner.frames.keyframes import Keyframes
+from assur.planner.frames.law import Frame, Law, LawBounds, Uncertainty
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.ramps import Change
+from assur.planner.frames.swing import Swing
+from assur.planner.frames.turntable import Turntable
+from assur.planner.frames.validity import ALWAYS
 
 __all__ = [
     "ALWAYS",

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.frames.law import LawBounds
-from planner.frames.motion import Motion, Pose
-from planner.frames.profile import Derivatives, Profile
-from planner.frames.ramps import Change, ramped
-from planner.frames.validity import ALWAYS, FURTHEST_S, KnownLaw, interval, number, placed
+from assur.planner.arrays import FloatArray
+from assur.planner.frames.law import LawBounds
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.profile import Derivatives, Profile
+from assur.planner.frames.ramps import Change, ramped
+from assur.planner.frames.validity import ALWAYS, FURTHEST_S, KnownLaw, interval, number, placed
 
 ROUNDING = 1e-15
 """|n · u| of two unit vectors is raised by this: rounding of a product of three terms, where it almost vanishes."""

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.errors import InputError
-from planner.frames.law import Frame, LawBounds
-from planner.frames.motion import Motion, Pose
-from planner.frames.validity import ALWAYS, FURTHEST_S, KnownLaw, interval, number, placed
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
+from assur.planner.frames.law import Frame, LawBounds
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.validity import ALWAYS, FURTHEST_S, KnownLaw, interval, number, placed
 
 ROUNDING = 1e-15
 """|n · v| is raised by this part of |v|: rounding of a product of three terms, where it almost vanishes."""

@@ -8,14 +8,14 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.errors import InputError
-from planner.frames.conveyor import travel_bounds, travelling
-from planner.frames.law import LawBounds
-from planner.frames.motion import Motion, Pose
-from planner.frames.profile import Profile, chained
-from planner.frames.turntable import turning
-from planner.frames.validity import ALWAYS, FURTHEST_S, KnownLaw, interval, number, placed, span
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
+from assur.planner.frames.conveyor import travel_bounds, travelling
+from assur.planner.frames.law import LawBounds
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.profile import Profile, chained
+from assur.planner.frames.turntable import turning
+from assur.planner.frames.validity import ALWAYS, FURTHEST_S, KnownLaw, interval, number, placed, span
 
 Kind = Literal["turn", "travel"]
 

@@ -8,11 +8,11 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from planner.arrays import FloatArray, frozen
-from planner.errors import InputError
-from planner.frames.law import LawBounds
-from planner.frames.motion import Motion, Pose
-from planner.frames.validity import ALWAYS, FURTHEST_S, SHORTEST_S, KnownLaw, interval, number, placed
+from assur.planner.arrays import FloatArray, frozen
+from assur.planner.errors import InputError
+from assur.planner.frames.law import LawBounds
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.validity import ALWAYS, FURTHEST_S, SHORTEST_S, KnownLaw, interval, number, placed
 
 Ends = Literal["natural", "clamped"]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from planner.arrays import FloatArray
-from planner.frames.motion import Motion
+from assur.planner.arrays import FloatArray
+from assur.planner.frames.motion import Motion
 
 
 @dataclass(frozen=True, slots=True)

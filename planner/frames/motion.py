@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.errors import InputError
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
 
 
 @dataclass(frozen=True, slots=True)

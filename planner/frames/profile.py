@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray, frozen
+from assur.planner.arrays import FloatArray, IntArray, frozen
 
 ROUNDING = 1e-13
 """Bounds are raised by this part of the profile's largest value, for the rounding of a Horner scheme (some 1e-15)."""

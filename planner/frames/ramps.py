@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from planner.errors import InputError
-from planner.frames.profile import Profile, chained, steady
-from planner.frames.validity import FURTHEST_S, LARGEST, number
+from assur.planner.errors import InputError
+from assur.planner.frames.profile import Profile, chained, steady
+from assur.planner.frames.validity import FURTHEST_S, LARGEST, number
 
 SMALLEST = 1e-6
 """Least acceleration (and jerk) of a change, SI: below it the speed takes days to change."""

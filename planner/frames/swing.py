@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.frames.law import LawBounds
-from planner.frames.motion import Motion, Pose
-from planner.frames.turntable import turning
-from planner.frames.validity import ALWAYS, KnownLaw, interval, number, placed, span
+from assur.planner.arrays import FloatArray
+from assur.planner.frames.law import LawBounds
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.turntable import turning
+from assur.planner.frames.validity import ALWAYS, KnownLaw, interval, number, placed, span
 
 RESOLUTION = 8 * np.finfo(np.float64).eps
 """|cos| and |sin| are raised by this part of 1 + their argument: the rounding of the phase."""

@@ -12,8 +12,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.frames.motion import Motion, Pose
+from assur.planner.arrays import FloatArray
+from assur.planner.frames.motion import Motion, Pose
 
 Tilt: TypeAlias = tuple[float, float]
 """Pitch and roll, rad."""

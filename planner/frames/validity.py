@@ -11,10 +11,10 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.errors import InputError
-from planner.frames.law import LawBounds
-from planner.frames.motion import Motion, Pose
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
+from assur.planner.frames.law import LawBounds
+from assur.planner.frames.motion import Motion, Pose
 
 ALWAYS = (-math.inf, math.inf)
 """The validity of a law that is known for all times."""

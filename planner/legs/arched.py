@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.legs.pace import Pace, part
-from planner.timing import Numbers, Settled, Sketch, TimingRefusal, combine
+from assur.planner.arrays import FloatArray
+from assur.planner.legs.pace import Pace, part
+from assur.planner.timing import Numbers, Settled, Sketch, TimingRefusal, combine
 
 SPARE_S = 1e-12
 """A way across that is shorter than its time by more than this is timed again, s: before a moving end nothing can stand

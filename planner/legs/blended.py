@@ -11,13 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.legs.branch import Branch
-from planner.legs.control_point import ControlPoint
-from planner.outcome import TOLD_AS, Reason, Refusal
-from planner.robots.protocol import Code
-from planner.scene import Scene
-from planner.timing import ParabolicBlend, TooShort, fastest, with_acceleration_time
+from assur.planner.arrays import FloatArray
+from assur.planner.legs.branch import Branch
+from assur.planner.legs.control_point import ControlPoint
+from assur.planner.model.outcome import TOLD_AS, Reason, Refusal
+from assur.planner.model.scene import Scene
+from assur.planner.robots.protocol import Code
+from assur.planner.timing import ParabolicBlend, TooShort, fastest, with_acceleration_time
 
 AGREES_S = 1e-12
 """Times that are put in and that come out agree to this, s: at 10 m/s a place is then known to 10 pm."""

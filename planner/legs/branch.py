@@ -8,7 +8,7 @@ from functools import cached_property, reduce
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,14 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.errors import InputError
-from planner.frames import Conveyor, Fixed, Linear
-from planner.frames.motion import Motion, Pose
-from planner.frames.tilted import Tilt, TiltedMotion
-from planner.outcome import ABOVE
-from planner.phases import Carried, flange_target
-from planner.scene import Follow, Move, Pick, Place, Scene, Window
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
+from assur.planner.frames import Conveyor, Fixed, Linear
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.tilted import Tilt, TiltedMotion
+from assur.planner.model.outcome import ABOVE
+from assur.planner.model.phases import Carried, flange_target
+from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Window
 
 HORIZON_S = 60.0
 """Windows along a conveyor are looked for this long after the start, s."""

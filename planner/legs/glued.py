@@ -10,18 +10,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.legs.control_point import ControlPoint
-from planner.legs.limits import rates, too_fast
-from planner.legs.singular import nearest
-from planner.legs.spacing import spaced
-from planner.legs.state import Knots, State, Stretch
-from planner.legs.tilt import PATH_RAD, tilt_off
-from planner.outcome import LegKind, Reason, Refusal
-from planner.robots.protocol import Code, Robot
-from planner.scene import Scene
-from planner.timing import Profile, TimingRefusal, time_joints
-from planner.trajectory import Trajectory
+from assur.planner.arrays import FloatArray
+from assur.planner.legs.control_point import ControlPoint
+from assur.planner.legs.limits import rates, too_fast
+from assur.planner.legs.singular import nearest
+from assur.planner.legs.spacing import spaced
+from assur.planner.legs.state import Knots, State, Stretch
+from assur.planner.legs.tilt import PATH_RAD, tilt_off
+from assur.planner.model.outcome import LegKind, Reason, Refusal
+from assur.planner.model.scene import Scene
+from assur.planner.robots.protocol import Code, Robot
+from assur.planner.timing import Profile, TimingRefusal, time_joints
+from assur.planner.trajectory import Trajectory
 
 SPACING_S = 0.02
 """Knots of a glued leg are at most this far apart to begin with, s."""

@@ -6,16 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.legs.arched import Arched, Hop, Vertical, arch, vertical
-from planner.legs.branch import Branch
-from planner.legs.meeting import GRID_S
-from planner.legs.pace import Pace
-from planner.legs.passing import passing_velocity
-from planner.legs.state import Knots, State
-from planner.outcome import Reason, Refusal
-from planner.scene import Scene
-from planner.timing import SHORTEST, Numbers, Settled, Sketch, TimingRefusal
+from assur.planner.arrays import FloatArray
+from assur.planner.legs.arched import Arched, Hop, Vertical, arch, vertical
+from assur.planner.legs.branch import Branch
+from assur.planner.legs.meeting import GRID_S
+from assur.planner.legs.pace import Pace
+from assur.planner.legs.passing import passing_velocity
+from assur.planner.legs.state import Knots, State
+from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.scene import Scene
+from assur.planner.timing import SHORTEST, Numbers, Settled, Sketch, TimingRefusal
 
 TRIES = 12
 """Calls of Ruckig after which a rendezvous is given up: it converges in three or four."""

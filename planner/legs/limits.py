@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.outcome import Reason, Refusal
-from planner.scene import Scene
-from planner.trajectory import Trajectory, check_limits, keeps_positions, rate_ratios
+from assur.planner.arrays import FloatArray
+from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.scene import Scene
+from assur.planner.trajectory import Trajectory, check_limits, keeps_positions, rate_ratios
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.frames.motion import Motion
-from planner.frames.tilted import TiltedMotion
-from planner.legs.phase_law import PhaseLaw
-from planner.timing import Profile
+from assur.planner.arrays import FloatArray
+from assur.planner.frames.motion import Motion
+from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.legs.phase_law import PhaseLaw
+from assur.planner.timing import Profile
 
 Along = Callable[[FloatArray], Motion]
 """The motion of a frame at times (T,)."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.robots.protocol import Limits
+from assur.planner.arrays import FloatArray
+from assur.planner.robots.protocol import Limits
 
 FLAT = 1e-12
 """Relative to the largest rate: below, a root has its slope taken here, where it would be infinite."""

@@ -11,15 +11,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray, every
-from planner.legs.branch import Branch
-from planner.legs.control_point import ControlPoint
-from planner.legs.missed import window_missed
-from planner.legs.singular import nearest
-from planner.outcome import Reason, Refusal
-from planner.robots.protocol import Code, Inverse, Robot
-from planner.robots.turns import beyond_range
-from planner.scene import Scene
+from assur.planner.arrays import BoolArray, FloatArray, IntArray, every
+from assur.planner.legs.branch import Branch
+from assur.planner.legs.control_point import ControlPoint
+from assur.planner.legs.missed import window_missed
+from assur.planner.legs.singular import nearest
+from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.scene import Scene
+from assur.planner.robots.protocol import Code, Inverse, Robot
+from assur.planner.robots.turns import beyond_range
 
 GRID_S = 0.004
 """Meeting times are looked for on a grid this fine, s; a plan meets its point a step or two later than it could."""

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from planner.errors import FaultError
-from planner.legs.control_point import HORIZON_S, ControlPoint
-from planner.outcome import LATEST, Reason, Refusal
-from planner.scene import Scene
+from assur.planner.errors import FaultError
+from assur.planner.legs.control_point import HORIZON_S, ControlPoint
+from assur.planner.model.outcome import LATEST, Reason, Refusal
+from assur.planner.model.scene import Scene
 
 
 def window_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refusal:

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from planner.errors import FaultError
-from planner.robots.protocol import Limits
-from planner.timing import Numbers, Solver
+from assur.planner.errors import FaultError
+from assur.planner.robots.protocol import Limits
+from assur.planner.timing import Numbers, Solver
 
 
 @dataclass(frozen=True, eq=False)

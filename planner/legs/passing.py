@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from planner.arrays import FloatArray
+from assur.planner.arrays import FloatArray
 
 VIA_VELOCITY = 0.9
 """Share of a velocity limit up to which a via is flown by: the rest is left to Ruckig."""

@@ -2,7 +2,7 @@
 
 The jerk of s is constant on each of N equal parts of the time. Position, velocity and acceleration are linear in these
 N jerks, the time that a law needs follows from its shape (equation L4 of docs/kinematics.md), and is made least. A law
-is a proposal: what runs is a spline through knots, whose exact extrema decide (`planner.legs.limits`).
+is a proposal: what runs is a spline through knots, whose exact extrema decide (`assur.planner.legs.limits`).
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.legs.line_rates import FLAT, Rates, Seen
-from planner.robots.protocol import Limits
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.legs.line_rates import FLAT, Rates, Seen
+from assur.planner.robots.protocol import Limits
 
 PIECES = 12
 """Parts of a law. Over Ruckig's joint move (median, lines of the benchmark) 8 reach 1.11, 12 reach 1.05, 24 reach 1.02;

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.outcome import Reason
-from planner.robots.protocol import Code, Inverse, Robot
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.model.outcome import Reason
+from assur.planner.robots.protocol import Code, Inverse, Robot
 
 
 @dataclass(frozen=True, slots=True)

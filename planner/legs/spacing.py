@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray
+from assur.planner.arrays import FloatArray
 
 
 def spaced(marks: FloatArray, spacing: float) -> FloatArray:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.outcome import LegKind
-from planner.trajectory import Trajectory
+from assur.planner.arrays import FloatArray
+from assur.planner.model.outcome import LegKind
+from assur.planner.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,9 +2,9 @@
 Yaw, pitch and roll go from end to end by the same s, the short way round.
 
 At s = 0 the flange moves with the frame it leaves, at s = 1 with the one it meets, so velocity and acceleration match
-at both ends by construction (equation L1, `planner.legs.line`).
+at both ends by construction (equation L1, `assur.planner.legs.line`).
 
-There are two phase laws: one made for the joints' motion along the line (`planner.legs.phase_law`), for which
+There are two phase laws: one made for the joints' motion along the line (`assur.planner.legs.phase_law`), for which
 frames are taken to stand, and Ruckig's with constant limits of s. The faster leg is taken.
 """
 
@@ -14,23 +14,23 @@ from collections.abc import Callable
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.frames.motion import Motion
-from planner.frames.tilted import like
-from planner.legs.glued import PATH_M, REFINEMENTS, SPACING_S, continued
-from planner.legs.limits import rates
-from planner.legs.line import Along, Line, Phase, Uniform
-from planner.legs.line_rates import Rates
-from planner.legs.phase_law import TABLE, PhaseLaw, quickest
-from planner.legs.singular import nearest
-from planner.legs.spacing import spaced
-from planner.legs.state import Knots, State, Stretch
-from planner.legs.tilt import PATH_RAD, tilt_off
-from planner.outcome import LegKind, Reason, Refusal
-from planner.robots.protocol import Code, Inverse
-from planner.scene import Scene
-from planner.timing import TimingRefusal, time_joints
-from planner.trajectory import Trajectory
+from assur.planner.arrays import FloatArray
+from assur.planner.frames.motion import Motion
+from assur.planner.frames.tilted import like
+from assur.planner.legs.glued import PATH_M, REFINEMENTS, SPACING_S, continued
+from assur.planner.legs.limits import rates
+from assur.planner.legs.line import Along, Line, Phase, Uniform
+from assur.planner.legs.line_rates import Rates
+from assur.planner.legs.phase_law import TABLE, PhaseLaw, quickest
+from assur.planner.legs.singular import nearest
+from assur.planner.legs.spacing import spaced
+from assur.planner.legs.state import Knots, State, Stretch
+from assur.planner.legs.tilt import PATH_RAD, tilt_off
+from assur.planner.model.outcome import LegKind, Reason, Refusal
+from assur.planner.model.scene import Scene
+from assur.planner.robots.protocol import Code, Inverse
+from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.trajectory import Trajectory
 
 ROUNDS = 12
 """Rounds of scaling the phase law until all joints keep their limits."""

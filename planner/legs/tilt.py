@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.errors import FaultError
-from planner.frames.motion import Motion
-from planner.frames.tilted import Tilt, TiltedMotion
-from planner.robots.protocol import Robot
-from planner.scene import Scene, Step, Target
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
+from assur.planner.frames.motion import Motion
+from assur.planner.frames.tilted import Tilt, TiltedMotion
+from assur.planner.model.scene import Scene, Step, Target
+from assur.planner.robots.protocol import Robot
 
 PATH_RAD = 1e-5
 """Between knots pitch and roll leave their path by less than this, rad; the promise of glued legs is 1e-4."""

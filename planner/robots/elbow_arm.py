@@ -11,12 +11,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray, frozen
-from planner.assur.rrr import LEFT, RIGHT, RRR, Planar
-from planner.robots.planar import elbow_singularity
-from planner.robots.protocol import Sweep
-from planner.robots.tilting import TiltingArm
-from planner.robots.vertical_plane import FLANGE, LINK2, LINK3, InPlane, Orders
+from assur.planner.arrays import FloatArray, IntArray, frozen
+from assur.planner.assur.rrr import LEFT, RIGHT, RRR, Planar
+from assur.planner.robots.planar import elbow_singularity
+from assur.planner.robots.protocol import Sweep
+from assur.planner.robots.tilting import TiltingArm
+from assur.planner.robots.vertical_plane import FLANGE, LINK2, LINK3, InPlane, Orders
 
 MODES = ("up", "down", "back-up", "back-down")
 """Elbow above or below the line from shoulder to flange; `back`: the base is turned away, the arm reaches over it."""
@@ -26,7 +26,7 @@ _RATES = frozen([[1, 0, 0], [0, 1, 0], [0, 1, 1]], (3, 3), "rate_matrix")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ElbowArm(TiltingArm):
-    """An elbow arm; implements `planner.robots.protocol.Robot`.
+    """An elbow arm; implements `assur.planner.robots.protocol.Robot`.
 
     `link2` is the upper arm, its frame at the shoulder; `link3` the forearm, its frame at the elbow; `flange` is at the
     forearm's end and tilts with it. `l1`, `l2`: lengths of upper arm and forearm, m. The rest: `TiltingArm`.

@@ -11,17 +11,17 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray, frozen
-from planner.assur.codes import Code
-from planner.assur.rrr import Planar
-from planner.errors import FaultError, InputError
-from planner.frames.motion import Motion
-from planner.frames.tilted import TiltedMotion
-from planner.robots.elbow_arm import ElbowArm
-from planner.robots.planar import principal
-from planner.robots.protocol import Inverse, Sweep
-from planner.robots.tilting import TiltingArm
-from planner.robots.vertical_plane import LINK2, LINK3, Orders, turned
+from assur.planner.arrays import FloatArray, IntArray, frozen
+from assur.planner.assur.codes import Code
+from assur.planner.assur.rrr import Planar
+from assur.planner.errors import FaultError, InputError
+from assur.planner.frames.motion import Motion
+from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.robots.planar import principal
+from assur.planner.robots.protocol import Inverse, Sweep
+from assur.planner.robots.tilting import TiltingArm
+from assur.planner.robots.vertical_plane import LINK2, LINK3, Orders, turned
 
 LINKS = ("base", "link1", "link2", "link3", "link4", "flange")
 LINK4, FLANGE = 4, 5
@@ -32,7 +32,7 @@ _RATES = frozen(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FiveAxisArm(ElbowArm):
-    """A five-axis arm; implements `planner.robots.protocol.Robot` and `planner.robots.protocol.Pitching`.
+    """A five-axis arm; implements `assur.planner.robots.protocol.Robot` and `assur.planner.robots.protocol.Pitching`.
 
     `link2` to `link3` as in an elbow arm; `link4` is the hand, its frame at the pitch axis; `flange` is at the tool
     point, `l3` (m) from there along the hand, and rolls about it. Modes are named by the elbow and by the side on which

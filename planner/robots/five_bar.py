@@ -6,7 +6,7 @@ of the flange from the left coupler, on which the quill rides. Absolute angles a
 
     φ1 = ψ + θ1    φ5 = ψ + θ5    φ2 = ∠u    φ3 = ∠(−w)    φ4 = φ2 + θ4  (φ2 without a wrist)             (K34)
 
-with u, w of `planner.robots.loop`. The inverse is two RRR dyads, one from each crank axis to the tool axis: four
+with u, w of `assur.planner.robots.loop`. The inverse is two RRR dyads, one from each crank axis to the tool axis: four
 working modes. The direct problem is one dyad between the elbows: two assembly modes, of which a robot has one for good.
 Type 1 (serial) singularities, a crank in line with its coupler, may be crossed by joint legs; type 2 may not be neared.
 """
@@ -17,12 +17,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray, frozen
-from planner.assur.rrr import LEFT, RIGHT, RRR, Assembly
-from planner.errors import FaultError, InputError
-from planner.frames.motion import Motion, Pose
-from planner.robots.five_bar_jacobian import jacobian
-from planner.robots.five_bar_links import (
+from assur.planner.arrays import BoolArray, FloatArray, IntArray, frozen
+from assur.planner.assur.rrr import LEFT, RIGHT, RRR, Assembly
+from assur.planner.errors import FaultError, InputError
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.robots.five_bar_jacobian import jacobian
+from assur.planner.robots.five_bar_links import (
     BASE,
     DISTAL_RIGHT,
     LINKS,
@@ -32,11 +32,11 @@ from planner.robots.five_bar_links import (
     placements,
     point_bounds,
 )
-from planner.robots.loop import ASSEMBLIES, Loop
-from planner.robots.planar import add_arm, elbow_singularity
-from planner.robots.protocol import Inverse, Joint, Limits, RobotBody, Sweep
-from planner.robots.riders import check_riders, joints_of
-from planner.robots.two_dyads import Sides, merged
+from assur.planner.robots.loop import ASSEMBLIES, Loop
+from assur.planner.robots.planar import add_arm, elbow_singularity
+from assur.planner.robots.protocol import Inverse, Joint, Limits, RobotBody, Sweep
+from assur.planner.robots.riders import check_riders, joints_of
+from assur.planner.robots.two_dyads import Sides, merged
 
 MODES = ("left-left", "left-right", "right-left", "right-right")
 """Where the left arm's elbow is, and where the right one's: to the left or the right of the line from crank axis to
@@ -50,7 +50,7 @@ a play in a joint acts ten times as strong along the tool's worst direction as a
 
 @dataclass(frozen=True, eq=False)
 class FiveBar:
-    """A five-bar arm; implements `planner.robots.protocol.Robot`.
+    """A five-bar arm; implements `assur.planner.robots.protocol.Robot`.
 
     Link frames: `base` at the base origin, midway between the crank axes; `proximal-left` and `proximal-right` at the
     crank axes, turned by φ1 and φ5; `distal-left` and `distal-right` at the elbows, turned by φ2 and φ3, all at the

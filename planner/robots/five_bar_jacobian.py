@@ -13,10 +13,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.frames.motion import Pose
-from planner.robots.five_bar_links import joined
-from planner.robots.loop import Loop
+from assur.planner.arrays import FloatArray
+from assur.planner.frames.motion import Pose
+from assur.planner.robots.five_bar_links import joined
+from assur.planner.robots.loop import Loop
 
 
 @np.errstate(all="ignore")

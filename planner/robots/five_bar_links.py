@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.assur.rrr import Planar
-from planner.frames.motion import Pose
-from planner.robots.loop import Loop
-from planner.robots.planar import arm_bounds
-from planner.robots.protocol import Sweep
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.assur.rrr import Planar
+from assur.planner.frames.motion import Pose
+from assur.planner.robots.loop import Loop
+from assur.planner.robots.planar import arm_bounds
+from assur.planner.robots.protocol import Sweep
 
 LINKS = ("base", "proximal-left", "distal-left", "proximal-right", "distal-right", "quill", "flange")
 BASE, PROXIMAL_LEFT, DISTAL_LEFT, PROXIMAL_RIGHT, DISTAL_RIGHT, QUILL, FLANGE = range(7)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.frames.motion import Motion, Pose
-from planner.robots.five_bar import FiveBar
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.robots.five_bar import FiveBar
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray
-from planner.assur.rrr import LEFT, RIGHT, RRR, Assembly, Planar
-from planner.shapes import SMALLEST_M
+from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.assur.rrr import LEFT, RIGHT, RRR, Assembly, Planar
+from assur.planner.geometry.shapes import SMALLEST_M
 
 ASSEMBLIES = ("front", "back")
 """On which side of the line of the elbows the tool axis is: with both cranks sideways, in front or behind."""

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.assur.codes import Code
-from planner.frames.motion import Motion
-from planner.shapes import Piece, Primitive
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.assur.codes import Code
+from assur.planner.frames.motion import Motion
+from assur.planner.geometry.shapes import Piece, Primitive
 
 TURN = 2.0 * math.pi
 """A full turn, rad."""

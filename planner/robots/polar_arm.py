@@ -11,16 +11,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray, frozen
-from planner.assur.codes import Code
-from planner.assur.rpr import FORWARD, RPR
-from planner.assur.rrr import ROUNDING, Planar
-from planner.errors import InputError
-from planner.robots.planar import principal
-from planner.robots.protocol import Sweep
-from planner.robots.tilting import TiltingArm
-from planner.robots.vertical_plane import LINK2, LINK3, InPlane, Orders
-from planner.shapes import SMALLEST_M
+from assur.planner.arrays import FloatArray, IntArray, frozen
+from assur.planner.assur.codes import Code
+from assur.planner.assur.rpr import FORWARD, RPR
+from assur.planner.assur.rrr import ROUNDING, Planar
+from assur.planner.errors import InputError
+from assur.planner.geometry.shapes import SMALLEST_M
+from assur.planner.robots.planar import principal
+from assur.planner.robots.protocol import Sweep
+from assur.planner.robots.tilting import TiltingArm
+from assur.planner.robots.vertical_plane import LINK2, LINK3, InPlane, Orders
 
 MODES = ("front", "back")
 """`back`: the base is turned away and the arm reaches over the vertical."""
@@ -31,7 +31,7 @@ _RATES = frozen(np.eye(3), (3, 3), "rate_matrix")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PolarArm(TiltingArm):
-    """A polar arm; implements `planner.robots.protocol.Robot`.
+    """A polar arm; implements `assur.planner.robots.protocol.Robot`.
 
     `link2` is the guide that tilts, its frame at the shoulder; `link3` the ram that slides in it, its frame at the
     flange; `flange` likewise. Raises `InputError` unless the ram's shortest length is at least 10 µm: at zero the arm

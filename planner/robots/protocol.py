@@ -11,11 +11,11 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray, frozen
-from planner.assur.codes import Code
-from planner.errors import InputError
-from planner.frames.motion import Motion, Pose
-from planner.shapes import Body
+from assur.planner.arrays import BoolArray, FloatArray, IntArray, frozen
+from assur.planner.assur.codes import Code
+from assur.planner.errors import InputError
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.geometry.shapes import Body
 
 __all__ = ["Code", "Inverse", "Joint", "Limits", "Pitching", "Robot", "RobotBody", "Serial", "Sweep"]
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from planner.errors import InputError
-from planner.robots.planar import upright
-from planner.robots.protocol import Joint, Limits, RobotBody
+from assur.planner.errors import InputError
+from assur.planner.robots.planar import upright
+from assur.planner.robots.protocol import Joint, Limits, RobotBody
 
 
 def joints_of(names: tuple[str, ...], kinds: tuple[str, ...], limits: Limits) -> tuple[Joint, ...]:

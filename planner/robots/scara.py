@@ -15,13 +15,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray, every, frozen
-from planner.assur.rrr import LEFT, RIGHT, RRR
-from planner.errors import FaultError, InputError
-from planner.frames.motion import Motion, Pose
-from planner.robots.planar import add_arm, arm_bounds, elbow_singularity, principal
-from planner.robots.protocol import Code, Inverse, Joint, Limits, RobotBody, Serial, Sweep
-from planner.robots.riders import check_riders, joints_of
+from assur.planner.arrays import BoolArray, FloatArray, IntArray, every, frozen
+from assur.planner.assur.rrr import LEFT, RIGHT, RRR
+from assur.planner.errors import FaultError, InputError
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.robots.planar import add_arm, arm_bounds, elbow_singularity, principal
+from assur.planner.robots.protocol import Code, Inverse, Joint, Limits, RobotBody, Serial, Sweep
+from assur.planner.robots.riders import check_riders, joints_of
 
 LINKS = ("base", "link1", "link2", "quill", "flange")
 BASE, LINK1, LINK2, QUILL, FLANGE = range(5)
@@ -36,7 +36,7 @@ _SPIN = frozen([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1]], (5, 3), 
 
 @dataclass(frozen=True, eq=False)
 class Scara(Serial):
-    """A SCARA arm; implements `planner.robots.protocol.Robot`.
+    """A SCARA arm; implements `assur.planner.robots.protocol.Robot`.
 
     Link frames: `base` at the base origin; `link1` at the shoulder axis, turned by φ1; `link2` at the elbow axis,
     turned by φ2, both at the height of the base origin; `quill` at the flange, never turned (world axes), for solids

@@ -12,21 +12,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray, IntArray
-from planner.assur.codes import Code
-from planner.assur.rpr import RPR
-from planner.assur.rrr import ROUNDING
-from planner.errors import FaultError, InputError
-from planner.frames.motion import Motion, Pose
-from planner.robots.planar import principal
-from planner.robots.protocol import Inverse, Joint, Limits, RobotBody, Serial, Sweep
-from planner.robots.riders import check_riders, joints_of
-from planner.robots.vertical_plane import BASE, LINK1, LINK2, LINK3, LINKS, TILTING, InVerticalPlane, turned
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.assur.codes import Code
+from assur.planner.assur.rpr import RPR
+from assur.planner.assur.rrr import ROUNDING
+from assur.planner.errors import FaultError, InputError
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.robots.planar import principal
+from assur.planner.robots.protocol import Inverse, Joint, Limits, RobotBody, Serial, Sweep
+from assur.planner.robots.riders import check_riders, joints_of
+from assur.planner.robots.vertical_plane import BASE, LINK1, LINK2, LINK3, LINKS, TILTING, InVerticalPlane, turned
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TiltingArm(InVerticalPlane, Serial):
-    """What elbow, polar and five-axis arm share; with what is in its plane it is a `planner.robots.protocol.Robot`.
+    """What elbow, polar and five-axis arm share; with what is in its plane it is a `assur.planner.robots.protocol.Robot`.
 
     Link frames: `base` at the base origin; `link1` at the shoulder, turned by φ1, upright; `link2` at the shoulder and
     `link3`, `flange` where the arm says, turned by φ1 and then tilted: x ahead along the link, y level, so that all

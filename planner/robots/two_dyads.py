@@ -14,12 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.assur.codes import Code
-from planner.assur.rrr import RRR
-from planner.frames.motion import Motion, Pose
-from planner.robots.loop import Loop
-from planner.robots.planar import principal
-from planner.robots.protocol import Inverse
+from assur.planner.assur.codes import Code
+from assur.planner.assur.rrr import RRR
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.robots.loop import Loop
+from assur.planner.robots.planar import principal
+from assur.planner.robots.protocol import Inverse
 
 FLAT_M = 1e-9
 """How far from its height, m (and m/s, m/s²), the flange of an arm without a quill may be asked to be: rounding."""

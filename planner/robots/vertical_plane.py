@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.assur.rrr import Planar
-from planner.frames.motion import Motion
-from planner.robots.protocol import Sweep
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.assur.rrr import Planar
+from assur.planner.frames.motion import Motion
+from assur.planner.robots.protocol import Sweep
 
 LINKS = ("base", "link1", "link2", "link3", "flange")
 BASE, LINK1, LINK2, LINK3, FLANGE = range(5)

@@ -1,13 +1,13 @@
 """When joints are where: profiles of constant jerk, the door to the solver that makes them, and lower bounds."""
 
-from planner.timing.blend_times import TooShort, fastest, with_acceleration_time
-from planner.timing.bounds import least_duration, rest_to_rest_time
-from planner.timing.combine import combine, to_trajectory
-from planner.timing.parabolic_blend import ParabolicBlend
-from planner.timing.profile import Profile
-from planner.timing.question import Numbers, TimingRefusal
-from planner.timing.sketch import Settled, Sketch
-from planner.timing.solver import SHORTEST, Solver, time_joints
+from assur.planner.timing.blend_times import TooShort, fastest, with_acceleration_time
+from assur.planner.timing.bounds import least_duration, rest_to_rest_time
+from assur.planner.timing.combine import combine, to_trajectory
+from assur.planner.timing.parabolic_blend import ParabolicBlend
+from assur.planner.timing.profile import Profile
+from assur.planner.timing.question import Numbers, TimingRefusal
+from assur.planner.timing.sketch import Settled, Sketch
+from assur.planner.timing.solver import SHORTEST, Solver, time_joints
 
 __all__ = [
     "SHORTEST",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray, largest
+from assur.planner.arrays import FloatArray, largest
 
 ROUNDING = 1e-12
 """Relative. Taken off every bound: the closed forms round by some 1e-15, and a bound must never exceed the truth."""

@@ -7,11 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.errors import FaultError
-from planner.timing.profile import Profile
-from planner.timing.writing import COINCIDENT
-from planner.trajectory import Trajectory
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
+from assur.planner.timing.profile import Profile
+from assur.planner.timing.writing import COINCIDENT
+from assur.planner.trajectory import Trajectory
 
 MEETING_POSITION = 1e-9
 """rad or m. Profiles of one joint meet in the same place up to this, as trajectories do."""

@@ -26,9 +26,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.errors import FaultError
-from planner.timing.question import JERK_RESERVE, RATE_RESERVE
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
+from assur.planner.timing.question import JERK_RESERVE, RATE_RESERVE
 
 END_WINDOW = 5e-5
 """s. Outermost phases this long, or longer, are always kept: rounding costs them 0.02 rad/s³."""

@@ -28,9 +28,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.blendable import LEAST_ACCELERATION_TIME_S
-from planner.errors import InputError
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
+from assur.planner.model.blendable import LEAST_ACCELERATION_TIME_S
 
 SHORTEST = 1e-5
 """s. The shortest straight piece; else zones meet. Over 10 µs, rounding of positions costs a velocity of 1e-10 rad/s

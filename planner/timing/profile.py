@@ -1,7 +1,7 @@
 """A timed motion of n joints: per joint, phases of (all but) constant jerk, exact at both ends.
 
 The solver's cubics, and on top of them one quintic over the whole motion that makes both ends exact
-(`planner.timing.ends`). So a phase is a quintic, of which the fourth and fifth order are of the size of that
+(`assur.planner.timing.ends`). So a phase is a quintic, of which the fourth and fifth order are of the size of that
 correction, and quintic Hermite knots carry it exactly.
 """
 
@@ -12,9 +12,9 @@ from typing import Literal
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.timing.ends import Cubics, ended
-from planner.timing.writing import MERGE, Knots, clusters, middles, written
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.timing.ends import Cubics, ended
+from assur.planner.timing.writing import MERGE, Knots, clusters, middles, written
 
 State = tuple[FloatArray, FloatArray, FloatArray]
 """q, q̇, q̈, each (n,)."""
@@ -97,7 +97,7 @@ class Profile:
 
         First and last state are the ones asked for, to the bit. A joint whose own switch is not on the knot gets a
         state between its polynomials before and after. States belong to the rounded times, and are chosen so that
-        short pieces keep their jerk (`planner.timing.writing`). Raises `FaultError` for a motion of no duration.
+        short pieces keep their jerk (`assur.planner.timing.writing`). Raises `FaultError` for a motion of no duration.
         """
         return written(self, offset)
 

@@ -9,8 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.errors import InputError
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
 
 JERK_RESERVE = 0.02
 """Fraction of the jerk limit that the solver does not get: merged switches and rounding took up to 0.006 in

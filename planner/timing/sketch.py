@@ -12,10 +12,10 @@ from typing import Protocol
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.timing.ends import Cubics
-from planner.timing.profile import Profile, finished
-from planner.timing.question import Numbers
+from assur.planner.arrays import FloatArray
+from assur.planner.timing.ends import Cubics
+from assur.planner.timing.profile import Profile, finished
+from assur.planner.timing.question import Numbers
 
 
 class Solved(Protocol):

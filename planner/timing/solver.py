@@ -26,11 +26,11 @@ from typing import Any
 
 import ruckig
 
-from planner.arrays import FloatArray
-from planner.errors import FaultError
-from planner.timing.ends import Cubics, aside
-from planner.timing.profile import Profile
-from planner.timing.question import (
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
+from assur.planner.timing.ends import Cubics, aside
+from assur.planner.timing.profile import Profile
+from assur.planner.timing.question import (
     STATE_NAMES,
     Allowed,
     Limits,
@@ -42,8 +42,8 @@ from planner.timing.question import (
     lowered_limits,
     numbers,
 )
-from planner.timing.sketch import Settled, Sketch
-from planner.timing.straight import straight
+from assur.planner.timing.sketch import Settled, Sketch
+from assur.planner.timing.straight import straight
 
 RESIDUAL = 1e-9
 """rad/s, m/s, rad/s², m/s². Slower than this counts as at rest for the solver; the end states stay as asked."""

@@ -6,9 +6,9 @@ switches within a hundred microseconds cannot be written as knots.
 
 from __future__ import annotations
 
-from planner.timing.ends import Cubics
-from planner.timing.profile import Profile, finished
-from planner.timing.question import Limits
+from assur.planner.timing.ends import Cubics
+from assur.planner.timing.profile import Profile, finished
+from assur.planner.timing.question import Limits
 
 ROUNDING = 1e-10
 """Relative. A duration that the solver found rounds to a hair less than the closed form: limits are lowered by more."""

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray
-from planner.timing.bounds import least_duration
+from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.timing.bounds import least_duration
 
 MET = 1e-6
 """An end is met to this, rad or m: the closed form rounds by some 1e-9."""

@@ -2,7 +2,7 @@
 
 A knot at every switch, those of different joints that almost coincide as one: the spline repeats the phases, but for
 two things. A joint whose switch of Δj is δ beside the shared knot has a jerk off by up to 9 Δj δ/h on a piece of
-length h; and rounding costs jerk on short pieces (`planner.trajectory.rounding`). Both are looked at afterwards, and
+length h; and rounding costs jerk on short pieces (`assur.planner.trajectory.rounding`). Both are looked at afterwards, and
 the one motion in two hundred where they take up more than half of the reserve is written anew, all inner velocities
 and accelerations chosen by least squares, with several widths of what counts as one switch.
 """
@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.arrays import BoolArray, FloatArray
-from planner.errors import FaultError
-from planner.timing.question import JERK_RESERVE, RATE_RESERVE
-from planner.trajectory.hermite import rate_hulls
-from planner.trajectory.rounding import defect, moved, relaxed, settled
+from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.errors import FaultError
+from assur.planner.timing.question import JERK_RESERVE, RATE_RESERVE
+from assur.planner.trajectory.hermite import rate_hulls
+from assur.planner.trajectory.rounding import defect, moved, relaxed, settled
 
 if TYPE_CHECKING:
-    from planner.timing.profile import Profile
+    from assur.planner.timing.profile import Profile
 
 MERGE = 1e-6
 """s. Switches closer than this share one knot. From 1 µs up, velocities as doubles know a jerk to 0.03 rad/s³; wider

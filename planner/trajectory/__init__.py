@@ -1,6 +1,6 @@
 """What is executed: knots and quintic Hermite splines, their exact extremes, and whether they keep limits."""
 
-from planner.trajectory.limits import (
+from assur.planner.trajectory.limits import (
     JERK_TOLERANCE,
     LIMIT_TOLERANCE,
     LimitCheck,
@@ -10,7 +10,7 @@ from planner.trajectory.limits import (
     keeps_positions,
     rate_ratios,
 )
-from planner.trajectory.trajectory import Trajectory
+from assur.planner.trajectory.trajectory import Trajectory
 
 __all__ = [
     "JERK_TOLERANCE",

@@ -13,8 +13,8 @@ from math import comb
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.errors import FaultError
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.errors import FaultError
 
 TIGHTNESS = 1e-13
 """How far an answer may lie above the true extremum, relative to the largest coefficient of its group: a few hundred

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.errors import FaultError
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
 
 if TYPE_CHECKING:
-    from planner.trajectory.trajectory import Trajectory
+    from assur.planner.trajectory.trajectory import Trajectory
 
 Knots = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 """Times (K,), q, q̇, q̈ (K, n)."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.errors import InputError
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
 
 
 def doubled(time: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> None:

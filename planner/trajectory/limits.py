@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.errors import InputError
-from planner.trajectory.extremum import TIGHTNESS, cut, maxima
-from planner.trajectory.trajectory import Trajectory
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
+from assur.planner.trajectory.extremum import TIGHTNESS, cut, maxima
+from assur.planner.trajectory.trajectory import Trajectory
 
 LIMIT_TOLERANCE = 1e-9
 """Relative; of the range for positions. Knots that lie on a limit round to 1e-16 beyond it and extrema are bounded to

@@ -16,8 +16,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.trajectory.hermite import rate_hulls
+from assur.planner.arrays import FloatArray
+from assur.planner.trajectory.hermite import rate_hulls
 
 
 def defect(h: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> FloatArray:

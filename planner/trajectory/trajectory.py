@@ -5,7 +5,7 @@ whatever is proved here holds for what moves. A piecewise cubic with a knot at e
 exactly. Times are strictly increasing; q, q̇ and q̈ are continuous, the jerk jumps at knots.
 
 A trajectory that says so (`jumps`: parabolic blends) may hold two knots at one time, with the same q and q̇, where q̈
-jumps (`planner.trajectory.jumps`). Its pieces are those that last; at a jump the one to the right counts.
+jumps (`assur.planner.trajectory.jumps`). Its pieces are those that last; at a jump the one to the right counts.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray, frozen
-from planner.errors import FaultError, InputError
-from planner.trajectory.extremum import span
-from planner.trajectory.hermite import hulls, powers
-from planner.trajectory.joining import clipped, joined, meet
-from planner.trajectory.jumps import doubled
-from planner.trajectory.rounding import defect, moved, settled
+from assur.planner.arrays import FloatArray, IntArray, frozen
+from assur.planner.errors import FaultError, InputError
+from assur.planner.trajectory.extremum import span
+from assur.planner.trajectory.hermite import hulls, powers
+from assur.planner.trajectory.joining import clipped, joined, meet
+from assur.planner.trajectory.jumps import doubled
+from assur.planner.trajectory.rounding import defect, moved, settled
 
 
 @dataclass(frozen=True, eq=False)

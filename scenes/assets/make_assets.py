@@ -1,4 +1,4 @@
-"""Makes the shipped meshes, always the same bytes: ``python -m scenes.assets.make_assets [FOLDER]``.
+"""Makes the shipped meshes, always the same bytes: ``python -m assur.scenes.assets.make_assets [FOLDER]``.
 
 All in millimetres, binary STL. The origin of each is the middle of its bounding box across, and half its height up, so
 that a part of 20 mm height rests on a plane at z = 0 with its frame at z = 10.

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from planner.errors import InputError
-from planner.frames.motion import Pose
-from planner.scene import WORLD, WorldBody
-from planner.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
-from scenes.build.frames import placed
-from scenes.documents.shapes import AttachedBody, BodyDocument, MeshDocument, PlaceInCell, ShapeDocument
-from scenes.documents.task import TargetDocument
-from scenes.faults import DocumentError, Path, as_written, dotted, fault, located
+from assur.planner.errors import InputError
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
+from assur.planner.model.scene import WORLD, WorldBody
+from assur.scenes.build.frames import placed
+from assur.scenes.documents.shapes import AttachedBody, BodyDocument, MeshDocument, PlaceInCell, ShapeDocument
+from assur.scenes.documents.task import TargetDocument
+from assur.scenes.faults import DocumentError, Path, as_written, dotted, fault, located
 
 
 def solid(document: object, path: Path, name: str, shape: ShapeDocument) -> Body:
@@ -43,7 +43,7 @@ def _piece(document: object, path: Path, shape: ShapeDocument) -> Piece:
 
 
 def _mesh(document: object, path: Path, name: str, mesh: MeshDocument) -> Body:
-    from scenes.meshes import covered
+    from assur.scenes.meshes import covered
 
     if mesh.file is not None:
         raise fault(document, (*path, "file"), "an asset's name or inline data: a request never names a file")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from planner.scene import Clearance, Execution, Options, Pick, Scene, Step
-from scenes.build import bodies, frames, neighbours, robots, task
-from scenes.catalogue.arm import Conventions
-from scenes.documents.request import OptionsDocument, RequestDocument
-from scenes.faults import fault, located
+from assur.planner.model.scene import Clearance, Execution, Options, Pick, Scene, Step
+from assur.scenes.build import bodies, frames, neighbours, robots, task
+from assur.scenes.catalogue.arm import Conventions
+from assur.scenes.documents.request import OptionsDocument, RequestDocument
+from assur.scenes.faults import fault, located
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from planner.errors import FaultError
-from planner.frames import (
+from assur.planner.errors import FaultError
+from assur.planner.frames import (
     ALWAYS,
     Change,
     Conveyor,
@@ -21,8 +21,8 @@ from planner.frames import (
     Turntable,
     Uncertainty,
 )
-from planner.scene import WORLD
-from scenes.documents.frames import (
+from assur.planner.model.scene import WORLD
+from assur.scenes.documents.frames import (
     ConveyorDocument,
     FixedDocument,
     FrameDocument,
@@ -32,8 +32,8 @@ from scenes.documents.frames import (
     SwingDocument,
     TurntableDocument,
 )
-from scenes.documents.model import PoseDocument
-from scenes.faults import fault, located
+from assur.scenes.documents.model import PoseDocument
+from assur.scenes.faults import fault, located
 
 Valid = tuple[float, float]
 

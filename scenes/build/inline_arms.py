@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from planner.robots.planar import upright
-from planner.robots.protocol import RobotBody
-from planner.shapes import Body, Piece
-from scenes.build.bodies import attached
-from scenes.catalogue.arm import (
+from assur.planner.geometry.shapes import Body, Piece
+from assur.planner.robots.planar import upright
+from assur.planner.robots.protocol import RobotBody
+from assur.scenes.build.bodies import attached
+from assur.scenes.catalogue.arm import (
     AT_FLANGE,
     LINKS,
     WITH_QUILL,
@@ -22,8 +22,8 @@ from scenes.catalogue.arm import (
     limits_of,
     order_of,
 )
-from scenes.catalogue.entry import Family
-from scenes.documents.robots import (
+from assur.scenes.catalogue.entry import Family
+from assur.scenes.documents.robots import (
     ElbowArmDocument,
     FiveAxisArmDocument,
     FiveBarDocument,
@@ -31,7 +31,7 @@ from scenes.documents.robots import (
     PolarArmDocument,
     ScaraDocument,
 )
-from scenes.faults import Path, fault, located
+from assur.scenes.faults import Path, fault, located
 
 FAMILIES: tuple[Family, ...] = ("scara", "elbow_arm", "polar_arm", "five_axis_arm", "five_bar")
 Inline = ScaraDocument | ElbowArmDocument | PolarArmDocument | FiveAxisArmDocument | FiveBarDocument

@@ -6,24 +6,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.errors import InputError
-from planner.frames import Fixed, Frame
-from planner.frames.motion import Pose
-from planner.scene import WorldBody
-from planner.shapes import Body
-from scenes.build import robots
-from scenes.build.bodies import Places
-from scenes.catalogue.arm import Conventions, converted
-from scenes.documents.robots import NeighbourDocument, TrajectoryDocument
-from scenes.faults import Path, fault, located
+from assur.planner.errors import InputError
+from assur.planner.frames import Fixed, Frame
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import Body
+from assur.planner.model.scene import WorldBody
+from assur.scenes.build import robots
+from assur.scenes.build.bodies import Places
+from assur.scenes.catalogue.arm import Conventions, converted
+from assur.scenes.documents.robots import NeighbourDocument, TrajectoryDocument
+from assur.scenes.faults import Path, fault, located
 
 if TYPE_CHECKING:
-    from planner.trajectory import Trajectory
+    from assur.planner.trajectory import Trajectory
 
 
 def trajectory_of(document: object, path: Path, item: TrajectoryDocument, conventions: Conventions) -> Trajectory:
     """The planner's trajectory from one in the maker's convention. Raises `DocumentError` at the field at fault."""
-    from planner.trajectory import Trajectory
+    from assur.planner.trajectory import Trajectory
 
     names = [joint.name for joint in conventions]
     units = [joint.unit for joint in conventions]
@@ -52,7 +52,7 @@ def add_neighbour(
     document: object, path: Path, item: NeighbourDocument, frames: dict[str, Frame], places: Places
 ) -> list[WorldBody]:
     """Puts a neighbour's links among the frames and gives its bodies, all called NEIGHBOUR/name."""
-    from planner.neighbour import TrajectoryLaw
+    from assur.planner.model.link_frames import TrajectoryLaw
 
     its_arm = robots.arm(document, (*path, "robot"), item.robot)
     robot = robots.robot(document, (*path, "robot"), item.robot, its_arm)

@@ -6,27 +6,27 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.errors import InputError
-from planner.frames.motion import Pose
-from planner.robots.five_bar import FiveBar
-from planner.robots.protocol import Limits, Robot
-from planner.scene import Start, Tool
-from scenes.bounds import FAR_M
-from scenes.build.bodies import attached
-from scenes.build.frames import placed, pose_of
-from scenes.build.inline_arms import FAMILIES, inline_arm, turned_over
-from scenes.catalogue import arm_named
-from scenes.catalogue.arm import Arm, Conventions, JointConvention, converted, places
-from scenes.documents.robots import (
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
+from assur.planner.frames.motion import Pose
+from assur.planner.model.scene import Start, Tool
+from assur.planner.robots.five_bar import FiveBar
+from assur.planner.robots.protocol import Limits, Robot
+from assur.scenes.bounds import FAR_M
+from assur.scenes.build.bodies import attached
+from assur.scenes.build.frames import placed, pose_of
+from assur.scenes.build.inline_arms import FAMILIES, inline_arm, turned_over
+from assur.scenes.catalogue import arm_named
+from assur.scenes.catalogue.arm import Arm, Conventions, JointConvention, converted, places
+from assur.scenes.documents.robots import (
     JointValues,
     LimitsDocument,
     RobotDocument,
     StartDocument,
     ToolDocument,
 )
-from scenes.faults import Path, fault, located
-from scenes.units import from_si, si_key, twin_of
+from assur.scenes.faults import Path, fault, located
+from assur.scenes.units import from_si, si_key, twin_of
 
 
 def arm(document: object, path: Path, robot: RobotDocument) -> Arm:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from planner.errors import FaultError
-from planner.frames import Conveyor, Frame, Linear
-from planner.scene import Arch, Follow, Move, Pick, Place, Step, Target, Window
-from scenes.build.bodies import Places, choices, resolve
-from scenes.build.frames import placed
-from scenes.documents.task import (
+from assur.planner.errors import FaultError
+from assur.planner.frames import Conveyor, Frame, Linear
+from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Step, Target, Window
+from assur.scenes.build.bodies import Places, choices, resolve
+from assur.scenes.build.frames import placed
+from assur.scenes.documents.task import (
     FollowDocument,
     MoveDocument,
     PickDocument,
@@ -18,7 +18,7 @@ from scenes.documents.task import (
     TargetDocument,
     WindowedStep,
 )
-from scenes.faults import Path, as_written, fault
+from assur.scenes.faults import Path, as_written, fault
 
 NO_YAW = "no yaw: the robot has no wrist"
 

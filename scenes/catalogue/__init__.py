@@ -5,18 +5,18 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from planner.errors import InputError
-from scenes.catalogue.entry import Axis, Entry, Number
-from scenes.catalogue.fanuc import SR_3IA
-from scenes.catalogue.mitsubishi import RH_6CRH6020, RH_6FRH5520
-from scenes.catalogue.mitsubishi_rp import RP_5AH
-from scenes.catalogue.papers import BENCHMARK_SCARA, FIUBA_SCARA, OVIEDO_SCARA
-from scenes.catalogue.rv_m1 import RV_M1
-from scenes.catalogue.textbook import ELBOW_ARM, LAB_SCARA, OLIER_SCARA, POLAR_ARM
-from scenes.faults import likeliest
+from assur.planner.errors import InputError
+from assur.scenes.catalogue.entry import Axis, Entry, Number
+from assur.scenes.catalogue.fanuc import SR_3IA
+from assur.scenes.catalogue.mitsubishi import RH_6CRH6020, RH_6FRH5520
+from assur.scenes.catalogue.mitsubishi_rp import RP_5AH
+from assur.scenes.catalogue.papers import BENCHMARK_SCARA, FIUBA_SCARA, OVIEDO_SCARA
+from assur.scenes.catalogue.rv_m1 import RV_M1
+from assur.scenes.catalogue.textbook import ELBOW_ARM, LAB_SCARA, OLIER_SCARA, POLAR_ARM
+from assur.scenes.faults import likeliest
 
 if TYPE_CHECKING:
-    from scenes.catalogue.arm import Arm
+    from assur.scenes.catalogue.arm import Arm
 
 ENTRIES: dict[str, Entry] = {
     entry.model: entry
@@ -47,7 +47,7 @@ def entry_of(model: str) -> Entry:
 @lru_cache(maxsize=len(ENTRIES))
 def arm_named(model: str) -> Arm:
     """The arm of a model, built once."""
-    from scenes.catalogue.of_entry import arm_of
+    from assur.scenes.catalogue.of_entry import arm_of
 
     return arm_of(entry_of(model))
 

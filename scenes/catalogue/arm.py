@@ -13,16 +13,16 @@ from typing import Any, Literal
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.frames.motion import Pose
-from planner.robots import five_axis_arm, five_bar_links, scara, vertical_plane
-from planner.robots.elbow_arm import ElbowArm
-from planner.robots.five_axis_arm import FiveAxisArm
-from planner.robots.five_bar import FiveBar
-from planner.robots.polar_arm import PolarArm
-from planner.robots.protocol import Limits, Robot, RobotBody
-from planner.robots.scara import Scara
-from scenes.catalogue.entry import Family
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.frames.motion import Pose
+from assur.planner.robots import five_axis_arm, five_bar_links, scara, vertical_plane
+from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.robots.five_axis_arm import FiveAxisArm
+from assur.planner.robots.five_bar import FiveBar
+from assur.planner.robots.polar_arm import PolarArm
+from assur.planner.robots.protocol import Limits, Robot, RobotBody
+from assur.planner.robots.scara import Scara
+from assur.scenes.catalogue.entry import Family
 
 JointKind = Literal["revolute", "prismatic"]
 SI_OF: dict[JointKind, str] = {"revolute": "rad", "prismatic": "m"}

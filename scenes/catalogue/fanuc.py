@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scenes.catalogue.entry import STANDARD_PAIRS, Axis, Entry, Number, Solid, jerk_of
+from assur.scenes.catalogue.entry import STANDARD_PAIRS, Axis, Entry, Number, Solid, jerk_of
 
 CATALOGUE = "the maker's catalogue, second hand"
 FULL_SPEED_S = 0.1

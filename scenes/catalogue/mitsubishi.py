@@ -5,7 +5,7 @@ J3 is an absolute height: of the flange above the mounting face, up positive.
 
 from __future__ import annotations
 
-from scenes.catalogue.entry import STANDARD_PAIRS, Axis, Entry, Number, Solid, Status, jerk_of
+from assur.scenes.catalogue.entry import STANDARD_PAIRS, Axis, Entry, Number, Solid, Status, jerk_of
 
 DRIVER = "the maker's ROS 2 driver, description of the arm"
 CONFIG = "the maker's ROS 2 driver, joint limits file; 18 times the speed on every axis, a placeholder, hardly dynamics"

@@ -5,7 +5,7 @@ Its mounting face is the table's, cranks and couplers turn above it, and J3 is t
 
 from __future__ import annotations
 
-from scenes.catalogue.entry import Axis, FiveBarEntry, LinkName, Number, Solid, jerk_of
+from assur.scenes.catalogue.entry import Axis, FiveBarEntry, LinkName, Number, Solid, jerk_of
 
 LENGTHS = "widely quoted; no data sheet at hand"
 DISPUTED = "260 here and 160 elsewhere; no data sheet at hand"

@@ -7,10 +7,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from planner.robots.five_bar import PARALLEL_LEAST
-from planner.robots.protocol import Limits, RobotBody
-from planner.shapes import AXES, Body, Piece, Primitive, box, cylinder
-from scenes.catalogue.arm import (
+from assur.planner.geometry.shapes import AXES, Body, Piece, Primitive, box, cylinder
+from assur.planner.robots.five_bar import PARALLEL_LEAST
+from assur.planner.robots.protocol import Limits, RobotBody
+from assur.scenes.catalogue.arm import (
     AT_FLANGE,
     LINKS,
     WITH_QUILL,
@@ -21,8 +21,8 @@ from scenes.catalogue.arm import (
     limits_of,
     order_of,
 )
-from scenes.catalogue.entry import Axis, Entry, FiveBarEntry, Number
-from scenes.units import TWIN_UNITS, to_si
+from assur.scenes.catalogue.entry import Axis, Entry, FiveBarEntry, Number
+from assur.scenes.units import TWIN_UNITS, to_si
 
 
 def si(number: Number) -> float:

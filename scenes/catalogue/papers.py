@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from scenes.catalogue.entry import STANDARD_PAIRS, Axis, Entry, Number, Solid, Status, jerk_of
+from assur.scenes.catalogue.entry import STANDARD_PAIRS, Axis, Entry, Number, Solid, Status, jerk_of
 
 OVIEDO = "Noriega, García, Muñiz, inverse kinematics of a SCARA by Assur groups, section 4"
 FIUBA = "Nastasi, trajectory generator for a SCARA, 2019, section 1"

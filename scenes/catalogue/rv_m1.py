@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scenes.catalogue.entry import WRIST_PAIRS, Axis, Entry, Number, Solid, jerk_of
+from assur.scenes.catalogue.entry import WRIST_PAIRS, Axis, Entry, Number, Solid, jerk_of
 
 QUOTED = "widely quoted for the Mitsubishi RV-M1, unsourced"
 ENDS = "only the width of the range is quoted, unsourced; where it lies is ours"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from scenes.catalogue.entry import STANDARD_PAIRS, TILTING_PAIRS, Axis, Entry, Number, Solid, Status, jerk_of
+from assur.scenes.catalogue.entry import STANDARD_PAIRS, TILTING_PAIRS, Axis, Entry, Number, Solid, Status, jerk_of
 
 OLIER = "Olier, kinematics of the four-axis SCARA"
 CLOSED_FORMS = "closed-form inverse kinematics, slides: elbow arm and polar arm"

@@ -1,4 +1,4 @@
-"""Plans the other robot of the two-robots cells and writes its trajectories: ``python -m scenes.cells.two_robots``.
+"""Plans the other robot of the two-robots cells and writes its trajectories: ``python -m assur.scenes.cells.two_robots``.
 
 Its own request is two-robots-neighbour.yaml. In two-robots.yaml it does the whole of it; in two-robots-parked.yaml it
 stops at the nest, as after a fault: the steps behind the one at the nest are left out. Whatever stands between the two
@@ -11,8 +11,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from scenes.requests import plan_document
-from scenes.scenarios import load_scenario
+from assur.scenes.requests import plan_document
+from assur.scenes.scenarios import load_scenario
 
 CELLS = Path(__file__).parent
 BEGIN, END = "      # knots of the other robot: begin\n", "      # knots of the other robot: end\n"

@@ -6,8 +6,8 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from scenes import bounds
-from scenes.documents.model import (
+from assur.scenes import bounds
+from assur.scenes.documents.model import (
     Angle,
     Coordinate,
     Distance,

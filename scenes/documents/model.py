@@ -13,9 +13,9 @@ from typing import Annotated, Any, ClassVar
 from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, model_validator
 from pydantic_core import CoreSchema, PydanticCustomError
 
-from planner.shapes import LARGEST_M, SMALLEST_M
-from scenes import bounds
-from scenes.units import si_key, to_si, twin_of
+from assur.planner.geometry.shapes import LARGEST_M, SMALLEST_M
+from assur.scenes import bounds
+from assur.scenes.units import si_key, to_si, twin_of
 
 Group = tuple[str, ...]
 LONGEST_KEY = 40

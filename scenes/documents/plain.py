@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from scenes.bounds import MAX_DEPTH
-from scenes.faults import DocumentError, Path, dotted
+from assur.scenes.bounds import MAX_DEPTH
+from assur.scenes.faults import DocumentError, Path, dotted
 
 PLAIN = frozenset((str, float, int, bool, type(None)))
 """Types of a document's leaves."""

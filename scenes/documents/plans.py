@@ -6,9 +6,9 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from scenes import bounds
-from scenes.documents.model import Angle, Document, Instant, Point
-from scenes.documents.robots import TrajectoryDocument
+from assur.scenes import bounds
+from assur.scenes.documents.model import Angle, Document, Instant, Point
+from assur.scenes.documents.robots import TrajectoryDocument
 
 Number = Annotated[float, Field(ge=-1e300, le=1e300)]
 Reals = Annotated[list[Number], Field(max_length=bounds.MAX_ROWS)]

@@ -9,11 +9,11 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from planner.errors import FaultError
-from scenes.bounds import FAR_M
-from scenes.documents.model import NAME, REFERENCE
-from scenes.faults import DocumentError, Path, as_written, dotted, likeliest
-from scenes.units import SI_UNITS, TWIN_UNITS, from_si, si_key, twin_of, unit_of
+from assur.planner.errors import FaultError
+from assur.scenes.bounds import FAR_M
+from assur.scenes.documents.model import NAME, REFERENCE
+from assur.scenes.faults import DocumentError, Path, as_written, dotted, likeliest
+from assur.scenes.units import SI_UNITS, TWIN_UNITS, from_si, si_key, twin_of, unit_of
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -194,13 +194,13 @@ def _words_of(annotation: Any) -> str:
 
 
 def _models() -> Sequence[str]:
-    from scenes.catalogue import ENTRIES
+    from assur.scenes.catalogue import ENTRIES
 
     return sorted(ENTRIES)
 
 
 def _assets() -> Sequence[str]:
-    from scenes.meshes.assets import asset_names
+    from assur.scenes.meshes.assets import asset_names
 
     return asset_names()
 

@@ -9,12 +9,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from scenes import bounds
-from scenes.documents.frames import FrameDocument
-from scenes.documents.model import Distance, Document, Duration, Instant, Name, Positive, Span
-from scenes.documents.robots import NeighbourDocument, RobotDocument, StartDocument
-from scenes.documents.shapes import BodyDocument
-from scenes.documents.task import StepDocument
+from assur.scenes import bounds
+from assur.scenes.documents.frames import FrameDocument
+from assur.scenes.documents.model import Distance, Document, Duration, Instant, Name, Positive, Span
+from assur.scenes.documents.robots import NeighbourDocument, RobotDocument, StartDocument
+from assur.scenes.documents.shapes import BodyDocument
+from assur.scenes.documents.task import StepDocument
 
 SCHEMA = "assur/1"
 """Version of the documents."""

@@ -6,9 +6,9 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
-from planner.shapes import LARGEST_M
-from scenes import bounds
-from scenes.documents.model import (
+from assur.planner.geometry.shapes import LARGEST_M
+from assur.scenes import bounds
+from assur.scenes.documents.model import (
     Angle,
     Coordinate,
     Document,
@@ -23,7 +23,7 @@ from scenes.documents.model import (
     Size,
     Strength,
 )
-from scenes.documents.shapes import AttachedBody, LinkBody, LinkName
+from assur.scenes.documents.shapes import AttachedBody, LinkBody, LinkName
 
 Pair = Annotated[list[Strength], Field(min_length=2, max_length=2)]
 Row = Annotated[list[Strength], Field(min_length=1, max_length=bounds.MAX_JOINTS)]

@@ -6,8 +6,8 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from scenes import bounds
-from scenes.documents.model import Angle, Document, Group, Mass, Name, Point, Reference, Size
+from assur.scenes import bounds
+from assur.scenes.documents.model import Angle, Document, Group, Mass, Name, Point, Reference, Size
 
 Axis = Literal["x", "y", "z"]
 MeshFormat = Literal["stl", "obj", "ply", "glb"]

@@ -8,13 +8,13 @@ import hashlib
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from planner.errors import FaultError, InputError
-from scenes.bounds import MAX_MESH_BYTES
-from scenes.documents.shapes import MeshDocument
-from scenes.meshes.assets import asset
+from assur.planner.errors import FaultError, InputError
+from assur.scenes.bounds import MAX_MESH_BYTES
+from assur.scenes.documents.shapes import MeshDocument
+from assur.scenes.meshes.assets import asset
 
 if TYPE_CHECKING:
-    from scenes.meshes.cover import Cover
+    from assur.scenes.meshes.cover import Cover
 
 KEPT = 32
 """Covers that are kept, by the content of their files: a cell shows few different meshes, often."""
@@ -58,8 +58,8 @@ def _cover(content: bytes, form: str, unit: str) -> Cover:
 
 @lru_cache(maxsize=KEPT)
 def _cover_of(content: _Content, form: str, unit: str) -> Cover:
-    from scenes.meshes.cover import cover
-    from scenes.meshes.load import load
+    from assur.scenes.meshes.cover import cover
+    from assur.scenes.meshes.load import load
 
     if content.content is None:
         raise FaultError("a mesh's bytes were dropped before it was read")

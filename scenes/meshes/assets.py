@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from pathlib import Path
 
-from planner.errors import InputError
+from assur.planner.errors import InputError
 
 FOLDER = Path(__file__).parent.parent / "assets"
 

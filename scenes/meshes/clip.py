@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray
+from assur.planner.arrays import FloatArray
 
 SAME_M = 1e-7
 """Heights closer than this are one, m: rounding in a file's float32."""

@@ -6,7 +6,7 @@ solid itself. Otherwise the cell whose hull reaches furthest out of the solid is
 most, until all are tight or there are enough pieces. Where they are enough and not tight, the cover is larger than the
 solid: an arm may be kept out of a hollow that it could enter, never let through a wall.
 
-What is enclosed and touched by no hull is not covered: `planner.containment` answers for it, from the same triangles.
+What is enclosed and touched by no hull is not covered: `assur.planner.geometry.containment` answers for it, from the same triangles.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.shapes import Piece
-from scenes.meshes.clip import SAME_M, clip
-from scenes.meshes.excess import doubled_area, excess
-from scenes.meshes.hull import hull_of, rough_hull, volume_of_hull
-from scenes.meshes.merge import convex_groups
-from scenes.meshes.surface import SMALLEST_VOLUME_M3, Surface, volume_of
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.geometry.shapes import Piece
+from assur.scenes.meshes.clip import SAME_M, clip
+from assur.scenes.meshes.excess import doubled_area, excess
+from assur.scenes.meshes.hull import hull_of, rough_hull, volume_of_hull
+from assur.scenes.meshes.merge import convex_groups
+from assur.scenes.meshes.surface import SMALLEST_VOLUME_M3, Surface, volume_of
 
 MAX_PIECES = 64
 """Hulls of one cover; more would cost the planner more than they show it."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.shapes import Hull
+from assur.planner.arrays import FloatArray
+from assur.planner.geometry.shapes import Hull
 
 SPOTS = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / np.array([[3], [6], [6], [6]])
 """Where on a triangle a ray leaves, in barycentric coordinates."""

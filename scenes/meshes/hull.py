@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
-from planner.arrays import FloatArray, IntArray
-from planner.errors import FaultError
-from planner.shapes import Hull
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.errors import FaultError
+from assur.planner.geometry.shapes import Hull
 
 THICKNESS_M = 1e-4
 """A hull is at least this thick, m: flat clusters of triangles are grown by half of it to both sides."""

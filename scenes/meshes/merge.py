@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.shapes import Hull
-from scenes.meshes.hull import MAX_CORNERS, volume_of_hull
+from assur.planner.arrays import FloatArray
+from assur.planner.geometry.shapes import Hull
+from assur.scenes.meshes.hull import MAX_CORNERS, volume_of_hull
 
 GAIN_SHARE = 1e-4
 """Share of their own volumes by which the hull of two hulls may be larger than they are, for them to become one."""

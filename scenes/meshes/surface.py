@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.errors import InputError
-from scenes.bounds import FAR_M, LARGEST_MESH_M, MAX_FACES, MIN_FACES, SMALLEST_MESH_M
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.errors import InputError
+from assur.scenes.bounds import FAR_M, LARGEST_MESH_M, MAX_FACES, MIN_FACES, SMALLEST_MESH_M
 
 SMALLEST_VOLUME_M3 = 1e-12
 """Volume from which on a mesh counts as a solid, m³: a cube of a tenth of a millimetre."""

@@ -6,8 +6,8 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
-from api.jobs import FIRST_PLAN
-from api.settings import PLAN_BODY_BYTES
+from assur.api.jobs import FIRST_PLAN
+from assur.api.settings import PLAN_BODY_BYTES
 
 
 @dataclass(frozen=True)

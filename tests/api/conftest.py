@@ -9,7 +9,7 @@ from typing import Any
 import httpx
 import pytest
 
-from api.jobs import FIRST_PLAN
+from assur.api.jobs import FIRST_PLAN
 from tests.api.running import running
 
 

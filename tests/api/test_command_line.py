@@ -14,12 +14,12 @@ import httpx
 import pytest
 from typer.testing import CliRunner
 
-from api import amounts, command_line, words
-from api.command_line import BAD_INPUT, FAULT, INTERRUPTED, RIGHT, WRONG, app
-from api.documents import to_json
-from api.jobs import FIRST_PLAN
-from api.version import version
-from scenes.requests import shipped_scenarios
+from assur.api import amounts, command_line, words
+from assur.api.command_line import BAD_INPUT, FAULT, INTERRUPTED, RIGHT, WRONG, app
+from assur.api.documents import to_json
+from assur.api.jobs import FIRST_PLAN
+from assur.api.version import version
+from assur.scenes.requests import shipped_scenarios
 
 ROOT = Path(__file__).parents[2]
 TIMES = ("elapsed_s", "first_s")
@@ -329,7 +329,7 @@ def raising(error: BaseException) -> Any:
 
 
 def test_a_fault_of_ours_is_one_line_and_exit_code_three(small_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("api.targets.plan_document", raising(ZeroDivisionError("what\nwas said")))
+    monkeypatch.setattr("assur.api.targets.plan_document", raising(ZeroDivisionError("what\nwas said")))
     code, output, errors = run("plan", str(small_file))
     assert (code, output, errors.count("\n")) == (FAULT, "", 1)
     assert "ZeroDivisionError" in errors
@@ -340,7 +340,7 @@ def test_a_plan_that_its_own_checker_refuses_is_not_given(
     small_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     refused = {"ok": False, "findings": [{"what": "the gap is not there", "detail": ""}], "notice": ""}
-    monkeypatch.setattr("api.targets.check_document", lambda *_, **__: refused)
+    monkeypatch.setattr("assur.api.targets.check_document", lambda *_, **__: refused)
     code, output, errors = run("plan", str(small_file), "--out", str(tmp_path / "plan.json"))
     assert (code, output) == (FAULT, "")
     assert "the gap is not there" in errors
@@ -348,12 +348,12 @@ def test_a_plan_that_its_own_checker_refuses_is_not_given(
 
 
 def test_an_interrupted_command_ends_quietly(small_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("api.targets.plan_document", raising(KeyboardInterrupt()))
+    monkeypatch.setattr("assur.api.targets.plan_document", raising(KeyboardInterrupt()))
     assert run("plan", str(small_file)) == (INTERRUPTED, "", "assur: interrupted\n")
 
 
 def process(*arguments: str, **environment: str) -> subprocess.CompletedProcess[bytes]:
-    command = [sys.executable, "-m", "api.command_line", *arguments]
+    command = [sys.executable, "-m", "assur.api.command_line", *arguments]
     given = {**os.environ, **environment}
     return subprocess.run(command, cwd=ROOT, env=given, capture_output=True, timeout=120, check=False)
 
@@ -367,7 +367,7 @@ def test_a_terminal_that_knows_ascii_only_gets_everything_all_the_same(small_fil
 
 
 def test_a_reader_that_closes_the_pipe_gets_no_traceback() -> None:
-    command = f"{sys.executable} -m api.command_line schema | head -c 10; exit ${{PIPESTATUS[0]}}"
+    command = f"{sys.executable} -m assur.api.command_line schema | head -c 10; exit ${{PIPESTATUS[0]}}"
     run = subprocess.run(["bash", "-c", command], cwd=ROOT, capture_output=True, timeout=60, check=False)
     assert len(run.stdout) == 10
     assert run.stderr == b""
@@ -379,14 +379,14 @@ def test_a_reader_that_is_gone_is_no_request_that_was_not_planned(command: tuple
     here, there = os.pipe()
     os.close(here)
     with os.fdopen(there, "wb") as closed:
-        whole = [sys.executable, "-m", "api.command_line", *command]
+        whole = [sys.executable, "-m", "assur.api.command_line", *command]
         run = subprocess.run(whole, cwd=ROOT, stdout=closed, stderr=subprocess.PIPE, timeout=120, check=False)
     assert (run.returncode, run.stderr) == (command_line.PIPE_CLOSED, b"")
 
 
 def test_the_version_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     assert run("--version") == (RIGHT, f"assur {version()}\n", "")
-    monkeypatch.setattr("api.version.metadata.version", {"assur": "1.2.3"}.__getitem__)
+    monkeypatch.setattr("assur.api.version.metadata.version", {"assur": "1.2.3"}.__getitem__)
     assert run("--version") == (RIGHT, "assur 1.2.3\n", "")
 
 

@@ -15,9 +15,9 @@ import pytest
 from starlette.requests import ClientDisconnect
 from starlette.types import Message, Receive, Scope, Send
 
-from api.gate import Gate
-from api.jobs import Fault, check, plan
-from api.problems import MEDIA_TYPE, Problem
+from assur.api.gate import Gate
+from assur.api.jobs import Fault, check, plan
+from assur.api.problems import MEDIA_TYPE, Problem
 
 ROOT = Path(__file__).parents[2]
 
@@ -75,7 +75,7 @@ def test_a_fault_in_a_worker_is_told_by_its_type_and_place_without_a_value(monke
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError("the secret of a request")
 
-    monkeypatch.setattr("api.jobs.plan_document", broken)
+    monkeypatch.setattr("assur.api.jobs.plan_document", broken)
     reply = plan({}, "full")
     assert isinstance(reply, Fault)
     assert reply.name == "ZeroDivisionError"
@@ -84,7 +84,9 @@ def test_a_fault_in_a_worker_is_told_by_its_type_and_place_without_a_value(monke
 
 
 def test_an_answer_that_json_cannot_hold_is_a_fault_and_not_sent(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("api.jobs.plan_document", lambda *_, **__: {"status": "planned", "duration_s": float("nan")})
+    monkeypatch.setattr(
+        "assur.api.jobs.plan_document", lambda *_, **__: {"status": "planned", "duration_s": float("nan")}
+    )
     assert isinstance(plan({}, "full"), Fault)
 
 
@@ -96,7 +98,7 @@ def test_a_check_of_no_json_is_a_problem() -> None:
 
 def test_a_worker_without_memory_ends_and_says_so() -> None:
     program = """
-from api import jobs
+from assur.api import jobs
 def broken(*_, **__): raise MemoryError
 jobs.plan_document = broken
 jobs.plan({}, "full")

@@ -9,10 +9,10 @@ from typing import Any
 import httpx
 import pytest
 
-from api.documents import to_json
-from api.problems import MEDIA_TYPE
-from api.settings import Settings
-from scenes.requests import check_document, robots, shipped_scenarios, validate
+from assur.api.documents import to_json
+from assur.api.problems import MEDIA_TYPE
+from assur.api.settings import Settings
+from assur.scenes.requests import check_document, robots, shipped_scenarios, validate
 
 TIMES = ("elapsed_s", "first_s")
 """What differs between two runs of the same request."""

@@ -20,7 +20,7 @@ def modules_after(program: str) -> set[str]:
 
 
 SERVED = """
-from api.jobs import FIRST_PLAN
+from assur.api.jobs import FIRST_PLAN
 from tests.api.running import running
 with running() as client:
     assert client.get("/v1/scenes").status_code == 200
@@ -47,7 +47,7 @@ def test_the_rule_would_see_a_library_that_is_loaded() -> None:
 def test_a_command_that_only_lists_loads_no_planning_library(command: str) -> None:
     program = f"""
 import sys
-from api.command_line import app
+from assur.api.command_line import app
 try:
     app([{command!r}])
 except SystemExit as end:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from api.logs import configure, event
+from assur.api.logs import configure, event
 
 
 @pytest.fixture

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from api.documents import to_json
-from api.problems import STATUS, FieldError, Problem, printable, shown
-from planner.errors import InputError
-from scenes.faults import NOTHING, DocumentError
+from assur.api.documents import to_json
+from assur.api.problems import STATUS, FieldError, Problem, printable, shown
+from assur.planner.errors import InputError
+from assur.scenes.faults import NOTHING, DocumentError
 
 
 @pytest.mark.parametrize("kind", STATUS)

@@ -24,11 +24,11 @@ import httpx
 import psutil
 import pytest
 
-from api.jobs import FIRST_PLAN
-from api.problems import MEDIA_TYPE
-from api.serve import listening
-from api.settings import PLAN_BODY_BYTES
-from planner.errors import InputError
+from assur.api.jobs import FIRST_PLAN
+from assur.api.problems import MEDIA_TYPE
+from assur.api.serve import listening
+from assur.api.settings import PLAN_BODY_BYTES
+from assur.planner.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 SECRET = "the-customers-own-words"
@@ -98,7 +98,7 @@ def environment(**settings: str) -> dict[str, str]:
 @contextlib.contextmanager
 def serving(**settings: str) -> Iterator[Server]:
     """A service on a free port, with these settings."""
-    command = [sys.executable, "-m", "api.command_line", "serve", "--port", "0"]
+    command = [sys.executable, "-m", "assur.api.command_line", "serve", "--port", "0"]
     process = subprocess.Popen(command, cwd=ROOT, env=environment(**settings), stderr=subprocess.PIPE)
     server = Server(process)
     reader = threading.Thread(target=server.read)
@@ -315,7 +315,7 @@ def test_a_service_killed_without_warning_leaves_no_worker_behind() -> None:
 
 def started(port: str, **settings: str) -> subprocess.CompletedProcess[str]:
     """A service that is expected to end by itself."""
-    command = [sys.executable, "-m", "api.command_line", "serve", "--port", port]
+    command = [sys.executable, "-m", "assur.api.command_line", "serve", "--port", port]
     given = environment(**settings)
     return subprocess.run(command, cwd=ROOT, env=given, capture_output=True, text=True, timeout=60, check=False)
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from api.settings import PREFIX, Settings, processors
-from planner.errors import InputError
+from assur.api.settings import PREFIX, Settings, processors
+from assur.planner.errors import InputError
 
 PAGE = Path(__file__).parents[2] / "docs" / "service.md"
 

@@ -14,10 +14,10 @@ from typing import Any
 import psutil
 import pytest
 
-from api.problems import Problem
-from api.seat import Seat
-from api.settings import Settings
-from api.workers import Workers
+from assur.api.problems import Problem
+from assur.api.seat import Seat
+from assur.api.settings import Settings
+from assur.api.workers import Workers
 
 SETTINGS = Settings(workers=2, queue=1, queue_wait_s=30.0, warm_s=60.0, max_tasks=1000)
 

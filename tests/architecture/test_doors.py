@@ -9,13 +9,13 @@ import pytest
 from tests.architecture.source_tree import BESIDE, PRODUCT, Source, dotted, imports, names, sources, uses
 
 DOORS = {
-    "fcl": ("planner.collision",),
-    "ruckig": ("planner.timing",),
-    "trimesh": ("scenes.meshes",),
+    "fcl": ("assur.planner.collision.fcl_door",),
+    "ruckig": ("assur.planner.timing",),
+    "trimesh": ("assur.scenes.meshes",),
     "pebble": ("api",),
     "fastapi": ("api",),
     "pydantic": ("scenes", "api"),
-    "yaml": ("scenes.yaml_text",),
+    "yaml": ("assur.scenes.yaml_text",),
     "typer": ("api",),
 }
 """Library → the modules (with what is below them) that may import it in the product."""
@@ -164,13 +164,13 @@ def test_the_recheck_shares_no_code_with_what_it_rechecks() -> None:
     ],
 )
 def test_an_import_beside_the_door_is_found(text: str) -> None:
-    assert len(doors_forced(made_up("planner.candidates", text))) >= 1
+    assert len(doors_forced(made_up("assur.planner.search.candidates", text))) >= 1
     assert len(doors_forced(made_up("planner.collisions_of_others", text))) >= 1
 
 
 def test_an_import_at_the_door_is_not_found() -> None:
-    assert doors_forced(made_up("planner.collision", "import fcl")) == []
-    assert doors_forced(made_up("planner.timing.profile", "import ruckig")) == []
+    assert doors_forced(made_up("assur.planner.collision.fcl_door", "import fcl")) == []
+    assert doors_forced(made_up("assur.planner.timing.profile", "import ruckig")) == []
 
 
 @pytest.mark.parametrize(
@@ -185,18 +185,18 @@ def test_an_import_at_the_door_is_not_found() -> None:
     ],
 )
 def test_a_banned_call_is_found_under_each_of_its_spellings(text: str) -> None:
-    assert len(banned_uses(made_up("planner.collision", text))) >= 1
+    assert len(banned_uses(made_up("assur.planner.collision.fcl_door", text))) >= 1
 
 
 @pytest.mark.parametrize("call", ["load('x.stl')", "load(io.BytesIO(b''))", "load_mesh(name, file_type='stl')"])
 def test_a_mesh_loaded_by_name_or_without_its_format_is_found(call: str) -> None:
-    assert len(loads_of_names(made_up("scenes.meshes", f"import io, trimesh\ntrimesh.{call}"))) == 1
+    assert len(loads_of_names(made_up("assur.scenes.meshes", f"import io, trimesh\ntrimesh.{call}"))) == 1
     good = "import io, trimesh\ntrimesh.load(io.BytesIO(content), file_type='stl')"
-    assert loads_of_names(made_up("scenes.meshes", good)) == []
+    assert loads_of_names(made_up("assur.scenes.meshes", good)) == []
 
 
 @pytest.mark.parametrize(
     "text", ["import os", "from pathlib import Path", "open('x')", "import urllib.request", "print(1)"]
 )
 def test_a_planner_that_touches_the_world_is_found(text: str) -> None:
-    assert len(worldly(made_up("planner.legs", text))) >= 1
+    assert len(worldly(made_up("assur.planner.legs", text))) >= 1

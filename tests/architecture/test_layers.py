@@ -56,13 +56,13 @@ def test_every_module_of_the_planner_has_its_place_in_the_order() -> None:
 @pytest.mark.parametrize(
     ("name", "text"),
     [
-        ("planner.arrays", "from planner.scene import Scene"),
-        ("planner.arrays", "import planner.scene"),
-        ("planner.arrays", "from planner import scene"),
-        ("planner.scene", "def f():\n    from planner.pipeline import plan"),
-        ("planner.scene", "from scenes.answer import answer"),
-        ("scenes.answer", "import api"),
-        ("planner.scene", "from tests import x"),
+        ("assur.planner.arrays", "from assur.planner.model.scene import Scene"),
+        ("assur.planner.arrays", "import assur.planner.model.scene"),
+        ("assur.planner.arrays", "from planner import scene"),
+        ("assur.planner.model.scene", "def f():\n    from assur.planner.pipeline import plan"),
+        ("assur.planner.model.scene", "from assur.scenes.answer import answer"),
+        ("assur.scenes.answer", "import api"),
+        ("assur.planner.model.scene", "from tests import x"),
     ],
 )
 def test_an_arrow_that_points_outwards_is_found(name: str, text: str) -> None:
@@ -70,5 +70,8 @@ def test_an_arrow_that_points_outwards_is_found(name: str, text: str) -> None:
 
 
 def test_arrows_that_point_inwards_are_not_found() -> None:
-    for name, text in (("api.plans", "from scenes import requests"), ("planner.scene", "from planner.arrays import x")):
+    for name, text in (
+        ("api.plans", "from scenes import requests"),
+        ("assur.planner.model.scene", "from assur.planner.arrays import x"),
+    ):
         assert wrong_arrows((Source(name, name, text, ast.parse(text)),)) == []

@@ -13,13 +13,13 @@ HEAVY = ("fcl", "ruckig", "trimesh")
 """What may be imported in worker processes only."""
 
 ASKED = {
-    "creating the application": "from api.app import create_app\ncreate_app()",
+    "creating the application": "from assur.api.app import create_app\ncreate_app()",
     "listing robots and scenes, and the schema": (
         "from scenes import requests\nrequests.robots()\nrequests.shipped_scenarios()\nrequests.request_schema()"
     ),
     "validating a request": (
         "from benchmarks.translation import Manners, request, unrelated_problem\n"
-        "from scenes.requests import request_digest, validate\n"
+        "from assur.scenes.requests import request_digest, validate\n"
         "limits = {'qmin': [-2, -2, 0.0, -6], 'qmax': [2, 2, 0.3, 6], 'vmax': [9] * 4}\n"
         "limits |= {'amax': [9] * 4, 'jmax': [9] * 4}\n"
         "document = request(unrelated_problem(1, True), limits, Manners())\n"

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from assur.experiments import dyad_race as race
+from assur.planner.assur.rrr import RRR
 from benchmarks.figures import Figure, figure, quantile, unclean
 from benchmarks.judged import SETS, judged, problem_set
 from benchmarks.peers.arm import along as straight
@@ -16,8 +18,6 @@ from benchmarks.problem_set import ProblemSet
 from benchmarks.run_problems import answer
 from benchmarks.sections import cells, dyad, legs, scaling, sets
 from benchmarks.translation import Manners, request
-from experiments import dyad_race as race
-from planner.assur.rrr import RRR
 from tests.benchmarks.hand_made import along, joints_at
 from tests.benchmarks.made_up import line
 

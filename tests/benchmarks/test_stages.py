@@ -9,6 +9,11 @@ from pathlib import Path
 import pytest
 import typer
 
+from assur.planner.model.outcome import Outcome
+from assur.planner.model.scene import Scene
+from assur.planner.pipeline import plan
+from assur.scenes import meshes, units
+from assur.scenes.requests import scene_of
 from benchmarks import profile, run_problems
 from benchmarks.cold import KEEP, forget
 from benchmarks.judged import problem_set
@@ -17,11 +22,6 @@ from benchmarks.profile import profiled
 from benchmarks.report import BLOCKS, NOTHING, printed
 from benchmarks.stages import PARTS, REST, STAGES, WHOLE, milliseconds, sampled, stage
 from benchmarks.translation import Manners
-from planner.outcome import Outcome
-from planner.pipeline import plan
-from planner.scene import Scene
-from scenes import meshes, units
-from scenes.requests import scene_of
 from tests.architecture.source_tree import sources
 
 
@@ -34,14 +34,30 @@ def test_every_module_that_a_stage_names_is_there() -> None:
 @pytest.mark.parametrize(
     ("modules", "told"),
     [
-        (["benchmarks.profile", "scenes.requests", "pydantic.main"], "building"),
-        (["planner.pipeline", "planner.search", "planner.screening", "planner.robots.scara"], "kinematics"),
-        (["planner.pipeline", "planner.search", "planner.screening", "numpy.linalg"], "screening (supports)"),
-        (["planner.pipeline", "planner.checker.check", "planner.robots.scara"], "checker"),
-        (["planner.pipeline", "planner.margins", "planner.separation"], "margins"),
-        (["planner.search", "planner.timing.solver"], "timing (ruckig)"),
-        (["planner.search", "planner.timings_of_others"], REST),
-        (["planner.pipeline"], REST),
+        (["benchmarks.profile", "assur.scenes.requests", "pydantic.main"], "building"),
+        (
+            [
+                "assur.planner.pipeline",
+                "assur.planner.search.beam",
+                "assur.planner.collision.screening",
+                "assur.planner.robots.scara",
+            ],
+            "kinematics",
+        ),
+        (
+            [
+                "assur.planner.pipeline",
+                "assur.planner.search.beam",
+                "assur.planner.collision.screening",
+                "numpy.linalg",
+            ],
+            "screening (supports)",
+        ),
+        (["assur.planner.pipeline", "assur.planner.checker.check", "assur.planner.robots.scara"], "checker"),
+        (["assur.planner.pipeline", "assur.planner.report.margins", "assur.planner.collision.support_gaps"], "margins"),
+        (["assur.planner.search.beam", "assur.planner.timing.solver"], "timing (ruckig)"),
+        (["assur.planner.search.beam", "planner.timings_of_others"], REST),
+        (["assur.planner.pipeline"], REST),
         (["numpy"], REST),
         ([], REST),
     ],

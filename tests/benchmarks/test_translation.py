@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from assur.planner.model.scene import Move, Scene
+from assur.planner.robots.scara import Scara
+from assur.scenes.requests import scene_of
 from benchmarks.problem_set import Problem, ProblemSet, read_problem_set
 from benchmarks.recheck.arm import placed_bodies, tool
 from benchmarks.recheck.surroundings import goal_at, placed_obstacles
 from benchmarks.translation import LATEST_END_S, Manners, request, unrelated_problem
-from planner.robots.scara import Scara
-from planner.scene import Move, Scene
-from scenes.requests import scene_of
 
 FOLDER = Path(__file__).parents[2] / "benchmarks" / "problems"
 SETS = {path.stem: read_problem_set(path) for path in sorted(FOLDER.glob("*.json"))}

@@ -48,7 +48,7 @@ def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
     """Runs a line of the shell: `assur` and `python` of this environment; files of the repository are found."""
     program, *arguments = shlex.split(line)
     where = [str(ROOT / word) if word.startswith(OURS) else word for word in arguments]
-    head = [sys.executable, *(["-m", "api.command_line"] if program == "assur" else [])]
+    head = [sys.executable, *(["-m", "assur.api.command_line"] if program == "assur" else [])]
     extra = SHORTER.get(arguments[1], []) if program == "python" and arguments[0] == "-m" else []
     return subprocess.run(
         [*head, *where, *extra], cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, check=False
@@ -107,7 +107,7 @@ def test_every_target_of_make_that_is_shown_is_there() -> None:
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """`assur serve` as a process of its own on a free port; its address."""
     log = tmp_path_factory.mktemp("service") / "log"
-    command = [sys.executable, "-m", "api.command_line", "serve", "--port", "0"]
+    command = [sys.executable, "-m", "assur.api.command_line", "serve", "--port", "0"]
     settings = {**ENVIRONMENT, "ASSUR_WORKERS": "1", "ASSUR_GRACE_S": "30"}
     with log.open("wb") as stream:
         process = subprocess.Popen(command, cwd=ROOT, env=settings, stderr=stream)

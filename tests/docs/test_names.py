@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from api.settings import PREFIX, Settings
+from assur.api.settings import PREFIX, Settings
 from tests.docs.pages import PAGES, ROOT, anchors, prose, spans, text
 
 OF_TESTS = {"ASSUR_HYPOTHESIS"}
@@ -128,7 +128,7 @@ def test_every_dotted_name_of_ours_can_be_imported(page: str) -> None:
 
 def test_a_path_and_a_module_that_do_not_exist_are_found() -> None:
     assert paths_not_there(["docs/api.md", "docs/nowhere.md", "application/json"]) == ["docs/nowhere.md"]
-    assert modules_not_there(["scenes.load(name)", "scenes.requests", "scenes.lode"]) == ["scenes.lode"]
+    assert modules_not_there(["assur.scenes.load(name)", "assur.scenes.requests", "scenes.lode"]) == ["scenes.lode"]
 
 
 def test_the_changelog_has_a_section_for_this_version() -> None:

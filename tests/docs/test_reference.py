@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
-from planner.checker.verdict import Code
-from planner.outcome import LegKind, Reason
-from scenes import check, load, plan
-from scenes.catalogue import arm_named
-from scenes.catalogue.arm import WITH_QUILL, places
-from scenes.documents.request import ExecutionDocument, OptionsDocument
-from scenes.requests import request_schema, robots
-from scenes.units import si_key, twin_of
+from assur.planner.checker.verdict import Code
+from assur.planner.model.outcome import LegKind, Reason
+from assur.scenes import check, load, plan
+from assur.scenes.catalogue import arm_named
+from assur.scenes.catalogue.arm import WITH_QUILL, places
+from assur.scenes.documents.request import ExecutionDocument, OptionsDocument
+from assur.scenes.requests import request_schema, robots
+from assur.scenes.units import si_key, twin_of
 from tests.docs.pages import blocks, prose, spans
 
 API = "docs/api.md"

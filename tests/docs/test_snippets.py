@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from planner.errors import InputError
-from scenes import load, plan
-from scenes.requests import load_scenario, parse_json, unmet
-from scenes.yaml_text import parse_yaml
+from assur.planner.errors import InputError
+from assur.scenes import load, plan
+from assur.scenes.requests import load_scenario, parse_json, unmet
+from assur.scenes.yaml_text import parse_yaml
 from tests.docs.pages import PAGES, Block, blocks, of_language, save_files
 from tests.docs.test_commands import ENVIRONMENT
 

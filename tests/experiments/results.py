@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from functools import cache
 
-from experiments.experiment import Result
-from experiments.registry import ENTRIES
+from assur.experiments.experiment import Result
+from assur.experiments.registry import ENTRIES
 
 
 @cache

@@ -7,11 +7,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from experiments import closed_forms as forms
-from experiments import elbow, polar
-from experiments import printed_forms as printed
-from planner.arrays import FloatArray
-from planner.errors import FaultError
+from assur.experiments import closed_forms as forms
+from assur.experiments import elbow, polar
+from assur.experiments import printed_forms as printed
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
 from tests.experiments.results import result
 
 STENCIL = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])

@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from experiments import dyad_forms as forms
-from experiments import dyad_race as race
-from planner.arrays import FloatArray
-from planner.assur.rrr import RRR
+from assur.experiments import dyad_forms as forms
+from assur.experiments import dyad_race as race
+from assur.planner.arrays import FloatArray
+from assur.planner.assur.rrr import RRR
 from tests.experiments.results import result
 
 DYADS = race.dyads(500)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from experiments import printed_five_axes, rv_m1
+from assur.experiments import printed_five_axes, rv_m1
 from tests.experiments.results import result
 
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiments import five_bar
-from experiments.five_bar_places import elbows, on_curve
-from planner.robots.five_bar import MODES
-from planner.robots.five_bar_workspace import workspace
+from assur.experiments import five_bar
+from assur.experiments.five_bar_places import elbows, on_curve
+from assur.planner.robots.five_bar import MODES
+from assur.planner.robots.five_bar_workspace import workspace
 from tests.experiments.results import result
 
 GRID_M = 0.005

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from experiments import printed_rrr as printed
-from experiments.printed_rrr import Point
-from planner.arrays import FloatArray
-from planner.assur.codes import Code
-from planner.assur.rrr import LEFT, RIGHT, RRR
-from planner.frames.motion import Motion
-from planner.robots.protocol import Limits
-from planner.robots.scara import Scara
+from assur.experiments import printed_rrr as printed
+from assur.experiments.printed_rrr import Point
+from assur.planner.arrays import FloatArray
+from assur.planner.assur.codes import Code
+from assur.planner.assur.rrr import LEFT, RIGHT, RRR
+from assur.planner.frames.motion import Motion
+from assur.planner.robots.protocol import Limits
+from assur.planner.robots.scara import Scara
 
 SIGMA = {1: LEFT, 2: RIGHT}
 

@@ -12,11 +12,11 @@ from typing import Any
 
 import pytest
 
-from experiments import figures
-from experiments.experiment import Drawing, paragraphs
-from experiments.registry import ENTRIES
-from experiments.reproduce import chosen, reproduce
-from planner.errors import FaultError, InputError
+from assur.experiments import figures
+from assur.experiments.experiment import Drawing, paragraphs
+from assur.experiments.registry import ENTRIES
+from assur.experiments.reproduce import chosen, reproduce
+from assur.planner.errors import FaultError, InputError
 from tests.architecture.source_tree import PRODUCT, ROOT, imports, sources
 from tests.experiments.results import result
 
@@ -104,7 +104,7 @@ def test_all_means_every_experiment_and_a_name_means_itself() -> None:
 
 def test_each_of_all_is_told_as_it_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     two = tuple(entry for entry in ENTRIES if entry.name in ("modes", "polar"))
-    monkeypatch.setattr("experiments.reproduce.ENTRIES", two)
+    monkeypatch.setattr("assur.experiments.reproduce.ENTRIES", two)
     told = []
     for done in reproduce("all", tmp_path):
         told.append((done.entry, done.number, done.count))
@@ -123,7 +123,7 @@ def test_an_unknown_experiment_and_a_folder_that_is_a_file_are_refused(tmp_path:
 
 def test_the_command_prints_what_it_found_and_names_the_experiments_to_one_who_errs(tmp_path: Path) -> None:
     def assur(*arguments: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "api.command_line", "reproduce", *arguments, "--out", str(tmp_path)]
+        command = [sys.executable, "-m", "assur.api.command_line", "reproduce", *arguments, "--out", str(tmp_path)]
         return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
 
     ran = assur("modes")
@@ -143,15 +143,15 @@ def test_without_matplotlib_one_is_told_of_the_extra(tmp_path: Path, monkeypatch
 
 def test_matplotlib_has_one_door() -> None:
     doors = {s.name for s in sources(*PRODUCT) for name, _ in imports(s.tree) if name.partition(".")[0] == "matplotlib"}
-    assert doors == {"experiments.figures"}
+    assert doors == {"assur.experiments.figures"}
 
 
 @pytest.mark.parametrize(
     "program",
     [
-        "from api.app import create_app\ncreate_app()",
-        "import api.command_line",
-        "from experiments.registry import ENTRIES\n[e for e in ENTRIES if e.name == 'modes'][0].run()",
+        "from assur.api.app import create_app\ncreate_app()",
+        "import assur.api.command_line",
+        "from assur.experiments.registry import ENTRIES\n[e for e in ENTRIES if e.name == 'modes'][0].run()",
     ],
 )
 def test_nothing_but_a_figure_loads_matplotlib(program: str) -> None:

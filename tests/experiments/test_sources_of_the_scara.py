@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from experiments import modes, printed_dh, printed_triangles
-from experiments import oblique_triangles as triangles
-from experiments.printed_joint_move import ParabolicBlend, inverse
+from assur.experiments import modes, printed_dh, printed_triangles
+from assur.experiments import oblique_triangles as triangles
+from assur.experiments.printed_joint_move import ParabolicBlend, inverse
 from tests.experiments.results import result
 
 

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from planner import shapes
-from planner.collision import Collider
-from planner.errors import FaultError, InputError
-from planner.separation import Placed
+from assur.planner.collision.fcl_door import Collider
+from assur.planner.collision.support_gaps import Placed
+from assur.planner.errors import FaultError, InputError
+from assur.planner.geometry import shapes
 from tests.hazards.known import mended_since
 
 Floats = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""What Ruckig answers to questions that should not have been asked: the reasons for the guards in `planner.timing`."""
+"""What Ruckig answers to questions that should not have been asked: the reasons for the guards in `assur.planner.timing`."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import pytest
 import ruckig
 from numpy.typing import NDArray
 
-from planner.errors import FaultError, InputError
-from planner.timing import Profile, Sketch, Solver, TimingRefusal, time_joints
+from assur.planner.errors import FaultError, InputError
+from assur.planner.timing import Profile, Sketch, Solver, TimingRefusal, time_joints
 from tests.hazards.known import mended_since
 
 Floats = NDArray[np.float64]

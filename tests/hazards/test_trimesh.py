@@ -1,4 +1,4 @@
-"""What trimesh makes of bad mesh files without a word: the reasons for the guards in `scenes.meshes`."""
+"""What trimesh makes of bad mesh files without a word: the reasons for the guards in `assur.scenes.meshes`."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import pytest
 import trimesh
 from numpy.typing import NDArray
 
-from planner.errors import InputError
-from scenes.meshes.load import load
+from assur.planner.errors import InputError
+from assur.scenes.meshes.load import load
 from tests.hazards.known import mended_since
 
 LAST_SEEN = "5.2.0"

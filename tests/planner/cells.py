@@ -10,16 +10,29 @@ from typing import Any
 
 import numpy as np
 
-from planner.arrays import FloatArray, IntArray
-from planner.frames import Conveyor, Fixed, Frame, Law, Linear, Swing, Turntable, Uncertainty
-from planner.frames.motion import Pose
-from planner.robots.protocol import Limits, Robot, RobotBody
-from planner.robots.scara import BASE, LINK1, LINK2, QUILL, Scara
-from planner.scene import Clearance, Execution, Follow, Move, Options, Pick, Place, Scene, Start, Step, Target, Tool
-from planner.scene import WorldBody as Around
-from planner.separation import Placed, place
-from planner.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
-from planner.solids import SolidsMaker, carriers
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.collision.arrangement import SolidsMaker, carriers
+from assur.planner.collision.support_gaps import Placed, place
+from assur.planner.frames import Conveyor, Fixed, Frame, Law, Linear, Swing, Turntable, Uncertainty
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
+from assur.planner.model.scene import (
+    Clearance,
+    Execution,
+    Follow,
+    Move,
+    Options,
+    Pick,
+    Place,
+    Scene,
+    Start,
+    Step,
+    Target,
+    Tool,
+)
+from assur.planner.model.scene import WorldBody as Around
+from assur.planner.robots.protocol import Limits, Robot, RobotBody
+from assur.planner.robots.scara import BASE, LINK1, LINK2, QUILL, Scara
 
 WORLD = Frame("world", Fixed(Pose()))
 Shape = Primitive | Hull

@@ -13,9 +13,9 @@ import numpy as np
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from planner.arrays import FloatArray
-from planner.extents import extents
-from planner.shapes import Hull, Piece, Primitive, box, capsule, cylinder, sphere
+from assur.planner.arrays import FloatArray
+from assur.planner.geometry.extents import extents
+from assur.planner.geometry.shapes import Hull, Piece, Primitive, box, capsule, cylinder, sphere
 from tests.planner.cells import block, rotation
 
 KINDS = ("box", "sphere", "cylinder", "capsule", "hull")

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from planner.frames.motion import Pose
-from planner.robots.five_axis_arm import FLANGE, LINK4, FiveAxisArm
-from planner.robots.protocol import Limits, RobotBody
-from planner.robots.vertical_plane import LINK2, LINK3
-from planner.scene import Follow, Move, Scene, Step, Target
-from planner.shapes import box
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import box
+from assur.planner.model.scene import Follow, Move, Scene, Step, Target
+from assur.planner.robots.five_axis_arm import FLANGE, LINK4, FiveAxisArm
+from assur.planner.robots.protocol import Limits, RobotBody
+from assur.planner.robots.vertical_plane import LINK2, LINK3
 from tests.planner.cells import cell, solid
 
 HEIGHT, L1, L2, L3 = 0.3, 0.25, 0.16, 0.072

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from planner.arrays import every, largest
+from assur.planner.arrays import every, largest
 
 SHAPES = [(1,), (4,), (0, 3), (7, 1), (5, 4), (3, 2, 6)]
 

@@ -15,18 +15,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planner.blend_candidates import DIRECT
-from planner.checker import check
-from planner.errors import InputError
-from planner.frames import Conveyor, Turntable
-from planner.frames.motion import Pose
-from planner.neighbour import TrajectoryLaw
-from planner.outcome import NotPlanned, Outcome, Planned, Reason
-from planner.pipeline import plan
-from planner.robots.protocol import Code
-from planner.robots.scara import FLANGE, LINK1
-from planner.scene import Arch, Follow, Options, Pick, Place, Scene, Start, Step, Target, Window
-from planner.shapes import box, cylinder
+from assur.planner.blends.candidates import DIRECT
+from assur.planner.checker import check
+from assur.planner.errors import InputError
+from assur.planner.frames import Conveyor, Turntable
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import box, cylinder
+from assur.planner.model.link_frames import TrajectoryLaw
+from assur.planner.model.outcome import NotPlanned, Outcome, Planned, Reason
+from assur.planner.model.scene import Arch, Follow, Options, Pick, Place, Scene, Start, Step, Target, Window
+from assur.planner.pipeline import plan
+from assur.planner.robots.protocol import Code
+from assur.planner.robots.scara import FLANGE, LINK1
 from tests.planner.cells import CUP, PART, Around, Swing, arm, at, cell, frame, go, solid, stands
 
 DIAL = frame("dial", Turntable(Pose(0.32, 0.12), 0.8))

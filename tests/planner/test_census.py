@@ -6,9 +6,9 @@ import math
 
 import pytest
 
-from planner.census import Counter, refused_proof
-from planner.certificate import Unproved
-from planner.outcome import Reason, Refusal
+from assur.planner.collision.rows import Unproved
+from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.search.census import Counter, refused_proof
 
 
 def refusal(amount: float, t: float | None = None, bodies: tuple[str, ...] = ("cup", "gate"), step: int = 0) -> Refusal:

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.collision import Collider
-from planner.errors import FaultError
-from planner.shapes import Piece, box, sphere
+from assur.planner.collision.fcl_door import Collider
+from assur.planner.errors import FaultError
+from assur.planner.geometry.shapes import Piece, box, sphere
 from tests.planner.cells import placed, rotation
 from tests.planner.convex import KINDS, anywhere, distance, grid_aligned, inside, pairs, shape_of
 

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.containment import inside, winding_number
-from scenes.meshes.surface import Surface
+from assur.planner.arrays import FloatArray
+from assur.planner.geometry.containment import inside, winding_number
+from assur.scenes.meshes.surface import Surface
 from tests.scenes.meshes.solids import CUBE, SOLIDS, surface
 
 CUBE_100 = surface(CUBE)
@@ -88,7 +88,7 @@ def test_a_surface_inside_out_encloses_the_same() -> None:
 
 
 def test_many_triangles_are_worked_on_in_blocks_with_the_same_result(monkeypatch: pytest.MonkeyPatch) -> None:
-    import planner.containment as containment
+    import assur.planner.geometry.containment as containment
 
     solid = pair(surface(SOLIDS["torus"]))
     points = np.random.default_rng(4).uniform(-0.15, 0.15, (50, 3))

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planner.chain import Chain, Draft, Outline, Sample, initial, paced, prepared
-from planner.continuation import finished, outline, straight_draft
-from planner.legs.arched import Hop
-from planner.legs.joint import Shape, Via
-from planner.legs.meeting import Meetings
-from planner.scene import Scene
+from assur.planner.legs.arched import Hop
+from assur.planner.legs.joint import Shape, Via
+from assur.planner.legs.meeting import Meetings
+from assur.planner.model.scene import Scene
+from assur.planner.search.extension import finished, outline, straight_draft
+from assur.planner.search.partial_plan import Chain, Draft, Outline, Sample, initial, paced, prepared
 from tests.planner.cells import cell, go, table_to_table
 
 

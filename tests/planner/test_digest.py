@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from planner.digest import digest
-from planner.frames.motion import Pose
-from planner.outcome import Arrival, Certificate, Leg, LegKind, Missed
-from planner.trajectory import Trajectory
+from assur.planner.frames.motion import Pose
+from assur.planner.model.digest import digest
+from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Missed
+from assur.planner.trajectory import Trajectory
 
 KNOTS = Trajectory(np.array([0.0, 1.0]), np.zeros((2, 3)), np.zeros((2, 3)), np.zeros((2, 3)))
 LEGS = (Leg(LegKind.WAIT, 0, 0.0, 0.5, "why"), Leg(LegKind.MOVE, 0, 0.5, 1.0))

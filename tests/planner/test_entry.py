@@ -7,13 +7,13 @@ import sys
 
 import pytest
 
-import planner
+from assur import planner
 
 
 def test_the_three_names_are_those_of_their_modules() -> None:
-    from planner.checker import check
-    from planner.pipeline import plan
-    from planner.scene import Scene
+    from assur.planner.checker import check
+    from assur.planner.model.scene import Scene
+    from assur.planner.pipeline import plan
 
     assert (planner.Scene, planner.check, planner.plan) == (Scene, check, plan)
     assert set(planner.__all__) <= set(dir(planner))

@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from planner.explanation import leading, sentence
-from planner.outcome import Census, CensusLine, Reason, Refusal
-from planner.scene import Window
+from assur.planner.model.outcome import Census, CensusLine, Reason, Refusal
+from assur.planner.model.scene import Window
+from assur.planner.report.sentence import leading, sentence
 from tests.planner.cells import cell, go
 
 SCENE = cell(go(0.35, 0.2, name="drop"), go(0.3, 0.0, name="home"))

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.extents import extents
-from planner.shapes import AXES, Hull, Piece, Primitive, box, capsule, cylinder, sphere, support
+from assur.planner.geometry.extents import extents
+from assur.planner.geometry.shapes import AXES, Hull, Piece, Primitive, box, capsule, cylinder, sphere, support
 from tests.planner.convex import distance_from_origin, reach
 from tests.planner.test_shapes import KINDS, TETRAHEDRON, TRIANGLES, primitives, rotations
 

@@ -9,15 +9,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planner.certificate import Prover
-from planner.feasibility import points_impossible, start_impossible
-from planner.frames import Conveyor, Turntable
-from planner.frames.motion import Pose
-from planner.outcome import Planned, Reason, Refusal
-from planner.pipeline import plan
-from planner.scene import Clearance, Execution, Follow, Pick, Place, Scene
-from planner.search import Search
-from planner.shapes import Body, Piece, box, cylinder, sphere
+from assur.planner.collision.proof import Prover
+from assur.planner.feasibility.necessary import points_impossible, start_impossible
+from assur.planner.frames import Conveyor, Turntable
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import Body, Piece, box, cylinder, sphere
+from assur.planner.model.outcome import Planned, Reason, Refusal
+from assur.planner.model.scene import Clearance, Execution, Follow, Pick, Place, Scene
+from assur.planner.pipeline import plan
+from assur.planner.search.beam import Search
 from tests.planner.cells import (
     BARE,
     CUP,

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.gjk import separate
-from planner.separation import gaps
-from planner.shapes import Piece, box, capsule, sphere
+from assur.planner.collision.gjk import separate
+from assur.planner.collision.support_gaps import gaps
+from assur.planner.geometry.shapes import Piece, box, capsule, sphere
 from tests.planner.cells import placed, rotation
 from tests.planner.convex import KINDS, anywhere, distance, grid_aligned, inside, pairs, shape_of
 

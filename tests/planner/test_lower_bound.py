@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planner.frames import Conveyor, Turntable
-from planner.frames.motion import Pose
-from planner.lower_bound import lower_bound
-from planner.outcome import Planned
-from planner.phases import flange_target, held, initial_rides
-from planner.pipeline import plan
-from planner.scene import Follow, Pick, Place, Scene, Target, Tool, Window
-from planner.timing import rest_to_rest_time
+from assur.planner.frames import Conveyor, Turntable
+from assur.planner.frames.motion import Pose
+from assur.planner.model.outcome import Planned
+from assur.planner.model.phases import flange_target, held, initial_rides
+from assur.planner.model.scene import Follow, Pick, Place, Scene, Target, Tool, Window
+from assur.planner.pipeline import plan
+from assur.planner.search.lower_bound import lower_bound
+from assur.planner.timing import rest_to_rest_time
 from tests.planner.cells import CRANKED, PART, arm, at, belt_and_dial, cell, frame, go, limits, stands, table_to_table
 
 DIAL = frame("dial", Turntable(Pose(0.32, 0.12), 0.8))

@@ -9,21 +9,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planner.certificate import Prover
-from planner.frames import Conveyor
-from planner.frames.motion import Pose
-from planner.gjk import RELATIVE, separate
-from planner.margins import contacts, margins
-from planner.nearest import INSTANTS, nearest
-from planner.outcome import LegKind, Planned
-from planner.phases import Phase, phases
-from planner.pipeline import plan
-from planner.scene import Clearance
-from planner.separation import place
-from planner.shapes import box
-from planner.solids import carriers
-from planner.tool_motion import tool_motion
-from planner.trajectory import Trajectory
+from assur.planner.collision.arrangement import carriers
+from assur.planner.collision.gjk import RELATIVE, separate
+from assur.planner.collision.nearest import INSTANTS, nearest
+from assur.planner.collision.proof import Prover
+from assur.planner.collision.support_gaps import place
+from assur.planner.frames import Conveyor
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import box
+from assur.planner.legs.tool_motion import tool_motion
+from assur.planner.model.outcome import LegKind, Planned
+from assur.planner.model.phases import Phase, phases
+from assur.planner.model.scene import Clearance
+from assur.planner.pipeline import plan
+from assur.planner.report.margins import contacts, margins
+from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CRANKED, CUP, belt_and_dial, cell, frame, go, stands, table_to_table
 from tests.planner.certificate.moving_ball import LAWS, SHAPES, encounter
 

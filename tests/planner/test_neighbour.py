@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.errors import InputError
-from planner.frames import Law, Motion, Pose
-from planner.neighbour import TrajectoryLaw
-from planner.robots.protocol import Limits
-from planner.robots.scara import Scara
-from planner.trajectory import Trajectory
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
+from assur.planner.frames import Law, Motion, Pose
+from assur.planner.model.link_frames import TrajectoryLaw
+from assur.planner.robots.protocol import Limits
+from assur.planner.robots.scara import Scara
+from assur.planner.trajectory import Trajectory
 
 LIMITS = Limits(
     np.array([-2.9, -2.5, -0.2, -6.0]),

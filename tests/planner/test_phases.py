@@ -11,12 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.errors import InputError
-from planner.frames import Conveyor, Fixed, Frame, Linear, Turntable
-from planner.frames.motion import Pose
-from planner.outcome import Arrival, Leg, LegKind
-from planner.phases import (
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
+from assur.planner.frames import Conveyor, Fixed, Frame, Linear, Turntable
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import Body, Piece, Primitive, box, cylinder
+from assur.planner.model.outcome import Arrival, Leg, LegKind
+from assur.planner.model.phases import (
     Phase,
     flange_target,
     held,
@@ -26,8 +27,7 @@ from planner.phases import (
     resting_on,
     yaw_offsets,
 )
-from planner.scene import Follow, Move, Options, Pick, Place, Scene, Step, Target, WorldBody
-from planner.shapes import Body, Piece, Primitive, box, cylinder
+from assur.planner.model.scene import Follow, Move, Options, Pick, Place, Scene, Step, Target, WorldBody
 from tests.planner.checker.hand_made import TOOL, arm, solid, start_at
 
 FRAMES = {

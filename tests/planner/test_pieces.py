@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from planner.pieces import pieces
-from planner.shapes import Hull, Primitive, box, cylinder, sphere
-from planner.units import COVER, units
+from assur.planner.geometry.pieces import pieces
+from assur.planner.geometry.shapes import Hull, Primitive, box, cylinder, sphere
+from assur.planner.geometry.units import COVER, units
 from tests.planner.cells import CUP, Around, arm, block, cell, go, mesh_box, solid, stands
 
 

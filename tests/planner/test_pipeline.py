@@ -12,14 +12,14 @@ import pytest
 from hypothesis import assume, event, given, settings
 from hypothesis import strategies as st
 
-from planner.checker import check
-from planner.frames import Change, Conveyor, Fixed, Keyframes, Linear, Swing, Turntable
-from planner.frames.motion import Pose
-from planner.outcome import Leg, LegKind, NotPlanned, Outcome, Planned, Reason
-from planner.pipeline import plan
-from planner.scene import Arch, Clearance, Execution, Follow, Move, Pick, Place, Scene, Target, Window
-from planner.shapes import box, cylinder, sphere
-from planner.trajectory import check_limits
+from assur.planner.checker import check
+from assur.planner.frames import Change, Conveyor, Fixed, Keyframes, Linear, Swing, Turntable
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import box, cylinder, sphere
+from assur.planner.model.outcome import Leg, LegKind, NotPlanned, Outcome, Planned, Reason
+from assur.planner.model.scene import Arch, Clearance, Execution, Follow, Move, Pick, Place, Scene, Target, Window
+from assur.planner.pipeline import plan
+from assur.planner.trajectory import check_limits
 from tests.planner.cells import (
     CRANKED,
     CUP,

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planner.checker import check
-from planner.errors import InputError
-from planner.frames import Conveyor
-from planner.frames.motion import Pose
-from planner.frames.tilted import TiltedMotion
-from planner.legs.tilt import PITCHES, pitch_free, roll_free, tilt_of, tilts
-from planner.outcome import LegKind, NotPlanned, Outcome, Planned, Reason
-from planner.pipeline import plan
-from planner.scene import Arch, Pick, Place, Scene, Tool
-from planner.shapes import box
+from assur.planner.checker import check
+from assur.planner.errors import InputError
+from assur.planner.frames import Conveyor
+from assur.planner.frames.motion import Pose
+from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.geometry.shapes import box
+from assur.planner.legs.tilt import PITCHES, pitch_free, roll_free, tilt_of, tilts
+from assur.planner.model.outcome import LegKind, NotPlanned, Outcome, Planned, Reason
+from assur.planner.model.scene import Arch, Pick, Place, Scene, Tool
+from assur.planner.pipeline import plan
 from tests.planner.cells import at, cell, frame, go, stands
 from tests.planner.five_axis_cells import DOWN, HEIGHT, REACH, START, aim, five_axis_arm, five_axis_cell, follows, goes
 

@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 
-from planner.frames import Conveyor
-from planner.frames.motion import Pose
-from planner.outcome import NotPlanned, Planned, Reason, Refusal
-from planner.pipeline import plan
-from planner.relaxation import changes, relax, worth_trying
-from planner.scene import Clearance, Follow, Pick, Place, Scene, Target, Window
-from planner.shapes import box, cylinder
+from assur.planner.frames import Conveyor
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import box, cylinder
+from assur.planner.model.outcome import NotPlanned, Planned, Reason, Refusal
+from assur.planner.model.scene import Clearance, Follow, Pick, Place, Scene, Target, Window
+from assur.planner.pipeline import plan
+from assur.planner.relaxation import changes, relax, worth_trying
 from tests.planner.cells import CUP, Around, at, belt_and_dial, cell, frame, go, solid, stands, table_to_table
 
 FAST = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.5))

@@ -9,16 +9,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.certificate import Prover, Rows, Unproved
-from planner.frames.motion import Pose
-from planner.outcome import LegKind, Reason
-from planner.phases import Phase
-from planner.scene import Clearance
-from planner.screening import screen
-from planner.shapes import box
-from planner.solids import standing
-from planner.trajectory import Trajectory
+from assur.planner.arrays import FloatArray
+from assur.planner.collision.arrangement import standing
+from assur.planner.collision.proof import Prover
+from assur.planner.collision.rows import Rows, Unproved
+from assur.planner.collision.screening import screen
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import box
+from assur.planner.model.outcome import LegKind, Reason
+from assur.planner.model.phases import Phase
+from assur.planner.model.scene import Clearance
+from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CUP, Around, arm, block, cell, go, mesh_box, solid, stands
 from tests.planner.certificate.moving_ball import LAWS, SHAPES, encounter
 

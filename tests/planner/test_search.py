@@ -14,18 +14,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planner.candidates import Sampler
-from planner.certificate import Prover
-from planner.chain import Outline, Sample, initial, prepared
-from planner.checker import check
-from planner.continuation import outline
-from planner.legs.joint import Shape
-from planner.legs.meeting import Meetings
-from planner.outcome import NotPlanned, Planned, Reason
-from planner.pipeline import plan
-from planner.scene import Arch, Clearance, Scene
-from planner.search import BEAM, Found, Search
-from planner.shapes import box, cylinder
+from assur.planner.checker import check
+from assur.planner.collision.proof import Prover
+from assur.planner.geometry.shapes import box, cylinder
+from assur.planner.legs.joint import Shape
+from assur.planner.legs.meeting import Meetings
+from assur.planner.model.outcome import NotPlanned, Planned, Reason
+from assur.planner.model.scene import Arch, Clearance, Scene
+from assur.planner.pipeline import plan
+from assur.planner.search.beam import BEAM, Found, Search
+from assur.planner.search.candidates import Sampler
+from assur.planner.search.extension import outline
+from assur.planner.search.partial_plan import Outline, Sample, initial, prepared
 from tests.planner.cells import CUP, arm, belt_and_dial, cell, go, stands, table_to_table
 
 ROOT = Path(__file__).parents[2]
@@ -116,7 +116,7 @@ class _Clock:
 
 def run(scene: Scene, monkeypatch: pytest.MonkeyPatch, step: float) -> tuple[Found, float]:
     clock = _Clock(step)
-    monkeypatch.setattr("planner.search.time", clock)
+    monkeypatch.setattr("assur.planner.search.beam.time", clock)
     return Search(scene, Prover(scene), 0.0).run(), clock.now
 
 

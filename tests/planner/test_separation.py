@@ -7,11 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import planner.separation
-from planner.arrays import FloatArray
-from planner.frames import Turntable
-from planner.frames.motion import Pose
-from planner.separation import (
+import assur.planner.collision.support_gaps
+from assur.planner.arrays import FloatArray
+from assur.planner.collision.arrangement import COVER, SolidsMaker, asked_pairs, carriers
+from assur.planner.collision.support_gaps import (
     centre_normals,
     face_normals,
     gaps,
@@ -22,8 +21,9 @@ from planner.separation import (
     support,
     swept_gaps,
 )
-from planner.shapes import Body, Hull, Piece, box, cylinder, sphere
-from planner.solids import COVER, SolidsMaker, asked_pairs, carriers
+from assur.planner.frames import Turntable
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import Body, Hull, Piece, box, cylinder, sphere
 from tests.planner.cells import Around, arm, block, cell, frame, go, mesh_box, placed, rotation, solid
 from tests.planner.convex import KINDS, anywhere, distance, grid_aligned, inside, pairs, shape_of
 
@@ -111,7 +111,7 @@ def test_rough_gaps_of_hulls_that_are_off_their_origin_are_lower_bounds_at_all_t
 def test_swept_gaps_are_below_rough_ones_at_all_times_and_tight_where_nothing_moves(
     moving: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(planner.separation, "FEW", 0)
+    monkeypatch.setattr(assur.planner.collision.support_gaps, "FEW", 0)
     rng = np.random.default_rng(5)
     dial = frame("dial", Turntable(Pose(0.1, -0.2, 0.0, 0.3), 1.5))
     shapes = [shape_of(kind, (0.1, 0.07, 0.05), k) for k, kind in enumerate(KINDS * 12)]
@@ -143,7 +143,7 @@ def test_few_pairs_and_unknown_places_are_never_ruled_out_over_all_times(monkeyp
     where = carriers(scene, np.zeros((2, 4)), np.array([0.5, 2.0]))
     a, b = np.array([0]), np.array([1])
     assert swept_gaps(solids, where, a, b)[0] == -np.inf
-    monkeypatch.setattr(planner.separation, "FEW", 0)
+    monkeypatch.setattr(assur.planner.collision.support_gaps, "FEW", 0)
     assert not swept_gaps(solids, where, a, b)[0] > -1e9
 
 

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.errors import InputError
-from planner.shapes import (
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
+from assur.planner.geometry.shapes import (
     AXES,
     LARGEST_M,
     SMALLEST_M,

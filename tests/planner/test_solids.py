@@ -9,15 +9,15 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.frames import Turntable
-from planner.frames.motion import Pose
-from planner.phases import Carried
-from planner.robots.scara import FLANGE
-from planner.scene import Scene
-from planner.shapes import Body, Hull, Piece, box, corners, cylinder, sphere, support
-from planner.solids import COVER, SolidsMaker, asked_pairs, carriers, standing
-from planner.trajectory import Trajectory
-from planner.units import bounding_box
+from assur.planner.collision.arrangement import COVER, SolidsMaker, asked_pairs, carriers, standing
+from assur.planner.frames import Turntable
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import Body, Hull, Piece, box, corners, cylinder, sphere, support
+from assur.planner.geometry.units import bounding_box
+from assur.planner.model.phases import Carried
+from assur.planner.model.scene import Scene
+from assur.planner.robots.scara import FLANGE
+from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CUP, Around, arm, block, cell, frame, go, mesh_box, solid, stands, table_to_table
 from tests.planner.convex import anywhere, grid_aligned
 

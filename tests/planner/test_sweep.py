@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from planner import sweep as sweeps
-from planner.errors import FaultError
-from planner.sweep import sweep
-from planner.timing import Profile, time_joints, to_trajectory
-from planner.trajectory import Trajectory
+from assur.planner.errors import FaultError
+from assur.planner.timing import Profile, time_joints, to_trajectory
+from assur.planner.trajectory import Trajectory
+from assur.planner.trajectory import sweep as sweeps
+from assur.planner.trajectory.sweep import sweep
 from tests.planner.timing.legs import question
 from tests.planner.trajectory.splines import splines
 

@@ -15,8 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from planner.errors import FaultError, InputError
-from planner.outcome import (
+from assur.planner.errors import FaultError, InputError
+from assur.planner.model.outcome import (
     Census,
     CensusLine,
     Certificate,
@@ -28,13 +28,13 @@ from planner.outcome import (
     Refusal,
     Relaxation,
 )
-from planner.pipeline import plan
-from planner.trajectory import Trajectory
-from scenes.answer import NOTICE, answer_of, certificate_document, trajectory_document
-from scenes.build.cell import Cell
-from scenes.json_text import parse_json
-from scenes.plans import plan_of
-from scenes.requests import cell_of, check_document, plan_document
+from assur.planner.pipeline import plan
+from assur.planner.trajectory import Trajectory
+from assur.scenes.answer import NOTICE, answer_of, certificate_document, trajectory_document
+from assur.scenes.build.cell import Cell
+from assur.scenes.json_text import parse_json
+from assur.scenes.plans import plan_of
+from assur.scenes.requests import cell_of, check_document, plan_document
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 FANUC: dict[str, Any] = {

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from planner.errors import InputError
-from scenes.requests import parse_json, scene_of, validate
+from assur.planner.errors import InputError
+from assur.scenes.requests import parse_json, scene_of, validate
 from tests.scenes.bad_requests import (
     BAD_REQUESTS,
     BAD_TEXTS,

@@ -14,14 +14,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.errors import InputError
-from planner.frames.motion import Pose
-from planner.robots.protocol import Robot
-from planner.robots.scara import Scara
-from planner.shapes import Piece, Primitive
-from scenes.catalogue import ENTRIES, arm_named, entry_of, robots
-from scenes.catalogue.arm import FiveBarArm, JointConvention, as_maker, converted
-from scenes.catalogue.entry import SURE
+from assur.planner.errors import InputError
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import Piece, Primitive
+from assur.planner.robots.protocol import Robot
+from assur.planner.robots.scara import Scara
+from assur.scenes.catalogue import ENTRIES, arm_named, entry_of, robots
+from assur.scenes.catalogue.arm import FiveBarArm, JointConvention, as_maker, converted
+from assur.scenes.catalogue.entry import SURE
 
 LISTED = {robot["model"]: robot for robot in robots()}
 RAD = math.pi / 180

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.errors import InputError
-from scenes.bounds import MAX_DEPTH
-from scenes.json_text import parse_json
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_DEPTH
+from assur.scenes.json_text import parse_json
 
 LEAVES = st.none() | st.booleans() | st.integers(-(2**53), 2**53) | st.floats(allow_nan=False, allow_infinity=False)
 TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=8)

@@ -10,12 +10,12 @@ import pytest
 HEAVY = ("fcl", "ruckig", "trimesh", "scipy")
 
 DOORS = {
-    "reading": "import scenes.requests as r; r.validate(r.shipped('demo').request)",
-    "listing": "import scenes.requests as r; r.robots(); r.shipped_scenarios(); r.request_schema()",
-    "parsing": "import scenes.requests as r; r.parse_json(b'{}')",
-    "digest": "import scenes.requests as r; r.request_digest(r.shipped('demo').request)",
+    "reading": "import assur.scenes.requests as r; r.validate(r.shipped('demo').request)",
+    "listing": "import assur.scenes.requests as r; r.robots(); r.shipped_scenarios(); r.request_schema()",
+    "parsing": "import assur.scenes.requests as r; r.parse_json(b'{}')",
+    "digest": "import assur.scenes.requests as r; r.request_digest(r.shipped('demo').request)",
     "scene": (
-        "import scenes.requests as r\n"
+        "import assur.scenes.requests as r\n"
         "request = dict(r.shipped('demo').request)\n"
         "request['bodies'] = [dict(b, shape={'box': {'size_mm': [60, 40, 20]}}) for b in request['bodies']]\n"
         "r.scene_of(request)"
@@ -23,7 +23,7 @@ DOORS = {
     "every module": (
         "import importlib, pkgutil, scenes\n"
         "for module in pkgutil.walk_packages(scenes.__path__, 'scenes.'):\n"
-        "    if not module.name.startswith('scenes.meshes.'): importlib.import_module(module.name)"
+        "    if not module.name.startswith('assur.scenes.meshes.'): importlib.import_module(module.name)"
     ),
 }
 
@@ -36,6 +36,6 @@ def test_no_native_library_is_loaded(door: str) -> None:
 
 
 def test_the_probe_sees_a_library_that_is_loaded() -> None:
-    probe = f"import scenes.meshes.load, scenes.meshes.hull, sys; print([m for m in {HEAVY} if m in sys.modules])"
+    probe = f"import assur.scenes.meshes.load, assur.scenes.meshes.hull, sys; print([m for m in {HEAVY} if m in sys.modules])"
     found = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "['scipy']"

@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from scenes.catalogue import ENTRIES
-from scenes.documents.request import RequestDocument
-from scenes.meshes.assets import asset_names
-from scenes.requests import scene_of
-from scenes.yaml_text import parse_yaml
+from assur.scenes.catalogue import ENTRIES
+from assur.scenes.documents.request import RequestDocument
+from assur.scenes.meshes.assets import asset_names
+from assur.scenes.requests import scene_of
+from assur.scenes.yaml_text import parse_yaml
 
 TEXT = (Path("docs") / "request.md").read_text()
 PARTS = re.findall(r"```yaml\n(.*?)```", TEXT, re.DOTALL)

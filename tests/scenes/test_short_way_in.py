@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from planner.errors import InputError
-from scenes import check, load, plan
-from scenes.faults import DocumentError
-from scenes.requests import shipped
+from assur.planner.errors import InputError
+from assur.scenes import check, load, plan
+from assur.scenes.faults import DocumentError
+from assur.scenes.requests import shipped
 
 SCENARIO = """\
 about: A tray in a file beside the scenario.

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.errors import InputError
-from scenes.bounds import MAX_DEPTH, MAX_YAML_BYTES
-from scenes.faults import DocumentError
-from scenes.yaml_text import parse_yaml
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_DEPTH, MAX_YAML_BYTES
+from assur.scenes.faults import DocumentError
+from assur.scenes.yaml_text import parse_yaml
 
 
 @pytest.mark.parametrize(

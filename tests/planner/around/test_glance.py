@@ -7,22 +7,22 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from planner.around.glance import APART_S, REMEMBERED, Glance
-from planner.around.population import NEARLY_FREE, Population
-from planner.around.prospects import MOST_VIAS, Freedom, Prospects, together
-from planner.around.rough import RoughMotions
-from planner.arrays import BoolArray, FloatArray
-from planner.certificate import Prover
-from planner.chain import Outline, Sample, initial, prepared
-from planner.continuation import outline
-from planner.frames import Frame, Linear
-from planner.frames.motion import Pose
-from planner.legs.meeting import Meetings
-from planner.scene import Scene
-from planner.screening import screen
-from planner.shapes import box
-from planner.timing.trapezoids import Trapezoids
-from planner.ways import Option, options
+from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.collision.proof import Prover
+from assur.planner.collision.screening import screen
+from assur.planner.frames import Frame, Linear
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import box
+from assur.planner.legs.meeting import Meetings
+from assur.planner.model.scene import Scene
+from assur.planner.search.extension import outline
+from assur.planner.search.meeting_options import Option, options
+from assur.planner.search.partial_plan import Outline, Sample, initial, prepared
+from assur.planner.search.population import NEARLY_FREE, Population
+from assur.planner.search.rough_motion import RoughMotions
+from assur.planner.search.rough_score import APART_S, REMEMBERED, Glance
+from assur.planner.search.via_batch import MOST_VIAS, Freedom, Prospects, together
+from assur.planner.timing.trapezoids import Trapezoids
 from tests.planner.cells import Around, arm, belt_and_dial, cell, go, solid, stands
 from tests.planner.test_search import narrow
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from planner.outcome import NotPlanned, Planned
-from planner.pipeline import plan
-from planner.scene import Scene
-from planner.shapes import box
+from assur.planner.geometry.shapes import box
+from assur.planner.model.outcome import NotPlanned, Planned
+from assur.planner.model.scene import Scene
+from assur.planner.pipeline import plan
 from tests.planner.cells import arm, cell, go, stands
 
 TOP = float(arm().limits.upper[2])

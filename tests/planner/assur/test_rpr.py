@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.assur.codes import Code
-from planner.assur.rpr import BACKWARD, FORWARD, RPR
-from planner.errors import FaultError, InputError
-from planner.robots.vertical_plane import turned
+from assur.planner.arrays import FloatArray
+from assur.planner.assur.codes import Code
+from assur.planner.assur.rpr import BACKWARD, FORWARD, RPR
+from assur.planner.errors import FaultError, InputError
+from assur.planner.robots.vertical_plane import turned
 
 DYAD = RPR(1e-12)
 BOTH = pytest.mark.parametrize("sign", [FORWARD, BACKWARD])

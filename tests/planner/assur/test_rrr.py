@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.assur import rrr
-from planner.assur.codes import Code
-from planner.assur.rrr import BLOCK, LEFT, RIGHT, RRR, Assembly, Planar
-from planner.errors import FaultError, InputError
+from assur.planner.arrays import FloatArray
+from assur.planner.assur import rrr
+from assur.planner.assur.codes import Code
+from assur.planner.assur.rrr import BLOCK, LEFT, RIGHT, RRR, Assembly, Planar
+from assur.planner.errors import FaultError, InputError
 
 MODES = [LEFT, RIGHT]
 COUNT = 10_000

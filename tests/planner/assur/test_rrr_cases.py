@@ -7,9 +7,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.assur.codes import Code
-from planner.assur.rrr import LEFT, RIGHT, ROUNDING, RRR, Assembly, Planar
+from assur.planner.arrays import FloatArray
+from assur.planner.assur.codes import Code
+from assur.planner.assur.rrr import LEFT, RIGHT, ROUNDING, RRR, Assembly, Planar
 
 MODES = [LEFT, RIGHT]
 

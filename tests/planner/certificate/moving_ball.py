@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.frames import Conveyor, Frame, Keyframes, Law, Linear, Swing, Turntable
-from planner.frames.motion import Motion, Pose
-from planner.outcome import LegKind
-from planner.phases import Phase
-from planner.scene import Scene, Tool
-from planner.shapes import Body, Hull, Piece, box, capsule, cylinder, sphere, support
-from planner.timing import Profile, time_joints
-from planner.trajectory import Trajectory
+from assur.planner.arrays import FloatArray
+from assur.planner.frames import Conveyor, Frame, Keyframes, Law, Linear, Swing, Turntable
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.geometry.shapes import Body, Hull, Piece, box, capsule, cylinder, sphere, support
+from assur.planner.model.outcome import LegKind
+from assur.planner.model.phases import Phase
+from assur.planner.model.scene import Scene, Tool
+from assur.planner.timing import Profile, time_joints
+from assur.planner.trajectory import Trajectory
 from tests.planner.cells import Around, Shape, arm, block, cell, go, rotation, solid
 
 BALL = Pose(0.03, -0.02, -0.05)

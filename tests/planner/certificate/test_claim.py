@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.certificate.claim import Claim, put, take
-from planner.requirement import SLACK_M
+from assur.planner.collision.claim import Claim, put, take
+from assur.planner.model.clearance import SLACK_M
 
 
 def claim(least: list[float], required: float = 0.001) -> Claim:

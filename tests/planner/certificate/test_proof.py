@@ -10,18 +10,19 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from planner.certificate import Prover, Rows, Unproved
-from planner.collision import Collider
-from planner.errors import FaultError
-from planner.frames import Frame, Uncertainty
-from planner.frames.motion import Pose
-from planner.outcome import LegKind
-from planner.phases import CONTACT_M, Phase
-from planner.scene import Clearance, Execution, Scene, Tool
-from planner.separation import place
-from planner.shapes import Body, box, cylinder, sphere
-from planner.solids import COVER, carriers
-from planner.trajectory import Trajectory
+from assur.planner.collision.arrangement import COVER, carriers
+from assur.planner.collision.fcl_door import Collider
+from assur.planner.collision.proof import Prover
+from assur.planner.collision.rows import Rows, Unproved
+from assur.planner.collision.support_gaps import place
+from assur.planner.errors import FaultError
+from assur.planner.frames import Frame, Uncertainty
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import Body, box, cylinder, sphere
+from assur.planner.model.outcome import LegKind
+from assur.planner.model.phases import CONTACT_M, Phase
+from assur.planner.model.scene import Clearance, Execution, Scene, Tool
+from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CUP, Around, arm, cell, go, mesh_box, solid, stands
 from tests.planner.certificate.moving_ball import LAWS, SHAPES, Encounter, encounter, motion, true_gap
 

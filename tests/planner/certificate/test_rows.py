@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.certificate import Prover, Rows, written
-from planner.digest import digest
-from planner.outcome import Planned
-from planner.phases import phases
-from planner.pipeline import plan
-from planner.separation import gaps, place
-from planner.solids import carriers, standing
+from assur.planner.collision.arrangement import carriers, standing
+from assur.planner.collision.proof import Prover
+from assur.planner.collision.rows import Rows, written
+from assur.planner.collision.support_gaps import gaps, place
+from assur.planner.model.digest import digest
+from assur.planner.model.outcome import Planned
+from assur.planner.model.phases import phases
+from assur.planner.pipeline import plan
 from tests.planner.cells import belt_and_dial, go
 
 

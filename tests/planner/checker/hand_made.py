@@ -14,18 +14,18 @@ from typing import Any
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.digest import digest
-from planner.errors import FaultError
-from planner.frames import Conveyor, Fixed, Frame, Linear, Turntable
-from planner.frames.motion import Motion, Pose
-from planner.outcome import Arrival, Certificate, Leg, LegKind, Plan
-from planner.phases import CONTACT_M, Phase, initial_rides, phases
-from planner.robots.protocol import Code, Limits, RobotBody, Sweep
-from planner.robots.scara import BASE, FLANGE, LINK1, LINK2, QUILL, Scara
-from planner.scene import Clearance, Move, Options, Pick, Place, Scene, Start, Target, Tool, WorldBody
-from planner.shapes import Body, Hull, Piece, box, capsule, cylinder, sphere, support
-from planner.trajectory import Trajectory
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
+from assur.planner.frames import Conveyor, Fixed, Frame, Linear, Turntable
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.geometry.shapes import Body, Hull, Piece, box, capsule, cylinder, sphere, support
+from assur.planner.model.digest import digest
+from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Plan
+from assur.planner.model.phases import CONTACT_M, Phase, initial_rides, phases
+from assur.planner.model.scene import Clearance, Move, Options, Pick, Place, Scene, Start, Target, Tool, WorldBody
+from assur.planner.robots.protocol import Code, Limits, RobotBody, Sweep
+from assur.planner.robots.scara import BASE, FLANGE, LINK1, LINK2, QUILL, Scara
+from assur.planner.trajectory import Trajectory
 from tests.planner.convex import reach
 
 MODE = 1

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planner.checker import Code, check
-from planner.digest import digest
-from planner.outcome import COVERS, Arrival, Missed, Plan, Planned
-from planner.pipeline import plan
-from planner.scene import Move, Options, Scene, Target
-from planner.shapes import box
-from planner.trajectory import Trajectory
+from assur.planner.checker import Code, check
+from assur.planner.geometry.shapes import box
+from assur.planner.model.digest import digest
+from assur.planner.model.outcome import COVERS, Arrival, Missed, Plan, Planned
+from assur.planner.model.scene import Move, Options, Scene, Target
+from assur.planner.pipeline import plan
+from assur.planner.trajectory import Trajectory
 from tests.planner.cells import cell, go, stands
 
 TIME_S = 0.3

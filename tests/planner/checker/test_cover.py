@@ -6,10 +6,10 @@ import numpy as np
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from planner.checker.cover import _holes, _piecewise, _Spans, asked_pairs
-from planner.checker.solids import solids
-from planner.checker.stage import stage
-from planner.phases import phases
+from assur.planner.checker.cover import _holes, _piecewise, _Spans, asked_pairs
+from assur.planner.checker.solids import solids
+from assur.planner.checker.stage import stage
+from assur.planner.model.phases import phases
 from tests.planner.checker.hand_made import belt_case, crossing_case
 
 LENGTH = 8

@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planner.checker import Code, check
-from planner.checker.enclosure import enclosed
-from planner.checker.ranges import ranges
-from planner.checker.solids import solids
-from planner.checker.spline import spline
-from planner.checker.stage import stage
-from planner.frames import Pose
-from planner.outcome import Plan
-from planner.phases import phases
-from planner.scene import Scene, WorldBody
-from planner.shapes import Body, Piece, box, sphere
+from assur.planner.checker import Code, check
+from assur.planner.checker.enclosure import enclosed
+from assur.planner.checker.ranges import ranges
+from assur.planner.checker.solids import solids
+from assur.planner.checker.spline import spline
+from assur.planner.checker.stage import stage
+from assur.planner.frames import Pose
+from assur.planner.geometry.shapes import Body, Piece, box, sphere
+from assur.planner.model.outcome import Plan
+from assur.planner.model.phases import phases
+from assur.planner.model.scene import Scene, WorldBody
 from tests.planner.checker.hand_made import belt_case, crossing, crossing_case, proved, solid
 
 CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])

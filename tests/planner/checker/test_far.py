@@ -8,18 +8,18 @@ from functools import cache
 import numpy as np
 import pytest
 
-from planner.arrays import BoolArray, FloatArray
-from planner.certificate import Prover
-from planner.checker import Code, check
-from planner.frames import Fixed, Linear
-from planner.frames.motion import Pose
-from planner.outcome import Plan, Planned
-from planner.phases import phases
-from planner.pipeline import plan
-from planner.scene import Clearance, Execution, Scene, WorldBody
-from planner.separation import place, support
-from planner.shapes import box, cylinder
-from planner.solids import carriers, standing
+from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.checker import Code, check
+from assur.planner.collision.arrangement import carriers, standing
+from assur.planner.collision.proof import Prover
+from assur.planner.collision.support_gaps import place, support
+from assur.planner.frames import Fixed, Linear
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import box, cylinder
+from assur.planner.model.outcome import Plan, Planned
+from assur.planner.model.phases import phases
+from assur.planner.model.scene import Clearance, Execution, Scene, WorldBody
+from assur.planner.pipeline import plan
 from tests.planner.cells import CUP, arm, cell, frame, go, stands
 from tests.planner.checker.hand_made import carton, with_rows, without
 

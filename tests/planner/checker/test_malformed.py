@@ -11,9 +11,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from planner.checker import Code, check
-from planner.outcome import Plan
-from planner.scene import Window
+from assur.planner.checker import Code, check
+from assur.planner.model.outcome import Plan
+from assur.planner.model.scene import Window
 from tests.planner.checker.hand_made import COLUMNS, asking, belt_case, crossing_case, sealed
 
 KNOTS = ("time", "q", "qd", "qdd")

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planner.checker.required import required
-from planner.checker.rows import Rows
-from planner.checker.solids import solids
-from planner.checker.stage import stage
-from planner.frames.law import Uncertainty
-from planner.phases import Phase, phases
-from planner.scene import Execution, Scene
+from assur.planner.checker.required import required
+from assur.planner.checker.rows import Rows
+from assur.planner.checker.solids import solids
+from assur.planner.checker.stage import stage
+from assur.planner.frames.law import Uncertainty
+from assur.planner.model.phases import Phase, phases
+from assur.planner.model.scene import Execution, Scene
 from tests.planner.checker.hand_made import belt_case
 
 UP = np.array([0.0, 0.0, 1.0])

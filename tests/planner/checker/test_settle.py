@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray, IntArray
-from planner.checker.settle import FIRST, settle
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.checker.settle import FIRST, settle
 
 
 class Wave:

@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from planner.arrays import FloatArray
-from planner.checker.solids import solids
-from planner.frames.motion import Pose
-from planner.scene import WorldBody
-from planner.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere, support
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.solids import solids
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere, support
+from assur.planner.model.scene import WorldBody
 from tests.planner.checker.hand_made import box_of, carton, crossing, wedge
 from tests.planner.convex import distance_from_origin
 

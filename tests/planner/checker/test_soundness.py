@@ -14,14 +14,14 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.checker import Code, check
-from planner.errors import FaultError
-from planner.frames import Law, Linear, Pose, Swing, Turntable
-from planner.frames.law import Uncertainty
-from planner.outcome import LegKind, Plan
-from planner.scene import Execution, Follow, Move, Options, Scene, Target, WorldBody
-from planner.shapes import Primitive, sphere
+from assur.planner.arrays import FloatArray
+from assur.planner.checker import Code, check
+from assur.planner.errors import FaultError
+from assur.planner.frames import Law, Linear, Pose, Swing, Turntable
+from assur.planner.frames.law import Uncertainty
+from assur.planner.geometry.shapes import Primitive, sphere
+from assur.planner.model.outcome import LegKind, Plan
+from assur.planner.model.scene import Execution, Follow, Move, Options, Scene, Target, WorldBody
 from tests.planner.checker.hand_made import (
     TOOL,
     WORLD,

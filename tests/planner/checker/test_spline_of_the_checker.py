@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.checker import Code
-from planner.checker.limits import JERK, RATE, limits
-from planner.checker.ranges import ranges
-from planner.checker.spline import Spline, cut, spline
-from planner.robots.protocol import Limits
-from planner.sweep import sweep
-from planner.trajectory import Trajectory, check_limits
+from assur.planner.arrays import FloatArray
+from assur.planner.checker import Code
+from assur.planner.checker.limits import JERK, RATE, limits
+from assur.planner.checker.ranges import ranges
+from assur.planner.checker.spline import Spline, cut, spline
+from assur.planner.robots.protocol import Limits
+from assur.planner.trajectory import Trajectory, check_limits
+from assur.planner.trajectory.sweep import sweep
 from tests.planner.checker.hand_made import arm, crossing
 
 C = arm().rate_matrix

@@ -12,19 +12,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planner.checker import Code, Verdict, check
-from planner.checker.ranges import ranges
-from planner.checker.rows import proved as judged
-from planner.checker.rows import sorted_out
-from planner.checker.solids import solids
-from planner.checker.spline import spline
-from planner.checker.stage import stage
-from planner.errors import FaultError
-from planner.frames import Conveyor, Linear, Pose
-from planner.outcome import Leg, LegKind, Plan
-from planner.phases import phases
-from planner.scene import Arch, Scene, Target, Window
-from planner.trajectory import Trajectory
+from assur.planner.checker import Code, Verdict, check
+from assur.planner.checker.ranges import ranges
+from assur.planner.checker.rows import proved as judged
+from assur.planner.checker.rows import sorted_out
+from assur.planner.checker.solids import solids
+from assur.planner.checker.spline import spline
+from assur.planner.checker.stage import stage
+from assur.planner.errors import FaultError
+from assur.planner.frames import Conveyor, Linear, Pose
+from assur.planner.model.outcome import Leg, LegKind, Plan
+from assur.planner.model.phases import phases
+from assur.planner.model.scene import Arch, Scene, Target, Window
+from assur.planner.trajectory import Trajectory
 from tests.planner.checker.hand_made import (
     BODIES_OF_CROSSING,
     asking,

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planner.checker import Code, check
-from planner.checker.tilt import tilt, tilt_accelerations, tilt_rates, turned_by
-from planner.frames import Conveyor
-from planner.frames.motion import Pose
-from planner.frames.tilted import TiltedMotion
-from planner.outcome import Arrival, LegKind, Plan, Planned
-from planner.pipeline import plan
-from planner.robots.protocol import Sweep
-from planner.scene import Scene, Step
-from planner.trajectory import Trajectory
+from assur.planner.checker import Code, check
+from assur.planner.checker.tilt import tilt, tilt_accelerations, tilt_rates, turned_by
+from assur.planner.frames import Conveyor
+from assur.planner.frames.motion import Pose
+from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.model.outcome import Arrival, LegKind, Plan, Planned
+from assur.planner.model.scene import Scene, Step
+from assur.planner.pipeline import plan
+from assur.planner.robots.protocol import Sweep
+from assur.planner.trajectory import Trajectory
 from tests.planner.cells import cell, frame, go
 from tests.planner.checker.hand_made import sealed
 from tests.planner.five_axis_cells import DOWN, START, aim, five_axis_arm, five_axis_cell, follows, goes

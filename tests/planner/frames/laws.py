@@ -9,9 +9,21 @@ from typing import get_args
 import numpy as np
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.frames import Change, Conveyor, Fixed, Indexer, Keyframes, Law, Linear, Motion, Pose, Swing, Turntable
-from planner.frames.keyframes import Ends
+from assur.planner.arrays import FloatArray
+from assur.planner.frames import (
+    Change,
+    Conveyor,
+    Fixed,
+    Indexer,
+    Keyframes,
+    Law,
+    Linear,
+    Motion,
+    Pose,
+    Swing,
+    Turntable,
+)
+from assur.planner.frames.keyframes import Ends
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.frames import (
+from assur.planner.arrays import FloatArray
+from assur.planner.frames import (
     Change,
     Conveyor,
     Fixed,

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.errors import InputError
-from planner.frames import Change, Conveyor, Indexer, Keyframes, Linear, Pose, Swing, Turntable
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
+from assur.planner.frames import Change, Conveyor, Indexer, Keyframes, Linear, Pose, Swing, Turntable
 from tests.planner.frames.laws import Case, cases, changes, poses
 
 

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.frames import Motion, Pose
+from assur.planner.arrays import FloatArray
+from assur.planner.frames import Motion, Pose
 from tests.planner.frames.laws import Case, cases
 from tests.planner.frames.test_motions_of_laws import STEP_S, stacked
 

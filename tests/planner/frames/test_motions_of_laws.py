@@ -8,8 +8,8 @@ import numpy as np
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.frames import Change, Conveyor, Law, Motion, Pose
+from assur.planner.arrays import FloatArray
+from assur.planner.frames import Change, Conveyor, Law, Motion, Pose
 from tests.planner.frames.laws import Case, cases
 
 STEP_S = 2e-4

@@ -10,8 +10,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from planner.errors import InputError
-from planner.frames import (
+from assur.planner.errors import InputError
+from assur.planner.frames import (
     ALWAYS,
     Change,
     Conveyor,
@@ -25,7 +25,7 @@ from planner.frames import (
     Swing,
     Turntable,
 )
-from planner.frames.validity import FURTHEST_S
+from assur.planner.frames.validity import FURTHEST_S
 
 HOME = Pose(0.1, -0.2, 0.3, 0.4)
 STOP = Change(1.0, 0.0, 2.0, 20.0)

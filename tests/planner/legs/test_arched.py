@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.legs.arched import Arched, Hop, arch
-from planner.legs.pace import Pace
-from planner.timing import Profile, TimingRefusal, time_joints
-from planner.trajectory import Trajectory, check_limits
+from assur.planner.arrays import FloatArray
+from assur.planner.legs.arched import Arched, Hop, arch
+from assur.planner.legs.pace import Pace
+from assur.planner.timing import Profile, TimingRefusal, time_joints
+from assur.planner.trajectory import Trajectory, check_limits
 from tests.planner.cells import limits
 from tests.planner.timing.legs import Floats, numbers
 

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.errors import InputError
-from planner.frames import Change, Conveyor, Fixed, Law, Linear, Turntable
-from planner.frames.motion import Pose
-from planner.legs.control_point import ControlPoint, control_point
-from planner.phases import initial_rides
-from planner.scene import Follow, Window
+from assur.planner.errors import InputError
+from assur.planner.frames import Change, Conveyor, Fixed, Law, Linear, Turntable
+from assur.planner.frames.motion import Pose
+from assur.planner.legs.control_point import ControlPoint, control_point
+from assur.planner.model.phases import initial_rides
+from assur.planner.model.scene import Follow, Window
 from tests.planner.cells import CRANKED, at, cell, frame, go, table_to_table
 
 

@@ -11,25 +11,25 @@ import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.frames import Conveyor, Indexer, Law, Linear, Swing, Turntable
-from planner.frames.motion import Pose
-from planner.legs.control_point import ControlPoint, control_point
-from planner.legs.glued import Glued, glue, lead_time
-from planner.legs.state import State
-from planner.outcome import LegKind, Reason, Refusal
-from planner.phases import initial_rides
-from planner.robots.elbow_arm import ElbowArm
-from planner.robots.polar_arm import PolarArm
-from planner.robots.protocol import Code, Limits, Robot
-from planner.scene import Follow, Pick, Scene, Start, Target, Tool
-from planner.shapes import box
-from planner.trajectory import Trajectory, check_limits
+from assur.planner.arrays import FloatArray
+from assur.planner.frames import Conveyor, Indexer, Law, Linear, Swing, Turntable
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import box
+from assur.planner.legs.control_point import ControlPoint, control_point
+from assur.planner.legs.glued import Glued, glue, lead_time
+from assur.planner.legs.state import State
+from assur.planner.model.outcome import LegKind, Reason, Refusal
+from assur.planner.model.phases import initial_rides
+from assur.planner.model.scene import Follow, Pick, Scene, Start, Target, Tool
+from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.robots.polar_arm import PolarArm
+from assur.planner.robots.protocol import Code, Limits, Robot
+from assur.planner.trajectory import Trajectory, check_limits
 from tests.planner.cells import BARE, CRANKED, CUP, arm, cell, frame, limits, stands
 
 LIMITS = limits()
 FOLLOWED_M = 1e-6
-"""The promise of `planner.legs.glued`."""
+"""The promise of `assur.planner.legs.glued`."""
 
 
 def law(kind: str, rng: np.random.Generator) -> tuple[Law, Pose]:

@@ -11,19 +11,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planner.frames import Conveyor, Law, Swing, Turntable
-from planner.frames.motion import Pose
-from planner.legs.arched import Hop
-from planner.legs.branch import Branch
-from planner.legs.control_point import control_point
-from planner.legs.joint import JointMotion, Reached, Shape, Via
-from planner.legs.meeting import meetings
-from planner.legs.state import State
-from planner.outcome import Reason, Refusal
-from planner.phases import initial_rides
-from planner.scene import Scene, Window
-from planner.timing import Solver
-from planner.trajectory import Trajectory, check_limits
+from assur.planner.frames import Conveyor, Law, Swing, Turntable
+from assur.planner.frames.motion import Pose
+from assur.planner.legs.arched import Hop
+from assur.planner.legs.branch import Branch
+from assur.planner.legs.control_point import control_point
+from assur.planner.legs.joint import JointMotion, Reached, Shape, Via
+from assur.planner.legs.meeting import meetings
+from assur.planner.legs.state import State
+from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.phases import initial_rides
+from assur.planner.model.scene import Scene, Window
+from assur.planner.timing import Solver
+from assur.planner.trajectory import Trajectory, check_limits
 from tests.planner.cells import cell, frame, go, limits
 
 NONE = np.zeros(4)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from planner.outcome import NotPlanned, Planned, Reason
-from planner.pipeline import plan
+from assur.planner.model.outcome import NotPlanned, Planned, Reason
+from assur.planner.pipeline import plan
 from tests.planner.cells import cell, go
 
 

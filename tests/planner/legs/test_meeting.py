@@ -9,15 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.frames import Conveyor, Fixed, Linear, Turntable
-from planner.frames.motion import Pose
-from planner.legs.control_point import control_point
-from planner.legs.meeting import LOOK_AHEAD_S, Meetings, meetings
-from planner.outcome import Reason
-from planner.phases import initial_rides
-from planner.scene import Follow, Pick, Scene, Window
-from planner.scene import WorldBody as Around
-from planner.shapes import box
+from assur.planner.frames import Conveyor, Fixed, Linear, Turntable
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.shapes import box
+from assur.planner.legs.control_point import control_point
+from assur.planner.legs.meeting import LOOK_AHEAD_S, Meetings, meetings
+from assur.planner.model.outcome import Reason
+from assur.planner.model.phases import initial_rides
+from assur.planner.model.scene import Follow, Pick, Scene, Window
+from assur.planner.model.scene import WorldBody as Around
 from tests.planner.cells import arm, at, cell, frame, go, solid
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.legs.passing import VIA_VELOCITY, passing_velocities, passing_velocity
+from assur.planner.legs.passing import VIA_VELOCITY, passing_velocities, passing_velocity
 from tests.planner.cells import limits
 
 V, A = limits().velocity, limits().acceleration

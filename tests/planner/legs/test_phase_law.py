@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from planner.arrays import FloatArray
-from planner.frames.motion import Motion
-from planner.legs.line_rates import Rates
-from planner.legs.phase_law import PIECES, SHORTEST_S, TABLE, PhaseLaw, quickest
-from planner.robots.protocol import Limits
-from planner.robots.scara import Scara
+from assur.planner.arrays import FloatArray
+from assur.planner.frames.motion import Motion
+from assur.planner.legs.line_rates import Rates
+from assur.planner.legs.phase_law import PIECES, SHORTEST_S, TABLE, PhaseLaw, quickest
+from assur.planner.robots.protocol import Limits
+from assur.planner.robots.scara import Scara
 from tests.planner.cells import arm, limits
 
 Table = tuple[FloatArray, FloatArray, FloatArray]

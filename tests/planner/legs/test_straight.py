@@ -10,25 +10,25 @@ import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
+from assur.planner.arrays import FloatArray
+from assur.planner.frames import Conveyor, Fixed, Law, Turntable
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.legs.line import Along
+from assur.planner.legs.state import State, Stretch
+from assur.planner.legs.straight import constant_law, mode_changes, scaled, straight
+from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.scene import Scene
+from assur.planner.robots.protocol import Robot
+from assur.planner.trajectory import Trajectory, check_limits
+from assur.scenes.catalogue import arm_named
 from benchmarks.sections.legs import fastest_joint_move
-from planner.arrays import FloatArray
-from planner.frames import Conveyor, Fixed, Law, Turntable
-from planner.frames.motion import Motion, Pose
-from planner.frames.tilted import TiltedMotion
-from planner.legs.line import Along
-from planner.legs.state import State, Stretch
-from planner.legs.straight import constant_law, mode_changes, scaled, straight
-from planner.outcome import Reason, Refusal
-from planner.robots.protocol import Robot
-from planner.scene import Scene
-from planner.trajectory import Trajectory, check_limits
-from scenes.catalogue import arm_named
 from tests.planner.cells import arm, cell, go, limits
 from tests.planner.five_axis_cells import five_axis_arm
 
 LIMITS = limits()
 ON_THE_LINE_M = 2e-6
-"""The promise of `planner.legs.straight` is 1 µm half way between knots; 2 µm hold everywhere."""
+"""The promise of `assur.planner.legs.straight` is 1 µm half way between knots; 2 µm hold everywhere."""
 
 
 def along(law: Law, pose: Pose) -> Along:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from planner.frames.motion import Pose
-from planner.robots.five_bar import FiveBar
-from planner.robots.protocol import Limits
+from assur.planner.arrays import FloatArray
+from assur.planner.frames.motion import Pose
+from assur.planner.robots.five_bar import FiveBar
+from assur.planner.robots.protocol import Limits
 
 BASES = (Pose(), Pose(0.4, -0.7, 0.2, 2.5))
 LENGTHS = {

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from planner.arrays import FloatArray
-from planner.frames.motion import Motion, Pose
-from planner.robots.differential import determinant, inverse_jacobian, transforms
-from planner.robots.elbow_arm import ElbowArm
-from planner.robots.five_bar import FiveBar
-from planner.robots.polar_arm import PolarArm
-from planner.robots.protocol import Limits, Robot
-from planner.robots.scara import Scara
+from assur.planner.arrays import FloatArray
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.robots.differential import determinant, inverse_jacobian, transforms
+from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.robots.five_bar import FiveBar
+from assur.planner.robots.polar_arm import PolarArm
+from assur.planner.robots.protocol import Limits, Robot
+from assur.planner.robots.scara import Scara
 
 
 def limits(n: int, lower: float = -3.0) -> Limits:

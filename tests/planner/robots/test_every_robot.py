@@ -1,7 +1,7 @@
 """What the protocol promises of kinematics, asked of every robot of the catalogue: a new entry is asked by being there.
 
 Joints turn freely here and slide within their range; states that a robot's own `within` refuses (a closed chain that
-does not assemble) are left out. Only the protocol is used, and `planner.robots.differential`, which is made of it.
+does not assemble) are left out. Only the protocol is used, and `assur.planner.robots.differential`, which is made of it.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from planner.arrays import BoolArray, FloatArray
-from planner.frames.motion import Motion, Pose
-from planner.frames.tilted import TiltedMotion
-from planner.robots.differential import determinant, inverse_jacobian, transforms
-from planner.robots.protocol import Code, Limits, Robot
-from scenes.catalogue import ENTRIES, arm_named
+from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.robots.differential import determinant, inverse_jacobian, transforms
+from assur.planner.robots.protocol import Code, Limits, Robot
+from assur.scenes.catalogue import ENTRIES, arm_named
 
 BASE = Pose(0.4, -0.7, 0.2, 2.5)
 STATES = 10_000

@@ -7,15 +7,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from planner.arrays import FloatArray
-from planner.assur.rrr import RRR
-from planner.errors import FaultError, InputError
-from planner.frames.motion import Motion, Pose
-from planner.robots.five_bar import MODES, SIGMA, FiveBar
-from planner.robots.five_bar_links import DISTAL_LEFT, DISTAL_RIGHT, FLANGE, LINKS, QUILL
-from planner.robots.five_bar_workspace import workspace
-from planner.robots.protocol import Code, Limits, Robot, RobotBody
-from planner.shapes import Body, Piece, box
+from assur.planner.arrays import FloatArray
+from assur.planner.assur.rrr import RRR
+from assur.planner.errors import FaultError, InputError
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.geometry.shapes import Body, Piece, box
+from assur.planner.robots.five_bar import MODES, SIGMA, FiveBar
+from assur.planner.robots.five_bar_links import DISTAL_LEFT, DISTAL_RIGHT, FLANGE, LINKS, QUILL
+from assur.planner.robots.five_bar_workspace import workspace
+from assur.planner.robots.protocol import Code, Limits, Robot, RobotBody
 from tests.planner.robots.five_bars import BASES, LENGTHS, five_bar, states
 
 STENCIL = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.errors import FaultError
-from planner.frames.motion import Motion, Pose
-from planner.robots.five_bar_links import DISTAL_LEFT, FLANGE, LINKS, PROXIMAL_LEFT
-from planner.robots.protocol import Sweep
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.robots.five_bar_links import DISTAL_LEFT, FLANGE, LINKS, PROXIMAL_LEFT
+from assur.planner.robots.protocol import Sweep
 from tests.planner.robots.five_bars import BASES, LENGTHS, five_bar, states
 
 ROUNDING = 1e-11

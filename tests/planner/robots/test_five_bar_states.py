@@ -8,13 +8,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from planner.arrays import BoolArray, FloatArray
-from planner.frames.motion import Motion
-from planner.robots.differential import determinant, inverse_jacobian
-from planner.robots.five_bar import MODES, FiveBar
-from planner.robots.five_bar_jacobian import velocity_equation
-from planner.robots.five_bar_links import DISTAL_LEFT, DISTAL_RIGHT, FLANGE
-from planner.robots.protocol import Code
+from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.frames.motion import Motion
+from assur.planner.robots.differential import determinant, inverse_jacobian
+from assur.planner.robots.five_bar import MODES, FiveBar
+from assur.planner.robots.five_bar_jacobian import velocity_equation
+from assur.planner.robots.five_bar_links import DISTAL_LEFT, DISTAL_RIGHT, FLANGE
+from assur.planner.robots.protocol import Code
 from tests.planner.robots.five_bars import BASES, five_bar, states
 
 SIZE = 10_000

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.errors import FaultError
-from planner.frames.motion import Motion, Pose
-from planner.robots.protocol import Limits, Sweep
-from planner.robots.scara import BASE, FLANGE, LINK1, LINK2, LINKS, QUILL, Scara
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.robots.protocol import Limits, Sweep
+from assur.planner.robots.scara import BASE, FLANGE, LINK1, LINK2, LINKS, QUILL, Scara
 
 ROUNDING = 1e-12
 """Relative rounding of the test's own speeds."""

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.errors import FaultError, InputError
-from planner.frames.motion import Motion, Pose
-from planner.robots.protocol import Code, Inverse, Limits, Robot, RobotBody
-from planner.robots.scara import FLANGE, LINKS, QUILL, Scara
-from planner.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError, InputError
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.geometry.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
+from assur.planner.robots.protocol import Code, Inverse, Limits, Robot, RobotBody
+from assur.planner.robots.scara import FLANGE, LINKS, QUILL, Scara
 
 BASES = [Pose(), Pose(0.4, -0.7, 0.2, 2.5), Pose(-12.0, 30.0, -1.0, -9.0)]
 STENCIL = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])

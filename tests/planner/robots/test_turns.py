@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.errors import InputError
-from planner.robots import planar, turns
-from planner.robots.protocol import Limits, Robot
-from planner.robots.scara import Scara
-from planner.robots.turns import beyond_range, equivalents
+from assur.planner.errors import InputError
+from assur.planner.robots import planar, turns
+from assur.planner.robots.protocol import Limits, Robot
+from assur.planner.robots.scara import Scara
+from assur.planner.robots.turns import beyond_range, equivalents
 
 WIDE = np.array([7.0, 2.6, 0.4, 13.0])
 

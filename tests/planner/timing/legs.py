@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.timing import Numbers, Solver
+from assur.planner.timing import Numbers, Solver
 
 Floats = NDArray[np.float64]
 

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from planner.errors import InputError
-from planner.timing import ParabolicBlend, TooShort, fastest, least_duration, with_acceleration_time
-from planner.timing.blend_times import RESERVE, TOLD_S
-from planner.trajectory import Trajectory, check_limits
+from assur.planner.errors import InputError
+from assur.planner.timing import ParabolicBlend, TooShort, fastest, least_duration, with_acceleration_time
+from assur.planner.timing.blend_times import RESERVE, TOLD_S
+from assur.planner.trajectory import Trajectory, check_limits
 
 Floats = NDArray[np.float64]
 LOWER, UPPER = np.array([-2.3, -2.6, 0.05, -6.3]), np.array([2.3, 2.6, 0.25, 6.3])

@@ -8,8 +8,8 @@ import ruckig
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.timing import Profile, least_duration, rest_to_rest_time, time_joints
-from planner.timing.question import TimingRefusal
+from assur.planner.timing import Profile, least_duration, rest_to_rest_time, time_joints
+from assur.planner.timing.question import TimingRefusal
 from tests.planner.timing.legs import MANNERS, ROBOTS, Question, question
 
 

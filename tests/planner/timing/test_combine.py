@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from planner.errors import FaultError
-from planner.timing import Profile, combine, time_joints, to_trajectory
-from planner.trajectory import keeps_limits
+from assur.planner.errors import FaultError
+from assur.planner.timing import Profile, combine, time_joints, to_trajectory
+from assur.planner.trajectory import keeps_limits
 
 VELOCITY, ACCELERATION, JERK = np.array([6.98, 11.69, 2.4]), np.array([125.0, 210.0, 43.0]), np.array([6e3, 1e4, 2e3])
 

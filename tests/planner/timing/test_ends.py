@@ -7,10 +7,10 @@ import itertools
 import numpy as np
 import pytest
 
-from planner.errors import FaultError
-from planner.timing.ends import Cubics, missed
-from planner.timing.profile import finished
-from planner.trajectory import Trajectory
+from assur.planner.errors import FaultError
+from assur.planner.timing.ends import Cubics, missed
+from assur.planner.timing.profile import finished
+from assur.planner.trajectory import Trajectory
 
 A, J = 30.0, 600.0
 

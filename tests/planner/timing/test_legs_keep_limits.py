@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import ruckig
 
-from planner.timing import Profile, Settled, Sketch, TimingRefusal, time_joints, to_trajectory
-from planner.timing.question import Allowed, lowered_limits
-from planner.trajectory import check_limits, keeps_limits
+from assur.planner.timing import Profile, Settled, Sketch, TimingRefusal, time_joints, to_trajectory
+from assur.planner.timing.question import Allowed, lowered_limits
+from assur.planner.trajectory import check_limits, keeps_limits
 from tests.planner.timing.legs import MANNERS, ROBOTS, Question, numbers, question
 
 WIDE = 1e3

@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from experiments.printed_joint_move import ParabolicBlend as Printed
-from planner.errors import InputError
-from planner.timing import ParabolicBlend
-from planner.timing.parabolic_blend import SHORTEST
-from planner.trajectory import Trajectory
+from assur.experiments.printed_joint_move import ParabolicBlend as Printed
+from assur.planner.errors import InputError
+from assur.planner.timing import ParabolicBlend
+from assur.planner.timing.parabolic_blend import SHORTEST
+from assur.planner.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
 PAGE = Path(__file__).parents[3] / "docs" / "kinematics.md"

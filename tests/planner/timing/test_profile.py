@@ -7,10 +7,10 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from planner.errors import FaultError
-from planner.timing import Profile, time_joints, to_trajectory
-from planner.timing.question import TimingRefusal
-from planner.timing.writing import MERGE
+from assur.planner.errors import FaultError
+from assur.planner.timing import Profile, time_joints, to_trajectory
+from assur.planner.timing.question import TimingRefusal
+from assur.planner.timing.writing import MERGE
 from tests.planner.timing.legs import MANNERS, ROBOTS, Question, question
 
 

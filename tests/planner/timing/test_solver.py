@@ -11,10 +11,10 @@ import ruckig
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.errors import FaultError, InputError
-from planner.timing import Profile, Sketch, Solver, TimingRefusal, time_joints, to_trajectory
-from planner.timing.solver import BRIEF, LONGEST, SHORTEST
-from planner.trajectory import check_limits
+from assur.planner.errors import FaultError, InputError
+from assur.planner.timing import Profile, Sketch, Solver, TimingRefusal, time_joints, to_trajectory
+from assur.planner.timing.solver import BRIEF, LONGEST, SHORTEST
+from assur.planner.trajectory import check_limits
 from tests.planner.timing.legs import MANNERS, ROBOTS, question
 
 ZERO, ONE = np.zeros(2), np.ones(2)

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.timing import rest_to_rest_time, to_trajectory
-from planner.timing.question import Limits
-from planner.timing.straight import phase_lengths, straight
-from planner.trajectory import check_limits
+from assur.planner.timing import rest_to_rest_time, to_trajectory
+from assur.planner.timing.question import Limits
+from assur.planner.timing.straight import phase_lengths, straight
+from assur.planner.trajectory import check_limits
 from tests.planner.timing.legs import ROBOTS, question
 
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.timing import Solver
-from planner.timing.trapezoids import Trapezoids, mean_acceleration, stopping_distance, trapezoid_time
+from assur.planner.arrays import FloatArray
+from assur.planner.timing import Solver
+from assur.planner.timing.trapezoids import Trapezoids, mean_acceleration, stopping_distance, trapezoid_time
 from tests.planner.cells import limits
 
 V, A, J = limits().velocity, limits().acceleration, limits().jerk

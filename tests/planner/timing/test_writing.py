@@ -7,11 +7,11 @@ import itertools
 import numpy as np
 import pytest
 
-from planner.timing import Profile, time_joints, writing
-from planner.timing.ends import Cubics
-from planner.timing.profile import finished
-from planner.timing.writing import MERGE, _excess, _write, clusters, written
-from planner.trajectory import Trajectory
+from assur.planner.timing import Profile, time_joints, writing
+from assur.planner.timing.ends import Cubics
+from assur.planner.timing.profile import finished
+from assur.planner.timing.writing import MERGE, _excess, _write, clusters, written
+from assur.planner.trajectory import Trajectory
 from tests.planner.timing.legs import ROBOTS, question
 
 A, J = 30.0, 600.0

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from planner.trajectory import Trajectory
+from assur.planner.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
 

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.polynomial import polynomial
 
-from planner.errors import FaultError
-from planner.trajectory import Trajectory, extremum
-from planner.trajectory.extremum import TIGHTNESS, cut, maxima
+from assur.planner.errors import FaultError
+from assur.planner.trajectory import Trajectory, extremum
+from assur.planner.trajectory.extremum import TIGHTNESS, cut, maxima
 from tests.planner.trajectory.splines import Floats, spline, splines
 
 

@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from planner.errors import FaultError, InputError
-from planner.sweep import sweep
-from planner.timing import ParabolicBlend
-from planner.trajectory import Trajectory, check_limits, keeps_limits
-from planner.trajectory.limits import first_break
+from assur.planner.errors import FaultError, InputError
+from assur.planner.timing import ParabolicBlend
+from assur.planner.trajectory import Trajectory, check_limits, keeps_limits
+from assur.planner.trajectory.limits import first_break
+from assur.planner.trajectory.sweep import sweep
 
 Floats = NDArray[np.float64]
 WIDE = np.full(2, 1e3)

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.errors import InputError
-from planner.trajectory import (
+from assur.planner.errors import InputError
+from assur.planner.trajectory import (
     JERK_TOLERANCE,
     LIMIT_TOLERANCE,
     Trajectory,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from planner.trajectory import Trajectory
-from planner.trajectory.rounding import defect, moved, settled
+from assur.planner.trajectory import Trajectory
+from assur.planner.trajectory.rounding import defect, moved, settled
 from tests.planner.trajectory.splines import constant_jerk
 
 JERK = 300.0

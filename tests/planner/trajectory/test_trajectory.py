@@ -10,8 +10,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly
 
-from planner.errors import FaultError, InputError
-from planner.trajectory import Trajectory
+from assur.planner.errors import FaultError, InputError
+from assur.planner.trajectory import Trajectory
 from tests.planner.trajectory.splines import REGIMES, constant_jerk, spline, splines
 
 SCALE = (1.0, 3.0, 30.0, 300.0)

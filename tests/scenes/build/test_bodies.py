@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planner.scene import Scene, WorldBody
-from planner.shapes import Body, Primitive, support
-from scenes.requests import scene_of
+from assur.planner.geometry.shapes import Body, Primitive, support
+from assur.planner.model.scene import Scene, WorldBody
+from assur.scenes.requests import scene_of
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 

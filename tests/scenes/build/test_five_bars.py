@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planner.errors import InputError
-from planner.robots.five_bar import FiveBar
-from scenes.requests import plan_document, scene_of, shipped
+from assur.planner.errors import InputError
+from assur.planner.robots.five_bar import FiveBar
+from assur.scenes.requests import plan_document, scene_of, shipped
 
 
 def request(**changes: Any) -> dict[str, Any]:

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planner.errors import InputError
-from scenes.requests import scene_of
+from assur.planner.errors import InputError
+from assur.scenes.requests import scene_of
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planner.errors import InputError
-from planner.robots.scara import Scara
-from scenes.build.inline_arms import turned_over
-from scenes.catalogue import ENTRIES, arm_named
-from scenes.requests import cell_of, scene_of
+from assur.planner.errors import InputError
+from assur.planner.robots.scara import Scara
+from assur.scenes.build.inline_arms import turned_over
+from assur.scenes.catalogue import ENTRIES, arm_named
+from assur.scenes.requests import cell_of, scene_of
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from planner.errors import InputError
-from planner.frames.motion import Pose
-from planner.scene import Arch, Follow, Move, Pick, Place, Scene, Target, Window
-from scenes.requests import scene_of
+from assur.planner.errors import InputError
+from assur.planner.frames.motion import Pose
+from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Scene, Target, Window
+from assur.scenes.requests import scene_of
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 

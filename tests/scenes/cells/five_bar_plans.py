@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from planner.digest import digest
-from planner.outcome import Plan
-from scenes.requests import cell_of
+from assur.planner.model.digest import digest
+from assur.planner.model.outcome import Plan
+from assur.scenes.requests import cell_of
 
 
 def resealed(request: dict[str, Any], plan: Plan) -> Plan:

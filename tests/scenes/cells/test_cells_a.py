@@ -17,10 +17,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
-from planner.census import Counter
-from planner.outcome import Reason, Refusal
-from planner.pipeline import plan
-from scenes.requests import Scenario, check_document, plan_document, plan_scenario, scene_of, shipped, unmet
+from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.pipeline import plan
+from assur.planner.search.census import Counter
+from assur.scenes.requests import Scenario, check_document, plan_document, plan_scenario, scene_of, shipped, unmet
 
 Array = NDArray[np.float64]
 Answer = dict[str, Any]

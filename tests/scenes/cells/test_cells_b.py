@@ -17,13 +17,13 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
-from planner.candidates import Sampler
-from planner.certificate import Prover
-from planner.feasibility import points_impossible
-from planner.outcome import Reason
-from scenes.cells import two_robots
-from scenes.requests import check_document, plan_document, plan_scenario, scene_of
-from scenes.scenarios import shipped, unmet
+from assur.planner.collision.proof import Prover
+from assur.planner.feasibility.necessary import points_impossible
+from assur.planner.model.outcome import Reason
+from assur.planner.search.candidates import Sampler
+from assur.scenes.cells import two_robots
+from assur.scenes.requests import check_document, plan_document, plan_scenario, scene_of
+from assur.scenes.scenarios import shipped, unmet
 
 Array = NDArray[np.float64]
 Document = dict[str, Any]

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from api.words import everything
-from experiments.printed_joint_move import ParabolicBlend, inverse
-from planner.errors import InputError
-from scenes.requests import check_document, parse_json, plan_document, plan_scenario, scene_of
-from scenes.scenarios import shipped, unmet
+from assur.api.words import everything
+from assur.experiments.printed_joint_move import ParabolicBlend, inverse
+from assur.planner.errors import InputError
+from assur.scenes.requests import check_document, parse_json, plan_document, plan_scenario, scene_of
+from assur.scenes.scenarios import shipped, unmet
 
 Document = dict[str, Any]
 NAME = "parabolic-blend"

@@ -18,15 +18,15 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
-from planner.checker import Code, check
-from planner.digest import digest
-from planner.errors import InputError
-from planner.outcome import Plan, Planned
-from planner.pipeline import plan
-from planner.scene import Scene
-from planner.shapes import Body, Primitive, box
-from scenes.requests import check_document, plan_document, plan_scenario, scene_of
-from scenes.scenarios import shipped, unmet
+from assur.planner.checker import Code, check
+from assur.planner.errors import InputError
+from assur.planner.geometry.shapes import Body, Primitive, box
+from assur.planner.model.digest import digest
+from assur.planner.model.outcome import Plan, Planned
+from assur.planner.model.scene import Scene
+from assur.planner.pipeline import plan
+from assur.scenes.requests import check_document, plan_document, plan_scenario, scene_of
+from assur.scenes.scenarios import shipped, unmet
 
 Array = NDArray[np.float64]
 Document = dict[str, Any]

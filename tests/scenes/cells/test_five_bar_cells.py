@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planner.checker import Code, check
-from planner.checker.loop import loops
-from planner.checker.ranges import ranges
-from planner.checker.spline import spline
-from planner.errors import InputError
-from planner.neighbour import TrajectoryLaw
-from planner.robots.five_bar import FiveBar
-from planner.trajectory import Trajectory
-from scenes.plans import plan_of
-from scenes.requests import cell_of, check_document, plan_document, plan_scenario, shipped, unmet
+from assur.planner.checker import Code, check
+from assur.planner.checker.loop import loops
+from assur.planner.checker.ranges import ranges
+from assur.planner.checker.spline import spline
+from assur.planner.errors import InputError
+from assur.planner.model.link_frames import TrajectoryLaw
+from assur.planner.robots.five_bar import FiveBar
+from assur.planner.trajectory import Trajectory
+from assur.scenes.plans import plan_of
+from assur.scenes.requests import cell_of, check_document, plan_document, plan_scenario, shipped, unmet
 from tests.scenes.cells.five_bar_plans import resealed
 
 Answer = dict[str, Any]

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planner.arrays import FloatArray
-from planner.checker import Code, check
-from planner.digest import digest
-from planner.outcome import Certificate, Plan
-from planner.robots.five_bar import FiveBar
-from planner.robots.five_bar_jacobian import velocity_equation
-from planner.trajectory import Trajectory
-from scenes.plans import plan_of
-from scenes.requests import cell_of, check_document, plan_document, shipped
+from assur.planner.arrays import FloatArray
+from assur.planner.checker import Code, check
+from assur.planner.model.digest import digest
+from assur.planner.model.outcome import Certificate, Plan
+from assur.planner.robots.five_bar import FiveBar
+from assur.planner.robots.five_bar_jacobian import velocity_equation
+from assur.planner.trajectory import Trajectory
+from assur.scenes.plans import plan_of
+from assur.scenes.requests import cell_of, check_document, plan_document, shipped
 from tests.scenes.cells.five_bar_plans import resealed
 
 Answer = dict[str, Any]

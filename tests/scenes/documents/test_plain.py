@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from scenes import check, load, plan
-from scenes.documents.plain import ALLOWED, plain
-from scenes.faults import DocumentError
-from scenes.requests import request_digest, validate
+from assur.scenes import check, load, plan
+from assur.scenes.documents.plain import ALLOWED, plain
+from assur.scenes.faults import DocumentError
+from assur.scenes.requests import request_digest, validate
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 

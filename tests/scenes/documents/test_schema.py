@@ -6,8 +6,8 @@ import json
 import re
 from typing import Any
 
-from scenes.bounds import MAX_BODIES, MAX_STEPS
-from scenes.requests import request_schema
+from assur.scenes.bounds import MAX_BODIES, MAX_STEPS
+from assur.scenes.requests import request_schema
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 SCHEMA = request_schema()

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.errors import InputError
-from scenes.documents.frames import ConveyorDocument
-from scenes.documents.read import read
-from scenes.requests import request_digest, validate
-from scenes.units import SI_UNITS, TWIN_UNITS, from_si, si_key, to_si, twin_of
+from assur.planner.errors import InputError
+from assur.scenes.documents.frames import ConveyorDocument
+from assur.scenes.documents.read import read
+from assur.scenes.requests import request_digest, validate
+from assur.scenes.units import SI_UNITS, TWIN_UNITS, from_si, si_key, to_si, twin_of
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 

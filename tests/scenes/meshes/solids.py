@@ -6,9 +6,9 @@ import struct
 
 import numpy as np
 
-from planner.arrays import FloatArray
-from scenes.assets.make_assets import bracket, flange, housing, prism, stl, tray
-from scenes.meshes.surface import Surface, closed_surface
+from assur.planner.arrays import FloatArray
+from assur.scenes.assets.make_assets import bracket, flange, housing, prism, stl, tray
+from assur.scenes.meshes.surface import Surface, closed_surface
 
 MM = 1e-3
 

@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
-from planner.arrays import FloatArray
-from planner.errors import FaultError
-from planner.shapes import Hull
-from scenes.meshes.clip import clip
-from scenes.meshes.cover import MAX_PIECES, TIGHT_M, TIGHT_SHARE, Cover, cover
-from scenes.meshes.hull import COVER_SLACK_M, MAX_CORNERS, THICKNESS_M, hull_of
-from scenes.meshes.surface import Surface, volume_of
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
+from assur.planner.geometry.shapes import Hull
+from assur.scenes.meshes.clip import clip
+from assur.scenes.meshes.cover import MAX_PIECES, TIGHT_M, TIGHT_SHARE, Cover, cover
+from assur.scenes.meshes.hull import COVER_SLACK_M, MAX_CORNERS, THICKNESS_M, hull_of
+from assur.scenes.meshes.surface import Surface, volume_of
 from tests.scenes.meshes.solids import CUBE, SOLIDS, on_triangles, star, surface, torus
 
 WITHIN_M = 2 * COVER_SLACK_M
@@ -155,7 +155,7 @@ def test_flat_points_get_a_hull_of_the_named_thickness(points: FloatArray) -> No
 
 
 def test_a_hull_that_rounding_broke_is_replaced_by_a_box(monkeypatch: pytest.MonkeyPatch) -> None:
-    import scenes.meshes.hull as module
+    import assur.scenes.meshes.hull as module
 
     verdicts = [False, True]
     monkeypatch.setattr(module, "_contains", lambda *_: verdicts.pop(0))

@@ -14,15 +14,15 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.arrays import FloatArray
-from planner.errors import InputError
-from scenes.bounds import LARGEST_MESH_M, MAX_FACES, SMALLEST_MESH_M
-from scenes.documents.shapes import MeshDocument
-from scenes.meshes import covered
-from scenes.meshes import load as loading
-from scenes.meshes.assets import asset, asset_names
-from scenes.meshes.load import load
-from scenes.meshes.surface import closed_surface, volume_of
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
+from assur.scenes.bounds import LARGEST_MESH_M, MAX_FACES, SMALLEST_MESH_M
+from assur.scenes.documents.shapes import MeshDocument
+from assur.scenes.meshes import covered
+from assur.scenes.meshes import load as loading
+from assur.scenes.meshes.assets import asset, asset_names
+from assur.scenes.meshes.load import load
+from assur.scenes.meshes.surface import closed_surface, volume_of
 from tests.scenes.meshes.solids import CUBE, SOLIDS, binary_stl, surface
 
 
@@ -266,11 +266,11 @@ def test_a_unit_that_is_none_is_refused() -> None:
 
 
 def test_the_assets_are_what_their_maker_makes() -> None:
-    from scenes.assets.make_assets import ASSETS, stl
+    from assur.scenes.assets.make_assets import ASSETS, stl
 
     assert asset_names() == tuple(sorted(ASSETS))
     for name, make in ASSETS.items():
-        assert asset(name) == stl(make()), f"{name}: run python -m scenes.assets.make_assets"
+        assert asset(name) == stl(make()), f"{name}: run python -m assur.scenes.assets.make_assets"
         found = load(asset(name), "stl", "mm")
         middle = (found.vertices.max(0) + found.vertices.min(0)) / 2
         np.testing.assert_allclose(middle, 0.0, atol=1e-9)

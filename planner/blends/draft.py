@@ -1,0 +1,128 @@
+"""A continuation by parabolic blends: through vias to the next stop, timed, with its legs and arrivals."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from assur.planner.errors import FaultError
+from assur.planner.legs.blended import Blended, BlendShape, Station, blended, blends_by
+from assur.planner.legs.joint import Shape
+from assur.planner.legs.state import Knots, Stretch
+from assur.planner.model.assembly_mode import leaves_assembly
+from assur.planner.model.outcome import LATEST, Arrival, Leg, LegKind, Missed, Reason, Refusal
+from assur.planner.model.phases import phases
+from assur.planner.model.scene import Move, Scene
+from assur.planner.search.build import arrival, laws_over
+from assur.planner.search.partial_plan import Chain, Draft, Sample
+from assur.planner.trajectory import Trajectory, check_limits
+from assur.planner.trajectory.joining import joined
+
+
+def run_of(scene: Scene, step: int) -> range:
+    """The steps from `step` on that are one motion from rest to rest: vias, and the stop behind them."""
+    last = step
+    while isinstance(scene.task[last], Move) and getattr(scene.task[last], "via", False):
+        last += 1
+    return range(step, last + 1)
+
+
+def blend_draft(scene: Scene, chain: Chain, shape: BlendShape) -> Draft | Refusal:
+    """The draft of a way through the stations of the next run of steps, within all limits but that of the jerk."""
+    if not chain.state.resting:
+        raise FaultError("parabolic blends begin at rest")
+    found = blended(scene, chain.step, chain.state.time, chain.state.q, shape)
+    if isinstance(found, Refusal):
+        return found
+    knots = _knots(chain, found)
+    end, latest = knots.last.time, scene.options.latest_end_s
+    if latest is not None and not end <= latest:
+        detail = f"the motion ends after {LATEST}"
+        return Refusal("timing", Reason.WINDOW_MISSED, chain.step, (), None, end - latest, "s", detail)
+    unknown = laws_over(scene, chain.step, end)
+    if unknown is not None:
+        return unknown
+    trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd, jumps=True)
+    beyond = _beyond(scene, chain.step, trajectory) or leaves_assembly(scene.robot, chain.step, trajectory)
+    if beyond is not None:
+        return beyond
+    legs = _legs(chain, shape, found, end)
+    arrivals = _arrivals(scene, shape, found, trajectory)
+    after = _after(chain, shape.stations[-1], legs, arrivals, knots)
+    ours = phases(scene, after.legs, after.arrivals)[len(chain.legs) :]
+    if after.step < len(scene.task):
+        ours = ours[: len(legs)]  # the arm does not stand still here
+    last = shape.stations[-1]
+    sample = Sample(last.point.yaw_offset, last.branch, Shape(wait=shape.wait))
+    stretch = Stretch(LegKind.MOVE, knots, shape.family)
+    return Draft(chain, sample, (stretch,), legs, arrivals[-1], knots, trajectory, after, ours)
+
+
+def _knots(chain: Chain, found: Blended) -> Knots:
+    """The knots of the motion, the wait before it included."""
+    time, q, qd, qdd = found.law.knots(found.begin)
+    if found.begin > chain.state.time:
+        time, none = np.append(chain.state.time, time), np.zeros_like(q[:1])
+        q, qd, qdd = (np.concatenate([first, part]) for first, part in ((q[:1], q), (none, qd), (none, qdd)))
+    return Knots(time, q, qd, qdd)
+
+
+def _legs(chain: Chain, shape: BlendShape, found: Blended, end: float) -> tuple[Leg, ...]:
+    """A leg to each station, which ends when its pose is due; before the first a wait, if there is one."""
+    edges = [found.begin, *found.times[:-1], end]
+    legs = [
+        Leg(LegKind.MOVE, station.point.step, t0, t1, blends_by(len(free)))
+        for station, free, t0, t1 in zip(shape.stations, shape.frees, edges[:-1], edges[1:], strict=True)
+    ]
+    if found.begin > chain.state.time:
+        # a wait that was sampled is for bodies; the rest is for points that are not yet there
+        note = "lets bodies pass" if shape.wait > 0 else "waits for the control point"
+        legs.insert(0, Leg(LegKind.WAIT, chain.step, chain.state.time, found.begin, note))
+    return tuple(legs)
+
+
+def _arrivals(scene: Scene, shape: BlendShape, found: Blended, trajectory: Trajectory) -> tuple[Arrival, ...]:
+    made = []
+    for station, number, time in zip(shape.stations, found.poses, found.times, strict=True):
+        point = station.point
+        t = min(time, trajectory.end)
+        there = arrival(scene, point, trajectory, t, t)
+        if point.via:
+            away = there.pose.position - point.flange(np.array(t)).at(scene.tool.tcp).p
+            missed = Missed(tuple(found.law.missed_by[number].tolist()), float(np.sqrt((away**2).sum())))
+            there = replace(there, missed_by=missed)
+        made.append(there)
+    return tuple(made)
+
+
+def _after(chain: Chain, last: Station, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...], knots: Knots) -> Chain:
+    whole = knots
+    if chain.knots is not None:
+        before, behind = (tuple(getattr(k, name) for name in ("time", "q", "qd", "qdd")) for k in (chain.knots, knots))
+        whole = Knots(*joined(before, behind))
+    return Chain(
+        step=last.point.step + 1,
+        state=knots.last,
+        mode=last.branch.mode,
+        carried=None,
+        rides=chain.rides,
+        moved=chain.moved,
+        legs=chain.legs + legs,
+        arrivals=chain.arrivals + arrivals,
+        knots=whole,
+        proofs=chain.proofs,
+    )
+
+
+def _beyond(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
+    """Whether the spline as written breaks a limit of position, velocity or acceleration."""
+    limits = scene.robot.limits
+    report = check_limits(trajectory, limits.lower, limits.upper, limits.velocity, limits.acceleration, None)
+    if report.ok:
+        return None
+    first = next(check for check in report.checks if not check.ok)
+    joint = scene.robot.joints[first.joint or 0].name
+    reason = Reason.JOINT_LIMIT if first.kind == "position" else Reason.MOTION_LIMIT
+    excess = float(first.ratio.max()) - 1
+    return Refusal("limits", reason, step, (joint,), None, excess, "1", f"the {first.kind} of the spline")

@@ -1,0 +1,141 @@
+"""The beam for parabolic blends: its continuations are whole runs of steps, from rest through vias to rest.
+
+How a via is blended past depends on the pose behind it, so nothing is proved of a run before all of it is timed.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from assur.planner.blends.candidates import BlendSampler
+from assur.planner.blends.draft import blend_draft, run_of
+from assur.planner.collision.proof import Prover
+from assur.planner.collision.screening import screen
+from assur.planner.legs.blended import BlendShape, Station, TooShortBlends
+from assur.planner.legs.control_point import control_point
+from assur.planner.legs.meeting import meetings
+from assur.planner.legs.tilt import tilts
+from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.phases import yaw_offsets
+from assur.planner.model.scene import Scene
+from assur.planner.report.sentence import SEARCHED
+from assur.planner.search.beam import ANY_YAW, MOST_WAYS, Found, Search
+from assur.planner.search.meeting_options import options
+from assur.planner.search.partial_plan import Chain, Draft, Outline
+
+
+@dataclass(eq=False)
+class _Known:
+    """A chain, kept beside its sampler: an id is unique only while its owner lives."""
+
+    chain: Chain
+    sampler: BlendSampler
+
+
+class BlendSearch(Search):
+    """One run over one scene with `timing: parabolic_blend`."""
+
+    def __init__(self, scene: Scene, prover: Prover, started: float, *, adaptive: bool = True) -> None:
+        super().__init__(scene, prover, started, adaptive=adaptive)
+        self.known: dict[int, _Known] = {}
+        self.unproved: list[Draft] = []
+
+    def run(self) -> Found:
+        """As `Search.run`; what was not passed is the step of the run at which most was refused."""
+        found = super().run()
+        if found.plan is None:
+            counts = dict.fromkeys(run_of(self.scene, min(found.deepest, len(self.scene.task) - 1)), 0)
+            for line in found.census.census().lines:
+                if line.step in counts and line.stage in SEARCHED:
+                    counts[line.step] += line.count
+            worst = max(counts, key=lambda step: counts[step])
+            if counts[worst] > 0:
+                found.deepest = worst
+        return found
+
+    def _explore(self, chain: Chain) -> bool:
+        if id(chain) not in self.known:
+            self.known[id(chain)] = _Known(chain, self._blend_sampler(chain))
+        sampler = self.known[id(chain)].sampler
+        batch = sampler.batch()
+        limit = self.scene.options.max_candidates
+        if limit is not None:
+            batch = batch[: max(0, limit - self.found.census.candidates)]
+        drafts: list[Outline | Draft] = []
+        shapes: list[BlendShape] = []
+        short: list[TooShortBlends] = []
+        hopeless, timed = self.scene.options.acceleration_time_s is not None, False
+        for shape in batch:
+            if time.perf_counter() >= self.deadline:
+                break
+            self.found.census.candidates += 1
+            made = blend_draft(self.scene, chain, shape)
+            if isinstance(made, TooShortBlends):
+                short.append(made)
+                continue
+            if isinstance(made, Refusal):
+                self.found.census.add(made)
+                hopeless &= made.reason is Reason.MOTION_LIMIT
+                if made.reason is Reason.NEAR_PARALLEL_SINGULARITY:
+                    sampler.block(shape)  # it was timed; another way may stay clear of type 2
+                continue
+            timed = True
+            if made.end < self._before():
+                drafts.append(made)
+                shapes.append(shape)
+        untimed = sampler.visits == 1 and not timed
+        # the least time that does for any of the direct ways, so that it is the least there is
+        does = [refusal.enough for refusal in short if untimed and refusal.enough is not None]
+        for refusal in short:
+            self.found.census.add(refusal.told(min(does, default=None)))
+        free = []
+        for draft, shape, screened in zip(drafts, shapes, screen(self.prover, drafts) if drafts else [], strict=True):
+            sampler.learn(shape, screened.bad)
+            if screened.refusal is not None:
+                sampler.block(shape)
+                self.found.census.add(screened.refusal)
+                for also in screened.also:
+                    self.found.census.note(also)
+            else:
+                free.append(draft)
+        for draft in self._prove(sorted(free, key=lambda draft: draft.end)):
+            sampler.block(next(shape for other, shape in zip(drafts, shapes, strict=True) if other is draft))
+        nothing_else = hopeless or not (sampler.blocked or sampler.moving())
+        if untimed and nothing_else:
+            # no direct way keeps the acceleration time, or comes in time: free poses are there to go round bodies
+            sampler.ways = ()
+        return bool(batch)
+
+    def _blend_sampler(self, chain: Chain) -> BlendSampler:
+        """The stations that each step of the run may be, in every turn, mode and yaw that is asked for."""
+        choices = []
+        for step in run_of(self.scene, chain.step):
+            stations = []
+            met = []
+            turns = yaw_offsets(self.scene, self.scene.task[step])
+            attitudes = tilts(self.scene, self.scene.task[step], chain.state.q)
+            yaws = turns or tuple(float(x) for x in 2 * np.pi * np.arange(ANY_YAW) / ANY_YAW)
+            for turn, tilt in product(yaws, attitudes):
+                point = control_point(self.scene, step, chain.rides, None, turn, tilt)
+                found = meetings(self.scene, point, chain.state.time, 0.0, self._modes(chain), chain.state.q)
+                for refusal in found.refusals:
+                    self.found.census.note(refusal)
+                met.append((turn, found))
+                stations += [Station(point, branch) for branch in found.branches]
+            if step == chain.step == 0:
+                self.found.first_ways = options(self.scene, chain, met, max(MOST_WAYS, len(attitudes)))
+            if not stations:
+                self.found.deepest = max(self.found.deepest, step)
+                return BlendSampler(self.scene, chain, (), self.rng, self.adaptive)
+            choices.append(tuple(stations))
+        return BlendSampler(self.scene, chain, tuple(choices), self.rng, self.adaptive)
+
+
+def searcher(scene: Scene, prover: Prover, started: float, *, adaptive: bool = True) -> Search:
+    """The search that the scene's timing asks for."""
+    kind = BlendSearch if scene.options.blended else Search
+    return kind(scene, prover, started, adaptive=adaptive)

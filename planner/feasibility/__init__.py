@@ -1,0 +1,1 @@
+"""What no plan can do: points out of reach, windows that never open, a start that collides."""

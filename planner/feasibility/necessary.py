@@ -1,0 +1,213 @@
+"""Necessary conditions: what fails here fails for all times and all candidates."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from assur.planner.collision.at_rest import closest, enclosed
+from assur.planner.collision.proof import Prover
+from assur.planner.feasibility.reach import beyond_every_pitch, out_of_range, whatever_the_yaw
+from assur.planner.frames import Fixed
+from assur.planner.frames.motion import Pose
+from assur.planner.legs.control_point import ControlPoint, control_point
+from assur.planner.legs.tilt import pitch_free, roll_free, tilts
+from assur.planner.model.assembly_mode import lost_at
+from assur.planner.model.outcome import LegKind, Reason, Refusal
+from assur.planner.model.phases import Carried, Phase, held, initial_rides, moved_parts, pair, resting_on, yaw_offsets
+from assur.planner.model.scene import Move, Pick, Place, Scene
+from assur.planner.robots.protocol import Code
+
+START_RATIO = 1e-9
+"""A start velocity or acceleration may exceed its limit by this share: rounding of unit conversions."""
+
+
+def start_impossible(scene: Scene, prover: Prover) -> Refusal | None:
+    """The first necessary condition of the start that does not hold, or None.
+
+    Whether the arm collides where it stands is `start_collides`: the proof of any candidate shows that it does not.
+    """
+    return _start_beyond_limits(scene) or _laws_over(scene) or _start_enclosed(scene, prover)
+
+
+def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
+    """A start that collides, or a control point that can never be met: what hangs on the flange would be inside what
+    stands still around it.
+
+    Asked only when the first candidates have failed: where they have not, the arm can leave and the points can be met.
+    """
+    colliding = start_collides(scene, prover)
+    if colliding is not None:
+        return colliding
+    rides, carried = initial_rides(scene), None
+    for number, step in enumerate(scene.task):
+        offsets, tilt = yaw_offsets(scene, step), tilts(scene, step, scene.start.q)[0]
+        if pitch_free(scene, step):
+            never = beyond_every_pitch(scene, control_point(scene, number, rides, carried, 0.0, tilt))
+            if never is not None:
+                return never
+            continue  # some pitch reaches it; which of them are free of bodies is a matter of search
+        if isinstance(step, Place) and (carried is None or carried.part != step.part):
+            return None  # the scene's constructor has refused this already
+        turns = offsets if offsets is not None else (0.0,)
+        beyond = [out_of_range(scene, control_point(scene, number, rides, carried, turn, tilt)) for turn in turns]
+        if all(r is not None and (offsets is not None or whatever_the_yaw(scene, r)) for r in beyond):
+            return beyond[0]
+        if roll_free(scene, step):
+            continue  # at another roll a body on the flange may be elsewhere
+        if scene.options.blended and isinstance(step, Move) and step.via:
+            continue  # its pose is missed: that it collides there proves nothing
+        found = [
+            _point(scene, prover, control_point(scene, number, rides, carried, o, tilt), rides, carried)
+            for o in (offsets if offsets is not None else (0.0,))
+        ]
+        if all(r is not None and (offsets is not None or _whatever_the_yaw(scene, prover, r, carried)) for r in found):
+            return found[0]
+        if isinstance(step, Pick):
+            if offsets != (0.0,):
+                return None  # how the part sits in the gripper from here on is a choice
+            carried = held(scene, step, 0.0)
+        if isinstance(step, Place):
+            carried, rides = None, {**rides, step.part: (step.to.frame, step.to.pose)}
+    return None
+
+
+def _start_beyond_limits(scene: Scene) -> Refusal | None:
+    limits, start = scene.robot.limits, scene.start
+    over = np.maximum(limits.lower - start.q, start.q - limits.upper)
+    for i, joint in enumerate(scene.robot.joints):
+        unit = "rad" if joint.kind == "revolute" else "m"
+        if not over[i] <= 0:
+            return Refusal(
+                "start",
+                Reason.JOINT_LIMIT,
+                0,
+                (joint.name,),
+                None,
+                float(over[i]),
+                unit,
+                f"{joint.name} starts beyond its limit",
+            )
+        for what, value, limit, per in (
+            ("velocity", start.qd[i], limits.velocity[i], "/s"),
+            ("acceleration", start.qdd[i], limits.acceleration[i], "/s²"),
+        ):
+            if not abs(value) <= limit * (1 + START_RATIO):
+                detail = f"the start {what} of {joint.name} is beyond its limit"
+                return Refusal(
+                    "start",
+                    Reason.MOTION_LIMIT,
+                    0,
+                    (joint.name,),
+                    None,
+                    float(abs(value) - limit),
+                    unit + per,
+                    detail,
+                )
+    at, robot = start.q[None], scene.robot
+    if not robot.assembled(at, at).all():
+        return lost_at(robot, "start", 0, np.array([start.time]), robot.parallel_margin(at))
+    return None
+
+
+def _laws_over(scene: Scene) -> Refusal | None:
+    start = scene.start.time
+    for frame in scene.frames.values():
+        low, high = frame.law.valid
+        if not low <= start <= high:
+            detail = f"the law of {frame.name} is known from {low:g} s to {high:g} s, the start is at {start:g} s"
+            return Refusal(
+                "start", Reason.LAW_ENDS, 0, (frame.name,), (low, high), max(low - start, start - high), "s", detail
+            )
+    return None
+
+
+def start_collides(scene: Scene, prover: Prover) -> Refusal | None:
+    """The arm as it stands at the start, against everything, at the clearance that travel asks for."""
+    t = scene.start.time
+    phase = Phase(t, t, LegKind.WAIT, 0, None, (), frozenset(), None, ())
+    found = closest(scene, prover, prover.solids(None, ()), phase, scene.start.q, frozenset())
+    if found is None:
+        return None
+    names, short, detail = found
+    return Refusal("start", Reason.START_IN_COLLISION, 0, names, (t, t), short, "m", detail)
+
+
+def _start_enclosed(scene: Scene, prover: Prover) -> Refusal | None:
+    """Whether the arm stands inside a mesh, which is hollow to the proof."""
+    if all(world.body.surface is None for world in scene.bodies):
+        return None
+    t = scene.start.time
+    within = enclosed(scene, prover.solids(None, ()), scene.start.q, t, frozenset(), initial_rides(scene))
+    if within is None:
+        return None
+    detail = f"{within[0]} is inside {within[1]}"
+    return Refusal("start", Reason.START_IN_COLLISION, 0, within, (t, t), math.nan, "m", detail)
+
+
+def _point(
+    scene: Scene,
+    prover: Prover,
+    point: ControlPoint,
+    rides: dict[str, tuple[str, Pose]],
+    carried: Carried | None,
+) -> Refusal | None:
+    """Whether the flange's bodies at the point touch, in every working mode, a body that never moves against it."""
+    t = scene.start.time
+    if not point.still and not _known(scene, point.frame, t):
+        return None
+    fixed = isinstance(scene.frames[point.frame].law, Fixed)
+    among = frozenset(
+        body.name
+        for body in scene.bodies
+        if rides[body.name][0] == point.frame or (fixed and isinstance(scene.frames[rides[body.name][0]].law, Fixed))
+    )
+    away = moved_parts(scene, rides)
+    solids = prover.solids(carried, away)
+    kind = LegKind.FOLLOW if point.glued else LegKind.MOVE
+    phase = Phase(t, t, kind, point.step, carried, away, frozenset(), point.frame if point.glued else None, ())
+    exempt = _contacts(scene, point, rides)
+    refusals = []
+    for mode in range(len(scene.robot.modes)):
+        solution = scene.robot.inverse(point.flange(np.array([t])).at_rest(), mode, 0)
+        if solution.code[0] not in (Code.ASSEMBLED, Code.STRETCHED, Code.FOLDED):
+            # seen at another time it may be reached, and collide in the same way; here nothing can be said
+            return None
+        q = solution.q[0]
+        found = closest(scene, prover, solids, phase, q, exempt, among)
+        within = enclosed(scene, solids, q, t, exempt, rides, among) if fixed else None
+        if found is None and within is None:
+            return None
+        names, short, detail = found or (within or ("", ""), math.nan, "")
+        if within is not None:
+            names, detail = within, f"{within[0]} would be inside {within[1]}"
+        refusals.append(
+            Refusal("control point", Reason.CONTROL_POINT_IN_COLLISION, point.step, names, None, short, "m", detail)
+        )
+    return refusals[0] if refusals else None
+
+
+def _whatever_the_yaw(scene: Scene, prover: Prover, refusal: Refusal, carried: Carried | None) -> bool:
+    """Whether turning the tool about its axis changes nothing for the body that is in the way."""
+    tcp = scene.tool.tcp
+    solids = prover.solids(carried, ())
+    number = solids.names.index(refusal.bodies[0])
+    units = np.array(solids.pieces[number])
+    on_quill = scene.robot.links[solids.carrier[units[0]]] == "quill"
+    return tcp.x == 0.0 and tcp.y == 0.0 and (on_quill or bool((solids.reach[units] == 0.0).all()))
+
+
+def _known(scene: Scene, frame: str, t: float) -> bool:
+    low, high = scene.frames[frame].law.valid
+    return low <= t <= high
+
+
+def _contacts(scene: Scene, point: ControlPoint, rides: dict[str, tuple[str, Pose]]) -> frozenset[tuple[str, str]]:
+    step = scene.task[point.step]
+    if isinstance(step, Pick):
+        return frozenset(pair(body.name, step.part) for body in scene.tool.bodies)
+    if isinstance(step, Place):
+        names = resting_on(scene, step.part, step.to.frame, step.to.pose, step.contact_with, rides)
+        return frozenset(pair(name, step.part) for name in names)
+    return frozenset()

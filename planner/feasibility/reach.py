@@ -1,0 +1,97 @@
+"""Points that stand still where the arm can never be: out of reach, or beyond a joint limit, in every allowed mode."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from assur.planner.frames.motion import Motion
+from assur.planner.frames.tilted import TiltedMotion, like
+from assur.planner.legs.control_point import ControlPoint
+from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.scene import Scene
+from assur.planner.robots.protocol import Code, Pitching
+from assur.planner.robots.turns import beyond_range, equivalents
+
+EDGE_M = 1e-9
+"""A point is called out of reach at every pitch from this much on, m: rounding of coordinates of a few metres."""
+LOOKS = 400
+"""Points between the arm's axis and a point out of reach at which the nearest one within reach is looked for."""
+
+
+def out_of_range(scene: Scene, point: ControlPoint) -> Refusal | None:
+    """Why no joint position meets `point`, or what is asked above it; None: one does, or it moves."""
+    if not point.still:
+        return None
+    refusals = []
+    for mode in _allowed(scene):
+        heights = dict.fromkeys((0.0, point.approach, point.depart))
+        here = [_refused(scene, point, above, mode) for above in heights]
+        refused = [refusal for refusal in here if refusal is not None]
+        if not refused:
+            return None
+        # the worst of them: with less, the others would still not be met
+        refusals.append(max(refused, key=lambda refusal: np.nan_to_num(refusal.amount)))
+    return min(refusals, key=lambda refusal: refusal.amount, default=None)
+
+
+def beyond_every_pitch(scene: Scene, point: ControlPoint) -> Refusal | None:
+    """Why `point` is met at no pitch of the tool, joint limits left aside; None: it is, or moves, or is not known."""
+    if not point.still or not isinstance(scene.robot, Pitching):
+        return None
+    short = float(scene.robot.out_of_reach(point.flange(np.array([scene.start.time])).p)[0])
+    if not short > EDGE_M:
+        return None
+    return Refusal("control point", Reason.OUT_OF_REACH, point.step, (), None, short, "m", "at every pitch of the tool")
+
+
+def whatever_the_yaw(scene: Scene, refusal: Refusal) -> bool:
+    """Whether the refusal of one yaw holds for all: the tool point is on the wrist's axis; it is not the wrist's."""
+    tcp = scene.tool.tcp
+    return tcp.x == 0.0 and tcp.y == 0.0 and scene.robot.joints[-1].name not in refusal.bodies
+
+
+def _allowed(scene: Scene) -> list[int]:
+    """Working modes that the request allows."""
+    robot, elbow = scene.robot, scene.options.elbow
+    if elbow == "auto":
+        return list(range(len(robot.modes)))
+    return [int(robot.mode_of(scene.start.q))] if elbow == "keep" else [robot.modes.index(elbow)]
+
+
+def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refusal | None:
+    robot = scene.robot
+    motion = point.flange(np.array([scene.start.time]), above).at_rest()
+    found = robot.inverse(motion, mode, 0)
+    if found.code[0] == Code.OUT_OF_REACH:
+        return _far(scene, point, motion, mode)
+    q = found.q[0]
+    if not np.isfinite(q).all() or len(equivalents(robot, q, robot.limits.lower, robot.limits.upper)):
+        return None
+    over = beyond_range(robot, q)
+    worst = int(np.argmax(over))
+    name, unit = robot.joints[worst].name, "rad" if robot.joints[worst].kind == "revolute" else "m"
+    detail = f"elbow {robot.modes[mode]}{point.height(above)}"
+    return Refusal("control point", Reason.JOINT_LIMIT, point.step, (name,), None, float(over[worst]), unit, detail)
+
+
+def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusal:
+    """By how much a point is out of reach: the distance to the nearest one within reach on the way from the axis."""
+    robot, target = scene.robot, motion.p[0]
+    if "z" not in robot.coordinates:
+        has = float(robot.forward(scene.start.q)[0][2])
+        off = abs(float(target[2]) - has)
+        if off > EDGE_M:
+            detail = f"a height of {1e3 * target[2]:.1f} mm is asked of the flange, which stays at {1e3 * has:.1f} mm"
+            return Refusal("control point", Reason.OUT_OF_REACH, point.step, (), None, off, "m", detail)
+    axis = np.array([robot.base.x, robot.base.y, target[2]])
+    share = np.linspace(0.0, 2.0, 2 * LOOKS + 1)
+    p, none = axis + share[:, None] * (target - axis), np.zeros(len(share))
+    still = np.zeros_like(p)
+    line = like(Motion(p, still, still, still, none + motion.yaw[0], none, none, none), motion)
+    reached = robot.inverse(line, mode, 0).code != Code.OUT_OF_REACH
+    distance = float(np.linalg.norm(target - axis))
+    short = float(np.abs(share[reached] - 1.0).min()) * distance if reached.any() else float("nan")
+    detail = f"the flange would be {1e3 * distance:.0f} mm from the arm's axis"
+    if isinstance(motion, TiltedMotion):
+        detail += f", the tool at a pitch of {np.degrees(motion.tilt[0, 0]):.1f}°"
+    return Refusal("control point", Reason.OUT_OF_REACH, point.step, (), None, short, "m", detail)

@@ -1,0 +1,1 @@
+"""Convex solids and tables of them, in the frame of the body."""

@@ -1,0 +1,191 @@
+"""Convex solids by their support functions σ(n) = max over the solid of n·x.
+
+Every primitive is the Minkowski sum of a box, a disc across the local z axis and a ball, so one closed form serves
+all of them (equation S1):
+
+    σ(n) = hx |nx| + hy |ny| + hz |nz| + rd √(nx² + ny²) + rb |n|
+
+box: h; sphere: rb; capsule along z: hz, rb; cylinder along z: hz, rd. A convex hull is its vertices.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray, IntArray, frozen
+from assur.planner.errors import InputError
+
+SMALLEST_M = 1e-5
+"""No solid is thinner than this: below it a unit was probably mistaken."""
+LARGEST_M = 50.0
+"""No solid is larger than this: above it a unit was probably mistaken."""
+
+
+def _size(value: float, name: str) -> float:
+    allowed = f"a length from {SMALLEST_M} to {LARGEST_M} m"
+    try:
+        size = float(value)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(name, value, allowed) from error
+    if not SMALLEST_M <= size <= LARGEST_M:
+        raise InputError(name, value, allowed)
+    return size
+
+
+TERMS = {"box": "11100", "sphere": "00001", "cylinder": "00110", "capsule": "00101"}
+"""Which of hx, hy, hz, rd, rb a kind has (1); the others are zero."""
+
+
+@dataclass(frozen=True)
+class Primitive:
+    """A box, sphere, cylinder or capsule centred at its origin; cylinder and capsule along z. Metres.
+
+    The functions `box`, `sphere`, `cylinder`, `capsule` make one of its sizes. Raises `InputError` for another kind,
+    for a term that the kind has and that is not a positive length, and for one that it has not and that is not zero.
+    """
+
+    kind: str
+    half: tuple[float, float, float]
+    disc: float
+    ball: float
+
+    def __post_init__(self) -> None:
+        if self.kind not in TERMS:
+            raise InputError("primitive.kind", self.kind, f"one of {sorted(TERMS)}")
+        terms = (*self.half, self.disc, self.ball)
+        if len(terms) != 5:
+            raise InputError(f"{self.kind}.half", self.half, "three lengths")
+        for term, has in zip(terms, TERMS[self.kind], strict=True):
+            if not (SMALLEST_M / 2 <= term <= LARGEST_M if has == "1" else term == 0.0):
+                raise InputError(self.kind, terms, f"lengths where {TERMS[self.kind]} has a 1, and else zero")
+
+
+def box(size_x: float, size_y: float, size_z: float) -> Primitive:
+    """A box by its full edge lengths, m."""
+    x, y, z = _size(size_x, "box.size[0]"), _size(size_y, "box.size[1]"), _size(size_z, "box.size[2]")
+    return Primitive("box", (x / 2, y / 2, z / 2), 0.0, 0.0)
+
+
+def sphere(radius: float) -> Primitive:
+    """A ball by its radius, m."""
+    return Primitive("sphere", (0.0, 0.0, 0.0), 0.0, _size(radius, "sphere.radius"))
+
+
+def cylinder(radius: float, height: float) -> Primitive:
+    """A cylinder along z by its radius and full height, m."""
+    return Primitive(
+        "cylinder", (0.0, 0.0, _size(height, "cylinder.height") / 2), _size(radius, "cylinder.radius"), 0.0
+    )
+
+
+def capsule(radius: float, length: float) -> Primitive:
+    """A capsule along z by its radius and the distance between the centres of its caps, m."""
+    return Primitive("capsule", (0.0, 0.0, _size(length, "capsule.length") / 2), 0.0, _size(radius, "capsule.radius"))
+
+
+@dataclass(frozen=True, eq=False)
+class Hull:
+    """A convex polyhedron: `vertices` (m, 3) in metres, `faces` (f, 3) indices, outward by the right-hand rule."""
+
+    vertices: FloatArray
+    faces: IntArray
+
+    def __post_init__(self) -> None:
+        vertices = frozen(self.vertices, (None, 3), "hull.vertices")
+        numbers = frozen(self.faces, (None, None), "hull.faces")
+        if not (numbers == np.round(numbers)).all():
+            raise InputError("hull.faces", self.faces, "whole numbers")
+        faces = numbers.astype(np.int64)
+        if len(vertices) < 4:
+            raise InputError("hull.vertices", len(vertices), "at least 4 vertices")
+        if faces.ndim != 2 or faces.shape[1:] != (3,) or len(faces) < 4:
+            raise InputError("hull.faces", faces.shape, "at least 4 triangles")
+        if not (faces.min() >= 0 and faces.max() < len(vertices)):
+            raise InputError(
+                "hull.faces", (int(faces.min()), int(faces.max())), f"indices from 0 to {len(vertices) - 1}"
+            )
+        if not float(np.ptp(vertices, axis=0).max()) <= LARGEST_M:
+            raise InputError("hull.vertices", float(np.ptp(vertices, axis=0).max()), f"an extent up to {LARGEST_M} m")
+        faces.flags.writeable = False
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "faces", faces)
+
+
+AXES = {
+    "x": frozen([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]], (3, 3), "axes.x"),
+    "y": frozen([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]], (3, 3), "axes.y"),
+    "z": frozen(np.eye(3), (3, 3), "axes.z"),
+}
+"""Rotations that lay a solid's local z axis along a body axis."""
+_ORIGIN = frozen(np.zeros(3), (3,), "origin")
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A convex solid fixed in a body: `position` (3,) m, `rotation` (3, 3) with the solid's axes as its columns."""
+
+    shape: Primitive | Hull
+    position: FloatArray = field(default_factory=lambda: _ORIGIN)
+    rotation: FloatArray = field(default_factory=lambda: AXES["z"])
+
+    def __post_init__(self) -> None:
+        if self.position is not _ORIGIN:
+            object.__setattr__(self, "position", frozen(self.position, (3,), "piece.position"))
+        if any(self.rotation is axes for axes in AXES.values()):
+            return  # read-only and a rotation: most solids have one of these
+        rotation = frozen(self.rotation, (3, 3), "piece.rotation")
+        if not (np.abs(rotation.T @ rotation - np.eye(3)).max() <= 1e-9 and np.linalg.det(rotation) > 0):
+            raise InputError("piece.rotation", rotation.tolist(), "an orthonormal, right-handed matrix")
+        object.__setattr__(self, "rotation", rotation)
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A named solid: the union of convex pieces, in the body's own frame.
+
+    `surface`: of a body whose pieces cover its surface but do not fill it, the closed triangles, outward: vertices
+    (m, 3) in metres and faces (f, 3); what is enclosed by them is asked of `assur.planner.geometry.containment`. None: solid pieces.
+    """
+
+    name: str
+    pieces: tuple[Piece, ...]
+    surface: tuple[FloatArray, IntArray] | None = None
+
+    def __post_init__(self) -> None:
+        if not self.pieces:
+            raise InputError(f"body {self.name}", self.pieces, "at least one convex piece")
+        if self.surface is not None:
+            vertices, faces = self.surface
+            if not (vertices.ndim == 2 and vertices.shape[1:] == (3,) and faces.ndim == 2 and faces.shape[1:] == (3,)):
+                raise InputError(f"body {self.name}", (vertices.shape, faces.shape), "a surface of (m, 3) and (f, 3)")
+            if vertices.flags.writeable or faces.flags.writeable:
+                raise InputError(f"body {self.name}", "writable arrays", "a surface of read-only arrays")
+
+
+def support(piece: Piece, n: FloatArray) -> float:
+    """σ(n) of a piece in its body's frame, m: max of n·x over the piece (S1)."""
+    local = piece.rotation.T @ n
+    offset = float(n @ piece.position)
+    if isinstance(piece.shape, Hull):
+        return offset + float((piece.shape.vertices @ local).max())
+    shape = piece.shape
+    reach = float(np.abs(local) @ np.array(shape.half))
+    return offset + reach + shape.disc * float(np.hypot(local[0], local[1])) + shape.ball * float(np.linalg.norm(n))
+
+
+def corners(shape: Primitive | Hull) -> FloatArray:
+    """Points (m, 3) whose hull, grown by `disc` across z and by `ball`, is the solid."""
+    if isinstance(shape, Hull):
+        return shape.vertices
+    signs = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+    vertices: FloatArray = signs * np.array(shape.half)
+    return vertices
+
+
+def radius(piece: Piece) -> float:
+    """Horizontal distance, m, of the piece's points from the origin of its body's frame at most."""
+    points = piece.position + corners(piece.shape) @ piece.rotation.T
+    grown = piece.shape.disc + piece.shape.ball if isinstance(piece.shape, Primitive) else 0.0
+    return float(np.hypot(points[:, 0], points[:, 1]).max()) + grown

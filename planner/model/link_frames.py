@@ -1,0 +1,86 @@
+"""The other robot in the cell: a link of an arm that runs a plan made earlier."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
+from assur.planner.frames.law import LawBounds
+from assur.planner.frames.motion import Motion
+from assur.planner.frames.validity import ALWAYS, KnownLaw, interval
+from assur.planner.model.assembly_mode import leaves_assembly
+from assur.planner.robots.protocol import Robot
+from assur.planner.trajectory import Trajectory
+from assur.planner.trajectory.sweep import sweep
+
+LEVER_M = 1e9
+"""Length of the lever at which the speed of a link's points is read as its yaw rate, m: so long that the speed of the
+link's origin, some m/s, does not count beside it (1e-9 rad/s for each m/s)."""
+SIDEWAYS = (1.0, 0.0, 0.0)
+"""A horizontal direction: which one does not matter to a circle of points."""
+
+
+@dataclass(frozen=True, eq=False)
+class TrajectoryLaw(KnownLaw):
+    """The frame of link number `link` of `robot`, which follows `trajectory` and stands still before and after it.
+
+    At the first knot the motion counts, at the last one the standing.
+
+    The yaw rate of a link is bounded by means of its points (equation F6). Those at distance R to both sides of the
+    axis, at a right angle to a horizontal n, have the velocities n·ṗ ± ω R along n, so one of them |n·ẋ| >= |ω| R; in
+    the same way |n·ẍ| >= |ω̇| R. Therefore |ω| <= b(R)/R, b being the robot's bound for points within R. With a long R
+    this is sharp for ω; for ω̇ the robot's bound holds the turning too, and gives √(ω̇² + ω⁴) rather than |ω̇|.
+
+    Raises `InputError` for a link that the robot has not, a robot with links that tilt, a trajectory of another number
+    of joints, one whose acceleration jumps, one that does not begin and end at rest, or one on which a robot with a
+    loop is not proved to stay assembled. Not checked: that the trajectory keeps the robot's limits.
+    """
+
+    robot: Robot
+    trajectory: Trajectory
+    link: int
+    valid: tuple[float, float] = ALWAYS
+    _rates: FloatArray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        links, joints = len(self.robot.links), len(self.robot.joints)
+        if self.link not in range(links):
+            raise InputError("neighbour.link", self.link, f"a link number from 0 to {links - 1} of {self.robot.name}")
+        if self.trajectory.n != joints:
+            raise InputError("neighbour.trajectory", self.trajectory.n, f"{joints} joints of {self.robot.name}")
+        if self.robot.tilting:
+            allowed = "an arm whose links stay upright: every frame of a cell turns about the vertical only"
+            raise InputError("neighbour.robot", self.robot.name, allowed)
+        if self.trajectory.jumps:
+            raise InputError(
+                "neighbour.trajectory", "jumps in acceleration", "a trajectory without, as frames have none"
+            )
+        for end, rests in (("start", self.trajectory.rest_at_start), ("end", self.trajectory.rest_at_end)):
+            if not rests:
+                raise InputError(f"neighbour.trajectory.{end}", "in motion", "at rest: no velocity, no acceleration")
+        lost = leaves_assembly(self.robot, 0, self.trajectory)
+        if lost is not None:
+            raise InputError(
+                "neighbour.trajectory", lost.detail, f"a motion on which {self.robot.name} stays assembled"
+            )
+        object.__setattr__(self, "valid", interval(self.valid, "neighbour.valid"))
+        object.__setattr__(self, "_rates", np.asarray(self.robot.rate_matrix))
+
+    def _motion(self, t: FloatArray, /) -> Motion:
+        path = self.trajectory
+        held = np.minimum(np.maximum(t, path.start), path.end)
+        q, qd, qdd, qddd = (path.evaluate(held, derivative) for derivative in range(4))
+        # At rest the first three are zero by themselves; the jerk is not, it jumps.
+        moving = (path.start <= t) & (t < path.end)
+        return self.robot.link_motion(self.link, q, qd, qdd, np.where(moving[..., None], qddd, 0.0))
+
+    def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
+        swept = sweep(self.trajectory, t0, t1, self._rates)
+        link, lever = np.full(t0.shape, self.link), np.full(t0.shape, LEVER_M)
+        none, sideways = np.zeros(t0.shape), np.tile(SIDEWAYS, (len(t0), 1))
+        speed, acceleration = self.robot.point_bounds(link, none, none, n, swept)
+        rate, rate_d = self.robot.point_bounds(link, lever, lever, sideways, swept)
+        return LawBounds(speed, acceleration, rate / LEVER_M, rate_d / LEVER_M)

@@ -1,0 +1,249 @@
+"""What a request comes to: a plan with its proof, or the precise reason why there is none.
+
+Facts only. Times are absolute seconds of the scene's clock, everything else is SI.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.frames.motion import Pose
+from assur.planner.model.leeway import Contact, Margins
+from assur.planner.trajectory import Trajectory
+
+
+class Reason(StrEnum):
+    """Why a candidate, or a whole request, was refused."""
+
+    OUT_OF_REACH = "OUT_OF_REACH"
+    JOINT_LIMIT = "JOINT_LIMIT"
+    NEAR_SINGULARITY = "NEAR_SINGULARITY"
+    NEAR_PARALLEL_SINGULARITY = "NEAR_PARALLEL_SINGULARITY"
+    """Type 2: the actuators of a closed chain no longer hold the tool. Type 1 is the one before."""
+    SELF_COLLISION = "SELF_COLLISION"
+    BODY_COLLISION = "BODY_COLLISION"
+    START_IN_COLLISION = "START_IN_COLLISION"
+    CONTROL_POINT_IN_COLLISION = "CONTROL_POINT_IN_COLLISION"
+    MOTION_LIMIT = "MOTION_LIMIT"
+    CARRY_LIMIT = "CARRY_LIMIT"
+    WINDOW_MISSED = "WINDOW_MISSED"
+    LAW_ENDS = "LAW_ENDS"
+    NOT_CERTIFIED = "NOT_CERTIFIED"
+    TIMED_OUT = "TIMED_OUT"
+
+
+TOLD_AS = {
+    "rad/s": ("deg/s", math.degrees(1.0)),
+    "rad/s²": ("deg/s²", math.degrees(1.0)),
+    "rad/s³": ("deg/s³", math.degrees(1.0)),
+    "m/s": ("mm/s", 1e3),
+    "m/s²": ("mm/s²", 1e3),
+    "m/s³": ("mm/s³", 1e3),
+}
+"""Rates of joints and of the tool, and what people are told instead."""
+
+ABOVE = "above the point"
+"""So ends a detail that is about a height over a control point and not about the point itself."""
+
+LATEST = "latest_end_s"
+"""Is in a detail about what would be too late for the whole plan, and not for a window."""
+
+
+class LegKind(StrEnum):
+    """The legs of a plan, in the words of the shop."""
+
+    WAIT = "WAIT"
+    MOVE = "MOVE"
+    ARCH = "ARCH"
+    APPROACH = "APPROACH"
+    FOLLOW = "FOLLOW"
+    DEPART = "DEPART"
+
+
+GLUED = frozenset({LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART})
+"""Kinds of leg during which the tool is guided along the frame of its control point."""
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A stretch [t0, t1] of the plan that serves step number `step`; `note` says why (a wait) or how."""
+
+    kind: LegKind
+    step: int
+    t0: float
+    t1: float
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Missed:
+    """By how much a parabolic blend misses its pose at its time: each joint (B3), rad or m in the robot's order, and
+    the tool point, m."""
+
+    joints: tuple[float, ...]
+    distance_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """The tool point met a control point: `pose` of the tool point in the world at `time`.
+
+    `along_m`: distance of the control point's frame along its conveyor (None: no conveyor);
+    `window_left_s`: time left in its window; `matched`: velocity matched, too. For a follow, pick or place `time` is
+    when the glue begins and `until` when it ends (attach, detach); elsewhere until = time. `yaw_offset`: by how much
+    the tool was turned about the part's vertical axis, where the part's symmetry (or a free yaw) leaves the choice.
+    `pitch`, `roll`: with which the tool met it, rad; None for an arm that has none. `missed_by`: of a via with
+    parabolic blends, whose `pose` is where the tool is at `time`, while pitch and roll are those of the pose it misses.
+    """
+
+    step: int
+    control_point: str
+    time: float
+    until: float
+    pose: Pose
+    matched: bool
+    yaw_offset: float = 0.0
+    along_m: float | None = None
+    window_left_s: float | None = None
+    pitch: float | None = None
+    roll: float | None = None
+    missed_by: Missed | None = None
+
+
+COVERS = ("separation", "position", "velocity", "acceleration", "jerk")
+"""What a certificate covers: separation by its rows, the limits by the exact extrema of the trajectory it is of."""
+
+
+def covered(*, blended: bool) -> tuple[str, ...]:
+    """What the certificate of a plan covers: with parabolic blends all but the jerk, which has no bound."""
+    return COVERS[:-1] if blended else COVERS
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """The proof: row i says that on [t0, t1] the bodies `first` and `second` stay apart along `normal`.
+
+    Bodies are indices into `names`; a piece is the index of a convex piece of the body, -1 its bounding box (in the
+    body's axes). A second of -1 is no body but the origin of the world: the row says behind which plane the first stays
+    (equation C6). `gap0, gap1` are support gaps along `normal` (M, 3), from first to second, at t0 and t1; `speed` and
+    `acceleration` bound how fast the two approach along it. Equations C1, C2 in docs/guarantees.md.
+    """
+
+    names: tuple[str, ...]
+    t0: FloatArray
+    t1: FloatArray
+    first: IntArray
+    first_piece: IntArray
+    second: IntArray
+    second_piece: IntArray
+    normal: FloatArray
+    gap0: FloatArray
+    gap1: FloatArray
+    speed: FloatArray
+    acceleration: FloatArray
+    digest: str = ""
+    covers: tuple[str, ...] = COVERS
+
+    def __len__(self) -> int:
+        return len(self.t0)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What will run, and its proof. The checker needs this and the scene, nothing else."""
+
+    trajectory: Trajectory
+    legs: tuple[Leg, ...]
+    arrivals: tuple[Arrival, ...]
+    certificate: Certificate
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """One candidate's end: the stage that refused it, why, by which bodies, when, by how much.
+
+    `amount` is what was missing, in `unit` (m, rad, s, or a ratio), positive; NaN where there is no number.
+    """
+
+    stage: str
+    reason: Reason
+    step: int
+    bodies: tuple[str, ...] = ()
+    interval: tuple[float, float] | None = None
+    amount: float = float("nan")
+    unit: str = ""
+    detail: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class CensusLine:
+    """Refusals of one kind, counted: `least` and `most` of the amounts, the interval that spans them all."""
+
+    stage: str
+    reason: Reason
+    step: int
+    bodies: tuple[str, ...]
+    count: int
+    interval: tuple[float, float] | None
+    least: float
+    most: float
+    unit: str
+    detail: str
+
+
+@dataclass(frozen=True, slots=True)
+class Census:
+    """What became of all candidates, most frequent refusal first."""
+
+    candidates: int
+    refused: int
+    lines: tuple[CensusLine, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """A plan, proved against the model."""
+
+    plan: Plan
+    margins: Margins
+    contacts: tuple[Contact, ...]
+    lower_bound_s: float
+    census: Census
+    assumptions: tuple[str, ...]
+    seed: int
+    elapsed_s: float
+    first_s: float
+    cut_by_clock: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Relaxation:
+    """The first change of the request that was tried and works."""
+
+    what: str
+    value: str
+    duration_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class NotPlanned:
+    """No plan: the leading reason, whether it is proved for all times and modes, and a sentence for a shift leader."""
+
+    reason: Reason
+    proved: bool
+    sentence: str
+    refusal: Refusal | None
+    census: Census
+    relaxation: Relaxation | None
+    tried: tuple[str, ...]
+    assumptions: tuple[str, ...]
+    seed: int
+    elapsed_s: float
+    cut_by_clock: bool
+    details: dict[str, float] = field(default_factory=dict)
+
+
+Outcome = Planned | NotPlanned

@@ -1,0 +1,250 @@
+"""The cell and the task: what a request means once it is valid. Facts only, SI, world frame unless said."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Literal
+
+from assur.planner.arrays import FloatArray, frozen
+from assur.planner.errors import InputError
+from assur.planner.frames.fixed import Fixed
+from assur.planner.frames.law import Frame
+from assur.planner.frames.motion import Pose
+from assur.planner.geometry.pieces import Pieces, pieces
+from assur.planner.geometry.shapes import Body
+from assur.planner.model.blendable import refuse_acceleration_time, refuse_unblendable
+from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Window
+from assur.planner.robots.protocol import Robot
+
+__all__ = [
+    "WORLD",
+    "Arch",
+    "Clearance",
+    "Execution",
+    "Follow",
+    "Match",
+    "Move",
+    "Options",
+    "Pick",
+    "Place",
+    "Scene",
+    "Start",
+    "Step",
+    "Target",
+    "Tool",
+    "Window",
+    "WorldBody",
+]
+
+WORLD = "world"
+"""Name of the frame that does not move; every scene has it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tool:
+    """What is bolted to the flange: tool point `tcp` in the flange frame, bodies in the flange frame, mass."""
+
+    tcp: Pose
+    bodies: tuple[Body, ...] = ()
+    mass_kg: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """The state from which the plan begins: q, q̇, q̈ (n,) at `time` in seconds."""
+
+    time: float
+    q: FloatArray
+    qd: FloatArray
+    qdd: FloatArray
+
+    def __post_init__(self) -> None:
+        for name in ("q", "qd", "qdd"):
+            object.__setattr__(self, name, frozen(getattr(self, name), (None,), f"start.{name}"))
+
+    @property
+    def moving(self) -> bool:
+        return bool(self.qd.any() or self.qdd.any())
+
+
+@dataclass(frozen=True, eq=False)
+class WorldBody:
+    """A body of the surroundings at a constant pose in a frame. A `part` is a body that a pick or place names.
+
+    `yaw_symmetry`: how many yaws of the body look the same to a gripper (1: one; 2: every half turn; 0: any yaw).
+    """
+
+    body: Body
+    frame: str = WORLD
+    pose: Pose = Pose()
+    mass_kg: float | None = None
+    yaw_symmetry: int = 1
+
+    @property
+    def name(self) -> str:
+        return self.body.name
+
+
+@dataclass(frozen=True, slots=True)
+class Clearance:
+    """Required distances, m: `near` in approach, follow and depart, `travel` elsewhere."""
+
+    travel_m: float = 0.0
+    near_m: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Execution:
+    """How the plan will be run: servo lag of the tool `tracking_m`, dispatch up to `start_tolerance_s` late, and
+    whether the controller shifts glued legs by the live encoder (`belt_correction`)."""
+
+    tracking_m: float = 0.0
+    start_tolerance_s: float = 0.0
+    belt_correction: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How to search. `stop`: at the first certified plan, or when the budget is spent."""
+
+    seed: int = 0
+    budget_s: float = 1.0
+    max_candidates: int | None = None
+    stop: Literal["first", "budget"] = "budget"
+    explain_budget_s: float = 0.0
+    clearance: Clearance = Clearance()
+    singularity_margin: float = 0.05
+    elbow: str = "keep"
+    """`keep` (the start's working mode), `auto` (any, changes allowed), or the name of one of the robot's modes."""
+    end: Literal["rest", "moving"] = "rest"
+    stay_safe_s: float = 0.0
+    latest_end_s: float | None = None
+    """The motion must have ended by this time, s."""
+    timing: Literal["jerk_limited", "parabolic_blend"] = "jerk_limited"
+    """`parabolic_blend`: joint moves whose acceleration jumps and whose vias are missed (equations B1 to B7)."""
+    acceleration_time_s: float | None = None
+    """How long each blend lasts, s; None: each as short as the limits allow."""
+
+    @property
+    def blended(self) -> bool:
+        return self.timing == "parabolic_blend"
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A whole request, valid: robot, tool, start, frames, bodies, task, manners."""
+
+    robot: Robot
+    tool: Tool
+    start: Start
+    frames: dict[str, Frame]
+    bodies: tuple[WorldBody, ...]
+    task: tuple[Step, ...]
+    options: Options = Options()
+    execution: Execution = Execution()
+    carry_acceleration: float | None = None
+    """Limit of the tool point's acceleration while a part is held, m/s²."""
+    assumptions: tuple[str, ...] = ()
+    """Numbers of the robot that are estimated or second hand, in words; they are repeated in the outcome."""
+    digest: str = ""
+    """Digest of the request document, carried into the certificate."""
+    index: dict[str, WorldBody] = field(init=False, repr=False)
+    pieces: Pieces = field(init=False, repr=False)  # of robot, tool and surroundings, in this order
+    seats: dict[str, tuple[str, Pose]] = field(init=False, repr=False)  # frame and pose of what stands around
+
+    def __post_init__(self) -> None:
+        n = len(self.robot.joints)
+        for name in ("q", "qd", "qdd"):
+            if len(getattr(self.start, name)) != n:
+                raise InputError(f"start.{name}", len(getattr(self.start, name)), f"{n} joints of {self.robot.name}")
+        if not math.isfinite(self.start.time):
+            raise InputError("start.at_s", self.start.time, "a finite time")
+        if not self.task:
+            raise InputError("task", self.task, "at least one step")
+        solids = [each.body for each in self.robot.bodies] + list(self.tool.bodies) + [b.body for b in self.bodies]
+        for name, count in Counter(body.name for body in solids).items():
+            if count > 1:
+                raise InputError("bodies", name, "names that are unique, the robot's and the tool's bodies included")
+        for i, body in enumerate(self.bodies):
+            if body.frame not in self.frames:
+                raise InputError(f"bodies[{i}].pose.frame", body.frame, f"one of {sorted(self.frames)}")
+        object.__setattr__(self, "index", {body.name: body for body in self.bodies})
+        object.__setattr__(self, "seats", {body.name: (body.frame, body.pose) for body in self.bodies})
+        object.__setattr__(self, "pieces", pieces(solids))
+        for i, step in enumerate(self.task):
+            self._check_step(f"task[{i}].{type(step).__name__.lower()}", step)
+            if isinstance(step, Move) and step.arch is not None and self.robot.lift is None:
+                allowed = f"no arch: {self.robot.name} has no joint that lifts (cartesian legs go up and over)"
+                raise InputError(f"task[{i}].move.arch", step.arch.top_m, allowed)
+        self._check_hands()
+        self._check_wrist()
+        refuse_acceleration_time(self.options.timing, self.options.acceleration_time_s)
+        if self.options.blended:
+            refuse_unblendable(self.task, self.frames, moving=self.start.moving, end=self.options.end)
+
+    def _check_wrist(self) -> None:
+        """An arm that cannot turn its tool at will cannot lay down a part as it should lie."""
+        if self.robot.links.index("flange") in self.robot.tilting and self.tool.tcp != Pose():
+            allowed = f"0, 0, 0: the flange of {self.robot.name} tilts; a tool's length is a part of the last link's"
+            raise InputError("robot.tool.tcp", (self.tool.tcp.x, self.tool.tcp.y, self.tool.tcp.z), allowed)
+        if "yaw" in self.robot.coordinates:
+            return
+        if self.tool.tcp.x != 0.0 or self.tool.tcp.y != 0.0:
+            allowed = f"a tool point on the flange's axis: {self.robot.name} has no wrist to turn it with"
+            raise InputError("robot.tool.tcp", (self.tool.tcp.x, self.tool.tcp.y), allowed)
+        for i, step in enumerate(self.task):
+            if isinstance(step, Pick | Place):
+                allowed = f"move and follow: {self.robot.name} has no wrist, so parts would turn as the arm goes"
+                if "pitch" in self.robot.coordinates:
+                    allowed = (
+                        f"move and follow: {self.robot.name} turns and tilts its tool as it goes, and a part with it"
+                    )
+                raise InputError(f"task[{i}].{type(step).__name__.lower()}", step.name, allowed)
+
+    def _check_step(self, field: str, step: Step) -> None:
+        target = step.to if isinstance(step, Place) else getattr(step, "target", None)
+        if target is not None and target.frame not in self.frames:
+            raise InputError(f"{field}.frame", target.frame, f"one of {sorted(self.frames)}")
+        if target is not None:
+            self._check_tilt(field, target)
+        straight = isinstance(step, Move) and step.leg == "cartesian" and step.match == "position"
+        if straight and target is not None and not isinstance(self.frames[target.frame].law, Fixed):
+            allowed = "velocity: a straight leg meets a moving frame with its velocity"
+            raise InputError(f"{field}.match", "position", allowed)
+        if isinstance(step, Pick | Place):
+            if step.part not in self.index:
+                raise InputError(f"{field}.part", step.part, f"one of {sorted(self.index)}")
+            for name in step.contact_with or ():
+                if name not in self.index:
+                    raise InputError(f"{field}.contact_with", name, f"one of {sorted(self.index)}")
+            if step.match == "position" and not isinstance(self.frames[self._frame_of(step)].law, Fixed):
+                allowed = "velocity: a part is picked from, and placed on, a moving frame with its velocity"
+                raise InputError(f"{field}.match", step.match, allowed)
+
+    def _check_tilt(self, field: str, target: Target) -> None:
+        """Pitch and roll are asked only of an arm that has them."""
+        for name, value in (("pitch", target.pitch), ("roll", target.roll)):
+            if value is None:
+                continue
+            if name not in self.robot.coordinates:
+                raise InputError(f"{field}.{name}", value, f"no {name}: {self.robot.name} cannot tilt its tool at will")
+            if not math.isfinite(value):
+                raise InputError(f"{field}.{name}", value, "a finite angle")
+
+    def _frame_of(self, step: Pick | Place) -> str:
+        return step.to.frame if isinstance(step, Place) else self.index[step.part].frame
+
+    def _check_hands(self) -> None:
+        """One part at a time: a pick needs an empty gripper, a place the part that was picked."""
+        held: str | None = None
+        for i, step in enumerate(self.task):
+            if isinstance(step, Pick):
+                if held is not None:
+                    raise InputError(f"task[{i}].pick", step.part, f"an empty gripper; it still holds {held}")
+                held = step.part
+            if isinstance(step, Place):
+                if held != step.part:
+                    raise InputError(f"task[{i}].place.part", step.part, f"the part in the gripper ({held or 'none'})")
+                held = None

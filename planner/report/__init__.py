@@ -1,0 +1,1 @@
+"""Margins of a plan, and the sentences that tell an outcome."""

@@ -1,0 +1,1 @@
+"""The search: partial plans, sampled via points, timed candidates, and their census."""

@@ -1,0 +1,185 @@
+"""Puts a continuation together from its stretches: rest at the end, limits on the way, arrival, phases."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from assur.planner.frames.motion import Pose
+from assur.planner.legs.control_point import ControlPoint
+from assur.planner.legs.limits import rates, too_fast
+from assur.planner.legs.state import Knots, State, Stretch
+from assur.planner.legs.tool_motion import RESERVE, carrying_peak
+from assur.planner.model.assembly_mode import leaves_assembly
+from assur.planner.model.outcome import LATEST, Arrival, Leg, LegKind, Reason, Refusal
+from assur.planner.model.phases import Phase, held, moved_parts, phases
+from assur.planner.model.scene import Pick, Place, Scene
+from assur.planner.search.partial_plan import Chain, Draft, Sample
+from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.trajectory import Trajectory, keeps_limits
+
+STILL = 1e-9
+"""A last joint rate below this is rounding, rad/s or m/s (an acceleration: a thousand times as much)."""
+
+
+def assembled(
+    scene: Scene,
+    chain: Chain,
+    point: ControlPoint,
+    sample: Sample,
+    stretches: list[Stretch],
+    begin: float,
+    end: float,
+) -> Draft | Refusal:
+    """The draft of these stretches, with a last leg to rest where the task ends."""
+    final = chain.step == len(scene.task) - 1
+    if final and scene.options.end == "rest":
+        stretches[-1] = replace(stretches[-1], knots=_settled(stretches[-1].knots))
+    last = stretches[-1].knots.last
+    if final and scene.options.end == "rest" and not last.resting:
+        # what hangs on a moving frame comes to rest by a leg of its own
+        stop = _to_rest(scene, chain.step, last, sample.stop_pace)
+        if isinstance(stop, Refusal):
+            return stop
+        stretches.append(stop)
+    knots = stretches[0].knots
+    for stretch in stretches[1:]:
+        knots = knots.then(stretch.knots)
+    latest = scene.options.latest_end_s
+    if latest is not None and not knots.time[-1] <= latest:
+        over = float(knots.time[-1]) - latest
+        return Refusal(
+            "timing", Reason.WINDOW_MISSED, chain.step, (), None, over, "s", f"the motion ends after {LATEST}"
+        )
+    unknown = laws_over(scene, chain.step, float(knots.time[-1]))
+    if unknown is not None:
+        return unknown
+    trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
+    beyond = _beyond(scene, chain.step, trajectory) or leaves_assembly(scene.robot, chain.step, trajectory)
+    if beyond is not None:
+        return beyond
+    legs = tuple(Leg(s.kind, chain.step, float(s.knots.time[0]), float(s.knots.time[-1]), s.note) for s in stretches)
+    met = arrival(scene, point, trajectory, begin, end)
+    after = _after(scene, chain, point, sample, legs, met, knots)
+    ours = phases(scene, after.legs, after.arrivals)[len(chain.legs) :]
+    if not final:
+        ours = ours[: len(legs)]  # the arm does not stand still here
+    heavy = _too_hard(scene, chain.step, trajectory, ours)
+    if heavy is not None:
+        return heavy
+    return Draft(chain, sample, tuple(stretches), legs, met, knots, trajectory, after, ours)
+
+
+def _too_hard(scene: Scene, step: int, trajectory: Trajectory, ours: tuple[Phase, ...]) -> Refusal | None:
+    """Whether the carried part would be accelerated harder than it may be."""
+    limit = scene.carry_acceleration
+    peak = carrying_peak(scene, trajectory, ours) if limit is not None else None
+    if limit is None or peak is None or peak[0] <= limit * (1 - RESERVE):
+        return None
+    detail = f"{peak[0]:.1f} m/s² where {limit:g} m/s² are allowed"
+    return Refusal("limits", Reason.CARRY_LIMIT, step, (), (peak[1], peak[1]), peak[0] - limit, "m/s²", detail)
+
+
+def _after(
+    scene: Scene,
+    chain: Chain,
+    point: ControlPoint,
+    sample: Sample,
+    legs: tuple[Leg, ...],
+    met: Arrival,
+    knots: Knots,
+) -> Chain:
+    step, carried, rides, moved = scene.task[chain.step], chain.carried, chain.rides, chain.moved
+    if isinstance(step, Pick):
+        carried = held(scene, step, sample.yaw_offset)
+    if isinstance(step, Place):
+        carried, rides = None, {**rides, step.part: (step.to.frame, step.to.pose)}
+        moved = moved_parts(scene, rides)
+    resting = knots.last.resting
+    return Chain(
+        step=chain.step + 1,
+        state=knots.last,
+        mode=sample.branch.mode,
+        carried=carried,
+        rides=rides,
+        moved=moved,
+        legs=chain.legs + legs,
+        arrivals=(*chain.arrivals, met),
+        knots=knots if chain.knots is None else chain.knots.then(knots),
+        proofs=chain.proofs,
+        glued_to=point if not resting and point.matched and not point.via else None,
+    )
+
+
+def _settled(knots: Knots) -> Knots:
+    """The knots, with a last one that is at rest to the bit where only rounding keeps it from being."""
+    last = knots.last
+    if last.resting or not (np.abs(last.qd).max() <= STILL and np.abs(last.qdd).max() <= 1e3 * STILL):
+        return knots
+    qd, qdd = knots.qd.copy(), knots.qdd.copy()
+    qd[-1] = qdd[-1] = 0.0
+    return Knots(knots.time, knots.q, qd, qdd)
+
+
+def _to_rest(scene: Scene, step: int, state: State, pace: float) -> Stretch | Refusal:
+    """A last leg that brings a moving arm to rest, near where braking alone would."""
+    limits = scene.robot.limits
+    duration = pace * float(np.max(np.abs(state.qd) / limits.acceleration + 2 * limits.acceleration / limits.jerk))
+    # what an even braking over that time covers
+    target = np.clip(state.q + state.qd * duration / 2, limits.lower, limits.upper)
+    none = np.zeros_like(state.q)
+    found = time_joints(
+        state.q, state.qd, state.qdd, target, none, none, limits.velocity, limits.acceleration, limits.jerk
+    )
+    if isinstance(found, TimingRefusal):
+        return Refusal("timing", Reason.MOTION_LIMIT, step, detail=found.detail)
+    return Stretch(LegKind.MOVE, Knots(*found.knots(state.time)), "comes to rest")
+
+
+def laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
+    """Whether a frame's law ends before the arm, started late, has stood still for as long as is asked."""
+    stay = scene.options.stay_safe_s if scene.options.end == "rest" else 0.0
+    needed = end + stay + scene.execution.start_tolerance_s
+    for frame in scene.frames.values():
+        if not needed <= frame.law.valid[1]:
+            late = needed - frame.law.valid[1]
+            detail = f"the law of {frame.name} ends at {frame.law.valid[1]:g} s"
+            return Refusal("timing", Reason.LAW_ENDS, step, (frame.name,), None, late, "s", detail)
+    return None
+
+
+def _beyond(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
+    """Whether a joint breaks a limit on the way: moving ends overshoot, and the spline as written is what counts."""
+    limits = scene.robot.limits
+    kinds = limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk
+    if keeps_limits(trajectory, *kinds):
+        return None
+    fast = rates(scene, "limits", step, trajectory)
+    if isinstance(fast, Refusal):
+        return fast
+    if fast.ok:
+        return None
+    return too_fast(scene, "limits", step, fast, "the spline breaks a limit")
+
+
+def arrival(scene: Scene, point: ControlPoint, trajectory: Trajectory, begin: float, end: float) -> Arrival:
+    """The arrival at a control point at `begin`, s, where the tool is glued to it until `end`."""
+    p, yaw = scene.robot.forward(trajectory.evaluate(np.array(begin)))
+    pose = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)).then(scene.tool.tcp)
+    along = point.along(np.array(begin))
+    left = [high - begin for low, high in point.intervals if low - 1e-12 <= begin <= high + 1e-12]
+    bounded = point.window.time is not None or point.window.along is not None
+    return Arrival(
+        step=point.step,
+        control_point=point.name,
+        time=begin,
+        until=end,
+        pose=pose,
+        matched=point.matched and not point.via,
+        yaw_offset=point.yaw_offset,
+        along_m=None if along is None else float(along),
+        window_left_s=left[0] if bounded and left else None,
+        pitch=None if point.tilt is None else point.tilt[0],
+        roll=None if point.tilt is None else point.tilt[1],
+    )

@@ -1,0 +1,198 @@
+"""Samples ways to the next control point: the direct ones and arches first, then those of a population by free vias.
+
+Seeded and adaptive: what was free or nearly free is varied.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from assur.planner.frames import all_stand
+from assur.planner.legs.arched import Hop
+from assur.planner.legs.joint import Shape
+from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.scene import Arch, Move, Scene
+from assur.planner.search.meeting_options import Option
+from assur.planner.search.partial_plan import Chain, Sample
+from assur.planner.search.population import Population, glue_effort
+from assur.planner.search.rough_score import Glance
+from assur.planner.search.via_batch import WAIT_S
+
+HOPS = ((0.5, 0.5), (1.0, 1.0))
+"""Overlaps of an arch that are tried first: half, none (corners stopped at)."""
+ARCHED = 2
+"""Options to which arches are tried first."""
+BATCH = 12
+"""Arches in a batch, where an arch is asked for, or waits before a straight leg."""
+FILLED = 6
+"""Batches of the population that are smaller are filled up with arches, and to larger ones ..."""
+ARCHES_TOO = 0.3
+"""... one is added this often."""
+VARIED = 0.5
+"""Share of arches that are variations of the best so far, once there are any."""
+ELITE = 6
+"""Best arches that are kept for that."""
+PACES = (0.7, 0.0)
+"""Paces at which a via control point is flown by first."""
+
+
+@dataclass(eq=False)
+class Sampler:
+    """Samples for one chain. What it learned stays with it. `glance`: makes what looks at many ways at once."""
+
+    scene: Scene
+    chain: Chain
+    options: tuple[Option, ...]
+    rng: np.random.Generator
+    glance: Callable[[], Glance]
+    adaptive: bool = True
+    visits: int = 0
+    population: Population | None = None
+    elite: list[tuple[float, float, Sample]] = field(default_factory=list)
+
+    def batch(self, before: float = np.inf) -> list[tuple[Option, Sample]]:
+        """The next batch, of ways that may end before `before`, s; empty only if there is nothing left to try."""
+        visit, self.visits = self.visits, self.visits + 1
+        if not self.options:
+            return []
+        if visit == 0:
+            return [*self._direct(), *self._arches()]
+        if self._cartesian():
+            # a straight leg from a moving frame has nothing to choose: it has been tried
+            return [self._wait() for _ in range(BATCH)] if self.chain.state.resting else []
+        if self._asked_arch() is not None:
+            return [self._arch() for _ in range(BATCH)]
+        if self.population is None:
+            parts = self.scene, self.chain, self.options, self.glance(), self.rng
+            self.population = Population(*parts, adaptive=self.adaptive)
+        found = self.population.batch(before)
+        arches = max(FILLED - len(found), int(self.rng.random() < ARCHES_TOO)) if self._tops() else 0
+        return found + [self._arch() for _ in range(arches)] or [self.population.anyone()]
+
+    def learn(self, sample: Sample, bad: float, end: float = math.inf, at: float | None = None) -> None:
+        """`bad`: the share of a draft's samples that were in the way of something; 0: it was free; 1: it was refused
+        for another reason. `end`: when it ends, `at`: when something was in its way, s."""
+        if not self.adaptive:
+            return
+        if self.population is not None:
+            self.population.learn(sample, bad, at)
+        if sample.shape.hop is not None:
+            self.elite = [each for each in self.elite if each[2] is not sample] + [(bad, end, sample)]
+            self.elite.sort(key=lambda each: each[:2])
+            del self.elite[ELITE:]
+
+    def _direct(self) -> list[tuple[Option, Sample]]:
+        """Directly to the option of each mode that is met first."""
+        if self._asked_arch() is not None:
+            return []
+        step = self.scene.task[self.chain.step]
+        paces = PACES if isinstance(step, Move) and step.via else (0.0,)
+        return [
+            (option, Sample(option.yaw_offset, option.branch, Shape(through=pace)))
+            for option in self._first_of_modes()
+            for pace in paces
+        ]
+
+    def _first_of_modes(self) -> list[Option]:
+        found: dict[int, Option] = {}
+        for option in self.options:
+            found.setdefault(option.branch.mode, option)
+        return list(found.values())
+
+    def _arches(self) -> list[tuple[Option, Sample]]:
+        tops = self._tops()
+        if not tops or self._cartesian():
+            return []
+        through = PACES[0] if self._is_via() else 0.0
+        return [
+            (option, Sample(option.yaw_offset, option.branch, Shape(hop=Hop(tops[0], rise, fall), through=through)))
+            for option in self._first_of_modes()[:ARCHED]
+            for rise, fall in (HOPS[:1] if self._is_via() else HOPS)
+        ]
+
+    def _tops(self) -> list[float]:
+        """Heights of the lift joint that an arch may go over, highest first."""
+        scene, lift = self.scene, self.scene.robot.lift
+        if lift is None:
+            return []
+        upper = float(scene.robot.limits.upper[lift])
+        arch = self._asked_arch()
+        if arch is not None:
+            asked = self._height(arch)
+            return [asked] if asked <= upper else []
+        ends = [float(self.chain.state.q[lift]), *(float(o.branch.q[0, lift]) for o in self.options[:1])]
+        return [top for top in (upper, (max(ends) + upper) / 2) if top > max(ends) + 1e-3]
+
+    def too_high(self) -> Refusal | None:
+        """Why the arch that is asked for cannot be: the lift ends below it; None: it can, or none is asked."""
+        scene, lift, arch = self.scene, self.scene.robot.lift, self._asked_arch()
+        if lift is None or arch is None or self._tops():
+            return None
+        joint, over = scene.robot.joints[lift].name, self._height(arch) - float(scene.robot.limits.upper[lift])
+        detail = f"for an arch up to {1e3 * arch.top_m:g} mm"
+        return Refusal("inverse", Reason.JOINT_LIMIT, self.chain.step, (joint,), None, over, "m", detail)
+
+    def _height(self, arch: Arch) -> float:
+        """The lift joint's value at the top of an arch."""
+        scene, q = self.scene, self.chain.state.q
+        flange, _ = scene.robot.forward(q)
+        # the lift joint moves the flange one to one, so heights differ by a constant
+        return arch.top_m - scene.tool.tcp.z - (float(flange[2]) - float(q[scene.robot.lift or 0]))
+
+    def _asked_arch(self) -> Arch | None:
+        step = self.scene.task[self.chain.step]
+        return step.arch if isinstance(step, Move) else None
+
+    def _is_via(self) -> bool:
+        step = self.scene.task[self.chain.step]
+        return isinstance(step, Move) and step.via
+
+    def _cartesian(self) -> bool:
+        step = self.scene.task[self.chain.step]
+        return isinstance(step, Move) and step.leg == "cartesian"
+
+    def _may_wait(self) -> bool:
+        """Whether waiting is possible and changes anything."""
+        return self.chain.state.resting and not all_stand(self.scene.frames.values())
+
+    def _any_option(self) -> Option:
+        return self.options[min(len(self.options) - 1, int(self.rng.geometric(0.45)) - 1)]
+
+    def _wait(self) -> tuple[Option, Sample]:
+        """A straight leg after a wait."""
+        option = self._any_option()
+        return option, self._sample(option, Shape(float(self.rng.exponential(WAIT_S))))
+
+    def _arch(self) -> tuple[Option, Sample]:
+        """An arch of random height and corners, or a variation of a good one."""
+        rng = self.rng
+        if self.adaptive and self.elite and rng.random() < VARIED:
+            return self._varied()
+        option, tops = self._any_option(), self._tops()
+        top = float(rng.uniform(min(tops), max(tops))) if rng.random() < 0.5 else max(tops)
+        shape = Shape(hop=Hop(top, float(rng.random()), float(rng.random())))
+        if self._is_via():
+            shape = replace(shape, through=float(rng.uniform(0.2, 1.0)))
+        if self._may_wait() and rng.random() < 0.25:
+            shape = replace(shape, wait=float(rng.exponential(WAIT_S)))
+        return option, self._sample(option, shape)
+
+    def _varied(self) -> tuple[Option, Sample]:
+        rng = self.rng
+        *_, parent = self.elite[int(rng.integers(len(self.elite)))]
+        option = next(o for o in self.options if o.branch is parent.branch)
+        shape, hop = parent.shape, parent.shape.hop
+        if hop is not None:
+            rise, fall = np.clip(np.array([hop.rise, hop.fall]) + rng.normal(0.0, 0.15, 2), 0.0, 1.0)
+            shape = replace(shape, hop=Hop(hop.top, float(rise), float(fall)))
+        if self._may_wait() and rng.random() < 0.5:
+            shape = replace(shape, wait=max(0.0, shape.wait + float(rng.normal(0.0, 0.1))))
+        return option, replace(parent, shape=shape)
+
+    def _sample(self, option: Option, shape: Shape) -> Sample:
+        effort, pace = glue_effort(self.rng)
+        return Sample(option.yaw_offset, option.branch, shape, effort, pace)

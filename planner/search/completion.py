@@ -1,0 +1,31 @@
+"""Makes a plan of a whole chain and has it checked: nothing is an answer that the checker refuses."""
+
+from __future__ import annotations
+
+from assur.planner.checker import check
+from assur.planner.collision.rows import written
+from assur.planner.errors import FaultError
+from assur.planner.model.outcome import Plan, Reason, Refusal
+from assur.planner.model.scene import Scene
+from assur.planner.search.partial_plan import Chain
+from assur.planner.trajectory import Trajectory
+
+
+def completed(scene: Scene, chain: Chain) -> Plan | Refusal:
+    """The plan of a chain through all steps, with its certificate; a refusal where the checker does not accept it.
+
+    That would be a defect of the planner, so it is told in the census under the stage `checker`; the tests and the
+    benchmark hold that it never happens there.
+    """
+    if chain.knots is None:
+        raise FaultError("a whole chain without knots")
+    knots = chain.knots
+    trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd, jumps=scene.options.blended)
+    certificate = written(scene, trajectory, chain.legs, chain.arrivals, list(chain.proofs))
+    plan = Plan(trajectory, chain.legs, chain.arrivals, certificate)
+    verdict = check(scene, plan)
+    if verdict.ok:
+        return plan
+    first = verdict.findings[0]
+    detail = f"{first.code}: {first.what}, {first.where}"
+    return Refusal("checker", Reason.NOT_CERTIFIED, chain.step - 1, (), None, first.amount, first.unit, detail)
