@@ -12,7 +12,7 @@ from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Miss
 from assur.scenes.answer import INDICES, REALS
 from assur.scenes.build.frames import placed
 from assur.scenes.build.neighbours import trajectory_of
-from assur.scenes.catalogue.arm import Conventions, converted
+from assur.scenes.conventions import Conventions, converted
 from assur.scenes.documents.plans import CertificateDocument, MissedDocument, PlanDocument
 from assur.scenes.documents.read import read
 from assur.scenes.faults import Path, fault
