@@ -74,7 +74,7 @@ def _along(
     nz: float,
     flat: float,
 ) -> float:
-    """M1 from column o on; `flat` is |n_xy|."""
+    """K43 from column o on; `flat` is |n_xy|."""
     known = abs(nx * bounds[k, o + V] + ny * bounds[k, o + V + 1] + nz * bounds[k, o + V + 2])
     box = o + V_BOX
     found = known + abs(nx) * bounds[k, box] + abs(ny) * bounds[k, box + 1] + abs(nz) * bounds[k, box + 2]
@@ -92,7 +92,7 @@ def _along(
 def point_bound(
     bounds: FloatArray, k: int, reach: float, distance: float, nx: float, ny: float, nz: float
 ) -> tuple[float, float]:
-    """Upper bounds of |n·ẋ| and |n·ẍ| over an interval along a unit vector n, for every point x of carrier k (M1).
+    """Upper bounds of |n·ẋ| and |n·ẍ| over an interval along a unit vector n, for every point x of carrier k (K43).
 
     The points are within horizontal distance `reach` of the carrier's z axis and within `distance` of its origin, m.
     Infinite for what is not a number, and for a negative reach or distance.

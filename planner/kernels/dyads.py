@@ -72,8 +72,8 @@ def rrr(l1: float, l2: float, sigma: float, d: FloatArray, order: int, out: Floa
         return OUT_OF_REACH
     total = 0.0
     for k in range(order + 1):
-        total += 0.0 * (d[k, 0] + d[k, 1])
-    if not total == 0.0:
+        total += 0.0 * (d[k, 0] + d[k, 1])  # NaN for what is not finite
+    if not math.isfinite(total):
         return OUT_OF_REACH
     within, beyond = inner + slack, outer - slack
     if not within * within < square < beyond * beyond:

@@ -245,7 +245,7 @@ def place_frame(law: FloatArray, pieces: FloatArray, t: float, placed: FloatArra
 
 @kernel("void(float64[::1], float64[:, ::1], float64, float64, float64[:, ::1], int64)")
 def _bound_keyframes(law: FloatArray, pieces: FloatArray, t0: float, t1: float, bounds: FloatArray, k: int) -> None:
-    """F5: the ranges of each coordinate's velocity and acceleration, exact, as a box around a middle (F7)."""
+    """F5: the ranges of each coordinate's velocity and acceleration, exact, as a box around a middle (K44)."""
     begin, count = int(law[BEGIN]), int(law[COUNT])
     first = last_begun(pieces, begin, count, t0)
     last = first

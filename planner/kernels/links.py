@@ -4,10 +4,10 @@ A robot is a row of numbers: `KIND`, then the lengths that its family has, unuse
 module and `inverse` knows the arm.
 
 Carriers are rows, links first: `placed` (L, 12) has a position, m, and a rotation matrix, row by row, in the world;
-`bounds` (L, 22) has what bounds the motion of any point that a carrier carries (equation M1 of docs/guarantees.md). With
-r the point's distance from the carrier's z axis, s that from its origin, h = |n_xy|:
+`bounds` (L, 22) has what bounds the motion of any point that a carrier carries (K43 of docs/kinematics.md). With r the
+point's distance from the carrier's z axis, s that from its origin, h = |n_xy|:
 
-    |n·ẋ| ≤ |n·v| + Σ |n_i| b_i + h (v_h + v_r r + v_s s) + v_0 + v_1 s                                     (M1)
+    |n·ẋ| ≤ |n·v| + Σ |n_i| b_i + h (v_h + v_r r + v_s s) + v_0 + v_1 s                                     (K43)
 
 and the same for |n·ẍ|, with v a known velocity, b half the width of a box around it, v_h + … a horizontal speed,
 v_0 + … a speed in any direction.
@@ -51,7 +51,7 @@ MOST_LINKS = 7
 POSE_COLUMNS = 12
 
 V, V_BOX, V_FLAT, V_REACH, V_FAR, V_ANY, V_ANY_FAR = 0, 3, 6, 7, 8, 9, 10
-"""Columns of bounds of speed, as in M1: three of a known velocity, three of the box around it, horizontal speed and
+"""Columns of bounds of speed, as in K43: three of a known velocity, three of the box around it, horizontal speed and
 its growth with reach and with distance, speed in any direction and its growth with distance."""
 ACCELERATION = 11
 """Where the same columns for acceleration begin."""
@@ -228,7 +228,8 @@ def assembled(robot: FloatArray, lower: FloatArray, upper: FloatArray) -> bool:
     loop. A trajectory that keeps this never changes its assembly mode."""
     if robot[KIND] != FIVE_BAR:
         return True
-    return loop_least(robot, lower, upper)[0] >= robot[PARALLEL_LEAST] * robot[L2] * robot[L4]
+    least: float = robot[PARALLEL_LEAST] * robot[L2] * robot[L4]
+    return loop_least(robot, lower, upper)[0] >= least
 
 
 @kernel("float64(float64[::1], float64[::1])")
@@ -239,7 +240,8 @@ def parallel_margin(robot: FloatArray, q: FloatArray) -> float:
     scratch = np.empty((4 + RRR_COLUMNS // 2, 2))
     solved = scratch[4:].reshape(RRR_COLUMNS)
     close_loop(robot, q[0], q[1], scratch, solved)
-    return abs(solved[CROSS]) / (robot[L2] * robot[L4])
+    margin: float = abs(solved[CROSS]) / (robot[L2] * robot[L4])
+    return margin
 
 
 @kernel("UniTuple(float64, 4)(float64[::1], float64[::1], float64[::1], float64[::1], float64[::1])")
@@ -334,7 +336,7 @@ def _swings(
 
 @kernel("void(float64[::1], float64[::1], float64[::1], float64[:, ::1])")
 def _bound_tilting(robot: FloatArray, rate: FloatArray, rate_d: FloatArray, bounds: FloatArray) -> None:
-    """K28, K29, with the motion in the plane of the elbow arm, the polar arm (K20, K21) or the five-axis arm (H6, H7)."""
+    """K28, K29, with the motion in the plane of the elbow, the polar (K20, K21) or the five-axis arm (H6, H7)."""
     w, dw, w2 = rate[0], rate_d[0], rate[1]
     m2 = math.hypot(rate_d[1], w2 * w2)
     _turns(bounds, 1, 0.0, 0.0, w, math.hypot(dw, w * w))

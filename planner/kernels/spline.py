@@ -41,9 +41,7 @@ def spline_state(tk: FloatArray, c: FloatArray, t: float, q: FloatArray) -> None
     p = piece_at(tk, held)
     u = held - tk[p]
     for i in range(len(q)):
-        q[i] = c[p, i, 0] + u * (
-            c[p, i, 1] + u * (c[p, i, 2] + u * (c[p, i, 3] + u * (c[p, i, 4] + u * c[p, i, 5])))
-        )
+        q[i] = c[p, i, 0] + u * (c[p, i, 1] + u * (c[p, i, 2] + u * (c[p, i, 3] + u * (c[p, i, 4] + u * c[p, i, 5]))))
 
 
 @kernel("void(float64[::1], float64[:, :, ::1], float64, float64[:, ::1])")
@@ -69,9 +67,7 @@ def spline_motion(tk: FloatArray, c: FloatArray, t: float, state: FloatArray) ->
 
 
 @kernel("UniTuple(float64, 4)(float64, float64, float64, float64, float64, float64)")
-def rate_hulls(
-    g1: float, g2: float, g3: float, g4: float, g5: float, h: float
-) -> tuple[float, float, float, float]:
+def rate_hulls(g1: float, g2: float, g3: float, g4: float, g5: float, h: float) -> tuple[float, float, float, float]:
     """Bounds over [0, h] of the magnitudes of the first to the fourth derivative of Σ g_k τ^k: hulls, or W1."""
     d1, d2, d3, d4 = 2.0 * g2 * h, 3.0 * g3 * h * h, 4.0 * g4 * h**3, 5.0 * g5 * h**4
     ends = max(abs(g1), abs(g1 + d1 + d2 + d3 + d4))
@@ -151,7 +147,8 @@ def piece_bounds(
 @kernel("float64(float64[:, ::1], int64, int64, int64, float64, float64)")
 def _on_part(whole: FloatArray, p: int, column: int, k: int, ends: float, square: float) -> float:
     """The bound of a column on a part of piece p, `square` being its length squared (W1)."""
-    return min(ends + square * whole[p, k + column], max(whole[p, column], ends))
+    bound: float = min(ends + square * whole[p, k + column], max(whole[p, column], ends))
+    return bound
 
 
 @kernel(

@@ -95,9 +95,7 @@ def test_a_point_of_which_nothing_is_known_is_bounded_by_infinity(name: str) -> 
     for bad in (math.nan, math.inf):
         rate = known.rate[1].copy()
         rate[0] = bad
-        carrier_bounds(
-            row, NO_LAWS, NO_PIECES, 0.0, 1.0, known.lower[1], known.upper[1], rate, known.rate_d[1], bounds
-        )
+        carrier_bounds(row, NO_LAWS, NO_PIECES, 0.0, 1.0, known.lower[1], known.upper[1], rate, known.rate_d[1], bounds)
         assert point_bound(bounds, last, 0.1, 0.1, 1.0, 0.0, 0.0) == (math.inf, math.inf)
     each = (known.lower[1], known.upper[1], known.rate[1], known.rate_d[1])
     carrier_bounds(row, NO_LAWS, NO_PIECES, 0.0, 1.0, *each, bounds)
@@ -162,7 +160,7 @@ def test_points_of_frames_are_bounded_as_the_law_bounds_them(case: Case, data: s
     found = point_bound(bounds, 0, reach, 9.0, *n)
     for value, least in zip(found, expected, strict=True):
         assert value >= least * (1.0 - CLOSE) - CLOSE
-        # the box of keyframes (F7) is exact along an axis only
+        # the box of keyframes (K44) is exact along an axis only
         if not isinstance(case.law, Keyframes) or np.abs(n).max() == 1.0:
             assert value <= least * (1.0 + 1e-11) + 1e-11
 
@@ -192,7 +190,7 @@ def neighbours() -> list[tuple[Robot, Trajectory]]:
     return found
 
 
-@pytest.mark.parametrize("robot, path", neighbours(), ids=lambda value: getattr(value, "name", ""))
+@pytest.mark.parametrize(("robot", "path"), neighbours(), ids=lambda value: getattr(value, "name", ""))
 def test_a_neighbours_link_is_where_its_plan_has_it(robot: Robot, path: Trajectory) -> None:
     rng = np.random.default_rng(6)
     t0 = rng.uniform(0.0, 3.0, 60)
