@@ -37,20 +37,10 @@ NOTICE = (
 )
 """What every answer says."""
 
-REALS = {
-    "t0": "t0_s",
-    "t1": "t1_s",
-    "normal": "normal",
-    "gap0": "gap0_m",
-    "gap1": "gap1_m",
-    "speed": "speed_m_s",
-    "acceleration": "acceleration_m_s2",
-}
+REALS = {"t0": "t0_s", "t1": "t1_s", "normal": "normal"}
 """Columns of a certificate that hold numbers, and their keys."""
 INDICES = ("first", "first_piece", "second", "second_piece")
 """Columns that hold whole numbers; their keys are the same."""
-MAY_BE_INFINITE = ("speed", "acceleration")
-"""Bounds: an infinite one is true, and null in JSON."""
 
 
 def answer_of(cell: Cell, outcome: Outcome, certificate: Detail = "full") -> dict[str, Any]:
@@ -150,10 +140,7 @@ def certificate_document(certificate: Certificate, detail: Detail) -> dict[str, 
     for name in INDICES:
         columns[name] = getattr(certificate, name).tolist()
     for name, key in REALS.items():
-        values = getattr(certificate, name).tolist()
-        if name in MAY_BE_INFINITE:
-            values = [None if value == math.inf else number(value) for value in values]
-        columns[key] = values
+        columns[key] = getattr(certificate, name).tolist()
     return {**head, **columns}
 
 

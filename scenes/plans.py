@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -106,6 +105,6 @@ def _certificate(root: object, item: CertificateDocument) -> Certificate:
         if name in INDICES:
             columns[name] = np.array(values, dtype=np.int64)
         else:
-            columns[name] = np.array([math.inf if v is None else v for v in values], dtype=np.float64)
+            columns[name] = np.array(values, dtype=np.float64)
     columns["normal"] = columns["normal"].reshape(-1, 3)
     return Certificate(names=tuple(item.names), digest=item.digest, covers=tuple(item.covers), **columns)

@@ -12,7 +12,6 @@ from assur.scenes.documents.robots import TrajectoryDocument
 
 Number = Annotated[float, Field(ge=-1e300, le=1e300)]
 Reals = Annotated[list[Number], Field(max_length=bounds.MAX_ROWS)]
-Bounds = Annotated[list[Number | None], Field(max_length=bounds.MAX_ROWS)]
 Indices = Annotated[list[Annotated[int, Field(ge=-1, le=2**31)]], Field(max_length=bounds.MAX_ROWS)]
 Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
 Text = Annotated[str, Field(max_length=bounds.MAX_TEXT)]
@@ -56,7 +55,7 @@ class ArrivalDocument(Document):
 
 
 class CertificateDocument(Document):
-    """The proof in columns; a null bound is infinite, a second body of -1 none: the row is of the first alone."""
+    """The proof in columns; a second body of -1 is none: the row is of the first alone."""
 
     digest: Text
     rows: Annotated[int, Field(ge=0, le=bounds.MAX_ROWS)]
@@ -69,10 +68,6 @@ class CertificateDocument(Document):
     second: Indices
     second_piece: Indices
     normal: Annotated[list[Vector], Field(max_length=bounds.MAX_ROWS)]
-    gap0_m: Reals
-    gap1_m: Reals
-    speed_m_s: Bounds
-    acceleration_m_s2: Bounds
 
 
 class PlanDocument(Document):
