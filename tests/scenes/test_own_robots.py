@@ -210,7 +210,9 @@ def test_a_robot_is_in_a_file_or_named_or_written_out(tmp_path: Path) -> None:
     for more in ({"model": "fanuc-sr-3ia"}, {"scara": inline()["robot"]["scara"]}):
         with pytest.raises(InputError, match="exactly one of model, file, scara"):
             cell_of(request(**more), folder=tmp_path)
-    for strange in ({"robot": None}, {"robot": []}, {"robot": {"file": 3}}, {"neighbours": [3]}, {"neighbours": {}}):
+    robots: list[Any] = [None, [], {"file": 3}]
+    others: list[Any] = [{}, [3], [{"robot": 3}]]
+    for strange in (*({"robot": robot} for robot in robots), *({"neighbours": other} for other in others)):
         with pytest.raises(InputError):
             cell_of({**request(), **strange}, folder=tmp_path)
     with pytest.raises(InputError, match="a mapping"):
