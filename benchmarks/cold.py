@@ -7,7 +7,7 @@ from functools import _lru_cache_wrapper
 
 KEEP = ("assur.scenes.units", "assur.scenes.catalogue", "assur.scenes.scenarios")
 """Modules whose caches hold nothing of a request: how keys are spelt, the shipped robots and scenarios."""
-CACHING = ("planner", "scenes")
+CACHING = ("assur.planner", "assur.scenes")
 
 
 def forget() -> int:
@@ -18,7 +18,7 @@ def forget() -> int:
     """
     emptied = 0
     for name, module in list(sys.modules.items()):
-        if name.partition(".")[0] in CACHING:
+        if name.startswith(CACHING):
             for value in list(vars(module).values()):
                 # by where it is written: a module also holds what it imports
                 if isinstance(value, _lru_cache_wrapper) and not value.__module__.startswith(KEEP):

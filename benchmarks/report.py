@@ -19,7 +19,6 @@ from rich.table import Table
 from benchmarks.bars import BARS, ORDER, lines, refused
 from benchmarks.judged import SETS, label
 from benchmarks.machine import ROOT
-from benchmarks.stages import STAGES
 
 RESULTS = ROOT / "benchmarks" / "results"
 PROFILES = "profile"
@@ -136,8 +135,7 @@ def columns(there: Results) -> str:
     found = {name: there[name] for name in names}
     if not found:
         return NOTHING
-    seen = {stage for document in found.values() for stage in document["data"]["stages_ms"]}
-    stages = [stage for stage in STAGES if stage in seen]
+    stages = list(dict.fromkeys(stage for document in found.values() for stage in document["data"]["stages_ms"]))
     head = [name.removeprefix(PROFILES).strip("-_").replace("_", " ").replace("-", " ") for name in found]
     rows = ["| stage, ms | " + " | ".join(head) + " |", "|---|" + "---|" * len(found)]
     for stage in stages:

@@ -39,7 +39,8 @@ class Manners:
     match: Match = "position"
     seed: int = 0
     adaptive: bool = True
-    """False: sample without learning from what was refused. No option of a request, only of `assur.planner.pipeline.plan`."""
+    """False: sample without learning from what was refused. No option of a request, only of
+    `assur.planner.pipeline.plan`."""
 
 
 def request(problem: Problem, limits: Mapping[str, tuple[float, ...]], manners: Manners) -> Document:

@@ -7,7 +7,8 @@ Nothing of the planner is used here. With the hand's length L_e, its pitch P abo
     z_w = z − L_e sin P                                                                              (its figure 7)
 
 The source leaves the sign of the last one to "the case"; with a signed pitch there is one. Then equations 1 to 6, as
-mended in `assur.experiments.printed_triangles`, for the target (r_w, z_w); the wrist has what is left, θ4 = P − θ2 − θ3 and
+mended in `assur.experiments.printed_triangles`, for the target (r_w, z_w); the wrist has what is left, θ4 = P − θ2 −
+θ3 and
 θ5 = roll. The source takes r_w = √(x_w² + y_w²), and the triangles know no sign either: a wrist behind the base axis is
 seen in front of it. Mended, r_w = √(x² + y²) − L_e cos P, and the angle A_i takes its sign.
 """

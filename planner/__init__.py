@@ -1,7 +1,7 @@
 """Proved jerk-limited motion of SCARA-class robots through moving control points among moving bodies.
 
-``from planner import Scene, check, plan``: `plan(scene)` gives an outcome (`assur.planner.model.outcome`), `check(scene, plan)` a
-verdict. The three are looked up when they are first asked for, so ``import planner`` loads neither fcl nor ruckig.
+``from assur.planner import Scene, check, plan``: `plan(scene)` returns an outcome (`assur.planner.model.outcome`) and
+`check(scene, plan)` a verdict. Each is imported on first use, so ``import assur.planner`` loads no native library.
 Facts only: documents, files and units are the business of `scenes`.
 """
 

@@ -47,7 +47,8 @@ def items(parameters: Document) -> list[Item]:
 
 
 def natural(given: FloatArray) -> Any:
-    """Natural coordinates from guesses that are the solution off by half of l1, as in `assur.experiments.dyad_timing`."""
+    """Natural coordinates from guesses that are the solution off by half of l1, as in
+    `assur.experiments.dyad_timing`."""
     c = race.printed_batch(given).c
     random = np.random.default_rng(race.SEED)
     wanted = c.x, c.y

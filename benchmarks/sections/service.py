@@ -3,8 +3,8 @@
 Two services run side by side, one with one worker and one with two, each a process of its own on a free port. Round
 trips go to the first over one connection, one after the other: the round trip less the planning time that the answer
 states is what reading, queueing, writing and the network cost. For throughput, four connections keep both services
-busy in turn, with `stop: budget` and `budget_s: 0.2`. Nothing is pinned here. Answers are checked by `assur.scenes.check` and
-by the recheck.
+busy in turn, with `stop: budget` and `budget_s: 0.2`. Nothing is pinned here. Answers are checked by
+`assur.scenes.check` and by the recheck.
 """
 
 from __future__ import annotations

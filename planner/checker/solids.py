@@ -1,7 +1,7 @@
 """All convex pieces of a scene, and each body's bounding box, as one table; supports and reaches of many at once.
 
-The checker's own table: it shares the shapes and their numbers (`assur.planner.geometry.pieces`) with the planner, nothing else. A
-*solid* is a row of it: a piece of a body, or the box in the body's own axes that holds all its pieces.
+The checker's own table: it shares the shapes and their numbers (`assur.planner.geometry.pieces`) with the planner,
+nothing else. A *solid* is a row of it: a piece of a body, or the box in the body's own axes that holds all its pieces.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Distance of two convex units and the normal that shows it, by GJK on support points.
 
-Used where the likely normals of `assur.planner.collision.support_gaps` fail: one pair at one time. The result is not trusted, it is a
+Used where the likely normals of `assur.planner.collision.support_gaps` fail: one pair at one time. The result is not
+trusted, it is a
 normal to try: what is claimed is the support gap along it. Algorithm: E. G. Gilbert, D. W. Johnson, S. S. Keerthi,
 IEEE J. Robotics and Automation 4 (1988) 193; nearest point of a simplex by Voronoi regions.
 """

@@ -26,7 +26,8 @@ from assur.planner.robots.vertical_plane import BASE, LINK1, LINK2, LINK3, LINKS
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TiltingArm(InVerticalPlane, Serial):
-    """What elbow, polar and five-axis arm share; with what is in its plane it is a `assur.planner.robots.protocol.Robot`.
+    """What elbow, polar and five-axis arm share; with what is in its plane it is a
+    `assur.planner.robots.protocol.Robot`.
 
     Link frames: `base` at the base origin; `link1` at the shoulder, turned by φ1, upright; `link2` at the shoulder and
     `link3`, `flange` where the arm says, turned by φ1 and then tilted: x ahead along the link, y level, so that all

@@ -1,7 +1,7 @@
 """Times of a move with parabolic blends: as short as the limits of velocity and acceleration of all joints allow.
 
-What has to hold is B4 of `assur.planner.timing.parabolic_blend`. With a given acceleration time 2τ, the same for all poses,
-every segment is as fast as the speeds of the joints allow,
+What has to hold is B4 of `assur.planner.timing.parabolic_blend`. With a given acceleration time 2τ, the same for all
+poses, every segment is as fast as the speeds of the joints allow,
 
     T_k = max( 2τ, max_j |P_k − P_{k-1}|_j / V_j )                                                          (B5)
 

@@ -2,8 +2,8 @@
 
 A knot at every switch, those of different joints that almost coincide as one: the spline repeats the phases, but for
 two things. A joint whose switch of Δj is δ beside the shared knot has a jerk off by up to 9 Δj δ/h on a piece of
-length h; and rounding costs jerk on short pieces (`assur.planner.trajectory.rounding`). Both are looked at afterwards, and
-the one motion in two hundred where they take up more than half of the reserve is written anew, all inner velocities
+length h; and rounding costs jerk on short pieces (`assur.planner.trajectory.rounding`). Both are looked at afterwards,
+and the one motion in two hundred where they take up more than half of the reserve is written anew, all inner velocities
 and accelerations chosen by least squares, with several widths of what counts as one switch.
 """
 

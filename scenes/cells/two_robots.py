@@ -1,4 +1,6 @@
-"""Plans the other robot of the two-robots cells and writes its trajectories: ``python -m assur.scenes.cells.two_robots``.
+"""Plans the other robot of the two-robots cells and writes its trajectories.
+
+Run it by ``python -m assur.scenes.cells.two_robots``.
 
 Its own request is two-robots-neighbour.yaml. In two-robots.yaml it does the whole of it; in two-robots-parked.yaml it
 stops at the nest, as after a fault: the steps behind the one at the nest are left out. Whatever stands between the two

@@ -6,7 +6,8 @@ solid itself. Otherwise the cell whose hull reaches furthest out of the solid is
 most, until all are tight or there are enough pieces. Where they are enough and not tight, the cover is larger than the
 solid: an arm may be kept out of a hollow that it could enter, never let through a wall.
 
-What is enclosed and touched by no hull is not covered: `assur.planner.geometry.containment` answers for it, from the same triangles.
+What is enclosed and touched by no hull is not covered: `assur.planner.geometry.containment` answers for it, from the
+same triangles.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 PRODUCT = ("planner", "scenes", "api", "experiments")
-"""The packages that are installed."""
+"""The packages that are installed, as assur.planner and so on."""
 BESIDE = ("benchmarks", "tests")
 """What is only in the repository."""
 
@@ -36,7 +36,8 @@ def sources(*packages: str) -> tuple[Source, ...]:
             if parts[-1] == "__init__":
                 parts.pop()
             text = path.read_text(encoding="utf-8")
-            found.append(Source(".".join(parts), relative.as_posix(), text, ast.parse(text)))
+            name = ".".join(["assur", *parts] if package in PRODUCT else parts)
+            found.append(Source(name, relative.as_posix(), text, ast.parse(text)))
     return tuple(found)
 
 

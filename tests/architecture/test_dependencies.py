@@ -32,7 +32,7 @@ def _imported(*packages: str) -> dict[str, str]:
     for source in sources(*packages):
         for module, line in imports(source.tree):
             top = module.partition(".")[0]
-            if top not in sys.stdlib_module_names and top not in (*PRODUCT, *BESIDE):
+            if top not in sys.stdlib_module_names and top not in ("assur", *BESIDE):
                 for owner in owners.get(top, [top]):
                     name = _plain(owner)
                     found[BROUGHT.get(name, name)] = f"{source.path}:{line}"

@@ -9,13 +9,13 @@ import pytest
 
 from tests.architecture.source_tree import ROOT
 
-HEAVY = ("fcl", "ruckig", "trimesh")
+HEAVY = ("fcl", "ruckig", "trimesh", "numba")
 """What may be imported in worker processes only."""
 
 ASKED = {
     "creating the application": "from assur.api.app import create_app\ncreate_app()",
     "listing robots and scenes, and the schema": (
-        "from scenes import requests\nrequests.robots()\nrequests.shipped_scenarios()\nrequests.request_schema()"
+        "from assur.scenes import requests\nrequests.robots()\nrequests.shipped_scenarios()\nrequests.request_schema()"
     ),
     "validating a request": (
         "from benchmarks.translation import Manners, request, unrelated_problem\n"

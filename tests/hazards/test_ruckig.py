@@ -1,4 +1,5 @@
-"""What Ruckig answers to questions that should not have been asked: the reasons for the guards in `assur.planner.timing`."""
+"""What Ruckig answers to questions that should not have been asked: the reasons for the guards in
+`assur.planner.timing`."""
 
 from __future__ import annotations
 

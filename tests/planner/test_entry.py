@@ -1,4 +1,4 @@
-"""`from planner import Scene, check, plan`, looked up when they are asked for."""
+"""`from assur.planner import Scene, check, plan`, looked up when they are asked for."""
 
 from __future__ import annotations
 
@@ -26,7 +26,11 @@ def test_another_name_is_refused() -> None:
 
 @pytest.mark.parametrize(
     ("program", "loaded"),
-    [("import planner", []), ("from planner import Scene", []), ("from planner import plan", ["fcl", "ruckig"])],
+    [
+        ("import assur.planner", []),
+        ("from assur.planner import Scene", []),
+        ("from assur.planner import plan", ["fcl", "ruckig"]),
+    ],
 )
 def test_native_libraries_come_with_plan_only(program: str, loaded: list[str]) -> None:
     probe = f"import sys\n{program}\nprint([name for name in ('fcl', 'ruckig') if name in sys.modules])"

@@ -1,7 +1,8 @@
 """What the protocol promises of kinematics, asked of every robot of the catalogue: a new entry is asked by being there.
 
 Joints turn freely here and slide within their range; states that a robot's own `within` refuses (a closed chain that
-does not assemble) are left out. Only the protocol is used, and `assur.planner.robots.differential`, which is made of it.
+does not assemble) are left out. Only the protocol is used, and `assur.planner.robots.differential`, which is made of
+it.
 """
 
 from __future__ import annotations

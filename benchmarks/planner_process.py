@@ -1,0 +1,190 @@
+"""A planner that answers requests over a pipe, one JSON line in and one out: this commit's or, beside it, another's.
+
+    python -P benchmarks/planner_process.py FOLDER
+
+FOLDER holds the sources of the commit. Commits before the one import name `assur` have the packages `planner` and
+`scenes` at the top. Nothing else of this repository is imported here, so that the same program measures both.
+"""
+
+from __future__ import annotations
+
+import cProfile
+import importlib
+import json
+import os
+import pstats
+import sys
+import time
+from collections import defaultdict
+from functools import _lru_cache_wrapper
+from pathlib import Path
+from typing import Any, NamedTuple
+
+Document = dict[str, Any]
+
+KEEP = ("units", "catalogue", "scenarios")
+"""Modules of scenes whose caches hold nothing of a request: spelling of keys, shipped robots and scenarios."""
+PACKAGES = ("planner", "scenes")
+ROUNDS = 30
+"""Rounds in which the time of library functions is passed on to their callers; it converges as fast as calls nest."""
+NOBODY = "outside"
+
+
+class Planner(NamedTuple):
+    """What is called of a commit."""
+
+    scene_of: Any
+    plan: Any
+    check: Any
+    prefix: str
+
+    def forget(self) -> int:
+        """Empties every `functools` cache that may hold something of a request; how many.
+
+        Each problem is also new to its process. Its robot is not, as in a service.
+        """
+        emptied = 0
+        packages = tuple(f"{self.prefix}{package}" for package in PACKAGES)
+        keep = tuple(f"{self.prefix}scenes.{module}" for module in KEEP)
+        for name, module in list(sys.modules.items()):
+            if name.startswith(packages):
+                for value in list(vars(module).values()):
+                    # by where it is written: a module also holds what it imports
+                    if isinstance(value, _lru_cache_wrapper) and not value.__module__.startswith(keep):
+                        value.cache_clear()
+                        emptied += 1
+        return emptied
+
+
+def planner(prefix: str = "assur.") -> Planner:
+    """The planner whose packages are named with this prefix."""
+    requests, pipeline, checker = (
+        importlib.import_module(prefix + name) for name in ("scenes.requests", "planner.pipeline", "planner.checker")
+    )
+    return Planner(requests.scene_of, pipeline.plan, checker.check, prefix)
+
+
+def timed(door: Planner, document: Document) -> Document:
+    """The answer to a request and its times in seconds: `build_s`, `wall_s` and `cpu_s` from the request in memory to
+    the checked answer, `proved_s` to the first proof, `check_s` of one more check, outside of the others."""
+    door.forget()
+    began, cpu = time.perf_counter(), time.process_time()
+    scene = door.scene_of(document)
+    built = time.perf_counter() - began
+    outcome = door.plan(scene)
+    cpu_s, wall_s = time.process_time() - cpu, time.perf_counter() - began
+    times = {"build_s": built, "wall_s": wall_s, "cpu_s": cpu_s}
+    # the planner counts here what it proved and its own checker then refused
+    refused = sum(line.count for line in outcome.census.lines if line.stage == "checker")
+    if not hasattr(outcome, "plan"):
+        reason = f"{outcome.reason}: {outcome.sentence}"
+        return {"status": "not_planned", "reason": reason, "checker_refused": refused, **times}
+    again = time.perf_counter()
+    verdict = door.check(scene, outcome.plan)
+    checked = time.perf_counter() - again
+    knots = outcome.plan.trajectory
+    columns = {"time_s": knots.time, "position": knots.q, "velocity": knots.qd, "acceleration": knots.qdd}
+    return {
+        "status": "planned",
+        **times,
+        "proved_s": built + outcome.first_s,
+        "check_s": checked,
+        "duration_s": float(knots.end - knots.start),
+        "trajectory": {name: values.tolist() for name, values in columns.items()},
+        "arrivals_s": [arrival.time for arrival in outcome.plan.arrivals],
+        "checked": verdict.ok,
+        "checker_refused": refused + (not verdict.ok),
+        "reason": None if verdict.ok else "; ".join(str(finding) for finding in verdict.findings),
+    }
+
+
+def profiled(door: Planner, document: Document, repeats: int) -> Document:
+    """Milliseconds a request by room (`own_ms`, time in libraries counted to the room that called them) and by function
+    (`calls_ms`, with all that it calls), measured by cProfile and scaled to the median time without it (`total_ms`)."""
+
+    def once() -> float:
+        door.forget()
+        began = time.perf_counter()
+        door.plan(door.scene_of(document))
+        return time.perf_counter() - began
+
+    alone = sorted(once() for _ in range(repeats))[repeats // 2]
+    watch = cProfile.Profile()
+    watch.enable()
+    for _ in range(repeats):
+        once()
+    watch.disable()
+    stats: Any = pstats.Stats(watch)
+    scale = 1e3 * alone / stats.total_tt
+    own = {room: scale * seconds for room, seconds in by_room(stats.stats).items()}
+    calls = {
+        f"{room}/{Path(function[0]).stem}: {function[2]}": scale * row[3]
+        for function, row in stats.stats.items()
+        if (room := room_of(function)) is not None
+    }
+    return {"total_ms": 1e3 * alone, "own_ms": own, "calls_ms": calls}
+
+
+def by_room(stats: Any) -> dict[str, float]:
+    """Own seconds by room. What is in no room gives its time to its callers, in proportion to the calls' times."""
+    rooms: dict[str, float] = defaultdict(float)
+    waiting: dict[Any, float] = defaultdict(float)
+    for function, (_, _, seconds, _, _) in stats.items():
+        room = room_of(function)
+        if room is not None:
+            rooms[room] += seconds
+        else:
+            waiting[function] += seconds
+    for _ in range(ROUNDS):
+        passed: dict[Any, float] = defaultdict(float)
+        for function, seconds in waiting.items():
+            callers = stats[function][4]
+            whole = sum(edge[3] for edge in callers.values())
+            if not whole > 0:
+                rooms[NOBODY] += seconds
+                continue
+            for caller, edge in callers.items():
+                room = room_of(caller)
+                if room is not None:
+                    rooms[room] += seconds * edge[3] / whole
+                else:
+                    passed[caller] += seconds * edge[3] / whole
+        waiting = passed
+    rooms[NOBODY] += sum(waiting.values())
+    return dict(rooms)
+
+
+def room_of(function: tuple[str, int, str]) -> str | None:
+    """The room of a function of a profile: the folder below `planner` or the module there; `scenes`; None elsewhere."""
+    parts = Path(function[0]).parts
+    for package in PACKAGES:
+        if package in parts:
+            inside = parts[len(parts) - parts[::-1].index(package) :]
+            return package if package == "scenes" else inside[0].removesuffix(".py")
+    return None
+
+
+def main(folder: Path) -> None:
+    """Answers line by line until there are no more; what libraries print goes to standard error."""
+    one_name = (folder / "src" / "assur").exists()
+    sys.path.insert(0, str(folder / "src" if one_name else folder))
+    out = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    door = planner("assur." if one_name else "")
+    out.write(json.dumps({"ready": True}) + "\n")
+    out.flush()
+    for line in sys.stdin:
+        question = json.loads(line)
+        try:
+            repeats = question.get("profile")
+            answer = (
+                timed(door, question["request"]) if repeats is None else profiled(door, question["request"], repeats)
+            )
+        except Exception as error:  # noqa: BLE001 - a fault in one problem is its answer, and the run goes on
+            answer = {"status": "error", "reason": f"{type(error).__name__}: {error}"}
+        out.write(json.dumps(answer, allow_nan=False) + "\n")
+        out.flush()
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]).resolve())
