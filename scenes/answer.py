@@ -6,7 +6,6 @@ everything else is SI and in the world frame. What has no number is null. Nothin
 
 from __future__ import annotations
 
-import math
 from typing import Literal
 
 import numpy as np
@@ -147,16 +146,7 @@ def certificate_document(certificate: Certificate, detail: Detail) -> document.C
         "second": certificate.second.tolist(),
         "second_piece": certificate.second_piece.tolist(),
         "normal": certificate.normal.tolist(),
-        "gap0_m": certificate.gap0.tolist(),
-        "gap1_m": certificate.gap1.tolist(),
-        "speed_m_s": _bounds(certificate.speed),
-        "acceleration_m_s2": _bounds(certificate.acceleration),
     }
-
-
-def _bounds(values: FloatArray) -> list[float | None]:
-    """Bounds: an infinite one is true, and null in JSON."""
-    return [None if value == math.inf else number(value) for value in values.tolist()]
 
 
 def _arrival(cell: Cell, arrival: Arrival) -> document.Arrival:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
@@ -126,16 +123,11 @@ def _certificate(root: object, item: document.Certificate) -> Certificate:
         second=_indices(item["second"]),
         second_piece=_indices(item["second_piece"]),
         normal=np.array(item["normal"], dtype=np.float64).reshape(-1, 3),
-        gap0=_reals(item["gap0_m"]),
-        gap1=_reals(item["gap1_m"]),
-        speed=_reals(item["speed_m_s"]),
-        acceleration=_reals(item["acceleration_m_s2"]),
     )
 
 
-def _reals(column: Sequence[float | None]) -> FloatArray:
-    """A column of numbers; null is an infinite bound."""
-    return np.array([math.inf if value is None else value for value in column], dtype=np.float64)
+def _reals(column: list[float]) -> FloatArray:
+    return np.array(column, dtype=np.float64)
 
 
 def _indices(column: list[int]) -> IntArray:

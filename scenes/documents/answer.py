@@ -27,7 +27,6 @@ Pair = Annotated[list[Text], Field(min_length=2, max_length=2)]
 Row = Annotated[list[Strength], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
 Rows = Annotated[list[Row], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
 Reals = Annotated[list[Number], Field(max_length=bounds.MAX_ROWS)]
-Bounds = Annotated[list[Number | None], Field(max_length=bounds.MAX_ROWS)]
 Indices = Annotated[list[Annotated[int, Field(ge=-1, le=2**31)]], Field(max_length=bounds.MAX_ROWS)]
 Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
 
@@ -95,7 +94,7 @@ class CertificateDigest(TypedDict):
 
 @with_config(CLOSED)
 class Certificate(CertificateDigest):
-    """The proof in columns; a null bound is infinite, a second body of -1 none: the row is of the first alone."""
+    """The proof in columns; a second body of -1 is none: the row is of the first alone."""
 
     names: Annotated[list[Text], Field(max_length=8 * bounds.MAX_BODIES)]
     t0_s: Reals
@@ -105,10 +104,6 @@ class Certificate(CertificateDigest):
     second: Indices
     second_piece: Indices
     normal: Annotated[list[Vector], Field(max_length=bounds.MAX_ROWS)]
-    gap0_m: Reals
-    gap1_m: Reals
-    speed_m_s: Bounds
-    acceleration_m_s2: Bounds
 
 
 @with_config(CLOSED)

@@ -233,20 +233,7 @@ def test_a_digest_is_enough_to_keep_and_not_enough_to_check() -> None:
     assert caught.value.field == "plan.certificate"
 
 
-def test_infinite_bounds_are_null_and_infinite_again() -> None:
-    certificate = _certificate(speed=np.array([1.0, math.inf]), acceleration=np.array([math.inf, math.inf]))
-    written = through_json(certificate_document(certificate, "full"))
-    assert written["speed_m_s"] == [1.0, None]
-    cell, outcome = fanuc()
-    answer = answer_of(
-        cell, dataclasses.replace(outcome, plan=dataclasses.replace(outcome.plan, certificate=certificate))
-    )
-    read = plan_of(through_json(answer), cell.conventions)[0].certificate
-    np.testing.assert_array_equal(read.speed, certificate.speed)
-    np.testing.assert_array_equal(read.acceleration, certificate.acceleration)
-
-
-@pytest.mark.parametrize("column", ["gap0", "t1", "speed", "normal"])
+@pytest.mark.parametrize("column", ["t0", "t1", "normal"])
 def test_a_number_that_is_not_one_is_a_fault_of_ours_and_never_leaves(column: str) -> None:
     values = np.full((2, 3) if column == "normal" else 2, np.nan)
     with pytest.raises((FaultError, ValueError)):
@@ -297,7 +284,7 @@ SPOILT: dict[str, tuple[Any, Any, str]] = {
     "text for a number": (("trajectory", "position", 0, 0), "0", "plan.trajectory.position[0][0]"),
     "unknown leg": (("legs", 0, "kind"), "DANCE", "plan.legs[0].kind"),
     "an arrival at no time": (("arrivals", 0, "time_s"), "soon", "plan.arrivals[0].time_s"),
-    "columns of different lengths": (("certificate", "gap0_m"), [], "plan.certificate.gap0_m"),
+    "columns of different lengths": (("certificate", "t1_s"), [], "plan.certificate.t1_s"),
     "more rows than it says": (("certificate", "rows"), 0, "plan.certificate.t0_s"),
     "a normal of two numbers": (("certificate", "normal", 0), [0.0, 1.0], "plan.certificate.normal[0]"),
     "an index that is no number": (("certificate", "first", 0), 0.5, "plan.certificate.first[0]"),
@@ -328,7 +315,7 @@ def test_a_request_counted_in_candidates_has_the_same_answer_each_time() -> None
 
 
 def _certificate(**columns: Any) -> Certificate:
-    reals = {name: np.zeros(2) for name in ("t0", "t1", "gap0", "gap1", "speed", "acceleration")}
+    reals = {name: np.zeros(2) for name in ("t0", "t1")}
     whole = {name: np.zeros(2, dtype=np.int64) for name in ("first", "first_piece", "second", "second_piece")}
     return Certificate(**{"names": ("a", "b"), "normal": np.zeros((2, 3)), **reals, **whole, **columns})
 
