@@ -14,6 +14,9 @@ COPY api api
 COPY experiments experiments
 COPY src src
 RUN /opt/assur/bin/pip install --no-deps --force-reinstall .
+# Compiled here, for any processor of this architecture: a container compiles nothing and writes nothing.
+ENV NUMBA_CACHE_DIR=/opt/assur/kernels NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES=""
+RUN /opt/assur/bin/assur kernels
 
 FROM python:3.11-slim-bookworm
 COPY --from=build /opt/assur /opt/assur
@@ -21,7 +24,10 @@ COPY --from=build /opt/assur /opt/assur
 ENV PATH=/opt/assur/bin:$PATH \
     HOME=/tmp \
     PYTHONDONTWRITEBYTECODE=1 \
-    PYTHONUNBUFFERED=1
+    PYTHONUNBUFFERED=1 \
+    NUMBA_CACHE_DIR=/opt/assur/kernels \
+    NUMBA_CPU_NAME=generic \
+    NUMBA_CPU_FEATURES=""
 WORKDIR /opt/assur
 USER 10001:10001
 EXPOSE 8000

@@ -1,5 +1,6 @@
 # make demo    plan the shipped demo on a fresh environment and check the plan
-# make test    all tests, on two processes, with coverage
+# make test    all tests, on two processes, then the kernels' tests as plain Python with coverage
+# make kernels compile the inner loops once, for this processor; demo and test do it by themselves
 # make check   ruff, mypy, import rules
 # make serve   the HTTP service on 127.0.0.1:8000
 # make problems  the three benchmark sets, and the independent recheck of every answer
@@ -22,7 +23,7 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.13 python3.12 python3.11 py
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test check format serve problems bench bench-quick clean
+.PHONY: help demo kernels test check format serve problems bench bench-quick clean
 
 help:
 	@sed -n '/^# make/s/^# //p' $(firstword $(MAKEFILE_LIST))
@@ -45,12 +46,17 @@ $(VENV)/installed-test: $(BIN)/python pyproject.toml
 $(VENV)/installed-dev: $(BIN)/python pyproject.toml
 	$(call install,.[dev])
 
-demo: $(VENV)/installed
+# Compiled once: the command looks whether they are there before it loads the compiler.
+kernels: $(VENV)/installed
+	$(BIN)/assur kernels
+
+demo: kernels
 	@mkdir -p $(OUT)
 	$(BIN)/assur plan scenes/cells/$(SCENE).yaml --out $(OUT)/$(SCENE).json
 	$(BIN)/assur check scenes/cells/$(SCENE).yaml $(OUT)/$(SCENE).json
 
 test: $(VENV)/installed-test
+	$(BIN)/assur kernels
 	$(BIN)/python -m pytest -n 2 --dist worksteal --cov --cov-report=term
 
 check: $(VENV)/installed-dev

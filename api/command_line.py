@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -20,6 +21,7 @@ from assur.api.problems import Problem, printable
 from assur.api.targets import json_file, target
 from assur.api.version import version
 from assur.planner.errors import FaultError, InputError
+from assur.scenes import kernels as compiled_kernels
 from assur.scenes import requests
 
 RIGHT, WRONG, BAD_INPUT, FAULT = 0, 1, 2, 3
@@ -95,6 +97,7 @@ def plan(
 ) -> int:
     """Plan FILE, check the plan, and say what came out."""
     given = target(file)
+    _announce_compilation()
     if out is not None and (out.is_dir() or not out.parent.is_dir()):
         raise InputError("--out", str(out), "a file in a folder that exists")
     with words.working(f"planning {given.name}"):
@@ -127,6 +130,7 @@ def check(
     """Check a PLAN against FILE with the checker, which trusts no planner."""
     given = target(file)
     answer = json_file(plan, "PLAN")
+    _announce_compilation()
     with words.working(f"checking {plan.name}"):
         verdict = given.check(answer)
     if as_json:
@@ -178,6 +182,26 @@ def schema() -> int:
 
 @app.command()
 @_bordered
+def kernels(
+    check: Annotated[
+        bool, typer.Option("--check", help="Load every kernel; exit with 1 if one had to be compiled.")
+    ] = False,
+) -> int:
+    """Compile the planner's inner loops once, so that no request waits for it."""
+    if not check and compiled_kernels.is_compiled():
+        _print(f"kernels are compiled, in {compiled_kernels.folder()}")
+        return RIGHT
+    _announce_compilation()
+    loaded = compiled_kernels.load()
+    _print(
+        f"{loaded.count} kernels, {len(loaded.compiled)} compiled now, {loaded.seconds:.1f} s, in {loaded.folder}",
+        *loaded.compiled,
+    )
+    return WRONG if check and loaded.compiled else RIGHT
+
+
+@app.command()
+@_bordered
 def reproduce(
     out: Annotated[Path, typer.Option("--out", help="Folder for figures, numbers and paragraphs; made if needed.")],
     name: Annotated[str, typer.Argument(help="An experiment, or all.")] = "all",
@@ -203,6 +227,11 @@ def serve(
     from assur.api.settings import Settings
 
     settings = Settings.from_environment()
+    if not compiled_kernels.is_compiled():
+        _announce_compilation()
+        # in a process of its own: the web process never loads the compiler
+        command = [sys.executable, "-m", "assur.api.command_line", "kernels"]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)  # noqa: S603 - no word of it comes from outside
     run(replace(settings, host=host or settings.host, port=settings.port if port is None else port))
     return RIGHT
 
@@ -221,6 +250,12 @@ def _say(text: str, code: int = RIGHT, line: int | None = None) -> int:
     at = "" if line is None else f"line {line}: "
     print(f"assur: {at}{printable(text, 2500)}", file=sys.stderr)
     return code
+
+
+def _announce_compilation() -> None:
+    """Says that the first command of an installation takes longer, and why."""
+    if not compiled_kernels.is_compiled():
+        _say(f"compiling the planner's kernels once, about a minute; they are kept in {compiled_kernels.folder()}")
 
 
 def _print(*parts: Any) -> None:

@@ -1,8 +1,7 @@
 """Proved jerk-limited motion of SCARA-class robots through moving control points among moving bodies.
 
 ``from assur.planner import Scene, check, plan``: `plan(scene)` returns an outcome (`assur.planner.model.outcome`) and
-`check(scene, plan)` a verdict. Each is imported on first use, so ``import assur.planner`` loads neither fcl, nor ruckig,
-nor numba.
+`check(scene, plan)` a verdict. Each is imported on first use, so ``import assur.planner`` loads no native library.
 Facts only: documents, files and units are the business of `scenes`.
 """
 

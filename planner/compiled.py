@@ -1,53 +1,93 @@
-"""The one door to numba: kernels are plain Python functions, compiled once and kept in a cache folder.
+"""The one door to numba: kernels are plain Python functions, compiled once and kept in a folder.
 
 A kernel has one explicit signature, checks its indices, and raises what plain Python would raise. With
 `NUMBA_DISABLE_JIT=1` the same source runs as plain Python. Nothing here relaxes floating-point arithmetic, so the bits
 of a result do not depend on the processor.
-
-Numba decides by a kernel's own file whether its cached code is still good, and does not look at the kernels that it
-calls. Therefore the cache folder is named by the digest of all of them.
 """
 
 from __future__ import annotations
 
-import hashlib
+import inspect
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numba
 
+from assur.planner.errors import FaultError
+from assur.planner.kernel_cache import WHOLE, digest, folder
+
 F = TypeVar("F", bound=Callable[..., object])
 
-KERNELS = ("kernels", "checker")
-"""Rooms of the planner whose modules may hold kernels."""
+KERNELS: dict[str, Any] = {}
+"""Every kernel that was defined in this process, by module and name."""
 
 
-def _digest() -> str:
-    """A number for the sources of all kernels."""
-    found = hashlib.sha256()
-    here = Path(__file__).parent
-    for path in [here / "compiled.py", *sorted(path for room in KERNELS for path in (here / room).glob("*.py"))]:
-        found.update(path.name.encode() + b"\0" + path.read_bytes())
-    return found.hexdigest()[:16]
+class KernelFolder:
+    """Tells numba where a kernel's compiled code is. Unlike numba's own, it accepts a folder that cannot be written."""
 
+    def __init__(self, function: Callable[..., object], path: str) -> None:
+        self._line = function.__code__.co_firstlineno
+        self._room = Path(path).parent.name
 
-def _folder() -> Path:
-    """Where compiled code is kept: below the folder that numba was told of, else below the user's cache."""
-    told = numba.config.CACHE_DIR
-    return (Path(told) if told else Path.home() / ".cache" / "assur" / "kernels") / _digest()
+    @classmethod
+    def from_function(cls, function: Callable[..., object], path: str) -> KernelFolder:
+        """The place of a function that stands in the file `path`."""
+        return cls(function, path)
 
+    def get_cache_path(self) -> str:
+        """The folder, one a room: modules of two rooms may have the same name."""
+        return str(folder() / self._room)
 
-CACHE = _folder()
-"""The folder that holds the compiled code of these very sources."""
-numba.config.CACHE_DIR = str(CACHE)
+    def ensure_cache_path(self) -> None:
+        """Makes the folder."""
+        Path(self.get_cache_path()).mkdir(parents=True, exist_ok=True)
+
+    def get_source_stamp(self) -> str:
+        """What compiled code must carry to be good."""
+        return digest()
+
+    def get_disambiguator(self) -> str:
+        """Tells functions of one name apart."""
+        return str(self._line)
 
 
 def kernel(signature: str) -> Callable[[F], F]:
     """Compiles a function for one signature, such as ``"float64(float64[:, ::1], int64)"``, when it is defined.
 
-    An index beyond the end raises `IndexError` (a negative one counts from the end, as in Python: test it yourself);
-    a division by zero raises `ZeroDivisionError`. An argument of another type, a read-only array among them, raises
-    `TypeError`.
+    An index beyond the end raises `IndexError` (a negative one counts from the end, as in Python: test it yourself); a
+    division by zero raises `ZeroDivisionError`; an argument of another type, a read-only array among them, raises
+    `TypeError`. Raises `FaultError` for a kernel that is not in the folder where the folder cannot be written:
+    compiling it anew in every process would take seconds each time.
     """
-    return numba.njit(signature, cache=True, nogil=True, error_model="python", boundscheck=True)  # type: ignore[no-any-return]
+
+    def define(function: F) -> F:
+        name = f"{inspect.getmodule(function).__name__}.{function.__name__}"  # type: ignore[union-attr]
+        settings: Any = numba.config
+        before = settings.CACHE_LOCATOR_CLASSES
+        settings.CACHE_LOCATOR_CLASSES = f"{__name__}.{KernelFolder.__name__}"
+        try:
+            made: Any = numba.njit(signature, cache=True, nogil=True, error_model="python", boundscheck=True)(function)
+        except OSError as error:
+            raise FaultError(
+                f"kernel {name} is not compiled, and {folder()} cannot be written ({error.strerror}): "
+                "run `assur kernels` where it can"
+            ) from error
+        finally:
+            settings.CACHE_LOCATOR_CLASSES = before
+        KERNELS[name] = made
+        compiled: F = made
+        return compiled
+
+    return define
+
+
+def compiled_now() -> list[str]:
+    """Names of the kernels that this process had to compile, because the folder did not have them."""
+    return [name for name, made in KERNELS.items() if getattr(made, "stats", None) and made.stats.cache_misses]
+
+
+def mark_whole() -> None:
+    """Says in the folder that every kernel is there; the caller has imported them all."""
+    if KERNELS and not (folder() / WHOLE).is_file():
+        (folder() / WHOLE).write_text("\n".join(KERNELS) + "\n", encoding="utf-8")

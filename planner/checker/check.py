@@ -20,7 +20,7 @@ from assur.planner.checker.loop import loops
 from assur.planner.checker.meeting import meetings
 from assur.planner.checker.order import ends, legs
 from assur.planner.checker.ranges import Ranges, ranges
-from assur.planner.checker.rows import least_of, proved, sorted_out
+from assur.planner.checker.rows import sorted_out, spare_of
 from assur.planner.checker.solids import solids
 from assur.planner.checker.spline import spline
 from assur.planner.checker.stage import Stage, stage
@@ -76,10 +76,10 @@ def _apart(scenery: Stage, of_plan: tuple[Phase, ...], plan: Plan, swept: Ranges
     """Separation: true rows that prove what is required, for every asked pair, over the whole of every phase."""
     rows, senseless = sorted_out(scenery, of_plan, plan.certificate)
     pairs, alone = rows.some(rows.second >= 0), rows.some(rows.second < 0)
-    good, untrue = proved(scenery, of_plan, plan.certificate, pairs, swept)
-    least, false = least_of(scenery, of_plan, plan.certificate, alone, swept)
+    spare, untrue = spare_of(scenery, of_plan, plan.certificate, pairs, swept)
+    least, false = spare_of(scenery, of_plan, plan.certificate, alone, swept)
     behind = planes(of_plan, alone, plan.certificate.normal[alone.number], least)
-    holes = uncovered(scenery, of_plan, pairs.some(good), behind)
+    holes = uncovered(scenery, of_plan, pairs.some(spare > -np.inf), behind)
     return senseless + untrue + false + holes + enclosed(scenery, of_plan, swept)
 
 

@@ -12,7 +12,7 @@ from assur.planner.checker.verdict import Code, Finding
 from assur.planner.model.outcome import Leg, LegKind, Plan, covered
 from assur.planner.model.scene import Scene
 
-REALS = ("t0", "t1", "gap0", "gap1", "speed", "acceleration")
+REALS = ("t0", "t1")
 INDICES = ("first", "first_piece", "second", "second_piece")
 
 
@@ -107,8 +107,7 @@ def _certificate(certificate: Any, *, blended: bool) -> list[Finding]:
     findings = []
     for name in REALS:
         column: Any = getattr(certificate, name, None)
-        # An infinite bound is a true one; an infinite time or gap is not.
-        if not (_reals(column, 1, infinite=name in REALS[4:]) and len(column) == rows):
+        if not (_reals(column, 1) and len(column) == rows):
             findings.append(Finding(Code.FORM, f"certificate column {name} must be {max(rows, 0)} finite numbers"))
     for name in INDICES:
         column = getattr(certificate, name, None)
@@ -120,10 +119,10 @@ def _certificate(certificate: Any, *, blended: bool) -> list[Finding]:
     return findings
 
 
-def _reals(column: Any, dimensions: int, *, infinite: bool = False) -> bool:
+def _reals(column: Any, dimensions: int) -> bool:
     if not (isinstance(column, np.ndarray) and column.dtype == np.float64 and column.ndim == dimensions):
         return False
-    return bool((column >= 0).all()) if infinite else bool(np.isfinite(column).all())
+    return bool(np.isfinite(column).all())
 
 
 def _finite(value: Any) -> bool:

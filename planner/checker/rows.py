@@ -1,16 +1,15 @@
-"""Whether each row of the certificate is true, and whether it amounts to the distance required (C1 to C5).
+"""Whether each row of the certificate proves the distance required (C1 to C5).
 
 A row whose second body is −1 is of the first alone, against the origin of the world: no distance is required of it
 by itself, `assur.planner.checker.far` says what follows from it (C6).
 
-Nothing in a row is believed: gaps and bounds are computed again and compared, and the proof goes through with the
-worse of the two. So a false row is found even where it would not have mattered, and a slip of ours in the comparison
-could not have let one pass.
+A row says where to look: an interval, two bodies and a normal. Gaps and bounds of motion are computed here; where they
+do not prove the row's distance over its interval, halves of it are looked at with the same normal.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -28,18 +27,11 @@ Array = TypeVar("Array", FloatArray, IntArray)
 
 UNIT_NORMAL = 1e-12
 """| |n| - 1 | of a normal at most: a normalised vector is off by 2e-16; in a cell of 50 m this is 0.05 nm of gap."""
-GAP_M = 2e-10
-"""A claimed gap may be above ours by this, m: both are sums of some twenty terms of a few metres, rounded to 1e-15 m
-each, and a proof keeps 1e-9 m for them."""
-BOUND = 1e-9
-"""A claimed bound may be below ours by this part of it: both are tight to some 1e-13 of the fastest motion."""
-SPEED_FLOOR = 1e-10
-"""m/s. Claimed speeds may be below ours by this, too: a joint that stands still between knots moves by rounding."""
-ACCELERATION_FLOOR = 1e-7
-"""m/s². The same for accelerations, whose rounding grows as 1/h between close knots."""
-SLACK_M = 0.5e-9
-"""What is taken off each gap here, m: half of what its maker must take off (1e-9 m). The other half is for the
-differences of rounding between the two of us; both are a million times the rounding of one gap."""
+SLACK_M = 1e-9
+"""What is taken off each gap, m, for its rounding: some twenty terms of a few metres, each rounded to 1e-15 m."""
+HALVINGS = 8
+"""How often an interval may be halved, with the normal of its row. One proves a row whose maker keeps 1 µm by bounds of
+some other form; the others are for bounds that are several times as large."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +51,12 @@ class Rows:
     def some(self, which: BoolArray | IntArray) -> Rows:
         """Some of them."""
         return Rows(*(getattr(self, name)[which] for name in Rows.__dataclass_fields__))
+
+    def halved(self) -> Rows:
+        """The first halves of their intervals, and then the second."""
+        middle = (self.t0 + self.t1) / 2
+        twice = self.some(np.tile(np.arange(len(self)), 2))
+        return replace(twice, t0=np.concatenate([self.t0, middle]), t1=np.concatenate([middle, self.t1]))
 
     def __len__(self) -> int:
         return len(self.number)
@@ -93,23 +91,41 @@ def sorted_out(stage: Stage, phases: tuple[Phase, ...], certificate: Certificate
     return whole.some(good), found
 
 
-def proved(
-    stage: Stage, phases: tuple[Phase, ...], certificate: Certificate, rows: Rows, ranges: Ranges
-) -> tuple[BoolArray, list[Finding]]:
-    """Which rows (N,) are true and prove the required distance, and findings for those that are not or do not."""
-    least, findings = least_of(stage, phases, certificate, rows, ranges)
-    return least > -np.inf, findings
-
-
-def least_of(
+def spare_of(
     stage: Stage, phases: tuple[Phase, ...], certificate: Certificate, rows: Rows, ranges: Ranges
 ) -> tuple[FloatArray, list[Finding]]:
-    """What each row (N,) proves, m, −inf where it is not true or does not prove the required distance, and findings for
-    those."""
+    """By how much, m, each row (N,) proves more than the required distance (rows of one body alone: the distance), -inf
+    where it does not, and findings for those."""
     if not len(rows):
         return np.zeros(0), []
-    c, i = certificate, rows.number
-    n, speed, acceleration = c.normal[i], c.speed[i], c.acceleration[i]
+    normal = certificate.normal[rows.number]
+    unit = np.abs(np.sqrt((normal * normal).sum(1)) - 1.0) <= UNIT_NORMAL
+    spare = np.full(len(rows), np.inf)
+    part, row = rows, np.arange(len(rows))
+    for halving in range(HALVINGS + 1):
+        bound, taken = _bounded(stage, phases, part, normal[row], ranges)
+        # what is too near already at an end of its interval is not proved by halves of it
+        open_ = ~(bound >= 0) & (taken >= 0) & (halving < HALVINGS)
+        np.minimum.at(spare, row[~open_], np.where(np.isnan(bound), -np.inf, bound)[~open_])
+        if not open_.any():
+            break
+        part, row = part.some(open_).halved(), np.tile(row[open_], 2)
+    apart = (spare >= 0) | ((rows.second < 0) & (spare > -np.inf))
+    if (unit & apart).all():
+        return spare, []
+    away = np.abs(np.sqrt((normal * normal).sum(1)) - 1)
+    findings = [
+        *_worst(Code.NORMAL, "has a normal whose length is not 1", ~unit, away, "1", certificate, rows),
+        *_worst(Code.SEPARATION, "does not prove the required distance", ~apart, -spare, "m", certificate, rows),
+    ]
+    return np.where(unit & apart, spare, -np.inf), findings
+
+
+def _bounded(
+    stage: Stage, phases: tuple[Phase, ...], rows: Rows, n: FloatArray, ranges: Ranges
+) -> tuple[FloatArray, FloatArray]:
+    """By how much, m, the gap exceeds what is required over each interval (N,), by C2 and C3, and at its ends; of one
+    body alone nothing is required."""
     # Both bodies of all rows one behind the other, each with the normal that points out of it.
     seat = np.concatenate([stage.seat[rows.phase, body] for body in (rows.first, rows.second)])
     piece, outward = np.concatenate([rows.first_piece, rows.second_piece]), np.concatenate([n, -n])
@@ -118,32 +134,12 @@ def least_of(
     swept = _each(ranges.sweep(spans.real.copy(), spans.imag.copy()), _twice(span.ravel()))
     bounds = stage.bounds(seat, piece, outward, _twice(rows.t0), _twice(rows.t1), swept)
     pair = rows.second >= 0  # the origin of the world does not move
-    own_speed, own_acceleration = (bound[: len(rows)] + np.where(pair, bound[len(rows) :], 0.0) for bound in bounds)
-    gap0, gap1 = _gaps(stage, ranges, seat, piece, outward, rows)
-
-    length = np.sqrt((n * n).sum(1))
-    unit = np.abs(length - 1.0) <= UNIT_NORMAL
-    gaps = (c.gap0[i] <= gap0 + GAP_M) & (c.gap1[i] <= gap1 + GAP_M)
-    fast = (speed >= own_speed * (1 - BOUND) - SPEED_FLOOR) & (
-        acceleration >= own_acceleration * (1 - BOUND) - ACCELERATION_FLOOR
-    )
-    g0, g1 = np.minimum(gap0, c.gap0[i]), np.minimum(gap1, c.gap1[i])
-    v, m, h = np.maximum(speed, own_speed), np.maximum(acceleration, own_acceleration), rows.t1 - rows.t0
-    least = np.fmax((g0 + g1 - v * h) / 2, np.minimum(g0, g1) - m * h**2 / 8) - SLACK_M
-    asked = np.where(pair, required(stage, phases, rows, n), -np.inf)
-    apart = least >= asked
-    good = unit & gaps & fast & apart
-    if good.all():
-        return least, []
-    over = np.fmax(c.gap0[i] - gap0, c.gap1[i] - gap1)
-    under = np.fmax(own_speed - speed, own_acceleration - acceleration)
-    findings = [
-        *_worst(Code.NORMAL, "has a normal whose length is not 1", ~unit, np.abs(length - 1), "1", c, rows),
-        *_worst(Code.GAP, "claims a gap above the true one", ~gaps, over, "m", c, rows),
-        *_worst(Code.BOUND, "claims a bound of speed or acceleration below ours", ~fast, under, "m/s, m/s²", c, rows),
-        *_worst(Code.SEPARATION, "does not prove the required distance", ~apart, asked - least, "m", c, rows),
-    ]
-    return np.where(good, least, -np.inf), findings
+    v, m = (bound[: len(rows)] + np.where(pair, bound[len(rows) :], 0.0) for bound in bounds)
+    g0, g1 = _gaps(stage, ranges, seat, piece, outward, rows)
+    h = rows.t1 - rows.t0
+    asked = np.where(pair, required(stage, phases, rows, n), 0.0) + SLACK_M
+    least = np.fmax((g0 + g1 - v * h) / 2, np.minimum(g0, g1) - m * h**2 / 8)
+    return least - asked, np.where(pair, np.minimum(g0, g1) - asked, -np.inf)
 
 
 def _gaps(

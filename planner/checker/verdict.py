@@ -30,10 +30,8 @@ class Code(StrEnum):
     ROW = "ROW"
     """A row of the certificate that means nothing: unknown body, no such piece, outside or across phases."""
     NORMAL = "NORMAL"
-    GAP = "GAP"
-    BOUND = "BOUND"
     SEPARATION = "SEPARATION"
-    """True rows that do not amount to the required distance."""
+    """Rows that do not amount to the required distance."""
     COVER = "COVER"
     CONTAINMENT = "CONTAINMENT"
 

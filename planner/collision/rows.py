@@ -79,10 +79,6 @@ def written(
         second=second,
         second_piece=np.concatenate([pieces(rows, rows.second) for rows in proofs]),
         normal=column("normal"),
-        gap0=column("gap0"),
-        gap1=column("gap1"),
-        speed=column("speed"),
-        acceleration=column("acceleration"),
         covers=covered(blended=scene.options.blended),
     )
     return replace(certificate, digest=digest(scene.digest, trajectory, legs, arrivals, certificate))

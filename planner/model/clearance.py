@@ -10,8 +10,8 @@ from assur.planner.arrays import FloatArray
 from assur.planner.model.phases import CONTACT_M, Phase
 from assur.planner.model.scene import Scene
 
-SLACK_M = 1e-9
-"""Taken off every gap, m: rounding of poses and gaps is about 1e-15 m a term in cells of a few metres."""
+SLACK_M = 1e-6
+"""The reserve of a proof, taken off every gap, m: the checker has bounds of its own and asks for less (1 nm)."""
 
 
 def clearance(scene: Scene, phase: Phase) -> float:

@@ -19,10 +19,10 @@ import numpy as np
 from assur.planner.model.outcome import Arrival, Certificate, Leg
 from assur.planner.trajectory import Trajectory
 
-FORMAT = "assur-plan-3"
+FORMAT = "assur-plan-4"
 """Changes whenever the meaning of a column, or the order of the items below, does."""
 
-REALS = ("t0", "t1", "normal", "gap0", "gap1", "speed", "acceleration")
+REALS = ("t0", "t1", "normal")
 INDICES = ("first", "first_piece", "second", "second_piece")
 
 

@@ -128,8 +128,8 @@ class Certificate:
 
     Bodies are indices into `names`; a piece is the index of a convex piece of the body, -1 its bounding box (in the
     body's axes). A second of -1 is no body but the origin of the world: the row says behind which plane the first stays
-    (equation C6). `gap0, gap1` are support gaps along `normal` (M, 3), from first to second, at t0 and t1; `speed` and
-    `acceleration` bound how fast the two approach along it. Equations C1, C2 in docs/guarantees.md.
+    (equation C6). `normal` (M, 3) points from the first to the second. Gaps and bounds of motion are not among the
+    columns: who checks a row computes them. Equations C1 to C3 in docs/guarantees.md.
     """
 
     names: tuple[str, ...]
@@ -140,10 +140,6 @@ class Certificate:
     second: IntArray
     second_piece: IntArray
     normal: FloatArray
-    gap0: FloatArray
-    gap1: FloatArray
-    speed: FloatArray
-    acceleration: FloatArray
     digest: str = ""
     covers: tuple[str, ...] = COVERS
 

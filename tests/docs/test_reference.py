@@ -69,13 +69,7 @@ def refused() -> dict[str, Any]:
     return plan(request)
 
 
-COLUMNS = {"first", "first_piece", "second", "second_piece", "t0_s", "t1_s", "normal"} | {
-    "gap0_m",
-    "gap1_m",
-    "speed_m_s",
-    "acceleration_m_s2",
-    "names",
-}
+COLUMNS = {"first", "first_piece", "second", "second_piece", "t0_s", "t1_s", "normal", "names"}
 """Of the certificate in full: docs/guarantees.md says what a row is."""
 EXPLAINED_IN_WORDS = {
     *("velocity_ratio", "acceleration_ratio", "jerk_ratio", "joint", "jerk"),  # "per joint with their shares"

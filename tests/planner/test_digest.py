@@ -24,10 +24,6 @@ ROWS = Certificate(
     second=np.array([1, 0]),
     second_piece=np.array([-1, 2]),
     normal=np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]),
-    gap0=np.array([0.1, 0.2]),
-    gap1=np.array([0.3, 0.4]),
-    speed=np.array([0.5, 0.6]),
-    acceleration=np.array([0.7, 0.8]),
 )
 
 
@@ -95,5 +91,5 @@ def test_every_number_and_every_word_counts() -> None:
 def test_words_do_not_run_into_each_other() -> None:
     assert of(certificate=replace(ROWS, names=("ab", "c"))) != of(certificate=replace(ROWS, names=("a", "bc")))
     assert of(certificate=replace(ROWS, names=("a", "b", ""))) != of(certificate=replace(ROWS, names=("a", "b")))
-    short = replace(ROWS, gap0=ROWS.gap0[:1], gap1=np.append(ROWS.gap0[1:], ROWS.gap1))
+    short = replace(ROWS, t0=ROWS.t0[:1], t1=np.append(ROWS.t0[1:], ROWS.t1))
     assert of(certificate=short) != of()

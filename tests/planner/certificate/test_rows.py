@@ -29,7 +29,7 @@ def test_rows_of_all_phases_are_written_with_the_names_and_pieces_of_their_bodie
     assert certificate.digest == digest(scene.digest, made.trajectory, made.legs, made.arrivals, certificate)
     assert len(certificate) == sum(len(rows.t0) for rows in proofs)
     assert len(set(certificate.names)) == len(certificate.names)
-    # the gaps of each row, from the bodies that its names mean in its phase
+    # the gap of each row, of the bodies that its names mean in its phase
     first = 0
     for rows in proofs:
         part = slice(first, first + len(rows.t0))
@@ -37,11 +37,11 @@ def test_rows_of_all_phases_are_written_with_the_names_and_pieces_of_their_bodie
         named = [certificate.names[i] for i in certificate.first[part]]
         assert named == [rows.solids.names[rows.solids.body[unit]] for unit in rows.first]
         assert np.array_equal(certificate.second_piece[part], rows.solids.piece[rows.second])
-        for t, column in ((rows.t0, certificate.gap0), (rows.t1, certificate.gap1)):
+        for t, column in ((rows.t0, rows.gap0), (rows.t1, rows.gap1)):
             where = carriers(scene, standing(made.trajectory, t), t)
             row = np.arange(len(t))
             one, other = (place(rows.solids, where, row, unit) for unit in (rows.first, rows.second))
-            assert np.abs(gaps(one, other, rows.normal[:, None])[:, 0] - column[part]).max() <= 1e-12
+            assert np.abs(gaps(one, other, rows.normal[:, None])[:, 0] - column).max() <= 1e-12
 
 
 def test_the_part_is_one_name_whether_it_is_carried_or_not() -> None:

@@ -34,7 +34,7 @@ from tests.planner.checker.hand_made import (
     frame,
     proved,
     ramp,
-    restated,
+    sealed,
     solid,
     start_at,
 )
@@ -127,7 +127,7 @@ def test_a_proof_that_is_accepted_is_true_and_one_that_is_possible_is_accepted(
         nearer = replace(
             scene, frames={**scene.frames, "moving": frame("moving", law_of(law, x - shift, y, z, w * 1.2))}
         )
-        if check(nearer, restated(nearer, plan)).ok:
+        if check(nearer, sealed(nearer, plan)).ok:
             assert least_distance(nearer, plan) >= clearance
 
 

@@ -1,6 +1,6 @@
 """Every promise of a plan is broken once, its digest made to fit again, and the checker finds it.
 
-Who tampers here is clever: where that is possible the certificate is made true again for what was changed.
+Who tampers here is clever: the rows name no number that could be caught, only where to look.
 """
 
 from __future__ import annotations
@@ -13,12 +13,6 @@ import numpy as np
 import pytest
 
 from assur.planner.checker import Code, Verdict, check
-from assur.planner.checker.ranges import ranges
-from assur.planner.checker.rows import proved as judged
-from assur.planner.checker.rows import sorted_out
-from assur.planner.checker.solids import solids
-from assur.planner.checker.spline import spline
-from assur.planner.checker.stage import stage
 from assur.planner.errors import FaultError
 from assur.planner.frames import Conveyor, Linear, Pose
 from assur.planner.model.outcome import Leg, LegKind, Plan
@@ -27,14 +21,15 @@ from assur.planner.model.scene import Arch, Scene, Target, Window
 from assur.planner.trajectory import Trajectory
 from tests.planner.checker.hand_made import (
     BODIES_OF_CROSSING,
+    PlainProver,
     asking,
     belt_case,
     crossing,
     crossing_case,
     frame,
     proved,
-    restated,
     sealed,
+    sides,
     with_rows,
     without,
 )
@@ -76,25 +71,12 @@ def test_the_same_motion_with_more_knots_is_right() -> None:
 # The ten of the issue.
 
 
-@pytest.mark.parametrize("column", ["gap0", "gap1"])
-@pytest.mark.parametrize("case", [crossing_case, belt_case])
-def test_a_gap_claimed_above_the_true_one_by_a_nanometre_is_found(
-    case: Callable[[], tuple[Scene, Plan]], column: str
-) -> None:
-    scene, plan = case()
-    rows = np.random.default_rng(0).choice(len(plan.certificate), 12, replace=False)
-    for i in rows:
-        gaps = getattr(plan.certificate, column).copy()
-        gaps[i] += 1e-9
-        assert codes(check(scene, with_rows(scene, plan, **{column: gaps}))) >= {Code.GAP}
-
-
 @pytest.mark.parametrize("factor", [0.999, 1.001, 1 + 1e-9, 0.0, -1.0])
 def test_a_normal_that_is_not_a_unit_vector_is_found(factor: float) -> None:
     scene, plan = crossing_case()
     normal = plan.certificate.normal.copy()
     normal[7] *= factor
-    found = codes(check(scene, restated(scene, with_rows(scene, plan, normal=normal))))
+    found = codes(check(scene, sealed(scene, with_rows(scene, plan, normal=normal))))
     # Turned round it is a unit vector still, and parts nothing.
     assert (Code.SEPARATION if factor == -1.0 else Code.NORMAL) in found
 
@@ -125,28 +107,48 @@ def test_a_removed_piece_is_found() -> None:
         assert codes(check(scene, without(scene, plan, rows))) == {Code.COVER}
 
 
-def test_a_bound_below_the_true_speed_is_found() -> None:
-    """Claims are brought down to what the checker computes, which passes, and then by 1e-6 of it, which does not."""
+def test_a_normal_turned_away_is_found() -> None:
+    """Far pairs are apart along many a normal; where two are near, or one is above the other, most part nothing."""
     scene, plan = crossing_case()
-    line = plan.trajectory
-    of_plan = phases(scene, plan.legs, plan.arrivals)
-    scenery = stage(scene, solids(scene), of_plan)
-    swept = ranges(spline(line.time, line.q, line.qd, line.qdd), scene.robot.rate_matrix)
-    rows, _ = sorted_out(scenery, of_plan, plan.certificate)
-    total = np.zeros((2, len(rows)))
-    for body, piece in ((rows.first, rows.first_piece), (rows.second, rows.second_piece)):
-        seat = scenery.seat[rows.phase, body]
-        sweep = swept.sweep(rows.t0, rows.t1)
-        total += np.array(scenery.bounds(seat, piece, plan.certificate.normal, rows.t0, rows.t1, sweep))
-    exact = with_rows(scene, plan, speed=total[0], acceleration=total[1])
-    assert codes(check(scene, exact)) == set()
-    for kind, column in enumerate(("speed", "acceleration")):
-        moving = np.flatnonzero(total[kind] > 0.2)
-        assert len(moving) > 10
-        for i in moving[:: len(moving) // 8]:
-            less = total[kind].copy()
-            less[i] *= 1 - 1e-6
-            assert codes(check(scene, with_rows(scene, exact, **{column: less}))) == {Code.BOUND, Code.COVER}
+    rng, refused = np.random.default_rng(2), 0
+    for i in rng.choice(len(plan.certificate), 20, replace=False):
+        normal = plan.certificate.normal.copy()
+        normal[i] = -normal[i]
+        found = codes(check(scene, with_rows(scene, plan, normal=normal)))
+        assert found == {Code.SEPARATION, Code.COVER}
+        sideways = rng.normal(size=3)
+        normal[i] = sideways / np.linalg.norm(sideways)
+        refused += bool(codes(check(scene, with_rows(scene, plan, normal=normal))))
+    assert refused >= 5
+
+
+def test_one_row_may_do_for_many_and_no_row_for_what_it_does_not_part() -> None:
+    """Rows last the whole of their phase, along some other normal: the checker halves them itself, or refuses them."""
+    scene, plan = crossing_case()
+    rng = np.random.default_rng(3)
+    c, kept = plan.certificate, set()
+    for i in range(0, len(c), 3):
+        leg = next(leg for leg in plan.legs if leg.t0 <= c.t0[i] < leg.t1) if c.t0[i] < plan.legs[-1].t1 else None
+        if leg is None:
+            continue
+        t0, t1 = c.t0.copy(), c.t1.copy()
+        t0[i], t1[i] = leg.t0, leg.t1
+        normal = c.normal.copy()
+        normal[i] += rng.normal(size=3) * rng.choice([0.0, 0.3, 1.0])
+        normal[i] /= np.linalg.norm(normal[i])
+        longer = with_rows(scene, plan, t0=t0, t1=t1, normal=normal)
+        found = codes(check(scene, longer))
+        prover = PlainProver(scene, plan.trajectory)
+        named = {side.name: side for side in sides(scene, phases(scene, plan.legs, plan.arrivals)[0])}
+        a, b = named[c.names[c.first[i]]], named[c.names[c.second[i]]]
+        times = np.linspace(leg.t0, leg.t1, 200)
+        gap = min(prover.gap(a, int(c.first_piece[i]), b, int(c.second_piece[i]), normal[i], t) for t in times)
+        if gap < 0.003:
+            assert found >= {Code.SEPARATION}
+        elif gap > 0.0035:
+            assert found == set()
+        kept.add(gap < 0.003)
+    assert kept == {True, False}
 
 
 def test_an_added_exemption_is_found() -> None:
@@ -169,36 +171,28 @@ def test_a_leg_called_follow_for_its_smaller_clearance_is_found() -> None:
 
 
 def test_a_knot_moved_until_the_arm_is_too_close_is_found() -> None:
-    """The knot is moved towards the carton's wall, step by step, and the rows told the truth each time."""
+    """The knot is moved towards the carton's wall, step by step,."""
     scene, plan = crossing_case()
     plan, knot = with_knot_at(plan, 0.15)
     for turn in (1e-4, 2e-3):
         q = plan.trajectory.q.copy()
         q[knot, 0] += turn
-        assert codes(check(scene, restated(scene, with_knots(plan, q=q)))) == set()
+        assert codes(check(scene, sealed(scene, with_knots(plan, q=q)))) == set()
     q[knot, 0] += 0.15
     near = with_knots(plan, q=q)
     with pytest.raises(FaultError, match="cup 0 and carton"):
         proved(scene, near.trajectory, near.legs, near.arrivals)
-    assert codes(check(scene, restated(scene, near))) >= {Code.SEPARATION, Code.COVER}
-
-
-def test_a_knot_moved_by_a_nanoradian_no_longer_fits_its_rows() -> None:
-    scene, plan = crossing_case()
-    plan, knot = with_knot_at(plan, 0.2)
-    q = plan.trajectory.q.copy()
-    q[knot, 0] += 1e-8
-    assert Code.GAP in codes(check(scene, sealed(scene, with_knots(plan, q=q))))
+    assert codes(check(scene, sealed(scene, near))) >= {Code.SEPARATION, Code.COVER}
 
 
 def test_a_body_sped_up_until_it_hits_is_found() -> None:
     _, plan = crossing_case()
     for speed in (0.021, 0.03):
         scene = crossing(ball_speed=speed)
-        assert codes(check(scene, restated(scene, plan))) == set()
+        assert codes(check(scene, sealed(scene, plan))) == set()
     for speed in (0.1, 0.2):
         scene = crossing(ball_speed=speed)
-        found = check(scene, restated(scene, plan)).findings
+        found = check(scene, sealed(scene, plan)).findings
         assert {finding.code for finding in found} >= {Code.SEPARATION, Code.COVER}
         assert any("ball" in finding.what for finding in found)
 
@@ -212,7 +206,7 @@ def test_a_knot_that_breaks_a_limit_only_between_samples_is_found() -> None:
     knots = {"q": line.q, "qd": line.qd, "qdd": line.qdd}
     columns = {name: np.insert(states, knot + 1, states[knot], axis=0) for name, states in knots.items()}
     columns["q"][knot + 1 :, 3] += 0.22
-    quick = restated(scene, replace(plan, trajectory=Trajectory(time, *columns.values())))
+    quick = sealed(scene, replace(plan, trajectory=Trajectory(time, *columns.values())))
     found = [f for f in check(scene, quick).findings if f.code is Code.LIMIT]
     # Greatest speed of a quintic from rest to rest: 15/8 of the mean, 41.25 rad/s against 40.
     fast = next(f for f in found if "velocity" in f.what)
@@ -374,7 +368,7 @@ def test_a_tool_that_leaves_its_belt_by_twenty_micrometres_is_found() -> None:
     for bump, wanted in ((1e-6, False), (6e-5, True)):
         q = plan.trajectory.q.copy()
         q[inside, 0] += bump
-        found = codes(check(scene, restated(scene, with_knots(plan, q=q))))
+        found = codes(check(scene, sealed(scene, with_knots(plan, q=q))))
         assert (Code.GLUE in found) == wanted
 
 
@@ -418,9 +412,10 @@ def test_a_body_that_was_not_in_the_certificate_is_missed() -> None:
 
 @pytest.mark.parametrize("change", ["clearance", "tracking", "position", "drift", "late"])
 def test_whatever_must_be_kept_free_is_kept_free(change: str) -> None:
-    """A wider clearance, a lag, an uncertain ball or a late start: the rows of a plan made without are too few."""
+    """A wider clearance, a lag, an uncertain ball or a late start: the plan was made without. The ball, of which the
+    last three speak, comes as near as 66 mm."""
     scene, plan = crossing_case()
-    amount = 0.03
+    amount = 0.03 if change in ("clearance", "tracking") else 0.08
     if change == "clearance":
         clearance = replace(scene.options.clearance, travel_m=amount)
         scene = replace(scene, options=replace(scene.options, clearance=clearance))
@@ -456,22 +451,6 @@ def test_an_arch_that_is_too_low_is_found() -> None:
         asked = asking(scene, 0, arch=Arch(top))
         assert codes(check(asked, as_arch)) == wanted
         assert codes(check(asked, plan)) == {Code.LEGS}
-
-
-def test_the_rows_are_judged_with_the_worse_of_claim_and_truth() -> None:
-    """Claims that are too modest can only weaken a proof."""
-    scene, plan = crossing_case()
-    c = plan.certificate
-    line = plan.trajectory
-    of_plan = phases(scene, plan.legs, plan.arrivals)
-    scenery = stage(scene, solids(scene), of_plan)
-    swept = ranges(spline(line.time, line.q, line.qd, line.qdd), scene.robot.rate_matrix)
-    modest = replace(c, gap0=c.gap0 - 1.0, gap1=c.gap1 - 1.0)
-    rows, none = sorted_out(scenery, of_plan, modest)
-    good, findings = judged(scenery, of_plan, modest, rows, swept)
-    assert none == []
-    assert not good.any()
-    assert [finding.code for finding in findings] == [Code.SEPARATION]
 
 
 def test_the_plain_prover_gives_up_on_what_collides() -> None:

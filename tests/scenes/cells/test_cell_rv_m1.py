@@ -215,28 +215,27 @@ def forged(**columns: Any) -> set[Code]:
     return {finding.code for finding in verdict.findings}
 
 
-def test_a_proof_with_slower_points_or_wider_gaps_than_is_true_is_found() -> None:
+def test_a_proof_that_looks_elsewhere_or_too_shortly_is_none() -> None:
     honest = proof()[1].certificate
     assert forged() == set()
-    assert forged(speed=0.99 * honest.speed) == {Code.BOUND, Code.COVER}
-    assert forged(acceleration=0.99 * honest.acceleration) == {Code.BOUND, Code.COVER}
-    assert forged(gap0=honest.gap0 + 1e-6) == {Code.GAP, Code.COVER}
+    assert forged(normal=-honest.normal) == {Code.SEPARATION, Code.COVER}
+    assert forged(t1=(honest.t0 + honest.t1) / 2) == {Code.COVER}
 
 
-@pytest.mark.parametrize("link", [LINK4, FLANGE])
-def test_a_proof_for_a_smaller_hand_or_flange_is_none_for_this_one(link: int) -> None:
-    """The body 20 mm thicker than it was proved for."""
+@pytest.mark.parametrize(("link", "thicker"), [(LINK4, 0.05), (FLANGE, 0.02)])
+def test_a_proof_for_a_smaller_hand_or_flange_is_none_for_this_one(link: int, thicker: float) -> None:
+    """The body so much thicker on each side, m, that it comes too near; 20 mm more of link 4 would still be clear."""
     scene, honest = proof()
     number = next(i for i, item in enumerate(scene.robot.bodies) if item.link == link)
     body = scene.robot.bodies[number]
     piece = body.body.pieces[0]
     assert isinstance(piece.shape, Primitive)
-    shape = box(*(2 * h + 0.04 for h in piece.shape.half))
+    shape = box(*(2 * (h + thicker) for h in piece.shape.half))
     bodies = list(scene.robot.bodies)
     bodies[number] = replace(body, body=Body(body.body.name, (replace(piece, shape=shape),)))
     robot: Any = scene.robot
     other = replace(scene, robot=replace(robot, bodies=tuple(bodies)))
-    assert Code.GAP in {finding.code for finding in check(other, honest).findings}
+    assert Code.SEPARATION in {finding.code for finding in check(other, honest).findings}
 
 
 def test_free_and_silent_are_one_request_and_a_number_is_another() -> None:

@@ -232,12 +232,11 @@ def forged(name: str, **columns: Any) -> set[Code]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_proof_with_slower_points_or_wider_gaps_than_is_true_is_found(name: str) -> None:
+def test_a_proof_that_looks_elsewhere_or_too_shortly_is_none(name: str) -> None:
     honest = proof(name)[1].certificate
     assert forged(name) == set()
-    assert forged(name, speed=0.99 * honest.speed) == {Code.BOUND, Code.COVER}
-    assert forged(name, acceleration=0.99 * honest.acceleration) == {Code.BOUND, Code.COVER}
-    assert forged(name, gap0=honest.gap0 + 1e-6) == {Code.GAP, Code.COVER}
+    assert forged(name, normal=-honest.normal) == {Code.SEPARATION, Code.COVER}
+    assert forged(name, t1=(honest.t0 + honest.t1) / 2) == {Code.COVER}
 
 
 @pytest.mark.parametrize("name", ["elbow-arm", "polar-arm"])
@@ -251,4 +250,4 @@ def test_a_proof_for_smaller_links_is_none_for_these(name: str) -> None:
     bodies = (*scene.robot.bodies[:-1], replace(last, body=Body(last.body.name, (thick,))))
     robot: Any = scene.robot
     other = replace(scene, robot=replace(robot, bodies=bodies))
-    assert {Code.GAP, Code.SEPARATION} <= {finding.code for finding in check(other, honest).findings}
+    assert Code.SEPARATION in {finding.code for finding in check(other, honest).findings}

@@ -131,14 +131,13 @@ def test_a_robot_that_asks_for_more_margin_refuses_the_same_plan() -> None:
     assert 0 < findings[0].amount <= 0.021
 
 
-def test_a_row_that_claims_a_slower_coupler_is_refused() -> None:
+def test_rows_of_a_coupler_that_look_elsewhere_are_refused() -> None:
     request, found = around()
     cell = cell_of(request)
     plan = plan_of(found, cell.conventions)[0]
-    speed = plan.certificate.speed.copy()
-    speed[int(np.argmax(np.where(np.isfinite(speed), speed, 0)))] *= 0.9
-    tampered = resealed(request, replace(plan, certificate=replace(plan.certificate, speed=speed)))
-    assert Code.BOUND in {finding.code for finding in check(cell.scene, tampered).findings}
+    turned = replace(plan.certificate, normal=-plan.certificate.normal)
+    tampered = resealed(request, replace(plan, certificate=turned))
+    assert Code.SEPARATION in {finding.code for finding in check(cell.scene, tampered).findings}
 
 
 def test_a_serial_arm_is_not_asked() -> None:

@@ -1,0 +1,1 @@
+"""Experiments: claims of the source papers, reproduced as figures and numbers."""

@@ -1,0 +1,45 @@
+"""Where compiled kernels are kept, and whether they are there. Imports no compiler.
+
+The compiler decides by a kernel's own file whether its compiled code is still good, and does not look at the kernels
+that it calls. Therefore the folder is named by the digest of the sources of all kernels.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from functools import cache
+from pathlib import Path
+
+ROOMS = ("kernels", "checker")
+"""Rooms of the planner whose modules may hold kernels."""
+VARIABLE = "NUMBA_CACHE_DIR"
+"""Environment variable that says below which folder compiled kernels are kept; the compiler's own."""
+WHOLE = "all-kernels-compiled"
+"""Name of the file that says that every kernel is in the folder."""
+
+
+@cache
+def digest() -> str:
+    """A number, in hexadecimal, of the sources of all kernels."""
+    here = Path(__file__).parent
+    found = hashlib.sha256()
+    for path in [here / "compiled.py", *sorted(path for room in ROOMS for path in (here / room).glob("*.py"))]:
+        content = path.read_bytes()
+        found.update(f"{path.parent.name}/{path.name} {len(content)}\n".encode() + content)
+    return found.hexdigest()[:16]
+
+
+@cache
+def folder() -> Path:
+    """The folder of the compiled code of these very sources: below `NUMBA_CACHE_DIR`, else in the user's cache."""
+    above = os.environ.get(VARIABLE)
+    if above:
+        return Path(above) / digest()
+    users = os.environ.get("XDG_CACHE_HOME")
+    return (Path(users) if users else Path.home() / ".cache") / "assur" / "kernels" / digest()
+
+
+def is_compiled() -> bool:
+    """Whether all kernels were compiled into the folder once, by whatever processor."""
+    return (folder() / WHOLE).is_file()

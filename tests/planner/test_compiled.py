@@ -1,0 +1,97 @@
+"""Kernels: one signature each, indices that are checked, and compiled code that is found again or missed loudly."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from assur.planner import compiled
+from assur.planner.errors import FaultError
+from assur.planner.kernel_cache import VARIABLE
+from assur.scenes.kernels import load
+
+THIRD = """
+from assur.planner.compiled import compiled_now, kernel
+
+@kernel("float64(float64[::1], int64)")
+def part(x, k):
+    if k < 0:
+        raise IndexError("negative")
+    return x[k] / x[0]
+"""
+PROBE = """
+import sys
+sys.path.insert(0, {folder!r})
+import a_kernel
+print(a_kernel.compiled_now())
+"""
+
+
+def ran(program: str, cache: Path, **variables: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, VARIABLE: str(cache), **variables}
+    return subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture
+def program(tmp_path: Path) -> str:
+    (tmp_path / "a_kernel.py").write_text(THIRD)
+    return PROBE.format(folder=str(tmp_path))
+
+
+def test_every_kernel_has_one_signature_and_takes_no_other() -> None:
+    load()
+    assert {name: made.signatures for name, made in compiled.KERNELS.items() if len(made.signatures) != 1} == {}
+    assert [name for name, made in compiled.KERNELS.items() if made._can_compile] == []
+
+
+def test_a_kernel_refuses_what_plain_python_refuses_and_another_type() -> None:
+    @compiled.kernel("float64(float64[::1], int64)")
+    def part(x: np.ndarray, k: int) -> float:
+        if k < 0:
+            raise IndexError("negative")
+        return float(x[k] / x[0])
+
+    x = np.array([2.0, 1.0])
+    assert part(x, 1) == 0.5
+    for k in (2, -1):
+        with pytest.raises(IndexError):
+            part(x, k)
+    with pytest.raises(ZeroDivisionError):
+        part(np.zeros(2), 1)
+    x.flags.writeable = False
+    with pytest.raises(TypeError):
+        part(x, 1)
+    del compiled.KERNELS[f"{__name__}.part"]
+
+
+def test_what_was_compiled_once_is_found_by_the_next_process(program: str, tmp_path: Path) -> None:
+    first, second = ran(program, tmp_path / "kept"), ran(program, tmp_path / "kept")
+    assert (first.stdout.strip(), second.stdout.strip()) == ("['a_kernel.part']", "[]"), first.stderr + second.stderr
+
+
+def test_code_for_another_processor_is_not_taken_for_ones_own(program: str, tmp_path: Path) -> None:
+    generic = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+    assert ran(program, tmp_path / "kept").stdout.strip() == "['a_kernel.part']"
+    assert ran(program, tmp_path / "kept", **generic).stdout.strip() == "['a_kernel.part']"
+
+
+def test_plain_python_needs_no_compiled_code(program: str, tmp_path: Path) -> None:
+    assert ran(program, tmp_path / "kept", NUMBA_DISABLE_JIT="1").stdout.strip() == "[]"
+    assert not (tmp_path / "kept").exists()
+
+
+def test_a_kernel_that_is_missing_where_nothing_can_be_written_is_an_error(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "a file").write_text("a folder cannot be made in a file")
+    monkeypatch.setattr(compiled, "folder", lambda: tmp_path / "a file" / "kept")
+    with pytest.raises(FaultError, match="cannot be written"):
+
+        @compiled.kernel("float64(float64)")
+        def twice(x: float) -> float:
+            return 2 * x
