@@ -112,7 +112,7 @@ class Settings:
         return Settings(**values)
 
     @property
-    def seats(self) -> int:
+    def processes(self) -> int:
         """How many worker processes there are."""
         return self.workers or processors()
 

@@ -1,6 +1,6 @@
 """The worker processes as the service sees them: a bounded queue in front, a wall clock behind, new ones for dead ones.
 
-Admission is counted here: at most `seats + queue` requests are accepted at a time, one more is told when to come
+Admission is counted here: at most `workers + queue` requests are accepted at a time, one more is told when to come
 again. A request that crashed two workers is not given a third.
 """
 
@@ -15,8 +15,8 @@ from typing import Any
 
 from assur.api.logs import LOGGER, event
 from assur.api.problems import Problem
-from assur.api.seat import CrashedError, KilledError, NotBegunError, Seat
 from assur.api.settings import Settings
+from assur.api.worker_process import CrashedError, KilledError, NotBegunError, WorkerProcess
 
 CRASHES = 2
 """So many crashes and a request is quarantined."""
@@ -29,11 +29,13 @@ LONGEST_RETRY_S = 30.0
 
 
 class Workers:
-    """All seats, and who may sit down. One per event loop; `start`, then any number of `run`, then `stop`."""
+    """All worker processes, and which of them are free. One per event loop; `start`, then any number of `run`, then `stop`."""
 
     def __init__(self, settings: Settings, warm: Callable[[], Any]) -> None:
         self._settings = settings
-        self._seats = [Seat(settings.worker_memory_mib, warm, settings.warm_s) for _ in range(settings.seats)]
+        self._processes = [
+            WorkerProcess(settings.worker_memory_mib, warm, settings.warm_s) for _ in range(settings.processes)
+        ]
         self._free: asyncio.Queue[int] = asyncio.Queue()
         self._crashes: OrderedDict[str, int] = OrderedDict()
         self._tasks: set[asyncio.Task[None]] = set()
@@ -44,26 +46,26 @@ class Workers:
     @property
     def ready(self) -> bool:
         """Whether every worker has planned once, and at least one is there now."""
-        return self.warmed == len(self._seats) and any(seat.open for seat in self._seats)
+        return self.warmed == len(self._processes) and any(process.open for process in self._processes)
 
     @property
     def warmed(self) -> int:
-        """How many seats have had a worker that planned."""
+        """How many places have had a worker that planned."""
         return len(self._warmed)
 
     @property
     def total(self) -> int:
-        """How many seats there are."""
-        return len(self._seats)
+        """How many workers there are."""
+        return len(self._processes)
 
     @property
     def full(self) -> bool:
         """Whether one more request would be turned away."""
-        return self._accepted >= len(self._seats) + self._settings.queue
+        return self._accepted >= len(self._processes) + self._settings.queue
 
     def start(self) -> None:
         """Starts all workers in the background; returns at once."""
-        for number, _ in enumerate(self._seats):
+        for number, _ in enumerate(self._processes):
             self._background(self._fill(number))
         self._background(self._patrol())
 
@@ -73,11 +75,11 @@ class Workers:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
-        await asyncio.gather(*(seat.stop() for seat in self._seats))
+        await asyncio.gather(*(process.stop() for process in self._processes))
 
     def busy(self) -> Problem:
         """The problem of a request that finds the queue full: when the accepted ones will have ended at the latest."""
-        after = min(60, max(1, math.ceil(self._owed_s / len(self._seats))))
+        after = min(60, max(1, math.ceil(self._owed_s / len(self._processes))))
         return Problem("busy", f"Come again in {after} s.", headers={"Retry-After": str(after)})
 
     async def run(self, job: Callable[..., Any], arguments: tuple[Any, ...], key: str, wall_s: float) -> Any:
@@ -93,9 +95,9 @@ class Workers:
         self._owed_s += wall_s
         try:
             try:
-                return await self._seated(job, arguments, wall_s)
+                return await self._in_a_process(job, arguments, wall_s)
             except NotBegunError:
-                return await self._seated(job, arguments, wall_s)
+                return await self._in_a_process(job, arguments, wall_s)
         except CrashedError as crashed:
             raise self._crashed(key, crashed) from crashed
         except KilledError as killed:
@@ -105,20 +107,20 @@ class Workers:
             self._accepted -= 1
             self._owed_s -= wall_s
 
-    async def _seated(self, job: Callable[..., Any], arguments: tuple[Any, ...], wall_s: float) -> Any:
-        number = await self._seat()
+    async def _in_a_process(self, job: Callable[..., Any], arguments: tuple[Any, ...], wall_s: float) -> Any:
+        number = await self._free_process()
         try:
-            return await self._seats[number].run(job, arguments, wall_s)
+            return await self._processes[number].run(job, arguments, wall_s)
         finally:
             self._leave(number)
 
-    async def _seat(self) -> int:
-        """The number of a free seat, first come first served."""
+    async def _free_process(self) -> int:
+        """The number of a free worker, first come first served."""
         try:
             async with asyncio.timeout(self._settings.queue_wait_s):
                 while True:
                     number = await self._free.get()
-                    if self._seats[number].open:
+                    if self._processes[number].open:
                         return number
                     self._background(self._fill(number))
         except TimeoutError as late:
@@ -129,9 +131,9 @@ class Workers:
             ) from late
 
     def _leave(self, number: int) -> None:
-        """Frees a seat whose worker is well, and gives any other a new one."""
-        seat = self._seats[number]
-        if seat.open and seat.jobs < self._settings.max_tasks:
+        """Frees a worker that is well, and replaces any other."""
+        process = self._processes[number]
+        if process.open and process.jobs < self._settings.max_tasks:
             self._free.put_nowait(number)
         else:
             self._background(self._fill(number))
@@ -149,11 +151,11 @@ class Workers:
         )
 
     async def _fill(self, number: int) -> None:
-        """Gives seat `number` a new worker, and tries again until one has planned."""
+        """Gives place `number` a new worker, and tries again until one has planned."""
         pause = 1.0
         while True:
             try:
-                await self._seats[number].start()
+                await self._processes[number].start()
             except (CrashedError, KilledError) as failed:
                 event("worker does not start", logging.ERROR, why=str(failed), again_in_s=pause)
                 await asyncio.sleep(pause)
@@ -161,7 +163,7 @@ class Workers:
             else:
                 self._warmed.add(number)
                 self._free.put_nowait(number)
-                event("worker ready", seat=number, ready=self.ready)
+                event("worker ready", worker=number, ready=self.ready)
                 return
 
     async def _patrol(self) -> None:

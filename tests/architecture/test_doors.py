@@ -13,7 +13,6 @@ DOORS = {
     "fcl": ("assur.planner.collision.fcl_door",),
     "ruckig": ("assur.planner.timing",),
     "trimesh": ("assur.scenes.meshes",),
-    "pebble": ("assur.api",),
     "fastapi": ("assur.api",),
     "pydantic": ("assur.scenes", "assur.api"),
     "yaml": ("assur.scenes.yaml_text",),
