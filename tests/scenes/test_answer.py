@@ -44,7 +44,7 @@ FANUC: dict[str, Any] = {
     "robot": {"model": "fanuc-sr-3ia", "tool": {"tcp_mm": [0, 0, -20]}},
     "start": {"joints": {"j1_deg": 0, "j2_deg": 60, "j3_mm": 20, "j4_deg": 0}},
     "task": [{"move": {"name": "down", "to": {"at_mm": [250, 100, 120], "yaw_deg": 30}}}],
-    "options": {"max_candidates": 5, "stop": "first"},
+    "options": {"budget_s": 60, "max_candidates": 5, "stop": "first"},
 }
 """A move downwards of an arm whose lift counts downwards."""
 
