@@ -17,10 +17,10 @@ from assur.api.settings import Settings
 from assur.api.workers import Workers
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
-from assur.scenes.requests import parse_json, shipped, validate_parsed
+from assur.scenes.requests import parse_json, shipped, stated_budgets
 
-SMALL_BYTES = 8192
-"""Bodies up to this are read at once: it takes less than 1 ms, and the way to a thread and back half as long. Larger
+SMALL_BYTES = 32768
+"""Bodies up to this are parsed at once: it takes less than 1 ms, and the way to a thread and back half as long. Larger
 ones, and scenarios, which are files, are read beside the event loop."""
 
 
@@ -59,22 +59,26 @@ class Service:
             raise Problem("bad-input", str(found), (found,))
         if "scenario" in document:
             name = _scenario_name(document)
-            wall_s = self._wall(_told(scenario_request, name))
+            try:
+                wall_s = self._wall(scenario_request(name))
+            except InputError as error:
+                raise Problem.of_input(error) from error
             return jobs.plan_shipped, (name, certificate), _digest("scenario", name), wall_s
         return jobs.plan, (document, certificate), _digest("request", body), self._wall(document)
 
     def _wall(self, document: dict[str, Any]) -> float:
         """When a worker that plans `document` is killed: after both its budgets and the grace, s.
 
-        Raises the `Problem` of a request that is not valid or asks for more than the service gives.
+        Nothing else of a request is read here: the worker validates it. Raises the `Problem` of a request that asks
+        for more than the service gives.
         """
-        options = _told(validate_parsed, document).options
         largest = self.settings.max_budget_s
-        for name in ("budget_s", "explain_budget_s"):
-            if not getattr(options, name) <= largest:
+        budgets = stated_budgets(document)
+        for name, budget in budgets.items():
+            if not budget <= largest:
                 allowed = f"at most {largest:g} s, which is ASSUR_MAX_BUDGET_S of this service"
                 raise Problem.of_input(fault(document, ("options", name), allowed))
-        return float(options.budget_s + options.explain_budget_s + self.settings.grace_s)
+        return sum(budgets.values()) + self.settings.grace_s
 
     async def _work(self, job: Any, arguments: tuple[Any, ...], key: str, wall_s: float) -> jobs.Answer:
         reply: jobs.Reply = await self.workers.run(job, arguments, key, wall_s)
@@ -92,14 +96,6 @@ class Service:
 def scenario_request(name: str) -> dict[str, Any]:
     """The request of the shipped scenario `name`, read once. Raises `InputError` for a name that is not shipped."""
     return shipped(name).request
-
-
-def _told(read: Any, argument: Any) -> Any:
-    """`read(argument)`, with the caller's faults as problems."""
-    try:
-        return read(argument)
-    except InputError as error:
-        raise Problem.of_input(error) from error
 
 
 def _scenario_name(document: dict[str, Any]) -> str:

@@ -29,7 +29,7 @@ LONGEST_RETRY_S = 30.0
 
 
 class Workers:
-    """All worker processes, and which of them are free. One per event loop; `start`, then any number of `run`, then `stop`."""
+    """The worker processes, and which are free. One per event loop; `start`, then any number of `run`, then `stop`."""
 
     def __init__(self, settings: Settings, warm: Callable[[], Any]) -> None:
         self._settings = settings

@@ -14,11 +14,12 @@ from assur.scenes.catalogue import robots
 from assur.scenes.documents import answer as written
 from assur.scenes.documents.plain import plain
 from assur.scenes.documents.read import read
-from assur.scenes.documents.request import SCHEMA, RequestDocument
+from assur.scenes.documents.request import SCHEMA, OptionsDocument, RequestDocument
 from assur.scenes.faults import fault, located
 from assur.scenes.json_text import parse_json
 from assur.scenes.numbers import optional
 from assur.scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet, with_files
+from assur.scenes.units import twin_of
 
 if TYPE_CHECKING:
     from assur.planner.model.scene import Scene
@@ -38,6 +39,7 @@ __all__ = [
     "scene_of",
     "shipped",
     "shipped_scenarios",
+    "stated_budgets",
     "unmet",
     "validate",
     "validate_parsed",
@@ -55,6 +57,25 @@ def validate_parsed(whole: Any) -> RequestDocument:
         raise fault(whole, ("status",), "no status: this is an answer, not a request")
     request: RequestDocument = read(RequestDocument, whole)
     return request
+
+
+BUDGETS = ("budget_s", "explain_budget_s")
+"""Options that say for how long a request may be worked on."""
+
+
+def stated_budgets(document: dict[str, Any]) -> dict[str, float]:
+    """The budgets of a request, in s, before it is validated: for whoever limits them. What is no number is left for
+    the validation to refuse, and counts as the default."""
+    options = document.get("options")
+    given = options if isinstance(options, dict) else {}
+    found: dict[str, float] = {}
+    for name in BUDGETS:
+        found[name] = OptionsDocument.model_fields[name].default
+        for key, unit in ((name, 1.0), (twin_of(name), 1000.0)):
+            value = given.get(key)
+            if type(value) in (int, float) and not value < 0.0:
+                found[name] = value / unit
+    return found
 
 
 def request_digest(document: object) -> str:
