@@ -11,7 +11,7 @@ from assur.scenes.build.frames import placed
 from assur.scenes.build.neighbours import trajectory_of
 from assur.scenes.catalogue.arm import Conventions, converted
 from assur.scenes.documents import answer as document
-from assur.scenes.documents.read import read
+from assur.scenes.documents.read import read_normal
 from assur.scenes.faults import Path, fault
 
 PLAN: Path = ("plan",)
@@ -42,7 +42,7 @@ def plan_of(plan: object, conventions: Conventions) -> tuple[Plan, tuple[Finding
         if isinstance(certificate, dict) and set(certificate) == CERTIFICATE_DIGEST:
             raise fault(root, (*PLAN, "certificate"), "the certificate in full, as certificate=full gives it")
         plan = {key: value for key, value in plan.items() if key not in NOT_CHECKED}
-    item: document.CheckedPlan = read(document.CheckedPlan, plan, PLAN)
+    item: document.CheckedPlan = read_normal(document.CheckedPlan, plan, plan, PLAN)
     _hold_to_robot(root, item, conventions)
     made = Plan(
         trajectory=trajectory_of(root, (*PLAN, "trajectory"), item["trajectory"], conventions),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from assur.scenes.catalogue import robots
 from assur.scenes.documents import answer as written
-from assur.scenes.documents.plain import plain
+from assur.scenes.documents.normal import plain
 from assur.scenes.documents.read import read
 from assur.scenes.documents.request import SCHEMA, OptionsDocument, RequestDocument
 from assur.scenes.faults import fault, located
@@ -42,20 +42,14 @@ __all__ = [
     "stated_budgets",
     "unmet",
     "validate",
-    "validate_parsed",
 ]
 
 
 def validate(document: object) -> RequestDocument:
     """The request in SI, its shape and units checked. Names are looked up, and meshes read, when a scene is built."""
-    return validate_parsed(plain(document))
-
-
-def validate_parsed(whole: Any) -> RequestDocument:
-    """`validate` of what `parse_json` gave, which has no numbers but Python's own."""
-    if isinstance(whole, dict) and whole.get("status") in ("planned", "not_planned"):
-        raise fault(whole, ("status",), "no status: this is an answer, not a request")
-    request: RequestDocument = read(RequestDocument, whole)
+    if isinstance(document, dict) and document.get("status") in ("planned", "not_planned"):
+        raise fault(document, ("status",), "no status: this is an answer, not a request")
+    request: RequestDocument = read(RequestDocument, document)
     return request
 
 
@@ -91,16 +85,11 @@ def request_schema() -> dict[str, Any]:
 
 def cell_of(document: object, *, folder: Path | None = None) -> Cell:
     """Scene and joint conventions of a request. `folder`: below which mesh files may be named (command line only)."""
-    return _cell(plain(document), folder)
-
-
-def _cell(document: Any, folder: Path | None) -> Cell:
-    """`cell_of` of a document that is plain."""
     from assur.scenes.build.cell import cell_of as build
 
     whole = document if folder is None else with_files(document, folder)
     # Faults are told of the document as it was written: of a mesh's file, not of the bytes that took its place.
-    return build(document, validate_parsed(whole))
+    return build(document, validate(whole))
 
 
 def scene_of(document: object, *, folder: Path | None = None) -> Scene:
@@ -123,8 +112,7 @@ def plan_document(
     from assur.planner.pipeline import plan
     from assur.scenes.answer import answer_of
 
-    document = plain(document)
-    cell = _cell(document, folder)
+    cell = cell_of(document, folder=folder)
     with located(document):
         outcome = plan(cell.scene, started=started)
     return dict(answer_of(cell, outcome, certificate))

@@ -14,7 +14,7 @@ from assur.planner.model.scene import WORLD, WorldBody
 from assur.scenes.build.frames import placed
 from assur.scenes.documents.shapes import AttachedBody, BodyDocument, MeshDocument, PlaceInCell, ShapeDocument
 from assur.scenes.documents.task import TargetDocument
-from assur.scenes.faults import DocumentError, Path, as_written, dotted, fault, located
+from assur.scenes.faults import DocumentError, Path, as_written, below, dotted, fault
 
 
 def solid(document: object, path: Path, name: str, shape: ShapeDocument) -> Body:
@@ -25,20 +25,24 @@ def solid(document: object, path: Path, name: str, shape: ShapeDocument) -> Body
 
 
 def _piece(document: object, path: Path, shape: ShapeDocument) -> Piece:
-    if shape.box is not None:
-        with located(document, *path, "box"):
+    kind = ""
+    try:
+        if shape.box is not None:
+            kind = "box"
             return Piece(box(*shape.box.size_m))
-    if shape.sphere is not None:
-        with located(document, *path, "sphere"):
+        if shape.sphere is not None:
+            kind = "sphere"
             return Piece(sphere(shape.sphere.radius_m))
-    if shape.cylinder is not None:
-        with located(document, *path, "cylinder"):
+        if shape.cylinder is not None:
+            kind = "cylinder"
             primitive = cylinder(shape.cylinder.radius_m, shape.cylinder.height_m)
             return Piece(primitive, rotation=AXES[shape.cylinder.axis])
-    if shape.capsule is not None:
-        with located(document, *path, "capsule"):
+        if shape.capsule is not None:
+            kind = "capsule"
             primitive = capsule(shape.capsule.radius_m, shape.capsule.length_m)
             return Piece(primitive, rotation=AXES[shape.capsule.axis])
+    except InputError as error:
+        raise below(document, (*path, kind), error) from error
     raise fault(document, path, "exactly one of box, sphere, cylinder, capsule, mesh")
 
 

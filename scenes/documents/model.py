@@ -1,8 +1,8 @@
 """The rules that all documents share: closed, strict, finite, no null, units in keys, one of several keys.
 
-A model declares its fields in SI (`at_m`). Its reader also takes the twin (`at_mm`), never both; converts it; and the
-model's schema shows both. Groups of keys of which exactly one, or at most one, may be given are declared as class
-variables, so that the reader and the schema agree on them.
+A model declares its fields in SI (`at_m`), and reads a document that `normal` has brought to SI. A caller may also
+write the twin (`at_mm`), so the model's schema shows both. Groups of keys of which exactly one, or at most one, may be
+given are declared as class variables, so that the reader and the schema agree on them.
 """
 
 from __future__ import annotations
@@ -10,12 +10,13 @@ from __future__ import annotations
 import difflib
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, model_validator
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError
+from pydantic_core.core_schema import no_info_before_validator_function
 
 from assur.planner.geometry.shapes import LARGEST_M, SMALLEST_M
 from assur.scenes import bounds
-from assur.scenes.units import si_key, to_si, twin_of
+from assur.scenes.units import twin_of
 
 Group = tuple[str, ...]
 LONGEST_KEY = 40
@@ -30,47 +31,29 @@ class Document(BaseModel):
 
     exactly_one: ClassVar[tuple[Group, ...]] = ()
     at_most_one: ClassVar[tuple[Group, ...]] = ()
-    twins: ClassVar[dict[str, tuple[str, str]]] = {}
-    nullable: ClassVar[bool] = False
-    """Whether null may stand for a number that there is not (in answers; never in requests)."""
-    open_keys: ClassVar[bool] = False
-    """Whether keys beyond the fields (joint names) are taken, their units converted alike."""
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
-        super().__pydantic_init_subclass__(**kwargs)
-        names = (field.alias or name for name, field in cls.model_fields.items())
-        found = ((name, twin_of(name)) for name in names)
-        cls.twins = {twin: (name, si_key(twin)[1]) for name, twin in found if twin and si_key(twin)}  # type: ignore[index]
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        schema = handler(source)
+        if not cls.exactly_one and not cls.at_most_one:
+            return schema
+        return no_info_before_validator_function(cls._keep_groups, schema)
 
-    @model_validator(mode="before")
     @classmethod
-    def read_units(cls, data: Any) -> Any:
-        """The mapping with SI keys; refuses null, both twins, and groups that are not kept."""
+    def _keep_groups(cls, data: Any) -> Any:
+        """Refuses a mapping that does not keep the groups of keys of its model."""
         if type(data) is not dict:
             return data
-        result = data
-        for key, value in data.items():
-            if value is None and not cls.nullable:
-                raise _refusal("null", [key], "a value; leave the key out if there is none")
-            twin = cls.twins.get(key) or (si_key(key) if cls.open_keys and isinstance(key, str) else None)
-            if twin is not None:
-                if twin[0] in data:
-                    raise _refusal("twins", [key], f"{key} or {twin[0]}, not both")
-                if result is data:
-                    result = dict(data)
-                del result[key]
-                result[twin[0]] = to_si(value, twin[1])
         for group in cls.exactly_one:
-            given = [key for key in group if key in result]
+            given = [key for key in group if key in data]
             if len(given) != 1:
-                strange = [] if given else [key for key in result if not cls._has(key)]
+                strange = [] if given else [key for key in data if not cls._has(key)]
                 raise _refusal("one_of", given[1:], f"exactly one of {', '.join(group)}{_strange(strange, group)}")
         for group in cls.at_most_one:
-            given = [key for key in group if key in result]
+            given = [key for key in group if key in data]
             if len(given) > 1:
                 raise _refusal("one_of", given[1:], f"at most one of {', '.join(group)}")
-        return result
+        return data
 
     @classmethod
     def _has(cls, key: object) -> bool:
@@ -89,9 +72,8 @@ class Document(BaseModel):
             for second in group[i + 1 :]
         ]
         for name, field in list(properties.items()):
-            if not cls.nullable:
-                _forget_null(field)
-            twin = next((key for key, (si, _) in cls.twins.items() if si == name), None)
+            _forget_null(field)
+            twin = twin_of(name)
             if twin is None:
                 continue
             properties[twin] = _twin_of_field(field)

@@ -14,6 +14,7 @@ from typing_extensions import get_type_hints, is_typeddict
 from assur.planner.errors import FaultError
 from assur.scenes.bounds import FAR_M
 from assur.scenes.documents.model import NAME, REFERENCE
+from assur.scenes.documents.normal import normal
 from assur.scenes.faults import DocumentError, Path, as_written, dotted, likeliest
 from assur.scenes.units import SI_UNITS, TWIN_UNITS, from_si, si_key, twin_of, unit_of
 
@@ -45,14 +46,19 @@ COMPARISONS = {
 }
 
 
-def read(model: Any, document: object, prefix: Path = ()) -> Any:
-    """The document as `model`, a pydantic model or a TypedDict.
+def read(model: Any, document: object) -> Any:
+    """The document, which may be written in any units and with numbers of NumPy, as `model`. Raises `DocumentError`."""
+    return read_normal(model, normal(document), document)
+
+
+def read_normal(model: Any, normal_document: object, document: object, prefix: Path = ()) -> Any:
+    """A document in SI as `model`, a pydantic model or a TypedDict; `document`: as it was written.
 
     `prefix`: where the document is, if it is part of another. Raises `DocumentError`: unknown fields first, for they
     are usually misspelt others.
     """
     try:
-        return _adapter(model).validate_python(document)
+        return _adapter(model).validate_python(normal_document)
     except ValidationError as error:
         faults = sorted(
             error.errors(include_url=False, include_input=False),

@@ -43,7 +43,6 @@ class LimitsDocument(Document):
     """Scales in (0, 1] of the robot's own limits, and narrower ranges by the maker's joint names (`j4_rad`)."""
 
     model_config = ConfigDict(extra="allow")
-    open_keys: ClassVar[bool] = True
     __pydantic_extra__: dict[str, Pair]
 
     velocity: Scale = 1.0
@@ -164,7 +163,6 @@ class JointValues(Document):
     """A number for each joint, by the maker's joint name and unit: `j1_rad`, `j3_m`, `j1_rad_s`."""
 
     model_config = ConfigDict(extra="allow")
-    open_keys: ClassVar[bool] = True
     __pydantic_extra__: dict[str, Strength]
 
 

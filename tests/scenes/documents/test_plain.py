@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from assur.scenes import check, load, plan
-from assur.scenes.documents.plain import ALLOWED, plain
+from assur.scenes.documents.normal import ALLOWED, plain
 from assur.scenes.faults import DocumentError
 from assur.scenes.requests import request_digest, validate
 from tests.scenes.bad_requests import GOOD_REQUEST
