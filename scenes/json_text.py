@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterable
 from typing import Any, NoReturn
 
 from assur.planner.errors import InputError
@@ -93,7 +94,8 @@ def _sound(value: dict[str, Any] | list[Any], depth: int) -> bool:
     """Whether nothing in a mapping or list, which has no longer number and no surrogate, is refused."""
     if depth > MAX_DEPTH:
         return False
-    for item in value.values() if type(value) is dict else value:
+    items: Iterable[Any] = value.values() if isinstance(value, dict) else value
+    for item in items:
         kind = type(item)
         if kind is float:
             if not -math.inf < item < math.inf:

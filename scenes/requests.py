@@ -10,15 +10,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from assur.scenes.catalogue import robots
+from assur.scenes.catalogue import RobotFile, load_robot, models, robots, shipped_robot, with_robots
 from assur.scenes.documents import answer as written
 from assur.scenes.documents.normal import plain
 from assur.scenes.documents.read import read
 from assur.scenes.documents.request import SCHEMA, OptionsDocument, RequestDocument
 from assur.scenes.faults import fault, located
+from assur.scenes.files import with_meshes
 from assur.scenes.json_text import parse_json
 from assur.scenes.numbers import optional
-from assur.scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet, with_files
+from assur.scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet
 from assur.scenes.units import twin_of
 
 if TYPE_CHECKING:
@@ -26,10 +27,13 @@ if TYPE_CHECKING:
     from assur.scenes.build.cell import Cell
 
 __all__ = [
+    "RobotFile",
     "Scenario",
     "cell_of",
     "check_document",
+    "load_robot",
     "load_scenario",
+    "models",
     "parse_json",
     "plan_document",
     "plan_scenario",
@@ -38,6 +42,7 @@ __all__ = [
     "robots",
     "scene_of",
     "shipped",
+    "shipped_robot",
     "shipped_scenarios",
     "stated_budgets",
     "unmet",
@@ -65,10 +70,10 @@ def stated_budgets(document: dict[str, Any]) -> dict[str, float]:
     found: dict[str, float] = {}
     for name in BUDGETS:
         found[name] = OptionsDocument.model_fields[name].default
-        for key, unit in ((name, 1.0), (twin_of(name), 1000.0)):
+        for key, per_second in ((name, 1), (twin_of(name), 1000)):
             value = given.get(key)
-            if type(value) in (int, float) and not value < 0.0:
-                found[name] = value / unit
+            if isinstance(value, int | float) and not value < 0:
+                found[name] = value / per_second
     return found
 
 
@@ -87,9 +92,11 @@ def cell_of(document: object, *, folder: Path | None = None) -> Cell:
     """Scene and joint conventions of a request. `folder`: below which mesh files may be named (command line only)."""
     from assur.scenes.build.cell import cell_of as build
 
-    whole = document if folder is None else with_files(document, folder)
-    # Faults are told of the document as it was written: of a mesh's file, not of the bytes that took its place.
-    return build(document, validate(whole))
+    if folder is None:
+        return build(document, validate(document))
+    # Errors quote the document as it was written: a mesh's file, not the bytes that took its place.
+    document = with_robots(document, folder)
+    return build(document, validate(with_meshes(document, folder)))
 
 
 def scene_of(document: object, *, folder: Path | None = None) -> Scene:
