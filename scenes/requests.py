@@ -11,20 +11,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from assur.scenes.catalogue import RobotFile, load_robot, models, robots, shipped_robot, with_robots
-from assur.scenes.documents import answer as written
-from assur.scenes.documents.normal import plain
-from assur.scenes.documents.read import read
-from assur.scenes.documents.request import SCHEMA, OptionsDocument, RequestDocument
 from assur.scenes.faults import fault, located
 from assur.scenes.files import with_meshes
-from assur.scenes.json_text import parse_json
 from assur.scenes.numbers import optional
 from assur.scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet
+from assur.scenes.schema import answer as written
+from assur.scenes.schema.normal import plain
+from assur.scenes.schema.read import read
+from assur.scenes.schema.request import SCHEMA, OptionsDocument, RequestDocument
+from assur.scenes.text.json_text import parse_json
 from assur.scenes.units import twin_of
 
 if TYPE_CHECKING:
     from assur.planner.model.scene import Scene
-    from assur.scenes.build.cell import Cell
+    from assur.scenes.reading.cell import Cell
 
 __all__ = [
     "RobotFile",
@@ -90,7 +90,7 @@ def request_schema() -> dict[str, Any]:
 
 def cell_of(document: object, *, folder: Path | None = None) -> Cell:
     """Scene and joint conventions of a request. `folder`: below which mesh files may be named (command line only)."""
-    from assur.scenes.build.cell import cell_of as build
+    from assur.scenes.reading.cell import cell_of as build
 
     if folder is None:
         return build(document, validate(document))
@@ -137,7 +137,7 @@ def check_document(request: object, plan: object, *, folder: Path | None = None)
     """The checker's verdict on a planned answer with a full certificate. Raises `InputError` naming the field."""
     from assur.planner.checker import check
     from assur.scenes.answer import NOTICE
-    from assur.scenes.plans import plan_of
+    from assur.scenes.reading.plan import plan_of
 
     cell = cell_of(request, folder=folder)
     made, told = plan_of(plain(plan), cell.conventions)  # told before the checker's word, which knows no documents

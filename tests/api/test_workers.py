@@ -15,9 +15,9 @@ import psutil
 import pytest
 
 from assur.api.problems import Problem
-from assur.api.settings import Settings
-from assur.api.worker_process import WorkerProcess
-from assur.api.workers import Workers
+from assur.api.web.settings import Settings
+from assur.api.workers.pool import Workers
+from assur.api.workers.worker_process import WorkerProcess
 
 SETTINGS = Settings(workers=2, queue=1, queue_wait_s=30.0, warm_s=60.0, max_tasks=1000)
 

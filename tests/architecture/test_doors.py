@@ -15,7 +15,7 @@ DOORS = {
     "trimesh": ("assur.scenes.meshes",),
     "fastapi": ("assur.api",),
     "pydantic": ("assur.scenes", "assur.api"),
-    "yaml": ("assur.scenes.yaml_text",),
+    "yaml": ("assur.scenes.text.yaml_text",),
     "typer": ("assur.api",),
 }
 """Library → the modules (with what is below them) that may import it in the product."""
@@ -57,7 +57,7 @@ BANNED_NAMES = {
 }
 """Names that no module of the product has, as an attribute or keyword."""
 
-EXCEPT = {"pickle.loads": "assur.api.worker_process"}
+EXCEPT = {"pickle.loads": "assur.api.workers.worker_process"}
 """Where a banned name is allowed all the same: between the web process and its own workers, as in multiprocessing."""
 
 
