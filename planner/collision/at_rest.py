@@ -34,7 +34,8 @@ def closest(
     t, q = np.array([phase.t0]), np.array(q)[None]
     pairs = prover.near(phase, q, t)
     one, other = (arrangement.body[pairs[:, column].astype(np.int64)] for column in (FIRST, SECOND))
-    wanted = np.array([pair(arrangement.names[a], arrangement.names[b]) not in exempt for a, b in zip(one, other)])
+    names = [pair(arrangement.names[a], arrangement.names[b]) for a, b in zip(one, other, strict=True)]
+    wanted = np.array([each not in exempt for each in names])
     if among is not None:
         hanging, named = _hanging(scene, arrangement, among)
         wanted &= hanging[one] & named[other]

@@ -23,7 +23,7 @@ from assur.planner.model.phases import Phase
 from assur.planner.trajectory import Trajectory
 
 INSTANTS = 16
-"""Instants of a phase at which a first distance is looked for: the nearer it is to the smallest, the shorter the search."""
+"""Instants of a phase at which a first distance is looked for: the nearer to the smallest, the shorter the search."""
 NEARBY_M = 0.05
 """In a cell of many bodies those within this distance, m, of what the arm sweeps come first; if that is less than the
 smallest clearance, those within several times as much."""

@@ -117,7 +117,7 @@ class Prover:
         return rows.reshape(-1, ROW_COLUMNS), left
 
     def _behind(self, phase: Phase, spline: Spline, pairs: Pairs) -> tuple[FloatArray, FloatArray]:
-        """Times (N,) that part a phase, and how far behind planes each of the robot's units (R, 6) is proved to stay."""
+        """Times (N,) that part a phase, and how far behind planes the robot's units are proved to stay (R, 6)."""
         arrangement = self.of(phase)
         edges = np.linspace(phase.t0, phase.t1, max(1, math.ceil((phase.t1 - phase.t0) / PART_S)) + 1)
         edges[-1] = phase.t1
@@ -195,7 +195,7 @@ class Prover:
         return Unproved(names, float(state[RESISTED_T]), gap, required, touching, of_robot)
 
     def near(self, phase: Phase, q: FloatArray, t: FloatArray) -> FloatArray:
-        """The pairs (P, PAIR_COLUMNS) of a phase that can be too near at any of the instants t (T,) with joints q (T, n)."""
+        """The pairs (P, PAIR_COLUMNS) of a phase that can be too near at instants t (T,) with joints q (T, n)."""
         arrangement = self.of(phase)
         pairs = self.pairs(arrangement, phase)
         if len(pairs.mine) * len(pairs.others) <= MANY:
@@ -224,8 +224,8 @@ class Prover:
         )  # fmt: skip
 
     def depth(self, phase: Phase, q: FloatArray, t: FloatArray, deepest: float) -> FloatArray:
-        """By how much the worst pair is nearer than required at instants t (T,) with joints q (T, n): shares of `deepest`,
-        m (`kernels.screening.depth_at`)."""
+        """By how much the worst pair is nearer than required at instants t (T,) with joints q (T, n), as a share of
+        `deepest`, m (`kernels.screening.depth_at`)."""
         arrangement, found = self.of(phase), np.zeros(len(t))
         depth_at(
             self.robot, self.laws, self.side, q, t, arrangement.rows, arrangement.vertices, arrangement.still,

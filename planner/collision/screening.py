@@ -1,4 +1,4 @@
-"""Refuses most colliding candidates at sampled instants: the kernel finds what is too near, FCL says whether it touches.
+"""Refuses most colliding candidates at sampled instants: a kernel finds what is too near, FCL says if it touches.
 
 What passes is not yet proved (design: screen, ask, prove).
 """
@@ -29,6 +29,8 @@ STEP_S = 0.02
 """Sampling of candidates, s. It decides how much work a colliding candidate causes, not what is accepted."""
 MOST_BODIES = 3
 """Bodies about which FCL is asked for one candidate: one refuses it, the others are reported in the census."""
+ENOUGH = 4
+"""Instants of a phase with a hit after which no further ones are evaluated; they are far from each other."""
 MOST_HITS = 64
 """Pairs of one phase of which the deepest hit is kept."""
 
@@ -88,9 +90,8 @@ def _screened(prover: Prover, candidate: Timed, step: float) -> Screened:
         for row in rows:
             k, name = int(row[HIT_AT]), names[body[int(row[HIT_B])]]
             if name not in deepest or row[HIT_GAP] < deepest[name].gap:
-                deepest[name] = _Hit(
-                    float(row[HIT_GAP]), float(row[HIT_NEED]), int(row[HIT_A]), int(row[HIT_B]), float(t[k]), q[k], phase
-                )
+                gap, need = float(row[HIT_GAP]), float(row[HIT_NEED])
+                deepest[name] = _Hit(gap, need, int(row[HIT_A]), int(row[HIT_B]), float(t[k]), q[k], phase)
     if not deepest:
         return Screened(None, 0.0)
     order = sorted(deepest.values(), key=lambda hit: hit.gap)[:MOST_BODIES]
@@ -121,9 +122,9 @@ def _lost(prover: Prover, candidate: Timed, times: list[FloatArray], q: FloatArr
 
 
 def hits(
-    prover: Prover, phase: Phase, q: FloatArray, t: FloatArray, enough: int = 1 << 30
+    prover: Prover, phase: Phase, q: FloatArray, t: FloatArray, enough: int = ENOUGH
 ) -> tuple[int, int, FloatArray]:
-    """What is too near in a phase at instants t (T,) with joints q (T, n): instants evaluated, those with a hit, hits."""
+    """What is too near at instants t (T,) with joints q (T, n): instants evaluated, those with a hit, hits."""
     arrangement = prover.of(phase)
     found = np.empty((MOST_HITS, HIT_COLUMNS))
     q, t = np.ascontiguousarray(q), np.ascontiguousarray(t)

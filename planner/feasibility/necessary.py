@@ -140,9 +140,7 @@ def _start_enclosed(scene: Scene, prover: Prover) -> Refusal | None:
     if all(world.body.surface is None for world in scene.bodies):
         return None
     t = scene.start.time
-    within = enclosed(
-        scene, prover, prover.arrangement(None, ()), scene.start.q, t, frozenset(), initial_rides(scene)
-    )
+    within = enclosed(scene, prover, prover.arrangement(None, ()), scene.start.q, t, frozenset(), initial_rides(scene))
     if within is None:
         return None
     detail = f"{within[0]} is inside {within[1]}"

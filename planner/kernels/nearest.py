@@ -1,4 +1,4 @@
-"""The smallest clearance over a motion, between a proved lower and an upper value, by interval search (branch and bound).
+"""The smallest clearance over a motion, between a proved lower and an upper value, by branch and bound.
 
 A pair leaves an interval when the bound of its gap over it (equations C2, C3) is not below the smallest distance found
 so far less `WITHIN_M`; otherwise the interval is halved. The smallest such bound is below every distance at every
@@ -54,9 +54,7 @@ WITHIN_M = 4e-5
 """How far the lower value may be below the upper one, m: less than the 0.05 mm that is promised."""
 
 
-@kernel(
-    f"float64({TABLE}, {TABLE}, {CUBE}, {TABLE}, int64, int64, {NORMAL}, float64)"
-)
+@kernel(f"float64({TABLE}, {TABLE}, {CUBE}, {TABLE}, int64, int64, {NORMAL}, float64)")
 def least_gap(
     bodies: FloatArray,
     vertices: FloatArray,
@@ -79,9 +77,7 @@ def least_gap(
     return by_speed if by_speed >= by_acceleration else by_acceleration
 
 
-@kernel(
-    f"boolean({TABLE}, {TABLE}, {CUBE}, {TABLE}, float64, float64, {TABLE}, int64, {TABLE}, {TABLE}, {ROW})"
-)
+@kernel(f"boolean({TABLE}, {TABLE}, {CUBE}, {TABLE}, float64, float64, {TABLE}, int64, {TABLE}, {TABLE}, {ROW})")
 def bounded(
     bodies: FloatArray,
     vertices: FloatArray,
@@ -122,9 +118,7 @@ def bounded(
     return leaves
 
 
-@kernel(
-    f"void({ROW}, {TABLE}, {TABLE}, {ROW}, {CUBE}, {TABLE}, {TABLE}, {NUMBERS}, {TABLE}, {ROW}, {ROW})"
-)
+@kernel(f"void({ROW}, {TABLE}, {TABLE}, {ROW}, {CUBE}, {TABLE}, {TABLE}, {NUMBERS}, {TABLE}, {ROW}, {ROW})")
 def sample_distance(
     robot: FloatArray,
     laws: FloatArray,
@@ -180,7 +174,7 @@ def search_nearest(
     state: FloatArray,
     budget: int,
 ) -> int:
-    """Goes on with a search until it is done, or items or work run out; then the call can be repeated with more room."""
+    """Goes on with a search until it is done, or items or work run out; then it can be repeated with more room."""
     n, m = c.shape[1], len(matrix)
     carriers, placed = np.empty((3, len(still), POSE_COLUMNS)), np.empty((3, len(bodies), POSE_COLUMNS))
     bounds, stamp = np.zeros((len(still), BOUND_COLUMNS)), np.zeros(len(bodies), dtype=np.int64)

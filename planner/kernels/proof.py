@@ -211,6 +211,7 @@ def settle(
             return PROVED
     for attempt in range(3):
         if attempt == 0:
+            # the vertical first: heights change slowly, so it does for long intervals
             mx, my, mz = 0.0, 0.0, 1.0 if placed[1, b, 2] >= placed[1, a, 2] else -1.0
             other = gap(bodies, vertices, placed, 1, a, b, mx, my, mz)
         elif attempt == 1:

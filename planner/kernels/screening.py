@@ -239,9 +239,7 @@ def depth_at(
         depth[i] += worst / deepest
 
 
-@kernel(
-    f"void({ROW}, {TABLE}, {TABLE}, {TABLE}, {ROW}, {TABLE}, {TABLE}, {NUMBERS}, {NUMBERS}, {TABLE})"
-)
+@kernel(f"void({ROW}, {TABLE}, {TABLE}, {TABLE}, {ROW}, {TABLE}, {TABLE}, {NUMBERS}, {NUMBERS}, {TABLE})")
 def sampled_behind(
     robot: FloatArray,
     laws: FloatArray,

@@ -5,10 +5,6 @@ from __future__ import annotations
 from assur.planner.model.phases import CONTACT_M, Phase
 from assur.planner.model.scene import Scene
 
-SLACK_M = 1e-6
-"""The reserve of a proof, taken off every gap, m: the checker has bounds of its own and asks for less (1 nm)."""
-
-
 def clearance(scene: Scene, phase: Phase) -> float:
     """The distance asked for in this phase, m, before uncertainties."""
     asked = scene.options.clearance
@@ -16,7 +12,7 @@ def clearance(scene: Scene, phase: Phase) -> float:
 
 
 def drift(scene: Scene, phase: Phase, frame: str) -> tuple[float, float]:
-    """How far, m, bodies in `frame` may be from where the arm expects them at the start, and by how much that grows, m/s
+    """How far, m, bodies in `frame` may be from where the arm expects them at the start, and how fast that grows, m/s
     (last term of C5)."""
     own = _uncertain(scene, frame)
     if not scene.execution.belt_correction:
