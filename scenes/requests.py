@@ -11,11 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from assur.scenes.catalogue import robots
+from assur.scenes.documents import answer as written
 from assur.scenes.documents.plain import plain
 from assur.scenes.documents.read import read
 from assur.scenes.documents.request import SCHEMA, RequestDocument
 from assur.scenes.faults import fault, located
 from assur.scenes.json_text import parse_json
+from assur.scenes.numbers import optional
 from assur.scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet, with_files
 
 if TYPE_CHECKING:
@@ -51,7 +53,8 @@ def validate_parsed(whole: Any) -> RequestDocument:
     """`validate` of what `parse_json` gave, which has no numbers but Python's own."""
     if isinstance(whole, dict) and whole.get("status") in ("planned", "not_planned"):
         raise fault(whole, ("status",), "no status: this is an answer, not a request")
-    return read(RequestDocument, whole)
+    request: RequestDocument = read(RequestDocument, whole)
+    return request
 
 
 def request_digest(document: object) -> str:
@@ -103,7 +106,7 @@ def plan_document(
     cell = _cell(document, folder)
     with located(document):
         outcome = plan(cell.scene, started=started)
-    return answer_of(cell, outcome, certificate)
+    return dict(answer_of(cell, outcome, certificate))
 
 
 def plan_scenario(
@@ -123,20 +126,21 @@ def check_document(request: object, plan: object, *, folder: Path | None = None)
     cell = cell_of(request, folder=folder)
     made, told = plan_of(plain(plan), cell.conventions)  # told before the checker's word, which knows no documents
     verdict = check(cell.scene, made)
-    findings = [
+    findings: list[written.Finding] = [
         {
             "code": str(finding.code),
             "what": finding.what,
-            "amount": finding.amount if abs(finding.amount) < float("inf") else None,
+            "amount": optional(finding.amount),
             "unit": finding.unit,
             "where": finding.where,
         }
         for finding in (*told, *verdict.findings)
     ]
-    return {
-        "schema": SCHEMA,
+    said: written.Verdict = {
+        "schema": "assur/1",
         "ok": verdict.ok and not told,
         "findings": findings,
         "request_digest": cell.scene.digest,
         "notice": NOTICE,
     }
+    return dict(said)
