@@ -10,6 +10,7 @@ from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.collision.proof import Prover
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.containment import inside
+from assur.planner.kernels.proof import RESERVE_M
 from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_COLUMNS, HIT_GAP, HIT_NEED
 from assur.planner.kernels.solids import FIRST, SECOND
 from assur.planner.model.phases import Phase, pair
@@ -46,13 +47,13 @@ def closest(
     if not count:
         return None
     hit = found[0]
-    units, gap, need = (int(hit[HIT_A]), int(hit[HIT_B])), float(hit[HIT_GAP]), float(hit[HIT_NEED])
+    units, gap, need = (int(hit[HIT_A]), int(hit[HIT_B])), float(hit[HIT_GAP]), float(hit[HIT_NEED]) - RESERVE_M
     first, second = (arrangement.names[arrangement.body[unit]] for unit in units)
     if prover.touch(arrangement, q[0], phase.t0, *units):
         return (first, second), max(0.0, need - gap), f"{first} is up to {1e3 * max(0.0, -gap):.1f} mm deep in {second}"
     distance = max(0.0, gap)
     detail = f"{first} is {1e3 * distance:.2f} mm from {second} where {1e3 * need:.2f} mm are asked"
-    return (first, second), need - distance, detail
+    return (first, second), max(0.0, need - distance), detail
 
 
 def _hanging(scene: Scene, arrangement: Arrangement, among: frozenset[str]) -> tuple[BoolArray, BoolArray]:
@@ -81,7 +82,8 @@ def enclosed(
         return None
     carriers = prover.carriers(q, t)
     points = [
-        (mine, _reference_points(prover, arrangement, q, t, mine)) for mine in np.flatnonzero(arrangement.of_robot)
+        (mine, _reference_points(prover, arrangement, q, t, mine))
+        for mine in np.flatnonzero(arrangement.of_robot).tolist()
     ]
     for world in scene.bodies:
         if world.body.surface is None or (among is not None and world.name not in among):

@@ -13,6 +13,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.proof import Prover
+from assur.planner.kernels.proof import RESERVE_M
 from assur.planner.kernels.screening import (
     HIT_A,
     HIT_AT,
@@ -141,6 +142,5 @@ def _refusal(prover: Prover, hit: _Hit) -> Refusal:
     # the standstill after the last leg belongs to the last step
     step = phase.step if phase.step >= 0 else len(prover.scene.task) - 1
     touching = prover.touch(arrangement, hit.q, hit.t, hit.a, hit.b)
-    return Refusal(
-        "screening", reason, step, names, (hit.t, hit.t), hit.need - hit.gap, "m", "touch" if touching else "too close"
-    )
+    short, detail = max(0.0, hit.need - RESERVE_M - hit.gap), "touch" if touching else "too close"
+    return Refusal("screening", reason, step, names, (hit.t, hit.t), short, "m", detail)

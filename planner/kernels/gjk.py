@@ -80,7 +80,7 @@ def add_farthest(
 @kernel(f"float64({TABLE}, int64, {TABLE}, int64)")
 def dot(p: FloatArray, i: int, q: FloatArray, j: int) -> float:
     """Product of row i of p and row j of q."""
-    return p[i, 0] * q[j, 0] + p[i, 1] * q[j, 1] + p[i, 2] * q[j, 2]
+    return float(p[i, 0] * q[j, 0] + p[i, 1] * q[j, 1] + p[i, 2] * q[j, 2])
 
 
 @kernel(f"void({TABLE}, int64, int64, {ROW})")
@@ -130,7 +130,7 @@ def combined(points: FloatArray, count: int, weights: FloatArray, found: FloatAr
         for i in range(count):
             total += weights[i] * points[i, j]
         found[j] = total
-    return found[0] * found[0] + found[1] * found[1] + found[2] * found[2]
+    return float(found[0] * found[0] + found[1] * found[1] + found[2] * found[2])
 
 
 @kernel(f"boolean({TABLE}, {TABLE})")

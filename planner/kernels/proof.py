@@ -125,7 +125,7 @@ def unit_bound(bodies: FloatArray, bounds: FloatArray, i: int, nx: float, ny: fl
 @kernel(f"float64({TABLE}, int64, float64, float64)")
 def needed(pairs: FloatArray, p: int, since: float, t1: float) -> float:
     """The gap, m, that a row of pair p up to t1 must show, but for what a late start adds (C4, C5)."""
-    return pairs[p, REQUIRED] + pairs[p, GROWTH] * max(t1 + pairs[p, LATE] - since, 0.0) + RESERVE_M
+    return float(pairs[p, REQUIRED] + pairs[p, GROWTH] * max(t1 + pairs[p, LATE] - since, 0.0) + RESERVE_M)
 
 
 @kernel(
@@ -195,9 +195,8 @@ def settle(
 ) -> int:
     """What becomes of item i on [t0, t1]; a row that proves it is written as row r.
 
-    Normals are tried in this order: that of the longer interval, the likely ones, and, if none of them shows a gap in
-    the middle of the interval, that of GJK. The best is kept with the item; `found` (2,) is its gap in the middle and
-    the one needed.
+    Normals are tried in this order: that of the longer interval, the vertical, the best of the likely ones, and that of
+    GJK. The best in the middle of the interval is kept with the item; `found` (2,) is its gap there and the one needed.
     """
     a, b, p = int(items[i, 0]), int(items[i, 1]), int(items[i, 2])
     late = pairs[p, LATE]
@@ -217,8 +216,6 @@ def settle(
         elif attempt == 1:
             other, mx, my, mz = likely(bodies, vertices, placed, 1, a, b, math.inf)
         else:
-            if best > need:
-                break
             other, mx, my, mz, _ = separate(bodies, vertices, placed, 1, a, b, math.inf, points, work)
         if not (other > best or other > need):
             continue

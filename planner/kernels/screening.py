@@ -28,6 +28,7 @@ from assur.planner.kernels.solids import (
     ROW,
     SECOND,
     TABLE,
+    gap,
     likely,
     place,
     spheres_apart,
@@ -49,7 +50,7 @@ def fetch_one(
         stamp[i] = KEPT_STILL if still[int(bodies[i, CARRIER])] else number
 
 
-@kernel(f"float64({TABLE}, {TABLE}, {CUBE}, int64, int64, float64, {TABLE}, {TABLE})")
+@kernel(f"float64({TABLE}, {TABLE}, {CUBE}, int64, int64, float64, {TABLE}, int64, {TABLE}, {TABLE})")
 def unit_gap(
     bodies: FloatArray,
     vertices: FloatArray,
@@ -57,22 +58,35 @@ def unit_gap(
     a: int,
     b: int,
     need: float,
+    normals: FloatArray,
+    p: int,
     points: FloatArray,
     work: FloatArray,
 ) -> float:
-    """A lower bound of the distance of two units: the first that exceeds `need`, or else the largest that is found."""
+    """A lower bound of the distance of two units: the first that exceeds `need`, or else the largest that is found.
+
+    Row p of `normals` is tried first, and takes the normal that did: it often does at the next instant, too.
+    """
+    nx, ny, nz = normals[p, 0], normals[p, 1], normals[p, 2]
+    if nx != 0.0 or ny != 0.0 or nz != 0.0:
+        found = gap(bodies, vertices, placed, 0, a, b, nx, ny, nz)
+        if found > need:
+            return found
     if spheres_apart(bodies, placed, 0, a, b, need):
         return math.inf
-    found, _, _, _ = likely(bodies, vertices, placed, 0, a, b, need)
+    found, nx, ny, nz = likely(bodies, vertices, placed, 0, a, b, need)
+    if not found > need:
+        other, nx, ny, nz, _ = separate(bodies, vertices, placed, 0, a, b, need, points, work)
+        if other > found:
+            found = other
     if found > need:
-        return found
-    other, _, _, _, _ = separate(bodies, vertices, placed, 0, a, b, need, points, work)
-    return other if other > found else found
+        normals[p, 0], normals[p, 1], normals[p, 2] = nx, ny, nz
+    return found
 
 
 @kernel(
-    f"float64({TABLE}, {TABLE}, {TABLE}, {CUBE}, {NUMBERS}, int64, {NUMBERS}, int64, int64, float64, {TABLE}, {TABLE},"
-    f" {ROW})"
+    f"float64({TABLE}, {TABLE}, {TABLE}, {CUBE}, {NUMBERS}, int64, {NUMBERS}, int64, int64, float64, {TABLE}, int64,"
+    f" {TABLE}, {TABLE}, {ROW})"
 )
 def body_gap(
     bodies: FloatArray,
@@ -85,6 +99,8 @@ def body_gap(
     a: int,
     b: int,
     need: float,
+    normals: FloatArray,
+    p: int,
     points: FloatArray,
     work: FloatArray,
     hit: FloatArray,
@@ -95,7 +111,7 @@ def body_gap(
     """
     fetch_one(bodies, a, carriers, placed, stamp, number, still)
     fetch_one(bodies, b, carriers, placed, stamp, number, still)
-    found = unit_gap(bodies, vertices, placed, a, b, need, points, work)
+    found = unit_gap(bodies, vertices, placed, a, b, need, normals, p, points, work)
     hit[HIT_A], hit[HIT_B] = a, b
     if found > need or not (bodies[a, PIECES] > 0.0 or bodies[b, PIECES] > 0.0):
         return found
@@ -104,11 +120,11 @@ def body_gap(
     least = math.inf
     for i in range(first_a, first_a + count_a):
         fetch_one(bodies, i, carriers, placed, stamp, number, still)
-        if count_b > 1 and unit_gap(bodies, vertices, placed, i, b, need, points, work) > need:
+        if count_b > 1 and unit_gap(bodies, vertices, placed, i, b, need, normals, p, points, work) > need:
             continue
         for j in range(first_b, first_b + count_b):
             fetch_one(bodies, j, carriers, placed, stamp, number, still)
-            found = unit_gap(bodies, vertices, placed, i, j, need, points, work)
+            found = unit_gap(bodies, vertices, placed, i, j, need, normals, p, points, work)
             if found < least:
                 least = found
                 hit[HIT_A], hit[HIT_B] = i, j
@@ -159,7 +175,7 @@ def screen(
     carriers, placed = np.empty((len(still), POSE_COLUMNS)), np.empty((1, len(bodies), POSE_COLUMNS))
     stamp, hit = np.zeros(len(bodies), dtype=np.int64), np.zeros(HIT_COLUMNS)
     points, work = np.empty((4, 3)), np.empty((3, 4))
-    evaluated, bad, count = 0, 0, 0
+    normals, evaluated, bad, count = np.zeros((len(pairs), 3)), 0, 0, 0
     start, stride = 0, 1
     while stride < len(t):
         stride *= 2
@@ -174,7 +190,7 @@ def screen(
                 need = needed(pairs, p, since, until)
                 found = body_gap(
                     bodies, vertices, carriers, placed, stamp, evaluated, still,
-                    int(pairs[p, FIRST]), int(pairs[p, SECOND]), need, points, work, hit,
+                    int(pairs[p, FIRST]), int(pairs[p, SECOND]), need, normals, p, points, work, hit,
                 )  # fmt: skip
                 if not found > need:
                     hit[HIT_AT], hit[HIT_GAP], hit[HIT_NEED], hit[HIT_PAIR] = i, found, need, p
@@ -217,7 +233,7 @@ def depth_at(
     as their bounding boxes: a score, not a verdict.
     """
     carriers, placed = np.empty((len(still), POSE_COLUMNS)), np.empty((1, len(bodies), POSE_COLUMNS))
-    stamp = np.zeros(len(bodies), dtype=np.int64)
+    stamp, normals = np.zeros(len(bodies), dtype=np.int64), np.zeros((len(pairs), 3))
     for i in range(len(t)):
         place_carriers(robot, laws, side, q[i], t[i], carriers)
         worst = 0.0
@@ -227,10 +243,15 @@ def depth_at(
             a, b, need = int(pairs[p, FIRST]), int(pairs[p, SECOND]), needed(pairs, p, since, until)
             fetch_one(bodies, a, carriers, placed, stamp, i + 1, still)
             fetch_one(bodies, b, carriers, placed, stamp, i + 1, still)
+            nx, ny, nz = normals[p, 0], normals[p, 1], normals[p, 2]
+            if (nx != 0.0 or ny != 0.0 or nz != 0.0) and gap(bodies, vertices, placed, 0, a, b, nx, ny, nz) > need:
+                continue
             if spheres_apart(bodies, placed, 0, a, b, need):
                 continue
-            found, _, _, _ = likely(bodies, vertices, placed, 0, a, b, need)
-            if not found > need:
+            found, nx, ny, nz = likely(bodies, vertices, placed, 0, a, b, need)
+            if found > need:
+                normals[p, 0], normals[p, 1], normals[p, 2] = nx, ny, nz
+            else:
                 # what is not known counts as deep
                 worst = max(worst, need - found) if found > -math.inf else deepest
                 if not worst < deepest:

@@ -100,13 +100,13 @@ def support(
         sigma = bodies[i, HALF] * abs(ux) + bodies[i, HALF + 1] * abs(uy) + bodies[i, HALF + 2] * abs(uz)
         if bodies[i, DISC] > 0.0:
             sigma += bodies[i, DISC] * math.sqrt(ux * ux + uy * uy)
-        return sigma + bodies[i, BALL]
+        return float(sigma + bodies[i, BALL])
     first = int(bodies[i, VERTEX])
     # begins with the first vertex, so that NaN stays
     best = ux * vertices[first, 0] + uy * vertices[first, 1] + uz * vertices[first, 2]
     for v in range(first + 1, first + count):
         best = max(best, ux * vertices[v, 0] + uy * vertices[v, 1] + uz * vertices[v, 2])
-    return best
+    return float(best)
 
 
 @kernel(f"float64({TABLE}, {TABLE}, {CUBE}, int64, int64, int64, {NORMAL})")
@@ -127,7 +127,7 @@ def gap(
         + ny * (placed[m, b, 1] - placed[m, a, 1])
         + nz * (placed[m, b, 2] - placed[m, a, 2])
     )
-    return (
+    return float(
         between
         - support(bodies, vertices, placed, m, a, nx, ny, nz)
         - support(bodies, vertices, placed, m, b, -nx, -ny, -nz)
@@ -140,16 +140,14 @@ def spheres_apart(bodies: FloatArray, placed: FloatArray, m: int, a: int, b: int
     dx, dy = placed[m, b, 0] - placed[m, a, 0], placed[m, b, 1] - placed[m, a, 1]
     dz = placed[m, b, 2] - placed[m, a, 2]
     least = bodies[a, RADIUS] + bodies[b, RADIUS] + required
-    return least >= 0.0 and dx * dx + dy * dy + dz * dz > least * least
+    return bool(least >= 0.0 and dx * dx + dy * dy + dz * dz > least * least)
 
 
-@kernel(f"float64({TABLE}, int64, float64, float64, float64)")
-def width(bodies: FloatArray, i: int, ux: float, uy: float, uz: float) -> float:
-    """Support of unit i along (ux, uy, uz) in its own axes; of a hull, that of the box around it."""
-    found = bodies[i, HALF] * abs(ux) + bodies[i, HALF + 1] * abs(uy) + bodies[i, HALF + 2] * abs(uz) + bodies[i, BALL]
-    if bodies[i, DISC] > 0.0:
-        found += bodies[i, DISC] * math.sqrt(ux * ux + uy * uy)
-    return found
+@kernel("float64(float64, float64, float64, float64, float64, float64, float64, float64)")
+def width(hx: float, hy: float, hz: float, disc: float, ball: float, ux: float, uy: float, uz: float) -> float:
+    """Support of a solid along (ux, uy, uz) in its own axes (S1)."""
+    found = hx * abs(ux) + hy * abs(uy) + hz * abs(uz) + ball
+    return found + disc * math.sqrt(ux * ux + uy * uy) if disc > 0.0 else found
 
 
 @kernel(f"UniTuple(float64, 4)({TABLE}, {TABLE}, {CUBE}, int64, int64, int64, float64)")
@@ -159,52 +157,56 @@ def likely(
     """The largest gap, and its normal, of those along which two units are likely to be apart.
 
     They are the vertical, the horizontal between the centres, and the axes of both units; the first along which the gap
-    exceeds `enough` ends the search. The gap is −inf where nothing is known. Along the axes a hull counts as the box
-    around it, so a gap may be too small; it is that of the hull along the normal that is returned.
+    exceeds `enough` ends the search. The gap is −inf where nothing is known. A hull counts as the box around it until
+    the best normal is found; the gap that is returned is that of the hull.
     """
     dx, dy = placed[m, b, 0] - placed[m, a, 0], placed[m, b, 1] - placed[m, a, 1]
     dz = placed[m, b, 2] - placed[m, a, 2]
-    hulls = bodies[a, VERTICES] > 0.0 or bodies[b, VERTICES] > 0.0
-    best = abs(dz) - width(bodies, a, placed[m, a, 9], placed[m, a, 10], placed[m, a, 11])
-    best -= width(bodies, b, placed[m, b, 9], placed[m, b, 10], placed[m, b, 11])
-    bx, by, bz = 0.0, 0.0, 1.0 if dz >= 0.0 else -1.0
-    if not best > -math.inf:
-        best = -math.inf
-    if best > enough:
-        return best, bx, by, bz
-    level = math.sqrt(dx * dx + dy * dy)
-    if level > SAME_M:
-        nx, ny = dx / level, dy / level
-        found = gap(bodies, vertices, placed, m, a, b, nx, ny, 0.0)
-        if found > best:
-            best, bx, by, bz = found, nx, ny, 0.0
-            if best > enough:
-                return best, bx, by, bz
-    for side in range(2):
-        # the axes of the one unit in those of the other
-        i, j = (b, a) if side == 0 else (a, b)
-        for k in range(3):
-            nx, ny, nz = placed[m, i, 3 + k], placed[m, i, 6 + k], placed[m, i, 9 + k]
-            along = nx * dx + ny * dy + nz * dz
-            own = bodies[i, HALF + k] + bodies[i, BALL] + (bodies[i, DISC] if k < 2 else 0.0)
-            if not abs(along) - own > best:
+    ax, ay, az = bodies[a, HALF], bodies[a, HALF + 1], bodies[a, HALF + 2]
+    bx, by, bz = bodies[b, HALF], bodies[b, HALF + 1], bodies[b, HALF + 2]
+    disc_a, ball_a, disc_b, ball_b = bodies[a, DISC], bodies[a, BALL], bodies[b, DISC], bodies[b, BALL]
+    best, n0, n1, n2 = -math.inf, 0.0, 0.0, 1.0
+    for k in range(8):
+        if k == 0:
+            nx, ny, nz = 0.0, 0.0, 1.0
+        elif k == 1:
+            level = math.sqrt(dx * dx + dy * dy)
+            if not level > SAME_M:
                 continue
-            found = (
-                abs(along)
-                - own
-                - width(
-                    bodies,
-                    j,
-                    nx * placed[m, j, 3] + ny * placed[m, j, 6] + nz * placed[m, j, 9],
-                    nx * placed[m, j, 4] + ny * placed[m, j, 7] + nz * placed[m, j, 10],
-                    nx * placed[m, j, 5] + ny * placed[m, j, 8] + nz * placed[m, j, 11],
-                )
+            nx, ny, nz = dx / level, dy / level, 0.0
+        elif k < 5:
+            nx, ny, nz = placed[m, b, k + 1], placed[m, b, k + 4], placed[m, b, k + 7]
+        else:
+            nx, ny, nz = placed[m, a, k - 2], placed[m, a, k + 1], placed[m, a, k + 4]
+        along = nx * dx + ny * dy + nz * dz
+        found = (
+            abs(along)
+            - width(
+                ax,
+                ay,
+                az,
+                disc_a,
+                ball_a,
+                nx * placed[m, a, 3] + ny * placed[m, a, 6] + nz * placed[m, a, 9],
+                nx * placed[m, a, 4] + ny * placed[m, a, 7] + nz * placed[m, a, 10],
+                nx * placed[m, a, 5] + ny * placed[m, a, 8] + nz * placed[m, a, 11],
             )
-            if found > best:
-                sign = 1.0 if along >= 0.0 else -1.0
-                best, bx, by, bz = found, sign * nx, sign * ny, sign * nz
-                if best > enough:
-                    return best, bx, by, bz
-    if hulls and best > -math.inf:
-        best = max(best, gap(bodies, vertices, placed, m, a, b, bx, by, bz))
-    return best, bx, by, bz
+            - width(
+                bx,
+                by,
+                bz,
+                disc_b,
+                ball_b,
+                nx * placed[m, b, 3] + ny * placed[m, b, 6] + nz * placed[m, b, 9],
+                nx * placed[m, b, 4] + ny * placed[m, b, 7] + nz * placed[m, b, 10],
+                nx * placed[m, b, 5] + ny * placed[m, b, 8] + nz * placed[m, b, 11],
+            )
+        )
+        if found > best:
+            sign = 1.0 if along >= 0.0 else -1.0
+            best, n0, n1, n2 = found, sign * nx, sign * ny, sign * nz
+            if best > enough:
+                break
+    if best > -math.inf and (bodies[a, VERTICES] > 0.0 or bodies[b, VERTICES] > 0.0):
+        best = max(best, gap(bodies, vertices, placed, m, a, b, n0, n1, n2))
+    return best, n0, n1, n2

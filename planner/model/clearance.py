@@ -5,6 +5,7 @@ from __future__ import annotations
 from assur.planner.model.phases import CONTACT_M, Phase
 from assur.planner.model.scene import Scene
 
+
 def clearance(scene: Scene, phase: Phase) -> float:
     """The distance asked for in this phase, m, before uncertainties."""
     asked = scene.options.clearance
@@ -18,13 +19,13 @@ def drift(scene: Scene, phase: Phase, frame: str) -> tuple[float, float]:
     if not scene.execution.belt_correction:
         return own
     if phase.glued is not None:
-        shifts = () if frame == phase.glued else (phase.glued,)
         own = (0.0, 0.0) if frame == phase.glued else own
-    else:
-        shifts = tuple(beside for beside in phase.beside if beside != frame)
+    shifts = phase.beside if phase.glued is None else (phase.glued,)
     for shift in shifts:
-        known = _uncertain(scene, shift)
-        own = own[0] + known[0], own[1] + known[1]
+        # what shifts the arm with a frame does not part it from that frame
+        if shift != frame:
+            known = _uncertain(scene, shift)
+            own = own[0] + known[0], own[1] + known[1]
     return own
 
 
