@@ -36,7 +36,7 @@ def closest(
     pairs = prover.near(phase, q, t)
     one, other = (arrangement.body[pairs[:, column].astype(np.int64)] for column in (FIRST, SECOND))
     names = [pair(arrangement.names[a], arrangement.names[b]) for a, b in zip(one, other, strict=True)]
-    wanted = np.array([each not in exempt for each in names])
+    wanted = np.array([each not in exempt for each in names], dtype=bool)
     if among is not None:
         hanging, named = _hanging(scene, arrangement, among)
         wanted &= hanging[one] & named[other]

@@ -12,7 +12,7 @@ from assur.planner.collision.fcl_door import Collider, Posed
 from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.kernels.carriers import place_carriers
 from assur.planner.kernels.links import POSE_COLUMNS
-from assur.planner.kernels.planes import SIDES, behind, not_behind
+from assur.planner.kernels.planes import SIDES, behind, drop_spare, not_behind
 from assur.planner.kernels.proof import (
     ALONG,
     DONE,
@@ -54,7 +54,7 @@ BUDGET = 20_000
 """Pairs and intervals that the kernel settles between two looks at the clock: some milliseconds."""
 MANY = 64
 """Pairs of a phase from which on planes are looked for: for fewer, rows of pairs cost less."""
-PART_S = 0.04
+PART_S = 0.08
 """Intervals over which planes are proved, s."""
 STACK = 64
 """Intervals on the stack at a time: two for each halving, and no motion is halved so often."""
@@ -106,27 +106,32 @@ class Prover:
         self, phase: Phase, arrangement: Arrangement, spline: Spline, pairs: Pairs
     ) -> tuple[FloatArray, FloatArray]:
         """Rows of single units of the robot, and the pairs that they do not keep apart."""
-        edges, least = self._behind(phase, spline, pairs)
+        edges = _parts(phase)
+        least = self._behind(phase, spline, pairs, edges)
         used = np.zeros_like(least)
         left = self._left(phase, arrangement, pairs, pairs.others, least, used)
-        which, side = np.nonzero(used)
-        rows = np.zeros((len(which), len(edges) - 1, ROW_COLUMNS))
-        rows[:, :, T0], rows[:, :, T1] = edges[:-1], edges[1:]
-        rows[:, :, UNIT], rows[:, :, OTHER] = pairs.mine[which][:, None], ORIGIN
-        rows[:, :, ALONG : ALONG + 3] = np.concatenate([np.eye(3), -np.eye(3)])[side][:, None]
-        return rows.reshape(-1, ROW_COLUMNS), left
+        since = self.scene.start.time
+        drop_spare(arrangement.boxes, pairs.mine, least, pairs.others, since, phase.t1, used)
+        # what does not move needs no parts
+        ends = edges[[0, -1]]
+        whole = (self._behind(phase, spline, pairs, ends) >= least).all(1)
+        planes = [np.zeros((0, ROW_COLUMNS))]
+        for r, side in zip(*np.nonzero(used), strict=True):
+            t = ends if whole[r] else edges
+            rows = np.zeros((len(t) - 1, ROW_COLUMNS))
+            rows[:, T0], rows[:, T1], rows[:, UNIT], rows[:, OTHER] = t[:-1], t[1:], pairs.mine[r], ORIGIN
+            rows[:, ALONG + side % 3] = 1.0 if side < 3 else -1.0
+            planes.append(rows)
+        return np.concatenate(planes), left
 
-    def _behind(self, phase: Phase, spline: Spline, pairs: Pairs) -> tuple[FloatArray, FloatArray]:
-        """Times (N,) that part a phase, and how far behind planes the robot's units are proved to stay (R, 6)."""
-        arrangement = self.of(phase)
-        edges = np.linspace(phase.t0, phase.t1, max(1, math.ceil((phase.t1 - phase.t0) / PART_S)) + 1)
-        edges[-1] = phase.t1
-        least = np.empty((len(pairs.mine), SIDES))
+    def _behind(self, phase: Phase, spline: Spline, pairs: Pairs, edges: FloatArray) -> FloatArray:
+        """How far behind planes the robot's units are proved to stay (R, 6), interval by interval between `edges`."""
+        arrangement, least = self.of(phase), np.empty((len(pairs.mine), SIDES))
         behind(
             self.robot, self.laws, self.side, spline.tk, spline.c, spline.whole, spline.matrix,
             arrangement.rows, arrangement.vertices, arrangement.still, pairs.mine, edges, least,
         )  # fmt: skip
-        return edges, least
+        return least
 
     def _left(
         self,
@@ -145,7 +150,8 @@ class Prover:
 
     def not_behind(self, phase: Phase, spline: Spline, pairs: Pairs, others: FloatArray) -> FloatArray:
         """The pairs (P, PAIR_COLUMNS) of a phase that no plane proves to stay as far apart as `others` says."""
-        _, least = self._behind(phase, spline, pairs)
+        edges = _parts(phase)
+        least = self._behind(phase, spline, pairs, edges)
         return self._left(phase, self.of(phase), pairs, others, least, np.zeros_like(least))
 
     def _settled(
@@ -254,3 +260,10 @@ class Prover:
             position = placed[0, i, :3] - axes @ arrangement.offset[i]
             found.append(Posed(arrangement.names[arrangement.body[i]], arrangement.shapes[i], position, axes))
         return found
+
+
+def _parts(phase: Phase) -> FloatArray:
+    """Times that part a phase into intervals over which planes are proved."""
+    edges = np.linspace(phase.t0, phase.t1, max(1, math.ceil((phase.t1 - phase.t0) / PART_S)) + 1)
+    edges[-1] = phase.t1
+    return edges

@@ -148,3 +148,38 @@ def not_behind(
                         pairs[count, column] = allowed[k, column]
             count += 1
     return count
+
+
+@kernel(f"void({TABLE}, {NUMBERS}, {TABLE}, {TABLE}, float64, float64, {TABLE})")
+def drop_spare(
+    boxes: FloatArray,
+    units: IntArray,
+    least: FloatArray,
+    others: FloatArray,
+    since: float,
+    until: float,
+    used: FloatArray,
+) -> None:
+    """Sets `used` (R, 6) to 0 for planes that do nothing which another one does not do: a certificate stays small."""
+    for r in range(len(units)):
+        for spare in range(SIDES):
+            if used[r, spare] == 0.0:
+                continue
+            does = False
+            for o in range(len(others)):
+                b = int(others[o, 0])
+                growth = others[o, GROWTH - 1] * max(until + others[o, LATE - 1] - since, 0.0)
+                need = others[o, REQUIRED - 1] + growth + RESERVE_M
+                if not least[r, spare] + (boxes[b, spare] if spare < 3 else -boxes[b, spare]) >= need:
+                    continue
+                alone = True
+                for k in range(SIDES):
+                    found = least[r, k] + (boxes[b, k] if k < 3 else -boxes[b, k])
+                    if k != spare and used[r, k] > 0.0 and found >= need:
+                        alone = False
+                        break
+                if alone:
+                    does = True
+                    break
+            if not does:
+                used[r, spare] = 0.0
