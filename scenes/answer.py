@@ -25,7 +25,7 @@ from assur.planner.model.outcome import (
     Refusal,
 )
 from assur.scenes.build.cell import Cell
-from assur.scenes.catalogue.arm import as_maker
+from assur.scenes.conventions import as_maker
 from assur.scenes.documents import answer as document
 from assur.scenes.numbers import interval, number, optional
 

@@ -9,7 +9,7 @@ from assur.planner.checker.verdict import Code, Finding
 from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Missed, Plan
 from assur.scenes.build.frames import placed
 from assur.scenes.build.neighbours import trajectory_of
-from assur.scenes.catalogue.arm import Conventions, converted
+from assur.scenes.conventions import Conventions, converted
 from assur.scenes.documents import answer as document
 from assur.scenes.documents.read import read
 from assur.scenes.faults import Path, fault

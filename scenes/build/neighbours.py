@@ -13,7 +13,7 @@ from assur.planner.geometry.shapes import Body
 from assur.planner.model.scene import WorldBody
 from assur.scenes.build import robots
 from assur.scenes.build.bodies import Places
-from assur.scenes.catalogue.arm import Conventions, converted
+from assur.scenes.conventions import Conventions, converted
 from assur.scenes.documents import answer
 from assur.scenes.documents.robots import NeighbourDocument
 from assur.scenes.faults import Path, fault, located

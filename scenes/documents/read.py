@@ -14,8 +14,9 @@ from typing_extensions import get_type_hints, is_typeddict
 from assur.planner.errors import FaultError
 from assur.scenes.bounds import FAR_M
 from assur.scenes.documents.model import NAME, REFERENCE
+from assur.scenes.documents.stated import PLAIN, STATED
 from assur.scenes.faults import DocumentError, Path, as_written, dotted, likeliest
-from assur.scenes.units import SI_UNITS, TWIN_UNITS, from_si, si_key, twin_of, unit_of
+from assur.scenes.units import SI_UNITS, any_unit, from_si, si_key, twin_of, unit_of
 
 MAX_FAULTS = 20
 """Faults that are told of one document; a reader needs no more at once."""
@@ -71,7 +72,7 @@ def _adapter(model: Any) -> TypeAdapter[Any]:
 
 def _fault(model: Any, document: object, error: dict[str, Any]) -> tuple[Path, object, str]:
     kind, context = error["type"], error.get("ctx", {})
-    location: Path = tuple(part for part in error["loc"] if part != "[key]")
+    location: Path = tuple(part for part in error["loc"] if part not in ("[key]", PLAIN, STATED))
     if "keys" in context:
         location += tuple(context["keys"][:1])
     path, value = as_written(document, location)
@@ -148,7 +149,7 @@ def _known(model: Any, location: Path, value: object) -> str:
 
 def _stem(key: str) -> str:
     """A key without the unit that it bears: `at_m`, `at_mm` and `at` have one stem."""
-    unit = unit_of(key, TWIN_UNITS) or unit_of(key, SI_UNITS)
+    unit = any_unit(key)
     return key if unit is None else key[: -len(unit)].removesuffix("_")
 
 
@@ -204,9 +205,9 @@ def _words_of(annotation: Any) -> str:
 
 
 def _models() -> Sequence[str]:
-    from assur.scenes.catalogue import ENTRIES
+    from assur.scenes.catalogue import models
 
-    return sorted(ENTRIES)
+    return models()
 
 
 def _assets() -> Sequence[str]:
