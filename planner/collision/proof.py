@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.collision.fcl_door import Collider, Posed
 from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.kernels.carriers import place_carriers
@@ -114,7 +114,7 @@ class Prover:
         drop_spare(arrangement.boxes, pairs.mine, least, pairs.others, since, phase.t1, used)
         # what does not move needs no parts
         ends = edges[[0, -1]]
-        whole = (self._behind(phase, spline, pairs, ends) >= least).all(1)
+        whole: BoolArray = np.all(self._behind(phase, spline, pairs, ends) >= least, axis=1)
         planes = [np.zeros((0, ROW_COLUMNS))]
         for r, side in zip(*np.nonzero(used), strict=True):
             t = ends if whole[r] else edges
