@@ -25,7 +25,7 @@ def test_the_commands_that_are_shown_are_the_parts_of_the_program(measure: dict[
     assert shown == [f"python docs/decisions/measure.py {part}" for part in measure["WHAT"]]
 
 
-@pytest.mark.parametrize("part", ["rows", "contacts", "grown", "grid", "sketches", "glances"])
+@pytest.mark.parametrize("part", ["rows", "contacts", "grown", "grid", "knots", "glances"])
 def test_every_part_measures_something(part: str, measure: dict[str, Any]) -> None:
     console: Console = measure["OUT"]
     with console.capture() as printed:
