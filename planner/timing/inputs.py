@@ -1,4 +1,4 @@
-"""A question to the solver, made legal: finite vectors of one length, states within limits, limits lowered."""
+"""What the solver is given, made legal: finite vectors of one length, states within limits, limits lowered."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from assur.planner.errors import InputError
 
 JERK_RESERVE = 0.02
 """Fraction of the jerk limit that the solver does not get: merged switches and rounding took up to 0.006 in
-150,000 random motions (see `profile`)."""
+150,000 random motions (see `kernels.knots`)."""
 RATE_RESERVE = 1e-3
 """Fraction of the velocity and acceleration limits that the solver does not get, likewise."""
 LIMIT_TOLERANCE = 1e-9
