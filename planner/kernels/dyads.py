@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import math
 
-from assur.planner.arrays import FloatArray
+from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.compiled import kernel
 
 LEFT = 1
@@ -55,6 +55,7 @@ SOLVED = 4
 """First row of that room that is for a solved dyad."""
 ANGLE, LENGTH = 0, 1
 """Columns of a solved RPR dyad: θ in (−π, π], rad, and l, m; then the pair of each derivative."""
+RPR_COLUMNS = 8
 
 
 @kernel("void(float64[::1], float64)")
@@ -140,7 +141,7 @@ def rrr(l1: float, l2: float, sigma: float, d: FloatArray, order: int, out: Floa
 
 @kernel("int64(float64, float64, float64[:, ::1], int64, float64[::1])")
 def rpr(least: float, sign: float, d: FloatArray, order: int, out: FloatArray) -> int:
-    """Fills `out` (8, or more) with the assembly `sign` (1: l > 0, −1: l < 0) for `d` (4, 2) with derivatives up to `order`.
+    """Fills `out` (8 at least) with the assembly `sign` (1: l > 0, −1: l < 0) for `d` (4, 2) up to derivative `order`.
 
     Returns its code: INDETERMINATE where |d| <= `least`, m, for then the slider may point anywhere. That, and what is
     not finite or overflows (OUT_OF_REACH), is NaN throughout; so are rates above `order`.
@@ -178,3 +179,17 @@ def rpr(least: float, sign: float, d: FloatArray, order: int, out: FloatArray) -
         fill(out, math.nan)
         return OUT_OF_REACH
     return ASSEMBLED
+
+
+@kernel("void(float64, float64, float64, float64[:, :, ::1], int64, float64[:, ::1], int64[::1])")
+def rrr_rows(l1: float, l2: float, sigma: float, d: FloatArray, order: int, out: FloatArray, codes: IntArray) -> None:
+    """`rrr` for each of `d` (N, 4, 2), into `out` (N, 12) and `codes` (N,)."""
+    for i in range(len(d)):
+        codes[i] = rrr(l1, l2, sigma, d[i], order, out[i])
+
+
+@kernel("void(float64, float64, float64[:, :, ::1], int64, float64[:, ::1], int64[::1])")
+def rpr_rows(least: float, sign: float, d: FloatArray, order: int, out: FloatArray, codes: IntArray) -> None:
+    """`rpr` for each of `d` (N, 4, 2), into `out` (N, 8) and `codes` (N,)."""
+    for i in range(len(d)):
+        codes[i] = rpr(least, sign, d[i], order, out[i])

@@ -94,7 +94,7 @@ def _known(target: FloatArray, order: int, column: int) -> float:
 def _leave_out(joints: FloatArray, code: int) -> int:
     """Makes NaN what a code does not define: derivatives, and out of reach the position, too. Returns the code."""
     if code != ASSEMBLED:
-        nowhere = code == OUT_OF_REACH or code == INDETERMINATE
+        nowhere = code in (OUT_OF_REACH, INDETERMINATE)
         fill_rows(joints, 0 if nowhere else 1, ORDERS, math.nan)
     return code
 
@@ -293,16 +293,14 @@ def joint_states(
         code = _invert_five_bar(robot, mode, order, target, joints, margins, work)
     else:
         code = _invert_tilting(robot, mode, order, target, joints, margins, work)
-    if code == OUT_OF_REACH or code == INDETERMINATE:
+    if code in (OUT_OF_REACH, INDETERMINATE):
         margins[0] = math.nan
         if robot[KIND] == FIVE_BAR:
             margins[1] = math.nan
     return code
 
 
-@kernel(
-    "void(float64[::1], int64, int64, float64[:, :, ::1], float64[:, :, ::1], float64[:, ::1], int64[::1])"
-)
+@kernel("void(float64[::1], int64, int64, float64[:, :, ::1], float64[:, :, ::1], float64[:, ::1], int64[::1])")
 def joint_motions(
     robot: FloatArray,
     mode: int,

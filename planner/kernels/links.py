@@ -19,9 +19,9 @@ import math
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
+from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels.dyads import MARGIN, RRR_COLUMNS, SOLVED, UX, UY, WX, WY, fill_rows, rrr
+from assur.planner.kernels.dyads import RRR_COLUMNS, SOLVED, UX, UY, WX, WY, fill_rows, rrr
 
 SCARA, FIVE_BAR, ELBOW, POLAR, FIVE_AXIS = range(5)
 """Kinds of arms."""
@@ -232,17 +232,6 @@ def assembled(robot: FloatArray, lower: FloatArray, upper: FloatArray) -> bool:
     return loop_least(robot, lower, upper)[0] >= least
 
 
-@kernel("float64(float64[::1], float64[::1])")
-def parallel_margin(robot: FloatArray, q: FloatArray) -> float:
-    """|sin| of the angle between the couplers of a five-bar (K33), NaN where q does not assemble; 1 without a loop."""
-    if robot[KIND] != FIVE_BAR:
-        return 1.0
-    work = np.empty((SOLVED + 1, RRR_COLUMNS))
-    close_loop(robot, q[0], q[1], work)
-    margin: float = work[SOLVED, MARGIN]
-    return margin
-
-
 @kernel("UniTuple(float64, 4)(float64[::1], float64[::1], float64[::1], float64[::1], float64[::1])")
 def _passive(
     robot: FloatArray, lower: FloatArray, upper: FloatArray, rate: FloatArray, rate_d: FloatArray
@@ -374,7 +363,7 @@ def bound_links(
         total += rate[j] + rate_d[j]
     fill_rows(bounds, 0, links, 0.0)
     if not math.isfinite(total):
-        for k in range(1, links):
+        for k in range(links):
             bounds[k, V_ANY] = bounds[k, ACCELERATION + V_ANY] = math.inf
     elif robot[KIND] == SCARA:
         _bound_scara(robot, rate, rate_d, bounds)
@@ -382,3 +371,17 @@ def bound_links(
         _bound_five_bar(robot, lower, upper, rate, rate_d, bounds)
     else:
         _bound_tilting(robot, rate, rate_d, bounds)
+
+
+@kernel("void(float64[::1], float64[:, ::1], float64[:, :, ::1])")
+def places_of_links(robot: FloatArray, q: FloatArray, placed: FloatArray) -> None:
+    """`place_links` for each row of q (N, n), into `placed` (N, L, 12)."""
+    for i in range(len(q)):
+        place_links(robot, q[i], placed[i])
+
+
+@kernel("void(float64[::1], float64[:, ::1], float64[:, ::1], boolean[::1])")
+def ranges_assembled(robot: FloatArray, lower: FloatArray, upper: FloatArray, proved: BoolArray) -> None:
+    """`assembled` for each of the ranges `lower, upper` (N, n), into `proved` (N,)."""
+    for i in range(len(lower)):
+        proved[i] = assembled(robot, lower[i], upper[i])

@@ -18,8 +18,8 @@ from assur.planner.kernels.links import (
     BASE_SIN,
     BASE_X,
     BASE_Y,
-    BASE_Z,
     BASE_YAW,
+    BASE_Z,
     FIVE_BAR,
     HEIGHT,
     JOINTS,
@@ -42,7 +42,7 @@ ORDERS, COORDINATES = 4, 6
 def add_turned(
     out: FloatArray, l0: float, l1: float, l2: float, l3: float, a0: float, a1: float, a2: float, a3: float
 ) -> None:
-    """Adds l e(a) to columns 0 and 1 of `out`, and its derivatives, from those of l and a: K12, K20 to K22 backwards."""
+    """Adds l e(a) to columns 0 and 1 of `out`, and its derivatives, from those of both: K12, K20 to K22 backwards."""
     c, s = math.cos(a0), math.sin(a0)
     out[0, 0] += l0 * c
     out[0, 1] += l0 * s

@@ -128,6 +128,8 @@ def piece_bounds(
             b4 = g0 + 0.8 * p1 + 0.6 * p2 + 0.4 * p3 + p4 / 5.0
             b5 = g0 + p1 + p2 + p3 + p4 + p5
             high, low = max(g0, b1, b2, b3, b4, b5), min(g0, b1, b2, b3, b4, b5)
+            bent = h * h * acceleration / 8.0
+            high, low = min(high, max(g0, b5) + bent), max(low, min(g0, b5) - bent)
             whole[p, 2 * m + i], whole[p, 2 * m + n + i] = high, -low
             whole[p, k + 2 * m + i] = whole[p, k + 2 * m + n + i] = acceleration / 8.0
             place = ROUNDING * max(abs(high), abs(low))
