@@ -9,7 +9,7 @@ from importlib import import_module
 
 import pytest
 
-from assur.api.settings import PREFIX, Settings
+from assur.api.web.settings import PREFIX, Settings
 from tests.docs.pages import PAGES, ROOT, anchors, prose, spans, text
 
 OF_TESTS = {"ASSUR_HYPOTHESIS"}

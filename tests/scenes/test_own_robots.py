@@ -15,8 +15,8 @@ from assur.scenes import load
 from assur.scenes.catalogue import FOLDER, load_robot
 from assur.scenes.faults import DocumentError
 from assur.scenes.requests import cell_of, load_scenario, plan_scenario, request_digest, scene_of, validate
-from tests.scenes.build.test_robots import inline
 from tests.scenes.meshes.solids import SOLIDS, binary_stl
+from tests.scenes.reading.test_robots import inline
 
 OWN = "the robot's data are the request's own"
 TEXT = (FOLDER / "fanuc-sr-3ia.yaml").read_text()
