@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.pipeline import plan
 from assur.planner.search.census import Counter
 from assur.scenes.requests import Scenario, plan_document, scene_of, shipped
+from tests.planner.cells import amount_of, unit_of
 from tests.scenes.cells.second_kinematics import ACCELERATION, VELOCITY, Array, Motion, answer, arrival, leg
 
 PLANNED = ("belt-to-belt", "standard-cycle", "fast-belt", "dense-flow", "full-dial")
@@ -275,15 +276,15 @@ class TestDenseFlow:
         ends = {}
         for bodies in (("finger-back", "behind"), ("finger-front", "before")):
             mine = [refusal for refusal in refusals if refusal.bodies == bodies]
-            assert {(refusal.reason, refusal.unit) for refusal in mine} == {(Reason.BODY_COLLISION, "m")}
+            assert {(refusal.reason, unit_of(refusal)) for refusal in mine} == {(Reason.BODY_COLLISION, "m")}
             told = next(line for line in lines if tuple(line["bodies"]) == bodies)
             assert told["count"] == len(mine)
-            assert told["least"] == min(refusal.amount for refusal in mine)
-            assert told["most"] == max(refusal.amount for refusal in mine)
+            assert told["least"] == min(amount_of(refusal) for refusal in mine)
+            assert told["most"] == max(amount_of(refusal) for refusal in mine)
             # few candidates come past the neighbour on their way there, at other distances
             beside = [r for r in mine if r.interval is not None and r.interval[0] > 2.65]
             assert len(mine) - len(beside) <= 0.01 * len(mine)
-            ends[bodies[0]] = np.sort([(r.amount + 0.0115 - 0.0015) / (drifts * 0.005) for r in beside])
+            ends[bodies[0]] = np.sort([(amount_of(r) + 0.0115 - 0.0015) / (drifts * 0.005) for r in beside])
         met = ends["finger-back"]
         assert len(met) >= 80
         assert met[0] == pytest.approx((900 - 200) / 250, abs=1e-6)  # where the window begins
