@@ -30,8 +30,8 @@ STEP_S = 0.02
 """Sampling of candidates, s. It decides how much work a colliding candidate causes, not what is accepted."""
 MOST_BODIES = 3
 """Bodies about which FCL is asked for one candidate: one refuses it, the others are reported in the census."""
-ENOUGH = 4
-"""Instants of a phase with a hit after which no further ones are evaluated; they are far from each other."""
+EVERY = 1 << 30
+"""Instants with a hit after which no further ones are evaluated: none, for the census names the deepest."""
 MOST_HITS = 64
 """Pairs of one phase of which the deepest hit is kept."""
 
@@ -123,7 +123,7 @@ def _lost(prover: Prover, candidate: Timed, times: list[FloatArray], q: FloatArr
 
 
 def hits(
-    prover: Prover, phase: Phase, q: FloatArray, t: FloatArray, enough: int = ENOUGH
+    prover: Prover, phase: Phase, q: FloatArray, t: FloatArray, enough: int = EVERY
 ) -> tuple[int, int, FloatArray]:
     """What is too near at instants t (T,) with joints q (T, n): instants evaluated, those with a hit, hits."""
     arrangement = prover.of(phase)
