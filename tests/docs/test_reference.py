@@ -10,7 +10,8 @@ import pytest
 
 from assur.planner.checker.verdict import Code
 from assur.planner.frames.motion import Pose
-from assur.planner.model.outcome import LegKind, Reason
+from assur.planner.model.outcome import LegKind
+from assur.planner.model.refusal import Reason
 from assur.scenes import check, load, plan
 from assur.scenes.catalogue import arm_named
 from assur.scenes.conventions import places
