@@ -18,7 +18,7 @@ from assur.api import amounts, catalogue_table, words
 from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import Problem, printable
-from assur.api.targets import json_file, target
+from assur.api.targets import json_file, robot_named, target
 from assur.api.version import version
 from assur.planner.errors import FaultError, InputError
 from assur.scenes import kernels as compiled_kernels
@@ -39,6 +39,7 @@ app = typer.Typer(
 P = ParamSpec("P")
 
 File = Annotated[str, typer.Argument(help="A scenario file (YAML), a request (JSON), or a shipped scenario's name.")]
+Robot = Annotated[str | None, typer.Argument(help="A shipped robot's name, or a robot's file (YAML).")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the document that the service would answer with.")]
 
 
@@ -147,13 +148,15 @@ def check(
 
 @app.command()
 @_bordered
-def robots(as_json: AsJson = False) -> int:
-    """List the robot catalogue; with --json every number with its source and status."""
-    catalogue = requests.robots()
+def robots(robot: Robot = None, as_json: AsJson = False) -> int:
+    """List the shipped robots, or show every number of one ROBOT with its status and source."""
+    listed = requests.robots() if robot is None else [robot_named(robot).listed()]
     if as_json:
-        _print_json({"robots": catalogue})
+        _print_json({"robots": listed})
         return RIGHT
-    _print(catalogue_table.catalogue(catalogue), "", catalogue_table.LEGEND)
+    _print(catalogue_table.catalogue(listed), "", catalogue_table.LEGEND)
+    if robot is not None:
+        _print("", catalogue_table.sources(listed[0]))
     return RIGHT
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from typing_extensions import TypedDict
+
 from assur.api.problems import MEDIA_TYPE, STATUS
 from assur.api.service import scenario_request
 from assur.scenes.requests import request_schema
@@ -39,56 +41,48 @@ PROBLEM_SCHEMA: dict[str, Any] = {
     },
 }
 
-PLANNED_SCHEMA: dict[str, Any] = {
-    "type": "object",
-    "required": ["schema", "status", "census", "assumptions", "seed", "elapsed_s", "notice"],
-    "properties": {
-        "status": {"enum": ["planned", "not_planned"]},
-        "duration_s": {"type": "number"},
-        "trajectory": {
-            "type": "object",
-            "properties": {
-                "joint_names": {"type": "array", "items": {"type": "string"}},
-                "time_s": {"type": "array", "items": {"type": "number"}},
-                **{
-                    name: {"type": "array", "items": {"type": "array", "items": {"type": "number"}}}
-                    for name in ("position", "velocity", "acceleration")
-                },
-                "acceleration_jumps": {"type": "boolean"},
-            },
-        },
-        "arrivals": {"type": "array", "items": {"type": "object"}},
-        "legs": {"type": "array", "items": {"type": "object"}},
-        "margins": {"type": "object"},
-        "certificate": {"type": "object"},
-        "census": {"type": "object"},
-        "reason": {"type": "string"},
-        "proved": {"type": "boolean"},
-        "sentence": {"type": "string"},
-    },
-}
 
-VERDICT_SCHEMA: dict[str, Any] = {
-    "type": "object",
-    "required": ["ok", "findings"],
-    "properties": {"ok": {"type": "boolean"}, "findings": {"type": "array", "items": {"type": "object"}}},
-}
+class SceneAbout(TypedDict):
+    """A shipped scenario, and why it exists."""
+
+    name: str
+    about: str
 
 
-def responses(schema: str, *kinds: str) -> dict[int | str, dict[str, Any]]:
-    """The responses of a route: 200 with component `schema`, and a problem for each status of `kinds`."""
-    found: dict[int | str, dict[str, Any]] = {
-        200: {
-            "description": "The answer",
-            "content": {"application/json": {"schema": {"$ref": f"#/components/schemas/{schema}"}}},
-        }
-    }
+class Scenes(TypedDict):
+    """The shipped scenarios."""
+
+    scenes: list[SceneAbout]
+
+
+class Live(TypedDict):
+    """The service runs."""
+
+    live: bool
+
+
+class Ready(TypedDict):
+    """Every worker has planned once."""
+
+    ready: bool
+    workers: int
+
+
+def problems(*kinds: str) -> dict[int | str, dict[str, Any]]:
+    """The responses of a route that are problems: one for each status of `kinds`."""
+    found: dict[int | str, dict[str, Any]] = {}
     problem = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
     for kind in kinds:
         status, title = STATUS[kind]
         known = found.setdefault(status, {"description": "", "content": problem})
         known["description"] = "; ".join(filter(None, (known["description"], title)))
     return found
+
+
+def component(name: str) -> dict[int | str, dict[str, Any]]:
+    """The response of a route that answers with a component of `complete`."""
+    schema = {"$ref": f"#/components/schemas/{name}"}
+    return {200: {"description": "The answer", "content": {"application/json": {"schema": schema}}}}
 
 
 def body(schema: dict[str, Any], examples: dict[str, Any]) -> dict[str, Any]:
@@ -118,7 +112,7 @@ CHECK_BODY = body(
         "required": ["request", "plan"],
         "properties": {
             "request": {"$ref": "#/components/schemas/Request"},
-            "plan": {"$ref": "#/components/schemas/Answer"},
+            "plan": {"$ref": "#/components/schemas/PlannedAnswer"},
         },
         "additionalProperties": False,
     },
@@ -134,8 +128,6 @@ def complete(document: dict[str, Any]) -> dict[str, Any]:
     document.setdefault("components", {}).setdefault("schemas", {}).update(
         parts,
         Request=_moved(request),
-        Answer=PLANNED_SCHEMA,
-        Verdict=VERDICT_SCHEMA,
         Document={"description": "a JSON document"},
         Problem=PROBLEM_SCHEMA,
     )

@@ -13,11 +13,12 @@ from assur.api import jobs
 from assur.api.bodies import read_body
 from assur.api.documents import json_response, to_json
 from assur.api.gate import CLIENT_GONE, FACTS
-from assur.api.openapi import CHECK_BODY, PLAN_BODY, responses
+from assur.api.openapi import CHECK_BODY, PLAN_BODY, Live, Ready, Scenes, component, problems
 from assur.api.problems import Problem
 from assur.api.service import Service, scenario_request
 from assur.api.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
 from assur.planner.errors import InputError
+from assur.scenes.documents.answer import Answer, Verdict
 from assur.scenes.requests import request_schema, robots, shipped_scenarios
 
 BODY_PROBLEMS = ("bad-syntax", "too-slow", "too-large", "wrong-media-type", "bad-input", "quarantined", "fault")
@@ -76,7 +77,8 @@ async def _body(request: Request, limit: int, *parameters: str) -> bytes:
 @router.post(
     "/v1/plans",
     summary="Plan a request, or a shipped scenario",
-    responses=responses("Answer", *BODY_PROBLEMS, *WORKER_PROBLEMS),
+    response_model=Answer,
+    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
     openapi_extra=PLAN_BODY,
 )
 async def plan(
@@ -92,7 +94,8 @@ async def plan(
 @router.post(
     "/v1/plans/check",
     summary="Check a plan against its request",
-    responses=responses("Verdict", *BODY_PROBLEMS, *WORKER_PROBLEMS),
+    response_model=Verdict,
+    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
     openapi_extra=CHECK_BODY,
 )
 async def check(request: Request) -> Response:
@@ -100,12 +103,12 @@ async def check(request: Request) -> Response:
     return await _unless_gone(request, _service(request).check(body))
 
 
-@router.get("/v1/robots", summary="The robot catalogue", responses=responses("Document"))
+@router.get("/v1/robots", summary="The robot catalogue", responses=component("Document"))
 def list_robots() -> Response:
     return json_response(to_json({"robots": robots()}))
 
 
-@router.get("/v1/scenes", summary="The shipped scenarios", responses=responses("Document"))
+@router.get("/v1/scenes", summary="The shipped scenarios", response_model=Scenes)
 def list_scenes() -> Response:
     scenes = [{"name": name, "about": about} for name, about in shipped_scenarios().items()]
     return json_response(to_json({"scenes": scenes}))
@@ -114,7 +117,7 @@ def list_scenes() -> Response:
 @router.get(
     "/v1/scenes/{name}",
     summary="The request of a shipped scenario, ready to be posted",
-    responses=responses("Request", "not-found"),
+    responses={**component("Request"), **problems("not-found")},
 )
 def show_scene(name: str) -> Response:
     try:
@@ -123,12 +126,12 @@ def show_scene(name: str) -> Response:
         raise Problem.of_input(error, "not-found") from error
 
 
-@router.get("/v1/schema", summary="JSON Schema of the request", responses=responses("Document"))
+@router.get("/v1/schema", summary="JSON Schema of the request", responses=component("Document"))
 def schema() -> Response:
     return json_response(to_json(request_schema()))
 
 
-@router.get("/livez", summary="Whether the service runs", responses=responses("Document"))
+@router.get("/livez", summary="Whether the service runs", response_model=Live)
 async def live() -> Response:
     return json_response(to_json({"live": True}))
 
@@ -136,7 +139,8 @@ async def live() -> Response:
 @router.get(
     "/readyz",
     summary="Whether every worker has planned once",
-    responses=responses("Document", "not-ready"),
+    response_model=Ready,
+    responses=problems("not-ready"),
 )
 async def ready(request: Request) -> Response:
     workers = _service(request).workers

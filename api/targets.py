@@ -11,13 +11,17 @@ from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_JSON_BYTES
 from assur.scenes.faults import likeliest
 from assur.scenes.requests import (
+    RobotFile,
     Scenario,
     check_document,
+    load_robot,
     load_scenario,
+    models,
     parse_json,
     plan_document,
     plan_scenario,
     shipped,
+    shipped_robot,
     shipped_scenarios,
     unmet,
 )
@@ -64,6 +68,19 @@ def target(text: str) -> Target:
     else:
         scenario = load_scenario(path)
     return Target(scenario.name, scenario.request, scenario.folder, scenario)
+
+
+def robot_named(text: str) -> RobotFile:
+    """The robot that `text` names: one in a file, else a shipped one.
+
+    Raises `InputError`, or `OSError` for a file that cannot be read.
+    """
+    path = Path(text)
+    if _is_file(path):
+        return load_robot(path)
+    if text not in models():
+        raise InputError("ROBOT", text, f"a file, or a shipped robot: {likeliest(text, models())}")
+    return shipped_robot(text)
 
 
 def json_file(path: Path, name: str) -> Any:

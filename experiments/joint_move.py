@@ -17,7 +17,8 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.model.outcome import Planned
 from assur.planner.pipeline import plan
-from assur.planner.timing import Profile, TimingRefusal, time_joints
+from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.trajectory import Trajectory
 from assur.scenes.requests import scene_of
 from assur.scenes.scenarios import shipped
 
@@ -52,7 +53,7 @@ def planned() -> Planned:
     return outcome
 
 
-def by_ruckig(through: FloatArray, move: ParabolicBlend) -> list[Profile]:
+def by_ruckig(through: FloatArray, move: ParabolicBlend) -> list[Trajectory]:
     """The same poses, each met and stopped at, with the speeds and accelerations of the blended move as limits."""
     velocity = np.abs(move.velocities).max(0)
     acceleration = np.abs(np.diff(move.velocities, axis=0)[[0, -1]]).max(0) / (2 * move.tau)
@@ -67,7 +68,7 @@ def by_ruckig(through: FloatArray, move: ParabolicBlend) -> list[Profile]:
     return found
 
 
-def sampled(profiles: list[Profile]) -> tuple[FloatArray, FloatArray, FloatArray]:
+def sampled(profiles: list[Trajectory]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Times (T,), q and q̇ (T, n) of profiles run one after the other."""
     begins = np.cumsum([0.0, *(profile.duration for profile in profiles)])
     parts = [np.append(np.arange(0.0, p.duration, STEP_S), p.duration) for p in profiles]

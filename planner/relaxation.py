@@ -18,7 +18,9 @@ from assur.planner.model.scene import WORLD, Clearance, Follow, Move, Pick, Plac
 from assur.planner.search.beam import Found
 
 ATTEMPT_S = 1.0
-"""Longest time for one change, s."""
+"""Longest time for one change of a request that counts no candidates, s."""
+MORE = 4
+"""How much more the change of the budget allows."""
 FEWEST_S = 0.02
 """A change is not tried with less time than this left, s."""
 
@@ -32,13 +34,20 @@ def relax(scene: Scene, step: int, blocker: str | None, deadline: float) -> tupl
             tried.append("the explain budget was spent")
             break
         tried.append(f"{what}: {value}")
-        longest = ATTEMPT_S if what != "budget" else min(4 * scene.options.budget_s, left / 2)
-        found = _attempt(changed, min(left, longest))
+        found = _attempt(changed, min(left, _longest(what, changed, left)))
         if found.best is not None:
             return Relaxation(
                 what, _reached(found, what, value, step), found.best.state.time - scene.start.time
             ), tuple(tried)
     return None, tuple(tried)
+
+
+def _longest(what: str, changed: Scene, left: float) -> float:
+    """Longest time for one change, s. Where the request counts candidates, the count ends each attempt, so what is
+    found does not depend on the machine; the clock only keeps half of the time for the changes that follow."""
+    if changed.options.max_candidates is not None:
+        return left / 2
+    return ATTEMPT_S if what != "budget" else min(changed.options.budget_s, left / 2)
 
 
 def _attempt(scene: Scene, budget: float) -> Found:
@@ -67,11 +76,7 @@ def changes(scene: Scene, step: int, blocker: str | None) -> Iterator[tuple[str,
             "left to the planner",
             replace(scene, options=replace(options, acceleration_time_s=None)),
         )
-    yield (
-        "budget",
-        f"{4 * options.budget_s:g} s",
-        replace(scene, options=replace(options, budget_s=4 * options.budget_s)),
-    )
+    yield _budget(scene)
     if options.elbow != "auto" and len(scene.robot.modes) > 1:
         yield "elbow", "auto", replace(scene, options=replace(options, elbow="auto"))
     if isinstance(what, Move | Follow) and what.target.pitch is not None:
@@ -95,6 +100,16 @@ def changes(scene: Scene, step: int, blocker: str | None) -> Iterator[tuple[str,
         except InputError:
             # a step names the body (contact_with): without it the task would be another one
             return
+
+
+def _budget(scene: Scene) -> tuple[str, str, Scene]:
+    """A longer search: of more time and, where the request counts them, more candidates."""
+    options, seconds = scene.options, MORE * scene.options.budget_s
+    if options.max_candidates is None:
+        return "budget", f"{seconds:g} s", replace(scene, options=replace(options, budget_s=seconds))
+    count = MORE * options.max_candidates
+    longer = replace(options, budget_s=seconds, max_candidates=count)
+    return "budget", f"{count} candidates in {seconds:g} s", replace(scene, options=longer)
 
 
 def _dwells(scene: Scene, step: int, what: Step) -> Iterator[tuple[str, str, Scene]]:

@@ -6,11 +6,11 @@ everything else is SI and in the world frame. What has no number is null. Nothin
 
 from __future__ import annotations
 
-import math
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
+from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.model.leeway import JointPeak, Margins
 from assur.planner.model.outcome import (
@@ -25,8 +25,8 @@ from assur.planner.model.outcome import (
     Refusal,
 )
 from assur.scenes.build.cell import Cell
-from assur.scenes.catalogue.arm import as_maker
-from assur.scenes.documents.request import SCHEMA
+from assur.scenes.conventions import as_maker
+from assur.scenes.documents import answer as document
 from assur.scenes.numbers import interval, number, optional
 
 Detail = Literal["full", "digest"]
@@ -37,23 +37,20 @@ NOTICE = (
 )
 """What every answer says."""
 
-REALS = {"t0": "t0_s", "t1": "t1_s", "normal": "normal"}
-"""Columns of a certificate that hold numbers, and their keys."""
-INDICES = ("first", "first_piece", "second", "second_piece")
-"""Columns that hold whole numbers; their keys are the same."""
 
-
-def answer_of(cell: Cell, outcome: Outcome, certificate: Detail = "full") -> dict[str, Any]:
+def answer_of(
+    cell: Cell, outcome: Outcome, certificate: Detail = "full"
+) -> document.PlannedAnswer | document.NotPlannedAnswer:
     """The answer. `certificate`: all its columns, or its digest and length only."""
     if isinstance(outcome, Planned):
         return _planned(cell, outcome, certificate)
     return _not_planned(cell, outcome)
 
 
-def _planned(cell: Cell, outcome: Planned, detail: Detail) -> dict[str, Any]:
+def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAnswer:
     plan = outcome.plan
     return {
-        "schema": SCHEMA,
+        "schema": "assur/1",
         "status": "planned",
         "duration_s": number(plan.trajectory.end - plan.trajectory.start),
         "start_s": number(plan.trajectory.start),
@@ -61,7 +58,7 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> dict[str, Any]:
         "arrivals": [_arrival(cell, arrival) for arrival in plan.arrivals],
         "legs": [
             {
-                "kind": str(leg.kind),
+                "kind": leg.kind.value,
                 "step": int(leg.step),
                 "from_s": number(leg.t0),
                 "to_s": number(leg.t1),
@@ -78,14 +75,19 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> dict[str, Any]:
         "certificate": certificate_document(plan.certificate, detail),
         "census": _census(outcome.census),
         "first_s": optional(outcome.first_s),
-        **_common(cell, outcome),
+        "assumptions": list(outcome.assumptions),
+        "seed": int(outcome.seed),
+        "elapsed_s": number(outcome.elapsed_s),
+        "cut_by_clock": bool(outcome.cut_by_clock),
+        "request_digest": cell.scene.digest,
+        "notice": NOTICE,
     }
 
 
-def _not_planned(cell: Cell, outcome: NotPlanned) -> dict[str, Any]:
+def _not_planned(cell: Cell, outcome: NotPlanned) -> document.NotPlannedAnswer:
     relaxation = outcome.relaxation
     return {
-        "schema": SCHEMA,
+        "schema": "assur/1",
         "status": "not_planned",
         "reason": str(outcome.reason),
         "proved": bool(outcome.proved),
@@ -97,12 +99,6 @@ def _not_planned(cell: Cell, outcome: NotPlanned) -> dict[str, Any]:
         "tried": list(outcome.tried),
         "details": {key: optional(value) for key, value in outcome.details.items()},
         "census": _census(outcome.census),
-        **_common(cell, outcome),
-    }
-
-
-def _common(cell: Cell, outcome: Outcome) -> dict[str, Any]:
-    return {
         "assumptions": list(outcome.assumptions),
         "seed": int(outcome.seed),
         "elapsed_s": number(outcome.elapsed_s),
@@ -112,41 +108,50 @@ def _common(cell: Cell, outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def trajectory_document(cell: Cell, plan: Plan) -> dict[str, Any]:
+def trajectory_document(cell: Cell, plan: Plan) -> document.Trajectory:
     """The knots in the maker's convention. Reading them back gives the planner's knots, bit by bit."""
     trajectory = plan.trajectory
-    written = {
-        key: as_maker(values, cell.conventions)
-        for key, values in (("position", trajectory.q), ("velocity", trajectory.qd), ("acceleration", trajectory.qdd))
-    }
-    for key, values in written.items():
-        if not all(map(math.isfinite, values.ravel().tolist())):
-            raise FaultError(f"a trajectory's {key} is not finite")
     return {
         "joint_names": [joint.name for joint in cell.conventions],
-        "joint_units": [joint.unit for joint in cell.conventions],
+        "joint_units": ["rad" if joint.kind == "revolute" else "m" for joint in cell.conventions],
         "time_s": trajectory.time.tolist(),
-        **{key: values.tolist() for key, values in written.items()},
+        "position": _rows(cell, trajectory.q, "position"),
+        "velocity": _rows(cell, trajectory.qd, "velocity"),
+        "acceleration": _rows(cell, trajectory.qdd, "acceleration"),
         "acceleration_jumps": bool(trajectory.jumps),
     }
 
 
-def certificate_document(certificate: Certificate, detail: Detail) -> dict[str, Any]:
+def _rows(cell: Cell, values: FloatArray, what: str) -> list[list[float]]:
+    written = as_maker(values, cell.conventions)
+    if not np.isfinite(written).all():
+        raise FaultError(f"a trajectory's {what} is not finite")
+    rows: list[list[float]] = written.tolist()
+    return rows
+
+
+def certificate_document(certificate: Certificate, detail: Detail) -> document.Certificate | document.CertificateDigest:
     """The proof: digest, number of rows, what it covers, and the columns if asked in full."""
-    head = {"digest": certificate.digest, "rows": len(certificate), "covers": list(certificate.covers)}
     if detail == "digest":
-        return head
-    columns: dict[str, Any] = {"names": list(certificate.names)}
-    for name in INDICES:
-        columns[name] = getattr(certificate, name).tolist()
-    for name, key in REALS.items():
-        columns[key] = getattr(certificate, name).tolist()
-    return {**head, **columns}
-
-
-def _arrival(cell: Cell, arrival: Arrival) -> dict[str, Any]:
-    missed, tilt = arrival.missed_by, {"pitch_rad": arrival.pitch, "roll_rad": arrival.roll}
+        return {"digest": certificate.digest, "rows": len(certificate), "covers": list(certificate.covers)}
     return {
+        "digest": certificate.digest,
+        "rows": len(certificate),
+        "covers": list(certificate.covers),
+        "names": list(certificate.names),
+        "t0_s": certificate.t0.tolist(),
+        "t1_s": certificate.t1.tolist(),
+        "first": certificate.first.tolist(),
+        "first_piece": certificate.first_piece.tolist(),
+        "second": certificate.second.tolist(),
+        "second_piece": certificate.second_piece.tolist(),
+        "normal": certificate.normal.tolist(),
+    }
+
+
+def _arrival(cell: Cell, arrival: Arrival) -> document.Arrival:
+    missed = arrival.missed_by
+    written: document.Arrival = {
         "control_point": arrival.control_point,
         "step": int(arrival.step),
         "time_s": number(arrival.time),
@@ -163,11 +168,15 @@ def _arrival(cell: Cell, arrival: Arrival) -> dict[str, Any]:
             "joints": [number(x) for x in as_maker(np.array(missed.joints), cell.conventions).tolist()],
             "distance_m": number(missed.distance_m),
         },
-        **{key: number(angle) for key, angle in tilt.items() if angle is not None},
     }
+    if arrival.pitch is not None:
+        written["pitch_rad"] = number(arrival.pitch)
+    if arrival.roll is not None:
+        written["roll_rad"] = number(arrival.roll)
+    return written
 
 
-def _margins(margins: Margins) -> dict[str, Any]:
+def _margins(margins: Margins) -> document.Margins:
     nearest = margins.nearest
     return {
         "peaks": [_peak(peak) for peak in margins.peaks],
@@ -188,16 +197,19 @@ def _margins(margins: Margins) -> dict[str, Any]:
     }
 
 
-def _peak(peak: JointPeak) -> dict[str, Any]:
-    found: dict[str, Any] = {"joint": peak.joint}
-    for name in ("velocity", "acceleration", "jerk"):
-        for key in (name, f"{name}_ratio"):
-            value = getattr(peak, key)
-            found[key] = None if value is None else number(value)
-    return found
+def _peak(peak: JointPeak) -> document.Peak:
+    return {
+        "joint": peak.joint,
+        "velocity": number(peak.velocity),
+        "velocity_ratio": number(peak.velocity_ratio),
+        "acceleration": number(peak.acceleration),
+        "acceleration_ratio": number(peak.acceleration_ratio),
+        "jerk": None if peak.jerk is None else number(peak.jerk),
+        "jerk_ratio": None if peak.jerk_ratio is None else number(peak.jerk_ratio),
+    }
 
 
-def _census(census: Census) -> dict[str, Any]:
+def _census(census: Census) -> document.Census:
     return {
         "candidates": int(census.candidates),
         "refused": int(census.refused),
@@ -205,7 +217,7 @@ def _census(census: Census) -> dict[str, Any]:
     }
 
 
-def _line(line: CensusLine) -> dict[str, Any]:
+def _line(line: CensusLine) -> document.CensusLine:
     return {
         "stage": line.stage,
         "reason": str(line.reason),
@@ -220,7 +232,7 @@ def _line(line: CensusLine) -> dict[str, Any]:
     }
 
 
-def _refusal(refusal: Refusal) -> dict[str, Any]:
+def _refusal(refusal: Refusal) -> document.Refusal:
     return {
         "stage": refusal.stage,
         "reason": str(refusal.reason),

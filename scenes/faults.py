@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 from assur.planner.errors import InputError
-from assur.scenes.units import SI_UNITS, TWIN_UNITS, twin_of, unit_of
+from assur.scenes.units import any_unit, twin_of
 
 Path = tuple[str | int, ...]
 """Keys and indices from the root of a document."""
@@ -132,7 +132,7 @@ def _key_for(mapping: dict[str, object], name: str) -> str | None:
     """The key of `mapping` that holds what the planner calls `name`: without its unit, or with one."""
     stem = {"time": "at", "start": "at"}.get(name, name)
     for key in mapping:
-        unit = unit_of(key, TWIN_UNITS) or unit_of(key, SI_UNITS)
+        unit = any_unit(key)
         bare = key if unit is None else key[: -len(unit) - 1]
         if bare in (name, stem):
             return key

@@ -10,23 +10,29 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from assur.scenes.catalogue import robots
+from assur.scenes.catalogue import RobotFile, load_robot, models, robots, shipped_robot, with_robots
+from assur.scenes.documents import answer as written
 from assur.scenes.documents.plain import plain
 from assur.scenes.documents.read import read
 from assur.scenes.documents.request import SCHEMA, RequestDocument
 from assur.scenes.faults import fault, located
+from assur.scenes.files import with_meshes
 from assur.scenes.json_text import parse_json
-from assur.scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet, with_files
+from assur.scenes.numbers import optional
+from assur.scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet
 
 if TYPE_CHECKING:
     from assur.planner.model.scene import Scene
     from assur.scenes.build.cell import Cell
 
 __all__ = [
+    "RobotFile",
     "Scenario",
     "cell_of",
     "check_document",
+    "load_robot",
     "load_scenario",
+    "models",
     "parse_json",
     "plan_document",
     "plan_scenario",
@@ -35,6 +41,7 @@ __all__ = [
     "robots",
     "scene_of",
     "shipped",
+    "shipped_robot",
     "shipped_scenarios",
     "unmet",
     "validate",
@@ -51,7 +58,8 @@ def validate_parsed(whole: Any) -> RequestDocument:
     """`validate` of what `parse_json` gave, which has no numbers but Python's own."""
     if isinstance(whole, dict) and whole.get("status") in ("planned", "not_planned"):
         raise fault(whole, ("status",), "no status: this is an answer, not a request")
-    return read(RequestDocument, whole)
+    request: RequestDocument = read(RequestDocument, whole)
+    return request
 
 
 def request_digest(document: object) -> str:
@@ -74,9 +82,11 @@ def _cell(document: Any, folder: Path | None) -> Cell:
     """`cell_of` of a document that is plain."""
     from assur.scenes.build.cell import cell_of as build
 
-    whole = document if folder is None else with_files(document, folder)
-    # Faults are told of the document as it was written: of a mesh's file, not of the bytes that took its place.
-    return build(document, validate_parsed(whole))
+    if folder is None:
+        return build(document, validate_parsed(document))
+    # Errors quote the document as it was written: a mesh's file, not the bytes that took its place.
+    document = with_robots(document, folder)
+    return build(document, validate_parsed(with_meshes(document, folder)))
 
 
 def scene_of(document: object, *, folder: Path | None = None) -> Scene:
@@ -103,7 +113,7 @@ def plan_document(
     cell = _cell(document, folder)
     with located(document):
         outcome = plan(cell.scene, started=started)
-    return answer_of(cell, outcome, certificate)
+    return dict(answer_of(cell, outcome, certificate))
 
 
 def plan_scenario(
@@ -123,20 +133,21 @@ def check_document(request: object, plan: object, *, folder: Path | None = None)
     cell = cell_of(request, folder=folder)
     made, told = plan_of(plain(plan), cell.conventions)  # told before the checker's word, which knows no documents
     verdict = check(cell.scene, made)
-    findings = [
+    findings: list[written.Finding] = [
         {
             "code": str(finding.code),
             "what": finding.what,
-            "amount": finding.amount if abs(finding.amount) < float("inf") else None,
+            "amount": optional(finding.amount),
             "unit": finding.unit,
             "where": finding.where,
         }
         for finding in (*told, *verdict.findings)
     ]
-    return {
-        "schema": SCHEMA,
+    said: written.Verdict = {
+        "schema": "assur/1",
         "ok": verdict.ok and not told,
         "findings": findings,
         "request_digest": cell.scene.digest,
         "notice": NOTICE,
     }
+    return dict(said)

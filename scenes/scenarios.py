@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,19 +12,19 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from assur.planner.errors import InputError
-from assur.scenes.bounds import MAX_MESH_BYTES, MAX_TEXT, MAX_YAML_BYTES
+from assur.scenes.bounds import MAX_TEXT, MAX_YAML_BYTES
+from assur.scenes.catalogue import with_robots
 from assur.scenes.documents.model import Document, Instant
 from assur.scenes.documents.read import read
 from assur.scenes.documents.request import RequestDocument
-from assur.scenes.faults import NOTHING, DocumentError, dotted, likeliest
-from assur.scenes.yaml_text import Lines, parse_yaml
+from assur.scenes.faults import NOTHING, DocumentError, likeliest
+from assur.scenes.files import with_meshes
+from assur.scenes.yaml_text import Lines, parse_yaml, with_line
 
 CELLS = Path(__file__).parent / "cells"
 """The shipped scenarios."""
 OF_PLAN = "plan"
 """First part of the fields of a plan that is checked against a scenario; no key of a request."""
-FORMATS = {".stl": "stl", ".obj": "obj", ".ply": "ply", ".glb": "glb"}
-"""Endings of the mesh files that a scenario may name."""
 
 
 class RangeDocument(Document):
@@ -78,7 +76,7 @@ class Scenario:
         except InputError as error:
             if error.field.split(".")[0] == OF_PLAN:
                 raise  # about the plan that is checked: another file, of which there are no lines
-            raise _with_line(error, self.lines, "request.") from error
+            raise with_line(error, self.lines, "request.") from error
 
 
 def load_scenario(path: Path) -> Scenario:
@@ -91,7 +89,7 @@ def load_scenario(path: Path) -> Scenario:
     try:
         read(ScenarioDocument, document)
     except InputError as error:
-        raise _with_line(error, lines, "") from error
+        raise with_line(error, lines) from error
     about = " ".join(document["about"].split())
     return Scenario(path.stem, about, document["request"], document.get("expect", {}), path.parent, lines)
 
@@ -110,49 +108,10 @@ def shipped(name: str) -> Scenario:
     return load_scenario(CELLS / f"{name}.yaml")
 
 
-def _with_line(error: InputError, lines: Lines, prefix: str) -> DocumentError:
-    """The error with the line of its field, or of the innermost mapping around it that the file has."""
-    more = error.more if isinstance(error, DocumentError) else ()
-    field = prefix + error.field
-    line = getattr(error, "line", None)
-    while line is None and field:
-        line = lines.get(field)
-        field = field[: max(field.rfind("."), field.rfind("["), 0)]
-    return DocumentError(error.field, error.value, error.allowed, line=line or 1, more=more)
-
-
 def with_files(request: Any, folder: Path) -> Any:
-    """The request with the bytes of every mesh file that it names, which must lie below `folder`, in their place."""
-    return _inlined(request, (), folder.resolve())
-
-
-def _inlined(value: Any, path: tuple[str | int, ...], folder: Path) -> Any:
-    if isinstance(value, dict):
-        if path and path[-1] == "mesh" and isinstance(value.get("file"), str):
-            return _inlined_mesh(value, path, folder)
-        return {key: _inlined(item, (*path, str(key)), folder) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_inlined(item, (*path, i), folder) for i, item in enumerate(value)]
-    return value
-
-
-def _inlined_mesh(mesh: dict[str, Any], path: tuple[str | int, ...], folder: Path) -> dict[str, Any]:
-    name = mesh["file"]
-    field = dotted((*path, "file"))
-    allowed = f"a file below the scenario's own folder, ending in {', '.join(FORMATS)}"
-    if "\0" in name or Path(name).is_absolute() or Path(name).suffix.lower() not in FORMATS:
-        raise DocumentError(field, name, allowed)
-    found = Path(os.path.normpath(folder / name))
-    # Links are refused, not followed: what a name leads to must be seen from the name.
-    if found.is_relative_to(folder) and not os.path.lexists(found):
-        raise DocumentError(field, name, "a file that exists, below the scenario's own folder; this one does not")
-    if not found.is_relative_to(folder) or found.resolve() != found or not found.is_file():
-        raise DocumentError(field, name, f"{allowed}, and no link")
-    if found.stat().st_size > MAX_MESH_BYTES:
-        raise DocumentError(field, name, f"a file of up to {MAX_MESH_BYTES} bytes")
-    inlined = {key: value for key, value in mesh.items() if key != "file"}
-    inlined.setdefault("format", FORMATS[found.suffix.lower()])
-    return {**inlined, "data": base64.b64encode(found.read_bytes()).decode("ascii")}
+    """The request with what every robot's and mesh file that it names holds, which must lie below `folder`, in its
+    place."""
+    return with_meshes(with_robots(request, folder), folder)
 
 
 def unmet(expect: dict[str, Any], answer: dict[str, Any]) -> list[str]:

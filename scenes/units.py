@@ -33,6 +33,12 @@ def unit_of(key: str, units: tuple[str, ...] | dict[str, str]) -> str | None:
 
 
 @lru_cache(maxsize=4096)
+def any_unit(key: str) -> str | None:
+    """The unit, of SI or a twin, that `key` bears as its suffix; None if it bears none."""
+    return unit_of(key, TWIN_UNITS) or unit_of(key, SI_UNITS)
+
+
+@lru_cache(maxsize=4096)
 def twin_of(key: str) -> str | None:
     """The other way to write an SI key: `at_m` → `at_mm`; None where the key bears no SI unit."""
     if si_key(key) is not None:

@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 
 import yaml
 
+from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_DEPTH, MAX_INTEGER, MAX_YAML_BYTES
 from assur.scenes.faults import DocumentError, Path, dotted
 
@@ -31,6 +32,18 @@ Lines = dict[str, int]
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 """libyaml where PyYAML has it; the events are the same."""
+
+
+def with_line(error: InputError, lines: Lines, prefix: str = "") -> DocumentError:
+    """The error with the line of its field, or of the innermost mapping around it that the file has. `prefix`: where in
+    the file the document is that the error speaks of."""
+    more = error.more if isinstance(error, DocumentError) else ()
+    field = prefix + error.field
+    line = getattr(error, "line", None)
+    while line is None and field:
+        line = lines.get(field)
+        field = field[: max(field.rfind("."), field.rfind("["), 0)]
+    return DocumentError(error.field, error.value, error.allowed, line=line or 1, more=more)
 
 
 class _Open:

@@ -4,7 +4,7 @@ rows      rows of the certificate as it is, by first order only (C2), and withou
 contacts  what the approach axis alone would say of the contacts that are proved
 grown     pairs further apart than the clearance that FCL refuses when the arm is grown by it
 grid      grids of meeting times against one of 1 ms
-sketches  candidates that were timed, and how many of them needed an exact profile
+knots     motions that were timed, what that and their knots cost, and how many splines break a limit
 glances   ways that seem free to a glance, how many of them are, and what a glance costs beside timing and screening
 
 Each part runs the planner as it is, and beside it the planner with the one choice undone. Counts are the same on every
@@ -32,7 +32,6 @@ import assur.planner.collision.proof
 import assur.planner.collision.proof_facts
 import assur.planner.legs.joint
 import assur.planner.legs.meeting
-import assur.planner.timing.sketch
 import assur.planner.timing.solver
 from assur.planner import Scene, plan
 from assur.planner.collision.gjk import separate
@@ -43,7 +42,8 @@ from assur.planner.collision.screening import screen
 from assur.planner.collision.support_gaps import rough_gaps
 from assur.planner.errors import FaultError
 from assur.planner.geometry.shapes import Primitive
-from assur.planner.model.outcome import Plan, Planned, Refusal
+from assur.planner.legs.limits import beyond_limits
+from assur.planner.model.outcome import Plan, Planned, Reason, Refusal
 from assur.planner.model.phases import Phase, phases
 from assur.planner.search.beam import MOST_WAYS
 from assur.planner.search.extension import carried_gently, outline
@@ -51,7 +51,8 @@ from assur.planner.search.meeting_options import options
 from assur.planner.search.partial_plan import Outline, Sample, initial, prepared
 from assur.planner.search.population import Population
 from assur.planner.search.rough_score import Glance
-from assur.planner.timing.profile import finished
+from assur.planner.timing import trajectory_of
+from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.sweep import sweep
 from assur.scenes.requests import scene_of, shipped, shipped_scenarios
 from benchmarks.translation import Manners, request
@@ -278,9 +279,10 @@ def grid(limit: int) -> None:
     OUT.print(made)
 
 
-def sketches(limit: int) -> None:
+def knots(limit: int) -> None:
     """Decision 0008."""
-    seconds: dict[str, list[float]] = {"sketch": [], "cubics": [], "finished": []}
+    seconds: dict[str, list[float]] = {"timed": [], "knots": []}
+    beyond = {"rates": 0, "positions": 0}
 
     def counted(name: str, kept: Callable[..., Any]) -> Callable[..., Any]:
         def inner(*arguments: Any) -> Any:
@@ -291,20 +293,27 @@ def sketches(limit: int) -> None:
 
         return inner
 
-    solver, answer = assur.planner.timing.solver.Solver, assur.planner.timing.solver._Solved
-    made = table("set", "timed", "made exact", "a sketch, µs", "its phases, µs", "a profile more, µs")
+    def checked(scene: Scene, step: int, path: Trajectory) -> Refusal | None:
+        found = beyond_limits(scene, step, path)
+        if found is not None:
+            beyond["positions" if found.reason is Reason.JOINT_LIMIT else "rates"] += 1
+        return found
+
+    solver, joint = assur.planner.timing.solver.Solver, assur.planner.legs.joint
+    made = table("set", "timed", "each, µs", "splines", "each, µs", "break a rate limit", "leave a joint's range")
     for name in SETS:
         for each in seconds.values():
             each.clear()
+        beyond.update(rates=0, positions=0)
         with (
-            swapped(solver, "sketch", counted("sketch", solver.sketch)),
-            swapped(answer, "cubics", counted("cubics", answer.cubics)),
-            swapped(assur.planner.timing.sketch, "finished", counted("finished", finished)),
+            swapped(solver, "raw_profile", counted("timed", solver.raw_profile)),
+            swapped(joint, "trajectory_of", counted("knots", trajectory_of)),
+            swapped(joint, "beyond_limits", checked),
         ):
-            for _ in solved(name, limit):
-                pass
-        middle = [f"{1e6 * np.median(each):.0f}" for each in seconds.values() if each]
-        made.add_row(name, *(str(len(seconds[each])) for each in ("sketch", "finished")), *middle)
+            for _, scene in problems(name, limit):
+                plan(scene)
+        cells = [cell for each in seconds.values() for cell in (str(len(each)), f"{1e6 * np.median(each):.0f}")]
+        made.add_row(name, *cells, *(str(count) for count in beyond.values()))
     OUT.print(made)
 
 
@@ -340,7 +349,7 @@ def glances(limit: int) -> None:
 
 DRAWN = 96
 """Ways that are drawn of each problem."""
-WHAT = {"rows": rows, "contacts": contacts, "grown": grown, "grid": grid, "sketches": sketches, "glances": glances}
+WHAT = {"rows": rows, "contacts": contacts, "grown": grown, "grid": grid, "knots": knots, "glances": glances}
 
 
 def main(

@@ -31,7 +31,7 @@ class Conveyor(KnownLaw):
     changes: tuple[Change, ...] = ()
     at_time: float = 0.0
     valid: tuple[float, float] = ALWAYS
-    _travel: Profile = field(init=False, repr=False, compare=False)
+    drive: Profile = field(init=False, repr=False, compare=False)
     _along: FloatArray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -40,14 +40,14 @@ class Conveyor(KnownLaw):
         object.__setattr__(self, "changes", tuple(self.changes))
         object.__setattr__(self, "at_time", number(self.at_time, "conveyor.at_time", -FURTHEST_S, FURTHEST_S))
         object.__setattr__(self, "valid", interval(self.valid, "conveyor.valid"))
-        object.__setattr__(self, "_travel", ramped(self.speed, self.changes, self.at_time, "conveyor"))
+        object.__setattr__(self, "drive", ramped(self.speed, self.changes, self.at_time, "conveyor"))
         object.__setattr__(self, "_along", np.array([math.cos(self.pose.yaw), math.sin(self.pose.yaw), 0.0]))
 
     def _motion(self, t: FloatArray, /) -> Motion:
-        return travelling(self.pose, self._along, self._travel.evaluate(t))
+        return travelling(self.pose, self._along, self.drive.evaluate(t))
 
     def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
-        speed, acceleration = self._travel.fastest(t0, t1)
+        speed, acceleration = self.drive.fastest(t0, t1)
         return travel_bounds(n, self._along, speed, acceleration)
 
 

@@ -41,8 +41,8 @@ class Keyframes(KnownLaw):
     ends: Ends = "clamped"
     valid: tuple[float, float] = ALWAYS
     _knots: FloatArray = field(init=False, repr=False)
-    _pieces: FloatArray = field(init=False, repr=False)
-    _slack: FloatArray = field(init=False, repr=False)
+    coefficients: FloatArray = field(init=False, repr=False)
+    slack: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         times = frozen(self.times, (None,), "keyframes.times")
@@ -63,13 +63,13 @@ class Keyframes(KnownLaw):
         object.__setattr__(self, "poses", poses)
         object.__setattr__(self, "valid", valid)
         object.__setattr__(self, "_knots", times)
-        object.__setattr__(self, "_pieces", pieces)
-        object.__setattr__(self, "_slack", ROUNDING * _largest(times, pieces))
+        object.__setattr__(self, "coefficients", pieces)
+        object.__setattr__(self, "slack", ROUNDING * _largest(times, pieces))
 
     def _motion(self, t: FloatArray, /) -> Motion:
-        i = np.clip(np.searchsorted(self._knots, t, side="right") - 1, 0, len(self._pieces) - 1)
+        i = np.clip(np.searchsorted(self._knots, t, side="right") - 1, 0, len(self.coefficients) - 1)
         tau = (t - self._knots[i])[..., None]
-        c0, c1, c2, c3 = np.moveaxis(self._pieces[i], -2, 0)
+        c0, c1, c2, c3 = np.moveaxis(self.coefficients[i], -2, 0)
         x = c0 + tau * (c1 + tau * (c2 + tau * c3))
         xd = c1 + tau * (2.0 * c2 + tau * 3.0 * c3)
         xdd = 2.0 * c2 + 6.0 * tau * c3
@@ -79,7 +79,7 @@ class Keyframes(KnownLaw):
 
     def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
         # One row for each piece that an interval touches: where it begins and ends in the piece's own time.
-        first = np.clip(np.searchsorted(self._knots, t0, side="right") - 1, 0, len(self._pieces) - 1)
+        first = np.clip(np.searchsorted(self._knots, t0, side="right") - 1, 0, len(self.coefficients) - 1)
         last = np.maximum(np.searchsorted(self._knots, t1, side="left") - 1, first)
         count = last - first + 1
         begin = np.cumsum(count) - count
@@ -88,12 +88,12 @@ class Keyframes(KnownLaw):
         start, end = self._knots[piece], self._knots[piece + 1]
         low, high = np.maximum(t0[row], start) - start, np.minimum(t1[row], end) - start
 
-        slopes = self._pieces[piece, 1:]
+        slopes = self.coefficients[piece, 1:]
         along = np.einsum("rkx,rx->kr", slopes[..., :3], n[row])
         speed, acceleration = _greatest(along, low, high, end - start)
         rate, rate_d = _greatest(slopes[..., 3].T, low, high, end - start)
         found = np.maximum.reduceat(np.stack([speed, acceleration, rate, rate_d]), begin, axis=1)
-        return LawBounds(*(found + self._slack[:, None]))
+        return LawBounds(*(found + self.slack[:, None]))
 
 
 def _greatest(

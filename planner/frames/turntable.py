@@ -31,7 +31,7 @@ class Turntable(KnownLaw):
     changes: tuple[Change, ...] = ()
     at_time: float = 0.0
     valid: tuple[float, float] = ALWAYS
-    _turn: Profile = field(init=False, repr=False, compare=False)
+    drive: Profile = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pose", placed(self.pose, "turntable.pose"))
@@ -40,10 +40,10 @@ class Turntable(KnownLaw):
         object.__setattr__(self, "changes", tuple(self.changes))
         object.__setattr__(self, "at_time", number(self.at_time, "turntable.at_time", -FURTHEST_S, FURTHEST_S))
         object.__setattr__(self, "valid", interval(self.valid, "turntable.valid"))
-        object.__setattr__(self, "_turn", ramped(self.rate, self.changes, self.at_time, "turntable"))
+        object.__setattr__(self, "drive", ramped(self.rate, self.changes, self.at_time, "turntable"))
 
     def _motion(self, t: FloatArray, /) -> Motion:
-        found = turning(self.pose, self._turn.evaluate(t))
+        found = turning(self.pose, self.drive.evaluate(t))
         found.p[..., 2] += self.rise * (t - self.at_time)
         found.v[..., 2] = self.rise
         return found
@@ -57,7 +57,7 @@ class Turntable(KnownLaw):
         return p, self.pose.yaw + self.rate * (t - self.at_time)
 
     def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
-        return LawBounds(np.abs(n[:, 2] * self.rise), np.zeros(t0.shape), *self._turn.fastest(t0, t1))
+        return LawBounds(np.abs(n[:, 2] * self.rise), np.zeros(t0.shape), *self.drive.fastest(t0, t1))
 
 
 def turning(pose: Pose, angle: Derivatives) -> Motion:

@@ -9,13 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
 from assur.planner.legs.pace import Pace, part
-from assur.planner.timing import Numbers, Settled, Sketch, TimingRefusal, combine
+from assur.planner.timing import Numbers, RawProfile, TimingRefusal
 
 SPARE_S = 1e-12
-"""A way across that is shorter than its time by more than this is timed again, s: before a moving end nothing can stand
-still, and this is what counts as one time when profiles are combined."""
+"""A motion across that is shorter than its time by more than this is timed again, s: before a moving end nothing can
+stand still."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,17 +27,17 @@ class Hop:
     fall: float
 
 
-Vertical = tuple[Sketch | Settled, Sketch | Settled]
-"""The lift joint's way up and its way down."""
+Vertical = tuple[RawProfile, RawProfile]
+"""The lift joint's motion up and its motion down."""
 
 
 def vertical(start: Numbers, goal: Numbers, top: float, pace: Pace) -> Vertical | TimingRefusal:
-    """The fastest ways of the lift joint from the start up to `top` and from there down to the goal."""
+    """The fastest motions of the lift joint from the start up to `top` and from there down to the goal."""
     high = [top], [0.0], [0.0]
-    up = pace.lifting.sketch(part(start, pace.lift), high)
+    up = pace.lifting.raw_profile(part(start, pace.lift), high)
     if isinstance(up, TimingRefusal):
         return up
-    down = pace.lifting.sketch(high, part(goal, pace.lift))
+    down = pace.lifting.raw_profile(high, part(goal, pace.lift))
     return down if isinstance(down, TimingRefusal) else (up, down)
 
 
@@ -48,67 +47,51 @@ def arch(
     hop: Hop,
     pace: Pace,
     duration: float | None,
-    ways: Vertical | TimingRefusal | None = None,
-) -> Arched | TimingRefusal:
+    lifted: Vertical | TimingRefusal | None = None,
+) -> RawProfile | TimingRefusal:
     """The arch from one joint state to another, the fastest or the one that takes `duration` seconds.
 
-    The lift joint goes up and down, the others across, overlapping at the corners where both ends of the way across
-    are at rest; at a moving end there is no time to spare, so the joints across fill it. `ways`: from `vertical`,
-    where they are known already.
+    The lift joint goes up and down, the others across, overlapping at the corners where both ends of the motion across
+    are at rest; at a moving end there is no time to spare, so the joints across fill it. `lifted`: from `vertical`,
+    where it is known already.
     """
-    ways = vertical(start, goal, hop.top, pace) if ways is None else ways
-    if isinstance(ways, TimingRefusal):
-        return ways
-    up, down = ways
+    lifted = vertical(start, goal, hop.top, pace) if lifted is None else lifted
+    if isinstance(lifted, TimingRefusal):
+        return lifted
+    up, down = lifted
     begin, end = part(start, pace.others), part(goal, pace.others)
     resting, arriving = (not (any(state[1]) or any(state[2])) for state in (begin, end))
     before = hop.rise * up.duration if resting else 0.0
     after = hop.fall * down.duration if arriving else 0.0
-    flat = pace.across.sketch(begin, end)
-    if isinstance(flat, TimingRefusal):
-        return flat
-    total = max(before + flat.duration + after, up.duration + down.duration)
+    across = pace.across.raw_profile(begin, end)
+    if isinstance(across, TimingRefusal):
+        return across
+    total = max(before + across.duration + after, up.duration + down.duration)
     if duration is not None:
         if total > duration:
             return TimingRefusal("too short", total - duration, "the arch takes longer")
         total = duration
     if not resting or not arriving:
         # moving ends leave no time to spare at that end: the joints across fill it
-        asked = total - before - after
-        if asked > flat.duration + SPARE_S:
-            flat = pace.across.sketch(begin, end, asked)
-            if isinstance(flat, TimingRefusal):
-                return flat
-    return Arched(up, down, flat, before, total, pace)
+        required = total - before - after
+        if required > across.duration + SPARE_S:
+            across = pace.across.raw_profile(begin, end, required)
+            if isinstance(across, TimingRefusal):
+                return across
+    return _laid_over(start, goal, (up, down), across, before, total, pace)
 
 
-@dataclass(frozen=True, eq=False)
-class Arched:
-    """Three profiles laid over each other: lift up from 0, lift down to the end, the others from `before` on."""
-
-    up: Sketch | Settled
-    down: Sketch | Settled
-    flat: Sketch | Settled
-    before: float
-    total: float
-    pace: Pace
-
-    @property
-    def duration(self) -> float:
-        return self.total
-
-    def positions(self, t: FloatArray) -> FloatArray:
-        """q (T, n) at times t (T,) from the beginning of the arch, the joints standing still before and after."""
-        x = np.empty((len(t), len(self.pace.others) + len(self.pace.lift)))
-        x[:, self.pace.others] = self.flat.positions(t - self.before)
-        lifted, rising = x[:, self.pace.lift[0]], t <= self.up.duration
-        lifted[rising] = self.up.positions(t[rising])[:, 0]
-        lifted[~rising] = self.down.positions(t[~rising] - (self.total - self.down.duration))[:, 0]
-        return x
-
-    def knots(self, offset: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Knots (time, q, q̇, q̈) at the switches of all three, for an arch that begins at `offset` s."""
-        up, down, flat = self.up.profile, self.down.profile, self.flat.profile
-        offsets = (0.0, self.total - down.duration, self.before)
-        whole = combine((up, down, flat), offsets, self.total, (self.pace.lift, self.pace.lift, self.pace.others))
-        return whole.knots(offset)
+def _laid_over(
+    start: Numbers, goal: Numbers, lifted: Vertical, across: RawProfile, before: float, total: float, pace: Pace
+) -> RawProfile:
+    """Up from 0, down to the end, the joints across from `before` on; in between each stands still."""
+    up, down = lifted
+    stands, flat = up.phases.shape[2], across.phases.shape[2]
+    phases = np.zeros((len(start[0]), 2, max(stands + 1 + down.phases.shape[2], 1 + flat)))
+    phases[pace.lift, :, :stands] = up.phases
+    spent = float(up.phases[0, 0].sum() + down.phases[0, 0].sum())
+    phases[pace.lift, 0, stands] = max(0.0, total - spent)
+    phases[pace.lift, :, stands + 1 : stands + 1 + down.phases.shape[2]] = down.phases
+    phases[pace.others, 0, 0] = before
+    phases[pace.others, :, 1 : 1 + flat] = across.phases
+    return RawProfile(total, start, goal, phases)

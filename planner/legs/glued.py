@@ -20,7 +20,7 @@ from assur.planner.legs.tilt import PATH_RAD, tilt_off
 from assur.planner.model.outcome import LegKind, Reason, Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.robots.protocol import Code, Robot
-from assur.planner.timing import Profile, TimingRefusal, time_joints
+from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory
 
 SPACING_S = 0.02
@@ -49,9 +49,9 @@ class _Heights:
     """Height above the point over the block: down, at the point, up; each part may be missing."""
 
     begin: float
-    down: Profile | None
+    down: Trajectory | None
     dwell: float
-    up: Profile | None
+    up: Trajectory | None
 
     @property
     def met(self) -> float:
@@ -68,9 +68,9 @@ class _Heights:
     def switches(self) -> FloatArray:
         found = [np.array([self.begin, self.met, self.left, self.end])]
         if self.down:
-            found.append(self.begin + self.down.switches())
+            found.append(self.begin + self.down.time)
         if self.up:
-            found.append(self.left + self.up.switches())
+            found.append(self.left + self.up.time)
         return np.concatenate(found)
 
     def evaluate(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -124,7 +124,7 @@ def glue(scene: Scene, point: ControlPoint, state: State, mode: int, effort: flo
     return refusal
 
 
-def _way(scene: Scene, point: ControlPoint, high: float, low: float, effort: float) -> Profile | Refusal | None:
+def _way(scene: Scene, point: ControlPoint, high: float, low: float, effort: float) -> Trajectory | Refusal | None:
     """The height profile from `high` to `low` above the point at this share of the limits; None: there is no way."""
     if high == low:
         return None

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from assur.planner.arrays import FloatArray
-from assur.planner.legs.arched import Arched, Hop, Vertical, arch, vertical
+from assur.planner.collision.arrangement import standing
+from assur.planner.legs.arched import Hop, Vertical, arch, vertical
 from assur.planner.legs.branch import Branch
+from assur.planner.legs.limits import beyond_limits
 from assur.planner.legs.meeting import GRID_S
 from assur.planner.legs.pace import Pace
 from assur.planner.legs.passing import passing_velocity
-from assur.planner.legs.state import Knots, State
+from assur.planner.legs.state import State
 from assur.planner.model.outcome import Reason, Refusal
 from assur.planner.model.scene import Scene
-from assur.planner.timing import SHORTEST, Numbers, Settled, Sketch, TimingRefusal
+from assur.planner.timing import SHORTEST, Numbers, RawProfile, TimingRefusal, trajectory_of
+from assur.planner.trajectory import Trajectory
 
 TRIES = 12
 """Calls of Ruckig after which a rendezvous is given up: it converges in three or four."""
@@ -50,41 +51,23 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """A joint leg that meets a branch at row `row` of its grid, at `end`: profiles, each with the time it begins at.
+    """A joint leg that meets a branch at row `row` of its grid. Its last knot is at `end` to the bit, so that it and
+    the control point agree."""
 
-    Knots are made only of what passes screening: most candidates never need them.
-    """
-
-    state: State
-    profiles: tuple[tuple[float, Sketch | Settled | Arched], ...]
-    end: float
+    trajectory: Trajectory
     row: int
 
     @property
     def begin(self) -> float:
-        return self.profiles[0][0]
+        return self.trajectory.start
+
+    @property
+    def end(self) -> float:
+        return self.trajectory.end
 
     def at(self, t: FloatArray) -> FloatArray:
         """q (T, n) at times t, the arm standing still before the leg and after it."""
-        if len(self.profiles) == 1:
-            begin, profile = self.profiles[0]
-            return profile.positions(t - begin)
-        found = np.empty((len(t), len(self.state.q)))
-        which = np.searchsorted([begin for begin, _ in self.profiles[1:]], t, "right")
-        for number, (begin, profile) in enumerate(self.profiles):
-            rows = which == number
-            found[rows] = profile.positions(t[rows] - begin)
-        return found
-
-    def knots(self) -> Knots:
-        """Knots in absolute time; the last is at `end` to the bit, so that it and the control point agree."""
-        parts = [Knots(*(way if isinstance(way, Arched) else way.profile).knots(begin)) for begin, way in self.profiles]
-        result = parts[0]
-        for part in parts[1:]:
-            result = result.then(part)
-        time = result.time.copy()
-        time[-1] = self.end
-        return Knots(time, result.q, result.qd, result.qdd)
+        return standing(self.trajectory, t)
 
 
 class JointMotion:
@@ -100,12 +83,12 @@ class JointMotion:
         ahead: FloatArray | None = None,
         pace: Pace | None = None,
     ) -> None:
-        self.step, self.state, self.shape, self.branch = step, state, shape, branch
+        self.scene, self.step, self.state, self.shape, self.branch = scene, step, state, shape, branch
         self.ahead: list[float] | None = None if ahead is None else ahead.tolist()
         self.pace = Pace(scene.robot.limits, scene.robot.lift, shape.effort) if pace is None else pace
         self.origin: Numbers = (state.q.tolist(), state.qd.tolist(), state.qdd.tolist())
         """Where the last leg sets out: at the arm's state, or at the last via."""
-        self.prefix: list[Sketch | Settled] = []
+        self.prefix: list[RawProfile] = []
         self._verticals: dict[tuple[float, ...], Vertical | TimingRefusal] = {}
 
     def meet(self) -> Reached | Refusal:
@@ -191,17 +174,17 @@ class JointMotion:
         for i, via in enumerate(shape.vias, start=1):
             v = self._passing(stations[i - 1], stations[i], stations[i + 1], via.pace)
             passed: Numbers = (stations[i], v, [0.0] * len(v))
-            found = self.pace.together.sketch(self.origin, passed)
+            found = self.pace.together.raw_profile(self.origin, passed)
             if isinstance(found, TimingRefusal):
                 return Refusal("timing", Reason.MOTION_LIMIT, self.step, detail=f"via: {found.detail}")
             self.prefix.append(found)
             self.origin = passed
         return None
 
-    def _last(self, goal: Numbers, duration: float | None) -> Sketch | Settled | Arched | TimingRefusal:
+    def _last(self, goal: Numbers, duration: float | None) -> RawProfile | TimingRefusal:
         if self.shape.hop is not None:
             return self._arch(self.shape.hop, goal, duration)
-        return self.pace.together.sketch(self.origin, goal, duration)
+        return self.pace.together.raw_profile(self.origin, goal, duration)
 
     def _at_any_time(self, begin: float) -> Reached | Refusal:
         """The way to a point that stands: the fastest."""
@@ -211,16 +194,18 @@ class JointMotion:
             return Refusal("timing", Reason.MOTION_LIMIT, self.step, (), None, last.excess, "s", last.detail)
         return self._reached(last, begin, row, None)
 
-    def _reached(self, last: Sketch | Settled | Arched, begin: float, row: int, end: float | None) -> Reached:
-        """The leg whose last part is `last`; `end` None: when that ends."""
-        parts, at = [], begin
-        for profile in [*self.prefix, last]:
-            parts.append((at, profile))
-            at += profile.duration
-        return Reached(self.state, tuple(parts), at if end is None else end, row)
+    def _reached(self, last: RawProfile, begin: float, row: int, end: float | None) -> Reached | Refusal:
+        """The leg whose last part is `last`, if its spline keeps the limits; `end` None: when that ends."""
+        parts, begins = [*self.prefix, last], [begin]
+        for profile in parts:
+            begins.append(begins[-1] + profile.duration)
+        if end is not None:
+            begins[-1] = end
+        trajectory = trajectory_of(parts, begins)
+        return beyond_limits(self.scene, self.step, trajectory) or Reached(trajectory, row)
 
-    def _arch(self, hop: Hop, goal: Numbers, duration: float | None) -> Arched | TimingRefusal:
-        # on a belt the lift joint meets all later points as it meets the first: its ways are timed once
+    def _arch(self, hop: Hop, goal: Numbers, duration: float | None) -> RawProfile | TimingRefusal:
+        # on a belt the lift joint meets all later points as it meets the first: its motions are timed once
         key = tuple(row[self.pace.lift[0]] for row in goal)
         if key not in self._verticals:
             self._verticals[key] = vertical(self.origin, goal, hop.top, self.pace)

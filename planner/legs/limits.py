@@ -9,7 +9,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.model.outcome import Reason, Refusal
 from assur.planner.model.scene import Scene
-from assur.planner.trajectory import Trajectory, check_limits, keeps_positions, rate_ratios
+from assur.planner.trajectory import Trajectory, check_limits, keeps_limits, keeps_positions, rate_ratios
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,6 +32,20 @@ def rates(scene: Scene, stage: str, step: int, trajectory: Trajectory) -> Rates 
     ratios, ok = rate_ratios(trajectory, limits.velocity, limits.acceleration, limits.jerk)
     velocity, acceleration, jerk = ratios.max(1).tolist()
     return Rates(velocity, acceleration, jerk, ok, ratios)
+
+
+def beyond_limits(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
+    """Whether a joint breaks a limit on the way: moving ends overshoot, and the spline as written is what counts."""
+    limits = scene.robot.limits
+    kinds = limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk
+    if keeps_limits(trajectory, *kinds):
+        return None
+    fast = rates(scene, "limits", step, trajectory)
+    if isinstance(fast, Refusal):
+        return fast
+    if fast.ok:
+        return None
+    return too_fast(scene, "limits", step, fast, "the spline breaks a limit")
 
 
 def too_fast(scene: Scene, stage: str, step: int, fast: Rates, detail: str) -> Refusal:

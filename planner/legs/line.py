@@ -18,11 +18,11 @@ from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.legs.phase_law import PhaseLaw
-from assur.planner.timing import Profile
+from assur.planner.trajectory import Trajectory
 
 Along = Callable[[FloatArray], Motion]
 """The motion of a frame at times (T,)."""
-Phase = Profile | PhaseLaw
+Phase = Trajectory | PhaseLaw
 """s over the time since the leg began."""
 
 
@@ -31,7 +31,8 @@ class Uniform:
 
     duration = 1.0
 
-    def switches(self) -> FloatArray:
+    @property
+    def time(self) -> FloatArray:
         return np.array([0.0, 1.0])
 
     def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -52,7 +52,8 @@ class PhaseLaw:
         """The same shape in `factor` times the duration: rates of order k are divided by factor^k."""
         return replace(self, duration=self.duration * factor)
 
-    def switches(self) -> FloatArray:
+    @property
+    def time(self) -> FloatArray:
         """Times at which the jerk jumps, both ends among them, s."""
         return np.linspace(0.0, self.duration, len(self.jerks) + 1)
 

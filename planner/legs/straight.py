@@ -166,7 +166,7 @@ def _spline(scene: Scene, step: int, state: State, mode: int, line: Line) -> Tra
     """The spline through knots on the line, at all switches and close enough in between."""
     spacing, robot = SPACING_S, scene.robot
     for _ in range(REFINEMENTS):
-        marks = np.unique(np.append(line.begin + line.phase.switches(), line.end))
+        marks = np.unique(np.append(line.begin + line.phase.time, line.end))
         t = spaced(marks, spacing)
         path = line.motion(np.append(t, (t[1:] + t[:-1]) / 2))
         motion, between = path[: len(t)], path[len(t) :]

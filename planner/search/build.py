@@ -8,7 +8,7 @@ import numpy as np
 
 from assur.planner.frames.motion import Pose
 from assur.planner.legs.control_point import ControlPoint
-from assur.planner.legs.limits import rates, too_fast
+from assur.planner.legs.limits import beyond_limits
 from assur.planner.legs.state import Knots, State, Stretch
 from assur.planner.legs.tool_motion import RESERVE, carrying_peak
 from assur.planner.model.assembly_mode import leaves_assembly
@@ -17,7 +17,7 @@ from assur.planner.model.phases import Phase, held, moved_parts, phases
 from assur.planner.model.scene import Pick, Place, Scene
 from assur.planner.search.partial_plan import Chain, Draft, Sample
 from assur.planner.timing import TimingRefusal, time_joints
-from assur.planner.trajectory import Trajectory, keeps_limits
+from assur.planner.trajectory import Trajectory
 
 STILL = 1e-9
 """A last joint rate below this is rounding, rad/s or m/s (an acceleration: a thousand times as much)."""
@@ -56,7 +56,7 @@ def assembled(
     if unknown is not None:
         return unknown
     trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
-    beyond = _beyond(scene, chain.step, trajectory) or leaves_assembly(scene.robot, chain.step, trajectory)
+    beyond = beyond_limits(scene, chain.step, trajectory) or leaves_assembly(scene.robot, chain.step, trajectory)
     if beyond is not None:
         return beyond
     legs = tuple(Leg(s.kind, chain.step, float(s.knots.time[0]), float(s.knots.time[-1]), s.note) for s in stretches)
@@ -129,12 +129,11 @@ def _to_rest(scene: Scene, step: int, state: State, pace: float) -> Stretch | Re
     # what an even braking over that time covers
     target = np.clip(state.q + state.qd * duration / 2, limits.lower, limits.upper)
     none = np.zeros_like(state.q)
-    found = time_joints(
-        state.q, state.qd, state.qdd, target, none, none, limits.velocity, limits.acceleration, limits.jerk
-    )
+    rates = limits.velocity, limits.acceleration, limits.jerk
+    found = time_joints(state.q, state.qd, state.qdd, target, none, none, *rates, begin=state.time)
     if isinstance(found, TimingRefusal):
         return Refusal("timing", Reason.MOTION_LIMIT, step, detail=found.detail)
-    return Stretch(LegKind.MOVE, Knots(*found.knots(state.time)), "comes to rest")
+    return Stretch(LegKind.MOVE, Knots.of(found), "comes to rest")
 
 
 def laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
@@ -147,20 +146,6 @@ def laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
             detail = f"the law of {frame.name} ends at {frame.law.valid[1]:g} s"
             return Refusal("timing", Reason.LAW_ENDS, step, (frame.name,), None, late, "s", detail)
     return None
-
-
-def _beyond(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
-    """Whether a joint breaks a limit on the way: moving ends overshoot, and the spline as written is what counts."""
-    limits = scene.robot.limits
-    kinds = limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk
-    if keeps_limits(trajectory, *kinds):
-        return None
-    fast = rates(scene, "limits", step, trajectory)
-    if isinstance(fast, Refusal):
-        return fast
-    if fast.ok:
-        return None
-    return too_fast(scene, "limits", step, fast, "the spline breaks a limit")
 
 
 def arrival(scene: Scene, point: ControlPoint, trajectory: Trajectory, begin: float, end: float) -> Arrival:

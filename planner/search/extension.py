@@ -80,7 +80,7 @@ def finished(scene: Scene, way: Outline) -> Draft | Refusal:
         way.chain,
         way.meeting.point,
         way.sample,
-        Stretch(LegKind.ARCH if shape.hop else LegKind.MOVE, way.reached.knots(), shape.family),
+        Stretch(LegKind.ARCH if shape.hop else LegKind.MOVE, Knots.of(way.reached.trajectory), shape.family),
     )
 
 

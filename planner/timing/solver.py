@@ -12,25 +12,23 @@ R7  Motions of any length are answered: refused beyond `LONGEST`.
 R8  Vectors of the wrong length read foreign memory: lengths checked here.
 R9  Positions overshoot when ends move, and there are no position limits: for the caller to check, on extrema.
 R10 Infinite limits switch to another family of profiles: finite limits only.
+R11 It promises to end within 1e-8 of its goal: the phases are summed up here, and a miss is refused.
 R12 It holds the GIL: processes, never threads. A `Solver` keeps the library's objects, of which making takes as long as
-    a question from rest to rest: every field that is ever set is set anew at every call, and answers are never shared.
-R13 Asked for the state at a time that is not a number it reads foreign memory, or dies: only finite ones are asked.
+    a motion from rest to rest: every field that is ever set is set anew at every call, and answers are never shared.
+R13 At a time that is not a number it reads foreign memory, or dies: no state is read from it, only its phases.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from itertools import accumulate
 from typing import Any
 
+import numpy as np
 import ruckig
 
 from assur.planner.arrays import FloatArray
-from assur.planner.errors import FaultError
-from assur.planner.timing.ends import Cubics, aside
-from assur.planner.timing.profile import Profile
-from assur.planner.timing.question import (
+from assur.planner.kernels.knots import missed_goal
+from assur.planner.timing.inputs import (
     STATE_NAMES,
     Allowed,
     Limits,
@@ -42,23 +40,25 @@ from assur.planner.timing.question import (
     lowered_limits,
     numbers,
 )
-from assur.planner.timing.sketch import Settled, Sketch
-from assur.planner.timing.straight import straight
+from assur.planner.timing.raw_profile import RawProfile, trajectory_of
+from assur.planner.trajectory import Trajectory
 
 RESIDUAL = 1e-9
-"""rad/s, m/s, rad/s², m/s². Slower than this counts as at rest for the solver; the end states stay as asked."""
+"""rad/s, m/s, rad/s², m/s². Slower than this counts as at rest for the solver; the end states stay as given."""
 LONGEST = 600.0
 """s. No motion of a cell's robot takes ten minutes; beyond 7600 s the solver answers nonsense."""
 DURATION_TOLERANCE = 1e-11
 """s. A duration is met when the solver keeps it to this: a hundred times its rounding, and 1e-7 rad/s² of end state."""
-BRIEF = 0.05
-"""s. Shorter motions from rest to rest go straight if that takes no longer: the solver's switches, each joint having
-its own, then crowd within microseconds once in a thousand times, and knots cannot follow them."""
 SHORTEST = 1e-3
 """s. What the fastest motion from rest to rest takes at least, also that to where the arm is: a controller's cycle. A
 goal that differs from the start by rounding would otherwise take a microsecond, too short for knots."""
+ONE_QUINTIC = 1.25e-3
+"""s. How long what would take less than `SHORTEST` takes: one quintic instead of phases that the solver knows to 1e-9
+rad, which is a jerk of 60 rad/s³ over a millisecond. The jerk of a quintic asks for (60/32)^⅓ = 1.233 times as long."""
 RETRIES = (1.0, 0.99, 0.95)
 """Factors on the solver's jerk limit, tried in turn when its root finding fails on a legal problem."""
+END_POSITION, END_VELOCITY, END_ACCELERATION = 1e-7, 1e-7, 1e-6
+"""rad or m, and s. What the solver may miss an end state by: it promises 1e-8; more cannot be trusted."""
 
 
 def time_joints(
@@ -72,23 +72,24 @@ def time_joints(
     acceleration: FloatArray,
     jerk: FloatArray,
     duration: float | None = None,
-) -> Profile | TimingRefusal:
+    begin: float = 0.0,
+) -> Trajectory | TimingRefusal:
     """The fastest motion from state 0 to state 1 in which all joints arrive together, or the one of `duration`.
 
     The limits are the robot's own: the solver is given `JERK_RESERVE` and `RATE_RESERVE` less, so that the spline
-    through the knots keeps them, but never less than what the two states need.
+    through the knots keeps them in all but one of some thousand motions, but never less than what the two states need.
 
     Arguments: positions, velocities, accelerations of n joints, each (n,), rad or m, and symmetric limits (n,);
-    `duration` in s or None. From rest to rest the fastest motion takes `SHORTEST` at least. Positions may leave the box
-    of start and goal: not checked here, like every position limit.
+    `duration` in s or None; `begin`: when it begins, s. From rest to rest the fastest motion takes `SHORTEST` at least.
+    Positions may leave the box of start and goal: not checked here, like every position limit.
 
-    Raises `InputError` for lengths that differ, numbers that are not finite, limits that are not positive, a negative
-    duration. Source: Berscheid and Kröger, Jerk-limited Real-time Trajectory Generation with Arbitrary Target States
+    Raises `InputError` for lengths that differ, numbers that are not finite, limits that are not positive, a duration
+    that is not. Source: Berscheid and Kröger, Jerk-limited Real-time Trajectory Generation with Arbitrary Target States
     (RSS 2021), by way of the library `ruckig`.
     """
     q0_, v0_, a0_, q1_, v1_, a1_, *limits = numbers((q0, v0, a0, q1, v1, a1, velocity, acceleration, jerk))
-    found = Solver(*limits).sketch((q0_, v0_, a0_), (q1_, v1_, a1_), duration)
-    return found if isinstance(found, TimingRefusal) else found.profile
+    found = Solver(*limits).raw_profile((q0_, v0_, a0_), (q1_, v1_, a1_), duration)
+    return found if isinstance(found, TimingRefusal) else trajectory_of([found], [begin, begin + found.duration])
 
 
 class Solver:
@@ -103,39 +104,33 @@ class Solver:
         self._n = len(velocity)
         self._ruckig, self._given = ruckig.Ruckig(self._n), ruckig.InputParameter(self._n)
 
-    def sketch(self, start: Numbers, goal: Numbers, duration: float | None = None) -> Sketch | Settled | TimingRefusal:
-        """`time_joints` without the profile, which is made when it is asked for: candidates are looked at first."""
+    def raw_profile(self, start: Numbers, goal: Numbers, duration: float | None = None) -> RawProfile | TimingRefusal:
+        """What `time_joints` makes a trajectory of."""
         accepted_duration(duration)
         lowered = self._lowered(start, goal)
         if duration is not None and not duration <= LONGEST:
-            return TimingRefusal("too long", duration - LONGEST, f"{duration} s asked, {LONGEST} s allowed")
+            excess = duration - LONGEST
+            return TimingRefusal("too long", excess, f"{duration} s are required, {LONGEST} s are allowed")
         if isinstance(lowered, TimingRefusal):
             return lowered
         found = self._solve(start, goal, lowered, duration)
         if isinstance(found, TimingRefusal):
             return found
-        if found.duration < BRIEF and _at_rest(start, goal):
-            brief = straight(
-                start[0], goal[0], lowered, max(found.duration, SHORTEST) if duration is None else duration
-            )
-            if brief is not None:
-                return Settled(brief)
+        if duration is None and found.duration < SHORTEST and _at_rest(start, goal):
+            return RawProfile(ONE_QUINTIC, start, goal, np.zeros((self._n, 2, 1)))
         taken = float(found.duration) if duration is None else duration
-        for number, ends in enumerate(zip(*found.at_time(taken), *goal, strict=True)):
-            miss = aside(*ends)
-            if not miss <= 1:
-                return TimingRefusal("unsound", miss, f"the solver misses the goal of joint {number}")
-        return Sketch(taken, start, goal, _Solved(found, lowered))
+        return _sound(RawProfile(taken, start, goal, _phases(found)))
 
     def shortest(self, start: Numbers, goal: Numbers) -> float | TimingRefusal:
-        """How long the fastest motion takes, s: the duration of `sketch`."""
+        """How long the fastest motion takes, s: the duration of `raw_profile`."""
         lowered = self._lowered(start, goal)
         if isinstance(lowered, TimingRefusal):
             return lowered
         found = self._solve(start, goal, lowered, None)
         if isinstance(found, TimingRefusal):
             return found
-        return max(found.duration, SHORTEST) if _at_rest(start, goal) else float(found.duration)
+        brief = found.duration < SHORTEST and _at_rest(start, goal)
+        return ONE_QUINTIC if brief else float(found.duration)
 
     def _lowered(self, start: Numbers, goal: Numbers) -> Limits | TimingRefusal:
         accepted(STATE_NAMES, (*start, *goal), self._n)
@@ -166,14 +161,33 @@ class Solver:
         return TimingRefusal("no profile", math.nan, failure.splitlines()[0] if failure else "")
 
 
+def _phases(found: Any) -> FloatArray:
+    """Durations and jerks (n, 2, 9) of the solver's phases, brake phases first."""
+    joints = []
+    for joint in found.profiles[0]:
+        brake = joint.brake
+        joints.append((brake.t + joint.t, brake.j + joint.j))
+    return np.array(joints)
+
+
+def _sound(profile: RawProfile) -> RawProfile | TimingRefusal:
+    """The profile, if its phases end where they should."""
+    start, goal = np.array([profile.begin, profile.goal])
+    tolerances = END_POSITION, END_VELOCITY, END_ACCELERATION
+    miss = missed_goal(start, goal, profile.phases, profile.duration, *tolerances)
+    if not miss <= 1:
+        return TimingRefusal("unsound", miss, "the solver misses its goal")
+    return profile
+
+
 def _unfit(found: Any, duration: float | None) -> TimingRefusal | None:
-    """Why the duration found is not the one asked for, or too long."""
+    """Why the duration found is not the one required, or too long."""
     if duration is not None and not found.duration <= duration + DURATION_TOLERANCE:
         least = max(found.independent_min_durations)
         return TimingRefusal(
             "blocked" if least <= duration else "too short",
             found.duration - duration,
-            f"{duration} s asked, joints alone take {least} s, together the next possible is {found.duration} s",
+            f"{duration} s required, joints alone take {least} s, together the next possible is {found.duration} s",
         )
     if not found.duration <= LONGEST:
         return TimingRefusal("too long", found.duration - LONGEST, f"takes {found.duration} s, {LONGEST} s allowed")
@@ -186,33 +200,3 @@ def _at_rest(start: Numbers, goal: Numbers) -> bool:
 
 def _still(row: Row) -> Row:
     return [x if abs(x) >= RESIDUAL else 0.0 for x in row] if any(row) else row
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Solved:
-    """An answer of the solver to the limits that it was given."""
-
-    found: Any
-    lowered: Limits
-
-    def positions(self, times: list[float]) -> list[Row]:
-        # R13; the sum is finite only if every time is
-        if not math.isfinite(sum(times)):
-            raise FaultError("a motion has positions at finite times only")
-        at = self.found.at_time
-        return [at(t)[0] for t in times]
-
-    def cubics(self) -> list[Cubics]:
-        """The solver's phases, brake phases included."""
-        joints = self.found.profiles[0]
-        braked = any(joint.brake.duration > 0 for joint in joints)
-        cubics = []
-        for number, joint in enumerate(joints):
-            t, p, v, a, j = joint.t, joint.p, joint.v, joint.a, joint.j
-            if braked:
-                brake = joint.brake
-                t, p, v, a, j = brake.t + t, brake.p + p, brake.v + v, brake.a + a, brake.j + j
-            # The solver lets a joint that is there early go on with constant acceleration: one more phase.
-            most = max(self.lowered.acceleration[number], -self.lowered.braking[number])
-            cubics.append(Cubics([0.0, *accumulate(t)], p, v, a, [*j, 0.0], most, self.lowered.jerk[number]))
-        return cubics

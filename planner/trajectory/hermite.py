@@ -15,8 +15,7 @@ last of them at its ends. T2 starts at the velocity, where q1 − q0 is an exact
 differences of T1 would carry the rounding of q into the jerk.
 
 Rounding: q is known to u|q|, u = 2⁻⁵³, so jerk is known to 60·2u|q|/h³ at best. That is a property of the knots, not
-of the arithmetic here: see `assur.planner.trajectory.rounding` for how to round knots so that short pieces keep their
-jerk.
+of the arithmetic here, and why knots are not set closer than some 10 µs (`assur.planner.kernels.knots`).
 """
 
 from __future__ import annotations

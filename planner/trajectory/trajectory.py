@@ -13,17 +13,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from itertools import pairwise
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray, frozen
-from assur.planner.errors import FaultError, InputError
+from assur.planner.errors import InputError
 from assur.planner.trajectory.extremum import span
 from assur.planner.trajectory.hermite import hulls, powers
-from assur.planner.trajectory.joining import clipped, joined, meet
 from assur.planner.trajectory.jumps import doubled
-from assur.planner.trajectory.rounding import defect, moved, settled
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,6 +181,13 @@ class Trajectory:
             value[outside] = np.nan
         return value
 
+    def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """q, q̇, q̈ (T, n) at times t (T,) within [start, end]; the end state is exact."""
+        q, qd, qdd = self.states_on_piece(*self.piece(t))
+        last = t == self.time[-1]
+        q[last], qd[last], qdd[last] = self.q[-1], self.qd[-1], self.qdd[-1]
+        return q, qd, qdd
+
     def state(self, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """q, q̇, q̈ at one time, each (n,)."""
         return self.evaluate(t), self.evaluate(t, 1), self.evaluate(t, 2)
@@ -202,44 +206,6 @@ class Trajectory:
                 return np.where(leap, -np.inf, low), np.where(leap, np.inf, high)
             low, high = np.minimum(low, self.qdd.min(0)), np.maximum(high, self.qdd.max(0))
         return low, high
-
-    def shifted(self, by: float) -> Trajectory:
-        """The same motion `by` seconds later. Knots follow their rounded times, so that no piece changes its jerk."""
-        time, rest = moved(self.time, by)
-        wait = -rest[:, None]
-        if self.jumps:
-            # q̇ stays, to be the same on both sides of a jump
-            return Trajectory(time, self.q + wait * self.qd, self.qd, self.qdd, jumps=True)
-        q, qd = self.q + wait * self.qd, self.qd + wait * self.qdd
-        h = time[1:] - time[:-1]
-        left_over = defect(h, q, qd, self.qdd) - defect(self.steps, self.q, self.qd, self.qdd)
-        return Trajectory(time, q, *settled(h, qd, self.qdd, left_over))
-
-    def join(self, *others: Trajectory) -> Trajectory:
-        """This trajectory and then the others. Where two meet, the knot of the earlier one stays.
-
-        Where one of two that meet may jump and they differ in acceleration, the meeting becomes a jump.
-
-        Raises `FaultError` where time or state at a meeting differ by more than the `MEETING_…` tolerances.
-        """
-        parts = (self, *others)
-        for number, (a, b) in enumerate(pairwise(parts)):
-            meet(number, a, b)
-        knots = (self.time, self.q, self.qd, self.qdd)
-        for part in others:
-            knots = joined(knots, (part.time, part.q, part.qd, part.qdd))
-        return Trajectory(*knots, jumps=any(part.jumps for part in parts))
-
-    def clip(self, t0: float, t1: float) -> Trajectory:
-        """The motion over [t0, t1], the same polynomials: a piece of a quintic is the quintic of its ends.
-
-        A jump at t0 or t1 stays if it is the trajectory's own begin or end; else what is right of t0 and left of t1.
-
-        Raises `FaultError` unless start <= t0 < t1 <= end.
-        """
-        if not self.start <= t0 < t1 <= self.end:
-            raise FaultError(f"cannot clip [{self.start}, {self.end}] s to [{t0}, {t1}] s")
-        return Trajectory(*clipped(self, t0, t1), jumps=self.jumps)
 
 
 def _closed(array: FloatArray) -> FloatArray:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from assur.planner.model.scene import Clearance, Execution, Options, Pick, Scene, Step
 from assur.scenes.build import bodies, frames, neighbours, robots, task
-from assur.scenes.catalogue.arm import Conventions
+from assur.scenes.conventions import Conventions
 from assur.scenes.documents.request import OptionsDocument, RequestDocument
 from assur.scenes.faults import fault, located
 

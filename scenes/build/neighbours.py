@@ -13,36 +13,41 @@ from assur.planner.geometry.shapes import Body
 from assur.planner.model.scene import WorldBody
 from assur.scenes.build import robots
 from assur.scenes.build.bodies import Places
-from assur.scenes.catalogue.arm import Conventions, converted
-from assur.scenes.documents.robots import NeighbourDocument, TrajectoryDocument
+from assur.scenes.conventions import Conventions, converted
+from assur.scenes.documents import answer
+from assur.scenes.documents.robots import NeighbourDocument
 from assur.scenes.faults import Path, fault, located
 
 if TYPE_CHECKING:
     from assur.planner.trajectory import Trajectory
 
 
-def trajectory_of(document: object, path: Path, item: TrajectoryDocument, conventions: Conventions) -> Trajectory:
+def trajectory_of(document: object, path: Path, item: answer.Trajectory, conventions: Conventions) -> Trajectory:
     """The planner's trajectory from one in the maker's convention. Raises `DocumentError` at the field at fault."""
     from assur.planner.trajectory import Trajectory
 
     names = [joint.name for joint in conventions]
     units = [joint.unit for joint in conventions]
-    if item.joint_names != names:
+    if item["joint_names"] != names:
         raise fault(document, (*path, "joint_names"), f"{names}")
-    if item.joint_units != units:
+    if item["joint_units"] != units:
         raise fault(document, (*path, "joint_units"), f"{units}")
     arrays = []
-    for key in ("position", "velocity", "acceleration"):
-        rows = getattr(item, key)
-        if len(rows) != len(item.time_s):
-            raise fault(document, (*path, key), f"{len(item.time_s)} rows, one for each time")
+    times = item["time_s"]
+    for key, rows in (
+        ("position", item["position"]),
+        ("velocity", item["velocity"]),
+        ("acceleration", item["acceleration"]),
+    ):
+        if len(rows) != len(times):
+            raise fault(document, (*path, key), f"{len(times)} rows, one for each time")
         for k, row in enumerate(rows):
             if len(row) != len(names):
                 raise fault(document, (*path, key, k), f"{len(names)} numbers, one for each joint")
         arrays.append(converted(np.array(rows, dtype=np.float64), conventions))
     try:
         q, qd, qdd = arrays
-        return Trajectory(np.array(item.time_s, dtype=np.float64), q, qd, qdd, jumps=item.acceleration_jumps)
+        return Trajectory(np.array(times, dtype=np.float64), q, qd, qdd, jumps=item.get("acceleration_jumps", False))
     except InputError as error:
         key = "time_s" if "time" in error.field else ""
         raise fault(document, (*path, key) if key else path, error.allowed) from error
@@ -61,7 +66,8 @@ def add_neighbour(
     if item.trajectory.acceleration_jumps:
         allowed = "false: a neighbour's links are frames, and the acceleration of a frame does not jump"
         raise fault(document, (*path, "trajectory", "acceleration_jumps"), allowed)
-    trajectory = trajectory_of(document, (*path, "trajectory"), item.trajectory, its_arm.conventions)
+    spelt: answer.Trajectory = item.trajectory.model_dump()  # type: ignore[assignment]
+    trajectory = trajectory_of(document, (*path, "trajectory"), spelt, its_arm.conventions)
     if not (trajectory.rest_at_start and trajectory.rest_at_end):
         allowed = "rest at its first and last knot: it stands still before and after"
         raise fault(document, (*path, "trajectory", "velocity"), allowed)

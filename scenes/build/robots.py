@@ -13,11 +13,11 @@ from assur.planner.model.scene import Start, Tool
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.protocol import Limits, Robot
 from assur.scenes.bounds import FAR_M
+from assur.scenes.build.arms import BuiltArm, built, turned_over
 from assur.scenes.build.bodies import attached
 from assur.scenes.build.frames import placed, pose_of
-from assur.scenes.build.inline_arms import FAMILIES, inline_arm, turned_over
 from assur.scenes.catalogue import arm_named
-from assur.scenes.catalogue.arm import Arm, Conventions, JointConvention, converted, places
+from assur.scenes.conventions import Conventions, JointConvention, converted, places
 from assur.scenes.documents.robots import (
     JointValues,
     LimitsDocument,
@@ -29,26 +29,28 @@ from assur.scenes.faults import Path, fault, located
 from assur.scenes.units import from_si, si_key, twin_of
 
 
-def arm(document: object, path: Path, robot: RobotDocument) -> Arm:
-    """The arm of the catalogue, or the inline one. Raises `DocumentError` at the field at fault."""
-    for family in FAMILIES:
-        item = getattr(robot, family)
-        if item is not None:
-            return inline_arm(document, (*path, family), family, item)
+def arm(document: object, path: Path, robot: RobotDocument) -> BuiltArm:
+    """The arm that is written out, or the shipped one that is named. Raises `DocumentError` at the field at fault."""
+    given = robot.written_out()
+    if given is not None:
+        family, item = given
+        return built(document, (*path, family), family, item)
+    if robot.file is not None:
+        raise fault(document, (*path, "file"), "a model, or an arm written out: a request never names a file")
     try:
         return arm_named(str(robot.model))
     except InputError as error:
         raise fault(document, (*path, "model"), error.allowed) from None
 
 
-def robot(document: object, path: Path, item: RobotDocument, of: Arm) -> Robot:
+def robot(document: object, path: Path, item: RobotDocument, of: BuiltArm) -> Robot:
     """The robot at its base, with its limits narrowed."""
     limits = _narrowed(document, (*path, "limits"), item.limits, of)
     with located(document, *path):
         return of.robot(pose_of(item.base), limits)
 
 
-def tool(document: object, path: Path, item: ToolDocument, of: Arm) -> Tool:
+def tool(document: object, path: Path, item: ToolDocument, of: BuiltArm) -> Tool:
     """The tool in the planner's flange frame, whose z axis points up."""
     bodies = tuple(attached(document, (*path, "bodies", i), body) for i, body in enumerate(item.bodies))
     tcp = placed(item.tcp_m, item.tcp_yaw_rad)
@@ -133,7 +135,7 @@ def _key(joint: JointConvention, rate: str = "") -> str:
     return f"{joint.name}_{joint.unit}{rate}"
 
 
-def _narrowed(document: object, path: Path, item: LimitsDocument, of: Arm) -> Limits:
+def _narrowed(document: object, path: Path, item: LimitsDocument, of: BuiltArm) -> Limits:
     limits = of.limits
     ranges = item.model_extra or {}
     lower, upper = limits.lower, limits.upper
@@ -149,7 +151,9 @@ def _rates(limits: Limits) -> tuple[FloatArray, FloatArray, FloatArray]:
     return limits.velocity, limits.acceleration, limits.jerk
 
 
-def _ranges(document: object, path: Path, ranges: dict[str, Sequence[float]], of: Arm) -> tuple[FloatArray, FloatArray]:
+def _ranges(
+    document: object, path: Path, ranges: dict[str, Sequence[float]], of: BuiltArm
+) -> tuple[FloatArray, FloatArray]:
     lower, upper = of.limits.lower.copy(), of.limits.upper.copy()
     keys, own = [_key(joint) for joint in of.conventions], places(of.conventions)
     for key, (first, last) in ranges.items():

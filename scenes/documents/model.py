@@ -130,8 +130,11 @@ def _twin_of_field(field: dict[str, Any]) -> dict[str, Any]:
     copy = {key: value for key, value in field.items() if key not in left_out}
     if isinstance(copy.get("items"), dict):
         copy["items"] = _twin_of_field(copy["items"])
-    if "anyOf" in copy:
-        copy["anyOf"] = [_twin_of_field(option) for option in copy["anyOf"]]
+    for union in ("anyOf", "oneOf"):
+        if union in copy:
+            copy[union] = [_twin_of_field(option) for option in copy[union]]
+    if "value" in copy.get("properties", ()):  # a fact with status and source
+        copy["properties"] = {**copy["properties"], "value": _twin_of_field(copy["properties"]["value"])}
     return copy
 
 

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Sequence
+from functools import cache
 from types import UnionType
-from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
+from typing_extensions import get_type_hints, is_typeddict
 
 from assur.planner.errors import FaultError
 from assur.scenes.bounds import FAR_M
 from assur.scenes.documents.model import NAME, REFERENCE
+from assur.scenes.documents.stated import PLAIN, STATED
 from assur.scenes.faults import DocumentError, Path, as_written, dotted, likeliest
-from assur.scenes.units import SI_UNITS, TWIN_UNITS, from_si, si_key, twin_of, unit_of
-
-Model = TypeVar("Model", bound=BaseModel)
+from assur.scenes.units import SI_UNITS, any_unit, from_si, si_key, twin_of, unit_of
 
 MAX_FAULTS = 20
 """Faults that are told of one document; a reader needs no more at once."""
@@ -45,13 +46,14 @@ COMPARISONS = {
 }
 
 
-def read(model: type[Model], document: object, prefix: Path = ()) -> Model:
-    """The document as `model`. Raises `DocumentError`: unknown fields first, for they are usually misspelt others.
+def read(model: Any, document: object, prefix: Path = ()) -> Any:
+    """The document as `model`, a pydantic model or a TypedDict.
 
-    `prefix`: where the document is, if it is part of another.
+    `prefix`: where the document is, if it is part of another. Raises `DocumentError`: unknown fields first, for they
+    are usually misspelt others.
     """
     try:
-        return model.model_validate(document)
+        return _adapter(model).validate_python(document)
     except ValidationError as error:
         faults = sorted(
             error.errors(include_url=False, include_input=False),
@@ -63,18 +65,21 @@ def read(model: type[Model], document: object, prefix: Path = ()) -> Model:
         raise DocumentError(dotted((*prefix, *first[0])), first[1], first[2], more=more) from None
 
 
-def _fault(model: type[BaseModel], document: object, error: dict[str, Any]) -> tuple[Path, object, str]:
+@cache
+def _adapter(model: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(model)
+
+
+def _fault(model: Any, document: object, error: dict[str, Any]) -> tuple[Path, object, str]:
     kind, context = error["type"], error.get("ctx", {})
-    location: Path = tuple(part for part in error["loc"] if part != "[key]")
+    location: Path = tuple(part for part in error["loc"] if part not in ("[key]", PLAIN, STATED))
     if "keys" in context:
         location += tuple(context["keys"][:1])
     path, value = as_written(document, location)
     return path, value, _allowed(model, kind, context, location, path, value)
 
 
-def _allowed(
-    model: type[BaseModel], kind: str, context: dict[str, Any], location: Path, path: Path, value: object
-) -> str:
+def _allowed(model: Any, kind: str, context: dict[str, Any], location: Path, path: Path, value: object) -> str:
     if "allowed" in context:
         return str(context["allowed"])
     if kind == "missing":
@@ -106,7 +111,7 @@ def _allowed(
         return f"text that matches {context['pattern']}"
     if kind in ("model_type", "model_attributes_type"):
         here = _model_in(_annotation(model, location))
-        names = [] if here is None else [field.alias or name for name, field in here.model_fields.items()]
+        names = [] if here is None else list(_fields(here))
         return TYPES[kind] + (f": {', '.join(names)}" if 0 < len(names) <= FEW_FIELDS else "")
     return TYPES.get(kind, kind.replace("_", " "))
 
@@ -127,12 +132,12 @@ def _in_unit_written(limit: float, path: Path) -> str:
     return f"{limit:.6g}"
 
 
-def _known(model: type[BaseModel], location: Path, value: object) -> str:
+def _known(model: Any, location: Path, value: object) -> str:
     """The fields that the model at `location` has, both ways to write each, and the likeliest that was meant."""
     here = _model_in(_annotation(model, location[:-1]))
     if here is None:
         raise FaultError(f"no model has the fields around {dotted(location)}")
-    fields = {field.alias or name: field.annotation for name, field in here.model_fields.items()}
+    fields = _fields(here)
     known = f"one of {', '.join(f'{n}/{twin_of(n)}' if twin_of(n) else n for n in sorted(fields))}"
     key = str(location[-1])
     meant = [n for n in fields if _stem(n) == _stem(key) and _takes(fields[n], value)]
@@ -144,7 +149,7 @@ def _known(model: type[BaseModel], location: Path, value: object) -> str:
 
 def _stem(key: str) -> str:
     """A key without the unit that it bears: `at_m`, `at_mm` and `at` have one stem."""
-    unit = unit_of(key, TWIN_UNITS) or unit_of(key, SI_UNITS)
+    unit = any_unit(key)
     return key if unit is None else key[: -len(unit)].removesuffix("_")
 
 
@@ -155,7 +160,7 @@ def _takes(annotation: Any, value: object) -> bool:
     return lists if isinstance(value, list) else mappings if isinstance(value, dict) else not (lists or mappings)
 
 
-def _annotation(model: type[BaseModel], location: Path) -> Any:
+def _annotation(model: Any, location: Path) -> Any:
     """The type at `location` of a document of `model`, inside optionals, lists and mappings; None: nothing is there."""
     here: Any = model
     for part in location:
@@ -165,8 +170,7 @@ def _annotation(model: type[BaseModel], location: Path) -> Any:
 
 def _below(option: Any, part: str | int) -> Any:
     if _is_model(option):
-        fields = option.model_fields.items()
-        return next((field.annotation for name, field in fields if part in (name, field.alias)), None)
+        return _fields(option).get(str(part))
     return get_args(option)[-1] if get_origin(option) in (list, dict) else None
 
 
@@ -180,10 +184,17 @@ def _options(annotation: Any) -> tuple[Any, ...]:
 
 
 def _is_model(option: Any) -> bool:
-    return isinstance(option, type) and issubclass(option, BaseModel)
+    return is_typeddict(option) or (isinstance(option, type) and issubclass(option, BaseModel))
 
 
-def _model_in(annotation: Any) -> type[BaseModel] | None:
+def _fields(model: Any) -> dict[str, Any]:
+    """Key → type of each field of a model, as a document writes it."""
+    if is_typeddict(model):
+        return get_type_hints(model)
+    return {field.alias or name: field.annotation for name, field in model.model_fields.items()}
+
+
+def _model_in(annotation: Any) -> Any:
     return next((option for option in _options(annotation) if _is_model(option)), None)
 
 
@@ -194,9 +205,9 @@ def _words_of(annotation: Any) -> str:
 
 
 def _models() -> Sequence[str]:
-    from assur.scenes.catalogue import ENTRIES
+    from assur.scenes.catalogue import models
 
-    return sorted(ENTRIES)
+    return models()
 
 
 def _assets() -> Sequence[str]:

@@ -19,6 +19,7 @@ from assur.api.command_line import BAD_INPUT, FAULT, INTERRUPTED, RIGHT, WRONG, 
 from assur.api.documents import to_json
 from assur.api.jobs import FIRST_PLAN
 from assur.api.version import version
+from assur.scenes.catalogue import FOLDER
 from assur.scenes.requests import shipped_scenarios
 
 ROOT = Path(__file__).parents[2]
@@ -319,6 +320,45 @@ def test_the_lists_name_everything() -> None:
     _, output, _ = run("robots")
     for name in ("mitsubishi-rh-6frh5520", "mitsubishi-rh-6crh6020", "fanuc-sr-3ia"):
         assert name in output
+
+
+def test_one_robot_is_shown_number_by_number_wherever_its_file_is(tmp_path: Path) -> None:
+    text = (FOLDER / "fanuc-sr-3ia.yaml").read_text()
+    file = tmp_path / "mine.yaml"
+    file.write_text(text)
+    assert run("robots", str(file)) == run("robots", "fanuc-sr-3ia")
+    file.write_text(
+        text.replace("name: fanuc-sr-3ia", "name: mine").replace(
+            "{value: 720, status: third_party", "{value: 700, status: vendor"
+        )
+    )
+    code, output, _ = run("robots", str(file))
+    rows = [" ".join(line.split()) for line in output.splitlines()]
+    assert code == RIGHT
+    assert "mine 400 mm t 3 kg t j1 deg -142 .. 142 t 700 7,200 e 360,000 e" in rows
+    assert "j1 velocity 700 deg_s vendor the maker's catalogue, second hand" in rows
+    assert "mine 4 solids estimated by eye from the arm's lengths; no drawing at hand" in rows
+    (robot,) = json.loads(run("robots", str(file), "--json")[1])["robots"]
+    assert robot["joints"][0]["velocity"] == {
+        "value": 700,
+        "unit": "deg_s",
+        "status": "vendor",
+        "source": "the maker's catalogue, second hand",
+    }
+    five_bar = run("robots", "mitsubishi-rp-5ah")[1]
+    assert "460 mm d t" in five_bar
+    assert "260, 260" in five_bar
+
+
+def test_a_robot_that_is_not_there_or_not_right_is_one_line(tmp_path: Path) -> None:
+    code, output, errors = run("robots", "fanuc-sr3ia")
+    assert (code, output, errors.count("\n")) == (BAD_INPUT, "", 1)
+    assert "did you mean fanuc-sr-3ia?" in errors
+    file = tmp_path / "mine.yaml"
+    file.write_text((FOLDER / "fanuc-sr-3ia.yaml").read_text().replace("l1_mm: {value: 200,", "l1_mm: {value: far,"))
+    code, output, errors = run("robots", str(file))
+    assert (code, output, errors.count("\n")) == (BAD_INPUT, "", 1)
+    assert errors == 'assur: line 10: mine.yaml: scara.l1_mm.value: got "far"; allowed: a number\n'
 
 
 def raising(error: BaseException) -> Any:

@@ -158,6 +158,41 @@ def test_the_description_of_the_service_is_whole(client: httpx.Client) -> None:
         assert resolved(described, reference) is not None
 
 
+def untyped(part: Any, path: str = "") -> list[str]:
+    """Places in a schema where a field has no type, or is an object of which nothing is said."""
+    if isinstance(part, list):
+        return [found for i, item in enumerate(part) for found in untyped(item, f"{path}[{i}]")]
+    if not isinstance(part, dict):
+        return []
+    found = [found for key, value in part.items() for found in untyped(value, f"{path}.{key}")]
+    for name, field in part.get("properties", {}).items():
+        if not {"type", "$ref", "anyOf", "oneOf", "enum", "const"} & field.keys() or (
+            field.get("type") == "object" and not {"properties", "additionalProperties"} & field.keys()
+        ):
+            found.append(f"{path}.{name}")
+    return found
+
+
+def test_every_field_of_the_answers_is_typed_so_that_a_client_can_be_generated(client: httpx.Client) -> None:
+    described = client.get("/openapi.json").json()
+    parts = described["components"]["schemas"]
+    answers = described["paths"]["/v1/plans"]["post"]["responses"]["200"]["content"]["application/json"]["schema"]
+    assert answers["discriminator"]["propertyName"] == "status"
+    assert {reference.rpartition("/")[2] for reference in references(answers)} == {"PlannedAnswer", "NotPlannedAnswer"}
+    verdict = described["paths"]["/v1/plans/check"]["post"]["responses"]["200"]["content"]["application/json"]["schema"]
+    waiting, known = ["PlannedAnswer", "NotPlannedAnswer", verdict["$ref"].rpartition("/")[2]], set()
+    while waiting:
+        name = waiting.pop()
+        known.add(name)
+        waiting += {r.rpartition("/")[2] for r in references(parts[name])} - known
+    assert {"Trajectory", "Certificate", "CertificateDigest", "Margins", "CensusLine", "Arrival", "Leg"} <= known
+    assert [place for name in sorted(known) for place in untyped(parts[name], name)] == []
+
+
+def test_a_field_that_is_not_typed_is_found() -> None:
+    assert untyped({"properties": {"a": {}, "b": {"type": "object"}, "c": {"type": "number"}}}, "X") == ["X.a", "X.b"]
+
+
 def test_the_examples_in_the_description_are_the_demo_by_its_name_which_is_planned_and_in_full(
     client: httpx.Client,
 ) -> None:

@@ -9,10 +9,12 @@ from typing import Any
 import pytest
 
 from assur.planner.checker.verdict import Code
+from assur.planner.frames.motion import Pose
 from assur.planner.model.outcome import LegKind, Reason
 from assur.scenes import check, load, plan
+from assur.scenes.build.arms import WITH_QUILL
 from assur.scenes.catalogue import arm_named
-from assur.scenes.catalogue.arm import WITH_QUILL, places
+from assur.scenes.conventions import places
 from assur.scenes.documents.request import ExecutionDocument, OptionsDocument
 from assur.scenes.requests import request_schema, robots
 from assur.scenes.units import si_key, twin_of
@@ -59,7 +61,7 @@ def test_every_key_of_a_request_is_explained() -> None:
 @pytest.fixture(scope="module")
 def planned() -> dict[str, Any]:
     request = load("standard-cycle")
-    request["options"] |= {"stop": "first", "budget_s": 20}
+    request["options"] |= {"stop": "first", "budget_s": 60}
     return plan(request)
 
 
@@ -97,7 +99,7 @@ def test_every_key_that_the_table_of_the_answer_names_is_there(planned: dict[str
 
 def test_every_key_of_a_verdict_is_explained(planned: dict[str, Any]) -> None:
     request = load("standard-cycle")
-    request["options"] |= {"stop": "first", "budget_s": 20}
+    request["options"] |= {"stop": "first", "budget_s": 60}
     assert check(request, planned)["ok"]
     planned = {**planned, "arrivals": planned["arrivals"][1:]}
     verdict = check(request, planned)
@@ -172,7 +174,8 @@ def test_the_table_of_solids_is_that_of_the_catalogue() -> None:
     shown = {arm.strip("`"): names for arm, names in table.items()}
     assert list(shown)[:2] == ["benchmark-scara", "lab-scara"]
     for robot in robots():
-        there = [rider.body.name for rider in arm_named(robot["model"]).bodies]
+        arm = arm_named(robot["model"])
+        there = [rider.body.name for rider in arm.robot(Pose(), arm.limits).bodies]
         assert robot["family"] == "scara" or robot["model"] in shown
         assert there == shown.pop(robot["model"], rest), robot["model"]
     assert shown == {}

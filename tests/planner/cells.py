@@ -125,7 +125,7 @@ def cell(
     start = Start(time, np.array(q), np.array(qd or none), np.array(qdd or none))
     manners: dict[str, Any] = {
         "seed": 1,
-        "budget_s": 30.0,
+        "budget_s": 60.0,
         "max_candidates": 400,
         "stop": "first",
         "elbow": "auto",

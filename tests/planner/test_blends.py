@@ -318,7 +318,7 @@ def test_free_poses_go_round_bodies_and_a_leg_counts_its_own() -> None:
 
 
 def test_what_would_have_helped_is_to_leave_the_acceleration_time_to_the_planner() -> None:
-    scene = blend(cell(go(0.35, -0.2)), acceleration_time_s=0.02, explain_budget_s=20.0)
+    scene = blend(cell(go(0.35, -0.2)), acceleration_time_s=0.02, explain_budget_s=60.0)
     outcome = plan(scene)
     assert isinstance(outcome, NotPlanned)
     assert outcome.relaxation is not None

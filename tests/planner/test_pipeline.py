@@ -234,7 +234,7 @@ def test_a_cut_by_the_clock_before_anything_was_tried_proves_nothing() -> None:
     # the left arm cannot be there, the right one can; nothing is tried in no time
     scene = cell(go(-0.25, 0.3), budget_s=1e-9)
     assert not refused(scene).proved
-    planned(replace(scene, options=replace(scene.options, budget_s=30.0)))
+    planned(replace(scene, options=replace(scene.options, budget_s=60.0)))
 
 
 # What is planned.

@@ -113,7 +113,7 @@ OUT = (0.46, 0.0, HEIGHT)
 
 
 def test_a_point_that_one_pitch_does_not_reach_is_refused_with_its_number_and_another_reaches_it() -> None:
-    down = five_axis_cell(goes(aim(*OUT, pitch=DOWN)), explain_budget_s=5.0)
+    down = five_axis_cell(goes(aim(*OUT, pitch=DOWN)), explain_budget_s=60.0)
     answer = refused(down)
     assert (answer.reason, answer.proved) == (Reason.OUT_OF_REACH, True)
     assert answer.refusal is not None

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from assur.planner.errors import FaultError
-from assur.planner.timing import Profile, time_joints, to_trajectory
+from assur.planner.timing import time_joints
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory import sweep as sweeps
 from assur.planner.trajectory.sweep import sweep
@@ -46,14 +46,17 @@ def joint_legs(seed: int) -> Trajectory:
     whole: Trajectory | None = None
     for manner in ("moving", "rest", "moving"):
         asked = question(rng, "real", manner, least=0.1)
-        profile = time_joints(asked.q0, 0 * asked.q0, 0 * asked.q0, *asked.args[3:])
-        assert isinstance(profile, Profile)
+        first = time_joints(asked.q0, 0 * asked.q0, 0 * asked.q0, *asked.args[3:], begin=0.5)
+        assert isinstance(first, Trajectory)
         if whole is None:
-            whole = to_trajectory(profile, 0.5)
+            whole = first
             continue
-        back = time_joints(whole.q[-1], whole.qd[-1], whole.qdd[-1], *asked.goal, *_wide(asked.limits, whole))
-        assert isinstance(back, Profile)
-        whole = whole.join(to_trajectory(back, whole.end))
+        back = time_joints(
+            whole.q[-1], whole.qd[-1], whole.qdd[-1], *asked.goal, *_wide(asked.limits, whole), begin=whole.end
+        )
+        assert isinstance(back, Trajectory)
+        both = zip(*((path.time, path.q, path.qd, path.qdd) for path in (whole, back)), strict=True)
+        whole = Trajectory(*(np.concatenate([one, other[1:]]) for one, other in both))
     assert whole is not None
     return whole
 
@@ -127,9 +130,9 @@ def test_many_intervals_at_once_are_each_by_itself() -> None:
 
 def at_rest_at_both_ends() -> Trajectory:
     asked = question(np.random.default_rng(5), "real", "rest", least=0.1)
-    profile = time_joints(*asked.args)
-    assert isinstance(profile, Profile)
-    return to_trajectory(profile, 1.0)
+    path = time_joints(*asked.args, begin=1.0)
+    assert isinstance(path, Trajectory)
+    return path
 
 
 def test_an_arm_at_rest_stands_still_before_and_after() -> None:

@@ -95,7 +95,7 @@ GOOD_REQUEST: dict[str, Any] = {
     ],
     "options": {
         "seed": 1,
-        "budget_s": 1.0,
+        "budget_s": 30.0,
         "stop": "first",
         "clearance_mm": {"travel": 8, "near": 1.5},
         "singularity_margin": 0.2,

@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from pydantic import TypeAdapter, ValidationError
 
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.outcome import (
@@ -32,6 +33,7 @@ from assur.planner.pipeline import plan
 from assur.planner.trajectory import Trajectory
 from assur.scenes.answer import NOTICE, answer_of, certificate_document, trajectory_document
 from assur.scenes.build.cell import Cell
+from assur.scenes.documents import answer as document
 from assur.scenes.json_text import parse_json
 from assur.scenes.plans import plan_of
 from assur.scenes.requests import cell_of, check_document, plan_document
@@ -42,7 +44,7 @@ FANUC: dict[str, Any] = {
     "robot": {"model": "fanuc-sr-3ia", "tool": {"tcp_mm": [0, 0, -20]}},
     "start": {"joints": {"j1_deg": 0, "j2_deg": 60, "j3_mm": 20, "j4_deg": 0}},
     "task": [{"move": {"name": "down", "to": {"at_mm": [250, 100, 120], "yaw_deg": 30}}}],
-    "options": {"max_candidates": 5, "stop": "first"},
+    "options": {"budget_s": 60, "max_candidates": 5, "stop": "first"},
 }
 """A move downwards of an arm whose lift counts downwards."""
 
@@ -66,7 +68,7 @@ def through_json(document: Any) -> Any:
 
 
 def test_an_answer_says_all_that_is_promised() -> None:
-    answer = answer_of(*good())
+    answer: Any = answer_of(*good())
     assert answer["status"] == "planned"
     assert {
         "duration_s", "trajectory", "arrivals", "legs", "margins", "certificate", "census", "assumptions", "seed",
@@ -84,6 +86,86 @@ def test_an_answer_says_all_that_is_promised() -> None:
     assert answer["notice"] == NOTICE
     for words in ("ISO 10218", "ISO 13849", "persons are not in the model", "Proved against the model"):
         assert words in NOTICE
+
+
+def _refused() -> NotPlanned:
+    line = CensusLine("screen", Reason.BODY_COLLISION, 0, ("bar", "cup"), 9, (0.1, math.inf), math.nan, 0.02, "m", "")
+    return NotPlanned(
+        reason=Reason.WINDOW_MISSED,
+        proved=True,
+        sentence="the part passes 34 ms too early",
+        refusal=Refusal("meet", Reason.WINDOW_MISSED, 0, amount=0.034, unit="s"),
+        census=Census(9, 9, (line,)),
+        relaxation=Relaxation("window", "+20 mm", 1.25),
+        tried=("window",),
+        assumptions=("x: y",),
+        seed=3,
+        elapsed_s=0.2,
+        cut_by_clock=True,
+        details={"late_s": 0.034, "none": math.nan},
+    )
+
+
+def _described() -> dict[str, Any]:
+    """Answers of every form, as they leave, by what they are."""
+    cell, refused = fanuc()[0], _refused()
+    return {
+        "planned": answer_of(*good()),
+        "planned, with the digest of the proof": answer_of(*good(), certificate="digest"),
+        "downwards": answer_of(*fanuc()),
+        "not planned": answer_of(cell, refused),
+        "not planned, nothing tried": answer_of(cell, dataclasses.replace(refused, refusal=None, relaxation=None)),
+    }
+
+
+ANSWER: TypeAdapter[Any] = TypeAdapter(document.Answer)
+VERDICT: TypeAdapter[Any] = TypeAdapter(document.Verdict)
+
+
+@pytest.mark.parametrize("name", sorted(_described()))
+def test_what_is_written_is_what_the_model_reads(name: str) -> None:
+    answer = through_json(_described()[name])
+    assert ANSWER.validate_python(answer) == answer
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("colour",), 1),
+        (("status",), "perhaps"),
+        (("seed",), "1"),
+        (("margins", "binds"), None),
+        (("margins", "peaks", 0, "jerk"), math.nan),
+        (("census", "lines"), {}),
+        (("legs", 0, "kind"), "DANCE"),
+        (("certificate", "speed"), []),
+    ],
+)
+def test_what_is_no_answer_the_model_refuses(path: tuple[Any, ...], value: Any) -> None:
+    answer = here = copy.deepcopy(_described()["planned"])
+    for part in path[:-1]:
+        here = here[part]
+    here[path[-1]] = value
+    with pytest.raises(ValidationError):
+        ANSWER.validate_python(answer)
+
+
+def test_a_verdict_is_what_its_model_reads() -> None:
+    answer = through_json(answer_of(*good()))
+    spoilt = copy.deepcopy(answer)
+    spoilt["duration_s"] += 1.0
+    for plan_ in (answer, spoilt):
+        verdict = through_json(check_document(GOOD_REQUEST, plan_))
+        assert VERDICT.validate_python(verdict) == verdict
+
+
+@pytest.mark.parametrize("key", ["margins", "census", "notice", "first_s", "contacts"])
+def test_what_the_checker_does_not_look_at_may_be_left_out_or_hold_anything(key: str) -> None:
+    answer = through_json(answer_of(*good()))
+    answer[key] = "anything"
+    assert check_document(GOOD_REQUEST, answer)["ok"] is True
+    del answer[key]
+    assert check_document(GOOD_REQUEST, answer)["ok"] is True
 
 
 def test_an_answer_is_plain_json_and_its_plan_is_the_same_plan_again() -> None:
@@ -143,7 +225,7 @@ def test_any_knots_survive_the_makers_convention_and_json(q: Any, qd: Any) -> No
 
 
 def test_a_digest_is_enough_to_keep_and_not_enough_to_check() -> None:
-    answer = answer_of(*good(), certificate="digest")
+    answer: Any = answer_of(*good(), certificate="digest")
     assert set(answer["certificate"]) == {"digest", "rows", "covers"}
     assert answer["certificate"]["rows"] > 0
     with pytest.raises(InputError) as caught:
@@ -171,21 +253,7 @@ def test_a_trajectory_that_is_not_finite_never_leaves() -> None:
 
 def test_a_refusal_says_all_that_is_promised_and_its_missing_numbers_are_null() -> None:
     cell, _ = fanuc()
-    line = CensusLine("screen", Reason.BODY_COLLISION, 0, ("bar", "cup"), 9, (0.1, math.inf), math.nan, 0.02, "m", "")
-    refused = NotPlanned(
-        reason=Reason.WINDOW_MISSED,
-        proved=True,
-        sentence="the part passes 34 ms too early",
-        refusal=Refusal("meet", Reason.WINDOW_MISSED, 0, amount=0.034, unit="s"),
-        census=Census(9, 9, (line,)),
-        relaxation=Relaxation("window", "+20 mm", 1.25),
-        tried=("window",),
-        assumptions=("x: y",),
-        seed=3,
-        elapsed_s=0.2,
-        cut_by_clock=True,
-        details={"late_s": 0.034, "none": math.nan},
-    )
+    refused = _refused()
     answer = through_json(answer_of(cell, refused))
     assert (answer["status"], answer["reason"], answer["proved"]) == ("not_planned", "WINDOW_MISSED", True)
     assert answer["details"] == {"late_s": 0.034, "none": None}

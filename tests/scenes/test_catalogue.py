@@ -17,11 +17,14 @@ from hypothesis import strategies as st
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Piece, Primitive
+from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.robots.five_bar import FiveBar
+from assur.planner.robots.polar_arm import PolarArm
 from assur.planner.robots.protocol import Robot
 from assur.planner.robots.scara import Scara
-from assur.scenes.catalogue import ENTRIES, arm_named, entry_of, robots
-from assur.scenes.catalogue.arm import FiveBarArm, JointConvention, as_maker, converted
-from assur.scenes.catalogue.entry import SURE
+from assur.scenes.catalogue import FOLDER, arm_named, load_robot, models, robots, shipped_robot
+from assur.scenes.conventions import JointConvention, as_maker, converted
+from assur.scenes.documents.stated import SURE
 
 LISTED = {robot["model"]: robot for robot in robots()}
 RAD = math.pi / 180
@@ -55,16 +58,18 @@ AUTHORITIES: dict[str, dict[str, Any]] = {
     "polar-arm": {"lengths": (0.0, 0.0)},
     "mitsubishi-rv-m1": {"lengths": (0.25, 0.16), "velocity": [x * RAD for x in (120, 72, 109, 100, 163)]},
 }
-SCARAS = sorted(model for model, entry in ENTRIES.items() if entry.family == "scara")
+SCARAS = [model for model in models() if shipped_robot(model).family == "scara"]
 
 
 @pytest.mark.parametrize("model", sorted(AUTHORITIES))
 def test_an_arm_has_the_numbers_of_its_source(model: str) -> None:
     arm, known = arm_named(model), AUTHORITIES[model]
-    if isinstance(arm, FiveBarArm):
-        assert (arm.proximal, arm.distal) == tuple((length, length) for length in known["lengths"])
-    else:
-        assert (arm.l1, arm.l2) == known["lengths"]
+    robot = _robot(model)
+    if isinstance(robot, FiveBar):
+        assert (robot.proximal, robot.distal) == tuple((length, length) for length in known["lengths"])
+    elif not isinstance(robot, PolarArm):
+        assert isinstance(robot, Scara | ElbowArm)
+        assert (robot.l1, robot.l2) == known["lengths"]
     if "range" in known:
         np.testing.assert_allclose(np.array(known["range"]).T, [arm.limits.lower, arm.limits.upper], rtol=1e-15, atol=0)
     for name in ("velocity", "acceleration"):
@@ -88,22 +93,43 @@ def test_the_benchmark_robot_is_that_of_the_problems_to_the_bit() -> None:
 
 
 def test_every_robot_that_is_named_is_there_and_nothing_else() -> None:
-    assert set(ENTRIES) == set(LISTED) == set(AUTHORITIES)
+    assert set(models()) == set(LISTED) == set(AUTHORITIES)
     with pytest.raises(InputError, match="benchmark-scara"):
-        entry_of("unimate")
+        shipped_robot("unimate")
 
 
-@pytest.mark.parametrize("model", sorted(ENTRIES))
+@pytest.mark.parametrize("model", models())
+def test_a_shipped_robot_is_a_file_as_a_user_writes_one(model: str) -> None:
+    own = load_robot(FOLDER / f"{model}.yaml")
+    assert own.document == shipped_robot(model).document
+    assert own.listed() == LISTED[model]
+    assert own.document[own.family]["name"] == model
+
+
+LENGTHS = ("separation", "proximal", "distal", "l1", "l2", "l3", "height")
+
+
+@pytest.mark.parametrize("model", models())
 def test_every_number_has_a_source_and_a_status_and_is_an_assumption_unless_it_is_sure(model: str) -> None:
-    entry = entry_of(model)
-    assumptions = entry.assumptions()
-    for what, number in entry.numbers():
-        assert number.source
-        told = [line for line in assumptions if line.startswith(f"{model}: {what} ")]
-        assert len(told) == (0 if number.status in SURE else 1)
-        assert all(number.status in line and f"{number.value:g}" in line for line in told)
-    assert any("solids" in line for line in assumptions) == (entry.solids_status not in SURE)
-    assert json.loads(json.dumps(LISTED[model], allow_nan=False))["assumptions"] == list(assumptions)
+    listed, assumptions = LISTED[model], list(arm_named(model).assumptions)
+    numbers = [(model, listed[name]) for name in LENGTHS if name in listed]
+    for joint in listed["joints"]:
+        for name in ("lower", "upper", "velocity", "acceleration", "jerk", "zero"):
+            if name in joint:
+                numbers.append((f"{model}: {joint['name']} ", joint[name]))
+    numbers.append((f"{model}: solids", {**listed["solids"], "value": listed["solids"]["each"][0]["size"][0]}))
+    for of, number in numbers:
+        assert number["source"]
+        value = number["value"][0] if isinstance(number["value"], list) else number["value"]
+        told = [
+            line
+            for line in assumptions
+            if line.startswith(of) and f"{value:g} " in line and f"{number['status']}: {number['source']}" in line
+        ]
+        assert bool(told) == (number["status"] not in SURE), (of, number)
+    unsure = [number for _, number in numbers if number["status"] not in SURE]
+    assert len(assumptions) == len(unsure)
+    assert json.loads(json.dumps(listed, allow_nan=False))["assumptions"] == assumptions
 
 
 def test_statuses_of_the_real_robots_are_as_their_sources_are() -> None:
@@ -205,10 +231,12 @@ def _robot(model: str) -> Robot:
 
 def test_the_five_bar_says_which_of_its_lengths_is_disputed() -> None:
     arm, listed = arm_named("mitsubishi-rp-5ah"), LISTED["mitsubishi-rp-5ah"]
-    assert isinstance(arm, FiveBarArm)
-    assert (arm.separation, listed["separation"]["status"]) == (0.085, "third_party")
-    assert (listed["family"], listed["l1"]["status"], listed["l2"]["status"]) == ("five_bar", "third_party", "disputed")
-    assert "160" in listed["l2"]["source"]
+    robot = arm.robot(Pose(), arm.limits)
+    assert isinstance(robot, FiveBar)
+    assert (robot.separation, listed["separation"]["status"]) == (0.085, "third_party")
+    assert (listed["family"], listed["proximal"]["status"]) == ("five_bar", "third_party")
+    assert listed["distal"]["status"] == "disputed"
+    assert "160" in listed["distal"]["source"]
     for joint in listed["joints"]:
         assert {joint[name]["status"] for name in ("lower", "upper", "velocity", "acceleration", "jerk")} == {
             "estimated"
@@ -305,12 +333,12 @@ def test_a_wide_tool_can_meet_column_and_links_so_those_pairs_are_asked() -> Non
         assert {("base", "flange"), ("link1", "flange"), ("link2", "flange")} <= set(_robot(model).self_pairs)
 
 
-@pytest.mark.parametrize("model", sorted(ENTRIES))
+@pytest.mark.parametrize("model", models())
 def test_the_base_of_an_arm_may_stand_anywhere(model: str) -> None:
     arm = arm_named(model)
     base = Pose(0.3, -0.2, 0.5, 0.7)
     moved, q = arm.robot(base, arm.limits), (arm.limits.lower + arm.limits.upper) / 2 + 0.01
-    if isinstance(arm, FiveBarArm):
+    if isinstance(moved, FiveBar):
         q = q + np.array([-0.4, 0.4, 0.0, 0.0])  # in the middle of their ranges its elbows are too far apart
     point, _ = arm.robot(Pose(), arm.limits).forward(q)
     expected = base.then(Pose(*(float(x) for x in point)))

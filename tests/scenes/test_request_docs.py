@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from assur.scenes.catalogue import ENTRIES
+from assur.scenes.catalogue import models
 from assur.scenes.documents.request import RequestDocument
 from assur.scenes.meshes.assets import asset_names
 from assur.scenes.requests import scene_of
@@ -44,7 +44,7 @@ def test_every_field_of_a_request_is_shown() -> None:
 
 
 def test_every_model_and_asset_is_listed() -> None:
-    for name in (*ENTRIES, *asset_names()):
+    for name in (*models(), *asset_names()):
         assert f"`{name}`" in TEXT
 
 

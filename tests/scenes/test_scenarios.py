@@ -151,7 +151,7 @@ def test_no_other_file_is_ever_read(tmp_path: Path, name: str) -> None:
 
 
 def test_a_mesh_file_that_is_too_long_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import assur.scenes.scenarios as module
+    import assur.scenes.files as module
 
     (tmp_path / "part.stl").write_bytes(binary_stl(SOLIDS["bracket"]))
     monkeypatch.setattr(module, "MAX_MESH_BYTES", 100)

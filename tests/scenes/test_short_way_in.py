@@ -24,14 +24,14 @@ request:
     - {name: tray, shape: {mesh: {file: tray.stl, unit: mm}}, pose: {at_mm: [0, -300, 20]}}
   task:
     - move: {to: {at_mm: [200, 200, 200]}}
-  options: {stop: first, budget_s: 20}
+  options: {stop: first, budget_s: 60}
 expect: {status: planned}
 """
 
 
 def test_a_shipped_scenario_is_loaded_planned_and_checked() -> None:
     request = load("standard-cycle")
-    request["options"] |= {"stop": "first", "budget_s": 20}
+    request["options"] |= {"stop": "first", "budget_s": 60}
     answer = plan(request)
     assert answer["status"] == "planned"
     assert check(request, answer) == {**check(request, answer), "ok": True, "findings": []}
@@ -45,7 +45,7 @@ def test_the_document_is_its_own_each_time() -> None:
 
 def test_without_its_certificate_an_answer_is_not_checked() -> None:
     request = load("standard-cycle")
-    request["options"] |= {"stop": "first", "budget_s": 20}
+    request["options"] |= {"stop": "first", "budget_s": 60}
     answer = plan(request, certificate="digest")
     assert set(answer["certificate"]) == {"digest", "rows", "covers"}
     with pytest.raises(InputError, match="certificate"):

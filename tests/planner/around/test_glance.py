@@ -7,17 +7,15 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.arrays import BoolArray
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.screening import screen
 from assur.planner.frames import Frame, Linear
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.legs.meeting import Meetings
 from assur.planner.model.scene import Scene
-from assur.planner.search.extension import outline
 from assur.planner.search.meeting_options import Option, options
-from assur.planner.search.partial_plan import Outline, Sample, initial, prepared
+from assur.planner.search.partial_plan import initial, prepared
 from assur.planner.search.population import NEARLY_FREE, Population
 from assur.planner.search.rough_motion import RoughMotions
 from assur.planner.search.rough_score import APART_S, REMEMBERED, Glance
@@ -41,18 +39,6 @@ def drawn(population: Population, count: int, seed: int = 0) -> Prospects:
     return population.freedom.drawn(np.random.default_rng(seed), count, population.shares)
 
 
-def real(scene: Scene, prover: Prover, found: tuple[Option, ...], ways: Prospects) -> tuple[FloatArray, FloatArray]:
-    """What timing and screening find of the ways: shares in the way, and ends; NaN where there is no motion."""
-    chain, bad, end = initial(scene), np.full(len(ways), np.nan), np.full(len(ways), np.nan)
-    for i in range(len(ways)):
-        option = found[int(ways.option[i])]
-        made = outline(scene, chain, option.meeting, Sample(0.0, option.branch, ways.shape(i)), None)
-        if isinstance(made, Outline):
-            seen = screen(prover, [made])[0]
-            bad[i], end[i] = (seen.bad if seen.refusal else 0.0), made.end
-    return bad, end
-
-
 def walled() -> Scene:
     """A wall moves across the direct way, and a shelf stands beside it."""
     frames = (Frame("wall", Linear(Pose(0.45, -0.3, 0.08), (0.0, 0.4, 0.0))),)
@@ -61,23 +47,6 @@ def walled() -> Scene:
         stands("shelf", box(0.2, 0.2, 0.02), 0.3, -0.38, 0.16),
     )
     return cell(go(0.33, 0.25, 0.1), bodies=bodies, frames=frames, q=(-0.9, 0.6, 0.2, 0.0))
-
-
-@pytest.mark.parametrize("make", [narrow, walled])
-def test_what_seems_free_mostly_is_and_what_seems_far_from_free_never_is(make: object) -> None:
-    scene = make()  # type: ignore[operator]
-    prover, found, population = asked(scene)
-    ways = drawn(population, 300)
-    bad, end = population.glance(ways, np.random.default_rng(0))
-    truly, ends = real(scene, prover, found, ways)
-    timed = np.isfinite(truly) & (bad < 1.0)
-    assert timed.sum() > 20
-    free = timed & (bad == 0)
-    assert (truly[free] > 0).mean() < 0.7 * (truly[timed] > 0).mean()
-    assert (truly[timed & (bad > 0.2)] > 0).all()
-    ratio = end[timed] / ends[timed]
-    assert np.percentile(ratio, 5) > 0.9
-    assert np.percentile(ratio, 95) < 1.1
 
 
 def test_rough_motions_begin_at_the_start_wait_as_told_pass_their_vias_and_end_at_the_goal() -> None:

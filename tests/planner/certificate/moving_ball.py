@@ -15,7 +15,7 @@ from assur.planner.geometry.shapes import Body, Hull, Piece, box, capsule, cylin
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene, Tool
-from assur.planner.timing import Profile, time_joints
+from assur.planner.timing import time_joints
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import Around, Shape, arm, block, cell, go, rotation, solid
 
@@ -34,12 +34,12 @@ def motion(rng: np.random.Generator, legs: int = 2) -> Trajectory:
     for k in range(legs):
         q = rng.uniform(limits.lower, limits.upper)
         v = none if k == legs - 1 else rng.uniform(-0.3, 0.3, 4) * limits.velocity
-        profile = time_joints(*state, q, v, none, limits.velocity, limits.acceleration, limits.jerk)
-        assert isinstance(profile, Profile)
-        knots = profile.knots(begin)
+        leg = time_joints(*state, q, v, none, limits.velocity, limits.acceleration, limits.jerk, begin=begin)
+        assert isinstance(leg, Trajectory)
+        knots = leg.time, leg.q, leg.qd, leg.qdd
         parts.append(knots if not parts else tuple(x[1:] for x in knots))
-        begin += profile.duration
-        state = profile.end
+        begin = leg.end
+        state = q, v, none
     return Trajectory(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 

@@ -52,8 +52,10 @@ def with_knots(plan: Plan, **columns: object) -> Plan:
 
 def with_knot_at(plan: Plan, t: float) -> tuple[Plan, int]:
     """The same motion with a knot more, and its number."""
-    before, after = plan.trajectory.clip(plan.trajectory.start, t), plan.trajectory.clip(t, plan.trajectory.end)
-    return replace(plan, trajectory=before.join(after)), len(before.time) - 1
+    path = plan.trajectory
+    number = int(path.time.searchsorted(t))
+    columns = zip((path.time, path.q, path.qd, path.qdd), (np.array(t), *path.state(t)), strict=True)
+    return replace(plan, trajectory=Trajectory(*(np.insert(old, number, new, axis=0) for old, new in columns))), number
 
 
 @pytest.mark.parametrize("case", [crossing_case, belt_case])

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.legs.arched import Arched, Hop, arch
+from assur.planner.legs.arched import Hop, arch
 from assur.planner.legs.pace import Pace
-from assur.planner.timing import Profile, TimingRefusal, time_joints
+from assur.planner.timing import RawProfile, TimingRefusal, time_joints, trajectory_of
 from assur.planner.trajectory import Trajectory, check_limits
 from tests.planner.cells import limits
 from tests.planner.timing.legs import Floats, numbers
@@ -33,13 +33,13 @@ def state(rng: np.random.Generator, speed: float = 0.0) -> JointState:
     return q, qd, qdd
 
 
-def over(start: JointState, goal: JointState, hop: Hop, duration: float | None = None) -> Arched | TimingRefusal:
+def over(start: JointState, goal: JointState, hop: Hop, duration: float | None = None) -> RawProfile | TimingRefusal:
     return arch(numbers(start), numbers(goal), hop, Pace(LIMITS, LIFT), duration)
 
 
-def made(start: JointState, goal: JointState, hop: Hop, duration: float | None = None) -> Arched:
+def made(start: JointState, goal: JointState, hop: Hop, duration: float | None = None) -> RawProfile:
     found = over(start, goal, hop, duration)
-    assert isinstance(found, Arched), found
+    assert isinstance(found, RawProfile), found
     return found
 
 
@@ -54,13 +54,13 @@ def parts(start: JointState, goal: JointState, top: float) -> tuple[float, float
         (high, tuple(x[lift] for x in goal), lift),
     ):
         profile = time_joints(*a, *b, *(rate[joints] for rate in RATES))
-        assert isinstance(profile, Profile)
+        assert isinstance(profile, Trajectory)
         found.append(profile.duration)
     return found[0], found[1], found[2]
 
 
-def path(arched: Arched, offset: float = 0.0) -> Trajectory:
-    return Trajectory(*arched.knots(offset))
+def path(arched: RawProfile, begin: float = 0.0) -> Trajectory:
+    return trajectory_of([arched], [begin, begin + arched.duration])
 
 
 def keeps(trajectory: Trajectory) -> bool:
@@ -92,7 +92,7 @@ def test_an_arch_keeps_every_limit_by_exact_extrema_and_goes_over_its_top(seed: 
     trajectory = path(found, 3.0)
     assert keeps(trajectory)
     low, high = trajectory.extrema(0)
-    assert high[LIFT] == pytest.approx(top, abs=1e-6)
+    assert high[LIFT] == pytest.approx(top, abs=1e-5)
     assert low[LIFT] >= min(start[0][LIFT], goal[0][LIFT]) - 1e-6
     assert trajectory.start == 3.0
     assert trajectory.duration == pytest.approx(found.duration, abs=1e-12)
@@ -105,23 +105,16 @@ def test_knots_begin_and_end_in_the_states_that_were_asked_for_to_the_bit(seed: 
     found = over(start, goal, Hop(0.22, rise, fall))
     if isinstance(found, TimingRefusal):
         return
-    _, q, qd, qdd = found.knots(0.0)
-    for asked, have in zip((*start, *goal), (q[0], qd[0], qdd[0], q[-1], qd[-1], qdd[-1]), strict=True):
+    way = path(found)
+    ends = (way.q[0], way.qd[0], way.qdd[0], way.q[-1], way.qd[-1], way.qdd[-1])
+    for asked, have in zip((*start, *goal), ends, strict=True):
         assert np.array_equal(asked, have)
 
 
-@given(st.integers(0, 10**6), SHARES, SHARES)
-def test_what_is_screened_is_what_will_run(seed: int, rise: float, fall: float) -> None:
-    rng = np.random.default_rng(seed)
-    found = made(state(rng), state(rng), Hop(0.22, rise, fall))
-    t = np.linspace(0.0, found.duration, 300)
-    assert np.abs(found.positions(t) - path(found).evaluate(np.minimum(t, path(found).end))).max() <= 2e-5
-
-
-def corner(arched: Arched) -> FloatArray:
+def corner(arched: RawProfile) -> FloatArray:
     """How high the lift joint is when the others set out, and when they arrive."""
     t = np.linspace(0.0, arched.duration, 4001)
-    q = arched.positions(t)
+    q = path(arched).evaluate(t)
     moving = (np.abs(q[:, [0, 1, 3]] - q[0, [0, 1, 3]]).max(1) > 1e-6) & (
         np.abs(q[:, [0, 1, 3]] - q[-1, [0, 1, 3]]).max(1) > 1e-6
     )

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from assur.planner.frames import Conveyor, Law, Swing, Turntable
@@ -18,12 +18,12 @@ from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.joint import JointMotion, Reached, Shape, Via
 from assur.planner.legs.meeting import meetings
-from assur.planner.legs.state import State
+from assur.planner.legs.state import Knots, State
 from assur.planner.model.outcome import Reason, Refusal
 from assur.planner.model.phases import initial_rides
 from assur.planner.model.scene import Scene, Window
 from assur.planner.timing import Solver
-from assur.planner.trajectory import Trajectory, check_limits
+from assur.planner.trajectory import check_limits
 from tests.planner.cells import cell, frame, go, limits
 
 NONE = np.zeros(4)
@@ -73,7 +73,7 @@ KINDS = st.sampled_from(["direct", "1 via", "2 vias", "arch", "wait", "late"])
 
 def check_leg(scene: Scene, begin: State, branch: Branch, found: Reached, how: Shape) -> None:
     """All that a joint leg promises."""
-    knots = found.knots()
+    knots = Knots.of(found.trajectory)
     assert np.array_equal(knots.q[0], begin.q)
     assert np.array_equal(knots.qd[0], begin.qd)
     assert knots.time[0] == begin.time + how.wait
@@ -84,7 +84,7 @@ def check_leg(scene: Scene, begin: State, branch: Branch, found: Reached, how: S
         assert branch.legal[found.row]
     for have, asked in ((last.q, branch.q), (last.qd, branch.qd), (last.qdd, branch.qdd)):
         assert np.abs(have - asked[found.row]).max() <= 1e-9
-    trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
+    trajectory = found.trajectory
     report = check_limits(
         trajectory, np.full(4, -99.0), np.full(4, 99.0), LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk
     )
@@ -111,7 +111,7 @@ def test_a_leg_to_a_moving_point_meets_its_state_at_a_grid_time_within_all_limit
             how = replace(how, effort=1.0)
         found = JointMotion(scene, 0, begin, how, branch).meet()
         if isinstance(found, Refusal):
-            assert found.reason in (Reason.WINDOW_MISSED, Reason.MOTION_LIMIT)
+            assert found.reason in (Reason.WINDOW_MISSED, Reason.MOTION_LIMIT, Reason.JOINT_LIMIT)
             continue
         check_leg(scene, begin, branch, found, how)
 
@@ -124,7 +124,11 @@ def test_a_leg_to_a_point_that_stands_meets_its_state(seed: int, kind: str) -> N
     for branch in branches(scene, begin)[:3]:
         how = shape(rng, kind)
         found = JointMotion(scene, 0, begin, how, branch).meet()
-        assert isinstance(found, Reached), found
+        if isinstance(found, Refusal):
+            # past a via flown by, joints may overshoot their range
+            assert found.reason is Reason.JOINT_LIMIT
+            assert how.vias
+            continue
         check_leg(scene, begin, branch, found, how)
 
 
@@ -135,7 +139,7 @@ def test_what_is_met_in_position_only_is_met_at_rest(seed: int, law: str) -> Non
     branch = branches(scene, begin)[0]
     found = JointMotion(scene, 0, begin, Shape(), branch).meet()
     assert isinstance(found, Reached)
-    assert found.knots().last.resting
+    assert Knots.of(found.trajectory).last.resting
     check_leg(scene, begin, branch, found, Shape())
 
 
@@ -146,6 +150,8 @@ def test_no_earlier_time_of_the_grid_could_have_been_met_directly(seed: int, law
     scene = scene_on(LAWS[law])
     branch = branches(scene, begin)[0]
     found = JointMotion(scene, 0, begin, Shape(), branch).meet()
+    # towards a moving end a joint may overshoot its range
+    assume(isinstance(found, Reached) or found.reason is not Reason.JOINT_LIMIT)
     assert isinstance(found, Reached)
     solver = Solver(LIMITS.velocity.tolist(), LIMITS.acceleration.tolist(), LIMITS.jerk.tolist())
     start = begin.q.tolist(), begin.qd.tolist(), begin.qdd.tolist()
@@ -167,14 +173,13 @@ def test_vias_are_flown_by_with_a_velocity() -> None:
     via = Via(np.array([0.1, 0.9, 0.22, 0.4]), 0.8)
     found = JointMotion(scene, 0, begin, Shape(vias=(via,)), branch).meet()
     assert isinstance(found, Reached)
-    knots = found.knots()
-    trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
-    passed = found.profiles[1][0]
-    assert np.abs(trajectory.evaluate(np.array(passed)) - via.q).max() <= 1e-9
-    assert np.abs(trajectory.evaluate(np.array(passed), 1)).max() > 0.3
+    path = found.trajectory
+    passed = int(np.flatnonzero((path.q == via.q).all(1))[0])
+    assert np.abs(path.qd[passed]).max() > 0.3
     stopping = JointMotion(scene, 0, begin, Shape(vias=(Via(via.q, 0.0),)), branch).meet()
     assert isinstance(stopping, Reached)
-    assert np.array_equal(stopping.knots().qd[np.searchsorted(stopping.knots().time, stopping.profiles[1][0])], NONE)
+    stopped = int(np.flatnonzero((stopping.trajectory.q == via.q).all(1))[0])
+    assert not stopping.trajectory.qd[stopped].any()
 
 
 def test_a_control_point_that_is_a_via_is_passed_towards_what_is_ahead() -> None:
@@ -184,12 +189,12 @@ def test_a_control_point_that_is_a_via_is_passed_towards_what_is_ahead() -> None
     ahead = branch.q[0] + np.array([0.5, 0.1, 0.0, 0.0])
     found = JointMotion(scene, 0, begin, Shape(through=0.7), branch, ahead).meet()
     assert isinstance(found, Reached)
-    last = found.knots().last
+    last = Knots.of(found.trajectory).last
     assert np.abs(last.q - branch.q[0]).max() <= 1e-9
     assert last.qd[0] > 0.1
     standing = JointMotion(scene, 0, begin, Shape(through=0.0), branch, ahead).meet()
     assert isinstance(standing, Reached)
-    assert standing.knots().last.resting
+    assert Knots.of(standing.trajectory).last.resting
 
 
 def test_a_later_meeting_is_later_and_a_wait_is_waited() -> None:
@@ -213,8 +218,7 @@ def test_less_effort_takes_longer_and_uses_less() -> None:
     branch = branches(scene, begin)[0]
     legs = [JointMotion(scene, 0, begin, Shape(effort=share), branch).meet() for share in (1.0, 0.25)]
     assert all(isinstance(leg, Reached) for leg in legs)
-    knots = [leg.knots() for leg in legs]  # type: ignore[union-attr]
-    peak = [Trajectory(k.time, k.q, k.qd, k.qdd).extrema(2) for k in knots]
+    peak = [leg.trajectory.extrema(2) for leg in legs]  # type: ignore[union-attr]
     assert legs[1].end >= 1.9 * legs[0].end  # type: ignore[union-attr]
     assert max(np.abs(x / LIMITS.acceleration).max() for x in peak[1]) <= 0.25 + 1e-9
 

@@ -80,14 +80,14 @@ def test_a_slower_law_has_the_same_shape() -> None:
     law = law_of(*lines(1)[0])
     slow, t = law.slower(2.0), np.linspace(0, law.duration, 50)
     assert slow.duration == 2 * law.duration
-    assert slow.switches() == pytest.approx(2 * law.switches())
+    assert slow.time == pytest.approx(2 * law.time)
     for order in range(4):
         assert slow.evaluate(2 * t, order) * 2**order == pytest.approx(law.evaluate(t, order), rel=1e-9, abs=1e-9)
 
 
 def test_the_jerk_jumps_at_the_switches_only() -> None:
     law = law_of(*lines(1)[0])
-    edges = law.switches()
+    edges = law.time
     assert edges[0] == 0.0
     assert edges[-1] == law.duration
     inside = edges[:-1, None] + np.diff(edges)[:, None] * np.array([1e-9, 0.5, 1 - 1e-9])

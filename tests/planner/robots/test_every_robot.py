@@ -20,7 +20,7 @@ from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.robots.differential import determinant, inverse_jacobian, transforms
 from assur.planner.robots.protocol import Code, Limits, Robot
-from assur.scenes.catalogue import ENTRIES, arm_named
+from assur.scenes.catalogue import arm_named, models
 
 BASE = Pose(0.4, -0.7, 0.2, 2.5)
 STATES = 10_000
@@ -74,11 +74,11 @@ def robot_named(model: str) -> Robot:
     return arm.robot(BASE, Limits(lower, upper, limits.velocity, limits.acceleration, limits.jerk))
 
 
-MODES = [(model, mode) for model in ENTRIES for mode in range(len(robot_named(model).modes))]
-SQUARE = {model for model in ENTRIES if len(robot_named(model).coordinates) == len(robot_named(model).joints)}
+MODES = [(model, mode) for model in models() for mode in range(len(robot_named(model).modes))]
+SQUARE = {model for model in models() if len(robot_named(model).coordinates) == len(robot_named(model).joints)}
 """Robots whose flange's motion leaves their joints no choice, and whose determinant has a sign."""
-every_robot = pytest.mark.parametrize("model", list(ENTRIES))
-every_square_robot = pytest.mark.parametrize("model", [model for model in ENTRIES if model in SQUARE])
+every_robot = pytest.mark.parametrize("model", models())
+every_square_robot = pytest.mark.parametrize("model", [model for model in models() if model in SQUARE])
 every_mode = pytest.mark.parametrize(("model", "mode"), MODES)
 every_mode_of_square_robots = pytest.mark.parametrize(("model", "mode"), [row for row in MODES if row[0] in SQUARE])
 

@@ -8,8 +8,9 @@ import ruckig
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assur.planner.timing import Profile, least_duration, rest_to_rest_time, time_joints
-from assur.planner.timing.question import TimingRefusal
+from assur.planner.timing import least_duration, rest_to_rest_time, time_joints
+from assur.planner.timing.inputs import TimingRefusal
+from assur.planner.trajectory import Trajectory
 from tests.planner.timing.legs import MANNERS, ROBOTS, Question, question
 
 
@@ -68,7 +69,7 @@ def test_no_bound_is_above_the_solvers_minimum_at_the_whole_limits(manner: str, 
 def test_no_bound_is_above_what_we_time(seed: int, robot: str, manner: str) -> None:
     asked = question(np.random.default_rng(seed), robot, manner)
     shortest, profile = asked.solver.shortest(*asked.states), time_joints(*asked.args)
-    assert isinstance(profile, Profile)
+    assert isinstance(profile, Trajectory)
     assert not isinstance(shortest, TimingRefusal)
     assert least_duration(*asked.args) <= min(shortest, profile.duration)
 

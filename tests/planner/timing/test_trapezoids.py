@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.timing import Solver
 from assur.planner.timing.trapezoids import Trapezoids, mean_acceleration, stopping_distance, trapezoid_time
 from tests.planner.cells import limits
 
@@ -86,18 +85,3 @@ def test_a_joint_that_meets_a_limit_at_speed_comes_from_beyond_it() -> None:
     expected = fast * full - jerk * full**3 / 6 + left**2 / (2 * rate)
     assert stopping_distance(fast, rate, jerk) == pytest.approx(expected)
     assert stopping_distance(np.zeros(1), rate, jerk) == 0.0
-
-
-def test_trapezoids_take_about_as_long_as_the_solvers_motions() -> None:
-    rng = np.random.default_rng(5)
-    ratios = []
-    for _ in range(200):
-        q0, q1 = rng.uniform(limits().lower, limits().upper, (2, 4))
-        v1 = rng.uniform(-0.4, 0.4, 4) * V * (rng.random() < 0.5)
-        zero = np.zeros(4)
-        at_rest, goal = (q0.tolist(), [0.0] * 4, [0.0] * 4), (q1.tolist(), v1.tolist(), [0.0] * 4)
-        true = Solver(V.tolist(), A.tolist(), J.tolist()).shortest(at_rest, goal)
-        assert isinstance(true, float)
-        ratios.append(float(trapezoid_time(q0, zero, q1, v1, V, SLOW)) / true)
-    assert np.percentile(ratios, 5) > 0.93
-    assert np.percentile(ratios, 95) < 1.03

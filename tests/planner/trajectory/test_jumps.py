@@ -11,9 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from assur.planner.errors import FaultError, InputError
+from assur.planner.errors import InputError
 from assur.planner.timing import ParabolicBlend
 from assur.planner.trajectory import Trajectory, check_limits, keeps_limits
+from assur.planner.trajectory.joining import joined
 from assur.planner.trajectory.limits import first_break
 from assur.planner.trajectory.sweep import sweep
 
@@ -141,68 +142,38 @@ def test_no_bound_of_a_sweep_is_below_the_truth_across_jumps(path: Trajectory, s
         assert (q.min(0) >= bounds.lower[i] - 1e-12).all()
 
 
-@given(PATHS, st.floats(0, 1), st.floats(0, 1))
-def test_a_part_is_the_same_motion_and_parts_join_to_the_whole(path: Trajectory, a: float, b: float) -> None:
-    a, b = sorted((a, b))
-    t0, t1 = path.start + a * path.duration, path.start + b * path.duration
-    if not t1 - t0 > 1e-3:
-        return
-    part = path.clip(t0, t1)
-    t = np.linspace(t0, t1, 101)[1:-1]
-    for order, exact in ((0, 1e-12), (1, 1e-9), (2, 1e-5)):
-        assert np.abs(part.evaluate(t, order) - path.evaluate(t, order)).max() <= exact * (1 + np.abs(path.qdd).max())
-    if t0 - path.start > 1e-3 and path.end - t0 > 1e-3:
-        whole = path.clip(path.start, t0).join(path.clip(t0, path.end))
-        assert whole.rest_at_start
-        assert whole.rest_at_end
-        t = np.linspace(path.start, path.end, 301)
-        assert np.abs(whole.evaluate(t) - path.evaluate(t)).max() <= 1e-11
-
-
-def test_a_cut_at_a_jump_ends_with_what_is_left_of_it_and_begins_with_what_is_right() -> None:
-    path = blended()
-    k = int(np.flatnonzero(np.diff(path.time) == 0)[1])
-    at = float(path.time[k])
-    left, right = path.clip(path.start, at), path.clip(at, path.end)
-    assert (left.qdd[-1] == path.qdd[k]).all()
-    assert (right.qdd[0] == path.qdd[k + 1]).all()
-    again = left.join(right)
-    for name in ("time", "q", "qd", "qdd"):
-        assert (getattr(again, name) == getattr(path, name)).all()
-    whole = path.clip(path.start, path.end)
-    assert all((getattr(whole, name) == getattr(path, name)).all() for name in ("time", "q", "qd", "qdd"))
-
-
 def test_motions_that_end_and_begin_with_a_jump_meet_in_one_jump() -> None:
     first = blended(1)
     back = Trajectory(
         first.time + first.duration, first.q[::-1].copy(), -first.qd[::-1], first.qdd[::-1].copy(), jumps=True
     )
-    both = first.join(back)
-    meeting = both.time == first.end
-    assert meeting.sum() in (1, 2)
+    both = meeting(first, back)
+    at = np.flatnonzero(both.time == first.end)
+    assert len(at) in (1, 2)
     assert both.duration == pytest.approx(2 * first.duration)
-    assert (both.qdd[np.flatnonzero(meeting)[0]] == first.qdd[-2]).all()
-    assert (both.qdd[np.flatnonzero(meeting)[-1]] == back.qdd[1]).all()
+    assert (both.qdd[at[0]] == first.qdd[-2]).all()
+    assert (both.qdd[at[-1]] == back.qdd[1]).all()
 
 
-def test_a_jump_where_smooth_motions_meet_is_a_fault() -> None:
+def meeting(one: Trajectory, other: Trajectory, jumps: bool = True) -> Trajectory:
+    """Both motions, one after the other."""
+    first, second = ((path.time, path.q, path.qd, path.qdd) for path in (one, other))
+    return Trajectory(*joined(first, second), jumps=jumps)
+
+
+def test_smooth_motions_meet_in_a_jump_where_their_accelerations_differ_and_in_one_knot_where_they_do_not() -> None:
     time, q, qd = np.array([0.0, 1.0]), np.zeros((2, 1)), np.zeros((2, 1))
     one = Trajectory(time, q, qd, np.array([[0.0], [1.0]]))
     other = Trajectory(time + 1, q, qd, np.array([[2.0], [0.0]]))
-    with pytest.raises(FaultError, match="acceleration"):
-        one.join(other)
-    said = Trajectory(time + 1, q, qd, np.array([[2.0], [0.0]]), jumps=True)
-    assert one.join(said).jumps
-    assert one.join(said).time.tolist() == [0.0, 1.0, 1.0, 2.0]
+    assert meeting(one, other).time.tolist() == [0.0, 1.0, 1.0, 2.0]
+    with pytest.raises(InputError):
+        meeting(one, other, jumps=False)
+    other = Trajectory(time + 1, q, qd, np.array([[1.0 + 1e-7], [0.0]]))
+    assert meeting(one, other, jumps=False).time.tolist() == [0.0, 1.0, 2.0]
 
 
-@given(PATHS, st.floats(-20, 20))
-def test_a_shifted_motion_is_the_same_later_and_so_is_one_from_another_process(path: Trajectory, by: float) -> None:
-    later = path.shifted(by)
-    t = np.linspace(path.start, path.end, 200)[1:-1]
-    assert later.jumps
-    assert np.abs(later.evaluate(t + by) - path.evaluate(t)).max() <= 1e-12 * (1 + abs(by))
+@given(PATHS)
+def test_a_motion_from_another_process_is_the_same(path: Trajectory) -> None:
     again: Any = pickle.loads(pickle.dumps(path))
     assert again.jumps
     assert all((getattr(again, name) == getattr(path, name)).all() for name in ("time", "q", "qd", "qdd"))

@@ -6,11 +6,10 @@ import pickle
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import given
 from scipy.interpolate import BPoly
 
-from assur.planner.errors import FaultError, InputError
+from assur.planner.errors import InputError
 from assur.planner.trajectory import Trajectory
 from tests.planner.trajectory.splines import REGIMES, constant_jerk, spline, splines
 
@@ -128,66 +127,12 @@ def test_only_knots_travel_between_processes() -> None:
     assert all(np.array_equal(getattr(path, name), getattr(other, name)) for name in ("time", "q", "qd", "qdd"))
 
 
-@given(splines, st.floats(-600, 600))
-def test_a_shifted_trajectory_is_the_same_motion_with_the_same_jerk(path: Trajectory, by: float) -> None:
-    # One or two short pieces by themselves have no inner knot that could take up the rounding.
-    assume(len(path.steps) > 2 or path.steps.min() > 0.01)
-    later = path.shifted(by)
-    assert np.abs(later.time - path.time - by).max() <= 1.2e-13
-    # Settling pieces of 10 µs in a row moves velocities by 1e-8, and so the positions between the knots. Unsettled,
-    # their jerk would move by 1e5.
-    for derivative, allowed in enumerate((1e-8, 1e-7, 1e-3, 2.0)):
-        a, b = path.bernstein(derivative), later.bernstein(derivative)
-        assert np.abs(a - b).max() <= allowed * max(1.0, np.abs(a).max()), derivative
-
-
-def test_joined_trajectories_are_both_motions() -> None:
-    path = spline(8, pieces=9)
-    parts = [path.clip(a, b) for a, b in ((path.time[0], path.time[3]), (path.time[3], path.time[4]))]
-    parts.append(path.clip(float(path.time[4]), path.end))
-    whole = parts[0].join(*parts[1:])
-    assert all(np.array_equal(getattr(path, name), getattr(whole, name)) for name in ("time", "q", "qd", "qdd"))
-    assert path.join().end == path.end
-
-
-@pytest.mark.parametrize(
-    ("name", "gap", "allowed"),
-    [("time", 2e-9, 1e-10), ("q", 2e-9, 1e-10), ("qd", 2e-8, 1e-9), ("qdd", 2e-6, 1e-7)],
-)
-def test_trajectories_that_do_not_meet_are_not_joined(name: str, gap: float, allowed: float) -> None:
-    path = spline(8)
-    a, b = path.clip(path.start, float(path.time[4])), path.clip(float(path.time[4]), path.end)
-
-    def moved(by: float) -> Trajectory:
-        return Trajectory(*(getattr(b, k) + (by if k == name else 0.0) for k in ("time", "q", "qd", "qdd")))
-
-    assert a.join(moved(allowed)).end == pytest.approx(path.end)
-    with pytest.raises(FaultError, match="where they meet"):
-        a.join(moved(gap))
-    with pytest.raises(FaultError, match="joints"):
-        a.join(spline(1, n=2))
-
-
-@given(splines, st.floats(0, 0.6), st.floats(0.65, 1.0))
-def test_a_part_cut_out_is_the_same_polynomials(path: Trajectory, a: float, b: float) -> None:
-    t0, t1 = path.start + a * path.duration, path.start + b * path.duration
-    part = path.clip(t0, t1)
-    t = np.linspace(part.start, part.end, 50)[1:-1]
-    assert (part.start, part.end) == (t0, t1)
-    for derivative in range(3):
-        scale = np.abs(path.bernstein(derivative)).max()
-        # Position and velocity of the new knots are rounded, and their pieces may be short.
-        h = part.steps.min()
-        rounding = 1e-14 * (np.abs(path.q).max() / h**derivative + np.abs(path.qd).max() / h ** max(derivative - 1, 0))
-        gap = np.abs(part.evaluate(t, derivative) - path.evaluate(t, derivative)).max()
-        assert gap <= 1e-12 * scale + rounding
-
-
-def test_nothing_is_cut_out_beyond_the_ends() -> None:
-    path = spline(2)
-    for t0, t1 in ((path.start - 1, path.end), (path.start, path.end + 1), (path.end, path.start), (np.nan, path.end)):
-        with pytest.raises(FaultError, match="clip"):
-            path.clip(t0, t1)
+@given(splines)
+def test_states_in_one_go_are_those_one_by_one_and_exact_at_the_end(path: Trajectory) -> None:
+    t = np.concatenate([np.linspace(path.start, path.end, 50), path.time])
+    for derivative, found in enumerate(path.states(t)):
+        assert np.abs(found - path.evaluate(t, derivative)).max() <= 1e-12 * np.abs(path.bernstein(derivative)).max()
+        assert np.array_equal(found[-1], (path.q, path.qd, path.qdd)[derivative][-1])
 
 
 def test_rest_at_an_end_is_exact_rest() -> None:

@@ -47,7 +47,7 @@ def test_without_a_lift_another_height_is_refused_by_the_two_heights() -> None:
     names = [joint["name"] for joint in arm["joints"]]
     kept = {key: value for key, value in document["start"]["joints"].items() if key.rsplit("_", 1)[0] in names}
     document["start"]["joints"] = kept
-    document["options"] = {"max_candidates": 20}
+    document["options"] = {"budget_s": 60, "max_candidates": 20}
     here = scene_of({**document, "task": [{"move": {"to": {"at_mm": [0, 0, 0]}}}]})
     x, y, z = (1e3 * value for value in here.robot.forward(here.start.q)[0])
     answer = plan_document({**document, "task": [{"move": {"to": {"at_mm": [x, y, z + 20]}}}]})

@@ -12,8 +12,8 @@ import pytest
 
 from assur.planner.errors import InputError
 from assur.planner.robots.scara import Scara
-from assur.scenes.build.inline_arms import turned_over
-from assur.scenes.catalogue import ENTRIES, arm_named
+from assur.scenes.build.arms import turned_over
+from assur.scenes.catalogue import arm_named, shipped_robot
 from assur.scenes.requests import cell_of, scene_of
 from tests.scenes.bad_requests import GOOD_REQUEST
 
@@ -114,39 +114,27 @@ def inline(axes: int = 4, **changes: Any) -> dict[str, Any]:
     return found
 
 
+def plainly(document: Any) -> Any:
+    """A robot's document with every fact as a plain number, without status and source."""
+    if isinstance(document, dict):
+        return plainly(document["value"]) if "value" in document else {k: plainly(v) for k, v in document.items()}
+    return [plainly(item) for item in document] if isinstance(document, list) else document
+
+
 def written_out(model: str) -> dict[str, Any]:
-    """A request whose robot is an arm of the catalogue whose links tilt, or a SCARA, written out."""
-    entry = ENTRIES[model]
-    joints = []
-    for axis in entry.axes:
-        unit = axis.lower.unit
-        joint: dict[str, Any] = {
-            "name": axis.name,
-            f"range_{unit}": [axis.lower.value, axis.upper.value],
-            "sign": axis.sign,
-        }
-        for name in ("velocity", "acceleration", "jerk"):
-            number = getattr(axis, name)
-            joint[f"{name}_{number.unit}"] = number.value
-        if axis.zero is not None:
-            joint["zero_mm"] = axis.zero.value
-        joints.append(joint)
-    bodies = []
-    for s in entry.solids:
-        shape: dict[str, Any] = {"box": {"size_mm": list(s.size)}}
-        if s.kind == "cylinder":
-            shape = {"cylinder": {"radius_mm": s.size[0], "height_mm": s.size[1]}}
-        bodies.append({"name": s.name, "link": s.link, "shape": shape, "at_mm": list(s.at)})
-    arm: dict[str, Any] = {"joints": joints, "bodies": bodies, "self_pairs": [list(pair) for pair in entry.self_pairs]}
-    arm |= {f"{name}_mm": number.value for name, number in entry.lengths()}
-    if entry.family == "scara":
-        arm["tool_frame"] = entry.tool_frame
-        arm["axis_order"] = "rprr" if entry.axes[1].kind == "prismatic" else "rrpr"
+    """A request whose robot is a shipped arm, written out in plain numbers."""
+    shipped = shipped_robot(model)
+    arm = plainly(shipped.document)[shipped.family]
     middle = {}
-    for axis in entry.axes:
-        middle[f"{axis.name}_{axis.lower.unit}"] = (axis.lower.value + axis.upper.value) / 2 + 1
+    for joint in arm["joints"]:
+        (key,) = (key for key in joint if key.startswith("range_"))
+        middle[f"{joint['name']}_{key.removeprefix('range_')}"] = sum(joint[key]) / 2 + 1
     found = request(model, middle)
-    found["robot"] = {entry.family: arm, "tool": {"tcp_mm": [0, 0, 0]}, "base": {"at_mm": [100, 0, 50], "yaw_deg": 30}}
+    found["robot"] = {
+        shipped.family: arm,
+        "tool": {"tcp_mm": [0, 0, 0]},
+        "base": {"at_mm": [100, 0, 50], "yaw_deg": 30},
+    }
     return found
 
 
@@ -158,7 +146,7 @@ def test_an_arm_of_the_catalogue_that_is_written_out_is_the_same_arm(model: str)
     inline_cell = cell_of(document)
     named = copy.deepcopy(document)
     named["robot"] = {**document["robot"], "model": model}
-    del named["robot"][ENTRIES[model].family]
+    del named["robot"][shipped_robot(model).family]
     named_cell = cell_of(named)
     here, there = inline_cell.scene.robot, named_cell.scene.robot
     assert type(here) is type(there)
@@ -167,15 +155,16 @@ def test_an_arm_of_the_catalogue_that_is_written_out_is_the_same_arm(model: str)
     assert here.self_pairs == there.self_pairs
     assert np.array_equal(inline_cell.scene.start.q, named_cell.scene.start.q)
     for name in ("lower", "upper", "velocity", "acceleration", "jerk"):
-        np.testing.assert_allclose(getattr(here.limits, name), getattr(there.limits, name), rtol=1e-15)
+        assert np.array_equal(getattr(here.limits, name), getattr(there.limits, name))
     q = inline_cell.scene.start.q
     for mine, other in zip(here.placements(q), there.placements(q), strict=True):
-        np.testing.assert_allclose(mine, other, atol=1e-15)
+        assert np.array_equal(mine, other)
     assert [(b.link, b.body.name) for b in here.bodies] == [(b.link, b.body.name) for b in there.bodies]
     for mine_, other_ in zip(here.bodies, there.bodies, strict=True):
         for a, b in zip(mine_.body.pieces, other_.body.pieces, strict=True):
             assert a.shape == b.shape
-            np.testing.assert_allclose(a.position, b.position, atol=1e-15)
+            assert np.array_equal(a.position, b.position)
+    assert inline_cell.scene.assumptions == ("the robot's data are the request's own",)
     # ... and its joints are in the planner's order: what lifts is third
     if model == "lab-scara":
         assert [joint.name for joint in here.joints] == ["j1", "j3", "j2", "j4"]
@@ -231,7 +220,7 @@ def test_what_a_written_out_arm_of_a_family_has_not_is_refused_where_it_stands(
 ) -> None:
     document = written_out(model)
     cell_of(document)
-    change(document["robot"][ENTRIES[model].family])
+    change(document["robot"][shipped_robot(model).family])
     with pytest.raises(InputError, match=field):
         cell_of(document)
 

@@ -171,7 +171,7 @@ def blends(pitch_deg: float = -60.0) -> Document:
             {"move": {"to": {"at_mm": [280, 100, 250], "pitch_deg": pitch_deg, "roll_deg": 20}, "via": True}},
             {"move": {"to": {"at_mm": [250, -150, 200], "pitch_deg": -80}}},
         ],
-        "options": {"timing": "parabolic_blend", "seed": 1, "max_candidates": 60, "budget_s": 30, "stop": "first"},
+        "options": {"timing": "parabolic_blend", "seed": 1, "max_candidates": 60, "budget_s": 60, "stop": "first"},
     }
 
 

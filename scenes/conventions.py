@@ -1,0 +1,59 @@
+"""How a maker counts an arm's joints, and how its values become the planner's and back.
+
+The planner counts a lifting joint upwards from its base origin. That origin is put where the maker's zero is, so
+maker's and planner's values differ by a sign at most, and converting a trajectory to the maker's convention and back is
+exact in floating point: a plan that was written out and read again is the same plan, bit by bit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray, IntArray
+
+JointKind = Literal["revolute", "prismatic"]
+SI_OF: dict[JointKind, str] = {"revolute": "rad", "prismatic": "m"}
+
+
+@dataclass(frozen=True, slots=True)
+class JointConvention:
+    """How the maker counts a joint: planner's value = sign × maker's value, in rad or m; `place`: which joint it is in
+    the planner's order (None: the same)."""
+
+    name: str
+    kind: JointKind
+    sign: Literal[1, -1] = 1
+    place: int | None = None
+
+    @property
+    def unit(self) -> str:
+        return SI_OF[self.kind]
+
+
+Conventions = tuple[JointConvention, ...]
+
+
+def places(conventions: Conventions) -> IntArray:
+    """Which of the planner's joints each of the maker's is, (n,)."""
+    own = [i if joint.place is None else joint.place for i, joint in enumerate(conventions)]
+    return np.array(own, dtype=np.int64)
+
+
+def converted(values: FloatArray, conventions: Conventions) -> FloatArray:
+    """Joint values (..., n) of the maker in the planner's order and convention."""
+    turned = np.empty(values.shape)
+    turned[..., places(conventions)] = values * _signs(conventions) + 0.0  # + 0.0: no negative zeros
+    return turned
+
+
+def as_maker(values: FloatArray, conventions: Conventions) -> FloatArray:
+    """Joint values (..., n) of the planner in the maker's order and convention; exactly what `converted` undoes."""
+    turned: FloatArray = values[..., places(conventions)] * _signs(conventions) + 0.0
+    return turned
+
+
+def _signs(conventions: Conventions) -> FloatArray:
+    return np.array([float(joint.sign) for joint in conventions])

@@ -1,0 +1,55 @@
+"""Files that a scenario or a robot's file names, put in their place, so that a request says everything itself."""
+
+from __future__ import annotations
+
+import base64
+import os
+from collections.abc import Collection
+from pathlib import Path
+from typing import Any
+
+from assur.scenes.bounds import MAX_MESH_BYTES
+from assur.scenes.faults import DocumentError, dotted
+
+FORMATS = {".stl": "stl", ".obj": "obj", ".ply": "ply", ".glb": "glb"}
+"""Endings of the mesh files that a document may name."""
+
+
+def below(folder: Path, name: str, field: str, endings: Collection[str], most_bytes: int) -> Path:
+    """The file that `name` leads to from `folder`. Raises `DocumentError` at `field` unless it is a regular file of up
+    to `most_bytes` below `folder`, with one of `endings`."""
+    folder = folder.resolve()
+    allowed = f"a file below the folder of the file that names it, ending in {', '.join(endings)}"
+    if "\0" in name or Path(name).is_absolute() or Path(name).suffix.lower() not in endings:
+        raise DocumentError(field, name, allowed)
+    found = Path(os.path.normpath(folder / name))
+    # Links are refused, not followed: what a name leads to must be seen from the name.
+    if found.is_relative_to(folder) and not os.path.lexists(found):
+        raise DocumentError(field, name, f"{allowed}; this one does not exist")
+    if not found.is_relative_to(folder) or found.resolve() != found or not found.is_file():
+        raise DocumentError(field, name, f"{allowed}, and no link")
+    if found.stat().st_size > most_bytes:
+        raise DocumentError(field, name, f"a file of up to {most_bytes} bytes")
+    return found
+
+
+def with_meshes(document: Any, folder: Path) -> Any:
+    """The document with the bytes of every mesh file that it names, which must lie below `folder`, in their place."""
+    return _inlined(document, (), folder)
+
+
+def _inlined(value: Any, path: tuple[str | int, ...], folder: Path) -> Any:
+    if isinstance(value, dict):
+        if path and path[-1] == "mesh" and isinstance(value.get("file"), str):
+            return _inlined_mesh(value, path, folder)
+        return {key: _inlined(item, (*path, str(key)), folder) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_inlined(item, (*path, i), folder) for i, item in enumerate(value)]
+    return value
+
+
+def _inlined_mesh(mesh: dict[str, Any], path: tuple[str | int, ...], folder: Path) -> dict[str, Any]:
+    found = below(folder, mesh["file"], dotted((*path, "file")), FORMATS, MAX_MESH_BYTES)
+    inlined = {key: value for key, value in mesh.items() if key != "file"}
+    inlined.setdefault("format", FORMATS[found.suffix.lower()])
+    return {**inlined, "data": base64.b64encode(found.read_bytes()).decode("ascii")}

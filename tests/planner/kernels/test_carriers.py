@@ -1,0 +1,279 @@
+"""Carriers as kernels place and bound them: the same as the NumPy forms of robots and laws, to rounding."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from assur.planner.arrays import FloatArray
+from assur.planner.frames import Fixed, Frame, Keyframes, Law, Linear, Pose
+from assur.planner.kernels import laws as law_columns
+from assur.planner.kernels.carriers import carrier_bounds, place_carriers, point_bound
+from assur.planner.kernels.laws import bound_frame, place_frame
+from assur.planner.kernels.links import ACCELERATION, BOUND_COLUMNS, V_REACH, assembled, parallel_margin
+from assur.planner.kernels.spline import spline_motion, spline_state, sweep_bounds
+from assur.planner.model.link_frames import TrajectoryLaw
+from assur.planner.robots.protocol import Robot, Sweep
+from assur.planner.tables.laws import law_tables
+from assur.planner.tables.robot import robot_row
+from assur.planner.tables.spline import spline_table
+from assur.planner.trajectory import Trajectory
+from assur.planner.trajectory.sweep import sweep
+from tests.planner.frames.laws import Case, cases, directions, intervals
+from tests.planner.kernels.arms import ARMS, states
+from tests.planner.trajectory.splines import splines
+
+CLOSE = 1e-12
+"""Relative, and m or rad: how far two forms of the same formula may differ by rounding."""
+NO_LAWS = np.zeros((0, law_columns.LAW_COLUMNS))
+NO_PIECES = np.zeros((0, law_columns.PIECE_COLUMNS))
+every_arm = pytest.mark.parametrize("name", list(ARMS))
+
+
+def same(found: FloatArray, expected: FloatArray, close: float = CLOSE) -> None:
+    assert np.array_equal(np.isfinite(found), np.isfinite(expected))
+    known = np.isfinite(expected)
+    assert np.all(np.abs(found[known] - expected[known]) <= close * (1.0 + np.abs(expected[known])))
+
+
+@every_arm
+def test_links_are_where_the_robot_says(name: str) -> None:
+    robot = ARMS[name]
+    row, q = robot_row(robot), states(robot, 1, 400)
+    q[0] = np.nan
+    p, rotation = robot.placements(q)
+    expected = np.concatenate([p, rotation.reshape(*p.shape[:2], 9)], -1)
+    found = np.empty_like(expected)
+    for i in range(len(q)):
+        place_carriers(row, NO_LAWS, NO_PIECES, q[i], 0.0, found[i])
+    same(found[1:], expected[1:])
+    assert np.isnan(found[0, -1]).any()
+
+
+def swept(robot: Robot, seed: int, size: int) -> Sweep:
+    """Ranges about random states, from points to wide ones, with random rates; some are zero, one is infinite."""
+    rng = np.random.default_rng(seed)
+    q = states(robot, seed, size)
+    half = 10.0 ** rng.uniform(-4, 0.5, (size, 1)) * rng.random(q.shape)
+    half[::3] = 0.0
+    rates = rng.exponential(3.0, (2, size, len(robot.rate_matrix)))
+    rates[:, ::5] = 0.0
+    rates[:, ::7, 0] = 0.0
+    return Sweep(q - half, q + half, rates[0], rates[1] * 10.0)
+
+
+@every_arm
+def test_points_of_links_are_bounded_as_the_robot_bounds_them(name: str) -> None:
+    robot, rng, size = ARMS[name], np.random.default_rng(2), 500
+    row, known = robot_row(robot), swept(robot, 3, size)
+    links = rng.integers(0, len(robot.links), size)
+    reach, distance = rng.uniform(0.0, 0.4, (2, size))
+    reach[::4] = 0.0
+    n = rng.normal(size=(size, 3))
+    n[::6], n[1::6] = [0.0, 0.0, 1.0], [0.6, -0.8, 0.0]
+    n /= np.linalg.norm(n, axis=1, keepdims=True)
+    expected = np.stack(robot.point_bounds(links, reach, distance, n, known), -1)
+    found = np.empty((size, 2))
+    bounds = np.empty((len(robot.links), BOUND_COLUMNS))
+    for i in range(size):
+        each = (known.lower[i], known.upper[i], known.rate[i], known.rate_d[i])
+        carrier_bounds(row, NO_LAWS, NO_PIECES, 0.0, 1.0, *each, bounds)
+        found[i] = point_bound(bounds, links[i], reach[i], distance[i], *n[i])
+    same(found, expected)
+
+
+@every_arm
+def test_a_point_of_which_nothing_is_known_is_bounded_by_infinity(name: str) -> None:
+    robot = ARMS[name]
+    row, known = robot_row(robot), swept(robot, 3, 4)
+    bounds = np.empty((len(robot.links), BOUND_COLUMNS))
+    last = len(robot.links) - 1
+    for bad in (math.nan, math.inf):
+        rate = known.rate[1].copy()
+        rate[0] = bad
+        carrier_bounds(row, NO_LAWS, NO_PIECES, 0.0, 1.0, known.lower[1], known.upper[1], rate, known.rate_d[1], bounds)
+        assert point_bound(bounds, last, 0.1, 0.1, 1.0, 0.0, 0.0) == (math.inf, math.inf)
+    each = (known.lower[1], known.upper[1], known.rate[1], known.rate_d[1])
+    carrier_bounds(row, NO_LAWS, NO_PIECES, 0.0, 1.0, *each, bounds)
+    for reach, distance in ((-0.1, 0.1), (0.1, -0.1), (math.nan, 0.1), (0.1, math.nan)):
+        assert point_bound(bounds, last, reach, distance, 1.0, 0.0, 0.0) == (math.inf, math.inf)
+    assert point_bound(bounds, last, 0.1, 0.1, math.nan, 0.0, 0.0) == (math.inf, math.inf)
+
+
+@every_arm
+def test_a_loop_is_proved_to_assemble_where_the_robot_proves_it(name: str) -> None:
+    robot, size = ARMS[name], 500
+    row, known = robot_row(robot), swept(robot, 4, size)
+    found = [assembled(row, known.lower[i], known.upper[i]) for i in range(size)]
+    assert np.array_equal(found, robot.assembled(known.lower, known.upper))
+    same(np.array([parallel_margin(row, q) for q in known.lower]), robot.parallel_margin(known.lower))
+    nowhere = np.full(len(robot.joints), np.nan)
+    assert assembled(row, nowhere, nowhere) == (len(robot.limits.lower) == 0 or "five-bar" not in name)
+
+
+def placed_by(law: Law, t: FloatArray) -> FloatArray:
+    """Rows of carriers (T, 12) as the law's own motion has them."""
+    motion = law.motion(t)
+    rows = np.zeros((len(t), 12))
+    rows[:, :3] = motion.p
+    rows[:, 3] = rows[:, 7] = np.cos(motion.yaw)
+    rows[:, 6] = np.sin(motion.yaw)
+    rows[:, 4] = -rows[:, 6]
+    rows[:, 11] = 1.0
+    rows[np.isnan(motion.yaw)] = np.nan
+    return rows
+
+
+def placed(law: Law, t: FloatArray) -> FloatArray:
+    rows, pieces = law_tables([law])
+    found = np.empty((len(t), 12))
+    for i in range(len(t)):
+        place_frame(rows[0], pieces, t[i], found, i)
+    return found
+
+
+@given(cases(), st.integers(0, 10**6))
+def test_frames_are_where_the_law_says(case: Case, seed: int) -> None:
+    low, high = case.window
+    t = np.random.default_rng(seed).uniform(low - 1.0, high + 1.0, 50)
+    t = np.concatenate([t, case.switches, [low, high, math.nan, math.inf, 2e6]])
+    same(placed(case.law, t), placed_by(case.law, t), 1e-11)
+
+
+@given(cases(), st.data())
+def test_points_of_frames_are_bounded_as_the_law_bounds_them(case: Case, data: st.DataObject) -> None:
+    t0, t1 = data.draw(intervals(case))
+    n, reach = data.draw(directions()), data.draw(st.sampled_from([0.0, 0.3]))
+    own = case.law.bounds(np.array([t0]), np.array([t1]), n[None])
+    across = math.hypot(n[0], n[1]) * reach
+    expected = (
+        own.speed[0] + across * own.yaw_rate[0],
+        own.acceleration[0] + across * math.hypot(own.yaw_acceleration[0], own.yaw_rate[0] ** 2),
+    )
+    rows, pieces = law_tables([case.law])
+    bounds = np.empty((1, BOUND_COLUMNS))
+    bound_frame(rows[0], pieces, t0, t1, bounds, 0)
+    found = point_bound(bounds, 0, reach, 9.0, *n)
+    for value, least in zip(found, expected, strict=True):
+        assert value >= least * (1.0 - CLOSE) - CLOSE
+        # the box of keyframes (K44) is exact along an axis only
+        if not isinstance(case.law, Keyframes) or np.abs(n).max() == 1.0:
+            assert value <= least * (1.0 + 1e-11) + 1e-11
+
+
+@pytest.mark.parametrize("interval", [(0.0, 3.0), (3.5, 4.5), (5.0, 4.0), (math.nan, 4.0), (3.0, math.nan)])
+def test_nothing_is_extrapolated(interval: tuple[float, float]) -> None:
+    laws: list[Law] = [Fixed(Pose(1.0), (2.0, 4.0)), Linear(Pose(), (0.1, 0.0, 0.0), 0.0, (2.0, 4.0))]
+    rows, pieces = law_tables(laws)
+    bounds = np.empty((2, BOUND_COLUMNS))
+    for k in range(2):
+        bound_frame(rows[k], pieces, *interval, bounds, k)
+        assert point_bound(bounds, k, 0.0, 0.0, 0.0, 0.0, 1.0) == (math.inf, math.inf)
+    found = placed(laws[0], np.array([1.999, 2.0, 4.0, 4.001]))
+    assert np.array_equal(np.isnan(found).all(1), [True, False, False, True])
+
+
+def neighbours() -> list[tuple[Robot, Trajectory]]:
+    """Upright arms with a plan from rest to rest that keeps the loop assembled."""
+    time, found = np.array([1.0, 1.4, 1.7, 2.5]), []
+    for name in ("scara 4 True 1", "scara 3 False 0", "five-bar 4 1"):
+        robot = ARMS[name]
+        n, rng = len(robot.joints), np.random.default_rng(5)
+        q = np.array([0.6, -0.6, 0.2, 0.3])[:n] + rng.uniform(-0.2, 0.2, (4, n))
+        qd, qdd = rng.normal(size=(2, 4, n))
+        qd[[0, 3]] = qdd[[0, 3]] = 0.0
+        found.append((robot, Trajectory(time, q, 0.3 * qd, qdd)))
+    return found
+
+
+@pytest.mark.parametrize(("robot", "path"), neighbours(), ids=lambda value: getattr(value, "name", ""))
+def test_a_neighbours_link_is_where_its_plan_has_it(robot: Robot, path: Trajectory) -> None:
+    rng = np.random.default_rng(6)
+    t0 = rng.uniform(0.0, 3.0, 60)
+    t1 = t0 + 10.0 ** rng.uniform(-4, 0, 60)
+    n = rng.normal(size=(60, 3))
+    n /= np.linalg.norm(n, axis=1, keepdims=True)
+    for link in range(len(robot.links)):
+        law = TrajectoryLaw(robot, path, link)
+        same(placed(law, t0), placed_by(law, t0))
+        rows, pieces = law_tables([Linear(Pose(), (0.1, 0.0, 0.0)), law])
+        bounds, own = np.empty((2, BOUND_COLUMNS)), law.bounds(t0, t1, n)
+        for i in range(60):
+            bound_frame(rows[1], pieces, t0[i], t1[i], bounds, 1)
+            assert np.allclose(point_bound(bounds, 1, 0.0, 0.0, *n[i]), (own.speed[i], own.acceleration[i]), 1e-11)
+            # read off directly, where the law reads it off a long lever
+            assert abs(bounds[1, V_REACH] - own.yaw_rate[i]) <= 1e-7 * (1.0 + own.yaw_rate[i])
+            turning = bounds[1, ACCELERATION + V_REACH]
+            assert abs(turning - own.yaw_acceleration[i]) <= 1e-7 * (1.0 + own.yaw_acceleration[i])
+
+
+@given(splines, st.integers(0, 10**6))
+def test_the_spline_is_the_trajectory(path: Trajectory, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    table = spline_table(path, np.eye(path.n))
+    t = np.concatenate([rng.uniform(path.start - 0.5, path.end + 0.5, 30), path.time])
+    q, state = np.empty(path.n), np.empty((4, path.n))
+    for each in t:
+        held = min(max(each, path.start), path.end)
+        spline_state(table.tk, table.c, each, q)
+        same(q, path.evaluate(held))
+        spline_motion(table.tk, table.c, each, state)
+        inside = path.start <= each < path.end
+        for order in range(1, 4):
+            size = np.abs(path.bernstein(order)).max()
+            expected = path.evaluate(held, order) if inside else np.zeros(path.n)
+            assert np.all(np.abs(state[order] - expected) <= CLOSE * (1.0 + size))
+    spline_state(table.tk, table.c, math.nan, q)
+    assert np.isnan(q).all()
+
+
+@given(splines, st.integers(0, 10**6))
+def test_joint_motion_is_bounded_as_the_sweep_bounds_it(path: Trajectory, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    matrix = rng.integers(-1, 2, (path.n + 1, path.n)).astype(np.float64)
+    table = spline_table(path, matrix)
+    t0 = rng.uniform(path.start, path.end, 40)
+    t1 = np.minimum(t0 + path.duration * 10.0 ** rng.uniform(-6, 0, 40), path.end)
+    knots = np.sort(rng.choice(path.time, (2, 10)), axis=0)
+    t0[:10], t1[:10] = knots
+    t0[10], t1[10] = path.start, path.end
+    expected = sweep(path, t0, t1, matrix)
+    found = Sweep(np.empty_like(expected.lower), np.empty_like(expected.upper), *np.empty((2, *expected.rate.shape)))
+    for i in range(40):
+        out = (found.lower[i], found.upper[i], found.rate[i], found.rate_d[i])
+        sweep_bounds(table.tk, table.c, table.whole, table.matrix, t0[i], t1[i], *out)
+    sizes = [1.0, 1.0, *(1.0 + np.abs(path.bernstein(order)).max() for order in (1, 2))]
+    for name, size in zip(("lower", "upper", "rate", "rate_d"), sizes, strict=True):
+        sign, close = -1.0 if name == "lower" else 1.0, CLOSE * path.n * size
+        assert np.all(sign * (getattr(found, name) - getattr(expected, name)) <= close)
+        between = t0[:, None] + (t1 - t0)[:, None] * np.linspace(0.0, 1.0, 30)
+        truth = [path.evaluate(np.minimum(between, t1[:, None]), order) for order in range(3)]
+        if name in ("lower", "upper"):
+            least = truth[0].min(1) if name == "lower" else truth[0].max(1)
+        else:
+            least = np.abs(truth[1 if name == "rate" else 2] @ matrix.T).max(1)
+        assert np.all(sign * (getattr(found, name) - least) >= -close)
+
+
+def test_beside_a_trajectory_that_does_not_rest_nothing_is_known() -> None:
+    time, q = np.array([0.0, 1.0]), np.zeros((2, 1))
+    moving = np.array([[0.0], [0.5]])
+    table = spline_table(Trajectory(time, q, moving, q), np.eye(1))
+    lower, upper, rate, rate_d = np.empty((4, 1))
+    for t0, t1, known in ((-1.0, 0.5, True), (0.5, 1.0, True), (0.5, 1.1, False), (0.5, 0.4, False)):
+        sweep_bounds(table.tk, table.c, table.whole, table.matrix, t0, t1, lower, upper, rate, rate_d)
+        assert np.isfinite([lower[0], upper[0], rate[0], rate_d[0]]).all() == known
+    for t0, t1 in ((math.nan, 0.5), (0.5, math.nan)):
+        sweep_bounds(table.tk, table.c, table.whole, table.matrix, t0, t1, lower, upper, rate, rate_d)
+        assert rate[0] == rate_d[0] == upper[0] == math.inf == -lower[0]
+
+
+def test_the_side_table_holds_several_laws() -> None:
+    frames = [Frame("a", law) for law, _ in ((Fixed(Pose(2.0)), 0),)]
+    rows, pieces = law_tables([frame.law for frame in frames])
+    assert rows.shape == (1, law_columns.LAW_COLUMNS)
+    assert pieces.shape == (0, law_columns.PIECE_COLUMNS)
