@@ -50,9 +50,7 @@ MOST = 400_000
 
 
 @kernel(f"UniTuple({JET}, 5)({F3}, int64, float64, float64, float64, float64)")
-def point(
-    jets: FloatArray, c: int, x: float, y: float, z: float, yaw: float
-) -> tuple[Jet, Jet, Jet, Jet, Jet]:
+def point(jets: FloatArray, c: int, x: float, y: float, z: float, yaw: float) -> tuple[Jet, Jet, Jet, Jet, Jet]:
     """Position, and cosine and sine of the heading, of a frame at a pose in a carrier. (On a carrier that tilts the
     pose is none, and the heading is that of its level axis.)"""
     px = plus(jet_of(jets[c], 0), plus(scaled(x, jet_of(jets[c], 3)), scaled(y, jet_of(jets[c], 6))))
@@ -66,7 +64,7 @@ def point(
 @kernel("float64(float64)")
 def wrapped(angle: float) -> float:
     """The angle less full turns, in [-π, π]."""
-    return angle - 2.0 * math.pi * np.round(angle / (2.0 * math.pi))
+    return float(angle - 2.0 * math.pi * np.round(angle / (2.0 * math.pi)))
 
 
 @kernel(f"float64({JET})")
@@ -102,10 +100,10 @@ def taken(
         pitch, roll = q[1, 0] + q[2, 0] + q[3, 0], q[4, 0]
         way, turn = asked[ROLL + 1], asked[ROLL + 2]
         # from the middle of the way, which is no longer than half a turn: no turn is in doubt
-        x, y = wrapped(pitch - asked[PITCH] - 0.5 * way), wrapped(roll - asked[ROLL] - 0.5 * turn)
+        ahead, aside = wrapped(pitch - asked[PITCH] - 0.5 * way), wrapped(roll - asked[ROLL] - 0.5 * turn)
         length = way * way + turn * turn
-        share = min(max((x * way + y * turn) / length, -0.5), 0.5) if length > 0.0 else 0.0
-        now[0] = math.sqrt((x - share * way) ** 2 + (y - share * turn) ** 2) - STRAIGHT_RAD
+        share = min(max((ahead * way + aside * turn) / length, -0.5), 0.5) if length > 0.0 else 0.0
+        now[0] = math.sqrt((ahead - share * way) ** 2 + (aside - share * turn) ** 2) - STRAIGHT_RAD
     elif kind == CARRY:
         carry(0, count, t, t, arms, knots, frames, pieces, jets)
         x, y, z, _, _ = point(jets, flange, asked[TCP], asked[TCP + 1], asked[TCP + 2], asked[TCP + 3])
@@ -200,8 +198,8 @@ def keeps(
     pieces: FloatArray,
     found: FloatArray,
 ) -> None:
-    """Whether nothing that is asked is exceeded over [t0, t1]; `count`: links of the arm. `found` (4,) has 0 if so, 1 if
-    it is and 2 if that could not be decided; then which quantity, by how much, and when."""
+    """Whether nothing that is asked is exceeded over [t0, t1]; `count`: links of the arm. `found` (4,) has 0 if so, 1
+    if it is and 2 if that could not be decided; then which quantity, by how much, and when."""
     jets, q = np.zeros((count + len(frames) + MOST_LINKS, JETS, 6)), np.zeros((8, 6))
     stack, ends, bound, now = np.empty((64, 2)), np.empty(5), np.empty(5), np.empty(5)
     stack[0, 0], stack[0, 1], top = t0, t1, 1

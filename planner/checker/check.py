@@ -70,14 +70,19 @@ def _strange(scene: Scene, plan: Plan) -> list[Finding]:
         findings.append(Finding(Code.FORM, f"knots of {knots.n} joints, the robot has {n}"))
     if knots.jumps is not blended:
         asked = "parabolic_blend" if blended else "jerk_limited"
-        findings.append(Finding(Code.FORM, f"jumps in acceleration are said to be {knots.jumps}, the timing is {asked}"))
+        findings.append(
+            Finding(Code.FORM, f"jumps in acceleration are said to be {knots.jumps}, the timing is {asked}")
+        )
     if plan.certificate.covers != covered(blended=blended):
         what = f"the certificate must say that it covers {', '.join(covered(blended=blended))}"
         findings.append(Finding(Code.FORM, what))
-    for what, items in (("leg", plan.legs), ("arrival", plan.arrivals)):
-        for i, item in enumerate(items):
-            if not item.step < len(scene.task):
-                findings.append(Finding(Code.FORM, f"{what} {i} is of step {item.step}, which the task has not"))
+    for arrival in plan.arrivals:
+        if arrival.missed_by is not None and len(arrival.missed_by.joints) != n:
+            findings.append(Finding(Code.FORM, f"the miss of {arrival.control_point} must be of {n} joints"))
+    steps = [("leg", leg.step) for leg in plan.legs] + [("arrival", arrival.step) for arrival in plan.arrivals]
+    for what, step in steps:
+        if not step < len(scene.task):
+            findings.append(Finding(Code.FORM, f"a plan with {what}s of step {step}, which the task has not"))
     return findings
 
 

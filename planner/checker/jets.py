@@ -27,7 +27,7 @@ TURN = 2.0 * math.pi
 def product(a0: float, a1: float, b0: float, b1: float) -> tuple[float, float]:
     """Bounds of a b with a in [a0, a1] and b in [b0, b1]."""
     p, q, r, s = a0 * b0, a0 * b1, a1 * b0, a1 * b1
-    return min(min(p, q), min(r, s)), max(max(p, q), max(r, s))
+    return min(p, q, r, s), max(p, q, r, s)
 
 
 @kernel(f"{JET}(float64)")

@@ -66,21 +66,32 @@ def tables(scene: Scene, trajectory: Trajectory, until: float) -> Tables:
 
 def _arm(robot: Robot, first: int, last: int) -> list[float]:
     """A row of the table of arms."""
+    family, numbers = motion.SCARA, list[float]()
     if isinstance(robot, Scara):
-        family, numbers = motion.SCARA, (robot.l1, robot.l2, float(robot.arms_rise))
+        numbers = [robot.l1, robot.l2, float(robot.arms_rise)]
     elif isinstance(robot, FiveAxisArm):
-        family, numbers = motion.FIVE_AXIS, (robot.height, robot.l1, robot.l2, robot.l3)
+        family, numbers = motion.FIVE_AXIS, [robot.height, robot.l1, robot.l2, robot.l3]
     elif isinstance(robot, ElbowArm):
-        family, numbers = motion.ELBOW, (robot.height, robot.l1, robot.l2)
+        family, numbers = motion.ELBOW, [robot.height, robot.l1, robot.l2]
     elif isinstance(robot, PolarArm):
-        family, numbers = motion.POLAR, (robot.height,)
+        family, numbers = motion.POLAR, [robot.height]
     elif isinstance(robot, FiveBar):
         side = 1.0 if robot.assembly == "front" else -1.0
-        family, numbers = motion.FIVE_BAR, (robot.separation, *robot.proximal, *robot.distal, side)
+        family, numbers = motion.FIVE_BAR, [robot.separation, *robot.proximal, *robot.distal, side]
     else:
         raise FaultError(f"the checker does not know the kinematics of {robot.name}")
     base = robot.base
-    row = [float(family), float(len(robot.joints)), float(first), float(last), base.x, base.y, base.z, base.yaw, *numbers]
+    row = [
+        float(family),
+        float(len(robot.joints)),
+        float(first),
+        float(last),
+        base.x,
+        base.y,
+        base.z,
+        base.yaw,
+        *numbers,
+    ]
     return row + [0.0] * (motion.ARM - len(row))
 
 

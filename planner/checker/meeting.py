@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -72,12 +73,14 @@ def _met(world: World, arrival: Arrival, target: Target) -> list[Finding]:
 
     missed = world.scene.options.blended and asks_passing(step)  # checker.blends says by how much
     frame = world.frame[target.frame]
-    for t in () if missed else (arrival.time, arrival.until):
+    times = () if missed else (arrival.time, arrival.until)
+    if not missed:
+        findings += tilted([world.tilt(t)[:2] for t in times] if target.tilt is not None else [], arrival, target)
+    for t in times:
         tool, goal = world.tool(t), world.state(frame, target.tool, t)
         hold(Code.ARRIVAL, distance(tool.p, goal.p), MEET_M, "m", f"the tool is not at {step.name}")
         turned = abs(math.remainder(tool.yaw - goal.yaw, math.tau)) if target.turns else 0.0
         hold(Code.ARRIVAL, turned, MEET_RAD, "rad", f"the tool is turned against {step.name}")
-        findings += tilted(world.tilt(t)[:2] if target.tilt is not None else (0.0, 0.0), arrival, target)
     tool, goal = world.tool(arrival.time), world.state(frame, target.tool, arrival.time)
     off = max(distance(tool.p, arrival.pose.position), abs(math.remainder(tool.yaw - arrival.pose.yaw, math.tau)))
     hold(Code.ARRIVAL, off, MEET_M, "m or rad", f"the arrival at {step.name} says another pose")
@@ -96,8 +99,8 @@ def _met(world: World, arrival: Arrival, target: Target) -> list[Finding]:
     return findings
 
 
-def tilted(found: tuple[float, float], arrival: Arrival, target: Target) -> list[Finding]:
-    """Whether the hand, with the pitch and roll `found`, has those that are asked and that the arrival says."""
+def tilted(found: Sequence[tuple[float, float]], arrival: Arrival, target: Target) -> list[Finding]:
+    """Whether the hand, with each pitch and roll of `found`, has those that are asked and that the arrival says."""
     name, where = target.step.name, f"{arrival.time:.6g} s"
     if target.tilt is None:
         if arrival.pitch is None and arrival.roll is None:
@@ -110,8 +113,8 @@ def tilted(found: tuple[float, float], arrival: Arrival, target: Target) -> list
         ("is tilted or rolled against", target.tilt),
         ("has not the pitch and roll that are said at", (arrival.pitch, arrival.roll)),
     ):
-        off = [abs(math.remainder(one - other, math.tau)) for one, other in zip(found, asked, strict=True)]
-        if not (off[0] <= MEET_RAD and off[1] <= MEET_RAD):
+        off = [abs(math.remainder(tilt[k] - asked[k], math.tau)) for tilt in found for k in range(2)]
+        if not all(amount <= MEET_RAD for amount in off):
             findings.append(Finding(Code.ARRIVAL, f"the tool {what} {name}", max(off), "rad", where))
     return findings
 

@@ -24,9 +24,9 @@ SCARA l1, l2, whether the lift carries the arms; ELBOW height, l1, l2; POLAR hei
 FIVE_BAR separation, left and right crank, left and right coupler, sign of the assembly mode; how many columns."""
 POLYNOMIAL, SWING, NEIGHBOUR = range(3)
 KIND, SINCE, UNTIL, FIRST, COUNT, MEAN, AMPLITUDE, FRAME = range(8)
-"""Columns of a frame: its kind, when its law is known, first row and number of its pieces; how many columns. SWING: the
-yaw is MEAN + AMPLITUDE times the sine of the yaw of its pieces. NEIGHBOUR: FIRST is the row of its arm, COUNT the number
-of its link."""
+"""Columns of a frame: its kind, when its law is known, first row and number of its pieces; how many columns. SWING:
+the yaw is MEAN + AMPLITUDE times the sine of the yaw of its pieces. NEIGHBOUR: FIRST is the row of its arm, COUNT the
+number of its link."""
 DEGREE = 7
 BEGIN, END, CONTROL = 0, 1, 2
 """Columns of a piece of a law: [begin, end], and from CONTROL on DEGREE + 1 control values each of x, y, z and yaw."""

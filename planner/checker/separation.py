@@ -40,14 +40,16 @@ MOST = 4_000_000
 
 
 @kernel(f"float64({F1}, {F3}, int64, {F2}, float64, float64, float64)")
-def support(solid: FloatArray, jets: FloatArray, c: int, vertices: FloatArray, nx: float, ny: float, nz: float) -> float:
+def support(
+    solid: FloatArray, jets: FloatArray, c: int, vertices: FloatArray, nx: float, ny: float, nz: float
+) -> float:
     """max of n·x over a solid on carrier c, where the jets, of an instant, have it (S1)."""
     local = (
         nx * jets[c, 3, 0] + ny * jets[c, 4, 0] + nz * jets[c, 5, 0],
         nx * jets[c, 6, 0] + ny * jets[c, 7, 0] + nz * jets[c, 8, 0],
         nx * jets[c, 9, 0] + ny * jets[c, 10, 0] + nz * jets[c, 11, 0],
     )
-    found = nx * jets[c, 0, 0] + ny * jets[c, 1, 0] + nz * jets[c, 2, 0]
+    found: float = nx * jets[c, 0, 0] + ny * jets[c, 1, 0] + nz * jets[c, 2, 0]
     u, v, w = 0.0, 0.0, 0.0
     for k in range(3):
         found += local[k] * solid[CENTRE + k]
@@ -56,7 +58,7 @@ def support(solid: FloatArray, jets: FloatArray, c: int, vertices: FloatArray, n
         w += local[k] * solid[TURN + 6 + k]
     found += abs(u) * solid[HALF] + abs(v) * solid[HALF + 1] + abs(w) * solid[HALF + 2]
     found += solid[DISC] * math.sqrt(u * u + v * v) + solid[BALL] * math.sqrt(u * u + v * v + w * w)
-    first, most = int(solid[VERTEX]), -np.inf
+    first, most = int(solid[VERTEX]), -math.inf
     for i in range(first, first + int(solid[VERTICES])):
         most = max(most, u * vertices[i, 0] + v * vertices[i, 1] + w * vertices[i, 2])
     return found + most if solid[VERTICES] > 0.0 else found
@@ -100,7 +102,7 @@ def carried(
     if not (known[k, 0] == t0 and known[k, 1] == t1):
         known[k, 2] = 1.0 if carry(k, count, t0, t1, arms, knots, frames, pieces, jets) else 0.0
         known[k, 0], known[k, 1] = t0, t1
-    return known[k, 2] > 0.0
+    return bool(known[k, 2] > 0.0)
 
 
 @kernel(f"void({F2}, int64, {F1}, {F2}, {F2}, {F2}, {F2}, {F2}, {F2}, {F1})")

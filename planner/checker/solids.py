@@ -66,8 +66,8 @@ def solids(scene: Scene, phases: tuple[Phase, ...]) -> Solids:
         moved = {name: (frames[frame], pose) for name, frame, pose in phase.rides}
         if phase.carried is not None:
             moved[phase.carried.part] = (flange, phase.carried.in_flange)
-        for b, (body, carrier, pose) in enumerate(fixed):
-            row[b] = found.setdefault((b, *moved.get(body.name, (carrier, pose))), len(found))
+        for b, (item, carrier, pose) in enumerate(fixed):
+            row[b] = found.setdefault((b, *moved.get(item.name, (carrier, pose))), len(found))
     body = np.array([b for b, _, _ in found], dtype=np.int64)
     offset = np.array([(pose.x, pose.y, pose.z, pose.yaw) for _, _, pose in found]).reshape(-1, 4)
     own, vertices, first, count = _own(scene)

@@ -93,7 +93,8 @@ def joints(
                 found[j, 4], found[j, 5] = min(found[j, 4], 0.0), max(found[j, 5], 0.0)
     if t0 > end or t1 < start:
         return
-    i = min(max(first, first + np.searchsorted(knots[first : last + 1, 0], t0, side="right") - 1), last - 1)
+    i = first + int(np.searchsorted(knots[first : last + 1, 0], t0, side="right")) - 1
+    i = min(max(first, i), last - 1)
     while i > first and not knots[i + 1, 0] > knots[i, 0]:
         i -= 1
     while i < last and (knots[i, 0] < t1 or knots[i, 0] <= t0):
@@ -110,9 +111,7 @@ def joints(
 
 
 @kernel(f"void({F2}, int64, {F2}, int64, {F2}, {F2})")
-def excesses(
-    knots: FloatArray, n: int, limits: FloatArray, kinds: int, worst: FloatArray, when: FloatArray
-) -> None:
+def excesses(knots: FloatArray, n: int, limits: FloatArray, kinds: int, worst: FloatArray, when: FloatArray) -> None:
     """By how much each joint exceeds its limits, (4, n), s (4, n); 0 or less where it keeps them at every instant.
 
     `limits` (5, n): middle and half of the range, greatest velocity, acceleration and jerk; of the `kinds` first kinds.

@@ -112,4 +112,3 @@ class World:
 
 def _four(pose: Pose) -> FloatArray:
     return np.array([pose.x, pose.y, pose.z, pose.yaw])
-

@@ -92,9 +92,7 @@ def test_a_late_start_asks_for_the_way_that_a_body_may_have_gone(wait: float) ->
     of_plan = phases(scene, plan.legs, plan.arrivals)
     i = next(i for i, p in enumerate(of_plan) if p.carried is None and p.t1 > p.t0)
     late = replace(scene, execution=Execution(start_tolerance_s=wait))
-    aparts = [
-        Apart(s, of_plan, solids(s, of_plan), World(s, plan).tables, plan.certificate) for s in (scene, late)
-    ]
+    aparts = [Apart(s, of_plan, solids(s, of_plan), World(s, plan).tables, plan.certificate) for s in (scene, late)]
     table, c = aparts[0].table, plan.certificate
     one = np.array([table.number["cup"]] * 4)
     other = np.array([table.number[name] for name in ("neighbour", "plate", "peg", "bed")])
