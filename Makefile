@@ -4,7 +4,7 @@
 # make check   ruff, mypy, import rules
 # make serve   the HTTP service on 127.0.0.1:8000
 # make problems  the three benchmark sets, and the independent recheck of every answer
-# make bench   the whole benchmark, peers included: results, table, plots, pages; can be stopped and resumed
+# make bench   the whole benchmark, peers included: results, tables, plots, pages; BESIDE=COMMIT compares with a commit
 # make bench-quick  a sample of it, in under 3 minutes
 # make clean   remove what these made
 
@@ -84,7 +84,8 @@ problems: $(VENV)/installed
 
 # What was measured stands in the pages even where an answer was not clean: as refused.
 bench: $(VENV)/installed
-	@status=0; $(BIN)/python -m benchmarks.bench || status=$$?; $(BIN)/python -m benchmarks.report; exit $$status
+	@status=0; $(BIN)/python -m benchmarks.bench $(if $(BESIDE),--beside $(BESIDE)) || status=$$?; \
+		$(BIN)/python -m benchmarks.report; exit $$status
 
 bench-quick: $(VENV)/installed
 	$(BIN)/python -m benchmarks.bench --quick

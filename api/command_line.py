@@ -14,11 +14,11 @@ from typing import Annotated, Any, Literal, ParamSpec
 
 import typer
 
-from assur.api import amounts, catalogue_table, words
+from assur.api.cli import catalogue_table, console_report, number_format
+from assur.api.cli.inputs import json_file, robot_named, target
 from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import Problem, printable
-from assur.api.targets import json_file, robot_named, target
 from assur.api.version import version
 from assur.planner.errors import FaultError, InputError
 from assur.scenes import kernels as compiled_kernels
@@ -101,7 +101,7 @@ def plan(
     _announce_compilation()
     if out is not None and (out.is_dir() or not out.parent.is_dir()):
         raise InputError("--out", str(out), "a file in a folder that exists")
-    with words.working(f"planning {given.name}"):
+    with console_report.working(f"planning {given.name}"):
         answer = given.plan()
         checked = answer["status"] == "planned"
         if checked:
@@ -113,7 +113,7 @@ def plan(
     if as_json:
         _print_json(answer)
     else:
-        _print(f"{given.name}: {'planned' if checked else 'not planned'}", "", *words.everything(answer))
+        _print(f"{given.name}: {'planned' if checked else 'not planned'}", "", *console_report.everything(answer))
         if checked:
             _print("plan checked")
     for unmet in given.unmet(answer):
@@ -132,16 +132,18 @@ def check(
     given = target(file)
     answer = json_file(plan, "PLAN")
     _announce_compilation()
-    with words.working(f"checking {plan.name}"):
+    with console_report.working(f"checking {plan.name}"):
         verdict = given.check(answer)
     if as_json:
         _print_json(verdict)
     elif verdict["ok"]:
         _print("plan right: everything that it promises holds against the model", verdict["notice"])
     else:
-        findings = words.table("what is wrong", ">by", "where")
+        findings = console_report.table("what is wrong", ">by", "where")
         for finding in verdict["findings"]:
-            words.row(findings, finding["what"], amounts.amount(finding["amount"], finding["unit"]), finding["where"])
+            console_report.row(
+                findings, finding["what"], number_format.amount(finding["amount"], finding["unit"]), finding["where"]
+            )
         _print("plan wrong", "", findings)
     return RIGHT if verdict["ok"] else WRONG
 
@@ -168,9 +170,9 @@ def scenes(as_json: AsJson = False) -> int:
     if as_json:
         _print_json({"scenes": [{"name": name, "about": about} for name, about in shipped.items()]})
         return RIGHT
-    made = words.table("scene", "about")
+    made = console_report.table("scene", "about")
     for name, about in shipped.items():
-        words.row(made, name, about)
+        console_report.row(made, name, about)
     _print(made)
     return RIGHT
 
@@ -226,8 +228,8 @@ def serve(
     port: Annotated[int | None, typer.Option(min=0, max=65535, help="Port to listen on (ASSUR_PORT).")] = None,
 ) -> int:
     """Run the HTTP service until SIGTERM; other settings come from the environment (docs/service.md)."""
-    from assur.api.serve import serve as run
-    from assur.api.settings import Settings
+    from assur.api.web.serve import serve as run
+    from assur.api.web.settings import Settings
 
     settings = Settings.from_environment()
     if not compiled_kernels.is_compiled():
@@ -262,7 +264,7 @@ def _announce_compilation() -> None:
 
 
 def _print(*parts: Any) -> None:
-    console = words.console()
+    console = console_report.console()
     for part in parts:
         console.print(part, soft_wrap=isinstance(part, str))
 

@@ -3,7 +3,8 @@
 A record may only ever be lowered, and only by an answer that the checker accepts and in which the independent recheck
 finds nothing, jerk included. So neither `witness` nor `direct_time` of the problem files is a record: both are
 trapezoids without a limit of jerk. For each problem the planner searches 30 s with each of 3 seeds, which takes ten
-hours for all of them; the command can be stopped, and goes on where it was.
+hours for all of them; the command can be stopped, and goes on where it was. `--worst 0.25` searches only the quarter
+of the problems whose duration in the results of `benchmarks.durations` is furthest above its record.
 """
 
 from __future__ import annotations
@@ -15,13 +16,14 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import track
 
-from benchmarks.judged import SETS, judged, label, problem_set, warm_up
+from benchmarks.commits import ask, planning
+from benchmarks.figures import FOLDER
+from benchmarks.figures import read as read_result
+from benchmarks.judged import SETS, judged, label, problem_set
 from benchmarks.machine import ROOT, commit, sources
-from benchmarks.progress import Progress as Kept
-from benchmarks.run_problems import answer
-from benchmarks.translation import Manners
+from benchmarks.translation import Manners, request
 
 PATH = ROOT / "benchmarks" / "best_known.json"
 SCHEMA = "assur-best-known/1"
@@ -84,51 +86,79 @@ def write(path: Path, known: Known) -> None:
     beside.replace(path)
 
 
+def lower(path: Path, new: Known) -> list[str]:
+    """Writes what is lower or new; the problems of which."""
+    everything, lowered = merged(read(path), new)
+    if new:
+        write(path, everything)
+    return lowered
+
+
 def found(name: str, answers: Mapping[str, Mapping[str, Any]], by: str, searched_s: float = 0.0) -> Known:
     """The records that judged answers are, problem by problem: planned ones in which nothing was found."""
     now = commit()["commit"]
     made = {
         problem: {"duration_s": line["duration_s"], "by": by, "commit": now, "searched_s": searched_s}
         for problem, line in answers.items()
-        if line.get("findings") == [] and line["duration_s"] is not None
+        if line.get("findings") == [] and line.get("duration_s") is not None
     }
     return {name: made} if made else {}
+
+
+def searched(path: Path, key: Record) -> dict[str, Record]:
+    """Answers of an earlier run by their items, in a file whose first line is `key`; a file of another run is begun
+    anew, and a last line that was cut off in writing is dropped."""
+    first = json.dumps(key, sort_keys=True)
+    lines = path.read_text(encoding="utf-8").split("\n") if path.exists() else []
+    kept = lines[1:-1] if lines and lines[0] == first else []
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("".join(line + "\n" for line in [first, *kept]), encoding="utf-8")
+    return {record["item"]: record for record in map(json.loads, kept)}
+
+
+def worst(share: float) -> set[str]:
+    """This share of the problems, as ``set/problem``: those furthest above their record in `benchmarks.durations`."""
+    ratios = {
+        item.removeprefix("0.2/"): record["duration_s"] / record["best_s"]
+        for item, record in read_result(FOLDER / "durations.jsonl")[1].items()
+        if item.startswith("0.2/") and record["status"] == "planned" and record["best_s"]
+    }
+    return set(sorted(ratios, key=lambda item: -ratios[item])[: round(share * len(ratios))])
 
 
 def main(
     budget_s: Annotated[float, typer.Option(min=0.01, help="Longest search for one problem and seed.")] = 30.0,
     seeds: Annotated[int, typer.Option(min=1, help="Seeds: 0, 1, …")] = 3,
     only: Annotated[list[str] | None, typer.Option(help="Only this problem; repeatable.")] = None,
-    limit: Annotated[int | None, typer.Option(min=1, help="Only the first problems of each set.")] = None,
+    share: Annotated[float | None, typer.Option("--worst", help="Only this share: the largest ratios.")] = None,
     known: Annotated[Path, typer.Option(help="The file of records; one process at a time writes it.")] = PATH,
     work: Annotated[Path, typer.Option(help="Folder of what was searched so far.")] = ROOT / "out" / "best_known",
 ) -> None:
     """Search long, and lower the records."""
+    chosen = None if share is None else worst(share)
     asked = [
         (name, match, problem, seed)
         for seed in range(seeds)
         for name, match in SETS
-        for problem in problem_set(name).problems[:limit]
-        if not only or problem["id"] in only
+        for problem in problem_set(name).problems
+        if (not only or problem["id"] in only) and (chosen is None or f"{label(name, match)}/{problem['id']}" in chosen)
     ]
-    done = Kept(work / f"{budget_s:g}s.jsonl", {"budget_s": budget_s, "sources": sources()})
-    warm_up(problem_set(SETS[0][0]))
+    path = work / f"{budget_s:g}s.jsonl"
+    done = searched(path, {"budget_s": budget_s, "sources": sources()})
     count = 0
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        for name, match, problem, seed in progress.track(asked, description="searching"):
+    with planning(ROOT, problem_set(SETS[0][0])) as program, path.open("a", encoding="utf-8") as stream:
+        for name, match, problem, seed in track(asked, "searching", console=Console(stderr=True), transient=True):
             item = f"{name}/{match}/{problem['id']}/{seed}"
-            if item not in done.records:
+            if item not in done:
                 problems = problem_set(name)
-                line = answer(problem, problems, Manners(budget_s, "budget", match, seed))
-                done.add(item, judged(problems, problem, line, match))
+                answer = ask(program, request(problem, problems.limits, Manners(budget_s, "budget", match, seed)))
+                done[item] = {"item": item, **judged(problems, problem, answer, match)}
+                stream.write(json.dumps(done[item], allow_nan=False) + "\n")
+                stream.flush()
             by = f"assur, {budget_s:g} s, seed {seed}"
-            searched = budget_s * (seed + 1)
-            records = found(label(name, match), {problem["id"]: done.records[item]}, by, searched)
-            all_of_them, lowered = merged(read(known), records)
-            if records:
-                write(known, all_of_them)
-            count += len(lowered)
+            count += len(
+                lower(known, found(label(name, match), {problem["id"]: done[item]}, by, budget_s * (seed + 1)))
+            )
     total = sum(len(records) for records in read(known).values())
     Console().print(f"{len(asked)} searches, {count} records lowered or new, {total} problems have one")
 

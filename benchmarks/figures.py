@@ -1,61 +1,154 @@
-"""A figure. It is formed only over answers that were checked and found clean; else it is refused."""
+"""What a script of the benchmark writes: one file of JSON lines, and its figures, each beside its bar.
+
+The first line says what was measured, where and when; then a line for each record; then a line for each figure. A
+figure is formed only over answers that were checked and found clean, else it is refused.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from benchmarks.machine import ROOT, commit, machine, sources
 
 Document = dict[str, Any]
+Records = Mapping[str, Document]
+"""Records by the names of their items; the key `findings` of each holds what is wrong with its answers."""
+
+FOLDER = ROOT / "benchmarks" / "results"
+SAMPLES = ROOT / "out" / "bench" / "quick"
+"""Where results of a sample go: no page is filled from there."""
+WIDTH = 120
+"""Characters of the tables, where the terminal has not more."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Figure:
-    """`value` in `unit`. `refused`: why there is no value."""
+    """`values`: one, or one for each set; None where `refused` says why. `bar`: likewise, or none at all.
+    `beside`: the same figure of another commit, in words."""
 
     name: str
-    value: float | None
+    values: tuple[float | None, ...]
     unit: str = ""
-    refused: str | None = None
+    bar: tuple[float, ...] = ()
+    at_least: bool = False
+    decimals: int = 1
     note: str = ""
+    beside: str = ""
+    refused: str | None = None
 
-    def document(self) -> Document:
-        return asdict(self)
+    def reached(self) -> str:
+        """The values in words."""
+        told = ["refused" if value is None else f"{value:.{self.decimals}f}" for value in self.values]
+        return f"{' / '.join(told)} {self.unit}".strip()
+
+    def asked(self) -> str:
+        """The bar in words; empty without one."""
+        if not self.bar:
+            return ""
+        bars = " / ".join(f"{value:g}" for value in (self.bar[:1] if len(set(self.bar)) == 1 else self.bar))
+        return f"at {'least' if self.at_least else 'most'} {bars} {self.unit}".strip()
+
+    def met(self) -> str:
+        """Whether the bar is met, by each value where they differ; empty without a bar."""
+        if not self.bar:
+            return ""
+        told = []
+        for value, bar in zip(self.values, self.bar, strict=True):
+            good = value is not None and (value >= bar if self.at_least else value <= bar)
+            told.append("?" if value is None else "yes" if good else "no")
+        return told[0] if len(set(told)) == 1 else " / ".join(told)
 
 
-def unclean(records: Iterable[tuple[str, Mapping[str, Any]]]) -> str | None:
-    """Why nothing may be said of these records by name; None if every one was checked and nothing was found."""
-    found = []
-    for name, record in records:
-        findings = record.get("findings")
-        if findings is None:
-            found.append(f"{name}: was not checked")
-        elif findings:
-            found.append(f"{name}: {findings[0]}")
-    if not found:
-        return None
-    return f"{len(found)} not clean, first {found[0]}"
+def unclean(records: Records) -> str | None:
+    """Why nothing may be said of these records; None if every one was checked and nothing was found."""
+    found = [
+        f"{name}: {record['findings'][0] if 'findings' in record else 'was not checked'}"
+        for name, record in records.items()
+        if record.get("findings") != []
+    ]
+    return f"{len(found)} not clean, first {found[0]}" if found else None
 
 
 def figure(
     name: str,
-    records: Mapping[str, Mapping[str, Any]],
-    value: Callable[[Sequence[Mapping[str, Any]]], float | None],
+    groups: Sequence[Records],
+    value: Callable[[list[Document]], float | None],
     unit: str = "",
-    *,
-    note: str = "",
+    bar: tuple[float, ...] = (),
+    **more: Any,
 ) -> Figure:
-    """The figure of the records, or a refusal: when one of them is not clean, there are none, or it has no value."""
-    why = unclean(records.items()) if records else "nothing was measured"
-    worth = value(list(records.values())) if why is None else None
-    if why is None and (worth is None or not np.isfinite(worth)):
-        why, worth = "no answer to measure", None
-    return Figure(name, None if worth is None else float(worth), unit, why, note)
+    """A figure with a value for each group of records. A group that is empty, not clean, or has no value is refused."""
+    values: list[float | None] = []
+    reasons: list[str] = []
+    for records in groups:
+        why = unclean(records) if records else "nothing was measured"
+        worth = value(list(records.values())) if why is None else None
+        if why is None and (worth is None or not np.isfinite(worth)):
+            why, worth = "no answer to measure", None
+        values.append(None if worth is None else float(worth))
+        reasons += [why] if why is not None else []
+    return Figure(name, tuple(values), unit, bar, refused="; ".join(reasons) or None, **more)
 
 
 def quantile(values: Iterable[float], share: float) -> float | None:
     """The quantile, or None of nothing."""
     there = list(values)
     return float(np.quantile(there, share)) if there else None
+
+
+def finish(
+    script: str, about: str, quick: bool, parameters: Document, records: Records, figures: Sequence[Figure]
+) -> None:
+    """Writes the result of a script, whole or not at all, and prints its figures."""
+    path = (SAMPLES if quick else FOLDER) / f"{script}.jsonl"
+    head = {
+        "script": script,
+        "about": about,
+        "sample": quick,
+        "date": datetime.now(UTC).date().isoformat(),
+        **commit(),
+        "sources": sources(),
+        "machine": machine(),
+        "parameters": parameters,
+    }
+    lines = [head, *({"item": name, **record} for name, record in records.items())]
+    lines += [{"figure": each.name, **asdict(each)} for each in figures]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside = path.with_suffix(".part")
+    beside.write_text("".join(json.dumps(line, allow_nan=False) + "\n" for line in lines), encoding="utf-8")
+    beside.replace(path)
+    show(figures, f"{about}{' (a sample)' if quick else ''}")
+
+
+def show(figures: Sequence[Figure], title: str) -> None:
+    """Prints figures beside their bars, and below them why any was refused."""
+    console = Console(width=max(WIDTH, Console().width))
+    table = Table("figure", "bar", "reached", "met", "", title=title)
+    for each in figures:
+        table.add_row(
+            each.name, each.asked(), each.reached(), each.met(), "; ".join(filter(None, (each.beside, each.note)))
+        )
+    console.print(table)
+    for each in figures:
+        if each.refused is not None:
+            console.print(f"refused: {each.name}: {each.refused}", soft_wrap=True)
+
+
+def read(path: Path) -> tuple[Document, dict[str, Document], list[Figure]]:
+    """Head, records and figures of a result."""
+    head, *rest = (json.loads(line) for line in path.read_text(encoding="utf-8").splitlines())
+    records = {line["item"]: line for line in rest if "item" in line}
+    figures = []
+    for line in rest:
+        if line.pop("figure", None) is not None:
+            figures.append(Figure(**{**line, "values": tuple(line["values"]), "bar": tuple(line["bar"])}))
+    return head, records, figures

@@ -21,7 +21,7 @@ def machine() -> dict[str, Any]:
     """Processor, cores, operating system, and versions of Python and of the libraries that are measured."""
     return {
         "cpu": _cpu(),
-        "cores": len(_cores()) or os.cpu_count(),
+        "cores": os.cpu_count(),
         "system": f"{platform.system()} {platform.machine()}",
         "python": platform.python_version(),
         "libraries": versions(LIBRARIES),

@@ -1,32 +1,28 @@
 """``python -m benchmarks.run_problems FILE.json --out OUT.jsonl``: plan every problem of a set, one line for each.
 
 The clock runs from a request in memory, a plain dict, to the first certified answer: reading and validating the
-request, building the scene, planning and proving. The process is warm (one unrelated problem was planned before), what
-the request contains was never seen before. The checker judges each plan afterwards, outside of the time.
+request, building the scene, planning and proving. The process is warm (unrelated problems were planned before), what
+the request contains was never seen before. The checker judges each plan once more afterwards, outside of the time.
 """
 
 from __future__ import annotations
 
 import json
-import time
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import track
+from rich.table import Table
 
-from assur.planner.checker import check
-from assur.planner.model.outcome import NotPlanned, Plan
-from assur.planner.pipeline import plan
-from assur.scenes.requests import scene_of
+from benchmarks.commits import ask, planning
+from benchmarks.figures import quantile
+from benchmarks.machine import ROOT
 from benchmarks.problem_set import Problem, ProblemSet, ProblemSetError, read_problem_set
-from benchmarks.summary import summary
-from benchmarks.translation import Document, Manners, request, unrelated_problem
-
-WARM_UP_SEED = 987_654_321
-"""Of the unrelated problem; the sets were made from seeds of another form."""
+from benchmarks.translation import Document, Manners, request
 
 
 def main(
@@ -54,7 +50,15 @@ def main(
     manners = Manners(
         budget_s, "first" if stop == "first" else "budget", "velocity" if match == "velocity" else "position", seed
     )
-    lines = run(problems, chosen, manners, out)
+    lines = []
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with out.open("w", encoding="utf-8") as stream:
+        for line in track(
+            run(problems, chosen, manners), "planning", len(chosen), console=Console(stderr=True), transient=True
+        ):
+            stream.write(json.dumps(line, allow_nan=False) + "\n")
+            stream.flush()
+            lines.append(line)
     Console().print(summary(file.name, lines))
 
 
@@ -67,78 +71,35 @@ def choose(problems: ProblemSet, limit: int | None, only: Sequence[str]) -> tupl
     return chosen[:limit]
 
 
-def run(problems: ProblemSet, chosen: Sequence[Problem], manners: Manners, out: Path) -> list[Document]:
-    """Plan the chosen problems, warm; write each line to `out` as soon as it is known; and give all lines back."""
-    moving = any("v" in problem["goal"] for problem in problems.problems)
-    answer(unrelated_problem(WARM_UP_SEED, moving), problems, manners)
-    lines = []
-    out.parent.mkdir(parents=True, exist_ok=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with (
-        out.open("w", encoding="utf-8") as stream,
-        Progress(*columns, console=Console(stderr=True), transient=True) as progress,
-    ):
-        for problem in progress.track(chosen, description="planning"):
-            line = answer(problem, problems, manners)
-            stream.write(json.dumps(line, allow_nan=False) + "\n")
-            stream.flush()
-            lines.append(line)
-    return lines
+def run(problems: ProblemSet, chosen: Sequence[Problem], manners: Manners) -> Iterator[Document]:
+    """The line of each chosen problem, as soon as it is known. A fault in one is written into its line."""
+    with planning(ROOT, problems) as program:
+        for problem in chosen:
+            try:
+                answer = ask(program, request(problem, problems.limits, manners))
+            except ValueError as error:
+                answer = {"status": "error", "reason": str(error)}
+            yield {"id": problem["id"], "match": manners.match, **answer}
 
 
-def answer(problem: Problem, problems: ProblemSet, manners: Manners) -> Document:
-    """The line for one problem. An exception is written into its line, which the recheck refuses, and the run goes on:
-    a set with one fault in it still tells about the other problems."""
-    line: Document = {
-        "id": problem["id"],
-        "status": "error",
-        "match": manners.match,
-        "first_s": None,
-        "proved_s": None,
-        "elapsed_s": None,
-        "duration_s": None,
-        "trajectory": None,
-        "checked": None,
-        "reason": None,
-    }
-    try:
-        return line | planned(request(problem, problems.limits, manners), adaptive=manners.adaptive)
-    except Exception as error:  # noqa: BLE001
-        return line | {"reason": f"{type(error).__name__}: {error}"}
-
-
-def planned(document: Document, *, adaptive: bool = True) -> Document:
-    """What a request comes to, timed and then checked: the columns of a line that are not those of its problem."""
-    began = time.perf_counter()
-    scene = scene_of(document)
-    built = time.perf_counter() - began
-    outcome = plan(scene, adaptive=adaptive)
-    elapsed = time.perf_counter() - began
-    if isinstance(outcome, NotPlanned):
-        return {"status": "not_planned", "elapsed_s": elapsed, "reason": f"{outcome.reason}: {outcome.sentence}"}
-    # With stop: first the clock stops with the answer in hand, which the planner's own last check and the margins are
-    # part of; with stop: budget only the planner can say when it had one.
-    proved = built + outcome.first_s
-    first = elapsed if document["options"]["stop"] == "first" else proved
-    verdict = check(scene, outcome.plan)
-    found = None if verdict.ok else "; ".join(str(finding) for finding in verdict.findings)
-    return {
-        "status": "planned",
-        "first_s": first,
-        "proved_s": proved,
-        "elapsed_s": elapsed,
-        "duration_s": outcome.plan.trajectory.end,
-        "trajectory": trajectory(outcome.plan),
-        "checked": verdict.ok,
-        "reason": found,
-    }
-
-
-def trajectory(found: Plan) -> dict[str, Any]:
-    """The knots, in the q of the problems: the planner's own, for this robot's flange is the tool tip."""
-    knots = found.trajectory
-    columns = {"time_s": knots.time, "position": knots.q, "velocity": knots.qd, "acceleration": knots.qdd}
-    return {name: values.tolist() for name, values in columns.items()}
+def summary(name: str, lines: Sequence[Document]) -> Table:
+    """Counts over all problems, times over the solved ones, and below them which were not solved, by reason."""
+    solved = [line for line in lines if line["status"] == "planned" and line["checked"]]
+    refused = sum(line["status"] == "planned" and not line["checked"] for line in lines)
+    table = Table("", "", title=name, show_header=False)
+    table.add_row("problems", str(len(lines)))
+    for limit in (0.1, 1.0):
+        table.add_row(f"solved within {limit:g} s", str(sum(line["first_s"] <= limit for line in solved)))
+    for title, key, scale in (("first answer", "first_s", 1e3), ("duration", "duration_s", 1.0)):
+        told = [quantile([scale * line[key] for line in solved], share) for share in (0.5, 0.95, 1.0)]
+        shown = " / ".join("none" if value is None else f"{value:.3g}" for value in told)
+        table.add_row(f"{title}, p50 / p95 / longest", f"{shown} {'ms' if scale > 1 else 's'}")
+    table.add_row("refused by the checker", str(refused))
+    table.add_section()
+    reasons = {str(line["id"]): str(line["reason"]).partition(":")[0] for line in lines if line["status"] != "planned"}
+    for reason, count in Counter(reasons.values()).most_common():
+        table.add_row(f"{count} {reason}", " ".join(problem for problem, why in reasons.items() if why == reason))
+    return table
 
 
 if __name__ == "__main__":

@@ -38,9 +38,6 @@ class Manners:
     stop: Literal["first", "budget"] = "first"
     match: Match = "position"
     seed: int = 0
-    adaptive: bool = True
-    """False: sample without learning from what was refused. No option of a request, only of
-    `assur.planner.pipeline.plan`."""
 
 
 def request(problem: Problem, limits: Mapping[str, tuple[float, ...]], manners: Manners) -> Document:

@@ -26,7 +26,7 @@ from assur.planner.robots.five_bar import MODES, SIGMA, FiveBar
 from assur.planner.robots.five_bar_workspace import Workspace, workspace
 from assur.planner.robots.protocol import Code
 from assur.scenes.catalogue import arm_named
-from assur.scenes.plans import plan_of
+from assur.scenes.reading.plan import plan_of
 from assur.scenes.requests import cell_of, plan_document, shipped
 
 MODEL = "mitsubishi-rp-5ah"

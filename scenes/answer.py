@@ -24,10 +24,10 @@ from assur.planner.model.outcome import (
     Planned,
     Refusal,
 )
-from assur.scenes.build.cell import Cell
 from assur.scenes.conventions import as_maker
-from assur.scenes.documents import answer as document
 from assur.scenes.numbers import interval, number, optional
+from assur.scenes.reading.cell import Cell
+from assur.scenes.schema import answer as document
 
 Detail = Literal["full", "digest"]
 

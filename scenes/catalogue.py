@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import FaultError, InputError
 from assur.scenes.bounds import MAX_YAML_BYTES
-from assur.scenes.documents.read import read
-from assur.scenes.documents.robots import FAMILIES, Arm, ArmDocument, Family
 from assur.scenes.faults import DocumentError, dotted, likeliest
 from assur.scenes.files import below, with_meshes
 from assur.scenes.robot_facts import listed
-from assur.scenes.yaml_text import Lines, parse_yaml, with_line
+from assur.scenes.schema.read import read
+from assur.scenes.schema.robots import FAMILIES, Arm, ArmDocument, Family
+from assur.scenes.text.yaml_text import Lines, parse_yaml, with_line
 
 if TYPE_CHECKING:
-    from assur.scenes.build.arms import BuiltArm
+    from assur.scenes.reading.arms import BuiltArm
 
 FOLDER = Path(__file__).parent / "robots"
 """The shipped robots."""
@@ -36,7 +36,7 @@ class RobotFile:
 
     def built(self) -> BuiltArm:
         """The arm for the planner. Raises `DocumentError` at the field that has no meaning."""
-        from assur.scenes.build.arms import built
+        from assur.scenes.reading.arms import built
 
         return built(self.document, (self.family,), self.family, self.arm)
 

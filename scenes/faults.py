@@ -68,6 +68,8 @@ def as_written(document: object, path: Sequence[str | int]) -> tuple[Path, objec
     """The path with the keys as written, and the value there (NOTHING where the document has none)."""
     found: list[str | int] = []
     for part in path:
+        if hasattr(document, "tolist"):  # an array of NumPy
+            document = document.tolist()
         if isinstance(document, dict):
             key = part if part in document else written_key(document, str(part))
             found.append(str(part if key is None else key))
@@ -104,8 +106,14 @@ def located(document: object, *path: str | int) -> Iterator[None]:
     except DocumentError:
         raise
     except InputError as error:
-        inner = _follow(document, path, error.field)
-        raise fault(document, inner, error.allowed) from error
+        raise below(document, path, error) from error
+
+
+def below(document: object, path: Path, error: InputError) -> DocumentError:
+    """The fault at `path`, or at the field below it that a constructor of the planner has refused."""
+    if isinstance(error, DocumentError):
+        return error
+    return fault(document, _follow(document, path, error.field), error.allowed)
 
 
 def _follow(document: object, path: Path, field: str) -> Path:

@@ -11,19 +11,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from assur.scenes.catalogue import RobotFile, load_robot, models, robots, shipped_robot, with_robots
-from assur.scenes.documents import answer as written
-from assur.scenes.documents.plain import plain
-from assur.scenes.documents.read import read
-from assur.scenes.documents.request import SCHEMA, RequestDocument
 from assur.scenes.faults import fault, located
 from assur.scenes.files import with_meshes
-from assur.scenes.json_text import parse_json
 from assur.scenes.numbers import optional
 from assur.scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet
+from assur.scenes.schema import answer as written
+from assur.scenes.schema.normal import plain
+from assur.scenes.schema.read import read
+from assur.scenes.schema.request import SCHEMA, OptionsDocument, RequestDocument
+from assur.scenes.text.json_text import parse_json
+from assur.scenes.units import twin_of
 
 if TYPE_CHECKING:
     from assur.planner.model.scene import Scene
-    from assur.scenes.build.cell import Cell
+    from assur.scenes.reading.cell import Cell
 
 __all__ = [
     "RobotFile",
@@ -43,23 +44,37 @@ __all__ = [
     "shipped",
     "shipped_robot",
     "shipped_scenarios",
+    "stated_budgets",
     "unmet",
     "validate",
-    "validate_parsed",
 ]
 
 
 def validate(document: object) -> RequestDocument:
     """The request in SI, its shape and units checked. Names are looked up, and meshes read, when a scene is built."""
-    return validate_parsed(plain(document))
-
-
-def validate_parsed(whole: Any) -> RequestDocument:
-    """`validate` of what `parse_json` gave, which has no numbers but Python's own."""
-    if isinstance(whole, dict) and whole.get("status") in ("planned", "not_planned"):
-        raise fault(whole, ("status",), "no status: this is an answer, not a request")
-    request: RequestDocument = read(RequestDocument, whole)
+    if isinstance(document, dict) and document.get("status") in ("planned", "not_planned"):
+        raise fault(document, ("status",), "no status: this is an answer, not a request")
+    request: RequestDocument = read(RequestDocument, document)
     return request
+
+
+BUDGETS = ("budget_s", "explain_budget_s")
+"""Options that say for how long a request may be worked on."""
+
+
+def stated_budgets(document: dict[str, Any]) -> dict[str, float]:
+    """The budgets of a request, in s, before it is validated: for whoever limits them. What is no number is left for
+    the validation to refuse, and counts as the default."""
+    options = document.get("options")
+    given = options if isinstance(options, dict) else {}
+    found: dict[str, float] = {}
+    for name in BUDGETS:
+        found[name] = OptionsDocument.model_fields[name].default
+        for key, per_second in ((name, 1), (twin_of(name), 1000)):
+            value = given.get(key)
+            if isinstance(value, int | float) and not value < 0:
+                found[name] = value / per_second
+    return found
 
 
 def request_digest(document: object) -> str:
@@ -75,18 +90,13 @@ def request_schema() -> dict[str, Any]:
 
 def cell_of(document: object, *, folder: Path | None = None) -> Cell:
     """Scene and joint conventions of a request. `folder`: below which mesh files may be named (command line only)."""
-    return _cell(plain(document), folder)
-
-
-def _cell(document: Any, folder: Path | None) -> Cell:
-    """`cell_of` of a document that is plain."""
-    from assur.scenes.build.cell import cell_of as build
+    from assur.scenes.reading.cell import cell_of as build
 
     if folder is None:
-        return build(document, validate_parsed(document))
+        return build(document, validate(document))
     # Errors quote the document as it was written: a mesh's file, not the bytes that took its place.
     document = with_robots(document, folder)
-    return build(document, validate_parsed(with_meshes(document, folder)))
+    return build(document, validate(with_meshes(document, folder)))
 
 
 def scene_of(document: object, *, folder: Path | None = None) -> Scene:
@@ -109,8 +119,7 @@ def plan_document(
     from assur.planner.pipeline import plan
     from assur.scenes.answer import answer_of
 
-    document = plain(document)
-    cell = _cell(document, folder)
+    cell = cell_of(document, folder=folder)
     with located(document):
         outcome = plan(cell.scene, started=started)
     return dict(answer_of(cell, outcome, certificate))
@@ -128,7 +137,7 @@ def check_document(request: object, plan: object, *, folder: Path | None = None)
     """The checker's verdict on a planned answer with a full certificate. Raises `InputError` naming the field."""
     from assur.planner.checker import check
     from assur.scenes.answer import NOTICE
-    from assur.scenes.plans import plan_of
+    from assur.scenes.reading.plan import plan_of
 
     cell = cell_of(request, folder=folder)
     made, told = plan_of(plain(plan), cell.conventions)  # told before the checker's word, which knows no documents

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from assur.scenes.documents.robots import Family
-from assur.scenes.documents.stated import SURE
 from assur.scenes.faults import written_key
+from assur.scenes.schema.robots import Family
+from assur.scenes.schema.stated import SURE
 from assur.scenes.units import any_unit, from_si
 
 Written = dict[str, Any]

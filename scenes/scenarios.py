@@ -14,12 +14,12 @@ from pydantic import Field
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_TEXT, MAX_YAML_BYTES
 from assur.scenes.catalogue import with_robots
-from assur.scenes.documents.model import Document, Instant
-from assur.scenes.documents.read import read
-from assur.scenes.documents.request import RequestDocument
 from assur.scenes.faults import NOTHING, DocumentError, likeliest
 from assur.scenes.files import with_meshes
-from assur.scenes.yaml_text import Lines, parse_yaml, with_line
+from assur.scenes.schema.model import Document, Instant
+from assur.scenes.schema.read import read
+from assur.scenes.schema.request import RequestDocument
+from assur.scenes.text.yaml_text import Lines, parse_yaml, with_line
 
 CELLS = Path(__file__).parent / "cells"
 """The shipped scenarios."""

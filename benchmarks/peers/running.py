@@ -1,27 +1,42 @@
-"""The peers as running programs, each asked over its pipe; one that is not to be had is missing with its reason."""
+"""The peers as running programs in an environment of their own; one that is not to be had is missing with its reason.
+
+The environment is made once. Pip installs one requirement after the other, so that one that is not to be had leaves
+the others usable; what failed is tried again in the next run.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import hashlib
+import json
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from benchmarks.dialogue import Document, Program, ProgramDied
 from benchmarks.machine import ROOT
-from benchmarks.peers.environment import Environment
 
-MODULES: Mapping[str, str] = MappingProxyType(
-    {
-        "ompl": "benchmarks.peers.ompl_rrtconnect",
-        "mplib": "benchmarks.peers.mplib_planner",
-        "toppra": "benchmarks.peers.toppra_legs",
-    }
-)
-START_S, LIMIT_S = 60.0, 30.0
-"""Longest time to start a peer, and for one answer."""
+REQUIREMENTS = Path(__file__).with_name("requirements.txt")
+FOLDER = ROOT / ".venv-peers"
+PYTHONS = ("3.11", "3.12")
+"""For which the peers have wheels."""
+MODULES: Mapping[str, str] = {
+    "ompl": "benchmarks.peers.ompl_rrtconnect",
+    "mplib": "benchmarks.peers.mplib_planner",
+}
+NEEDS: Mapping[str, tuple[str, ...]] = {
+    "ompl": ("numpy", "python-fcl", "ruckig", "ompl"),
+    "mplib": ("numpy", "python-fcl", "toppra", "mplib"),
+}
+"""What each peer's program cannot run without."""
+INSTALL_S, START_S, LIMIT_S = 600.0, 60.0, 30.0
+"""Longest time to install a requirement, to start a peer, and for one answer."""
+
+Run = Callable[[Sequence[str]], int]
 
 
 @dataclass
@@ -34,30 +49,28 @@ class Peers:
 
     def ask(self, name: str, question: Document) -> Document:
         """The peer's answer. One that dies is missing from then on, and its answer says so with status ``missing``."""
-        if name in self.missing:
-            return {"status": "missing", "reason": self.missing[name]}
-        try:
-            return self.running[name].ask(question, LIMIT_S)
-        except ProgramDied as death:
-            self.running.pop(name).close()
-            self.missing[name] = f"its program died: {death}"
-            return {"status": "missing", "reason": self.missing[name]}
+        if name not in self.missing:
+            try:
+                return self.running[name].ask(question, LIMIT_S)
+            except ProgramDied as death:
+                self.running.pop(name).close()
+                self.missing[name] = f"its program died: {death}"
+        return {"status": "missing", "reason": self.missing[name]}
 
 
 @contextmanager
-def peers(
-    names: tuple[str, ...], environment: Environment, commands: Mapping[str, list[str]] | None = None
-) -> Iterator[Peers]:
+def peers(names: tuple[str, ...], commands: Mapping[str, list[str]] | None = None) -> Iterator[Peers]:
     """Starts the peers of these names. `commands`: other programs in their places."""
     there = Peers()
+    if commands is None:
+        python, there.missing = prepared()
+        commands = {name: [str(python), "-m", MODULES[name]] for name in names}
     try:
         for name in names:
-            if name in environment.missing:
-                there.missing[name] = environment.missing[name]
+            if name in there.missing:
                 continue
-            command = (commands or {}).get(name, [str(environment.python), "-m", MODULES[name]])
             try:
-                program = Program(command, folder=ROOT, start_s=START_S)
+                program = Program(commands[name], folder=ROOT, start_s=START_S)
             except ProgramDied as death:
                 there.missing[name] = f"its program does not start: {death}"
                 continue
@@ -69,14 +82,69 @@ def peers(
             program.close()
 
 
-def environment_of(log: Path | None = None) -> Environment:
-    """The peers' environment, ready."""
-    from benchmarks.peers.environment import prepared
+def prepared(folder: Path = FOLDER) -> tuple[Path, dict[str, str]]:
+    """The interpreter of the environment, which is made where it is not there or its requirements have changed; and
+    why peers cannot run in it."""
+    python, stamp = folder / "bin" / "python", folder / "assur-peers.json"
+    base = interpreter()
+    if base is None:
+        why = f"no Python {' or '.join(PYTHONS)} on this machine, and its wheels are for no other"
+        return python, dict.fromkeys(NEEDS, why)
+    wanted = hashlib.sha256(REQUIREMENTS.read_bytes() + base.encode()).hexdigest()
+    if not (stamp.exists() and json.loads(stamp.read_text(encoding="utf-8")) == wanted):
+        if _run([base, "-m", "venv", "--clear", str(folder)]) != 0:
+            return python, dict.fromkeys(NEEDS, f"{base} could not make a virtual environment")
+        failed = installed(python, _run)
+        if failed:
+            return python, missing(failed)
+        stamp.write_text(json.dumps(wanted), encoding="utf-8")
+    return python, {}
 
-    return prepared(log=log)
+
+def interpreter() -> str | None:
+    """An interpreter that the peers have wheels for; this one if it will do."""
+    for version in (None, *PYTHONS):
+        python = sys.executable if version is None else shutil.which(f"python{version}")
+        # a shim may be on the path with nothing behind it
+        code = f"import sys, venv, ensurepip; sys.exit('%d.%d' % sys.version_info[:2] not in {PYTHONS})"
+        if python and subprocess.run([python, "-c", code], capture_output=True, check=False).returncode == 0:
+            return python
+    return None
 
 
-def question(problem: Document, limits: Mapping[str, Any], budget_s: float, seed: int) -> Document:
+def _run(command: Sequence[str]) -> int:
+    try:
+        return subprocess.run(
+            command, stdin=subprocess.DEVNULL, stdout=sys.stderr, timeout=INSTALL_S, check=False
+        ).returncode
+    except subprocess.TimeoutExpired:
+        return -1
+
+
+def requirements() -> dict[str, str]:
+    """Name → pinned requirement."""
+    lines = (line.strip() for line in REQUIREMENTS.read_text(encoding="utf-8").splitlines())
+    return {line.partition("==")[0]: line for line in lines if line and not line.startswith("#")}
+
+
+def installed(python: Path, run: Run) -> set[str]:
+    """Installs requirement by requirement; the names of those that could not be."""
+    pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    pip += ["--only-binary", ":all:", "--retries", "1", "--constraint", str(REQUIREMENTS)]
+    return {name for name, line in requirements().items() if run([*pip, line]) != 0}
+
+
+def missing(failed: set[str]) -> dict[str, str]:
+    """Peer → why it cannot run, given what could not be installed."""
+    return {
+        peer: f"pip has no wheel of {', '.join(requirements()[name] for name in needs if name in failed)} here, or "
+        "cannot reach an index"
+        for peer, needs in NEEDS.items()
+        if failed & set(needs)
+    }
+
+
+def question(problem: Document, limits: Mapping[str, Any], budget_s: float, seed: int = 0) -> Document:
     """What a planning peer is asked."""
     return {
         "problem": problem,

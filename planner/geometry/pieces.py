@@ -47,8 +47,8 @@ def pieces(bodies: Sequence[Body]) -> Pieces:
     found = Pieces(
         first=np.cumsum(count) - count,
         count=count,
-        position=np.concatenate([np.zeros((0, 3)), *(piece.position[None] for piece in every)]),
-        rotation=np.concatenate([np.zeros((0, 3, 3)), *(piece.rotation[None] for piece in every)]),
+        position=np.array([piece.position for piece in every], dtype=np.float64).reshape(-1, 3),
+        rotation=np.array([piece.rotation for piece in every], dtype=np.float64).reshape(-1, 3, 3),
         half=core[:, :3].copy(),
         disc=core[:, 3].copy(),
         ball=core[:, 4].copy(),

@@ -21,21 +21,25 @@ SMALLEST_M = 1e-5
 """No solid is thinner than this: below it a unit was probably mistaken."""
 LARGEST_M = 50.0
 """No solid is larger than this: above it a unit was probably mistaken."""
+LENGTH = f"a length from {SMALLEST_M} to {LARGEST_M} m"
 
 
 def _size(value: float, name: str) -> float:
-    allowed = f"a length from {SMALLEST_M} to {LARGEST_M} m"
     try:
         size = float(value)
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(name, value, allowed) from error
+        raise InputError(name, value, LENGTH) from error
     if not SMALLEST_M <= size <= LARGEST_M:
-        raise InputError(name, value, allowed)
+        raise InputError(name, value, LENGTH)
     return size
 
 
 TERMS = {"box": "11100", "sphere": "00001", "cylinder": "00110", "capsule": "00101"}
 """Which of hx, hy, hz, rd, rb a kind has (1); the others are zero."""
+LONGEST = {kind: tuple(LARGEST_M if has == "1" else 0.0 for has in terms) for kind, terms in TERMS.items()}
+"""The largest value of each term."""
+SHORTEST = {kind: tuple(SMALLEST_M / 2 if has == "1" else 0.0 for has in terms) for kind, terms in TERMS.items()}
+"""The smallest value of each term."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +61,8 @@ class Primitive:
         terms = (*self.half, self.disc, self.ball)
         if len(terms) != 5:
             raise InputError(f"{self.kind}.half", self.half, "three lengths")
-        for term, has in zip(terms, TERMS[self.kind], strict=True):
-            if not (SMALLEST_M / 2 <= term <= LARGEST_M if has == "1" else term == 0.0):
+        for low, term, high in zip(SHORTEST[self.kind], terms, LONGEST[self.kind], strict=True):
+            if not low <= term <= high:
                 raise InputError(self.kind, terms, f"lengths where {TERMS[self.kind]} has a 1, and else zero")
 
 
@@ -133,7 +137,7 @@ class Piece:
     def __post_init__(self) -> None:
         if self.position is not _ORIGIN:
             object.__setattr__(self, "position", frozen(self.position, (3,), "piece.position"))
-        if any(self.rotation is axes for axes in AXES.values()):
+        if self.rotation is AXES["z"] or self.rotation is AXES["x"] or self.rotation is AXES["y"]:
             return  # read-only and a rotation: most solids have one of these
         rotation = frozen(self.rotation, (3, 3), "piece.rotation")
         if not (np.abs(rotation.T @ rotation - np.eye(3)).max() <= 1e-9 and np.linalg.det(rotation) > 0):

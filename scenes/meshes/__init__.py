@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from assur.planner.errors import FaultError, InputError
 from assur.scenes.bounds import MAX_MESH_BYTES
-from assur.scenes.documents.shapes import MeshDocument
 from assur.scenes.meshes.assets import asset
+from assur.scenes.schema.shapes import MeshDocument
 
 if TYPE_CHECKING:
     from assur.scenes.meshes.cover import Cover

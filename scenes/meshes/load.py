@@ -19,8 +19,8 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_FACES, MAX_MESH_BYTES
-from assur.scenes.json_text import parse_json
 from assur.scenes.meshes.surface import Surface, closed_surface
+from assur.scenes.text.json_text import parse_json
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 """Metres in each unit a mesh may be in."""

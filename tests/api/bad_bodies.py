@@ -6,8 +6,8 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
-from assur.api.jobs import FIRST_PLAN
-from assur.api.settings import PLAN_BODY_BYTES
+from assur.api.web.settings import PLAN_BODY_BYTES
+from assur.api.workers.jobs import FIRST_PLAN
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any
 import httpx
 import pytest
 
-from assur.api.jobs import FIRST_PLAN
+from assur.api.workers.jobs import FIRST_PLAN
 from tests.api.running import running
 
 

@@ -10,9 +10,9 @@ from contextlib import contextmanager
 import httpx
 import uvicorn
 
-from assur.api.app import create_app
-from assur.api.serve import listening
-from assur.api.settings import Settings
+from assur.api.web.app import create_app
+from assur.api.web.serve import listening
+from assur.api.web.settings import Settings
 
 PATIENT = Settings(workers=1, queue=8, max_budget_s=30.0, grace_s=30.0)
 """The tests share their processors with other tests: nothing here is about how fast a plan is."""

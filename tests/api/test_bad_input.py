@@ -12,9 +12,9 @@ import pytest
 from typer.testing import CliRunner
 
 from assur.api.command_line import BAD_INPUT, app
-from assur.api.jobs import FIRST_PLAN
 from assur.api.problems import MEDIA_TYPE
-from assur.api.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
+from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
+from assur.api.workers.jobs import FIRST_PLAN
 from tests.api.bad_bodies import BAD_BODIES, BadBody
 from tests.scenes.bad_requests import BAD_REQUESTS, BAD_TEXTS, GOOD_REQUEST, Bad, BadText
 

@@ -14,11 +14,12 @@ import httpx
 import pytest
 from typer.testing import CliRunner
 
-from assur.api import amounts, command_line, words
+from assur.api import command_line
+from assur.api.cli import console_report, number_format
 from assur.api.command_line import BAD_INPUT, FAULT, INTERRUPTED, RIGHT, WRONG, app
 from assur.api.documents import to_json
-from assur.api.jobs import FIRST_PLAN
 from assur.api.version import version
+from assur.api.workers.jobs import FIRST_PLAN
 from assur.scenes.catalogue import FOLDER
 from assur.scenes.requests import shipped_scenarios
 
@@ -199,14 +200,19 @@ def test_a_window_that_is_reversed_is_shown(tmp_path: Path) -> None:
 
 
 def test_amounts_have_sensible_digits() -> None:
-    assert amounts.amount(1.27e-9, "m") == "less than 0.001 mm"
-    assert amounts.amount(5.06, "s") == "5.06 s"
-    assert amounts.amount(0.0506, "s") == "50.6 ms"
-    assert amounts.amount(0.0, "m") == "0 mm"
-    assert amounts.amount(1.5, "m") == "1,500 mm"
-    assert amounts.amount(-0.25, "rad") == "-14.3 deg"
-    assert amounts.amount(None, "m") == ""
-    assert [amounts.number(x, 4) for x in (359934.3, 446.907, 9999.6, -20.0)] == ["359,900", "446.9", "10,000", "-20"]
+    assert number_format.amount(1.27e-9, "m") == "less than 0.001 mm"
+    assert number_format.amount(5.06, "s") == "5.06 s"
+    assert number_format.amount(0.0506, "s") == "50.6 ms"
+    assert number_format.amount(0.0, "m") == "0 mm"
+    assert number_format.amount(1.5, "m") == "1,500 mm"
+    assert number_format.amount(-0.25, "rad") == "-14.3 deg"
+    assert number_format.amount(None, "m") == ""
+    assert [number_format.number(x, 4) for x in (359934.3, 446.907, 9999.6, -20.0)] == [
+        "359,900",
+        "446.9",
+        "10,000",
+        "-20",
+    ]
 
 
 LINE = {"stage": "screening", "reason": "BODY_COLLISION", "step": 0, "bodies": ["cup", "bar"], "count": 1}
@@ -214,24 +220,24 @@ LINE |= {"interval_s": None, "least": 0.002, "most": 0.002, "unit": "m", "detail
 
 
 def test_a_census_is_told_in_whole_sentences() -> None:
-    assert words.refusal(LINE) == "once cup would hit bar by 2 mm [step 1, screening]"
-    assert words.refusal({**LINE, "count": 3}).startswith("3 times cup would hit bar")
+    assert console_report.refusal(LINE) == "once cup would hit bar by 2 mm [step 1, screening]"
+    assert console_report.refusal({**LINE, "count": 3}).startswith("3 times cup would hit bar")
     document = {"candidates": 7, "refused": 1, "lines": [LINE, LINE]}
-    first, second, *_ = words.census(document, planned=False)
+    first, second, *_ = console_report.census(document, planned=False)
     assert first == "7 candidates, 1 refused; a candidate may be refused for several bodies"
     assert second.startswith("the other 6 were not refused: each leads a part of the way")
-    told = list(words.census({**document, "refused": 2}, planned=True))
+    told = list(console_report.census({**document, "refused": 2}, planned=True))
     assert told[0] == "7 candidates, 2 refused"
     assert not any("the other" in sentence for sentence in told)
 
 
 def test_what_was_looked_at_before_any_candidate_stands_under_its_own_heading() -> None:
     before = {**LINE, "stage": "inverse", "reason": "JOINT_LIMIT", "bodies": ["j4"], "count": 15}
-    told = list(words.census({"candidates": 9, "refused": 0, "lines": [before]}, planned=True))
+    told = list(console_report.census({"candidates": 9, "refused": 0, "lines": [before]}, planned=True))
     assert told[0] == "9 candidates, 0 refused"
     assert "before any candidate" in told[1]
     assert told[2].startswith("  15 times j4 would pass its limit")
-    mixed = list(words.census({"candidates": 9, "refused": 1, "lines": [before, LINE]}, planned=True))
+    mixed = list(console_report.census({"candidates": 9, "refused": 1, "lines": [before, LINE]}, planned=True))
     assert [line.startswith("  ") for line in mixed] == [False, True, False, True]
 
 
@@ -250,13 +256,13 @@ def test_what_was_looked_at_before_any_candidate_stands_under_its_own_heading() 
 )
 def test_a_refusal_names_what_falls_short_and_in_which_unit(reason: str, unit: str, least: float, said: str) -> None:
     line = {**LINE, "reason": reason, "unit": unit, "least": least, "most": least, "bodies": ["j1"]}
-    assert said in words.refusal(line)
+    assert said in console_report.refusal(line)
 
 
 def printed(answer: Any) -> str:
-    console = words.console()
+    console = console_report.console()
     with console.capture() as text:
-        for part in words.planned(answer):
+        for part in console_report.planned(answer):
             console.print(part)
     return text.get()
 
@@ -280,9 +286,9 @@ def test_a_point_that_stands_is_met_at_rest_and_no_zero_has_a_sign(small_file: P
 
 def test_what_was_tried_in_vain_is_listed_without_what_is_no_change() -> None:
     answer = {"reason": "OUT_OF_REACH", "proved": False, "sentence": "", "relaxation": None}
-    told = list(words.not_planned({**answer, "tried": ["window: open", words.SPENT]}))
-    assert told[-1] == f"what would not help  window: open; {words.SPENT}"
-    told = list(words.not_planned({**answer, "tried": ["window: open", "elbow: auto"]}))
+    told = list(console_report.not_planned({**answer, "tried": ["window: open", console_report.SPENT]}))
+    assert told[-1] == f"what would not help  window: open; {console_report.SPENT}"
+    told = list(console_report.not_planned({**answer, "tried": ["window: open", "elbow: auto"]}))
     assert told[-1] == "what would not help  window: open, elbow: auto"
 
 
@@ -294,9 +300,9 @@ def test_a_leg_says_by_how_many_vias_it_goes_and_an_arrival_its_yaw(small_file: 
     answer = json.loads(run("plan", str(small_file), "--json")[1])
     answer["legs"][0]["note"] = note
     answer["arrivals"][0]["yaw_rad"] = 0.5
-    console = words.console()
+    console = console_report.console()
     with console.capture() as printed:
-        for part in words.planned(answer):
+        for part in console_report.planned(answer):
             console.print(part)
     rows = printed.get().splitlines()
     assert rows[1].rstrip().endswith(f"  {said}")
@@ -369,7 +375,7 @@ def raising(error: BaseException) -> Any:
 
 
 def test_a_fault_of_ours_is_one_line_and_exit_code_three(small_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("assur.api.targets.plan_document", raising(ZeroDivisionError("what\nwas said")))
+    monkeypatch.setattr("assur.api.cli.inputs.plan_document", raising(ZeroDivisionError("what\nwas said")))
     code, output, errors = run("plan", str(small_file))
     assert (code, output, errors.count("\n")) == (FAULT, "", 1)
     assert "ZeroDivisionError" in errors
@@ -380,7 +386,7 @@ def test_a_plan_that_its_own_checker_refuses_is_not_given(
     small_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     refused = {"ok": False, "findings": [{"what": "the gap is not there", "detail": ""}], "notice": ""}
-    monkeypatch.setattr("assur.api.targets.check_document", lambda *_, **__: refused)
+    monkeypatch.setattr("assur.api.cli.inputs.check_document", lambda *_, **__: refused)
     code, output, errors = run("plan", str(small_file), "--out", str(tmp_path / "plan.json"))
     assert (code, output) == (FAULT, "")
     assert "the gap is not there" in errors
@@ -388,7 +394,7 @@ def test_a_plan_that_its_own_checker_refuses_is_not_given(
 
 
 def test_an_interrupted_command_ends_quietly(small_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("assur.api.targets.plan_document", raising(KeyboardInterrupt()))
+    monkeypatch.setattr("assur.api.cli.inputs.plan_document", raising(KeyboardInterrupt()))
     assert run("plan", str(small_file)) == (INTERRUPTED, "", "assur: interrupted\n")
 
 

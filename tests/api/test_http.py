@@ -11,7 +11,7 @@ import pytest
 
 from assur.api.documents import to_json
 from assur.api.problems import MEDIA_TYPE
-from assur.api.settings import Settings
+from assur.api.web.settings import Settings
 from assur.scenes.requests import check_document, robots, shipped_scenarios, validate
 
 TIMES = ("elapsed_s", "first_s")

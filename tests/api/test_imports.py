@@ -20,7 +20,7 @@ def modules_after(program: str) -> set[str]:
 
 
 SERVED = """
-from assur.api.jobs import FIRST_PLAN
+from assur.api.workers.jobs import FIRST_PLAN
 from tests.api.running import running
 with running() as client:
     assert client.get("/v1/scenes").status_code == 200

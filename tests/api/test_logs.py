@@ -24,13 +24,13 @@ def log() -> Iterator[io.StringIO]:
 
 
 def test_an_event_is_one_line_with_its_facts(log: io.StringIO) -> None:
-    event("worker ready", seat=2, ready=True)
+    event("worker ready", worker=2, ready=True)
     (line,) = log.getvalue().splitlines()
     facts = json.loads(line)
-    assert {key: facts[key] for key in ("level", "event", "seat", "ready")} == {
+    assert {key: facts[key] for key in ("level", "event", "worker", "ready")} == {
         "level": "info",
         "event": "worker ready",
-        "seat": 2,
+        "worker": 2,
         "ready": True,
     }
 

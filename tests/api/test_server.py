@@ -24,10 +24,10 @@ import httpx
 import psutil
 import pytest
 
-from assur.api.jobs import FIRST_PLAN
 from assur.api.problems import MEDIA_TYPE
-from assur.api.serve import listening
-from assur.api.settings import PLAN_BODY_BYTES
+from assur.api.web.serve import listening
+from assur.api.web.settings import PLAN_BODY_BYTES
+from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner.errors import InputError
 
 ROOT = Path(__file__).parents[2]

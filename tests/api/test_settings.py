@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from assur.api.settings import PREFIX, Settings, processors
+from assur.api.web.settings import PREFIX, Settings, processors
 from assur.planner.errors import InputError
 
 PAGE = Path(__file__).parents[2] / "docs" / "service.md"
@@ -78,8 +78,8 @@ def test_a_misspelt_name_is_answered_with_the_nearest() -> None:
 
 
 def test_no_number_of_workers_means_one_per_processor() -> None:
-    assert Settings(workers=0).seats == processors() >= 1
-    assert Settings(workers=5).seats == 5
+    assert Settings(workers=0).processes == processors() >= 1
+    assert Settings(workers=5).processes == 5
 
 
 def test_a_stopping_service_has_time_for_the_slowest_request_that_it_accepted() -> None:

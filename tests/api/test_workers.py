@@ -15,9 +15,9 @@ import psutil
 import pytest
 
 from assur.api.problems import Problem
-from assur.api.seat import Seat
-from assur.api.settings import Settings
-from assur.api.workers import Workers
+from assur.api.web.settings import Settings
+from assur.api.workers.pool import Workers
+from assur.api.workers.worker_process import WorkerProcess
 
 SETTINGS = Settings(workers=2, queue=1, queue_wait_s=30.0, warm_s=60.0, max_tasks=1000)
 
@@ -129,7 +129,7 @@ def test_workers_are_not_ready_before_every_one_has_planned_once() -> None:
     asyncio.run(tell())
 
 
-def test_workers_whose_first_plan_fails_are_never_ready_and_give_no_seat() -> None:
+def test_workers_whose_first_plan_fails_are_never_ready_and_take_no_job() -> None:
     async def tell() -> None:
         workers = Workers(Settings(workers=1, queue_wait_s=2.0), os.abort)
         workers.start()
@@ -207,7 +207,7 @@ def test_a_job_whose_caller_has_gone_is_killed() -> None:
     with_workers(Settings(workers=1), story)
 
 
-def test_one_request_more_than_seats_and_queue_is_told_when_to_come_again(held: Held) -> None:
+def test_one_request_more_than_workers_and_queue_is_told_when_to_come_again(held: Held) -> None:
     async def story(workers: Workers) -> None:
         running = held.job(workers)
         waiting = asyncio.create_task(pid_of(workers))
@@ -295,11 +295,11 @@ def test_a_worker_is_deaf_to_the_signals_that_stop_the_service(held: Held) -> No
 
 def test_a_worker_cannot_take_more_memory_than_it_was_given() -> None:
     async def tell() -> None:
-        seat = Seat(512, os.getpid, 60.0)
-        await seat.start()
+        process = WorkerProcess(512, os.getpid, 60.0)
+        await process.start()
         with pytest.raises(MemoryError):
-            await seat.run(bytearray, (1 << 30,), 30.0)
-        await seat.stop()
+            await process.run(bytearray, (1 << 30,), 30.0)
+        await process.stop()
 
     asyncio.run(tell())
 

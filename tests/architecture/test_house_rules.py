@@ -6,7 +6,6 @@ import ast
 import re
 import tokenize
 from collections import Counter
-from fnmatch import fnmatch
 from io import BytesIO
 from pathlib import PurePosixPath
 
@@ -47,14 +46,6 @@ def test_no_room_is_overcrowded() -> None:
     folders = Counter(PurePosixPath(source.path).parent.as_posix() for source in sources("planner", "scenes", "api"))
     assert folders["planner"] <= MOST_FLAT
     assert {folder: count for folder, count in folders.items() if count > MOST_IN_A_FOLDER} == {}
-
-
-def test_no_folder_of_tests_is_passed_over_by_pytest(pytestconfig: pytest.Config) -> None:
-    """Its own list of folders to leave out has `build`, among others, and says nothing when it meets one."""
-    patterns = pytestconfig.getini("norecursedirs")
-    folders = {path.name for path in (ROOT / "tests").rglob("*") if path.is_dir() and path.name != "__pycache__"}
-    assert "build" in folders
-    assert [name for name in folders if any(fnmatch(name, pattern) for pattern in patterns)] == []
 
 
 def test_every_module_of_the_product_says_what_it_is() -> None:

@@ -13,7 +13,7 @@ HEAVY = ("fcl", "ruckig", "trimesh", "numba")
 """What may be imported in worker processes only."""
 
 ASKED = {
-    "creating the application": "from assur.api.app import create_app\ncreate_app()",
+    "creating the application": "from assur.api.web.app import create_app\ncreate_app()",
     "listing robots and scenes, and the schema": (
         "from assur.scenes import requests\nrequests.robots()\nrequests.shipped_scenarios()\nrequests.request_schema()"
     ),

@@ -39,7 +39,7 @@ def test_a_library_gives_its_time_to_the_rooms_that_call_it_in_proportion() -> N
 def test_a_room_is_the_folder_below_the_planner_or_the_module_there() -> None:
     assert room_of(("/a/src/assur/planner/search/beam.py", 1, "f")) == "search"
     assert room_of(("/a/planner/pipeline.py", 1, "f")) == "pipeline"
-    assert room_of(("/a/scenes/documents/read.py", 1, "f")) == "scenes"
+    assert room_of(("/a/scenes/schema/read.py", 1, "f")) == "scenes"
     assert room_of(("~", 0, "<built-in>")) is None
 
 

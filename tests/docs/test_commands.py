@@ -36,7 +36,6 @@ HOST = "http://127.0.0.1:8000"
 SHORTER = {
     "benchmarks.run_problems": ["--limit", "2"],
     "benchmarks.recheck": ["--partial"],
-    "benchmarks.bench": ["--out", "out", "--progress", "out"],
     "benchmarks.profile": ["--limit", "2", "--repeats", "2"],
     "benchmarks.best_known": ["--known", "out/known.json", "--work", "out", "--only", "A000", "--budget-s", "0.05"],
     "benchmarks.report": ["--no-pages", "--plots", "out"],

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from assur.api.settings import PREFIX, Settings
+from assur.api.web.settings import PREFIX, Settings
 from tests.docs.pages import PAGES, ROOT, anchors, prose, spans, text
 
 OF_TESTS = {"ASSUR_HYPOTHESIS"}

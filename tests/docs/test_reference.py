@@ -12,11 +12,11 @@ from assur.planner.checker.verdict import Code
 from assur.planner.frames.motion import Pose
 from assur.planner.model.outcome import LegKind, Reason
 from assur.scenes import check, load, plan
-from assur.scenes.build.arms import WITH_QUILL
 from assur.scenes.catalogue import arm_named
 from assur.scenes.conventions import places
-from assur.scenes.documents.request import ExecutionDocument, OptionsDocument
+from assur.scenes.reading.arms import WITH_QUILL
 from assur.scenes.requests import request_schema, robots
+from assur.scenes.schema.request import ExecutionDocument, OptionsDocument
 from assur.scenes.units import si_key, twin_of
 from tests.docs.pages import blocks, prose, spans
 

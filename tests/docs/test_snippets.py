@@ -12,9 +12,9 @@ import pytest
 
 from assur.planner.errors import InputError
 from assur.scenes import load, plan
-from assur.scenes.documents.robots import FAMILIES
 from assur.scenes.requests import load_robot, load_scenario, parse_json, plan_scenario, unmet
-from assur.scenes.yaml_text import parse_yaml
+from assur.scenes.schema.robots import FAMILIES
+from assur.scenes.text.yaml_text import parse_yaml
 from tests.docs.pages import PAGES, Block, blocks, of_language, save_files
 from tests.docs.test_commands import ENVIRONMENT
 

@@ -149,7 +149,7 @@ def test_matplotlib_has_one_door() -> None:
 @pytest.mark.parametrize(
     "program",
     [
-        "from assur.api.app import create_app\ncreate_app()",
+        "from assur.api.web.app import create_app\ncreate_app()",
         "import assur.api.command_line",
         "from assur.experiments.registry import ENTRIES\n[e for e in ENTRIES if e.name == 'modes'][0].run()",
     ],

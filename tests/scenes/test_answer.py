@@ -32,11 +32,11 @@ from assur.planner.model.outcome import (
 from assur.planner.pipeline import plan
 from assur.planner.trajectory import Trajectory
 from assur.scenes.answer import NOTICE, answer_of, certificate_document, trajectory_document
-from assur.scenes.build.cell import Cell
-from assur.scenes.documents import answer as document
-from assur.scenes.json_text import parse_json
-from assur.scenes.plans import plan_of
+from assur.scenes.reading.cell import Cell
+from assur.scenes.reading.plan import plan_of
 from assur.scenes.requests import cell_of, check_document, plan_document
+from assur.scenes.schema import answer as document
+from assur.scenes.text.json_text import parse_json
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 FANUC: dict[str, Any] = {

@@ -24,7 +24,7 @@ from assur.planner.robots.protocol import Robot
 from assur.planner.robots.scara import Scara
 from assur.scenes.catalogue import FOLDER, arm_named, load_robot, models, robots, shipped_robot
 from assur.scenes.conventions import JointConvention, as_maker, converted
-from assur.scenes.documents.stated import SURE
+from assur.scenes.schema.stated import SURE
 
 LISTED = {robot["model"]: robot for robot in robots()}
 RAD = math.pi / 180

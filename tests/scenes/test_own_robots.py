@@ -15,8 +15,8 @@ from assur.scenes import load
 from assur.scenes.catalogue import FOLDER, load_robot
 from assur.scenes.faults import DocumentError
 from assur.scenes.requests import cell_of, load_scenario, plan_scenario, request_digest, scene_of, validate
-from tests.scenes.build.test_robots import inline
 from tests.scenes.meshes.solids import SOLIDS, binary_stl
+from tests.scenes.reading.test_robots import inline
 
 OWN = "the robot's data are the request's own"
 TEXT = (FOLDER / "fanuc-sr-3ia.yaml").read_text()
@@ -75,13 +75,16 @@ def test_a_stated_number_is_the_same_number() -> None:
         assert np.array_equal(one.body.pieces[0].position, two.body.pieces[0].position)
 
 
-def test_the_digest_of_plain_numbers_is_what_it_was_and_a_statement_is_a_part_of_it() -> None:
+def test_a_plain_number_is_digested_as_a_number_and_a_statement_with_its_status_and_source() -> None:
     plain = validate(inline())
-    assert plain.digest == "sha256:6d94ed3d2287b19c9ecb60d4f6a533c8a94c2f0e1a22f326167a1e7725c8d0f3"
-    assert request_digest(changed(l1_mm=stated(300))) != plain.digest
+    arm = plain.canonical()["robot"]["scara"]
+    assert set(arm) == {"l1_m", "l2_m", "joints", "bodies", "self_pairs", "axis_order", "tool_frame"}
+    assert (arm["l1_m"], arm["joints"][2]["range_m"], arm["joints"][2]["zero_m"]) == (0.3, [0.0, 0.2], 0.4)
+    assert [body["name"] for body in arm["bodies"]] == ["post", "rod"]
     in_mm, in_m = changed(l1_mm=stated(300)), changed(l1_m=stated(0.3))
     del in_m["robot"]["scara"]["l1_mm"]
-    assert request_digest(in_mm) == request_digest(in_m)
+    assert validate(in_m).canonical()["robot"]["scara"]["l1_m"] == stated(0.3)
+    assert request_digest(in_mm) == request_digest(in_m) != plain.digest
 
 
 def test_assumptions_say_what_was_stated_as_it_was_written_and_that_other_numbers_were_not() -> None:

@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 from assur.scenes.catalogue import models
-from assur.scenes.documents.request import RequestDocument
 from assur.scenes.meshes.assets import asset_names
 from assur.scenes.requests import scene_of
-from assur.scenes.yaml_text import parse_yaml
+from assur.scenes.schema.request import RequestDocument
+from assur.scenes.text.yaml_text import parse_yaml
 
 TEXT = (Path("docs") / "request.md").read_text()
 PARTS = re.findall(r"```yaml\n(.*?)```", TEXT, re.DOTALL)

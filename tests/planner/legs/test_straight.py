@@ -22,7 +22,7 @@ from assur.planner.model.scene import Scene
 from assur.planner.robots.protocol import Robot
 from assur.planner.trajectory import Trajectory, check_limits
 from assur.scenes.catalogue import arm_named
-from benchmarks.sections.legs import fastest_joint_move
+from benchmarks.legs import fastest_joint_move
 from tests.planner.cells import arm, cell, go, limits
 from tests.planner.five_axis_cells import five_axis_arm
 

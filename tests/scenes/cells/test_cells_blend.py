@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assur.api.words import everything
+from assur.api.cli.console_report import everything
 from assur.experiments.printed_joint_move import ParabolicBlend, inverse
 from assur.planner.errors import InputError
 from assur.scenes.requests import check_document, parse_json, plan_document, plan_scenario, scene_of

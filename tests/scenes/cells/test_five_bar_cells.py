@@ -17,7 +17,7 @@ from assur.planner.errors import InputError
 from assur.planner.model.link_frames import TrajectoryLaw
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.trajectory import Trajectory
-from assur.scenes.plans import plan_of
+from assur.scenes.reading.plan import plan_of
 from assur.scenes.requests import cell_of, check_document, plan_document, plan_scenario, shipped, unmet
 from tests.scenes.cells.five_bar_plans import resealed
 

@@ -18,7 +18,7 @@ from assur.planner.model.outcome import Certificate, Plan
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.five_bar_jacobian import velocity_equation
 from assur.planner.trajectory import Trajectory
-from assur.scenes.plans import plan_of
+from assur.scenes.reading.plan import plan_of
 from assur.scenes.requests import cell_of, check_document, plan_document, shipped
 from tests.scenes.cells.five_bar_plans import resealed
 

@@ -17,12 +17,12 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.scenes.bounds import LARGEST_MESH_M, MAX_FACES, SMALLEST_MESH_M
-from assur.scenes.documents.shapes import MeshDocument
 from assur.scenes.meshes import covered
 from assur.scenes.meshes import load as loading
 from assur.scenes.meshes.assets import asset, asset_names
 from assur.scenes.meshes.load import load
 from assur.scenes.meshes.surface import closed_surface, volume_of
+from assur.scenes.schema.shapes import MeshDocument
 from tests.scenes.meshes.solids import CUBE, SOLIDS, binary_stl, surface
 
 

@@ -1,0 +1,1 @@
+"""The service: HTTP in and out, and nothing that plans."""

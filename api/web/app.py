@@ -1,0 +1,89 @@
+"""`create_app(settings)`: the service as an ASGI application."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.exceptions import RequestValidationError
+from fastapi_offline import FastAPIOffline
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import Response
+
+from assur.api.documents import problem_response
+from assur.api.problems import FieldError, Problem, printable, shown
+from assur.api.version import version
+from assur.api.web import openapi
+from assur.api.web.request_log import RequestLog
+from assur.api.web.routes import router
+from assur.api.web.service import Service
+from assur.api.web.settings import Settings
+
+HTTP_KINDS = {404: "not-found", 405: "method-not-allowed"}
+"""What Starlette itself refuses, by status."""
+
+
+def create_app(settings: Settings | None = None) -> FastAPI:
+    """The service with `settings` (default: from the environment). Its workers start with its lifespan."""
+    service = Service(Settings.from_environment() if settings is None else settings)
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        service.workers.start()
+        try:
+            yield
+        finally:
+            await service.workers.stop()
+
+    app: FastAPI = FastAPIOffline(
+        title="assur",
+        version=version(),
+        description=openapi.TEXT,
+        lifespan=lifespan,
+        redirect_slashes=False,
+        exception_handlers={
+            Problem: _on_problem,
+            HTTPException: _on_http,
+            RequestValidationError: _on_parameter,
+        },
+    )
+    app.state.service = service
+    app.include_router(router)
+    app.add_middleware(RequestLog)
+    described = app.openapi
+
+    def described_in_full() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            app.openapi_schema = openapi.complete(described())
+        return app.openapi_schema
+
+    app.openapi = described_in_full  # type: ignore[method-assign]
+    return app
+
+
+async def _on_problem(_: Request, problem: Any) -> Response:
+    return problem_response(problem)
+
+
+async def _on_http(_: Request, error: Any) -> Response:
+    """What Starlette refuses itself, as a problem; the path that was asked for is not repeated."""
+    kind = HTTP_KINDS.get(error.status_code, "bad-syntax")
+    headers = dict(error.headers or {})
+    detail = f"Allowed here: {headers['Allow']}." if "Allow" in headers else "See /docs for what there is."
+    return problem_response(Problem(kind, detail, headers=headers))
+
+
+async def _on_parameter(_: Request, error: Any) -> Response:
+    """A parameter of the address that is not allowed, without echoing what cannot be printed."""
+    found = [
+        FieldError(
+            printable(".".join(str(part) for part in e["loc"][1:])),
+            shown(e.get("input")),
+            printable(e["msg"].removeprefix("Input should be ")),
+        )
+        for e in error.errors()
+    ]
+    return problem_response(Problem("bad-input", str(found[0]), found))

@@ -1,0 +1,150 @@
+"""The addresses of the service. Each says what it takes and gives; the work is in `assur.api.web.service`."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request
+from starlette.responses import Response
+
+from assur.api.documents import json_response, to_json
+from assur.api.problems import Problem
+from assur.api.web.body_reader import read_body
+from assur.api.web.openapi import CHECK_BODY, PLAN_BODY, Live, Ready, Scenes, component, problems
+from assur.api.web.request_log import CLIENT_GONE, FACTS
+from assur.api.web.service import Service, scenario_request
+from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
+from assur.api.workers import jobs
+from assur.planner.errors import InputError
+from assur.scenes.requests import request_schema, robots, shipped_scenarios
+from assur.scenes.schema.answer import Answer, Verdict
+
+BODY_PROBLEMS = ("bad-syntax", "too-slow", "too-large", "wrong-media-type", "bad-input", "quarantined", "fault")
+WORKER_PROBLEMS = ("worker-crashed", "busy", "not-ready", "worker-timeout")
+
+router = APIRouter()
+# Routes that read files are plain functions: FastAPI runs those beside the event loop.
+
+
+def _service(request: Request) -> Service:
+    service: Service = request.app.state.service
+    return service
+
+
+async def _unless_gone(request: Request, work: Awaitable[jobs.Answer]) -> Response:
+    """The response to `work`, which is cancelled as soon as the client closes the connection."""
+    working = asyncio.ensure_future(work)
+    leaving = asyncio.ensure_future(_gone(request))
+    try:
+        await asyncio.wait({working, leaving}, return_when=asyncio.FIRST_COMPLETED)
+        if not working.done():
+            return Response(status_code=CLIENT_GONE)
+        answer = working.result()
+        request.scope[FACTS]["outcome"] = answer.outcome
+        return json_response(answer.body)
+    finally:
+        working.cancel()
+        leaving.cancel()
+        await asyncio.gather(working, leaving, return_exceptions=True)
+
+
+def _known(parameters: tuple[str, ...]) -> str:
+    return "a known parameter: " + ", ".join(parameters) if parameters else "no parameter at all"
+
+
+async def _gone(request: Request) -> None:
+    """Returns when the client has closed the connection; its body has been read before."""
+    while (await request.receive())["type"] != "http.disconnect":
+        pass
+
+
+async def _body(request: Request, limit: int, *parameters: str) -> bytes:
+    """The body, unless the queue is full already: what would be turned away need not be read.
+
+    Raises `Problem`, also for a parameter of the address that is not one of `parameters`.
+    """
+    for name in request.query_params:
+        if name not in parameters:
+            raise Problem.of_input(InputError(name, request.query_params[name], _known(parameters)))
+    service = _service(request)
+    if service.workers.full:
+        raise service.workers.busy()
+    return await read_body(request, limit, service.settings.body_s, service.readers)
+
+
+@router.post(
+    "/v1/plans",
+    summary="Plan a request, or a shipped scenario",
+    response_model=Answer,
+    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
+    openapi_extra=PLAN_BODY,
+)
+async def plan(
+    request: Request,
+    certificate: Annotated[
+        jobs.Detail, Query(description="the whole table of the proof, or its digest and size")
+    ] = "full",
+) -> Response:
+    body = await _body(request, PLAN_BODY_BYTES, "certificate")
+    return await _unless_gone(request, _service(request).plan(body, certificate))
+
+
+@router.post(
+    "/v1/plans/check",
+    summary="Check a plan against its request",
+    response_model=Verdict,
+    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
+    openapi_extra=CHECK_BODY,
+)
+async def check(request: Request) -> Response:
+    body = await _body(request, CHECK_BODY_BYTES)
+    return await _unless_gone(request, _service(request).check(body))
+
+
+@router.get("/v1/robots", summary="The robot catalogue", responses=component("Document"))
+def list_robots() -> Response:
+    return json_response(to_json({"robots": robots()}))
+
+
+@router.get("/v1/scenes", summary="The shipped scenarios", response_model=Scenes)
+def list_scenes() -> Response:
+    scenes = [{"name": name, "about": about} for name, about in shipped_scenarios().items()]
+    return json_response(to_json({"scenes": scenes}))
+
+
+@router.get(
+    "/v1/scenes/{name}",
+    summary="The request of a shipped scenario, ready to be posted",
+    responses={**component("Request"), **problems("not-found")},
+)
+def show_scene(name: str) -> Response:
+    try:
+        return json_response(to_json(scenario_request(name)))
+    except InputError as error:
+        raise Problem.of_input(error, "not-found") from error
+
+
+@router.get("/v1/schema", summary="JSON Schema of the request", responses=component("Document"))
+def schema() -> Response:
+    return json_response(to_json(request_schema()))
+
+
+@router.get("/livez", summary="Whether the service runs", response_model=Live)
+async def live() -> Response:
+    return json_response(to_json({"live": True}))
+
+
+@router.get(
+    "/readyz",
+    summary="Whether every worker has planned once",
+    response_model=Ready,
+    responses=problems("not-ready"),
+)
+async def ready(request: Request) -> Response:
+    workers = _service(request).workers
+    if not workers.ready:
+        detail = f"{workers.warmed} of {workers.total} workers have planned."
+        raise Problem("not-ready", detail, headers={"Retry-After": "1"})
+    return json_response(to_json({"ready": True, "workers": workers.total}))

@@ -1,0 +1,1 @@
+"""The processes that plan, and what runs in them."""

@@ -1,0 +1,107 @@
+"""A request becomes a scene: robot, frames, neighbours, bodies, task, in this order, each at its own door."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from assur.planner.model.scene import Clearance, Execution, Options, Pick, Scene, Step
+from assur.scenes.conventions import Conventions
+from assur.scenes.faults import fault, located
+from assur.scenes.reading import bodies, frames, neighbours, robots, task
+from assur.scenes.schema.request import OptionsDocument, RequestDocument
+
+
+@dataclass(frozen=True, eq=False)
+class Cell:
+    """A scene, and the maker's joint conventions in which its answer is to be written."""
+
+    scene: Scene
+    conventions: Conventions
+
+
+def cell_of(document: object, request: RequestDocument) -> Cell:
+    """The cell of a request; `document` is the request as it was written, for the fields that errors name.
+
+    Raises `DocumentError` for what has no meaning: unknown names, wider limits, joints left out, a mesh that is open.
+    Not checked here: whether anything can be planned.
+    """
+    arm = robots.arm(document, ("robot",), request.robot)
+    robot = robots.robot(document, ("robot",), request.robot, arm)
+    tool = robots.tool(document, ("robot", "tool"), request.robot.tool, arm)
+    start = robots.start(document, request.start, arm.conventions, robot.limits)
+    robots.refuse_open_chain(document, robot, start)
+    known = frames.frames_of(document, request.frames)
+    places: bodies.Places = {}
+    own = [body.body.name for body in robot.bodies] + [body.name for body in tool.bodies]
+    for i, body in enumerate(request.robot.tool.bodies):
+        if own.count(body.name) > 1:
+            raise fault(document, ("robot", "tool", "bodies", i, "name"), "a name that no other body has")
+    surroundings = []
+    for i, item in enumerate(request.neighbours):
+        if item.name in {other.name for other in request.neighbours[:i]}:
+            raise fault(document, ("neighbours", i, "name"), "a name that no other neighbour has")
+        surroundings += neighbours.add_neighbour(document, ("neighbours", i), item, known, places)
+    taken = set(own)
+    for i, named in enumerate(request.bodies):
+        if named.name in taken:
+            raise fault(document, ("bodies", i, "name"), "a name that no body of the robot or its tool has")
+    surroundings += bodies.world_bodies(document, request.bodies, list(known), places)
+    steps = task.steps_of(document, request.task, known, places, robot.coordinates)
+    _check_riders(document, request, steps)
+    carry = None if request.carry is None else request.carry.acceleration_m_s2
+    with located(document):
+        scene = Scene(
+            robot=robot,
+            tool=tool,
+            start=start,
+            frames=known,
+            bodies=tuple(surroundings),
+            task=steps,
+            options=_options(document, request.options, robot.modes),
+            execution=Execution(
+                request.execution.tracking_m, request.execution.start_tolerance_s, request.execution.belt_correction
+            ),
+            carry_acceleration=carry,
+            assumptions=(*arm.assumptions, *_unused(request)),
+            digest=request.digest,
+        )
+    return Cell(scene, arm.conventions)
+
+
+MASSES = "mass_kg is not used: no torque, no payload check"
+"""What an answer says where a mass is given."""
+
+
+def _unused(request: RequestDocument) -> tuple[str, ...]:
+    """What the request states and no plan depends on. A mass of 0 is the same as none."""
+    masses = [request.robot.tool.mass_kg, *(body.mass_kg for body in request.bodies)]
+    masses += [neighbour.robot.tool.mass_kg for neighbour in request.neighbours]
+    return (MASSES,) if any(masses) else ()
+
+
+def _check_riders(document: object, request: RequestDocument, steps: tuple[Step, ...]) -> None:
+    """A body whose place is told by a part would stay behind when that part is picked up."""
+    picked = {step.part for step in steps if isinstance(step, Pick)}
+    for i, body in enumerate(request.bodies):
+        if body.pose.body in picked:
+            raise fault(document, ("bodies", i, "pose", "body"), "a body that no step picks")
+
+
+def _options(document: object, item: OptionsDocument, modes: tuple[str, ...]) -> Options:
+    if item.elbow not in ("keep", "auto", *modes):
+        raise fault(document, ("options", "elbow"), f"one of keep, auto, {', '.join(modes)}")
+    return Options(
+        seed=item.seed,
+        budget_s=item.budget_s,
+        max_candidates=item.max_candidates,
+        stop=item.stop,
+        explain_budget_s=item.explain_budget_s,
+        clearance=Clearance(item.clearance_m.travel, item.clearance_m.near),
+        singularity_margin=item.singularity_margin,
+        elbow=item.elbow,
+        end=item.end,
+        stay_safe_s=item.stay_safe_s,
+        latest_end_s=item.latest_end_s,
+        timing=item.timing,
+        acceleration_time_s=item.acceleration_time_s,
+    )

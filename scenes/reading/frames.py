@@ -1,0 +1,121 @@
+"""Frames of a document as time laws."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from assur.planner.errors import FaultError
+from assur.planner.frames import (
+    ALWAYS,
+    Change,
+    Conveyor,
+    Fixed,
+    Frame,
+    Indexer,
+    Keyframes,
+    Law,
+    Linear,
+    Pose,
+    Swing,
+    Turntable,
+    Uncertainty,
+)
+from assur.planner.model.scene import WORLD
+from assur.scenes.faults import fault, located
+from assur.scenes.schema.frames import (
+    ConveyorDocument,
+    FixedDocument,
+    FrameDocument,
+    IndexerDocument,
+    KeyframesDocument,
+    LinearDocument,
+    SwingDocument,
+    TurntableDocument,
+)
+from assur.scenes.schema.model import PoseDocument
+
+Valid = tuple[float, float]
+
+
+def placed(at_m: list[float], yaw_rad: float) -> Pose:
+    """The pose at a point of three coordinates."""
+    x, y, z = at_m
+    return Pose(x, y, z, yaw_rad)
+
+
+def pose_of(document: PoseDocument) -> Pose:
+    """The pose that a document spells."""
+    return placed(document.at_m, document.yaw_rad)
+
+
+def _fixed(d: FixedDocument, valid: Valid) -> Law:
+    return Fixed(pose_of(d), valid=valid)
+
+
+def _linear(d: LinearDocument, valid: Valid) -> Law:
+    return Linear(pose_of(d), d.velocity_m_s, d.at_s, valid=valid)  # type: ignore[arg-type]
+
+
+def _conveyor(d: ConveyorDocument, valid: Valid) -> Law:
+    changes = tuple(Change(c.at_s, c.speed_m_s, c.acceleration_m_s2, c.jerk_m_s3) for c in d.changes)
+    return Conveyor(pose_of(d), d.speed_m_s, changes, d.at_s, valid=valid)
+
+
+def _turntable(d: TurntableDocument, valid: Valid) -> Law:
+    changes = tuple(Change(c.at_s, c.rate_rad_s, c.acceleration_rad_s2, c.jerk_rad_s3) for c in d.changes)
+    return Turntable(pose_of(d), d.rate_rad_s, d.rise_m_s, changes, d.at_s, valid=valid)
+
+
+def _indexer(d: IndexerDocument, valid: Valid) -> Law:
+    if d.step_rad is not None:
+        return Indexer(pose_of(d), d.step_rad, d.move_s, d.dwell_s, "turn", d.start_s, valid=valid)
+    if d.step_m is not None:
+        return Indexer(pose_of(d), d.step_m, d.move_s, d.dwell_s, "travel", d.start_s, valid=valid)
+    raise FaultError("an indexer without a step passed its model")
+
+
+def _swing(d: SwingDocument, valid: Valid) -> Law:
+    return Swing(placed(d.pivot_m, d.yaw_rad), d.amplitude_rad, d.period_s, d.phase_rad, valid=valid)
+
+
+def _keyframes(d: KeyframesDocument, valid: Valid) -> Law:
+    return Keyframes(tuple(p.time_s for p in d.points), tuple(pose_of(p) for p in d.points), d.ends, valid=valid)
+
+
+LAWS: dict[str, Callable[[Any, Valid], Law]] = {
+    "fixed": _fixed,
+    "linear": _linear,
+    "conveyor": _conveyor,
+    "turntable": _turntable,
+    "indexer": _indexer,
+    "swing": _swing,
+    "keyframes": _keyframes,
+}
+"""Key of a frame's law in a document → the law."""
+
+
+def frames_of(document: object, frames: Mapping[str, FrameDocument]) -> dict[str, Frame]:
+    """The frames by name, `world` among them. Raises `DocumentError` at the field that a law refuses."""
+    found = {WORLD: Frame(WORLD, Fixed(Pose()))}
+    for name, item in frames.items():
+        if name == WORLD:
+            raise fault(document, ("frames", name), f"another name: {WORLD} is the frame that does not move")
+        found[name] = _frame(document, name, item)
+    return found
+
+
+def _frame(document: object, name: str, item: FrameDocument) -> Frame:
+    valid = ALWAYS
+    if item.valid_s is not None:
+        valid = (item.valid_s[0], item.valid_s[1])
+        if not valid[0] < valid[1]:
+            raise fault(document, ("frames", name, "valid_s"), "two times, the first before the second")
+    for key, law in LAWS.items():
+        spelt = getattr(item, key)
+        if spelt is not None:
+            with located(document, "frames", name, key):
+                known = law(spelt, valid)
+            with located(document, "frames", name, "uncertainty"):
+                return Frame(name, known, Uncertainty(item.uncertainty.position_m, item.uncertainty.speed_m_s))
+    raise FaultError(f"frame {name} without a law passed its model")

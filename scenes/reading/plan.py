@@ -1,0 +1,134 @@
+"""A plan out of its document: the facts that the checker judges, as they were before they were written down."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Missed, Plan
+from assur.scenes.conventions import Conventions, converted
+from assur.scenes.faults import Path, fault
+from assur.scenes.reading.frames import placed
+from assur.scenes.reading.neighbours import trajectory_of
+from assur.scenes.schema import answer as document
+from assur.scenes.schema.read import read_normal
+
+PLAN: Path = ("plan",)
+"""Where the plan is in what is checked: {request, plan}."""
+
+
+TIME_S = 1e-9
+"""By how much durations may be off the trajectory's, s: sums of times round."""
+REFUSAL = "planned; this answer is a refusal: its status is not_planned, so there is no plan in it to check"
+
+
+NOT_CHECKED = document.PlannedAnswer.__annotations__.keys() - document.CheckedPlan.__annotations__.keys()
+"""Fields of an answer that the checker does not look at: they may be left out, and hold anything."""
+CERTIFICATE_DIGEST = frozenset(document.CertificateDigest.__annotations__)
+"""Fields of a certificate that is not in full."""
+
+
+def plan_of(plan: object, conventions: Conventions) -> tuple[Plan, tuple[Finding, ...]]:
+    """The plan in a planned answer with a full certificate, and what the answer says of its durations that is not so.
+
+    Not checked: whether anything else in it is true; that is the checker's. Raises `DocumentError` below "plan".
+    """
+    root = {"plan": plan}
+    if isinstance(plan, dict):
+        if plan.get("status") == "not_planned":
+            raise fault(root, (*PLAN, "status"), REFUSAL)
+        certificate = plan.get("certificate")
+        if isinstance(certificate, dict) and set(certificate) == CERTIFICATE_DIGEST:
+            raise fault(root, (*PLAN, "certificate"), "the certificate in full, as certificate=full gives it")
+        plan = {key: value for key, value in plan.items() if key not in NOT_CHECKED}
+    item: document.CheckedPlan = read_normal(document.CheckedPlan, plan, plan, PLAN)
+    _hold_to_robot(root, item, conventions)
+    made = Plan(
+        trajectory=trajectory_of(root, (*PLAN, "trajectory"), item["trajectory"], conventions),
+        legs=tuple(
+            Leg(LegKind(leg["kind"]), leg["step"], leg["from_s"], leg["to_s"], leg["note"]) for leg in item["legs"]
+        ),
+        arrivals=tuple(_arrival(root, i, arrival, conventions) for i, arrival in enumerate(item["arrivals"])),
+        certificate=_certificate(root, item["certificate"]),
+    )
+    return made, _untrue(item)
+
+
+def _arrival(root: object, i: int, item: document.Arrival, conventions: Conventions) -> Arrival:
+    return Arrival(
+        step=item["step"],
+        control_point=item["control_point"],
+        time=item["time_s"],
+        until=item["until_s"],
+        pose=placed(item["at_m"], item["yaw_rad"]),
+        matched=item["matched"],
+        yaw_offset=item["yaw_offset_rad"],
+        along_m=item["along_m"],
+        window_left_s=item["window_left_s"],
+        pitch=item.get("pitch_rad"),
+        roll=item.get("roll_rad"),
+        missed_by=_missed(root, i, item.get("missed_by"), conventions),
+    )
+
+
+def _hold_to_robot(root: object, item: document.CheckedPlan, conventions: Conventions) -> None:
+    """Raises `DocumentError` for a plan of other joints than the request's robot has."""
+    names = [joint.name for joint in conventions]
+    if item["trajectory"]["joint_names"] != names:
+        allowed = f"{', '.join(names)}; this plan belongs to another request, for another robot"
+        raise fault(root, (*PLAN, "trajectory", "joint_names"), allowed)
+
+
+def _missed(root: object, i: int, item: document.Missed | None, conventions: Conventions) -> Missed | None:
+    if item is None:
+        return None
+    if len(item["joints"]) != len(conventions):
+        path = (*PLAN, "arrivals", i, "missed_by", "joints")
+        raise fault(root, path, f"{len(conventions)} numbers, one for each joint")
+    joints = converted(np.array(item["joints"], dtype=np.float64), conventions)
+    return Missed(tuple(joints.tolist()), item["distance_m"])
+
+
+def _untrue(item: document.CheckedPlan) -> tuple[Finding, ...]:
+    """Durations that an answer states and its trajectory has not; what it leaves out is no claim."""
+    first, last = item["trajectory"]["time_s"][0], item["trajectory"]["time_s"][-1]
+    duration, bound = last - first, item.get("lower_bound_s")
+    found = [
+        Finding(Code.FORM, f"{key} is {said:.6f}, but the trajectory's is {true:.6f}", abs(said - true), "s", key)
+        for key, said, true in (
+            ("duration_s", item.get("duration_s"), duration),
+            ("start_s", item.get("start_s"), first),
+        )
+        if said is not None and not abs(said - true) <= TIME_S
+    ]
+    if bound is not None and not bound <= duration + TIME_S:
+        what = f"lower_bound_s is {bound:.6f}, but this plan takes only {duration:.6f}"
+        found.append(Finding(Code.FORM, what, bound - duration, "s", "lower_bound_s"))
+    return tuple(found)
+
+
+def _certificate(root: object, item: document.Certificate) -> Certificate:
+    for key, column in item.items():
+        if key not in CERTIFICATE_DIGEST | {"names"} and len(column) != item["rows"]:  # type: ignore[arg-type]
+            raise fault(root, (*PLAN, "certificate", key), f"{item['rows']} rows, as many as it says")
+    return Certificate(
+        names=tuple(item["names"]),
+        digest=item["digest"],
+        covers=tuple(item["covers"]),
+        t0=_reals(item["t0_s"]),
+        t1=_reals(item["t1_s"]),
+        first=_indices(item["first"]),
+        first_piece=_indices(item["first_piece"]),
+        second=_indices(item["second"]),
+        second_piece=_indices(item["second_piece"]),
+        normal=np.array(item["normal"], dtype=np.float64).reshape(-1, 3),
+    )
+
+
+def _reals(column: list[float]) -> FloatArray:
+    return np.array(column, dtype=np.float64)
+
+
+def _indices(column: list[int]) -> IntArray:
+    return np.array(column, dtype=np.int64)

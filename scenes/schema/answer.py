@@ -1,0 +1,282 @@
+"""The answer and the verdict as documents. One description: what is written, what is read again, and the schema.
+
+Writing one is building its dictionaries, which mypy holds to these types. Numbers are SI, poses are in the world, joint
+values are in the maker's convention, and null stands for a number that there is not. Of an answer that is read again
+only `CheckedPlan` is judged: what the checker does not look at may be left out.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, NotRequired, Required
+
+from pydantic import ConfigDict, Field, with_config
+from typing_extensions import TypedDict
+
+from assur.scenes import bounds
+from assur.scenes.schema.model import Angle, Instant, Point, Strength
+
+CLOSED = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+Schema = Literal["assur/1"]
+Number = Annotated[float, Field(ge=-1e300, le=1e300)]
+Text = Annotated[str, Field(max_length=bounds.MAX_TEXT)]
+Step = Annotated[int, Field(ge=-1, le=bounds.MAX_STEPS)]
+"""Index of a step of the task, from 0; -1 where it is about none."""
+Interval = Annotated[list[Number | None], Field(min_length=2, max_length=2)]
+Pair = Annotated[list[Text], Field(min_length=2, max_length=2)]
+Row = Annotated[list[Strength], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
+Rows = Annotated[list[Row], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
+Reals = Annotated[list[Number], Field(max_length=bounds.MAX_ROWS)]
+Indices = Annotated[list[Annotated[int, Field(ge=-1, le=2**31)]], Field(max_length=bounds.MAX_ROWS)]
+Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
+
+
+@with_config(CLOSED)
+class Trajectory(TypedDict):
+    """Knots of a quintic Hermite spline. `acceleration_jumps`: whether two knots may share a time, where the
+    acceleration alone differs."""
+
+    joint_names: Annotated[list[str], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
+    joint_units: Annotated[list[Literal["rad", "m"]], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
+    time_s: Annotated[list[Instant], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
+    position: Rows
+    velocity: Rows
+    acceleration: Rows
+    acceleration_jumps: NotRequired[bool]
+
+
+@with_config(CLOSED)
+class Leg(TypedDict):
+    """A part of the plan that serves one step; `note` says why a wait is made, or how a move goes."""
+
+    kind: Literal["WAIT", "MOVE", "ARCH", "APPROACH", "FOLLOW", "DEPART"]
+    step: Step
+    from_s: Instant
+    to_s: Instant
+    note: Text
+
+
+@with_config(CLOSED)
+class Missed(TypedDict):
+    """By how much a parabolic blend misses its pose: the joints, as in the trajectory, and the tool point."""
+
+    joints: Annotated[list[Number], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
+    distance_m: Number
+
+
+@with_config(CLOSED)
+class Arrival(TypedDict):
+    """Where and when the tool point reaches a control point; pitch and roll of arms with five axes only."""
+
+    control_point: Text
+    step: Annotated[int, Field(ge=0, le=bounds.MAX_STEPS)]
+    time_s: Instant
+    until_s: Instant
+    at_m: Point
+    yaw_rad: Angle
+    yaw_offset_rad: Angle
+    matched: bool
+    along_m: Number | None
+    window_left_s: Number | None
+    missed_by: NotRequired[Missed | None]
+    pitch_rad: NotRequired[Angle | None]
+    roll_rad: NotRequired[Angle | None]
+
+
+@with_config(CLOSED)
+class CertificateDigest(TypedDict):
+    """The proof by its digest, its number of rows, and what it covers."""
+
+    digest: Text
+    rows: Annotated[int, Field(ge=0, le=bounds.MAX_ROWS)]
+    covers: Annotated[list[Text], Field(max_length=16)]
+
+
+@with_config(CLOSED)
+class Certificate(CertificateDigest):
+    """The proof in columns; a second body of -1 is none: the row is of the first alone."""
+
+    names: Annotated[list[Text], Field(max_length=8 * bounds.MAX_BODIES)]
+    t0_s: Reals
+    t1_s: Reals
+    first: Indices
+    first_piece: Indices
+    second: Indices
+    second_piece: Indices
+    normal: Annotated[list[Vector], Field(max_length=bounds.MAX_ROWS)]
+
+
+@with_config(CLOSED)
+class Contact(TypedDict):
+    """Two bodies that may touch, and when."""
+
+    bodies: Pair
+    from_s: Number
+    to_s: Number
+
+
+@with_config(CLOSED)
+class Peak(TypedDict):
+    """The largest velocity, acceleration and jerk of a joint, in SI, and as shares of its limits."""
+
+    joint: Text
+    velocity: Number
+    velocity_ratio: Number
+    acceleration: Number
+    acceleration_ratio: Number
+    jerk: Number | None
+    jerk_ratio: Number | None
+
+
+@with_config(CLOSED)
+class Nearest(TypedDict):
+    """Where the arm comes closest to another body that it may not touch."""
+
+    gap_m: Number
+    time_s: Number
+    bodies: Pair
+    phase: Text
+
+
+@with_config(CLOSED)
+class Margins(TypedDict):
+    """What the plan leaves of its limits and distances."""
+
+    peaks: list[Peak]
+    binds: Text
+    nearest: Nearest | None
+    tool_acceleration_m_s2: Number | None
+    tool_acceleration_limit_m_s2: Number | None
+    singularity: Number | None
+    parallel: Number | None
+    jerk: Literal["limited", "unbounded"]
+
+
+@with_config(CLOSED)
+class CensusLine(TypedDict):
+    """Refusals of one kind, counted: the least and the largest amount, and the interval that spans them all."""
+
+    stage: Text
+    reason: Text
+    step: Step
+    bodies: list[Text]
+    count: int
+    interval_s: Interval | None
+    least: Number | None
+    most: Number | None
+    unit: Text
+    detail: Text
+
+
+@with_config(CLOSED)
+class Census(TypedDict):
+    """What became of all candidates, most frequent refusal first."""
+
+    candidates: int
+    refused: int
+    lines: list[CensusLine]
+
+
+@with_config(CLOSED)
+class Refusal(TypedDict):
+    """The leading refusal: the stage that made it, why, by which bodies, when, and by how much."""
+
+    stage: Text
+    reason: Text
+    step: Step
+    bodies: list[Text]
+    interval_s: Interval | None
+    amount: Number | None
+    unit: Text
+    detail: Text
+
+
+@with_config(CLOSED)
+class Relaxation(TypedDict):
+    """The first change of the request that was tried and works."""
+
+    what: Text
+    value: Text
+    duration_s: Number | None
+
+
+class _Motion(TypedDict):
+    schema: Schema
+    status: Literal["planned"]
+    trajectory: Trajectory
+    legs: Annotated[list[Leg], Field(max_length=8 * bounds.MAX_STEPS)]
+    arrivals: Annotated[list[Arrival], Field(max_length=bounds.MAX_STEPS)]
+
+
+class _Common(TypedDict):
+    census: Census
+    assumptions: list[Text]
+    seed: int
+    elapsed_s: Number
+    cut_by_clock: bool
+    request_digest: Text
+    notice: Text
+
+
+@with_config(CLOSED)
+class PlannedAnswer(_Motion, _Common):
+    """A plan, proved against the model."""
+
+    certificate: Certificate | CertificateDigest
+    duration_s: Number
+    start_s: Number
+    contacts: list[Contact]
+    margins: Margins
+    lower_bound_s: Number | None
+    first_s: Number | None
+
+
+@with_config(CLOSED)
+class NotPlannedAnswer(_Common):
+    """No plan, and why there is none."""
+
+    schema: Schema
+    status: Literal["not_planned"]
+    reason: Text
+    proved: bool
+    sentence: Text
+    refusal: Refusal | None
+    relaxation: Relaxation | None
+    tried: list[Text]
+    details: dict[str, Number | None]
+
+
+Answer = Annotated[PlannedAnswer | NotPlannedAnswer, Field(discriminator="status")]
+
+
+@with_config(CLOSED)
+class CheckedPlan(_Motion, total=False):
+    """What the checker judges of a planned answer; the durations may be left out."""
+
+    certificate: Required[Certificate]
+    duration_s: Number
+    start_s: Number
+    lower_bound_s: Number | None
+    request_digest: Text
+
+
+@with_config(CLOSED)
+class Finding(TypedDict):
+    """Something in a plan that is not right: by how much, and where."""
+
+    code: Text
+    what: Text
+    amount: Number | None
+    unit: Text
+    where: Text
+
+
+@with_config(CLOSED)
+class Verdict(TypedDict):
+    """What the checker says of a plan; `ok` if and only if there are no findings."""
+
+    schema: Schema
+    ok: bool
+    findings: list[Finding]
+    request_digest: Text
+    notice: Text

@@ -1,0 +1,131 @@
+"""Frames of a request: a time law each, how far the frame may be from it, and for how long it is known."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from assur.scenes import bounds
+from assur.scenes.schema.model import (
+    Angle,
+    Coordinate,
+    Distance,
+    Document,
+    Duration,
+    Group,
+    Instant,
+    Interval,
+    Point,
+    PoseDocument,
+    Positive,
+    Rate,
+    Span,
+    Speed,
+)
+
+
+class FixedDocument(PoseDocument):
+    """A frame that does not move."""
+
+
+class LinearDocument(PoseDocument):
+    """A constant velocity; `at_m` holds at `at_s`."""
+
+    velocity_m_s: Annotated[list[Speed], Field(min_length=3, max_length=3)]
+    at_s: Instant = 0.0
+
+
+class SpeedChange(Document):
+    """From `at_s` on the conveyor goes over to another speed, with this acceleration and jerk."""
+
+    at_s: Instant
+    speed_m_s: Speed
+    acceleration_m_s2: Positive
+    jerk_m_s3: Positive
+
+
+class ConveyorDocument(PoseDocument):
+    """Travels along its own x axis at `speed_m_s`; `at_m` holds at `at_s`; then the changes, in order."""
+
+    speed_m_s: Speed
+    at_s: Instant = 0.0
+    changes: Annotated[list[SpeedChange], Field(max_length=bounds.MAX_CHANGES)] = Field(default_factory=list)
+
+
+class RateChange(Document):
+    """From `at_s` on the turntable goes over to another rate, with this acceleration and jerk."""
+
+    at_s: Instant
+    rate_rad_s: Rate
+    acceleration_rad_s2: Positive
+    jerk_rad_s3: Positive
+
+
+class TurntableDocument(PoseDocument):
+    """Turns about its centre `at_m`, its yaw being `yaw_rad` at `at_s`; with a rise, a helix."""
+
+    rate_rad_s: Rate
+    rise_m_s: Speed = 0.0
+    at_s: Instant = 0.0
+    changes: Annotated[list[RateChange], Field(max_length=bounds.MAX_CHANGES)] = Field(default_factory=list)
+
+
+class IndexerDocument(PoseDocument):
+    """Moves by a step in `move_s`, rests for `dwell_s`, and so on; one of the moves begins at `start_s`."""
+
+    exactly_one: ClassVar[tuple[Group, ...]] = (("step_rad", "step_m"),)
+
+    step_rad: Angle | None = None
+    step_m: Coordinate | None = None
+    move_s: Span
+    dwell_s: Duration
+    start_s: Instant = 0.0
+
+
+class SwingDocument(Document):
+    """Swings about a pivot: yaw = yaw_rad + amplitude sin(2π t / period + phase)."""
+
+    pivot_m: Point
+    yaw_rad: Angle = 0.0
+    amplitude_rad: Angle
+    period_s: Span
+    phase_rad: Angle = 0.0
+
+
+class Keyframe(PoseDocument):
+    """A pose to be passed at a time."""
+
+    time_s: Instant
+
+
+class KeyframesDocument(Document):
+    """A twice differentiable spline through poses; known from the first to the last of them, nowhere else."""
+
+    points: Annotated[list[Keyframe], Field(min_length=2, max_length=bounds.MAX_CHANGES)]
+    ends: Literal["clamped", "natural"] = "clamped"
+
+
+class UncertaintyDocument(Document):
+    """How far the frame may be from its law: always, and per second."""
+
+    position_m: Distance = 0.0
+    speed_m_s: Annotated[float, Field(ge=0.0, le=bounds.FAST_M_S)] = 0.0
+
+
+class FrameDocument(Document):
+    """A named frame: exactly one law."""
+
+    exactly_one: ClassVar[tuple[Group, ...]] = (
+        ("fixed", "linear", "conveyor", "turntable", "indexer", "swing", "keyframes"),
+    )
+
+    fixed: FixedDocument | None = None
+    linear: LinearDocument | None = None
+    conveyor: ConveyorDocument | None = None
+    turntable: TurntableDocument | None = None
+    indexer: IndexerDocument | None = None
+    swing: SwingDocument | None = None
+    keyframes: KeyframesDocument | None = None
+    uncertainty: UncertaintyDocument = UncertaintyDocument()
+    valid_s: Interval | None = None

@@ -1,0 +1,167 @@
+"""The rules that all documents share: closed, strict, finite, no null, units in keys, one of several keys.
+
+A model declares its fields in SI (`at_m`), and reads a document that `normal` has brought to SI. A caller may also
+write the twin (`at_mm`), so the model's schema shows both. Groups of keys of which exactly one, or at most one, may be
+given are declared as class variables, so that the reader and the schema agree on them.
+"""
+
+from __future__ import annotations
+
+import difflib
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, PydanticCustomError
+from pydantic_core.core_schema import no_info_before_validator_function
+
+from assur.planner.geometry.shapes import LARGEST_M, SMALLEST_M
+from assur.scenes import bounds
+from assur.scenes.units import twin_of
+
+Group = tuple[str, ...]
+LONGEST_KEY = 40
+MOST_KEYS = 3
+"""So much of the keys that are no fields is repeated."""
+
+
+class Document(BaseModel):
+    """A mapping of fields. Frozen; every number in SI once it is read."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
+
+    exactly_one: ClassVar[tuple[Group, ...]] = ()
+    at_most_one: ClassVar[tuple[Group, ...]] = ()
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        schema = handler(source)
+        if not cls.exactly_one and not cls.at_most_one:
+            return schema
+        return no_info_before_validator_function(cls._keep_groups, schema)
+
+    @classmethod
+    def _keep_groups(cls, data: Any) -> Any:
+        """Refuses a mapping that does not keep the groups of keys of its model."""
+        if type(data) is not dict:
+            return data
+        for group in cls.exactly_one:
+            given = [key for key in group if key in data]
+            if len(given) != 1:
+                strange = [] if given else [key for key in data if not cls._has(key)]
+                raise _refusal("one_of", given[1:], f"exactly one of {', '.join(group)}{_strange(strange, group)}")
+        for group in cls.at_most_one:
+            given = [key for key in group if key in data]
+            if len(given) > 1:
+                raise _refusal("one_of", given[1:], f"at most one of {', '.join(group)}")
+        return data
+
+    @classmethod
+    def _has(cls, key: object) -> bool:
+        return any(key in (name, field.alias) for name, field in cls.model_fields.items())
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        schema = handler.resolve_ref_schema(handler(core_schema))
+        properties = schema.get("properties", {})
+        required = set(schema.get("required", ()))
+        rules: list[dict[str, Any]] = [{"oneOf": [_needs(key) for key in group]} for group in cls.exactly_one]
+        rules += [
+            {"not": {"allOf": [_needs(first), _needs(second)]}}
+            for group in cls.at_most_one
+            for i, first in enumerate(group)
+            for second in group[i + 1 :]
+        ]
+        for name, field in list(properties.items()):
+            _forget_null(field)
+            twin = twin_of(name)
+            if twin is None:
+                continue
+            properties[twin] = _twin_of_field(field)
+            both = [{"required": [name]}, {"required": [twin]}]
+            rules.append({"oneOf": both} if name in required else {"not": {"required": [name, twin]}})
+            required.discard(name)
+        if "required" in schema:
+            schema["required"] = sorted(required)
+        if rules:
+            schema["allOf"] = rules
+        return schema
+
+
+def _needs(key: str) -> dict[str, Any]:
+    twin = twin_of(key)
+    return {"required": [key]} if twin is None else {"anyOf": [{"required": [key]}, {"required": [twin]}]}
+
+
+def _forget_null(field: dict[str, Any]) -> None:
+    """Optional fields may be left out, never null; their schema says so."""
+    options = [option for option in field.get("anyOf", ()) if option != {"type": "null"}]
+    if len(options) == 1:
+        del field["anyOf"]
+        field.update(options[0])
+    elif options:
+        field["anyOf"] = options
+    if field.get("default", 0) is None:
+        del field["default"]
+
+
+def _twin_of_field(field: dict[str, Any]) -> dict[str, Any]:
+    """The schema of a field in its other unit: the same, less the title and the numbers that are stated in SI."""
+    if "$ref" in field:
+        return {"type": "object", "additionalProperties": {"type": "number"}}
+    left_out = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "default", "title")
+    copy = {key: value for key, value in field.items() if key not in left_out}
+    if isinstance(copy.get("items"), dict):
+        copy["items"] = _twin_of_field(copy["items"])
+    for union in ("anyOf", "oneOf"):
+        if union in copy:
+            copy[union] = [_twin_of_field(option) for option in copy[union]]
+    if "value" in copy.get("properties", ()):  # a fact with status and source
+        copy["properties"] = {**copy["properties"], "value": _twin_of_field(copy["properties"]["value"])}
+    return copy
+
+
+def _strange(keys: list[str], group: Group) -> str:
+    """Which keys were given that are no fields, where one of `group` is missing: probably misspelt."""
+    if not keys:
+        return ""
+    shown = ", ".join(str(key)[:LONGEST_KEY] for key in keys[:MOST_KEYS])
+    close = difflib.get_close_matches(str(keys[0]), group, n=1, cutoff=0.5)
+    return f"; {shown} is none of them" + (f", did you mean {close[0]}?" if close else "")
+
+
+def _refusal(kind: str, keys: list[str], allowed: str) -> PydanticCustomError:
+    # Braces in a name would be read as a template by PydanticCustomError: the text travels in the context only.
+    return PydanticCustomError(kind, "not allowed", {"keys": keys, "allowed": allowed})
+
+
+Coordinate = Annotated[float, Field(ge=-bounds.FAR_M, le=bounds.FAR_M)]
+Distance = Annotated[float, Field(ge=0.0, le=bounds.FAR_M)]
+Size = Annotated[float, Field(ge=SMALLEST_M, le=LARGEST_M)]
+Angle = Annotated[float, Field(ge=-bounds.TURNS_RAD, le=bounds.TURNS_RAD)]
+Speed = Annotated[float, Field(ge=-bounds.FAST_M_S, le=bounds.FAST_M_S)]
+Rate = Annotated[float, Field(ge=-bounds.FAST_RAD_S, le=bounds.FAST_RAD_S)]
+Positive = Annotated[float, Field(gt=0.0, le=bounds.STRONG)]
+Strength = Annotated[float, Field(ge=-bounds.STRONG, le=bounds.STRONG)]
+Instant = Annotated[float, Field(ge=-bounds.LONG_S, le=bounds.LONG_S)]
+Duration = Annotated[float, Field(ge=0.0, le=bounds.LONG_S)]
+Span = Annotated[float, Field(gt=0.0, le=bounds.LONG_S)]
+Mass = Annotated[float, Field(ge=0.0, le=bounds.HEAVY_KG)]
+Scale = Annotated[float, Field(gt=0.0, le=1.0)]
+
+Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
+Interval = Annotated[list[Instant], Field(min_length=2, max_length=2)]
+Stretch = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
+
+NAME = r"^[A-Za-z][A-Za-z0-9_.-]{0,63}$"
+"""Names that a document gives: frames, bodies, control points, neighbours."""
+REFERENCE = r"^[A-Za-z][A-Za-z0-9_.-]{0,63}(/[A-Za-z][A-Za-z0-9_.-]{0,63})?$"
+"""Names that a document uses: those, and a neighbour's frames and bodies, NEIGHBOUR/name."""
+Name = Annotated[str, Field(pattern=NAME)]
+Reference = Annotated[str, Field(pattern=REFERENCE)]
+
+
+class PoseDocument(Document):
+    """A pose in a parent that the context names."""
+
+    at_m: Point
+    yaw_rad: Angle = 0.0

@@ -1,0 +1,89 @@
+"""A document as its models read it: SI keys and values, Python's own numbers, no null. One walk, before any model.
+
+What looks like a number but is not one of a document must not get past it: units are converted by type, so an
+`np.float64` of millimetres would be taken for as many metres.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from assur.scenes.bounds import MAX_DEPTH
+from assur.scenes.faults import DocumentError, Path, dotted
+from assur.scenes.units import si_key, to_si
+
+LEAVES = frozenset((str, float, int, bool, type(None)))
+"""Types of a document's leaves."""
+ALLOWED = "a number that a float or an int is exactly"
+OF_NAMES = "frames"
+"""Key of the mapping whose keys are names that the document gives, whatever they end in."""
+
+
+def normal(document: object) -> Any:
+    """The document in SI: `at_mm` becomes `at_m`, and what is below it is converted. The document is not changed.
+
+    Raises `DocumentError` at a key that is written in both its units, at a null, at a number that is not exactly one of
+    Python's, and for nesting without end. Whatever else is no number is left for the model to refuse, NaN and infinity,
+    too.
+    """
+    return _inside(document, (), in_si=True)
+
+
+def plain(document: object) -> Any:
+    """The document with numbers and arrays of NumPy as plain numbers and lists, and nothing else changed."""
+    return _inside(document, (), in_si=False)
+
+
+def _inside(value: object, path: Path, *, in_si: bool) -> Any:
+    kind = type(value)
+    if kind in LEAVES:
+        return value
+    if len(path) >= MAX_DEPTH:
+        raise DocumentError(dotted(path[:4]), "deeper nesting", f"nesting up to {MAX_DEPTH} levels")
+    if isinstance(value, dict):
+        if in_si:
+            return _mapping(value, path)
+        return {key: _inside(item, (*path, str(key)), in_si=False) for key, item in value.items()}
+    if isinstance(value, list) or (isinstance(value, np.ndarray) and value.ndim):
+        return [
+            item if type(item) in LEAVES else _inside(item, (*path, i), in_si=in_si) for i, item in enumerate(value)
+        ]
+    return _scalar(value[()] if isinstance(value, np.ndarray) else value, path)
+
+
+def _mapping(mapping: dict[Any, Any], path: Path) -> dict[Any, Any]:
+    found = {}
+    of_names = bool(path) and path[-1] == OF_NAMES
+    for key, value in mapping.items():
+        if value is None:
+            raise DocumentError(dotted((*path, str(key))), None, "a value; leave the key out if there is none")
+        if type(value) not in LEAVES:
+            value = _inside(value, (*path, str(key)), in_si=True)
+        twin = None if of_names or type(key) is not str else si_key(key)
+        if twin is None:
+            found[key] = value
+        elif twin[0] in mapping:
+            raise DocumentError(dotted((*path, key)), mapping[key], f"{key} or {twin[0]}, not both")
+        else:
+            found[twin[0]] = to_si(value, twin[1])
+    return found
+
+
+def _scalar(value: object, path: Path) -> object:
+    if isinstance(value, str):
+        return str(value)
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    if isinstance(value, np.timedelta64):  # NumPy counts it among the whole numbers, whatever its unit
+        raise DocumentError(dotted(path), value, ALLOWED)
+    if isinstance(value, int | np.integer):
+        return int(value)
+    if isinstance(value, float | np.floating):
+        number = float(value)
+        if number == value or number != number:
+            return number
+    elif not any(hasattr(value, name) for name in ("__float__", "__index__", "__complex__")):
+        return value
+    raise DocumentError(dotted(path), value, ALLOWED)

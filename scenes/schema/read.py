@@ -1,0 +1,226 @@
+"""A document through its model: the first fault becomes a `DocumentError` at the field as it was written."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Sequence
+from functools import cache
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel, TypeAdapter, ValidationError
+from typing_extensions import get_type_hints, is_typeddict
+
+from assur.planner.errors import FaultError
+from assur.scenes.bounds import FAR_M
+from assur.scenes.faults import DocumentError, Path, as_written, dotted, likeliest
+from assur.scenes.schema.model import NAME, REFERENCE
+from assur.scenes.schema.normal import normal
+from assur.scenes.schema.stated import PLAIN, STATED
+from assur.scenes.units import SI_UNITS, any_unit, from_si, si_key, twin_of, unit_of
+
+MAX_FAULTS = 20
+"""Faults that are told of one document; a reader needs no more at once."""
+
+FEW_FIELDS = 6
+"""Of so many fields the names are told where something else stands in place of their mapping."""
+TYPES = {
+    "float_type": "a number",
+    "finite_number": "a finite number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "bool_type": "true or false",
+    "string_type": "text",
+    "list_type": "a list",
+    "dict_type": "a mapping of fields",
+    "model_type": "a mapping of fields",
+    "model_attributes_type": "a mapping of fields",
+    "invalid_key": "keys that are text",
+    "string_unicode": "text in Unicode",
+}
+"""Pydantic's kinds of error in our words."""
+COMPARISONS = {
+    "greater_than": ("gt", "more than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+}
+
+
+def read(model: Any, document: object) -> Any:
+    """The document, which may be written in any units and with numbers of NumPy, as `model`. Raises `DocumentError`."""
+    return read_normal(model, normal(document), document)
+
+
+def read_normal(model: Any, normal_document: object, document: object, prefix: Path = ()) -> Any:
+    """A document in SI as `model`, a pydantic model or a TypedDict; `document`: as it was written.
+
+    `prefix`: where the document is, if it is part of another. Raises `DocumentError`: unknown fields first, for they
+    are usually misspelt others.
+    """
+    try:
+        return _adapter(model).validate_python(normal_document)
+    except ValidationError as error:
+        faults = sorted(
+            error.errors(include_url=False, include_input=False),
+            key=lambda fault: 0 if fault["type"] == "extra_forbidden" else 1,
+        )
+        told = [_fault(model, document, dict(fault)) for fault in faults[:MAX_FAULTS]]
+        first = told[0]
+        more = tuple((dotted((*prefix, *path)), allowed) for path, _, allowed in told[1:])
+        raise DocumentError(dotted((*prefix, *first[0])), first[1], first[2], more=more) from None
+
+
+@cache
+def _adapter(model: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(model)
+
+
+def _fault(model: Any, document: object, error: dict[str, Any]) -> tuple[Path, object, str]:
+    kind, context = error["type"], error.get("ctx", {})
+    location: Path = tuple(part for part in error["loc"] if part not in ("[key]", PLAIN, STATED))
+    if "keys" in context:
+        location += tuple(context["keys"][:1])
+    path, value = as_written(document, location)
+    return path, value, _allowed(model, kind, context, location, path, value)
+
+
+def _allowed(model: Any, kind: str, context: dict[str, Any], location: Path, path: Path, value: object) -> str:
+    if "allowed" in context:
+        return str(context["allowed"])
+    if kind == "missing":
+        key = str(location[-1])
+        twin = twin_of(key)
+        if twin is not None:
+            return f"{key} or {twin}, which must be given"
+        return f"{_words_of(_annotation(model, location)) or 'a value'}, which must be given"
+    if kind == "extra_forbidden":
+        return _known(model, location, value)
+    if kind in COMPARISONS:
+        name, words = COMPARISONS[kind]
+        return f"{words} {_in_unit_written(context[name], path)}{_millimetres(path, value)}"
+    if kind in ("too_short", "too_long"):
+        few = context.get("min_length", context.get("max_length"))
+        given = f", not {len(value)}" if isinstance(value, list) else ""
+        return f"{'at least' if kind == 'too_short' else 'at most'} {few} item{'' if few == 1 else 's'}{given}"
+    if kind in ("string_too_short", "string_too_long"):
+        few = context.get("min_length", context.get("max_length"))
+        least = "at least" if kind == "string_too_short" else "at most"
+        return f"{least} {few} character{'' if few == 1 else 's'}"
+    if kind == "literal_error":
+        return str(context["expected"])
+    if kind == "string_pattern_mismatch":
+        if context["pattern"] in (NAME, REFERENCE):
+            return "a name: a letter, then up to 63 letters, digits, _ . -"
+        if path[-1] in SHIPPED:
+            return f"one of {likeliest(str(value), SHIPPED[path[-1]]())}"
+        return f"text that matches {context['pattern']}"
+    if kind in ("model_type", "model_attributes_type"):
+        here = _model_in(_annotation(model, location))
+        names = [] if here is None else list(_fields(here))
+        return TYPES[kind] + (f": {', '.join(names)}" if 0 < len(names) <= FEW_FIELDS else "")
+    return TYPES.get(kind, kind.replace("_", " "))
+
+
+def _millimetres(path: Path, value: object) -> str:
+    """Which key was meant where a length in metres is so large that it must be one in millimetres."""
+    key = next((part for part in reversed(path) if isinstance(part, str)), "")
+    large = type(value) in (int, float) and abs(value) > FAR_M  # type: ignore[arg-type]
+    return f"; did you mean {twin_of(key)}?" if large and unit_of(key, SI_UNITS) == "m" else ""
+
+
+def _in_unit_written(limit: float, path: Path) -> str:
+    key = next((part for part in reversed(path) if isinstance(part, str)), "")
+    for part in (key, *(str(p) for p in reversed(path) if isinstance(p, str))):
+        twin = si_key(part)
+        if twin is not None:
+            return f"{from_si(limit, twin[1]):.6g} ({twin[1]})"
+    return f"{limit:.6g}"
+
+
+def _known(model: Any, location: Path, value: object) -> str:
+    """The fields that the model at `location` has, both ways to write each, and the likeliest that was meant."""
+    here = _model_in(_annotation(model, location[:-1]))
+    if here is None:
+        raise FaultError(f"no model has the fields around {dotted(location)}")
+    fields = _fields(here)
+    known = f"one of {', '.join(f'{n}/{twin_of(n)}' if twin_of(n) else n for n in sorted(fields))}"
+    key = str(location[-1])
+    meant = [n for n in fields if _stem(n) == _stem(key) and _takes(fields[n], value)]
+    meant = meant or difflib.get_close_matches(key, fields, n=1, cutoff=0.5)
+    if not meant:
+        return known
+    return f"{known}; did you mean {' or '.join(w for n in meant for w in (n, twin_of(n)) if w)}?"
+
+
+def _stem(key: str) -> str:
+    """A key without the unit that it bears: `at_m`, `at_mm` and `at` have one stem."""
+    unit = any_unit(key)
+    return key if unit is None else key[: -len(unit)].removesuffix("_")
+
+
+def _takes(annotation: Any, value: object) -> bool:
+    """Whether a field of this type could hold `value`, judged by what it is: a list, a mapping, or neither."""
+    lists = any(get_origin(option) is list for option in _options(annotation))
+    mappings = any(get_origin(option) is dict or _is_model(option) for option in _options(annotation))
+    return lists if isinstance(value, list) else mappings if isinstance(value, dict) else not (lists or mappings)
+
+
+def _annotation(model: Any, location: Path) -> Any:
+    """The type at `location` of a document of `model`, inside optionals, lists and mappings; None: nothing is there."""
+    here: Any = model
+    for part in location:
+        here = next((found for option in _options(here) if (found := _below(option, part)) is not None), None)
+    return here
+
+
+def _below(option: Any, part: str | int) -> Any:
+    if _is_model(option):
+        return _fields(option).get(str(part))
+    return get_args(option)[-1] if get_origin(option) in (list, dict) else None
+
+
+def _options(annotation: Any) -> tuple[Any, ...]:
+    """The types that an annotation stands for: each of a union, without what Annotated adds."""
+    if get_origin(annotation) is Annotated:
+        return _options(get_args(annotation)[0])
+    if get_origin(annotation) in (Union, UnionType):
+        return tuple(option for part in get_args(annotation) for option in _options(part))
+    return (annotation,)
+
+
+def _is_model(option: Any) -> bool:
+    return is_typeddict(option) or (isinstance(option, type) and issubclass(option, BaseModel))
+
+
+def _fields(model: Any) -> dict[str, Any]:
+    """Key → type of each field of a model, as a document writes it."""
+    if is_typeddict(model):
+        return get_type_hints(model)
+    return {field.alias or name: field.annotation for name, field in model.model_fields.items()}
+
+
+def _model_in(annotation: Any) -> Any:
+    return next((option for option in _options(annotation) if _is_model(option)), None)
+
+
+def _words_of(annotation: Any) -> str:
+    """The words that a field is one of, where it is."""
+    words = [str(word) for option in _options(annotation) if get_origin(option) is Literal for word in get_args(option)]
+    return f"one of {', '.join(words)}" if len(words) > 1 else "".join(words)
+
+
+def _models() -> Sequence[str]:
+    from assur.scenes.catalogue import models
+
+    return models()
+
+
+def _assets() -> Sequence[str]:
+    from assur.scenes.meshes.assets import asset_names
+
+    return asset_names()
+
+
+SHIPPED: dict[str | int, Callable[[], Sequence[str]]] = {"model": _models, "asset": _assets}
+"""Keys whose values are names of what is shipped; a value that cannot be such a name is told which there are."""

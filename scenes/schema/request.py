@@ -1,0 +1,88 @@
+"""The request: everything that one plan depends on."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from functools import cached_property
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from assur.scenes import bounds
+from assur.scenes.schema.frames import FrameDocument
+from assur.scenes.schema.model import Distance, Document, Duration, Instant, Name, Positive, Span
+from assur.scenes.schema.robots import NeighbourDocument, RobotDocument, StartDocument
+from assur.scenes.schema.shapes import BodyDocument
+from assur.scenes.schema.task import StepDocument
+
+SCHEMA = "assur/1"
+"""Version of the documents."""
+
+
+class ClearanceDocument(Document):
+    """Distances to keep: `near` in approach, follow and depart, `travel` elsewhere. Both, or none."""
+
+    travel: Distance
+    near: Distance
+
+
+class OptionsDocument(Document):
+    """How to search, and what is safe enough."""
+
+    seed: Annotated[int, Field(ge=0, le=bounds.MAX_INTEGER)] = 0
+    budget_s: Annotated[float, Field(gt=0.0, le=bounds.MAX_BUDGET_S)] = 1.0
+    max_candidates: Annotated[int, Field(ge=1, le=bounds.MAX_CANDIDATES)] | None = None
+    stop: Literal["first", "budget"] = "budget"
+    explain_budget_s: Annotated[float, Field(ge=0.0, le=bounds.MAX_BUDGET_S)] = 0.0
+    clearance_m: ClearanceDocument = ClearanceDocument(travel=0.0, near=0.0)
+    singularity_margin: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.05
+    elbow: Annotated[str, Field(pattern=r"^[a-z][a-z-]{0,31}$")] = "keep"
+    end: Literal["rest", "moving"] = "rest"
+    stay_safe_s: Duration = 0.0
+    latest_end_s: Instant | None = None
+    timing: Literal["jerk_limited", "parabolic_blend"] = "jerk_limited"
+    acceleration_time_s: Span | None = None
+
+
+class ExecutionDocument(Document):
+    """How the plan will be run: servo lag, late dispatch, belt correction by the live encoder."""
+
+    tracking_m: Distance = 0.0
+    start_tolerance_s: Duration = 0.0
+    belt_correction: bool = False
+
+
+class CarryDocument(Document):
+    """Limit of the tool point's acceleration while a part is held."""
+
+    acceleration_m_s2: Positive
+
+
+class RequestDocument(Document):
+    """Robot, cell, task and manners. The service refuses any other field."""
+
+    schema_: Literal["assur/1"] = Field(alias="schema")
+    robot: RobotDocument
+    start: StartDocument
+    frames: Annotated[dict[Name, FrameDocument], Field(max_length=bounds.MAX_FRAMES)] = Field(
+        default_factory=dict, json_schema_extra={"additionalProperties": False}
+    )
+    bodies: Annotated[list[BodyDocument], Field(max_length=bounds.MAX_BODIES)] = Field(default_factory=list)
+    neighbours: Annotated[list[NeighbourDocument], Field(max_length=bounds.MAX_NEIGHBOURS)] = Field(
+        default_factory=list
+    )
+    task: Annotated[list[StepDocument], Field(min_length=1, max_length=bounds.MAX_STEPS)]
+    options: OptionsDocument = OptionsDocument()
+    execution: ExecutionDocument = ExecutionDocument()
+    carry: CarryDocument | None = None
+
+    def canonical(self) -> dict[str, Any]:
+        """The request in SI with every default written out: what two requests that mean the same have in common."""
+        return self.model_dump(mode="python", by_alias=True, exclude_none=True)
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the canonical request as JSON with sorted keys and no spaces, ``sha256:<64 hex digits>``."""
+        text = json.dumps(self.canonical(), sort_keys=True, separators=(",", ":"), allow_nan=False)
+        return "sha256:" + hashlib.sha256(text.encode()).hexdigest()

@@ -1,0 +1,238 @@
+"""Robots in documents: an arm, as a robot's file or a request writes it out; and the robot of a request, which is such
+an arm or the name of a shipped one, with tool, narrower limits, base and start.
+
+A fact about an arm may be stated with its status and source (`assur.scenes.schema.stated`).
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal, get_args
+
+from pydantic import ConfigDict, Field
+
+from assur.planner.geometry.shapes import LARGEST_M
+from assur.scenes import bounds
+from assur.scenes.schema.model import (
+    Angle,
+    Coordinate,
+    Document,
+    Group,
+    Instant,
+    Mass,
+    Name,
+    Point,
+    PoseDocument,
+    Positive,
+    Scale,
+    Size,
+    Strength,
+)
+from assur.scenes.schema.shapes import AttachedBody, LinkBody, LinkName
+from assur.scenes.schema.stated import FACT, Stated
+
+Family = Literal["scara", "elbow_arm", "polar_arm", "five_axis_arm", "five_bar"]
+FAMILIES: tuple[Family, ...] = get_args(Family)
+
+Pair = Annotated[list[Strength], Field(min_length=2, max_length=2)]
+Row = Annotated[list[Strength], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
+Rows = Annotated[list[Row], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
+Text = Annotated[str, Field(min_length=1, max_length=bounds.MAX_TEXT)]
+ModelName = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
+
+Separation = Annotated[float, Field(ge=0.0, le=LARGEST_M)]
+BothSides = Annotated[list[Size], Field(min_length=2, max_length=2)]
+Jerk = Annotated[float, Field(gt=0.0, le=1e9)]
+LinkBodies = Annotated[list[LinkBody], Field(max_length=bounds.MAX_TOOL_BODIES)]
+
+LengthFact = Annotated[Size | Stated[Size], FACT]
+HeightFact = Annotated[Coordinate | Stated[Coordinate], FACT]
+RangeFact = Annotated[Pair | Stated[Pair], FACT]
+LimitFact = Annotated[Positive | Stated[Positive], FACT]
+JerkFact = Annotated[Jerk | Stated[Jerk], FACT]
+
+
+class ToolDocument(Document):
+    """What is bolted to the flange. The tool point must be given; bodies and tool point in the flange's frame."""
+
+    tcp_m: Point
+    tcp_yaw_rad: Angle = 0.0
+    mass_kg: Mass = 0.0
+    bodies: Annotated[list[AttachedBody], Field(max_length=bounds.MAX_TOOL_BODIES)] = Field(default_factory=list)
+
+
+class LimitsDocument(Document):
+    """Scales in (0, 1] of the robot's own limits, and narrower ranges by the maker's joint names (`j4_rad`)."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Pair]
+
+    velocity: Scale = 1.0
+    acceleration: Scale = 1.0
+    jerk: Scale = 1.0
+
+
+class JointDocument(Document):
+    """A joint of an arm in its maker's convention.
+
+    `sign` -1: the maker counts against the planner's direction (turning left, lifting); `zero_m`: of the lifting joint,
+    the height of the flange above the base at the maker's zero.
+    """
+
+    exactly_one: ClassVar[tuple[Group, ...]] = (
+        ("range_rad", "range_m"),
+        ("velocity_rad_s", "velocity_m_s"),
+        ("acceleration_rad_s2", "acceleration_m_s2"),
+        ("jerk_rad_s3", "jerk_m_s3"),
+    )
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9]{0,15}$")]
+    range_rad: RangeFact | None = None
+    range_m: RangeFact | None = None
+    velocity_rad_s: LimitFact | None = None
+    velocity_m_s: LimitFact | None = None
+    acceleration_rad_s2: LimitFact | None = None
+    acceleration_m_s2: LimitFact | None = None
+    jerk_rad_s3: JerkFact | None = None
+    jerk_m_s3: JerkFact | None = None
+    sign: Literal[1, -1] = 1
+    zero_m: HeightFact | None = None
+
+
+class AnyArm(Document):
+    """What arms of all families have in common: what they are called and who made them, the solids of their links, and
+    which links can meet (not those that are joined, which overlap by construction)."""
+
+    name: ModelName | None = None
+    title: Text | None = None
+    maker: Text | None = None
+    about: Text | None = None
+    payload_kg: Annotated[Mass | Stated[Mass], FACT] | None = None
+    bodies: Annotated[LinkBodies | Stated[LinkBodies], FACT]
+    self_pairs: Annotated[
+        list[Annotated[list[LinkName], Field(min_length=2, max_length=2)]], Field(max_length=bounds.MAX_TOOL_BODIES)
+    ]
+
+
+class ScaraDocument(AnyArm):
+    """A SCARA with three or four axes: turn, turn, lift, turn; or, `axis_order: rprr`, turn, lift, turn, turn.
+
+    `tool_frame`: which way the flange's z axis points.
+    """
+
+    l1_m: LengthFact
+    l2_m: LengthFact
+    joints: Annotated[list[JointDocument], Field(min_length=3, max_length=4)]
+    axis_order: Literal["rrpr", "rprr"] = "rrpr"
+    tool_frame: Literal["z_up", "z_down"] = "z_up"
+
+
+class ElbowArmDocument(AnyArm):
+    """An elbow arm (base turn, shoulder, elbow): height of the shoulder, lengths of upper arm and forearm."""
+
+    height_m: HeightFact
+    l1_m: LengthFact
+    l2_m: LengthFact
+    joints: Annotated[list[JointDocument], Field(min_length=3, max_length=3)]
+
+
+class PolarArmDocument(AnyArm):
+    """A polar arm (base turn, tilt, ram): height of the shoulder."""
+
+    height_m: HeightFact
+    joints: Annotated[list[JointDocument], Field(min_length=3, max_length=3)]
+
+
+class FiveBarDocument(AnyArm):
+    """A five-bar: two cranks, and if they are given a lift and a wrist. Lengths left and right.
+
+    `height_m`: of the flange above the mounting face, of an arm without a lift.
+    """
+
+    separation_m: Annotated[Separation | Stated[Separation], FACT]
+    proximal_m: Annotated[BothSides | Stated[BothSides], FACT]
+    distal_m: Annotated[BothSides | Stated[BothSides], FACT]
+    assembly: Literal["front", "back"] = "front"
+    parallel_margin: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.1
+    height_m: HeightFact = 0.0
+    joints: Annotated[list[JointDocument], Field(min_length=2, max_length=4)]
+
+
+class FiveAxisArmDocument(AnyArm):
+    """A five-axis arm (base turn, shoulder, elbow, pitch, roll): height of the shoulder, lengths of upper arm, forearm
+    and hand, this from the pitch axis to the tool point."""
+
+    height_m: HeightFact
+    l1_m: LengthFact
+    l2_m: LengthFact
+    l3_m: LengthFact
+    joints: Annotated[list[JointDocument], Field(min_length=5, max_length=5)]
+
+
+Arm = ScaraDocument | ElbowArmDocument | PolarArmDocument | FiveAxisArmDocument | FiveBarDocument
+
+
+class ArmDocument(Document):
+    """An arm under the key of its family: what a robot's file holds."""
+
+    exactly_one: ClassVar[tuple[Group, ...]] = (FAMILIES,)
+
+    scara: ScaraDocument | None = None
+    elbow_arm: ElbowArmDocument | None = None
+    polar_arm: PolarArmDocument | None = None
+    five_axis_arm: FiveAxisArmDocument | None = None
+    five_bar: FiveBarDocument | None = None
+
+    def written_out(self) -> tuple[Family, Arm] | None:
+        """The family that is given and its arm; None where a robot is named instead."""
+        return next(((name, arm) for name in FAMILIES if (arm := getattr(self, name)) is not None), None)
+
+
+class RobotDocument(ArmDocument):
+    """A robot in the cell. `file`: a robot's file, for scenario files and on the command line only, whose loader puts
+    what it holds in its place."""
+
+    exactly_one: ClassVar[tuple[Group, ...]] = (("model", "file", *FAMILIES),)
+
+    model: ModelName | None = None
+    file: Annotated[str, Field(min_length=1, max_length=255)] | None = None
+    tool: ToolDocument
+    base: PoseDocument = PoseDocument(at_m=[0.0, 0.0, 0.0])
+    limits: LimitsDocument = Field(default_factory=lambda: LimitsDocument.model_validate({}))
+
+
+class JointValues(Document):
+    """A number for each joint, by the maker's joint name and unit: `j1_rad`, `j3_m`, `j1_rad_s`."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Strength]
+
+
+class StartDocument(Document):
+    """The state from which the plan begins; at rest unless velocity (and acceleration) are given."""
+
+    at_s: Instant = 0.0
+    joints: JointValues
+    velocity: JointValues | None = None
+    acceleration: JointValues | None = None
+
+
+class TrajectoryDocument(Document):
+    """Knots in the maker's convention, rad and m, as an answer gives them: quintic Hermite between knots.
+
+    `acceleration_jumps`: whether two knots may share a time, where the acceleration alone differs."""
+
+    joint_names: Annotated[list[str], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
+    joint_units: Annotated[list[Literal["rad", "m"]], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
+    time_s: Annotated[list[Instant], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
+    position: Rows
+    velocity: Rows
+    acceleration: Rows
+    acceleration_jumps: bool = False
+
+
+class NeighbourDocument(Document):
+    """Another robot in the cell, doing what its own plan says, and standing still after that plan's end."""
+
+    name: Name
+    robot: RobotDocument
+    trajectory: TrajectoryDocument

@@ -1,0 +1,72 @@
+"""A number, or what belongs together of several, with the word of whoever vouches for it.
+
+Every fact about an arm is written either plainly, ``l1_mm: 325``, or as a mapping that says where it comes from,
+``l1_mm: {value: 325, status: vendor, source: data sheet, page 3}``.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Generic, Literal, TypeVar, get_args
+
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema
+from pydantic_core.core_schema import tagged_union_schema
+
+from assur.scenes import bounds
+from assur.scenes.schema.model import Document
+
+T = TypeVar("T")
+
+Status = Literal["vendor", "vendor_config", "third_party", "disputed", "defined", "estimated"]
+"""Whose word a fact is.
+
+vendor         the maker's own data
+vendor_config  from a configuration file of the maker's, where it may be a placeholder
+third_party    second hand
+disputed       second hand, and sources differ
+defined        exact, because the arm exists only in the document that defines it
+estimated      plausible, measured by nobody
+"""
+SURE: frozenset[str] = frozenset({"vendor", "defined"})
+"""Statuses that need no mention among a plan's assumptions."""
+PLAIN, STATED = "[plain]", "[stated]"
+"""The two forms of a fact, as the reader's errors name them; they are no part of a field's path."""
+
+
+class Stated(Document, Generic[T]):
+    """A fact with its status and its source."""
+
+    value: T
+    status: Status
+    source: Annotated[str, Field(min_length=1, max_length=bounds.MAX_TEXT)]
+
+
+class _BothForms:
+    """Reads a union of a type and the stated form of it; which of them is given is seen from its being a mapping.
+
+    The JSON Schema of the field itself shows both, so that its twin in mm or deg has both, too.
+    """
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        plain, stated = get_args(source)
+        choices = {PLAIN: handler.generate_schema(plain), STATED: handler.generate_schema(stated)}
+        return tagged_union_schema(choices, _form)
+
+    def __get_pydantic_json_schema__(self, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        plain, stated = handler(core_schema)["oneOf"]
+        stated = dict(handler.resolve_ref_schema(stated))
+        del stated["title"]
+        return {"oneOf": [plain, stated]}
+
+
+def _form(given: object) -> str:
+    return STATED if isinstance(given, dict | Stated) else PLAIN
+
+
+FACT = _BothForms()
+"""Marks a field that takes both forms: ``Annotated[Size | Stated[Size], FACT]``."""
+
+
+def value_of(fact: T | Stated[T]) -> T:
+    """The value of a fact, in SI, however it was written."""
+    return fact.value if isinstance(fact, Stated) else fact

@@ -1,0 +1,126 @@
+"""The task of a request: control points with manners, one key a step."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import BeforeValidator, Field
+from pydantic_core import PydanticCustomError
+
+from assur.scenes import bounds
+from assur.scenes.schema.model import (
+    Angle,
+    Coordinate,
+    Distance,
+    Document,
+    Duration,
+    Group,
+    Interval,
+    Name,
+    Point,
+    Reference,
+    Stretch,
+)
+
+Match = Literal["velocity", "position"]
+
+
+def _free_or_number(value: object) -> object:
+    """None for `free`, so that it means the same as silence; what a union would refuse once for each of its options is
+    refused once, in words."""
+    number = type(value) in (int, float) and -bounds.TURNS_RAD <= value <= bounds.TURNS_RAD  # type: ignore[operator]
+    if not (number or value == "free"):
+        largest = f"{bounds.TURNS_RAD:g} rad, {math.degrees(bounds.TURNS_RAD):.6g} deg"
+        raise PydanticCustomError("free_or_number", "not allowed", {"allowed": f"free, or a number up to {largest}"})
+    return value if number else None
+
+
+FreeAngle = Annotated[Angle | Literal["free"] | None, BeforeValidator(_free_or_number)]
+
+
+class TargetDocument(Document):
+    """A pose in a frame (the world if none is named), or relative to a body and in that body's frame.
+
+    `pitch_rad`, `roll_rad`: of the tool, for arms that have them; a number or `free`, which silence means, too.
+    """
+
+    at_most_one: ClassVar[tuple[Group, ...]] = (("frame", "body"), ("yaw_rad", "yaw_free"))
+
+    frame: Reference | None = None
+    body: Reference | None = None
+    at_m: Point
+    yaw_rad: Angle | None = None
+    yaw_free: bool = False
+    pitch_rad: FreeAngle = None
+    roll_rad: FreeAngle = None
+
+
+class ArchDocument(Document):
+    """Up, over, down; `top_m`: the least height of the tool point, in the world, at the highest point."""
+
+    top_m: Coordinate
+
+
+class LiftDocument(Document):
+    """A straight way along the vertical: its length."""
+
+    m: Distance
+
+
+class WindowedStep(Document):
+    """What all steps share: a name and when the control point may be met."""
+
+    name: Name | None = None
+    window_s: Interval | None = None
+    window_m: Stretch | None = None
+
+
+class MoveDocument(WindowedStep):
+    """Bring the tool point to a pose; `via`: flown by."""
+
+    to: TargetDocument
+    match: Match = "velocity"
+    via: bool = False
+    arch: ArchDocument | None = None
+    leg: Literal["joint", "cartesian"] = "joint"
+
+
+class FollowDocument(WindowedStep):
+    """Meet a pose with its velocity and stay glued to it."""
+
+    to: TargetDocument
+    duration_s: Duration
+
+
+class _Handling(WindowedStep):
+    part: Reference
+    approach: LiftDocument
+    dwell_s: Duration
+    depart: LiftDocument
+    match: Match = "velocity"
+    contact_with: Annotated[list[Reference], Field(max_length=bounds.MAX_CONTACTS)] | None = None
+
+
+class PickDocument(_Handling):
+    """Approach a part, stay with it, attach it, depart. `grasp_m`: the tool point in the part's frame."""
+
+    grasp_m: Point
+    grasp_yaw_rad: Angle = 0.0
+
+
+class PlaceDocument(_Handling):
+    """Bring the held part's own frame to a pose, stay there, detach it, depart."""
+
+    to: TargetDocument
+
+
+class StepDocument(Document):
+    """One step."""
+
+    exactly_one: ClassVar[tuple[Group, ...]] = (("move", "follow", "pick", "place"),)
+
+    move: MoveDocument | None = None
+    follow: FollowDocument | None = None
+    pick: PickDocument | None = None
+    place: PlaceDocument | None = None

@@ -1,0 +1,124 @@
+"""JSON as our documents need it: refused is what one reader would take differently from another.
+
+NaN, Infinity and numbers that overflow (1e999), lone surrogates, keys that are given twice, whole numbers beyond 2**53,
+text that is not UTF-8, and nesting deeper than any document of ours. The field is named wherever there is one.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable
+from typing import Any, NoReturn
+
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_DEPTH, MAX_INTEGER, MAX_JSON_BYTES
+from assur.scenes.faults import DocumentError, Path, dotted
+from assur.scenes.text.scalars import LONGEST_NUMBER, Refused, real, whole
+
+OF_NUMBERS = bytes(ord("0") if character in b"0123456789.eE+-" else ord(" ") for character in range(256))
+"""Turns each character that a number may have into a zero, and any other into a space."""
+LONG_NUMBER = b"0" * (LONGEST_NUMBER + 1)
+"""Is then in every text with a longer number."""
+SURROGATES = (b"\\ud", b"\\uD")
+"""One of these is in every text that escapes half of a surrogate pair."""
+
+
+def parse_json(data: bytes, *, limit_bytes: int = MAX_JSON_BYTES) -> Any:
+    """The value that `data` spells, of plain dicts, lists, strings, floats, ints, bools and None.
+
+    Raises `DocumentError` with the field's path, or with the field "request" where the text as such is at fault.
+    """
+    if len(data) > limit_bytes:
+        raise InputError("request", f"{len(data)} bytes", f"up to {limit_bytes} bytes")
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError("request", f"byte {error.start} of the text", "JSON in UTF-8") from None
+    try:
+        # Functions of Python for each number and path take three times as long as all the rest: a document is read with
+        # them only if it may hold something that is refused, to say what and where.
+        if LONG_NUMBER not in data.translate(OF_NUMBERS) and not any(half in data for half in SURROGATES):
+            document = json.loads(text, parse_constant=_constant, object_pairs_hook=_mapping)
+            if type(document) is dict and _sound(document, 1):
+                return document
+        document = json.loads(
+            text, parse_constant=_constant, parse_float=real, parse_int=whole, object_pairs_hook=_mapping
+        )
+    except json.JSONDecodeError as error:
+        at = f"{error.msg} at line {error.lineno}, column {error.colno}"
+        raise InputError("request", at, "JSON") from None
+    except RecursionError:
+        raise InputError("request", "deeper nesting", f"nesting up to {MAX_DEPTH} levels") from None
+    _inspect(document)
+    return document
+
+
+def _constant(name: str) -> Refused:
+    return Refused(name, "a finite number")
+
+
+def _mapping(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    mapping = dict(pairs)
+    if len(mapping) < len(pairs):
+        seen: set[str] = set()
+        for key, _ in pairs:
+            if key in seen:
+                mapping[key] = Refused(key, "each key once")
+            seen.add(key)
+    return mapping
+
+
+def _sound(value: dict[str, Any] | list[Any], depth: int) -> bool:
+    """Whether nothing in a mapping or list, which has no longer number and no surrogate, is refused."""
+    if depth > MAX_DEPTH:
+        return False
+    items: Iterable[Any] = value.values() if isinstance(value, dict) else value
+    for item in items:
+        kind = type(item)
+        if kind is float:
+            if not -math.inf < item < math.inf:
+                return False
+        elif kind is dict or kind is list:
+            if not _sound(item, depth + 1):
+                return False
+        elif kind is int:
+            if not -MAX_INTEGER <= item <= MAX_INTEGER:
+                return False
+        elif kind is Refused:
+            return False
+    return True
+
+
+def _inspect(document: Any) -> None:
+    """Walks the document without recursion; the first thing that is refused is raised with its path."""
+    waiting: list[tuple[Path, Any]] = [((), document)]
+    while waiting:
+        path, value = waiting.pop()
+        kind = type(value)
+        if kind is float or kind is int or value is None or kind is bool:
+            continue
+        if kind is str:
+            _text(path, value)
+        elif len(path) >= MAX_DEPTH:
+            _refuse(path[:4], "deeper nesting", f"nesting up to {MAX_DEPTH} levels")
+        elif kind is dict:
+            for key, item in value.items():
+                _text(path, key)
+                waiting.append(((*path, key), item))
+        elif kind is list:
+            waiting.extend(((*path, i), item) for i, item in enumerate(value) if type(item) is not float)
+        else:
+            _refuse(path, value.shown, value.allowed)
+
+
+def _text(path: Path, text: str) -> None:
+    if not text.isascii():
+        try:
+            text.encode("utf-8")
+        except UnicodeEncodeError:
+            _refuse(path, ascii(text)[:40], "text without lone surrogates")
+
+
+def _refuse(path: Path, shown: object, allowed: str) -> NoReturn:
+    raise DocumentError(dotted(tuple(p if isinstance(p, int) else ascii(p)[1:-1] for p in path)), shown, allowed)

@@ -1,0 +1,129 @@
+"""Numbers of NumPy in a request from Python: the same request as with plain ones, or an error at the field."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from decimal import Decimal
+from enum import IntEnum
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+
+from assur.scenes import check, load, plan
+from assur.scenes.faults import DocumentError
+from assur.scenes.requests import request_digest, validate
+from assur.scenes.schema.normal import ALLOWED, plain
+from tests.scenes.bad_requests import GOOD_REQUEST
+
+
+class Grade(IntEnum):
+    """A whole number that is not quite an int."""
+
+    SEVEN = 7
+
+
+def with_joint(value: object) -> dict[str, Any]:
+    """The good request with another first joint, in degrees."""
+    request = copy.deepcopy(GOOD_REQUEST)
+    request["start"]["joints"]["j1_deg"] = value
+    return request
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        *(kind(7) for kind in (np.float64, np.float32, np.float16, np.longdouble, np.int64, np.uint8, np.array)),
+        np.array(7.0),
+        Grade.SEVEN,
+    ],
+    ids=repr,
+)
+def test_a_number_of_numpy_means_what_the_same_number_means(value: object) -> None:
+    """In millimetres and degrees above all: units are converted by type, and these were once taken for metres."""
+    assert request_digest(with_joint(value)) == request_digest(with_joint(7.0))
+
+
+@pytest.mark.parametrize("type_", [np.float64, np.float32, np.float16])
+def test_every_float_of_numpy_is_taken_exactly(type_: Callable[[float], Any]) -> None:
+    for value in (0.1, -1.5, 3e-5):
+        found = plain(type_(value))
+        assert type(found) is float
+        assert found == type_(value)
+    assert type(plain(np.int64(2**62 + 1))) is int
+    assert plain(np.int64(2**62 + 1)) == 2**62 + 1
+    assert plain(np.bool_(True)) is True
+
+
+def test_arrays_are_lists_and_the_caller_s_document_is_left_alone() -> None:
+    request = copy.deepcopy(GOOD_REQUEST)
+    pose = request["bodies"][0]["pose"]
+    pose["at_mm"] = np.array(pose["at_mm"], dtype=float)
+    assert request_digest(request) == request_digest(GOOD_REQUEST)
+    assert isinstance(pose["at_mm"], np.ndarray)
+    assert plain(np.arange(6).reshape(2, 3)) == [[0, 1, 2], [3, 4, 5]]
+
+
+@pytest.mark.parametrize(
+    ("value", "allowed"),
+    [
+        (np.float64("nan"), "a finite number"),
+        (np.float32("inf"), "a finite number"),
+        (np.bool_(True), "a number"),
+        (np.array([7.0]), "a number"),
+        (np.complex128(7.0), ALLOWED),
+        (np.timedelta64(7, "ms"), ALLOWED),
+        (Decimal(7), ALLOWED),
+        (Fraction(7, 2), ALLOWED),
+        (slice(7), "a number"),
+        (np.float64(1000.0), "-170 to 170"),
+    ],
+    ids=repr,
+)
+def test_what_is_no_finite_real_number_is_refused_at_its_field(value: object, allowed: str) -> None:
+    with pytest.raises(DocumentError) as caught:
+        plan(with_joint(value))
+    assert caught.value.field == "start.joints.j1_deg"
+    assert caught.value.allowed == allowed
+
+
+def test_an_extended_float_between_two_floats_is_refused() -> None:
+    between = np.longdouble(7) + 4 * np.finfo(np.longdouble).eps
+    if float(between) != between:  # on some machines it is a float like any other
+        with pytest.raises(DocumentError, match="is exactly"):
+            validate(with_joint(between))
+    assert plain(np.longdouble(0.1)) == 0.1
+
+
+def test_a_whole_number_and_a_truth_stay_what_they_are() -> None:
+    request = copy.deepcopy(GOOD_REQUEST)
+    request["options"] = {"seed": np.int64(3)}
+    request["execution"] = {"belt_correction": np.bool_(False)}
+    read = validate(request)
+    assert read.options.seed == 3
+    for key, value, allowed in (("seed", np.float64(3.0), "a whole number"), ("seed", np.True_, "a whole number")):
+        request["options"] = {key: value}
+        with pytest.raises(DocumentError) as caught:
+            validate(request)
+        assert (caught.value.field, caught.value.allowed) == (f"options.{key}", allowed)
+    request["options"], request["execution"] = {}, {"belt_correction": np.int64(1)}
+    with pytest.raises(DocumentError, match=r"belt_correction.*true or false"):
+        validate(request)
+
+
+def test_a_request_and_an_answer_with_numpy_in_them_are_planned_and_checked() -> None:
+    request = load("demo")
+    request["options"] = {**request.get("options", {}), "stop": "first", "seed": np.int64(1)}
+    answer = plan(request)
+    answer["trajectory"]["time_s"] = np.array(answer["trajectory"]["time_s"])
+    assert check(request, answer)["ok"] is True
+
+
+def test_nesting_without_end_is_refused() -> None:
+    endless: list[Any] = []
+    endless.append(endless)
+    for request, field in ((endless, r"\[0\]"), (with_joint(endless), "start")):
+        with pytest.raises(DocumentError, match=f"^{field}.*deeper nesting"):
+            validate(request)

@@ -1,0 +1,72 @@
+"""JSON that two readers could take differently is refused, and the field is named."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_DEPTH
+from assur.scenes.text.json_text import parse_json
+
+LEAVES = st.none() | st.booleans() | st.integers(-(2**53), 2**53) | st.floats(allow_nan=False, allow_infinity=False)
+TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=8)
+VALUES = st.recursive(
+    LEAVES | TEXTS, lambda inner: st.lists(inner, max_size=4) | st.dictionaries(TEXTS, inner, max_size=4), max_leaves=20
+)
+
+
+@given(VALUES, st.booleans())
+def test_what_python_writes_is_read_back(value: Any, ascii_only: bool) -> None:
+    assert parse_json(json.dumps(value, ensure_ascii=ascii_only).encode()) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "field"),
+    [
+        ('{"a": [1, {"b": NaN}]}', "a[1].b"),
+        ('{"a": [1, 2, Infinity]}', "a[2]"),
+        ("-Infinity", "request"),
+        ('{"a": 1e400}', "a"),
+        ('{"a": {"b": 1, "c": 2, "b": 3}}', "a.b"),
+        ('{"a": [{"x": 1, "x": 1}]}', "a[0].x"),
+        ('{"a": 123456789012345678}', "a"),
+        ('{"a": 1.' + "0" * 80 + "}", "a"),
+        ('{"a": "\\udfff"}', "a"),
+        ('{"\\ud83d": 1}', "request"),
+    ],
+)
+def test_the_field_is_named(text: str, field: str) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_json(text.encode())
+    assert caught.value.field == field
+    str(caught.value).encode()  # and the message itself can be sent
+
+
+def test_a_surrogate_pair_is_one_character_and_taken() -> None:
+    assert parse_json(b'{"a": "\\ud83d\\ude00"}') == {"a": "\U0001f600"}
+
+
+@pytest.mark.parametrize("opening", ["[", '{"a":'])
+def test_nesting_is_taken_up_to_the_named_depth_and_no_further(opening: str) -> None:
+    closing = "]" if opening == "[" else "}"
+    parse_json((opening * MAX_DEPTH + "1" + closing * MAX_DEPTH).encode())
+    for depth in (MAX_DEPTH + 1, 2_000, 100_000):
+        with pytest.raises(InputError, match="nesting up to"):
+            parse_json((opening * depth + "1" + closing * depth).encode())
+
+
+def test_a_long_text_is_refused_before_it_is_read() -> None:
+    with pytest.raises(InputError, match="up to 10 bytes"):
+        parse_json(b"[1, 2, 3, 4]", limit_bytes=10)
+
+
+@given(st.binary(max_size=60))
+def test_any_bytes_are_read_or_refused(data: bytes) -> None:
+    with contextlib.suppress(InputError):
+        parse_json(data)
