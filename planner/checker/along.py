@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.jets import F1, F2, F3, JET, Jet, plus, scaled
+from assur.planner.checker.jets import F1, F2, F3, JET, TABLES, Jet, plus, scaled
 from assur.planner.checker.motion import (
     AXIS_COUNT,
     FAMILY,
@@ -23,6 +23,7 @@ from assur.planner.checker.motion import (
     LAST_KNOT,
     MOST_LINKS,
     SCARA,
+    Tables,
     carry,
     elbows,
     jet_of,
@@ -39,6 +40,8 @@ FRAME, POINT, TCP, FOLLOWS, HEIGHT, TURNS, PITCH, ROLL, NUMBERS = 0, 1, 5, 9, 10
 flange; whether the height counts; how high it may be; whether the yaw counts; pitch and roll. CARRY: HEIGHT is the
 limit. STRAIGHT: from (PITCH, ROLL) by the two numbers behind them. ALONG: the point is in FRAME, the tcp's x, y, z the
 direction, FOLLOWS and HEIGHT the window's ends, all against the origin of the world."""
+PITCHES, ROLLS = 5, 6
+"""Rows of pitch and roll among the quantities looked at."""
 GLUE_M, GLUE_RAD, STRAIGHT_RAD, MEET_M, CARRY_SHARE = 1e-5, 1e-4, 1e-4, 1e-6, 1e-6
 """m, rad, rad, m and relative: what the tool may be off while it tracks (the promise of tracking legs; 0.1 mrad moves
 the rim of a part of 200 mm by 10 µm), along a straight leg, and of a window (half of what who measures may find); and
@@ -67,141 +70,121 @@ def wrapped(angle: float) -> float:
     return float(angle - 2.0 * math.pi * np.round(angle / (2.0 * math.pi)))
 
 
-@kernel(f"float64({JET})")
-def most(jet: Jet) -> float:
-    """Greatest size of the second derivative."""
-    return max(abs(jet[4]), abs(jet[5]))
+@kernel(f"void({F2}, int64, {JET})")
+def write(e: FloatArray, k: int, jet: Jet) -> None:
+    """Puts a jet into row k."""
+    for i in range(6):
+        e[k, i] = jet[i]
 
 
-@kernel(f"void(int64, {F1}, float64, int64, {F2}, {F2}, {F2}, {F2}, {F3}, {F2}, {F1}, {F1})")
-def taken(
-    kind: int,
-    asked: FloatArray,
-    t: float,
-    count: int,
-    arms: FloatArray,
-    knots: FloatArray,
-    frames: FloatArray,
-    pieces: FloatArray,
-    jets: FloatArray,
-    q: FloatArray,
-    now: FloatArray,
-    found: FloatArray,
-) -> None:
-    """By how much each quantity exceeds what is allowed at time t, into `found` (5,) where it is more than is there."""
-    arm, flange, on = arms[0], count - 1, int(asked[FRAME])
-    work = np.empty((4, 6))
-    joints(knots, int(arm[FIRST_KNOT]), int(arm[LAST_KNOT]), int(arm[AXIS_COUNT]), t, t, work, q)
-    for k in range(5):
-        now[k] = -np.inf
-    if kind == ASSEMBLED:
-        now[0] = asked[HEIGHT] - math.sqrt(max(elbows(arm, q)[3][0], 0.0))
-    elif kind == STRAIGHT:
-        pitch, roll = q[1, 0] + q[2, 0] + q[3, 0], q[4, 0]
-        way, turn = asked[ROLL + 1], asked[ROLL + 2]
-        # from the middle of the way, which is no longer than half a turn: no turn is in doubt
-        ahead, aside = wrapped(pitch - asked[PITCH] - 0.5 * way), wrapped(roll - asked[ROLL] - 0.5 * turn)
-        length = way * way + turn * turn
-        share = min(max((ahead * way + aside * turn) / length, -0.5), 0.5) if length > 0.0 else 0.0
-        now[0] = math.sqrt((ahead - share * way) ** 2 + (aside - share * turn) ** 2) - STRAIGHT_RAD
-    elif kind == CARRY:
-        carry(0, count, t, t, arms, knots, frames, pieces, jets)
-        x, y, z, _, _ = point(jets, flange, asked[TCP], asked[TCP + 1], asked[TCP + 2], asked[TCP + 3])
-        now[0] = math.sqrt(x[4] ** 2 + y[4] ** 2 + z[4] ** 2) - asked[HEIGHT] * (1.0 + CARRY_SHARE)
-    elif not carry(on, count, t, t, arms, knots, frames, pieces, jets):
-        now[0] = np.inf
-    else:
-        x, y, z, c, s = point(jets, on, asked[POINT], asked[POINT + 1], asked[POINT + 2], asked[POINT + 3])
-        if kind == ALONG:
-            way = x[0] * asked[TCP] + y[0] * asked[TCP + 1] + z[0] * asked[TCP + 2]
-            now[0], now[1] = asked[FOLLOWS] - way - MEET_M, way - asked[HEIGHT] - MEET_M
-        else:
-            carry(0, count, t, t, arms, knots, frames, pieces, jets)
-            u, v, w, e, f = point(jets, flange, asked[TCP], asked[TCP + 1], asked[TCP + 2], asked[TCP + 3])
-            a, b, h = u[0] - x[0], v[0] - y[0], w[0] - z[0]
-            now[0] = math.sqrt(a * a + b * b + asked[FOLLOWS] * h * h) - GLUE_M
-            now[1], now[2] = -h - GLUE_M, h - asked[HEIGHT] - GLUE_M
-            if asked[TURNS] > 0.0:
-                now[3] = math.sqrt((e[0] - c[0]) ** 2 + (f[0] - s[0]) ** 2) - GLUE_RAD
-            if int(arm[FAMILY]) == FIVE_AXIS:
-                pitch = abs(wrapped(q[1, 0] + q[2, 0] + q[3, 0] - asked[PITCH]))
-                roll = abs(wrapped(q[4, 0] - asked[ROLL]))
-                now[4] = (pitch if pitch > roll or pitch != pitch else roll) - GLUE_RAD
-    for k in range(5):
-        if not now[k] <= found[k]:
-            found[k] = now[k]
-
-
-@kernel(f"void(int64, {F1}, float64, float64, int64, {F2}, {F2}, {F2}, {F2}, {F3}, {F2}, {F1}, {F1})")
-def bounded(
+@kernel(f"boolean(int64, {F1}, float64, float64, int64, {TABLES}, {F3}, {F2}, {F2})")
+def quantities(
     kind: int,
     asked: FloatArray,
     t0: float,
     t1: float,
     count: int,
-    arms: FloatArray,
-    knots: FloatArray,
-    frames: FloatArray,
-    pieces: FloatArray,
+    tables: Tables,
     jets: FloatArray,
     q: FloatArray,
-    ends: FloatArray,
-    found: FloatArray,
-) -> None:
-    """Bounds of what `taken` says over [t0, t1], from what it says of the ends, into `found` (5,)."""
-    arm, flange, on, bend = arms[0], count - 1, int(asked[FRAME]), (t1 - t0) * (t1 - t0) / 8.0
-    work = np.empty((4, 6))
-    joints(knots, int(arm[FIRST_KNOT]), int(arm[LAST_KNOT]), int(arm[AXIS_COUNT]), t0, t1, work, q)
-    for k in range(5):
-        found[k] = ends[k]
+    e: FloatArray,
+) -> bool:
+    """Jets of what is looked at over [t0, t1] into the rows of e: x, y, z, cosine and sine of the heading of the tool
+    less those of its control point (CARRY: of the tool alone; ALONG: the way, ASSEMBLED: the squared margin, as x), and
+    pitch and roll of a hand. False: not known."""
+    arm, on, work = tables[0][0], int(asked[FRAME]), np.empty((4, 6))
+    joints(tables[1], int(arm[FIRST_KNOT]), int(arm[LAST_KNOT]), int(arm[AXIS_COUNT]), t0, t1, work, q)
     if kind == ASSEMBLED:
-        found[0] = asked[HEIGHT] - math.sqrt(max(elbows(arm, q)[3][0], 0.0))
+        write(e, 0, elbows(arm, q)[3])
+        return True
+    if int(arm[FAMILY]) == FIVE_AXIS:
+        write(e, PITCHES, plus(plus(jet_of(q, 1), jet_of(q, 2)), jet_of(q, 3)))
+        write(e, ROLLS, jet_of(q, 4))
+    if kind == STRAIGHT:
+        return True
+    if kind != CARRY and not carry(on, count, t0, t1, tables, jets):
+        return False
+    goal = point(jets, on, asked[POINT], asked[POINT + 1], asked[POINT + 2], asked[POINT + 3])
+    if kind == ALONG:
+        x, y, z = scaled(asked[TCP], goal[0]), scaled(asked[TCP + 1], goal[1]), scaled(asked[TCP + 2], goal[2])
+        write(e, 0, plus(plus(x, y), z))
+        return True
+    if not carry(0, count, t0, t1, tables, jets):
+        return False
+    tool = point(jets, count - 1, asked[TCP], asked[TCP + 1], asked[TCP + 2], asked[TCP + 3])
+    for k in range(5):
+        write(e, k, plus(tool[k], scaled(0.0 if kind == CARRY else -1.0, goal[k])))
+    return True
+
+
+@kernel(f"void(int64, {F1}, boolean, {F2}, {F1})")
+def taken(kind: int, asked: FloatArray, hand: bool, e: FloatArray, found: FloatArray) -> None:
+    """By how much quantities of an instant exceed what is allowed, into `found` (5,) where it is more than is there."""
+    now = np.full(5, -np.inf)
+    if kind == ASSEMBLED:
+        now[0] = asked[HEIGHT] - math.sqrt(max(e[0, 0], 0.0))
     elif kind == STRAIGHT:
-        pitch = most(plus(plus(jet_of(q, 1), jet_of(q, 2)), jet_of(q, 3)))
-        found[0] += bend * math.sqrt(pitch**2 + most(jet_of(q, 4)) ** 2)
+        way, turn = asked[ROLL + 1], asked[ROLL + 2]
+        # from the middle of the way, which is no longer than half a turn: no turn is in doubt
+        x = wrapped(e[PITCHES, 0] - asked[PITCH] - 0.5 * way)
+        y = wrapped(e[ROLLS, 0] - asked[ROLL] - 0.5 * turn)
+        length = way * way + turn * turn
+        share = min(max((x * way + y * turn) / length, -0.5), 0.5) if length > 0.0 else 0.0
+        now[0] = math.sqrt((x - share * way) ** 2 + (y - share * turn) ** 2) - STRAIGHT_RAD
     elif kind == CARRY:
-        carry(0, count, t0, t1, arms, knots, frames, pieces, jets)
-        x, y, z, _, _ = point(jets, flange, asked[TCP], asked[TCP + 1], asked[TCP + 2], asked[TCP + 3])
-        found[0] = math.sqrt(most(x) ** 2 + most(y) ** 2 + most(z) ** 2) - asked[HEIGHT] * (1.0 + CARRY_SHARE)
-    elif not carry(on, count, t0, t1, arms, knots, frames, pieces, jets):
-        found[0] = np.inf
+        now[0] = math.sqrt(e[0, 4] ** 2 + e[1, 4] ** 2 + e[2, 4] ** 2) - asked[HEIGHT] * (1.0 + CARRY_SHARE)
+    elif kind == ALONG:
+        now[0], now[1] = asked[FOLLOWS] - e[0, 0] - MEET_M, e[0, 0] - asked[HEIGHT] - MEET_M
     else:
-        x, y, z, c, s = point(jets, on, asked[POINT], asked[POINT + 1], asked[POINT + 2], asked[POINT + 3])
-        if kind == ALONG:
-            way = plus(plus(scaled(asked[TCP], x), scaled(asked[TCP + 1], y)), scaled(asked[TCP + 2], z))
-            found[0] += bend * most(way)
-            found[1] += bend * most(way)
-        else:
-            carry(0, count, t0, t1, arms, knots, frames, pieces, jets)
-            u, v, w, e, f = point(jets, flange, asked[TCP], asked[TCP + 1], asked[TCP + 2], asked[TCP + 3])
-            a, b = most(plus(u, scaled(-1.0, x))), most(plus(v, scaled(-1.0, y)))
-            h = most(plus(w, scaled(-1.0, z)))
-            found[0] += bend * math.sqrt(a * a + b * b + asked[FOLLOWS] * h * h)
-            found[1] += bend * h
-            found[2] += bend * h
-            found[3] += bend * (most(plus(e, scaled(-1.0, c))) + most(plus(f, scaled(-1.0, s))))
-            if int(arm[FAMILY]) == FIVE_AXIS:
-                pitch = most(plus(plus(jet_of(q, 1), jet_of(q, 2)), jet_of(q, 3)))
-                found[4] += bend * max(pitch, most(jet_of(q, 4)))
+        now[0] = math.sqrt(e[0, 0] ** 2 + e[1, 0] ** 2 + asked[FOLLOWS] * e[2, 0] ** 2) - GLUE_M
+        now[1], now[2] = -e[2, 0] - GLUE_M, e[2, 0] - asked[HEIGHT] - GLUE_M
+        if asked[TURNS] > 0.0:
+            now[3] = math.sqrt(e[3, 0] ** 2 + e[4, 0] ** 2) - GLUE_RAD
+        if hand:
+            pitch, roll = abs(wrapped(e[PITCHES, 0] - asked[PITCH])), abs(wrapped(e[ROLLS, 0] - asked[ROLL]))
+            now[4] = (roll if pitch <= roll else pitch) - GLUE_RAD
+    for k in range(5):
+        if not now[k] <= found[k]:
+            found[k] = now[k]
 
 
-@kernel(f"void(int64, {F1}, float64, float64, int64, {F2}, {F2}, {F2}, {F2}, {F1})")
+@kernel(f"void(int64, {F1}, {F2}, float64, {F1})")
+def bounded(kind: int, asked: FloatArray, e: FloatArray, h: float, found: FloatArray) -> None:
+    """What ends of an interval of length h exceed, in `found` (5,), becomes a bound for all of it, from its jets."""
+    bend, most = h * h / 8.0, np.empty(7)
+    for k in range(7):
+        most[k] = max(abs(e[k, 4]), abs(e[k, 5]))
+    if kind == ASSEMBLED:
+        found[0] = asked[HEIGHT] - math.sqrt(max(e[0, 0], 0.0))
+    elif kind == STRAIGHT:
+        found[0] += bend * math.sqrt(most[PITCHES] ** 2 + most[ROLLS] ** 2)
+    elif kind == CARRY:
+        found[0] = math.sqrt(most[0] ** 2 + most[1] ** 2 + most[2] ** 2) - asked[HEIGHT] * (1.0 + CARRY_SHARE)
+    else:
+        high = most[0] if kind == ALONG else most[2]
+        across = most[0] ** 2 if kind == ALONG else most[0] ** 2 + most[1] ** 2 + asked[FOLLOWS] * most[2] ** 2
+        found[0] += bend * math.sqrt(across)
+        found[1] += bend * high
+        found[2] += bend * high
+        found[3] += bend * (most[3] + most[4])
+        found[4] += bend * max(most[PITCHES], most[ROLLS])
+
+
+@kernel(f"void(int64, {F1}, float64, float64, int64, {TABLES}, {F1})")
 def keeps(
     kind: int,
     asked: FloatArray,
     t0: float,
     t1: float,
     count: int,
-    arms: FloatArray,
-    knots: FloatArray,
-    frames: FloatArray,
-    pieces: FloatArray,
+    tables: Tables,
     found: FloatArray,
 ) -> None:
     """Whether nothing that is asked is exceeded over [t0, t1]; `count`: links of the arm. `found` (4,) has 0 if so, 1
     if it is and 2 if that could not be decided; then which quantity, by how much, and when."""
-    jets, q = np.zeros((count + len(frames) + MOST_LINKS, JETS, 6)), np.zeros((8, 6))
-    stack, ends, bound, now = np.empty((64, 2)), np.empty(5), np.empty(5), np.empty(5)
+    jets, q, e = np.zeros((count + len(tables[2]) + MOST_LINKS, JETS, 6)), np.zeros((8, 6)), np.zeros((7, 6))
+    stack, ends, bound = np.empty((64, 2)), np.empty(5), np.empty(5)
+    hand = int(tables[0][0, FAMILY]) == FIVE_AXIS
     stack[0, 0], stack[0, 1], top = t0, t1, 1
     found[0] = 0.0
     for work in range(MOST + 1):
@@ -209,11 +192,17 @@ def keeps(
             return
         top -= 1
         a, b = stack[top, 0], stack[top, 1]
-        for k in range(5):
-            ends[k] = -np.inf
-        taken(kind, asked, a, count, arms, knots, frames, pieces, jets, q, now, ends)
-        taken(kind, asked, b, count, arms, knots, frames, pieces, jets, q, now, ends)
-        bounded(kind, asked, a, b, count, arms, knots, frames, pieces, jets, q, ends, bound)
+        ends[:] = -np.inf
+        for t in (a, b):
+            if quantities(kind, asked, t, t, count, tables, jets, q, e):
+                taken(kind, asked, hand, e, ends)
+            else:
+                ends[0] = np.inf
+        bound[:] = ends
+        if quantities(kind, asked, a, b, count, tables, jets, q, e):
+            bounded(kind, asked, e, b - a, bound)
+        else:
+            bound[0] = np.inf
         exceeds, kept = -1, True
         for k in range(5):
             if exceeds < 0 and not ends[k] <= 0.0:
@@ -233,25 +222,22 @@ def keeps(
     found[0], found[3] = 2.0, t0
 
 
-@kernel(f"boolean(int64, {F1}, float64, int64, {F2}, {F2}, {F2}, {F2}, {F1})")
+@kernel(f"boolean(int64, {F1}, float64, int64, {TABLES}, {F1})")
 def state(
     c: int,
     pose: FloatArray,
     t: float,
     count: int,
-    arms: FloatArray,
-    knots: FloatArray,
-    frames: FloatArray,
-    pieces: FloatArray,
+    tables: Tables,
     found: FloatArray,
 ) -> bool:
     """Of a frame at `pose` (4,) in carrier c at time t, into `found` (8,): position, yaw, and their rates. False: not
     known. On a link that tilts the yaw is the heading of the arm."""
-    jets = np.zeros((count + len(frames) + MOST_LINKS, JETS, 6))
-    if not carry(c, count, t, t, arms, knots, frames, pieces, jets):
+    jets = np.zeros((count + len(tables[2]) + MOST_LINKS, JETS, 6))
+    if not carry(c, count, t, t, tables, jets):
         return False
     x, y, z, cosine, sine = point(jets, c, pose[0], pose[1], pose[2], pose[3])
-    family = int(arms[0, FAMILY])
+    family = int(tables[0][0, FAMILY])
     if c < count and family != SCARA and family != FIVE_BAR:
         _, _, _, cosine, sine = point(jets, 1, 0.0, 0.0, 0.0, pose[3])
     for k, jet in enumerate((x, y, z)):

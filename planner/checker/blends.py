@@ -40,7 +40,7 @@ class _Pieces:
     """Of each piece (P,): begin, length, velocities (P, n, 5) and accelerations (P, n, 4) by their control values."""
 
     def __init__(self, world: World) -> None:
-        table, knots = world.tables.knots, world.knots
+        table, knots = world.tables[1], world.knots
         first = np.flatnonzero(knots.time[1:] > knots.time[:-1])
         n, work = knots.q.shape[1], np.zeros((4, 6))
         every = np.empty((len(first), n, 4, 6))

@@ -96,10 +96,10 @@ def limits(world: World, *, blended: bool) -> list[Finding]:
     half, middle = (given.upper - given.lower) / 2, (given.upper + given.lower) / 2
     worst, when = np.zeros((4, n)), np.zeros((4, n))
     allowed = np.stack([middle, half, given.velocity, given.acceleration, given.jerk])
-    own = world.tables.knots[: len(world.knots.time)]
+    own = world.tables[1][: len(world.knots.time)]
     excesses(own, n, allowed, 3 if blended else 4, worst, when)
-    findings = []
-    for kind, joint in np.argwhere(~(worst <= 0.0)):
+    findings: list[Finding] = []
+    for kind, joint in () if (worst <= 0.0).all() else np.argwhere(~(worst <= 0.0)):
         what = f"{robot.joints[joint].name} breaks its {KINDS[kind]} limit"
         unit = ("rad" if robot.joints[joint].kind == "revolute" else "m") + ("", "/s", "/s²", "/s³")[kind]
         findings.append(Finding(Code.LIMIT, what, float(worst[kind, joint]), unit, f"{when[kind, joint]:.6g} s"))

@@ -20,6 +20,7 @@ Jet = tuple[float, float, float, float, float, float]
 JET = "UniTuple(float64, 6)"
 RANGE = "UniTuple(float64, 2)"
 F1, F2, F3 = "float64[::1]", "float64[:, ::1]", "float64[:, :, ::1]"
+TABLES = f"UniTuple({F2}, 4)"
 TURN = 2.0 * math.pi
 
 

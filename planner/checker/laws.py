@@ -7,19 +7,18 @@ indexer (F3), splines through keyframes (F5), all by their control values (V1).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from math import comb
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker import motion
-from assur.planner.checker.motion import DEGREE, FRAME, NEIGHBOUR, POLYNOMIAL, SWING
+from assur.planner.checker.motion import DEGREE, FRAME, NEIGHBOUR, POLYNOMIAL, SWING, Tables
 from assur.planner.checker.spline import table
 from assur.planner.errors import FaultError
 from assur.planner.frames import Conveyor, Fixed, Indexer, Keyframes, Law, Linear, Pose, Swing, Turntable
 from assur.planner.frames.ramps import Change
-from assur.planner.model.link_frames import TrajectoryLaw
 from assur.planner.model.scene import Scene
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.five_axis_arm import FiveAxisArm
@@ -31,16 +30,17 @@ from assur.planner.trajectory import Trajectory
 
 Piece = tuple[float, float, list[list[float]]]
 """Begin, end, and for x, y, z, yaw the coefficients of the powers of the time since the begin."""
+FORMULAS = (Conveyor, Fixed, Indexer, Keyframes, Linear, Swing, Turntable)
 
 
-@dataclass(frozen=True, eq=False)
-class Tables:
-    """What moves: arms (the own one first), knots of all trajectories, frames, pieces of their laws."""
+@runtime_checkable
+class Neighbour(Protocol):
+    """A link of another robot, which follows a trajectory."""
 
-    arms: FloatArray
-    knots: FloatArray
-    frames: FloatArray
-    pieces: FloatArray
+    robot: Robot
+    trajectory: Trajectory
+    link: int
+    valid: tuple[float, float]
 
 
 def tables(scene: Scene, trajectory: Trajectory, until: float) -> Tables:
@@ -50,7 +50,7 @@ def tables(scene: Scene, trajectory: Trajectory, until: float) -> Tables:
     pieces: list[Piece] = []
     for row, frame in zip(frames, scene.frames.values(), strict=True):
         law = frame.law
-        if isinstance(law, TrajectoryLaw):
+        if not isinstance(law, FORMULAS) and isinstance(law, Neighbour):
             row[:] = NEIGHBOUR, *law.valid, len(moved), law.link, 0.0, 0.0
             moved.append((law.robot, law.trajectory))
             continue
@@ -61,7 +61,7 @@ def tables(scene: Scene, trajectory: Trajectory, until: float) -> Tables:
     knots = [table(path.time, path.q, path.qd, path.qdd) for _, path in moved]
     ends = np.cumsum([len(rows) for rows in knots])
     arms = [_arm(robot, end - len(rows), end - 1) for (robot, _), rows, end in zip(moved, knots, ends, strict=True)]
-    return Tables(np.array(arms), np.concatenate(knots), frames, _controls(pieces))
+    return np.array(arms), np.concatenate(knots), frames, _controls(pieces)
 
 
 def _arm(robot: Robot, first: int, last: int) -> list[float]:

@@ -11,7 +11,21 @@ from __future__ import annotations
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.jets import F1, F2, F3, JET, Jet, constant, inverse, plus, root, scaled, times, turned
+from assur.planner.checker.jets import (
+    F1,
+    F2,
+    F3,
+    JET,
+    TABLES,
+    Jet,
+    constant,
+    inverse,
+    plus,
+    root,
+    scaled,
+    times,
+    turned,
+)
 from assur.planner.checker.spline import cut, joints, widen
 from assur.planner.compiled import kernel
 
@@ -31,6 +45,8 @@ DEGREE = 7
 BEGIN, END, CONTROL = 0, 1, 2
 """Columns of a piece of a law: [begin, end], and from CONTROL on DEGREE + 1 control values each of x, y, z and yaw."""
 MOST_LINKS = 8
+Tables = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+"""Arms (the own one first), knots of all trajectories, frames, and pieces of their laws."""
 
 
 @kernel(f"{JET}({F2}, int64)")
@@ -223,22 +239,13 @@ def fixed_law(frame: FloatArray, t0: float, t1: float, pieces: FloatArray, jets:
     return True
 
 
-@kernel(f"boolean(int64, int64, float64, float64, {F2}, {F2}, {F2}, {F2}, {F3})")
-def carry(
-    c: int,
-    count: int,
-    t0: float,
-    t1: float,
-    arms: FloatArray,
-    knots: FloatArray,
-    frames: FloatArray,
-    pieces: FloatArray,
-    jets: FloatArray,
-) -> bool:
+@kernel(f"boolean(int64, int64, float64, float64, {TABLES}, {F3})")
+def carry(c: int, count: int, t0: float, t1: float, tables: Tables, jets: FloatArray) -> bool:
     """Jets over [t0, t1] of carrier c: a link of the arm, of `count`, and then of all of them, or a frame behind.
 
     `jets` has MOST_LINKS rows more than there are carriers. False: not known, or not assembled, throughout.
     """
+    arms, knots, frames, pieces = tables
     q, work = np.empty((8, 6)), np.empty((4, DEGREE + 1))
     arm, at, frame = 0, 0, c - count
     if frame >= 0:

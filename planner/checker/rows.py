@@ -9,7 +9,7 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.checker.jets import F1, F2
-from assur.planner.checker.laws import Tables
+from assur.planner.checker.motion import Tables
 from assur.planner.checker.separation import DRIFT, LATE, NEED, NORMAL, ONE, ONE_ON, OTHER, OTHER_ON, ROW, T0, T1, spare
 from assur.planner.checker.solids import Solids
 from assur.planner.checker.verdict import Code, Finding
@@ -74,9 +74,9 @@ class Apart:
 
     def spare(self, which: IntArray, phase: IntArray, one: IntArray, other: IntArray) -> FloatArray:
         """What the rows `which` prove beyond what is required, m (`separation.spare`)."""
-        table, t, found = self.table, self.tables, np.zeros(len(which))
-        arguments = (t.arms, t.knots, t.frames, t.pieces, found)
-        spare(self.asked(which, phase, one, other), table.links, table.tilts, table.table, table.vertices, *arguments)
+        table, found = self.table, np.zeros(len(which))
+        rows = self.asked(which, phase, one, other)
+        spare(rows, table.links, table.tilts, table.table, table.vertices, self.tables, found)
         return found
 
     def asked(self, which: IntArray, phase: IntArray, one: IntArray, other: IntArray) -> FloatArray:
@@ -144,8 +144,8 @@ class Apart:
         rows[:, T0] = rows[:, T1] = phase.t0
         rows[:, ONE], rows[:, ONE_ON] = table.row(seats, box)[still], table.carrier[seats][still]
         rows[:, NORMAL:NEED], rows[:, OTHER], rows[:, OTHER_ON] = -normal, NONE, NONE
-        near, t = np.zeros(len(rows)), self.tables
-        spare(rows, table.links, table.tilts, table.table, table.vertices, t.arms, t.knots, t.frames, t.pieces, near)
+        near = np.zeros(len(rows))
+        spare(rows, table.links, table.tilts, table.table, table.vertices, self.tables, near)
         of, found = world[still], np.zeros(len(seats), dtype=np.bool_)
         need = self.need[p, of] + self.drift[p, of] * (phase.t1 + tolerance)
         found[still] = least + near >= np.where(self.contact[p, one, still], -CONTACT_M, need)

@@ -18,8 +18,8 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.jets import F1, F2, F3, product, size
-from assur.planner.checker.motion import JETS, MOST_LINKS, carry
+from assur.planner.checker.jets import F1, F2, F3, TABLES, product, size
+from assur.planner.checker.motion import JETS, MOST_LINKS, Tables, carry
 from assur.planner.compiled import kernel
 
 CENTRE, TURN, HALF, DISC, BALL, VERTEX, VERTICES, ARM_FLAT, ARM, SOLID = 0, 3, 12, 15, 16, 17, 18, 19, 20, 21
@@ -83,39 +83,25 @@ def moving(
     return low, high, solid[ARM_FLAT] * math.sqrt(nx * nx + ny * ny) * size(jets, c, 3, 5, order)
 
 
-@kernel(f"boolean(int64, int64, float64, float64, {F2}, {F2}, {F2}, {F2}, {F3}, {F2})")
-def carried(
-    c: int,
-    count: int,
-    t0: float,
-    t1: float,
-    arms: FloatArray,
-    knots: FloatArray,
-    frames: FloatArray,
-    pieces: FloatArray,
-    jets: FloatArray,
-    known: FloatArray,
-) -> bool:
+@kernel(f"boolean(int64, int64, float64, float64, {TABLES}, {F3}, {F2})")
+def carried(c: int, count: int, t0: float, t1: float, tables: Tables, jets: FloatArray, known: FloatArray) -> bool:
     """`carry`, which is not done again for the same interval: `known` (carriers, 3) has those of the jets and whether
     they are known. The links of the arm, of `count`, are known together."""
     k = 0 if c < count else c
     if not (known[k, 0] == t0 and known[k, 1] == t1):
-        known[k, 2] = 1.0 if carry(k, count, t0, t1, arms, knots, frames, pieces, jets) else 0.0
+        known[k, 2] = 1.0 if carry(k, count, t0, t1, tables, jets) else 0.0
         known[k, 0], known[k, 1] = t0, t1
     return bool(known[k, 2] > 0.0)
 
 
-@kernel(f"void({F2}, int64, {F1}, {F2}, {F2}, {F2}, {F2}, {F2}, {F2}, {F1})")
+@kernel(f"void({F2}, int64, {F1}, {F2}, {F2}, {TABLES}, {F1})")
 def spare(
     rows: FloatArray,
     count: int,
     tilts: FloatArray,
     solids: FloatArray,
     vertices: FloatArray,
-    arms: FloatArray,
-    knots: FloatArray,
-    frames: FloatArray,
-    pieces: FloatArray,
+    tables: Tables,
     found: FloatArray,
 ) -> None:
     """By how much, m, each row (N, ROW) proves more than is required, into `found`; less than 0 or NaN: it does not.
@@ -123,12 +109,8 @@ def spare(
     `tilts` (carriers,): whether they tilt. Of a row of one body alone, it is the distance that it proves.
     """
     carriers, work = len(tilts), 0
-    over, begin, end, later = (
-        np.empty((carriers + MOST_LINKS, JETS, 6)),
-        np.empty((carriers + MOST_LINKS, JETS, 6)),
-        np.empty((carriers + MOST_LINKS, JETS, 6)),
-        np.empty((carriers + MOST_LINKS, JETS, 6)),
-    )
+    shape = (carriers + MOST_LINKS, JETS, 6)
+    over, begin, end, later = np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape)
     known = np.full((4, carriers, 3), np.nan)
     stack = np.empty((HALVINGS + 2, 3))
     for i in range(len(rows)):
@@ -146,9 +128,9 @@ def spare(
             ok = work <= MOST
             for c in (on, beside):
                 if ok and c >= 0:
-                    ok = carried(c, count, t0, t1, arms, knots, frames, pieces, over, known[0])
-                    ok = ok and carried(c, count, t0, t0, arms, knots, frames, pieces, begin, known[1])
-                    ok = ok and carried(c, count, t1, t1, arms, knots, frames, pieces, end, known[2])
+                    ok = carried(c, count, t0, t1, tables, over, known[0])
+                    ok = ok and carried(c, count, t0, t0, tables, begin, known[1])
+                    ok = ok and carried(c, count, t1, t1, tables, end, known[2])
             if ok:
                 g0 = -support(solids[one], begin, on, vertices, nx, ny, nz)
                 g1 = -support(solids[one], end, on, vertices, nx, ny, nz)
@@ -161,7 +143,7 @@ def spare(
                     high += b[1] + b[2]
                     world = beside if on < count else on
                     if late > 0.0 and world >= count:
-                        ok = carried(world, count, t0, t1 + late, arms, knots, frames, pieces, later, known[3])
+                        ok = carried(world, count, t0, t1 + late, tables, later, known[3])
                         solid = solids[other] if on < count else solids[one]
                         v = moving(solid, later, world, False, 1, nx, ny, nz)
                         need += late * (max(abs(v[0]), abs(v[1])) + v[2])

@@ -9,7 +9,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker import along, motion
-from assur.planner.checker.laws import Tables, tables
+from assur.planner.checker.laws import tables
 from assur.planner.checker.spline import QD, joints
 from assur.planner.frames.motion import Pose
 from assur.planner.model.outcome import Plan
@@ -45,12 +45,10 @@ class World:
     def __init__(self, scene: Scene, plan: Plan) -> None:
         self.scene, self.plan, self.knots = scene, plan, plan.trajectory
         self.until = plan.trajectory.end + scene.options.stay_safe_s + scene.execution.start_tolerance_s
-        self.tables: Tables = tables(scene, plan.trajectory, self.until)
+        self.tables = tables(scene, plan.trajectory, self.until)
         self.links = len(scene.robot.links)
         self.flange = self.links - 1
         self.frame = {name: self.links + k for k, name in enumerate(scene.frames)}
-        t = self.tables
-        self._all = (self.links, t.arms, t.knots, t.frames, t.pieces)
 
     @property
     def start(self) -> float:
@@ -63,29 +61,29 @@ class World:
     @property
     def at_rest(self) -> bool:
         """Whether the last knot is at rest up to `REST`."""
-        return bool((np.abs(self.tables.knots[self._last, QD:]) <= REST).all())
+        return bool((np.abs(self.tables[1][self._last, QD:]) <= REST).all())
 
     @property
     def _last(self) -> int:
-        return int(self.tables.arms[0, motion.LAST_KNOT])
+        return int(self.tables[0][0, motion.LAST_KNOT])
 
     def joints(self, t0: float, t1: float) -> FloatArray:
         """Bounds (n, 6) of q, q̇ and q̈ over [t0, t1]: low and high of each; over an instant, their values."""
         n, found = self.knots.q.shape[1], np.zeros((8, 6))
-        joints(self.tables.knots, 0, self._last, n, t0, t1, np.empty((4, 6)), found)
+        joints(self.tables[1], 0, self._last, n, t0, t1, np.empty((4, 6)), found)
         return found[:n]
 
     def state(self, carrier: int, pose: Pose, t: float) -> State:
         """Motion of a frame at `pose` in a carrier; NaN where it is not known."""
         found = np.zeros(8)
-        if not along.state(carrier, _four(pose), t, *self._all, found):
+        if not along.state(carrier, _four(pose), t, self.links, self.tables, found):
             found[:] = np.nan
         return State(found[:3], float(found[3]), found[4:7], float(found[7]))
 
     def place(self, carrier: int, t: float) -> tuple[FloatArray, FloatArray]:
         """Position (3,) and rotation (3, 3) of a carrier."""
-        jets = np.full((len(self.tables.frames) + self.links + motion.MOST_LINKS, motion.JETS, 6), np.nan)
-        motion.carry(carrier if carrier >= self.links else 0, self.links, t, t, *self._all[1:], jets)
+        jets = np.full((len(self.tables[2]) + self.links + motion.MOST_LINKS, motion.JETS, 6), np.nan)
+        motion.carry(carrier if carrier >= self.links else 0, self.links, t, t, self.tables, jets)
         return jets[carrier, :3, 0], jets[carrier, 3:, 0].reshape(3, 3).T
 
     def tool(self, t: float) -> State:
@@ -104,7 +102,7 @@ class World:
         row[along.TCP : along.TCP + 4] = _four(self.scene.tool.tcp)
         for column, value in asked:
             row[column] = value
-        along.keeps(kind, row, t0, t1, *self._all, found)
+        along.keeps(kind, row, t0, t1, self.links, self.tables, found)
         if found[0] == 0.0:
             return None
         return Excess(int(found[1]), float(found[2]), float(found[3]), bool(found[0] == 1.0))

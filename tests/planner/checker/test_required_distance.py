@@ -118,6 +118,6 @@ def test_a_late_start_asks_for_the_way_that_a_body_may_have_gone(wait: float) ->
 
 def _spare(apart: Apart, rows: np.ndarray) -> np.ndarray:
     """What rows prove beyond what is required; far apart or through each other, for these are of one instant."""
-    found, table, t = np.zeros(len(rows)), apart.table, apart.tables
-    spare(rows, table.links, table.tilts, table.table, table.vertices, t.arms, t.knots, t.frames, t.pieces, found)
+    found, table = np.zeros(len(rows)), apart.table
+    spare(rows, table.links, table.tilts, table.table, table.vertices, apart.tables, found)
     return found
