@@ -7,7 +7,7 @@ RUN python -m venv /opt/assur
 WORKDIR /src
 # The libraries first, as a layer of their own: it is built anew only when pyproject.toml changes.
 COPY pyproject.toml LICENSE ./
-RUN /opt/assur/bin/pip install .
+RUN mkdir src && /opt/assur/bin/pip install .
 COPY planner planner
 COPY scenes scenes
 COPY api api

@@ -9,11 +9,12 @@ poses are checked here and sizes where shapes are made. FCL decides refusals onl
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import fcl
 import numpy as np
 
-from assur.planner.collision.support_gaps import Placed
+from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.geometry.shapes import Hull, Primitive
 
@@ -22,6 +23,16 @@ UNIT_AXES = 1e-9
 
 
 _IDENTITY = np.eye(3)
+
+
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """A shape at `position` (3,), m, in the world, with its axes as the columns of `axes` (3, 3); `name` for faults."""
+
+    name: str
+    shape: Primitive | Hull
+    position: FloatArray
+    axes: FloatArray
 
 
 def _geometry(shape: Primitive | Hull) -> fcl.CollisionGeometry:
@@ -53,16 +64,15 @@ class Collider:
             self._objects[key] = (shape, fcl.CollisionObject(_geometry(shape), fcl.Transform()))
         return self._objects[key][1]
 
-    def touch(self, a: Placed, b: Placed, row: int) -> bool:
-        """Whether the units in row `row` of a and b have a point in common. Raises `FaultError` on what is no pose."""
-        one = self._posed(a, row, "a")
-        other = self._posed(b, row, "b")
+    def touch(self, a: Posed, b: Posed) -> bool:
+        """Whether two shapes have a point in common. Raises `FaultError` on what is no pose."""
+        one, other = self._set(a, "a"), self._set(b, "b")
         return bool(fcl.collide(one, other, fcl.CollisionRequest(), fcl.CollisionResult()) > 0)
 
-    def _posed(self, placed: Placed, row: int, side: str) -> fcl.CollisionObject:
-        found = self._object(placed.solids.shapes[int(placed.unit[row])], side)
-        axes, centre = placed.axes[row], placed.centre[row]
+    def _set(self, posed: Posed, side: str) -> fcl.CollisionObject:
+        found = self._object(posed.shape, side)
+        axes, centre = posed.axes, posed.position
         if not (math.isfinite(centre.sum()) and np.abs(axes.T @ axes - _IDENTITY).max() <= UNIT_AXES):
-            raise FaultError(f"pose of {placed.solids.names[int(placed.solids.body[placed.unit[row]])]} is not a pose")
+            raise FaultError(f"pose of {posed.name} is not a pose")
         found.setTransform(fcl.Transform(np.ascontiguousarray(axes), np.ascontiguousarray(centre)))
         return found

@@ -1,4 +1,4 @@
-"""Proves phases, round by round: what is not proved is halved, boxes become pieces, and FCL decides what touches."""
+"""Proves phases: the kernel settles all pairs over halved intervals, and FCL decides what touches where it cannot."""
 
 from __future__ import annotations
 
@@ -8,243 +8,262 @@ import time
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.collision.arrangement import COVER, Solids, SolidsMaker, asked_pairs
-from assur.planner.collision.claim import Claim, put, take
-from assur.planner.collision.fcl_door import Collider
-from assur.planner.collision.gjk import separate
-from assur.planner.collision.planes import MANY, planes
-from assur.planner.collision.proof_facts import Facts, Intervals, Thrice
-from assur.planner.collision.rows import Rows, Unproved, no_rows
-from assur.planner.collision.support_gaps import centre_normals, face_normals
-from assur.planner.model.clearance import SLACK_M
+from assur.planner.collision.fcl_door import Collider, Posed
+from assur.planner.collision.rows import Rows, Unproved
+from assur.planner.kernels.carriers import place_carriers
+from assur.planner.kernels.links import POSE_COLUMNS
+from assur.planner.kernels.planes import SIDES, behind, drop_spare, not_behind
+from assur.planner.kernels.proof import (
+    ALONG,
+    DONE,
+    ITEM_COLUMNS,
+    ITEMS_FULL,
+    OTHER,
+    RESISTED,
+    RESISTED_A,
+    RESISTED_B,
+    RESISTED_GAP,
+    RESISTED_NEED,
+    RESISTED_T,
+    ROW_COLUMNS,
+    ROWS,
+    ROWS_FULL,
+    STATE_COLUMNS,
+    T0,
+    T1,
+    TOP,
+    UNIT,
+    prove,
+)
+from assur.planner.kernels.screening import depth_at, sampled_behind, screen
+from assur.planner.kernels.solids import FIRST, PAIR_COLUMNS, SECOND, place
+from assur.planner.kernels.spline import spline_state
+from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
+from assur.planner.tables.bodies import Arrangement, Bodies
+from assur.planner.tables.laws import law_tables
+from assur.planner.tables.pairs import Pairs, PairTables
+from assur.planner.tables.robot import robot_row
+from assur.planner.tables.spline import Spline, spline_table
 from assur.planner.trajectory import Trajectory
 
-COARSEST_S = 0.08
-"""Intervals with which a phase begins, where vertical order alone does not prove it, s."""
-FINEST_S = 2e-5
-"""Intervals are halved no further than this, s: what is not proved by then is NOT_CERTIFIED."""
 MOST_ROWS = 200_000
 """A phase that needs more rows than this is not certified: it would be neither quick nor small."""
+BUDGET = 20_000
+"""Pairs and intervals that the kernel settles between two looks at the clock: some milliseconds."""
+MANY = 64
+"""Pairs of a phase from which on planes are looked for: for fewer, rows of pairs cost less."""
+PART_S = 0.08
+"""Intervals over which planes are proved, s."""
+STACK = 64
+"""Intervals on the stack at a time: two for each halving, and no motion is halved so often."""
+ORIGIN = -1.0
+"""Stands in a row for the second unit where the row is of the first alone: the origin of the world."""
 
 
 class Prover:
-    """Proves phases of one scene. Keeps the arrangements and the FCL objects of the scene."""
+    """Proves phases of one scene. Keeps the tables and the FCL objects of the scene."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.solids = SolidsMaker(scene)
+        self.arrangement = Bodies(scene)
+        self.pairs = PairTables(scene)
+        self.robot = robot_row(scene.robot)
+        self.laws, self.side = law_tables([frame.law for frame in scene.frames.values()])
         self.deadline = math.inf
         """Reading of `time.perf_counter` at which proofs are given up: what is not proved by then is not certified."""
         self.collider = Collider()
-        self._asked: dict[int, tuple[IntArray, IntArray]] = {}
+        self.has_loop = has_loop(scene.robot)
+        self._spline: tuple[Trajectory, Spline] | None = None
 
-    def asked(self, solids: Solids) -> tuple[IntArray, IntArray]:
-        """Units (P,), (P,) of all pairs of bodies that must be kept apart in this arrangement."""
-        if id(solids) not in self._asked:
-            self._asked[id(solids)] = asked_pairs(self.scene, solids)
-        return self._asked[id(solids)]
+    def of(self, phase: Phase) -> Arrangement:
+        """The arrangement of a phase."""
+        return self.arrangement(phase.carried, phase.rides)
+
+    def spline(self, trajectory: Trajectory) -> Spline:
+        """The tables of a trajectory; those of the last one are kept, for its phases are proved one after the other."""
+        if self._spline is None or self._spline[0] is not trajectory:
+            self._spline = trajectory, spline_table(trajectory, self.scene.robot.rate_matrix)
+        return self._spline[1]
 
     def prove(self, phase: Phase, trajectory: Trajectory) -> Rows | Unproved:
         """Rows that cover every asked pair over the whole phase, or the first pair that resists."""
+        arrangement = self.of(phase)
         if not phase.t1 > phase.t0:
-            return no_rows(self.solids(phase.carried, phase.rides))
-        return _Proof(self, phase, trajectory).run()
+            return Rows(arrangement, np.zeros((0, ROW_COLUMNS)))
+        spline, pairs = self.spline(trajectory), self.pairs(arrangement, phase)
+        if len(pairs.mine) * len(pairs.others) > MANY:
+            planes, asked = self._planes(phase, arrangement, spline, pairs)
+        else:
+            planes, asked = np.zeros((0, ROW_COLUMNS)), pairs.every
+        found = self._settled(phase, arrangement, spline, pairs.latest, asked)
+        if isinstance(found, Unproved):
+            return found
+        return Rows(arrangement, np.concatenate([planes, found]) if len(planes) else found)
 
+    def _planes(
+        self, phase: Phase, arrangement: Arrangement, spline: Spline, pairs: Pairs
+    ) -> tuple[FloatArray, FloatArray]:
+        """Rows of single units of the robot, and the pairs that they do not keep apart."""
+        edges = _parts(phase)
+        least = self._behind(phase, spline, pairs, edges)
+        used = np.zeros_like(least)
+        left = self._left(phase, arrangement, pairs, pairs.others, least, used)
+        since = self.scene.start.time
+        drop_spare(arrangement.boxes, pairs.mine, least, pairs.others, since, phase.t1, used)
+        # what does not move needs no parts
+        ends = edges[[0, -1]]
+        whole: BoolArray = np.all(self._behind(phase, spline, pairs, ends) >= least, axis=1)
+        planes = [np.zeros((0, ROW_COLUMNS))]
+        for r, side in zip(*np.nonzero(used), strict=True):
+            t = ends if whole[r] else edges
+            rows = np.zeros((len(t) - 1, ROW_COLUMNS))
+            rows[:, T0], rows[:, T1], rows[:, UNIT], rows[:, OTHER] = t[:-1], t[1:], pairs.mine[r], ORIGIN
+            rows[:, ALONG + side % 3] = 1.0 if side < 3 else -1.0
+            planes.append(rows)
+        return np.concatenate(planes), left
 
-class _Proof:
-    """The proof of one phase, round by round."""
+    def _behind(self, phase: Phase, spline: Spline, pairs: Pairs, edges: FloatArray) -> FloatArray:
+        """How far behind planes the robot's units are proved to stay (R, 6), interval by interval between `edges`."""
+        arrangement, least = self.of(phase), np.empty((len(pairs.mine), SIDES))
+        behind(
+            self.robot, self.laws, self.side, spline.tk, spline.c, spline.whole, spline.matrix,
+            arrangement.rows, arrangement.vertices, arrangement.still, pairs.mine, edges, least,
+        )  # fmt: skip
+        return least
 
-    def __init__(self, prover: Prover, phase: Phase, trajectory: Trajectory) -> None:
-        self.prover, self.phase = prover, phase
-        self.solids = prover.solids(phase.carried, phase.rides)
-        self.facts = Facts(prover.scene, self.solids, phase, trajectory)
-        self.done: list[tuple[IntArray, IntArray, FloatArray, FloatArray, Claim]] = []
-
-    @np.errstate(invalid="ignore")  # where a law is not known there is NaN, and nothing is proved by it
-    def run(self) -> Rows | Unproved:
-        a, b = self.prover.asked(self.solids)
-        count = max(1, int(np.ceil((self.phase.t1 - self.phase.t0) / COARSEST_S)))
-        edges = np.linspace(self.phase.t0, self.phase.t1, count + 1)
-        # interval 0 is the whole phase, the parts with which it begins otherwise are behind it
-        table = self.facts.intervals(np.append(edges[0], edges[:-1]), np.append(edges[-1], edges[1:]))
-        if len(a) > MANY:
-            behind, done = planes(self.facts, (table.some(slice(1)), table.some(slice(1, None))), a, b)
-            self.done += [(rows.unit, rows.second, rows.t0, rows.t1, rows.claim) for rows in behind]
-            a, b = a[~done], b[~done]
-        row = np.zeros(len(a), dtype=np.int64)
-        placed = self.facts.thrice(table, row, a, b)
-        left = self.keep(table, row, a, b, self.facts.claim(table, row, a, b, placed, placed.vertical()))
-        a, b = a[left], b[left]
-        return self.rounds(table, 1 + np.repeat(np.arange(count), len(a)), np.tile(a, count), np.tile(b, count), None)
-
-    def rounds(
-        self, table: Intervals, row: IntArray, a: IntArray, b: IntArray, seed: FloatArray | None
-    ) -> Rows | Unproved:
-        """`seed`: for each row a normal that has been the best for longer intervals."""
-        while len(row):
-            if len(row) > MOST_ROWS or time.perf_counter() >= self.prover.deadline:
-                return self.unproved(table, row, a, b, 0, np.nan, np.nan, touching=False)
-            placed = self.facts.thrice(table, row, a, b)
-            normals = centre_normals(*placed.middle())
-            if seed is not None:
-                normals = np.concatenate([normals, seed[:, None]], axis=1)
-            claim = self.facts.claim(table, row, a, b, placed, normals)
-            rest = self.keep(table, row, a, b, claim)
-            if not rest.any():
-                break
-            row, a, b, claim, placed = row[rest], a[rest], b[rest], take(claim, rest), placed.some(rest)
-            close = ~(claim.gap_mid - SLACK_M > claim.required)
-            if close.any():
-                claim = self.look_closer(table, row, a, b, placed, claim, close)
-                rest = self.keep(table, row, a, b, claim)
-                row, a, b, claim, placed = row[rest], a[rest], b[rest], take(claim, rest), placed.some(rest)
-                close = ~(claim.gap_mid - SLACK_M > claim.required)
-            boxes = close & ((self.solids.piece[a] == COVER) | (self.solids.piece[b] == COVER))
-            solid = np.flatnonzero(close & ~boxes)
-            if len(solid):
-                resisted = self.ask(table, row, a, b, placed, claim, solid)
-                if resisted is not None:
-                    return resisted
-                # GJK's normals: some rows may be proved by them at once
-                rest = self.keep(table, row, a, b, claim)
-                row, a, b, claim, boxes = row[rest], a[rest], b[rest], take(claim, rest), boxes[rest]
-            fine = np.flatnonzero(~boxes & ~(table.t1[row] - table.t0[row] > FINEST_S))
-            if len(fine):
-                i = int(fine[0])
-                return self.unproved(table, row, a, b, i, claim.gap_mid[i], claim.required[i], touching=False)
-            table, row, a, b, seed = self.refine(table, row, a, b, claim.normal, boxes)
-        return self.rows()
-
-    def refine(
-        self, table: Intervals, row: IntArray, a: IntArray, b: IntArray, normal: FloatArray, boxes: BoolArray
-    ) -> tuple[Intervals, IntArray, IntArray, IntArray, FloatArray]:
-        """The next round: boxes become pieces on the same interval, everything else halves its interval."""
-        old, whole = _ranked(row[boxes], len(table))
-        halved, place_in = _ranked(row[~boxes], len(table))
-        middle = (table.t0[halved] + table.t1[halved]) / 2
-        t0 = np.concatenate([table.t0[old], table.t0[halved], middle])
-        t1 = np.concatenate([table.t1[old], middle, table.t1[halved]])
-        rows = [place_in + len(old), place_in + len(old) + len(halved)]
-        firsts, seconds, seeds = [a[~boxes]] * 2, [b[~boxes]] * 2, [normal[~boxes]] * 2
-        for i, k in zip(np.flatnonzero(boxes), whole, strict=True):
-            one, other = self._pieces(int(a[i])), self._pieces(int(b[i]))
-            rows.append(np.full(len(one) * len(other), k))
-            firsts.append(np.repeat(one, len(other)))
-            seconds.append(np.tile(other, len(one)))
-            seeds.append(np.tile(normal[i], (len(one) * len(other), 1)))
-        return (
-            self.facts.intervals(t0, t1),
-            np.concatenate(rows),
-            np.concatenate(firsts),
-            np.concatenate(seconds),
-            np.concatenate(seeds),
-        )
-
-    def _pieces(self, unit: int) -> IntArray:
-        if self.solids.piece[unit] != COVER:
-            return np.array([unit], dtype=np.int64)
-        return np.array(self.solids.pieces[int(self.solids.body[unit])], dtype=np.int64)
-
-    def look_closer(
+    def _left(
         self,
-        table: Intervals,
-        row: IntArray,
-        a: IntArray,
-        b: IntArray,
-        placed: Thrice,
-        claim: Claim,
-        close: BoolArray,
-    ) -> Claim:
-        """Face normals for the rows that the first normals do not part."""
-        which = np.flatnonzero(close)
-        near = placed.some(which)
-        closer = self.facts.claim(table, row[which], a[which], b[which], near, face_normals(*near.middle()))
-        return put(claim, which, take(claim, which).better(closer))
+        phase: Phase,
+        arrangement: Arrangement,
+        pairs: Pairs,
+        others: FloatArray,
+        least: FloatArray,
+        used: FloatArray,
+    ) -> FloatArray:
+        """The pairs that no plane keeps apart; `used` (R, 6) becomes 1 for planes that are needed for the others."""
+        left = np.empty((len(pairs.mine) * len(others), PAIR_COLUMNS))
+        since = self.scene.start.time
+        many = not_behind(arrangement.boxes, pairs.mine, least, others, pairs.allowed, since, phase.t1, used, left)
+        return np.concatenate([left[:many], pairs.own])
 
-    def ask(
+    def not_behind(self, phase: Phase, spline: Spline, pairs: Pairs, others: FloatArray) -> FloatArray:
+        """The pairs (P, PAIR_COLUMNS) of a phase that no plane proves to stay as far apart as `others` says."""
+        edges = _parts(phase)
+        least = self._behind(phase, spline, pairs, edges)
+        return self._left(phase, self.of(phase), pairs, others, least, np.zeros_like(least))
+
+    def _settled(
+        self, phase: Phase, arrangement: Arrangement, spline: Spline, latest: float, pairs: FloatArray
+    ) -> FloatArray | Unproved:
+        """Rows (N, ROW_COLUMNS) of all pairs, or the first that resists."""
+        items = np.zeros((max(256, 4 * len(pairs)), ITEM_COLUMNS))
+        rows = np.empty((max(128, 2 * len(pairs)), ROW_COLUMNS))
+        items[: len(pairs), 0], items[: len(pairs), 1] = pairs[:, FIRST], pairs[:, SECOND]
+        items[: len(pairs), 2] = np.arange(len(pairs))
+        stack, state = np.zeros((STACK, 4)), np.zeros(STATE_COLUMNS)
+        stack[0], state[TOP] = (phase.t0, phase.t1, 0, len(pairs)), 1
+        while True:
+            status = prove(
+                self.robot, self.laws, self.side, spline.tk, spline.c, spline.whole, spline.matrix,
+                arrangement.rows, arrangement.vertices, arrangement.still, pairs, self.scene.start.time, latest,
+                items, stack, state, rows, BUDGET,
+            )  # fmt: skip
+            if status == DONE:
+                return rows[: int(state[ROWS])].copy()
+            if status == RESISTED:
+                return self._resisted(arrangement, spline, state)
+            if status == ROWS_FULL:
+                rows = np.concatenate([rows, np.empty_like(rows)])
+            elif status == ITEMS_FULL:
+                items, stack = (np.concatenate([table, np.zeros_like(table)]) for table in (items, stack))
+            if state[ROWS] > MOST_ROWS or time.perf_counter() >= self.deadline:
+                top = int(state[TOP]) - 1
+                open_item = items[int(stack[top, 2])]
+                state[RESISTED_A], state[RESISTED_B] = open_item[0], open_item[1]
+                state[RESISTED_T], state[RESISTED_GAP], state[RESISTED_NEED] = stack[top, :2].mean(), np.nan, np.nan
+                return self._unproved(arrangement, state, touching=False)
+
+    def _resisted(self, arrangement: Arrangement, spline: Spline, state: FloatArray) -> Unproved:
+        """What FCL says of the true shapes of a pair that resisted."""
+        a, b, t = int(state[RESISTED_A]), int(state[RESISTED_B]), float(state[RESISTED_T])
+        q = np.empty(spline.c.shape[1])
+        spline_state(spline.tk, spline.c, t, q)
+        touching = bool(state[RESISTED_GAP] <= state[RESISTED_NEED]) and self.touch(arrangement, q, t, a, b)
+        return self._unproved(arrangement, state, touching=touching)
+
+    def _unproved(self, arrangement: Arrangement, state: FloatArray, *, touching: bool) -> Unproved:
+        units = int(state[RESISTED_A]), int(state[RESISTED_B])
+        names = (arrangement.names[arrangement.body[units[0]]], arrangement.names[arrangement.body[units[1]]])
+        of_robot = bool(arrangement.of_robot[arrangement.body[units[1]]])
+        gap, required = float(state[RESISTED_GAP]), float(state[RESISTED_NEED])
+        return Unproved(names, float(state[RESISTED_T]), gap, required, touching, of_robot)
+
+    def near(self, phase: Phase, q: FloatArray, t: FloatArray) -> FloatArray:
+        """The pairs (P, PAIR_COLUMNS) of a phase that can be too near at instants t (T,) with joints q (T, n)."""
+        arrangement = self.of(phase)
+        pairs = self.pairs(arrangement, phase)
+        if len(pairs.mine) * len(pairs.others) <= MANY:
+            return pairs.every
+        least = np.empty((len(pairs.mine), SIDES))
+        sampled_behind(
+            self.robot, self.laws, self.side, q, t, arrangement.rows, arrangement.vertices, arrangement.still,
+            pairs.mine, least,
+        )  # fmt: skip
+        return self._left(phase, arrangement, pairs, pairs.others, least, np.zeros_like(least))
+
+    def screened(
         self,
-        table: Intervals,
-        row: IntArray,
-        a: IntArray,
-        b: IntArray,
-        placed: Thrice,
-        claim: Claim,
-        solid: IntArray,
-    ) -> Unproved | None:
-        """FCL, then GJK, about rows that nothing parted yet; `claim` takes the normals that GJK found."""
-        am, bm = placed.middle()
-        solid = solid[np.argsort(claim.gap_mid[solid] - claim.required[solid], kind="stable")]
-        for i in solid:
-            allowed = claim.required[i] < 0
-            if not allowed and self.prover.collider.touch(am, bm, int(i)):
-                return self.unproved(table, row, a, b, int(i), claim.gap_mid[i], claim.required[i], touching=True)
-            distance, normal = separate(am, bm, int(i))
-            if normal is None:
-                return self.unproved(table, row, a, b, int(i), claim.gap_mid[i], claim.required[i], touching=True)
-            one = np.array([i])
-            found = self.facts.claim(table, row[one], a[one], b[one], placed.some(one), normal[None, None])
-            if not found.gap_mid[0] - SLACK_M > found.required[0]:
-                gap = max(distance, float(found.gap_mid[0]))
-                return self.unproved(table, row, a, b, int(i), gap, found.required[0], touching=False)
-            for name in Claim.__slots__:
-                getattr(claim, name)[i] = getattr(found, name)[0]
-        return None
+        arrangement: Arrangement,
+        pairs: FloatArray,
+        q: FloatArray,
+        t: FloatArray,
+        until: float,
+        enough: int,
+        hits: FloatArray,
+    ) -> tuple[int, int, int]:
+        """`kernels.screening.screen` with the tables of the scene."""
+        return screen(
+            self.robot, self.laws, self.side, q, t, arrangement.rows, arrangement.vertices, arrangement.still, pairs,
+            self.scene.start.time, until, enough, hits,
+        )  # fmt: skip
 
-    def unproved(
-        self,
-        table: Intervals,
-        row: IntArray,
-        a: IntArray,
-        b: IntArray,
-        i: int,
-        gap: float,
-        required: float,
-        *,
-        touching: bool,
-    ) -> Unproved:
-        names, body = self.solids.names, self.solids.body
-        middle = float(table.t0[row[i]] + table.t1[row[i]]) / 2
-        of_robot = bool(body[b[i]] < self.solids.robot_bodies)
-        bodies = (names[body[a[i]]], names[body[b[i]]])
-        return Unproved(bodies, middle, float(gap), float(required), touching, of_robot)
+    def depth(self, phase: Phase, q: FloatArray, t: FloatArray, deepest: float) -> FloatArray:
+        """By how much the worst pair is nearer than required at instants t (T,) with joints q (T, n), as a share of
+        `deepest`, m (`kernels.screening.depth_at`)."""
+        arrangement, found = self.of(phase), np.zeros(len(t))
+        depth_at(
+            self.robot, self.laws, self.side, q, t, arrangement.rows, arrangement.vertices, arrangement.still,
+            self.near(phase, q, t), self.scene.start.time, phase.t1, deepest, found,
+        )  # fmt: skip
+        return found
 
-    def keep(self, table: Intervals, row: IntArray, a: IntArray, b: IntArray, claim: Claim) -> BoolArray:
-        """Stores the rows that are proved; returns which are not."""
-        proved = claim.proved
-        if proved.any():
-            r = row[proved]
-            self.done.append((a[proved], b[proved], table.t0[r], table.t1[r], take(claim, proved)))
-        rest: BoolArray = ~proved
-        return rest
+    def touch(self, arrangement: Arrangement, q: FloatArray, t: float, a: int, b: int) -> bool:
+        """Whether units a and b touch at time t with joints q, by FCL."""
+        return self.collider.touch(*self.posed(arrangement, q, t, np.array([a, b])))
 
-    def rows(self) -> Rows:
-        if not self.done:
-            return no_rows(self.solids)
-        first, second, t0, t1, claims = zip(*self.done, strict=True)
+    def carriers(self, q: FloatArray, t: float) -> FloatArray:
+        """Where links and frames are at time t with joints q: (K, 12), position and rotation, row by row."""
+        found = np.empty((len(self.scene.robot.links) + len(self.laws), POSE_COLUMNS))
+        place_carriers(self.robot, self.laws, self.side, np.array(q), t, found)
+        return found
 
-        def column(name: str) -> FloatArray:
-            return np.concatenate([getattr(claim, name) for claim in claims])
-
-        return Rows(
-            self.solids,
-            np.concatenate(t0),
-            np.concatenate(t1),
-            np.concatenate(first),
-            np.concatenate(second),
-            column("normal"),
-            column("gap0"),
-            column("gap1"),
-            column("speed"),
-            column("acceleration"),
-        )
+    def posed(self, arrangement: Arrangement, q: FloatArray, t: float, units: IntArray) -> list[Posed]:
+        """The shapes of units (N,) where they are at time t with joints q."""
+        carriers = self.carriers(q, t)
+        placed = np.empty((1, len(arrangement.rows), POSE_COLUMNS))
+        found = []
+        for i in units.tolist():
+            place(arrangement.rows, i, carriers, placed, 0)
+            axes = placed[0, i, 3:].reshape(3, 3)
+            position = placed[0, i, :3] - axes @ arrangement.offset[i]
+            found.append(Posed(arrangement.names[arrangement.body[i]], arrangement.shapes[i], position, axes))
+        return found
 
 
-def _ranked(numbers: IntArray, many: int) -> tuple[IntArray, IntArray]:
-    """Which of 0..many-1 occur, ascending, and the place of each among them."""
-    rank = np.zeros(many, dtype=np.int64)
-    rank[numbers] = 1
-    which = np.flatnonzero(rank)
-    rank[which] = np.arange(len(which))
-    return which, rank[numbers]
+def _parts(phase: Phase) -> FloatArray:
+    """Times that part a phase into intervals over which planes are proved."""
+    edges = np.linspace(phase.t0, phase.t1, max(1, math.ceil((phase.t1 - phase.t0) / PART_S)) + 1)
+    edges[-1] = phase.t1
+    return edges

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.collision.arrangement import Solids
+from assur.planner.kernels.proof import ALONG, OTHER, T0, T1, UNIT
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Arrival, Certificate, Leg, covered
 from assur.planner.model.scene import Scene
+from assur.planner.tables.bodies import Arrangement
 from assur.planner.trajectory import Trajectory
 
 
@@ -31,23 +32,23 @@ class Unproved:
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """Proved rows of one phase, of units; where the second is -1, of the first alone."""
+    """Proved rows of one phase, `table` (N, ROW_COLUMNS) of units; where the second is -1, of the first alone."""
 
-    solids: Solids
-    t0: FloatArray
-    t1: FloatArray
-    first: IntArray
-    second: IntArray
-    normal: FloatArray
-    gap0: FloatArray
-    gap1: FloatArray
-    speed: FloatArray
-    acceleration: FloatArray
+    arrangement: Arrangement
+    table: FloatArray
 
+    def __len__(self) -> int:
+        return len(self.table)
 
-def no_rows(solids: Solids) -> Rows:
-    none, index = np.zeros(0), np.zeros(0, dtype=np.int64)
-    return Rows(solids, none, none, index, index, np.zeros((0, 3)), none, none, none, none)
+    @property
+    def first(self) -> IntArray:
+        """(N,) first units."""
+        return self.table[:, UNIT].astype(np.int64)
+
+    @property
+    def second(self) -> IntArray:
+        """(N,) second units, -1 for none."""
+        return self.table[:, OTHER].astype(np.int64)
 
 
 def written(
@@ -58,27 +59,24 @@ def written(
 
     def bodies(rows: Rows, unit: IntArray) -> IntArray:
         """Numbers of the names of bodies, in the order in which they are first needed; of no body -1."""
-        mine, which = np.unique(np.where(unit < 0, -1, rows.solids.body[unit]), return_inverse=True)
-        of = [-1 if body < 0 else number.setdefault(rows.solids.names[body], len(number)) for body in mine]
+        mine, which = np.unique(np.where(unit < 0, -1, rows.arrangement.body[unit]), return_inverse=True)
+        of = [-1 if body < 0 else number.setdefault(rows.arrangement.names[body], len(number)) for body in mine]
         return np.array(of, dtype=np.int64)[which]
 
     def pieces(rows: Rows, unit: IntArray) -> IntArray:
-        return np.where(unit < 0, -1, rows.solids.piece[unit])
+        return np.where(unit < 0, -1, rows.arrangement.piece[unit])
 
-    def column(name: str) -> FloatArray:
-        return np.concatenate([getattr(rows, name) for rows in proofs])
-
-    first = np.concatenate([bodies(rows, rows.first) for rows in proofs])
-    second = np.concatenate([bodies(rows, rows.second) for rows in proofs])
+    units = [(rows, rows.first, rows.second) for rows in proofs]
+    table = np.concatenate([rows.table for rows in proofs])
     certificate = Certificate(
+        first=np.concatenate([bodies(rows, first) for rows, first, _ in units]),
+        second=np.concatenate([bodies(rows, second) for rows, _, second in units]),
         names=tuple(number),
-        t0=column("t0"),
-        t1=column("t1"),
-        first=first,
-        first_piece=np.concatenate([pieces(rows, rows.first) for rows in proofs]),
-        second=second,
-        second_piece=np.concatenate([pieces(rows, rows.second) for rows in proofs]),
-        normal=column("normal"),
+        t0=table[:, T0].copy(),
+        t1=table[:, T1].copy(),
+        first_piece=np.concatenate([pieces(rows, first) for rows, first, _ in units]),
+        second_piece=np.concatenate([pieces(rows, second) for rows, _, second in units]),
+        normal=table[:, ALONG : ALONG + 3].copy(),
         covers=covered(blended=scene.options.blended),
     )
     return replace(certificate, digest=digest(scene.digest, trajectory, legs, arrivals, certificate))

@@ -11,6 +11,7 @@ from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.reach import beyond_every_pitch, out_of_range, whatever_the_yaw
 from assur.planner.frames import Fixed
 from assur.planner.frames.motion import Pose
+from assur.planner.kernels.solids import REACH
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.tilt import pitch_free, roll_free, tilts
 from assur.planner.model.assembly_mode import lost_at
@@ -127,7 +128,7 @@ def start_collides(scene: Scene, prover: Prover) -> Refusal | None:
     """The arm as it stands at the start, against everything, at the clearance that travel asks for."""
     t = scene.start.time
     phase = Phase(t, t, LegKind.WAIT, 0, None, (), frozenset(), None, ())
-    found = closest(scene, prover, prover.solids(None, ()), phase, scene.start.q, frozenset())
+    found = closest(scene, prover, phase, scene.start.q, frozenset())
     if found is None:
         return None
     names, short, detail = found
@@ -139,7 +140,7 @@ def _start_enclosed(scene: Scene, prover: Prover) -> Refusal | None:
     if all(world.body.surface is None for world in scene.bodies):
         return None
     t = scene.start.time
-    within = enclosed(scene, prover.solids(None, ()), scene.start.q, t, frozenset(), initial_rides(scene))
+    within = enclosed(scene, prover, prover.arrangement(None, ()), scene.start.q, t, frozenset(), initial_rides(scene))
     if within is None:
         return None
     detail = f"{within[0]} is inside {within[1]}"
@@ -164,7 +165,7 @@ def _point(
         if rides[body.name][0] == point.frame or (fixed and isinstance(scene.frames[rides[body.name][0]].law, Fixed))
     )
     away = moved_parts(scene, rides)
-    solids = prover.solids(carried, away)
+    arrangement = prover.arrangement(carried, away)
     kind = LegKind.FOLLOW if point.glued else LegKind.MOVE
     phase = Phase(t, t, kind, point.step, carried, away, frozenset(), point.frame if point.glued else None, ())
     exempt = _contacts(scene, point, rides)
@@ -175,8 +176,8 @@ def _point(
             # seen at another time it may be reached, and collide in the same way; here nothing can be said
             return None
         q = solution.q[0]
-        found = closest(scene, prover, solids, phase, q, exempt, among)
-        within = enclosed(scene, solids, q, t, exempt, rides, among) if fixed else None
+        found = closest(scene, prover, phase, q, exempt, among)
+        within = enclosed(scene, prover, arrangement, q, t, exempt, rides, among) if fixed else None
         if found is None and within is None:
             return None
         names, short, detail = found or (within or ("", ""), math.nan, "")
@@ -191,11 +192,10 @@ def _point(
 def _whatever_the_yaw(scene: Scene, prover: Prover, refusal: Refusal, carried: Carried | None) -> bool:
     """Whether turning the tool about its axis changes nothing for the body that is in the way."""
     tcp = scene.tool.tcp
-    solids = prover.solids(carried, ())
-    number = solids.names.index(refusal.bodies[0])
-    units = np.array(solids.pieces[number])
-    on_quill = scene.robot.links[solids.carrier[units[0]]] == "quill"
-    return tcp.x == 0.0 and tcp.y == 0.0 and (on_quill or bool((solids.reach[units] == 0.0).all()))
+    arrangement = prover.arrangement(carried, ())
+    units = np.array(arrangement.pieces[arrangement.number[refusal.bodies[0]]])
+    on_quill = scene.robot.links[arrangement.carrier[units[0]]] == "quill"
+    return tcp.x == 0.0 and tcp.y == 0.0 and (on_quill or bool((arrangement.rows[units, REACH] == 0.0).all()))
 
 
 def _known(scene: Scene, frame: str, t: float) -> bool:

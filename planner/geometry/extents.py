@@ -22,7 +22,7 @@ def extents(shapes: Sequence[Primitive | Hull], centre: FloatArray, axes: FloatA
     same however the frame turns, so it counts as one that does not turn: 0. A ball looks the same however the frame
     turns and tilts, so for the second its points count as its centre does.
     """
-    hulls = {k: shape for k, shape in enumerate(shapes) if isinstance(shape, Hull)}
+    hulls = {k: shape.vertices for k, shape in enumerate(shapes) if isinstance(shape, Hull)}
     terms = [(0.0,) * 5 if isinstance(shape, Hull) else (*shape.half, shape.disc, shape.ball) for shape in shapes]
     core = np.array(terms).reshape(-1, 5)
     return extents_of(core[:, :3], core[:, 3], core[:, 4], hulls, centre, axes)
@@ -32,18 +32,18 @@ def extents_of(
     half: FloatArray,
     disc: FloatArray,
     ball: FloatArray,
-    hulls: Mapping[int, Hull],
+    hulls: Mapping[int, FloatArray],
     centre: FloatArray,
     axes: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
     """`extents` of solids by the terms of their support function (S1), `half` (U, 3), `disc` and `ball` (U,), but for
-    `hulls`, by their numbers."""
+    `hulls`: by their numbers, their vertices (m, 3)."""
     points = centre[:, None] + (_SIGNS * half[:, None]) @ axes.transpose(0, 2, 1)
     reach, distance = _farthest(points)
     reach, distance = reach + disc + ball, distance + disc + ball
     primitive = np.ones(len(half), dtype=bool)
-    for k, one in hulls.items():
-        reach[k], distance[k] = (x[0] for x in _farthest((centre[k] + one.vertices @ axes[k].T)[None]))
+    for k, vertices in hulls.items():
+        reach[k], distance[k] = (x[0] for x in _farthest((centre[k] + vertices @ axes[k].T)[None]))
         primitive[k] = False
     core = (half == 0.0) & primitive[:, None]
     ball_like = core.all(1) & (disc == 0.0)

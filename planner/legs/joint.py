@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from assur.planner.arrays import FloatArray
-from assur.planner.collision.arrangement import standing
 from assur.planner.legs.arched import Hop, Vertical, arch, vertical
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.limits import beyond_limits
@@ -67,7 +68,7 @@ class Reached:
 
     def at(self, t: FloatArray) -> FloatArray:
         """q (T, n) at times t, the arm standing still before the leg and after it."""
-        return standing(self.trajectory, t)
+        return self.trajectory.evaluate(np.clip(t, self.begin, self.end))
 
 
 class JointMotion:

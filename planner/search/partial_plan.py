@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from assur.planner.arrays import FloatArray
-from assur.planner.collision.arrangement import standing
 from assur.planner.collision.rows import Rows
 from assur.planner.frames.motion import Pose
 from assur.planner.frames.tilted import Tilt
@@ -76,7 +77,7 @@ class Draft:
 
     def at(self, t: FloatArray) -> FloatArray:
         """q (T, n) at times t, the arm standing still before and after."""
-        return standing(self.trajectory, t)
+        return self.trajectory.evaluate(np.clip(t, self.trajectory.start, self.trajectory.end))
 
 
 def prepared(

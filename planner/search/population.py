@@ -60,7 +60,7 @@ class Population:
         self.options, self.glance, self.rng, self.adaptive = options, glance, rng, adaptive
         self.freedom = _freedom(scene, chain, options)
         self.shares = np.array([DIRECT if self.freedom.moving else 0.0, ONE_VIA, TWO_VIAS])
-        most = MOST_ROWS // (LOOKS * max(1, len(glance.pairs[0])))
+        most = MOST_ROWS // (LOOKS * max(1, glance.pairs))
         self.sizes = tuple(min(size, max(FEWEST, most)) for size in LOOKED_AT)
         self.rounds = 0
         self.ways = self.freedom.direct()

@@ -8,10 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.collision.arrangement import carriers
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.support_gaps import likely_gaps, place, rough_gaps, swept_gaps
-from assur.planner.model.clearance import clearance, worst
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase
 from assur.planner.search.meeting_options import Option
@@ -39,8 +36,8 @@ class Glance:
     def __init__(self, prover: Prover, chain: Chain, options: tuple[Option, ...]) -> None:
         self.prover, self.chain = prover, chain
         self.rough = RoughMotions(prover.scene.robot, chain, options)
-        self.solids = prover.solids(chain.carried, chain.moved)
-        self.pairs = prover.asked(self.solids)
+        self.pairs = len(prover.pairs(prover.arrangement(chain.carried, chain.moved), self._way(chain.state.time)))
+        """How many pairs of bodies must be kept apart on the way."""
         self.times: list[float] = []
         """When ways that had seemed free were in the way of something, s."""
         latest = prover.scene.options.latest_end_s
@@ -78,25 +75,16 @@ class Glance:
         """How deep (W,) some of the ways are in something at times t (W, L), in `DEPTH_M`, 1 at most for each time."""
         if not t.size:
             return np.zeros(len(ways))
-        robot, solids = self.prover.scene.robot, self.solids
-        q = rough.some(ways).at(t).reshape(-1, len(robot.joints))
-        depth = np.where(robot.within(q) & robot.assembled(q, q), 0.0, DEPTH_M)
-        where = carriers(self.prover.scene, q, t.reshape(-1))
-        (a, b), required = self.pairs, self._required(float(t.max()))
-        near = np.flatnonzero(~(swept_gaps(solids, where, a, b) > required))
-        row, which = np.nonzero(~(rough_gaps(solids, where, a[near], b[near]) > required[near]))
-        if len(row):
-            which = near[which]
-            gap = likely_gaps(place(solids, where, row, a[which]), place(solids, where, row, b[which]))
-            np.maximum.at(depth, row, np.clip(required[which] - gap, 0.0, DEPTH_M))
-        return np.asarray(depth.reshape(t.shape).sum(-1) / DEPTH_M)
+        robot = self.prover.scene.robot
+        q, times = rough.some(ways).at(t).reshape(-1, len(robot.joints)), t.reshape(-1)
+        depth = np.ones(len(times))
+        possible = np.flatnonzero(robot.within(q) & robot.assembled(q, q))
+        depth[possible] = self.prover.depth(self._way(float(t.max())), q[possible], times[possible], DEPTH_M)
+        return np.asarray(depth.reshape(t.shape).sum(-1))
 
-    def _required(self, until: float) -> FloatArray:
-        """Clearances (P,) of the pairs, m, on a way that ends at `until`, s."""
-        scene, chain, links = self.prover.scene, self.chain, self.solids.links
-        way = Phase(
+    def _way(self, until: float) -> Phase:
+        """A way to the next control point that ends at `until`, s."""
+        chain = self.chain
+        return Phase(
             chain.state.time, until, LegKind.MOVE, chain.step, chain.carried, chain.moved, frozenset(), None, ()
         )
-        by_frame = np.array([worst(scene, way, name) for name in scene.frames])
-        carrier = self.solids.carrier[self.pairs[1]]
-        return np.where(carrier < links, clearance(scene, way), by_frame[np.maximum(carrier - links, 0)])

@@ -8,16 +8,14 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable
-from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import fcl
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from assur.planner.collision.fcl_door import Collider
-from assur.planner.collision.support_gaps import Placed
+from assur.planner.collision.fcl_door import Collider, Posed
 from assur.planner.errors import FaultError, InputError
 from assur.planner.geometry import shapes
 from tests.hazards.known import mended_since
@@ -242,11 +240,9 @@ def _touch(
     second: shapes.Primitive | shapes.Hull | None = None,
 ) -> bool:
     """Asks our door about `first` at `at`, turned by `axes`, and `second` at the origin; boxes of one metre."""
-    units = (first or shapes.box(1, 1, 1), second or shapes.box(1, 1, 1))
-    solids = cast(Any, SimpleNamespace(shapes=units, names=("first", "second"), body=np.array([0, 1])))
-    here = Placed(solids, np.array([0]), np.array([at]), np.array([axes]))
-    there = Placed(solids, np.array([1]), np.zeros((1, 3)), np.eye(3)[None])
-    return (collider or Collider()).touch(here, there, 0)
+    here = Posed("first", first or shapes.box(1, 1, 1), np.array(at), axes)
+    there = Posed("second", second or shapes.box(1, 1, 1), np.zeros(3), np.eye(3))
+    return (collider or Collider()).touch(here, there)
 
 
 def _cube(edge: float) -> tuple[Floats, NDArray[np.int64]]:

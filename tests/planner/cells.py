@@ -11,8 +11,6 @@ from typing import Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.collision.arrangement import SolidsMaker, carriers
-from assur.planner.collision.support_gaps import Placed, place
 from assur.planner.frames import Conveyor, Fixed, Frame, Law, Linear, Swing, Turntable, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
@@ -33,6 +31,8 @@ from assur.planner.model.scene import (
 from assur.planner.model.scene import WorldBody as Around
 from assur.planner.robots.protocol import Limits, Robot, RobotBody
 from assur.planner.robots.scara import BASE, LINK1, LINK2, QUILL, Scara
+from assur.planner.tables.bodies import Bodies
+from tests.planner.second_solids import Placed, carriers, place
 
 WORLD = Frame("world", Fixed(Pose()))
 Shape = Primitive | Hull
@@ -230,12 +230,12 @@ def placed(pieces: list[tuple[Piece, Piece]]) -> tuple[Placed, Placed]:
         for side, piece in zip("ab", both, strict=True)
     )
     scene = cell(go(0.3, 0.0), bodies=bodies, robot=arm(bare=True))
-    solids = SolidsMaker(scene)(None, ())
+    arrangement = Bodies(scene)(None, ())
     where = carriers(scene, np.zeros((1, 4)), np.zeros(1))
     # a hull has a bounding box of its own: the unit of the piece itself is the last one
-    units: IntArray = np.array([solids.pieces[k][-1] for k in range(len(bodies))], dtype=np.int64)
+    units: IntArray = np.array([arrangement.pieces[k][-1] for k in range(len(bodies))], dtype=np.int64)
     row = np.zeros(len(pieces), dtype=np.int64)
-    return place(solids, where, row, units[::2]), place(solids, where, row, units[1::2])
+    return place(arrangement, where, row, units[::2]), place(arrangement, where, row, units[1::2])
 
 
 __all__ = [

@@ -9,13 +9,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assur.planner.collision.gjk import separate
-from assur.planner.collision.support_gaps import gaps
+from assur.planner.arrays import FloatArray
 from assur.planner.geometry.shapes import Piece, box, capsule, sphere
 from tests.planner.cells import placed, rotation
 from tests.planner.convex import KINDS, anywhere, distance, grid_aligned, inside, pairs, shape_of
+from tests.planner.second_solids import Placed, distance_by_gjk, gaps
 
 EXACT_M = 1e-6
+
+
+def separate(a: Placed, b: Placed, row: int = 0) -> tuple[float, FloatArray | None]:
+    """Distance and the normal that shows it; 0 and None where the two meet."""
+    gap, normal, above = distance_by_gjk(a, b, row)
+    assert gap <= above + 1e-9
+    return (max(0.0, gap), normal) if above > 0.0 else (0.0, None)
 
 
 @given(pairs())

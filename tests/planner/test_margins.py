@@ -9,11 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assur.planner.collision.arrangement import carriers
-from assur.planner.collision.gjk import RELATIVE, separate
-from assur.planner.collision.nearest import INSTANTS, nearest
+from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.support_gaps import place
 from assur.planner.frames import Conveyor
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
@@ -26,11 +23,12 @@ from assur.planner.report.margins import contacts, margins
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CRANKED, CUP, belt_and_dial, cell, frame, go, stands, table_to_table
 from tests.planner.certificate.moving_ball import LAWS, SHAPES, encounter
+from tests.planner.second_solids import carriers, distance_by_gjk, place
 
 
 @settings(max_examples=50)
 @given(st.integers(0, 10**6), st.sampled_from(SHAPES), st.sampled_from(LAWS), st.integers(1, 3))
-def test_the_smallest_clearance_is_a_lower_bound_and_near_the_truth(
+def test_the_smallest_clearance_is_below_the_truth_by_no_more_than_a_twentieth_of_a_millimetre(
     seed: int, kind: str, how: str, pieces: int
 ) -> None:
     case = encounter(seed, kind, how, pieces)
@@ -40,9 +38,10 @@ def test_the_smallest_clearance_is_a_lower_bound_and_near_the_truth(
     assert found is not None
     assert found.bodies == ("ball", "thing")
     there = float(case.apart(np.array([found.time]))[0]) - radius
-    assert found.gap_m <= max(0.0, there) + 1e-9
-    # not found to the micrometre, but where the two are near
-    assert there <= case.nearest()[0] - radius + 0.05
+    # what dense sampling finds is never below the truth, and by less than 10 µm above it
+    least = max(0.0, case.nearest()[0] - radius)
+    assert least - 5e-5 - 1e-5 <= found.gap_m <= least + 1e-9
+    assert max(0.0, there) - 5e-5 - 1e-9 <= found.gap_m <= max(0.0, there) + 1e-9
 
 
 def test_allowed_contacts_are_not_the_smallest_clearance() -> None:
@@ -136,35 +135,33 @@ def test_the_tools_acceleration_is_that_of_its_point_by_differences() -> None:
     assert found.tool_acceleration <= np.linalg.norm(stated, axis=1).max() * 1.05
 
 
-def test_no_pair_and_instant_that_was_looked_at_is_nearer_by_more_than_gjk_can_tell() -> None:
+@pytest.mark.parametrize("posts", [9, 90])
+def test_no_pair_is_nearer_at_any_of_many_instants(posts: int) -> None:
     rng = np.random.default_rng(3)
-    posts = [
-        stands(f"post {i}", box(0.05, 0.04, 0.3), 0.55 * np.cos(a), 0.55 * np.sin(a), 0.1)
-        for i, a in enumerate(rng.uniform(-3.0, 3.0, 9))
-    ]
-    scene = cell(go(0.35, -0.2), bodies=tuple(posts))
+    bodies = tuple(
+        stands(f"post {i}", box(0.05, 0.04, 0.3), r * np.cos(a), r * np.sin(a), 0.1)
+        for i, (a, r) in enumerate(zip(rng.uniform(-3.0, 3.0, posts), rng.uniform(0.55, 1.5, posts), strict=True))
+    )
+    scene = cell(go(0.35, -0.2), bodies=bodies)
+    phase = Phase(0.0, 1.0, LegKind.MOVE, 0, None, (), frozenset(), None, ())
     apart = 0
-    for _ in range(10):
+    for _ in range(6):
         q = np.stack([rng.uniform([-2.0, -1.5, 0.1, -1.0], [2.0, 1.5, 0.2, 1.0]) for _ in range(2)])
         path = Trajectory(np.array([0.0, 1.0]), q, np.zeros((2, 4)), np.zeros((2, 4)))
-        phase = Phase(0.0, 1.0, LegKind.MOVE, 0, None, (), frozenset(), None, ())
         prover = Prover(scene)
         found = nearest(prover, path, (phase,))
         assert found is not None
-        t = np.linspace(0.0, 1.0, INSTANTS)
-        solids = prover.solids(None, ())
-        a, b = prover.asked(solids)
+        solids = prover.of(phase)
+        a, b = prover.pairs(solids, phase).every[:, :2].astype(np.int64).T
+        t = np.append(np.linspace(0.0, 1.0, 11), found.time)
         where = carriers(scene, path.evaluate(t), t)
-        for row in range(0, len(t), 7):
+        names = [(solids.names[solids.body[x]], solids.names[solids.body[y]]) for x, y in zip(a, b, strict=True)]
+        for row in range(len(t)):
             rows = np.full(len(a), row)
             one, other = place(solids, where, rows, a), place(solids, where, rows, b)
-            least = min(separate(one, other, k)[0] for k in range(len(a)))
-            assert found.gap_m <= least * (1 + 2 * RELATIVE)
-        at = np.array([found.time])
-        where = carriers(scene, path.evaluate(at), at)
-        names = [(solids.names[solids.body[x]], solids.names[solids.body[y]]) for x, y in zip(a, b, strict=True)]
-        k = np.array([names.index(found.bodies)])
-        one, other = (place(solids, where, np.zeros(1, dtype=np.int64), units[k]) for units in (a, b))
-        assert found.gap_m == pytest.approx(separate(one, other, 0)[0], rel=2 * RELATIVE, abs=1e-9)
+            distances = [max(0.0, distance_by_gjk(one, other, k)[0]) for k in range(len(a))]
+            assert found.gap_m <= min(distances) + 1e-9
+        # the last instant is that at which it is said to be nearest, and the pair is the one that is named
+        assert distances[names.index(found.bodies)] == pytest.approx(found.gap_m, abs=5e-5)
         apart += found.gap_m > 1e-3
-    assert apart >= 3
+    assert apart >= 2

@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.collision.arrangement import standing
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.collision.screening import screen
@@ -22,6 +21,7 @@ from assur.planner.model.scene import Clearance
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CUP, Around, arm, block, cell, go, mesh_box, solid, stands
 from tests.planner.certificate.moving_ball import LAWS, SHAPES, encounter
+from tests.planner.second_solids import standing
 
 
 @dataclass(frozen=True)

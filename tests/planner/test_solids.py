@@ -9,17 +9,39 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assur.planner.collision.arrangement import COVER, SolidsMaker, asked_pairs, carriers, standing
+from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.frames import Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece, box, corners, cylinder, sphere, support
 from assur.planner.geometry.units import bounding_box
-from assur.planner.model.phases import Carried
+from assur.planner.kernels.solids import CENTRE, FIRST, REACH, ROTATION, SECOND
+from assur.planner.model.outcome import LegKind
+from assur.planner.model.phases import Carried, Phase
 from assur.planner.model.scene import Scene
 from assur.planner.robots.scara import FLANGE
+from assur.planner.tables.bodies import COVER, Arrangement, Bodies
+from assur.planner.tables.pairs import PairTables
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CUP, Around, arm, block, cell, frame, go, mesh_box, solid, stands, table_to_table
 from tests.planner.convex import anywhere, grid_aligned
+from tests.planner.second_solids import carriers, standing
+
+
+def asked_pairs(scene: Scene, solids: Arrangement) -> tuple[IntArray, IntArray]:
+    """The pairs of units that are asked on a way between two points."""
+    way = Phase(0.0, 1.0, LegKind.MOVE, 0, None, (), frozenset(), None, ())
+    pairs = PairTables(scene)(solids, way).every
+    return pairs[:, FIRST].astype(np.int64), pairs[:, SECOND].astype(np.int64)
+
+
+def centre(solids: Arrangement, unit: int) -> FloatArray:
+    """Centre (3,) of a unit in its carrier."""
+    return solids.rows[unit, CENTRE : CENTRE + 3]
+
+
+def axes(solids: Arrangement, unit: int) -> FloatArray:
+    """Axes (3, 3) of a unit in its carrier."""
+    return solids.rows[unit, ROTATION : ROTATION + 9].reshape(3, 3)
 
 
 def scene_of_all() -> Scene:
@@ -46,7 +68,7 @@ def test_a_bounding_box_holds_all_pieces_and_little_more(pieces: list[Piece], se
 
 def test_a_primitive_is_one_unit_and_everything_else_has_its_box_first() -> None:
     scene = scene_of_all()
-    solids = SolidsMaker(scene)(None, ())
+    solids = Bodies(scene)(None, ())
     units = {
         name: [int(solids.piece[i]) for i in range(len(solids.body)) if solids.names[solids.body[i]] == name]
         for name in solids.names
@@ -64,22 +86,23 @@ def test_a_primitive_is_one_unit_and_everything_else_has_its_box_first() -> None
 
 def test_units_ride_on_the_carriers_of_their_bodies() -> None:
     scene = scene_of_all()
-    solids = SolidsMaker(scene)(None, ())
+    solids = Bodies(scene)(None, ())
     q, t = np.array([[0.4, -1.0, 0.1, 2.0]]), np.array([0.7])
     where = carriers(scene, q, t)
     p, rotation = scene.robot.placements(q)
     assert np.array_equal(where.position[0, :5], p[0])
     assert np.array_equal(where.rotation[0, :5], rotation[0])
-    cup = solids.names.index("cup")
+    cup = solids.number["cup"]
     assert solids.carrier[solids.roots[cup]] == FLANGE
     dial = 5 + list(scene.frames).index("dial")
-    assert solids.carrier[solids.roots[solids.names.index("wedge")]] == dial
+    assert solids.carrier[solids.roots[solids.number["wedge"]]] == dial
     turned = Pose(0.3, -0.3, 0.05, 0.7)
     assert np.allclose(where.position[0, dial], turned.position, atol=1e-15)
     assert np.allclose(where.rotation[0, dial][:2, 0], [np.cos(0.7), np.sin(0.7)], atol=1e-15)
     # a place in the world by another way: pose in pose
-    unit = solids.pieces[solids.names.index("wedge")][0]
-    there = where.position[0, dial] + where.rotation[0, dial] @ solids.centre[unit]
+    unit = solids.pieces[solids.number["wedge"]][0]
+    origin = centre(solids, unit) - axes(solids, unit) @ solids.offset[unit]
+    there = where.position[0, dial] + where.rotation[0, dial] @ origin
     assert np.allclose(there, turned.then(Pose(0.1, 0.0, 0.0, 1.0)).position, atol=1e-15)
 
 
@@ -94,7 +117,7 @@ def test_where_a_law_is_not_known_nothing_is_known() -> None:
 
 def test_every_body_of_the_arm_is_asked_against_every_body_around_and_its_own_as_the_robot_says() -> None:
     scene = scene_of_all()
-    solids = SolidsMaker(scene)(None, ())
+    solids = Bodies(scene)(None, ())
     a, b = asked_pairs(scene, solids)
     found = [(solids.names[solids.body[x]], solids.names[solids.body[y]]) for x, y in zip(a, b, strict=True)]
     around = [body.name for body in scene.bodies]
@@ -107,7 +130,7 @@ def test_every_body_of_the_arm_is_asked_against_every_body_around_and_its_own_as
     assert {frozenset(two) for two in found} == {frozenset(two) for two in wanted} | own
     # whole bodies are asked: by their only piece or by their box
     assert set(a) | set(b) <= set(solids.roots)
-    assert all(x < solids.robot_bodies for x in solids.body[a])
+    assert solids.of_robot[solids.body[a]].all()
 
 
 def test_bodies_on_one_link_are_never_asked() -> None:
@@ -116,21 +139,21 @@ def test_bodies_on_one_link_are_never_asked() -> None:
     odd = replace(robot, self_pairs=(("flange", "flange"), ("base", "quill")))
     tool = replace(CUP, bodies=(*CUP.bodies, solid("second cup", sphere(0.01))))
     scene = replace(scene, robot=odd, tool=tool)
-    solids = SolidsMaker(scene)(None, ())
+    solids = Bodies(scene)(None, ())
     a, b = asked_pairs(scene, solids)
     assert (solids.carrier[a] != solids.carrier[b]).all()
 
 
 def test_a_carried_part_is_the_arms_and_no_longer_around() -> None:
     scene = table_to_table()
-    make = SolidsMaker(scene)
+    make = Bodies(scene)
     carried = Carried("part", Pose(0.01, 0.0, -0.07, 0.4))
     solids = make(carried, ())
     assert solids.names.count("part") == 1
-    number = solids.names.index("part")
-    assert number < solids.robot_bodies
+    number = solids.number["part"]
+    assert solids.of_robot[number]
     assert solids.carrier[solids.roots[number]] == FLANGE
-    assert np.allclose(solids.centre[solids.roots[number]], carried.in_flange.position)
+    assert np.allclose(centre(solids, int(solids.roots[number])), carried.in_flange.position)
     a, b = asked_pairs(scene, solids)
     pairs = {(solids.names[solids.body[x]], solids.names[solids.body[y]]) for x, y in zip(a, b, strict=True)}
     assert {("part", "left-table"), ("part", "right-table")} <= pairs
@@ -139,11 +162,11 @@ def test_a_carried_part_is_the_arms_and_no_longer_around() -> None:
 
 def test_a_part_that_was_moved_rides_where_it_was_put() -> None:
     scene = scene_of_all()
-    make = SolidsMaker(scene)
+    make = Bodies(scene)
     solids = make(None, (("part", "dial", Pose(0.05, 0.0, 0.03, 0.2)),))
-    root = solids.roots[solids.names.index("part")]
+    root = solids.roots[solids.number["part"]]
     assert solids.carrier[root] == 5 + list(scene.frames).index("dial")
-    assert np.allclose(solids.centre[root], [0.05, 0.0, 0.03])
+    assert np.allclose(centre(solids, int(root)), [0.05, 0.0, 0.03])
     assert make(None, (("part", "dial", Pose(0.05, 0.0, 0.03, 0.2)),)) is solids
     assert make(None, ()) is not solids
 
@@ -152,19 +175,20 @@ def test_a_part_that_was_moved_rides_where_it_was_put() -> None:
 def test_no_point_of_a_unit_is_further_from_its_carriers_axis_than_its_reach(piece: Piece, seed: int) -> None:
     pose = Pose(0.1, -0.2, 0.05, 0.7)
     scene = cell(go(0.3, 0.0), bodies=(Around(Body("body", (piece, piece)), "world", pose),), robot=arm(bare=True))
-    solids = SolidsMaker(scene)(None, ())
+    solids = Bodies(scene)(None, ())
     rng = np.random.default_rng(seed)
     for unit in range(len(solids.body)):
         shape = solids.shapes[unit]
         grown = 0.0 if isinstance(shape, Hull) else shape.disc + shape.ball
-        points = solids.centre[unit] + corners(shape) @ solids.rotation[unit].T
+        origin, turn = centre(solids, unit) - axes(solids, unit) @ solids.offset[unit], axes(solids, unit)
+        points = origin + corners(shape) @ turn.T
         furthest = float(np.hypot(points[:, 0], points[:, 1]).max()) + grown
-        assert furthest <= solids.reach[unit] + 1e-12 or not solids.reach[unit]
+        assert furthest <= solids.rows[unit, REACH] + 1e-12 or not solids.rows[unit, REACH]
         n = rng.normal(size=3)
         n[2] = 0.0
         n /= np.linalg.norm(n)
-        along = support(Piece(shape, solids.centre[unit], solids.rotation[unit]), n)
-        assert abs(along) <= solids.reach[unit] + 1e-12 or not solids.reach[unit]
+        along = support(Piece(shape, origin, turn), n)
+        assert abs(along) <= solids.rows[unit, REACH] + 1e-12 or not solids.rows[unit, REACH]
 
 
 def test_an_arm_stands_before_its_first_knot_and_after_its_last() -> None:

@@ -12,9 +12,7 @@ from assur.planner.checker import Code, check
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import solids
 from assur.planner.checker.world import World
-from assur.planner.collision.arrangement import carriers, standing
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.support_gaps import place, support
 from assur.planner.frames import Fixed, Linear
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder
@@ -24,6 +22,7 @@ from assur.planner.model.scene import Clearance, Execution, Scene, WorldBody
 from assur.planner.pipeline import plan
 from tests.planner.cells import CUP, arm, cell, frame, go, stands
 from tests.planner.checker.hand_made import carton, with_rows, without
+from tests.planner.second_solids import carriers, place, standing, support
 
 FAR_M = 1.3
 """From the shoulder to the ring of posts: out of reach of the arm, which is 0.6 m long."""
@@ -64,10 +63,10 @@ def reach(scene: Scene, made: Plan, row: int, t: FloatArray) -> FloatArray:
     """max of n·x over the body of a row, n being its normal, at times t (T,)."""
     c = made.certificate
     phase = next(p for p in phases(scene, made.legs, made.arrivals) if p.t0 <= c.t0[row] and c.t1[row] <= p.t1)
-    solids = Prover(scene).solids(phase.carried, phase.rides)
-    unit = solids.roots[solids.names.index(c.names[c.first[row]])]
+    arrangement = Prover(scene).arrangement(phase.carried, phase.rides)
+    unit = arrangement.roots[arrangement.number[c.names[c.first[row]]]]
     where = carriers(scene, standing(made.trajectory, t), t)
-    placed = place(solids, where, np.arange(len(t)), np.full(len(t), unit))
+    placed = place(arrangement, where, np.arange(len(t)), np.full(len(t), unit))
     n = np.tile(c.normal[row], (len(t), 1, 1))
     return np.asarray(support(placed, n)[:, 0] + placed.centre @ c.normal[row])
 

@@ -1,0 +1,185 @@
+"""Which bodies are far from all that a robot sweeps: by planes across the axes of the world (equation C6).
+
+In a large cell most of what stands around is far from the arm, and a few rows of single units of the robot do for all
+of it. The six sides are the normals +x, +y, +z, −x, −y, −z of the world. `boxes` (U, 6): least and greatest coordinates
+of units, m; `others` (O, PAIR_COLUMNS - 1): bodies of the surroundings and what is required of them, the columns of a
+pair without its first unit.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.compiled import kernel
+from assur.planner.kernels.links import BOUND_COLUMNS, POSE_COLUMNS
+from assur.planner.kernels.proof import RESERVE_M, fetch, survey, unit_bound
+from assur.planner.kernels.solids import (
+    CUBE,
+    FIRST,
+    GROWTH,
+    LATE,
+    NUMBERS,
+    PAIR_COLUMNS,
+    REQUIRED,
+    ROW,
+    SECOND,
+    TABLE,
+    support,
+)
+
+SIDES = 6
+
+
+@kernel("UniTuple(float64, 3)(int64)")
+def side_normal(side: int) -> tuple[float, float, float]:
+    """The unit normal of a side."""
+    sign = 1.0 if side < 3 else -1.0
+    axis = side % 3
+    return (sign if axis == 0 else 0.0), (sign if axis == 1 else 0.0), (sign if axis == 2 else 0.0)
+
+
+@kernel(
+    f"void({ROW}, {TABLE}, {TABLE}, {ROW}, {CUBE}, {TABLE}, {TABLE}, {TABLE}, {TABLE}, {NUMBERS}, {NUMBERS},"
+    f" {ROW}, {TABLE})"
+)
+def behind(
+    robot: FloatArray,
+    laws: FloatArray,
+    side: FloatArray,
+    tk: FloatArray,
+    c: FloatArray,
+    whole: FloatArray,
+    matrix: FloatArray,
+    bodies: FloatArray,
+    vertices: FloatArray,
+    still: IntArray,
+    units: IntArray,
+    edges: FloatArray,
+    least: FloatArray,
+) -> None:
+    """Fills `least` (R, 6): each of `units` (R,) stays behind the plane n·x = −least of each side all along.
+
+    It is proved over each of the intervals between `edges` (C2, C3), and is the smallest of them.
+    """
+    n, m = c.shape[1], len(matrix)
+    carriers, placed = np.empty((3, len(still), POSE_COLUMNS)), np.empty((3, len(bodies), POSE_COLUMNS))
+    bounds, stamp = np.zeros((len(still), BOUND_COLUMNS)), np.zeros(len(bodies), dtype=np.int64)
+    q, swept = np.empty(n), np.empty((4, max(n, m)))
+    least[:] = math.inf
+    for part in range(len(edges) - 1):
+        t0, t1 = edges[part], edges[part + 1]
+        h = t1 - t0
+        survey(robot, laws, side, tk, c, whole, matrix, t0, t1, q, swept, carriers, bounds)
+        for r in range(len(units)):
+            i = units[r]
+            fetch(bodies, i, carriers, placed, stamp, part + 1, still)
+            for k in range(SIDES):
+                nx, ny, nz = side_normal(k)
+                g0 = -(nx * placed[0, i, 0] + ny * placed[0, i, 1] + nz * placed[0, i, 2])
+                g0 -= support(bodies, vertices, placed, 0, i, nx, ny, nz)
+                g1 = -(nx * placed[2, i, 0] + ny * placed[2, i, 1] + nz * placed[2, i, 2])
+                g1 -= support(bodies, vertices, placed, 2, i, nx, ny, nz)
+                speed, acceleration = unit_bound(bodies, bounds, i, nx, ny, nz)
+                by_speed, by_acceleration = 0.5 * (g0 + g1 - speed * h), min(g0, g1) - acceleration * h * h / 8.0
+                shown = by_speed if by_speed >= by_acceleration else by_acceleration
+                # what is not a number shows nothing
+                least[r, k] = min(least[r, k], shown) if shown > -math.inf else -math.inf
+
+
+@kernel(f"int64({TABLE}, {NUMBERS}, {TABLE}, {TABLE}, {TABLE}, float64, float64, {TABLE}, {TABLE})")
+def not_behind(
+    boxes: FloatArray,
+    units: IntArray,
+    least: FloatArray,
+    others: FloatArray,
+    allowed: FloatArray,
+    since: float,
+    until: float,
+    used: FloatArray,
+    pairs: FloatArray,
+) -> int:
+    """Writes the pairs of `units` (R,) and `others` that no plane keeps apart to `pairs`; returns how many they are.
+
+    `least` (R, 6) is what `behind` found; `used` (R, 6) becomes 1 where it is needed. `boxes` are NaN for what does not
+    stand still. `allowed` (A, PAIR_COLUMNS): pairs that may touch, with what is required of them instead of what
+    `others` says. -1: `pairs` is too short.
+    """
+    together, count = np.empty(SIDES), 0
+    for k in range(SIDES):
+        together[k] = math.inf
+        for r in range(len(units)):
+            together[k] = min(together[k], least[r, k])
+    for o in range(len(others)):
+        b = int(others[o, 0])
+        growth = others[o, GROWTH - 1] * max(until + others[o, LATE - 1] - since, 0.0)
+        need = others[o, REQUIRED - 1] + growth + RESERVE_M
+        best, side = -math.inf, 0
+        for k in range(SIDES):
+            nearest = boxes[b, k] if k < 3 else -boxes[b, k]
+            if together[k] + nearest > best:
+                best, side = together[k] + nearest, k
+        if best >= need:
+            for r in range(len(units)):
+                used[r, side] = 1.0
+            continue
+        for r in range(len(units)):
+            best, side, apart = -math.inf, 0, False
+            for k in range(SIDES):
+                found = least[r, k] + (boxes[b, k] if k < 3 else -boxes[b, k])
+                apart = apart or (used[r, k] > 0.0 and found >= need)
+                if found > best:
+                    best, side = found, k
+            if apart:
+                continue
+            if best >= need:
+                used[r, side] = 1.0
+                continue
+            if count == len(pairs):
+                return -1
+            pairs[count, FIRST], pairs[count, SECOND] = units[r], b
+            for column in range(REQUIRED, PAIR_COLUMNS):
+                pairs[count, column] = others[o, column - 1]
+            for k in range(len(allowed)):
+                if allowed[k, FIRST] == units[r] and allowed[k, SECOND] == b:
+                    for column in range(REQUIRED, PAIR_COLUMNS):
+                        pairs[count, column] = allowed[k, column]
+            count += 1
+    return count
+
+
+@kernel(f"void({TABLE}, {NUMBERS}, {TABLE}, {TABLE}, float64, float64, {TABLE})")
+def drop_spare(
+    boxes: FloatArray,
+    units: IntArray,
+    least: FloatArray,
+    others: FloatArray,
+    since: float,
+    until: float,
+    used: FloatArray,
+) -> None:
+    """Sets `used` (R, 6) to 0 for planes that do nothing which another one does not do: a certificate stays small."""
+    for r in range(len(units)):
+        for spare in range(SIDES):
+            if used[r, spare] == 0.0:
+                continue
+            does = False
+            for o in range(len(others)):
+                b = int(others[o, 0])
+                growth = others[o, GROWTH - 1] * max(until + others[o, LATE - 1] - since, 0.0)
+                need = others[o, REQUIRED - 1] + growth + RESERVE_M
+                if not least[r, spare] + (boxes[b, spare] if spare < 3 else -boxes[b, spare]) >= need:
+                    continue
+                alone = True
+                for k in range(SIDES):
+                    found = least[r, k] + (boxes[b, k] if k < 3 else -boxes[b, k])
+                    if k != spare and used[r, k] > 0.0 and found >= need:
+                        alone = False
+                        break
+                if alone:
+                    does = True
+                    break
+            if not does:
+                used[r, spare] = 0.0

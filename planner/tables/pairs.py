@@ -1,0 +1,114 @@
+"""Which bodies must stay how far apart (equation C5): phases, contacts, clearance and uncertainty as numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.kernels.solids import FIRST, PAIR_COLUMNS, REQUIRED, SECOND
+from assur.planner.model.clearance import CONTACT_GAP, clearance, drift
+from assur.planner.model.phases import Phase
+from assur.planner.model.scene import Scene
+from assur.planner.tables.bodies import Arrangement
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """What must be kept apart in phases of one kind. Distances in m, times in s.
+
+    `mine` (R,): units of the robot's bodies. `others` (O, PAIR_COLUMNS - 1): units of the surroundings and what is
+    required of them, the columns of a pair without its first unit. `own` (S, PAIR_COLUMNS): pairs within the robot.
+    `allowed` (A, PAIR_COLUMNS): pairs that may touch, with what is required of them instead.
+    """
+
+    mine: IntArray
+    others: FloatArray
+    own: FloatArray
+    allowed: FloatArray
+    latest: float
+
+    @cached_property
+    def every(self) -> FloatArray:
+        """All pairs (P, PAIR_COLUMNS): the robot's bodies against all others, then those within the robot."""
+        found = np.empty((len(self.mine) * len(self.others) + len(self.own), PAIR_COLUMNS))
+        across = found[: len(found) - len(self.own)]
+        across[:, FIRST] = np.repeat(self.mine, len(self.others))
+        across[:, SECOND:] = np.tile(self.others, (len(self.mine), 1))
+        for row in self.allowed:
+            across[(across[:, FIRST] == row[FIRST]) & (across[:, SECOND] == row[SECOND])] = row
+        found[len(across) :] = self.own
+        return found
+
+    @cached_property
+    def distant(self) -> FloatArray:
+        """The same without the pairs that may touch."""
+        return self.every[self.every[:, REQUIRED] != CONTACT_GAP] if len(self.allowed) else self.every
+
+    def __len__(self) -> int:
+        return len(self.mine) * len(self.others) + len(self.own)
+
+
+class PairTables:
+    """The pairs of a scene by arrangement and kind of phase, made once each."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._made: dict[tuple[object, ...], Pairs] = {}
+
+    def __call__(self, arrangement: Arrangement, phase: Phase) -> Pairs:
+        """The pairs of a phase, in the arrangement that it has."""
+        key = (arrangement, phase.near, phase.glued, phase.beside, phase.exempt)
+        if key not in self._made:
+            self._made[key] = self._pairs(arrangement, phase)
+        return self._made[key]
+
+    def _pairs(self, arrangement: Arrangement, phase: Phase) -> Pairs:
+        scene, links = self.scene, arrangement.links
+        mine, around = arrangement.roots[arrangement.of_robot], arrangement.roots[~arrangement.of_robot]
+        asked = clearance(scene, phase)
+        by_frame = np.zeros((len(scene.frames), 3))
+        for k, name in enumerate(scene.frames):
+            known, growth = drift(scene, phase, name)
+            by_frame[k] = asked + scene.execution.tracking_m + known, growth, scene.execution.start_tolerance_s
+        others = np.empty((len(around), PAIR_COLUMNS - 1))
+        others[:, 0], others[:, REQUIRED - 1 :] = around, by_frame[arrangement.carrier[around] - links]
+        allowed = _allowed(arrangement, phase)
+        contacts = {frozenset(row[:REQUIRED].astype(int).tolist()) for row in allowed}
+        own = [
+            (a, b, CONTACT_GAP if frozenset((a, b)) in contacts else asked, 0.0, 0.0)
+            for a, b in _within_robot(scene, arrangement, mine)
+        ]
+        return Pairs(
+            mine,
+            others,
+            np.array(own).reshape(-1, PAIR_COLUMNS),
+            allowed,
+            scene.execution.start_tolerance_s,
+        )
+
+
+def _within_robot(scene: Scene, arrangement: Arrangement, mine: IntArray) -> list[tuple[int, int]]:
+    """Units of the robot that are asked to stay apart: those on links between which `self_pairs` ask for it."""
+    name, wanted = scene.robot.links, {frozenset(links) for links in scene.robot.self_pairs}
+    carrier = arrangement.carrier
+    return [
+        (int(a), int(b))
+        for i, a in enumerate(mine)
+        for b in mine[i + 1 :]
+        if carrier[a] != carrier[b] and frozenset((name[carrier[a]], name[carrier[b]])) in wanted
+    ]
+
+
+def _allowed(arrangement: Arrangement, phase: Phase) -> FloatArray:
+    """The pairs of a phase that may touch, the robot's unit first."""
+    found = []
+    for names in sorted(phase.exempt):
+        if all(name in arrangement.number for name in names):
+            one, other = (arrangement.number[name] for name in names)
+            if arrangement.of_robot[other]:
+                one, other = other, one
+            found.append((arrangement.roots[one], arrangement.roots[other], CONTACT_GAP, 0.0, 0.0))
+    return np.array(found, dtype=np.float64).reshape(-1, PAIR_COLUMNS)
