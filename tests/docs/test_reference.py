@@ -10,7 +10,8 @@ import pytest
 
 from assur.planner.checker.verdict import Code
 from assur.planner.frames.motion import Pose
-from assur.planner.model.outcome import LegKind, Reason
+from assur.planner.model.outcome import LegKind
+from assur.planner.model.refusal import Reason
 from assur.scenes import check, load, plan
 from assur.scenes.catalogue import arm_named
 from assur.scenes.conventions import places
@@ -182,7 +183,7 @@ def test_the_table_of_solids_is_that_of_the_catalogue() -> None:
 
 
 def test_the_arms_that_readme_names_are_those_of_the_catalogue() -> None:
-    table = prose("README.md").split("| arm | of the catalogue")[1].split("\n\n")[0]
+    table = prose("README.md").split("| arm | in the catalogue")[1].split("\n\n")[0]
     rows = re.findall(r"^\| (.+?) \| (.+?) \|$", table, re.MULTILINE)
     there = {robot["model"]: robot["family"] for robot in robots()}
     scaras = [model for model, family in there.items() if family == "scara"]

@@ -90,7 +90,7 @@ def test_names_that_are_not_different_texts_are_refused() -> None:
         {"t0": np.nan},
         {"t1": "x"},
         {"kind": "MOVE"},
-        {"note": 5},
+        {"route": 5},
     ],
 )
 def test_legs_of_no_step_time_or_kind_are_refused(changes: dict[str, Any]) -> None:
