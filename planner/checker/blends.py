@@ -1,8 +1,8 @@
 """Whether a plan with parabolic blends is one, and misses its vias by what it says.
 
 In such a plan every piece of the spline is a parabola: its acceleration is constant (zone I), or zero (zone II). A via
-is due in the middle of a zone I, or of a stretch without acceleration where nothing bends. From the velocities v1, v2
-at both ends of that piece, 2τ long, follows the pose that it is blended past,
+is due in the middle of a zone I, or of a piece without acceleration where nothing bends. From the velocities v1, v2 at
+both ends of that piece, 2τ long, follows the pose that it is blended past,
 
     B = q(t) − τ (v2 − v1)/4                                                                                (V4)
 
@@ -11,17 +11,21 @@ and the tool must be at the control point in B. So neither an inverse nor what t
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.meeting import MEET_M, MEET_RAD, tilted
-from assur.planner.checker.order import TIME_S
-from assur.planner.checker.spline import Spline
+from assur.planner.checker.along import MEET_M
+from assur.planner.checker.legs import TIME_S
+from assur.planner.checker.meeting import MEET_RAD, distance, tilted
+from assur.planner.checker.spline import controls
 from assur.planner.checker.targets import Target, asks_passing
-from assur.planner.checker.tilt import wrapped
 from assur.planner.checker.verdict import Code, Finding
+from assur.planner.checker.world import World
 from assur.planner.model.outcome import Arrival
-from assur.planner.model.scene import Scene
+from assur.planner.trajectory import Trajectory
 
 BENT = 1e-6
 """Relative. How much the acceleration may change over a piece, of the limit; or, if that is more, by what rounding of
@@ -32,92 +36,96 @@ MISSED = 1e-9
 """rad or m. How far a claimed miss of a joint may be from ours: sums of a few terms of some radians."""
 
 
-def blends(scene: Scene, line: Spline, arrivals: tuple[Arrival, ...], found: tuple[Target, ...]) -> list[Finding]:
+class _Pieces:
+    """Of each piece (P,): begin, length, velocities (P, n, 5) and accelerations (P, n, 4) by their control values."""
+
+    def __init__(self, world: World) -> None:
+        table, knots = world.tables[1], world.knots
+        first = np.flatnonzero(knots.time[1:] > knots.time[:-1])
+        n, work = knots.q.shape[1], np.zeros((4, 6))
+        every = np.empty((len(first), n, 4, 6))
+        for k, i in enumerate(first):
+            for j in range(n):
+                controls(table, int(i), j, work)
+                every[k, j] = work
+        self.begin, self.length = knots.time[first], knots.time[first + 1] - knots.time[first]
+        self.place, self.velocity, self.pull = every[:, :, 0], every[:, :, 1, :5], every[:, :, 2, :4]
+        # what some units in the last place of positions do to the acceleration
+        rounding = UNITS * np.finfo(np.float64).eps * np.abs(self.place).max(-1) / self.length[:, None] ** 2
+        self.bent: FloatArray = np.maximum(BENT * world.scene.robot.limits.acceleration, rounding)
+        self.accelerates = (np.abs(self.pull).max(-1) > self.bent).any(1)
+
+
+def blends(world: World, arrivals: tuple[Arrival, ...], found: tuple[Target, ...]) -> list[Finding]:
     """Findings about parabolas, acceleration times and missed vias; of other plans, that they claim none missed."""
     pairs = list(zip(arrivals, found, strict=False))
-    if not scene.options.blended:
+    if not world.scene.options.blended:
         return [
             Finding(Code.BLEND, f"{target.step.name} is said to be missed, and may not be")
             for arrival, target in pairs
             if arrival.missed_by is not None
         ]
-    findings = _parabolas(scene, line) + _acceleration_time(scene, line)
+    pieces = _Pieces(world)
+    findings = _parabolas(world, pieces)
     for arrival, target in pairs:
-        findings += _missed(scene, line, arrival, target)
+        findings += _missed(world, pieces, arrival, target)
     return findings
 
 
-def _parabolas(scene: Scene, line: Spline) -> list[Finding]:
-    """Every piece has one acceleration: its control values are the same."""
-    limit = scene.robot.limits.acceleration
-    pull = line.control[2]
-    bent = (pull.max(-1) - pull.min(-1)) / limit
-    allowed = np.maximum(BENT, _rounding(line) / limit)
-    if (bent <= allowed).all():
-        return []
-    k, joint = (int(i) for i in np.unravel_index(np.argmax(np.where(np.isnan(bent), np.inf, bent)), bent.shape))
-    what = f"{scene.robot.joints[joint].name} does not move along a parabola"
-    return [Finding(Code.BLEND, what, float(bent[k, joint]), "of its acceleration limit", f"{line.time[k]:.6g} s")]
-
-
-def _rounding(line: Spline) -> FloatArray:
-    """What some units in the last place of positions do to the acceleration of each piece, (P, n)."""
-    place = np.abs(line.control[0]).max(-1)
-    return np.asarray(UNITS * np.finfo(np.float64).eps * place / line.length[:, None] ** 2)
-
-
-def _accelerates(scene: Scene, line: Spline) -> FloatArray:
-    """Which pieces (P,) are zones I: some joint accelerates."""
-    floor = np.maximum(BENT * scene.robot.limits.acceleration, _rounding(line))
-    return np.asarray((np.abs(line.control[2]).max(-1) > floor).any(1))
-
-
-def _acceleration_time(scene: Scene, line: Spline) -> list[Finding]:
-    """Where one is asked, every zone I lasts it."""
+def _parabolas(world: World, pieces: _Pieces) -> list[Finding]:
+    """Every piece has one acceleration, its control values being the same, and lasts as long as is asked."""
+    scene, findings = world.scene, []
+    bent = pieces.pull.max(-1) - pieces.pull.min(-1)
+    if not (bent <= pieces.bent).all():
+        k, joint = (int(i) for i in np.unravel_index(np.argmax(bent / pieces.bent), bent.shape))
+        what = f"{scene.robot.joints[joint].name} does not move along a parabola"
+        share = float(bent[k, joint] / scene.robot.limits.acceleration[joint])
+        where = f"{pieces.begin[k]:.6g} s"
+        findings.append(Finding(Code.BLEND, what, share, "of its acceleration limit", where))
     asked = scene.options.acceleration_time_s
-    if asked is None:
-        return []
-    off = np.where(_accelerates(scene, line), np.abs(line.length - asked), 0.0)
-    k = int(np.argmax(off))
-    if off[k] <= TIME_S:
-        return []
-    what = f"a blend does not last the {1e3 * asked:g} ms that are asked"
-    return [Finding(Code.BLEND, what, float(off[k]), "s", f"{line.time[k]:.6g} s")]
+    if asked is not None:
+        off = np.where(pieces.accelerates, np.abs(pieces.length - asked), 0.0)
+        k = int(np.argmax(off))
+        if not off[k] <= TIME_S:
+            what = f"a blend does not last the {1e3 * asked:g} ms that are asked"
+            findings.append(Finding(Code.BLEND, what, float(off[k]), "s", f"{pieces.begin[k]:.6g} s"))
+    return findings
 
 
-def _missed(scene: Scene, line: Spline, arrival: Arrival, target: Target) -> list[Finding]:
-    name, where = target.step.name, f"{arrival.time:.6g} s"
-    claimed = arrival.missed_by
+def _missed(world: World, pieces: _Pieces, arrival: Arrival, target: Target) -> list[Finding]:
+    name, where, claimed = target.step.name, f"{arrival.time:.6g} s", arrival.missed_by
     if not asks_passing(target.step):
         return [] if claimed is None else [Finding(Code.BLEND, f"{name} is said to be missed, and may not be")]
     if claimed is None:
         return [Finding(Code.BLEND, f"it is not said by how much {name} is missed", where=where)]
-    findings = []
-    t = np.array([arrival.time])
-    k = int(line.place(t)[0][0])
-    tau = float(line.length[k]) / 2
-    v1, v2 = line.control[1][k, :, 0], line.control[1][k, :, -1]
-    miss = tau * (v2 - v1) / 4
-    if _accelerates(scene, line)[k]:
-        off = abs(arrival.time - float(line.time[k]) - tau)
-        if not off <= TIME_S:
-            findings.append(Finding(Code.BLEND, f"{name} is not due in the middle of its blend", off, "s", where))
-    q = line.state(t)[0][0]
-    tcp, robot = scene.tool.tcp, scene.robot
-    still = np.zeros((2, len(q)))
-    both = robot.link_motion(robot.links.index("flange"), np.stack([q - miss, q]), still, still, still).at(tcp)
-    goal = target.motion(scene, t)
-    off = float(np.sqrt(((both.p[0] - goal.p[0]) ** 2).sum()))
-    if not off <= MEET_M:
-        findings.append(Finding(Code.BLEND, f"what is blended past is not {name}", off, "m", where))
-    off = abs(float(wrapped(both.yaw[:1] - goal.yaw)[0])) if target.turns else 0.0
-    if not off <= MEET_RAD:
-        findings.append(Finding(Code.BLEND, f"what is blended past is turned against {name}", off, "rad", where))
-    findings += tilted(scene, (q - miss)[None], arrival, target)
+    findings: list[Finding] = []
+
+    def hold(off: float, allowed: float, unit: str, what: str) -> None:
+        if not off <= allowed:
+            findings.append(Finding(Code.BLEND, what, off, unit, where))
+
+    k = min(max(int(np.searchsorted(pieces.begin, arrival.time, side="right")) - 1, 0), len(pieces.begin) - 1)
+    tau = float(pieces.length[k]) / 2
+    miss = tau * (pieces.velocity[k, :, -1] - pieces.velocity[k, :, 0]) / 4
+    if pieces.accelerates[k]:
+        off = abs(arrival.time - float(pieces.begin[k]) - tau)
+        hold(off, TIME_S, "s", f"{name} is not due in the middle of its blend")
+    q = world.joints(arrival.time, arrival.time)[:, 0]
+    past = _standing(world, q - miss)
+    tool, here = past.tool(past.start), world.tool(arrival.time)
+    goal = world.state(world.frame[target.frame], target.tool, arrival.time)
+    hold(distance(tool.p, goal.p), MEET_M, "m", f"what is blended past is not {name}")
+    turned = abs(math.remainder(tool.yaw - goal.yaw, math.tau)) if target.turns else 0.0
+    hold(turned, MEET_RAD, "rad", f"what is blended past is turned against {name}")
+    findings += tilted([past.tilt(past.start)[:2]] if target.tilt is not None else [], arrival, target)
     off = float(np.abs(np.array(claimed.joints) - miss).max())
-    if not off <= MISSED:
-        findings.append(Finding(Code.BLEND, f"a joint misses {name} by another amount", off, "rad or m", where))
-    off = abs(claimed.distance_m - float(np.sqrt(((both.p[1] - goal.p[0]) ** 2).sum())))
-    if not off <= MEET_M:
-        findings.append(Finding(Code.BLEND, f"the tool misses {name} by another distance", off, "m", where))
+    hold(off, MISSED, "rad or m", f"a joint misses {name} by another amount")
+    off = abs(claimed.distance_m - distance(here.p, goal.p))
+    hold(off, MEET_M, "m", f"the tool misses {name} by another distance")
     return findings
+
+
+def _standing(world: World, q: FloatArray) -> World:
+    """The same scene with the arm standing at q (n,)."""
+    still, none = np.stack([q, q]), np.zeros((2, len(q)))
+    return World(world.scene, replace(world.plan, trajectory=Trajectory(world.knots.time[[0, -1]], still, none, none)))

@@ -1,96 +1,118 @@
 """The story of a check: a plan is right if nothing that was promised can be shown to be missing.
 
-It trusts request and facts (shapes, laws, kinematics and its bounds), and nobody who makes plans.
+It trusts request and facts (shapes, numbers of robots and laws), and nobody who makes plans.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from assur.planner.checker.arch import arches
 from assur.planner.checker.blends import blends
-from assur.planner.checker.carry import carried
-from assur.planner.checker.cover import uncovered
 from assur.planner.checker.enclosure import enclosed
-from assur.planner.checker.far import planes
-from assur.planner.checker.form import form
-from assur.planner.checker.glue import glued
-from assur.planner.checker.limits import limits
-from assur.planner.checker.loop import loops
+from assur.planner.checker.legs import ends, order
 from assur.planner.checker.meeting import meetings
-from assur.planner.checker.order import ends, legs
-from assur.planner.checker.ranges import Ranges, ranges
-from assur.planner.checker.rows import sorted_out, spare_of
-from assur.planner.checker.solids import solids
-from assur.planner.checker.spline import spline
-from assur.planner.checker.stage import Stage, stage
+from assur.planner.checker.rows import Apart
+from assur.planner.checker.solids import Solids, solids
+from assur.planner.checker.spline import excesses
 from assur.planner.checker.targets import targets
-from assur.planner.checker.tilt import straight
+from assur.planner.checker.tracking import arches, assembled, carried, straight, tracked
 from assur.planner.checker.verdict import Code, Finding, Verdict
-from assur.planner.checker.window import windows
+from assur.planner.checker.world import World
 from assur.planner.model.digest import digest
-from assur.planner.model.outcome import Plan
+from assur.planner.model.outcome import Plan, covered
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Scene
+
+KINDS = ("position", "velocity", "acceleration", "jerk")
 
 
 @np.errstate(all="ignore")
 def check(scene: Scene, plan: Plan) -> Verdict:
     """Whether `plan` does what `scene` asks and is proved to, from both alone (docs/guarantees.md).
 
-    A plan that is no plan gets findings, not exceptions. Not checked: that the plan is good; that a Cartesian leg is
-    straight (that pitch and roll go along with it is); the working mode and the singularity margin, which are manners
-    of planning and endanger nothing here.
+    A plan of another task or robot gets findings, not exceptions. Not checked: that the plan is good; that a Cartesian
+    leg is straight (that pitch and roll go along with it is); the working mode and the singularity margin, which are
+    options of planning and endanger nothing here.
     """
-    malformed = form(scene, plan)
-    if malformed:
-        return Verdict.of(malformed)
-    knots, certificate = plan.trajectory, plan.certificate
+    knots, certificate, blended = plan.trajectory, plan.certificate, scene.options.blended
+    strange = _strange(scene, plan)
+    if strange:
+        return Verdict.of(strange)
     findings = []
     if digest(scene.digest, knots, plan.legs, plan.arrivals, certificate) != certificate.digest:
         findings.append(Finding(Code.DIGEST, "request, plan and certificate do not belong together"))
-    line = spline(knots.time, knots.q, knots.qd, knots.qdd)
-    swept = ranges(line, scene.robot.rate_matrix)
-    findings += limits(scene, line) + ends(scene, swept)
-    broken = loops(scene, swept)
+    world = World(scene, plan)
+    findings += limits(world, blended=blended) + ends(world)
+    broken = assembled(world)
     if broken:
         # Where a chain does not assemble its bodies are nowhere: of them nothing more can be said.
         return Verdict.of(findings + broken)
-    disorder = legs(scene, plan.legs, swept)
+    disorder = order(world, plan.legs)
     if disorder:
         # Who is solid against whom follows from the legs: with others than the task's, nothing more can be said.
         return Verdict.of(findings + disorder)
     goals = targets(scene, plan.arrivals)
-    findings += meetings(scene, line, plan.legs, plan.arrivals, goals) + arches(scene, line, plan.legs)
-    findings += blends(scene, line, plan.arrivals, goals)
-    findings += windows(scene, plan.arrivals, goals) + glued(scene, swept, plan.legs, goals)
-    findings += straight(scene, swept, plan.legs, plan.arrivals)
+    findings += meetings(world, plan.legs, plan.arrivals, goals) + arches(world, plan.legs)
+    findings += blends(world, plan.arrivals, goals) + tracked(world, plan.legs, goals)
+    findings += straight(world, plan.legs, plan.arrivals)
     of_plan = phases(scene, plan.legs, plan.arrivals)
-    findings += carried(scene, line, of_plan)
-    scenery = stage(scene, solids(scene), of_plan)
-    findings += _known(scenery, of_plan) + _apart(scenery, of_plan, plan, swept)
-    return Verdict.of(findings)
+    findings += carried(world, of_plan)
+    table = solids(scene, of_plan)
+    apart = Apart(scene, of_plan, table, world.tables, certificate)
+    return Verdict.of(findings + _known(scene, table, of_plan) + apart.found() + enclosed(world, apart))
 
 
-def _apart(scenery: Stage, of_plan: tuple[Phase, ...], plan: Plan, swept: Ranges) -> list[Finding]:
-    """Separation: true rows that prove what is required, for every asked pair, over the whole of every phase."""
-    rows, senseless = sorted_out(scenery, of_plan, plan.certificate)
-    pairs, alone = rows.some(rows.second >= 0), rows.some(rows.second < 0)
-    spare, untrue = spare_of(scenery, of_plan, plan.certificate, pairs, swept)
-    least, false = spare_of(scenery, of_plan, plan.certificate, alone, swept)
-    behind = planes(of_plan, alone, plan.certificate.normal[alone.number], least)
-    holes = uncovered(scenery, of_plan, pairs.some(spare > -np.inf), behind)
-    return senseless + untrue + false + holes + enclosed(scenery, of_plan, swept)
+def _strange(scene: Scene, plan: Plan) -> list[Finding]:
+    """Findings about a plan that is none for this robot and task, so that nothing after has to ask."""
+    findings = []
+    knots, blended, n = plan.trajectory, scene.options.blended, len(scene.robot.joints)
+    if knots.n != n:
+        findings.append(Finding(Code.FORM, f"knots of {knots.n} joints, the robot has {n}"))
+    if knots.jumps is not blended:
+        asked = "parabolic_blend" if blended else "jerk_limited"
+        findings.append(
+            Finding(Code.FORM, f"jumps in acceleration are said to be {knots.jumps}, the timing is {asked}")
+        )
+    if plan.certificate.covers != covered(blended=blended):
+        what = f"the certificate must say that it covers {', '.join(covered(blended=blended))}"
+        findings.append(Finding(Code.FORM, what))
+    for arrival in plan.arrivals:
+        if arrival.missed_by is not None and len(arrival.missed_by.joints) != n:
+            findings.append(Finding(Code.FORM, f"the miss of {arrival.control_point} must be of {n} joints"))
+    steps = [("leg", leg.step) for leg in plan.legs] + [("arrival", arrival.step) for arrival in plan.arrivals]
+    for what, step in steps:
+        if not step < len(scene.task):
+            findings.append(Finding(Code.FORM, f"a plan with {what}s of step {step}, which the task has not"))
+    return findings
 
 
-def _known(scenery: Stage, of_plan: tuple[Phase, ...]) -> list[Finding]:
+def limits(world: World, *, blended: bool) -> list[Finding]:
+    """One finding for each kind of limit and joint that is broken, with the excess found and when.
+
+    With parabolic blends the jerk has no bound, and is not looked at: the certificate says so.
+    """
+    robot = world.scene.robot
+    given, n = robot.limits, len(robot.joints)
+    half, middle = (given.upper - given.lower) / 2, (given.upper + given.lower) / 2
+    worst, when = np.zeros((4, n)), np.zeros((4, n))
+    allowed = np.stack([middle, half, given.velocity, given.acceleration, given.jerk])
+    own = world.tables[1][: len(world.knots.time)]
+    excesses(own, n, allowed, 3 if blended else 4, worst, when)
+    findings: list[Finding] = []
+    for kind, joint in () if (worst <= 0.0).all() else np.argwhere(~(worst <= 0.0)):
+        what = f"{robot.joints[joint].name} breaks its {KINDS[kind]} limit"
+        unit = ("rad" if robot.joints[joint].kind == "revolute" else "m") + ("", "/s", "/s²", "/s³")[kind]
+        findings.append(Finding(Code.LIMIT, what, float(worst[kind, joint]), unit, f"{when[kind, joint]:.6g} s"))
+    return findings
+
+
+def _known(scene: Scene, table: Solids, of_plan: tuple[Phase, ...]) -> list[Finding]:
     """Every frame that bears a body or guides the tool must be known for as long as it does."""
-    scene, findings = scenery.scene, []
-    late = scene.execution.start_tolerance_s
-    for k, (name, frame) in enumerate(scene.frames.items(), start=scenery.links):
+    findings, late = [], scene.execution.start_tolerance_s
+    for k, (name, frame) in enumerate(scene.frames.items(), start=table.links):
         first, last = frame.law.valid
         for i, phase in enumerate(of_plan):
-            needed = (scenery.carrier[scenery.seat[i]] == k).any() or phase.glued == name
+            needed = (table.carrier[table.seat[i]] == k).any() or phase.glued == name
             if needed and not (first <= phase.t0 and phase.t1 + late <= last):
                 missing = max(first - phase.t0, phase.t1 + late - last)
                 what = f"the motion of {name} is not known long enough"

@@ -3,62 +3,48 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.order import TIME_S
-from assur.planner.checker.spline import Spline, State
+from assur.planner.checker import along
+from assur.planner.checker.along import MEET_M
+from assur.planner.checker.legs import TIME_S
 from assur.planner.checker.targets import Target, asks_passing, asks_rest, asks_velocity, may_turn
-from assur.planner.checker.tilt import tilt, tilt_rates, turned_by, wrapped
 from assur.planner.checker.verdict import Code, Finding
-from assur.planner.frames.motion import Motion, Pose
+from assur.planner.checker.world import World
+from assur.planner.frames import Conveyor, Linear
 from assur.planner.model.outcome import Arrival, Leg, LegKind
-from assur.planner.model.scene import Scene
 
-MEET_M = 1e-6
-"""m. The tool point may be off its control point by this: 1 µm, half of what anyone may find on measuring again; a
-planner reaches 1e-9 m, no servo reaches this."""
 MEET_RAD = 1e-6
-"""rad. The same for yaw."""
+"""rad. As `MEET_M` (1 µm: a planner reaches 1e-9 m, no servo reaches this), for yaw, and for pitch and roll."""
 MEET_M_S = 1e-6
 """m/s. A matched velocity may be off by this: a fifth of what anyone may find; in 1 s it adds up to 1 µm."""
 MEET_RAD_S = 1e-6
-"""rad/s. The same for the yaw rate; and for each joint where the arm is asked to stand."""
-
-
-def tool_motion(scene: Scene, line: Spline, t: FloatArray) -> Motion:
-    """Motion of the tool point in the world at times t (T,)."""
-    return _tool(scene, line.state(t))
-
-
-def _tool(scene: Scene, state: State) -> Motion:
-    """Motion of the tool point in the world with the joints in states (T, n)."""
-    robot = scene.robot
-    return robot.link_motion(robot.links.index("flange"), *state).at(scene.tool.tcp)
+"""rad/s. The same for rates of yaw, pitch and roll; and for each joint where the arm is asked to stand."""
 
 
 def meetings(
-    scene: Scene, line: Spline, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...], found: tuple[Target, ...]
+    world: World, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...], found: tuple[Target, ...]
 ) -> list[Finding]:
     """One arrival a step, at the right time, true in what it says, and what the request asks."""
-    if [arrival.step for arrival in arrivals] != list(range(len(scene.task))):
+    if [arrival.step for arrival in arrivals] != list(range(len(found))):
         return [Finding(Code.ARRIVAL, "there must be one arrival for each step, in order")]
     findings = []
     for arrival, target in zip(arrivals, found, strict=True):
         name = target.step.name
-        times = _times(legs, target.number)
         at = f"{arrival.time:.6g} s"
+        times = _times(legs, target.number)
         off = min((max(abs(arrival.time - a), abs(arrival.until - b)) for a, b in times), default=math.inf)
         if not off <= TIME_S:
             findings.append(Finding(Code.ARRIVAL, f"the arrival at {name} is not when its legs end", off, "s", at))
         if arrival.control_point != name:
             findings.append(Finding(Code.ARRIVAL, f"the arrival at {name} names {arrival.control_point!r:.60}"))
-        if not may_turn(scene, target.step, arrival.yaw_offset):
-            findings.append(
-                Finding(Code.ARRIVAL, f"the tool may not be turned so at {name}", arrival.yaw_offset, "rad")
-            )
-        findings += _met(scene, line, arrival, target)
+        if not may_turn(world.scene, target.step, arrival.yaw_offset):
+            what = f"the tool may not be turned so at {name}"
+            findings.append(Finding(Code.ARRIVAL, what, arrival.yaw_offset, "rad"))
+        findings += _met(world, arrival, target) + _in_window(world, arrival, target)
     return findings
 
 
@@ -76,46 +62,45 @@ def _times(legs: tuple[Leg, ...], number: int) -> list[tuple[float, float]]:
     return [(leg.t1, leg.t1) for leg in last]
 
 
-def _met(scene: Scene, line: Spline, arrival: Arrival, target: Target) -> list[Finding]:
-    name, step = target.step.name, target.step
-    times = np.array([arrival.time, arrival.until])
-    state = line.state(times)
-    tool, goal = _tool(scene, state), target.motion(scene, times)
-    findings = []
+def _met(world: World, arrival: Arrival, target: Target) -> list[Finding]:
+    """At both ends of a dwell the tool is at its control point; at its begin it has what velocity is asked."""
+    step, findings = target.step, []
     where = f"{arrival.time:.6g} s"
-    missed = scene.options.blended and asks_passing(step)  # checker.blends says by how much
-    off = 0.0 if missed else float(np.sqrt(((tool.p - goal.p) ** 2).sum(-1)).max())
-    if not off <= MEET_M:
-        findings.append(Finding(Code.ARRIVAL, f"the tool is not at {name}", off, "m", where))
-    off = float(np.abs(wrapped(tool.yaw - goal.yaw)).max()) if target.turns and not missed else 0.0
-    if not off <= MEET_RAD:
-        findings.append(Finding(Code.ARRIVAL, f"the tool is turned against {name}", off, "rad", where))
+
+    def hold(code: Code, off: float, allowed: float, unit: str, what: str) -> None:
+        if not off <= allowed:
+            findings.append(Finding(code, what, off, unit, where))
+
+    missed = world.scene.options.blended and asks_passing(step)  # checker.blends says by how much
+    frame = world.frame[target.frame]
+    times = () if missed else (arrival.time, arrival.until)
     if not missed:
-        findings += tilted(scene, state[0], arrival, target)
-    if arrival.matched or asks_velocity(step):
-        findings += _tilting(scene, state, arrival, target)
-    off = _apart(arrival.pose, tool)
-    if not off <= MEET_M:
-        findings.append(Finding(Code.ARRIVAL, f"the arrival at {name} says another pose", off, "m or rad", where))
+        findings += tilted([world.tilt(t)[:2] for t in times] if target.tilt is not None else [], arrival, target)
+    for t in times:
+        tool, goal = world.tool(t), world.state(frame, target.tool, t)
+        hold(Code.ARRIVAL, distance(tool.p, goal.p), MEET_M, "m", f"the tool is not at {step.name}")
+        turned = abs(math.remainder(tool.yaw - goal.yaw, math.tau)) if target.turns else 0.0
+        hold(Code.ARRIVAL, turned, MEET_RAD, "rad", f"the tool is turned against {step.name}")
+    tool, goal = world.tool(arrival.time), world.state(frame, target.tool, arrival.time)
+    off = max(distance(tool.p, arrival.pose.position), abs(math.remainder(tool.yaw - arrival.pose.yaw, math.tau)))
+    hold(Code.ARRIVAL, off, MEET_M, "m or rad", f"the arrival at {step.name} says another pose")
     if asks_velocity(step) and not arrival.matched:
-        findings.append(Finding(Code.MATCH, f"the velocity of {name} is asked to be matched", where=where))
+        findings.append(Finding(Code.MATCH, f"the velocity of {step.name} is asked to be matched", where=where))
     if arrival.matched or asks_velocity(step):
-        off = float(np.sqrt(((tool.v[0] - goal.v[0]) ** 2).sum()))
-        if not off <= MEET_M_S:
-            findings.append(Finding(Code.MATCH, f"the tool has not the velocity of {name}", off, "m/s", where))
-        off = abs(float(tool.yaw_d[0] - goal.yaw_d[0])) if target.turns else 0.0
-        if not off <= MEET_RAD_S:
-            findings.append(Finding(Code.MATCH, f"the tool has not the yaw rate of {name}", off, "rad/s", where))
+        hold(Code.MATCH, distance(tool.v, goal.v), MEET_M_S, "m/s", f"the tool has not the velocity of {step.name}")
+        spin = abs(tool.yaw_d - goal.yaw_d) if target.turns else 0.0
+        hold(Code.MATCH, spin, MEET_RAD_S, "rad/s", f"the tool has not the yaw rate of {step.name}")
+        if target.tilt is not None:
+            fast = max(map(abs, world.tilt(arrival.time)[2:]))
+            hold(Code.MATCH, fast, MEET_RAD_S, "rad/s", f"the tool tilts or rolls when it meets {step.name}")
     if asks_rest(step):
-        off = float(np.abs(state[1][0]).max())
-        if not off <= MEET_RAD_S:
-            findings.append(Finding(Code.MATCH, f"the arm does not stand when it meets {name}", off, "1/s", where))
+        fast = float(np.abs(world.joints(arrival.time, arrival.time)[:, 2]).max())
+        hold(Code.MATCH, fast, MEET_RAD_S, "1/s", f"the arm does not stand when it meets {step.name}")
     return findings
 
 
-def tilted(scene: Scene, q: FloatArray, arrival: Arrival, target: Target) -> list[Finding]:
-    """Whether the hand has, in the joint positions q (T, n), the pitch and roll that are asked and that the arrival
-    says."""
+def tilted(found: Sequence[tuple[float, float]], arrival: Arrival, target: Target) -> list[Finding]:
+    """Whether the hand, with each pitch and roll of `found`, has those that are asked and that the arrival says."""
     name, where = target.step.name, f"{arrival.time:.6g} s"
     if target.tilt is None:
         if arrival.pitch is None and arrival.roll is None:
@@ -123,29 +108,55 @@ def tilted(scene: Scene, q: FloatArray, arrival: Arrival, target: Target) -> lis
         return [Finding(Code.ARRIVAL, f"the arrival at {name} says a pitch or a roll, which the arm has not")]
     if arrival.pitch is None or arrival.roll is None:
         return [Finding(Code.ARRIVAL, f"the arrival at {name} does not say pitch and roll")]
-    found, findings = tilt(scene.robot, q), []
+    findings = []
     for what, asked in (
         ("is tilted or rolled against", target.tilt),
         ("has not the pitch and roll that are said at", (arrival.pitch, arrival.roll)),
     ):
-        amount = float(turned_by(found, np.array(asked)).max())
-        if not amount <= MEET_RAD:
-            findings.append(Finding(Code.ARRIVAL, f"the tool {what} {name}", amount, "rad", where))
+        off = [abs(math.remainder(tilt[k] - asked[k], math.tau)) for tilt in found for k in range(2)]
+        if not all(amount <= MEET_RAD for amount in off):
+            findings.append(Finding(Code.ARRIVAL, f"the tool {what} {name}", max(off), "rad", where))
     return findings
 
 
-def _tilting(scene: Scene, state: State, arrival: Arrival, target: Target) -> list[Finding]:
-    """Whether a hand that meets its control point with its velocity keeps its pitch and roll there; `state`: then."""
-    if target.tilt is None:
-        return []
-    q, qd = state[:2]
-    fast = float(np.abs(tilt_rates(scene.robot, q, qd)[0]).max())
-    if fast <= MEET_RAD_S:
-        return []
-    what = f"the tool tilts or rolls when it meets {target.step.name}"
-    return [Finding(Code.MATCH, what, fast, "rad/s", f"{arrival.time:.6g} s")]
+def _in_window(world: World, arrival: Arrival, target: Target) -> list[Finding]:
+    """Within the window over the whole of the dwell, in time, and in metres along a conveyor: from the pose that was
+    given for it (its place at its `at_time`), in the direction of travel."""
+    window, name, law = target.step.window, target.step.name, world.scene.frames[target.frame].law
+    findings = []
+    if window.time is not None:
+        over = max(window.time[0] - arrival.time, arrival.until - window.time[1])
+        if not over <= TIME_S:
+            what = f"{name} is met outside its window"
+            findings.append(Finding(Code.WINDOW, what, over, "s", f"{arrival.time:.6g} s"))
+    if not isinstance(law, Conveyor | Linear):
+        if window.along is not None:
+            findings.append(Finding(Code.WINDOW, f"{name} has a window in metres, and is not on a conveyor"))
+        return findings
+    yaw = law.pose.yaw
+    way = np.array((math.cos(yaw), math.sin(yaw), 0.0) if isinstance(law, Conveyor) else law.velocity)
+    u = way / math.hypot(*way) if way.any() else np.array([1.0, 0.0, 0.0])
+    frame, zero = world.frame[target.frame], float(law.pose.position @ u)
+    if arrival.along_m is not None:
+        off = abs(arrival.along_m + zero - float(world.state(frame, target.point, arrival.time).p @ u))
+        if not off <= MEET_M:
+            findings.append(Finding(Code.ARRIVAL, f"{name} is not that far along its conveyor", off, "m"))
+    if window.along is not None:
+        low, high = window.along
+        asked = [(along.FRAME, frame), (along.FOLLOWS, zero + low), (along.HEIGHT, zero + high)]
+        asked += [(along.TCP + k, float(u[k])) for k in range(3)] + posed(target.point)
+        excess = world.keeps(along.ALONG, asked, arrival.time, arrival.until)
+        if excess is not None:
+            where, amount = f"{excess.time:.6g} s", excess.amount + MEET_M
+            findings.append(Finding(Code.WINDOW, f"{name} is outside its window", amount, "m", where))
+    return findings
 
 
-def _apart(pose: Pose, tool: Motion) -> float:
-    across = float(np.sqrt(((tool.p[0] - pose.position) ** 2).sum()))
-    return max(across, abs(math.remainder(float(tool.yaw[0]) - pose.yaw, 2 * math.pi)))
+def posed(pose: object) -> list[tuple[int, float]]:
+    """The columns of a pose in a frame that the tool takes."""
+    return [(along.POINT + k, getattr(pose, name)) for k, name in enumerate(("x", "y", "z", "yaw"))]
+
+
+def distance(one: FloatArray, other: FloatArray) -> float:
+    """Of two points, or two velocities (3,)."""
+    return float(np.sqrt(((one - other) ** 2).sum()))

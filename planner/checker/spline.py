@@ -2,152 +2,147 @@
 
 Over a piece of length h, with s from 0 to 1, a derivative of degree d is Σ c_i B_i^d(s) (equation V1): it takes c_0 and
 c_d at its ends and nowhere leaves [min c, max c]; the part of it over [s0, s1] has control values of its own, by de
-Casteljau's cuts, that lie closer. The control values of q follow from the knots; each derivative's are d/h times the
-differences, taken from q1 − q0 directly so that the rounding of q does not reach the jerk more than it must.
-
-Two knots at one time, of a plan with parabolic blends, are no piece: one piece ends with the first of them, the next
-begins with the second, and everything that is bounded here is bounded piece by piece, on both sides of the jump.
+Casteljau's cuts, that lie closer. Control values of rates are made from the knots' own rates: differences of positions
+would lose them on short pieces. Two knots at one time (parabolic blends) are no piece.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import comb
-
 import numpy as np
 
-from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.jets import F1, F2
+from assur.planner.compiled import kernel
 
-State = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-"""q, q̇, q̈, q⃛."""
-
-
-@dataclass(frozen=True, eq=False)
-class Spline:
-    """Control values of q, q̇, q̈, q⃛ over the pieces between `time` (P+1,): `control[d]` (P, n, 6 - d).
-
-    `first`, `last`: q, q̇, q̈ (n,) of the outermost knots, which a jump sets apart from the outermost pieces."""
-
-    time: FloatArray
-    length: FloatArray
-    control: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-    first: tuple[FloatArray, FloatArray, FloatArray]
-    last: tuple[FloatArray, FloatArray, FloatArray]
-
-    @property
-    def start(self) -> float:
-        return float(self.time[0])
-
-    @property
-    def end(self) -> float:
-        return float(self.time[-1])
-
-    def place(self, t: FloatArray) -> tuple[IntArray, FloatArray]:
-        """Piece (T,) and s (T,) in [0, 1] of times t, those outside moved to the nearest end."""
-        piece = np.minimum(np.maximum(self.time.searchsorted(t, "right") - 1, 0), len(self.length) - 1)
-        return piece, within((t - self.time[piece]) / self.length[piece], 0.0, 1.0)
-
-    def position(self, t: FloatArray) -> FloatArray:
-        """q (T, n) at times t (T,)."""
-        piece, s = self.place(t)
-        return _value(self.control[0][piece], *_powers(s))
-
-    def state(self, t: FloatArray) -> State:
-        """q, q̇, q̈, q⃛ at times t (T,), each (T, n), from the right. If the last knot is at rest, the arm stands still
-        from there on."""
-        q, *rates = self.inside(*self.place(t))
-        late = t >= self.end
-        if late.any() and self.at_rest:
-            rates = [np.where(late[:, None], 0.0, rate) for rate in rates]
-        return q, rates[0], rates[1], rates[2]
-
-    def inside(self, piece: IntArray, s: FloatArray) -> State:
-        """q, q̇, q̈, q⃛ at s (T,) of the given pieces (T,), each (T, n)."""
-        powers = _powers(s)
-        values = [_value(control[piece], *powers) for control in self.control]
-        return values[0], values[1], values[2], values[3]
-
-    @property
-    def at_rest(self) -> bool:
-        """Whether the last knot is at rest up to `REST`."""
-        return all(bool((np.abs(rate) <= REST).all()) for rate in self.last[1:])
+JOINTS = 6
+"""Joints for which a row of the table of knots has room: time, and JOINTS each of q, q̇ and q̈."""
+Q, QD, QDD = 1, 1 + JOINTS, 1 + 2 * JOINTS
+COLUMNS = 1 + 3 * JOINTS
+RATE, JERK = 1e-9, 1e-6
+"""Relative (of positions: to half the range): what a limit may be exceeded by. Knots on a limit round to 1e-16 beyond
+it, and who looks for excess looks for 1e-6. Jerk is a third difference of the knots' numbers: with pieces of 10 µs they
+round it to some 1 rad/s³, 1e-4 of a usual limit, which a planner must leave free."""
+SHORTEST = 3e-14
+"""Of a piece: the ends of such a part cannot be told apart. What is not decided is refused."""
 
 
-REST = 1e-9
-"""A joint slower than this is at rest, rad/s or m/s (and rad/s², m/s²): in an hour it goes 4 µm."""
-_EXPONENTS = np.arange(6)
-_CHOOSE = tuple(np.array([comb(degree, i) for i in range(degree + 1)], dtype=np.float64) for degree in range(6))
-"""Binomial coefficients, a row a degree."""
+def table(time: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> FloatArray:
+    """Knots (K, COLUMNS) of a trajectory of n joints; the columns of joints that it has not are 0."""
+    found, n = np.zeros((len(time), COLUMNS)), q.shape[1]
+    found[:, 0], found[:, Q : Q + n], found[:, QD : QD + n], found[:, QDD : QDD + n] = time, q, qd, qdd
+    return found
 
 
-def spline(time: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> Spline:
-    """The spline through knots `time` (K,), not decreasing, and `q, qd, qdd` (K, n); what lasts no time is no piece."""
-    begin = np.flatnonzero(time[1:] > time[:-1])
-    end = begin + 1
-    length = time[end] - time[begin]
-    h = length[:, None]
-    q0, q1, v0, v1, a0, a1 = q[begin], q[end], qd[begin], qd[end], qdd[begin], qdd[end]
-    # Control values by number, (d+1, P, n): contiguous rows of each.
-    position, velocity, acceleration = (np.empty((rows, *q0.shape)) for rows in (6, 5, 4))
-    out, back, bent = h * v0 / 5, h * v1 / 5, h * h / 20
-    position[0], position[1], position[2] = q0, q0 + out, q0 + 2 * out + bent * a0
-    position[3], position[4], position[5] = q1 - 2 * back + bent * a1, q1 - back, q1
-    velocity[0], velocity[1], velocity[3], velocity[4] = v0, v0 + h * a0 / 4, v1 - h * a1 / 4, v1
-    velocity[2] = 5 * (q1 - q0) / h - 2 * (v0 + v1) + h * (a1 - a0) / 4
-    acceleration[0], acceleration[3] = a0, a1
-    acceleration[1:3] = 4 * (velocity[2:4] - velocity[1:3]) / h
-    jerk = 3 * (acceleration[1:] - acceleration[:-1]) / h
-    control = tuple(rows.transpose(1, 2, 0) for rows in (position, velocity, acceleration, jerk))
-    edges = np.append(time[begin], time[-1])
-    ends = (q[0], qd[0], qdd[0]), (q[-1], qd[-1], qdd[-1])
-    return Spline(edges, length, (control[0], control[1], control[2], control[3]), *ends)
+@kernel(f"void({F2}, int64, int64, {F2})")
+def controls(knots: FloatArray, i: int, j: int, c: FloatArray) -> None:
+    """Control values of q, q̇, q̈ and jerk of joint j between knots i and i + 1 into the rows of c (4, 6)."""
+    h = knots[i + 1, 0] - knots[i, 0]
+    q0, v0, a0 = knots[i, Q + j], knots[i, QD + j], knots[i, QDD + j]
+    q1, v1, a1 = knots[i + 1, Q + j], knots[i + 1, QD + j], knots[i + 1, QDD + j]
+    c[0, 0], c[0, 1], c[0, 2] = q0, q0 + h * v0 / 5.0, q0 + 2.0 * h * v0 / 5.0 + h * h * a0 / 20.0
+    c[0, 3], c[0, 4], c[0, 5] = q1 - 2.0 * h * v1 / 5.0 + h * h * a1 / 20.0, q1 - h * v1 / 5.0, q1
+    c[1, 0], c[1, 1], c[1, 3], c[1, 4] = v0, v0 + h * a0 / 4.0, v1 - h * a1 / 4.0, v1
+    # the mean of the control values of a rate is the mean rate
+    c[1, 2] = 5.0 * (q1 - q0) / h - 2.0 * (v0 + v1) + h * (a1 - a0) / 4.0
+    c[2, 0], c[2, 3] = a0, a1
+    for k in range(1, 3):
+        c[2, k] = 4.0 * (c[1, k + 1] - c[1, k]) / h
+    for k in range(3):
+        c[3, k] = 3.0 * (c[2, k + 1] - c[2, k]) / h
 
 
-def within(x: FloatArray, low: float, high: float) -> FloatArray:
-    """x, and what is outside [low, high] at its nearest end; NaN stays (`numpy.clip`, which costs several times this
-    on short arrays)."""
-    return np.asarray(np.minimum(np.maximum(x, low), high))
+@kernel(f"void({F1}, int64, float64, float64)")
+def cut(c: FloatArray, degree: int, s0: float, s1: float) -> None:
+    """Control values of a polynomial on [0, 1] become those of its part over [s0, s1], 0 <= s0 <= s1 <= 1."""
+    if s1 < 1.0:
+        for r in range(1, degree + 1):
+            for k in range(degree, r - 1, -1):
+                c[k] = c[k - 1] + s1 * (c[k] - c[k - 1])
+    if s0 > 0.0:
+        s = s0 / s1
+        for r in range(1, degree + 1):
+            for k in range(degree + 1 - r):
+                c[k] += s * (c[k + 1] - c[k])
 
 
-def _powers(s: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """s⁰ to s⁵ and (1 - s)⁰ to (1 - s)⁵, each (T, 6), for s (T,)."""
-    return s[:, None] ** _EXPONENTS, (1.0 - s)[:, None] ** _EXPONENTS
+@kernel(f"void({F1}, int64, {F1}, int64)")
+def widen(c: FloatArray, degree: int, jet: FloatArray, order: int) -> None:
+    """Widens the bounds of the order-th derivative in a jet to control values."""
+    for k in range(degree + 1):
+        jet[2 * order] = min(jet[2 * order], c[k])
+        jet[2 * order + 1] = max(jet[2 * order + 1], c[k])
 
 
-def _value(control: FloatArray, up: FloatArray, down: FloatArray) -> FloatArray:
-    """Values (T, n) of polynomials by their control values (T, n, d+1), by Bernstein's Σ c_i (d over i) sⁱ (1-s)ᵈ⁻ⁱ;
-    `up`, `down`: the powers of s and of 1 - s."""
-    degree = control.shape[-1] - 1
-    weights = _CHOOSE[degree] * up[:, : degree + 1] * down[:, degree::-1]
-    return np.asarray((control @ weights[:, :, None])[:, :, 0])
+@kernel(f"void({F2}, int64, int64, int64, float64, float64, {F2}, {F2})")
+def joints(
+    knots: FloatArray, first: int, last: int, n: int, t0: float, t1: float, c: FloatArray, found: FloatArray
+) -> None:
+    """Jets (n, 6) over [t0, t1] of the joints of a trajectory, its knots being rows first to last; c (4, 6): work.
+
+    The arm stands still before and after. At an instant the motion after it counts, at the end the motion before.
+    """
+    for j in range(n):
+        found[j, 0], found[j, 2], found[j, 4] = np.inf, np.inf, np.inf
+        found[j, 1], found[j, 3], found[j, 5] = -np.inf, -np.inf, -np.inf
+    start, end = knots[first, 0], knots[last, 0]
+    for i, stands in ((first, t0 < start), (last, t1 > end)):
+        if stands:
+            for j in range(n):
+                found[j, 0], found[j, 1] = min(found[j, 0], knots[i, Q + j]), max(found[j, 1], knots[i, Q + j])
+                found[j, 2], found[j, 3] = min(found[j, 2], 0.0), max(found[j, 3], 0.0)
+                found[j, 4], found[j, 5] = min(found[j, 4], 0.0), max(found[j, 5], 0.0)
+    if t0 > end or t1 < start:
+        return
+    i = first + int(np.searchsorted(knots[first : last + 1, 0], t0, side="right")) - 1
+    i = min(max(first, i), last - 1)
+    while i > first and not knots[i + 1, 0] > knots[i, 0]:
+        i -= 1
+    while i < last and (knots[i, 0] < t1 or knots[i, 0] <= t0):
+        h = knots[i + 1, 0] - knots[i, 0]
+        if h > 0.0:
+            s0 = min(max((t0 - knots[i, 0]) / h, 0.0), 1.0)
+            s1 = min(max((t1 - knots[i, 0]) / h, s0), 1.0)
+            for j in range(n):
+                controls(knots, i, j, c)
+                for order in range(3):
+                    cut(c[order], 5 - order, s0, s1)
+                    widen(c[order], 5 - order, found[j], order)
+        i += 1
 
 
-def cut(control: FloatArray, s0: FloatArray, s1: FloatArray) -> FloatArray:
-    """Control values (N, ..., d+1) of the parts over [s0, s1] (N,) of N polynomials on [0, 1], 0 <= s0 <= s1 <= 1."""
-    rows = np.array(np.moveaxis(control, -1, 0))
-    shape = (len(s0),) + (1,) * (control.ndim - 2)
-    before(rows, s1.reshape(shape))
-    behind(rows, begin_of(s0, s1).reshape(shape))
-    return np.moveaxis(rows, 0, -1)
+@kernel(f"void({F2}, int64, {F2}, int64, {F2}, {F2})")
+def excesses(knots: FloatArray, n: int, limits: FloatArray, kinds: int, worst: FloatArray, when: FloatArray) -> None:
+    """By how much each joint exceeds its limits, (4, n), s (4, n); 0 or less where it keeps them at every instant.
 
-
-def begin_of(s0: FloatArray, s1: FloatArray) -> FloatArray:
-    """Where [s0, s1] (N,) begins in [0, s1], as a share of it."""
-    return np.asarray(np.where(s1 > 0, s0 / np.where(s1 > 0, s1, 1.0), 0.0))
-
-
-def before(rows: FloatArray, s: FloatArray) -> None:
-    """Cuts polynomials, control values first (d+1, ...), down to their parts over [0, s] (...), in place: the values
-    along one side of de Casteljau's triangle."""
-    for k in range(1, len(rows)):
-        step = rows[k:] - rows[k - 1 : -1]
-        step *= s
-        np.add(rows[k - 1 : -1], step, out=rows[k:])
-
-
-def behind(rows: FloatArray, s: FloatArray) -> None:
-    """As `before`, down to the parts over [s, 1]: the values along the other side."""
-    for k in range(len(rows) - 1, 0, -1):
-        step = rows[1 : k + 1] - rows[:k]
-        step *= s
-        rows[:k] += step
+    `limits` (5, n): middle and half of the range, greatest velocity, acceleration and jerk; of the `kinds` first kinds.
+    Control values bound a part, and those at its ends are taken: parts are halved until one of both decides.
+    """
+    c, stack, where = np.empty((4, 6)), np.empty((64, 6)), np.empty((64, 2))
+    for i in range(len(knots) - 1):
+        h = knots[i + 1, 0] - knots[i, 0]
+        for j in range(n if h > 0.0 else 0):
+            controls(knots, i, j, c)
+            for kind in range(kinds):
+                degree, middle = 5 - kind, limits[0, j] if kind == 0 else 0.0
+                allowed = limits[kind + 1, j] * (1.0 + (JERK if kind == 3 else RATE))
+                stack[0], where[0, 0], where[0, 1], top = c[kind], 0.0, 1.0, 1
+                while top > 0 and not worst[kind, j] > 0.0:
+                    top -= 1
+                    bound = -np.inf
+                    for k in range(degree + 1):
+                        over = abs(stack[top, k] - middle) - allowed
+                        if not over <= bound:
+                            bound = over
+                    if bound <= 0.0:
+                        continue
+                    s0, s1 = where[top, 0], where[top, 1]
+                    left, right = abs(stack[top, 0] - middle) - allowed, abs(stack[top, degree] - middle) - allowed
+                    if not max(left, right) <= 0.0 or s1 - s0 <= SHORTEST:
+                        worst[kind, j] = max(left, right) if max(left, right) > 0.0 else bound
+                        when[kind, j] = knots[i, 0] + h * (s0 if left >= right else s1)
+                        continue
+                    stack[top + 1] = stack[top]
+                    cut(stack[top], degree, 0.0, 0.5)
+                    cut(stack[top + 1], degree, 0.5, 1.0)
+                    where[top + 1, 0], where[top + 1, 1], where[top, 1] = (s0 + s1) / 2.0, s1, (s0 + s1) / 2.0
+                    top += 2

@@ -5,10 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from assur.planner.arrays import FloatArray
-from assur.planner.checker.tilt import has_tilt
-from assur.planner.frames.motion import Motion, Pose
-from assur.planner.frames.tilted import Tilt
+from assur.planner.frames.motion import Pose
 from assur.planner.model.outcome import Arrival
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.scene import Move, Pick, Place, Scene, Step
@@ -16,6 +13,8 @@ from assur.planner.model.scene import Target as Asked
 
 TURN = 1e-9
 """A turn that a symmetry allows is recognised up to this, rad."""
+Tilt = tuple[float, float]
+"""Pitch and roll, rad."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,21 +33,17 @@ class Target:
     """Pitch and roll of the tool: as asked or, where that is free, as its arrival says; NaN where it says nothing. None
     for an arm without."""
 
-    def motion(self, scene: Scene, t: FloatArray) -> Motion:
-        """Motion of the tool point if it stays in `frame`, at times t."""
-        return scene.frames[self.frame].law.motion(t).at(self.tool)
-
 
 def targets(scene: Scene, arrivals: tuple[Arrival, ...]) -> tuple[Target, ...]:
     """One target a step. A part is taken turned by its arrival's offset and put down in the pose that is asked."""
-    offsets = {arrival.step: arrival.yaw_offset for arrival in arrivals}
     claims = {arrival.step: arrival for arrival in arrivals}
     lies = {body.name: (body.frame, body.pose) for body in scene.bodies}
-    has_yaw = "yaw" in scene.robot.coordinates
+    has_yaw, has_tilt = ("yaw" in scene.robot.coordinates, "pitch" in scene.robot.coordinates)
     taken = Pose()
     found = []
     for number, step in enumerate(scene.task):
-        turn = Pose(yaw=offsets.get(number, 0.0))
+        claim = claims.get(number)
+        turn = Pose(yaw=0.0 if claim is None else claim.yaw_offset)
         if isinstance(step, Pick):
             frame, point = lies[step.part]
             taken = turn.then(step.grasp)
@@ -60,7 +55,7 @@ def targets(scene: Scene, arrivals: tuple[Arrival, ...]) -> tuple[Target, ...]:
         else:
             point = step.target.pose
             tool = Pose(point.x, point.y, point.z, point.yaw + turn.yaw)
-            tilt = _tilt(step.target, claims.get(number)) if has_tilt(scene.robot) else None
+            tilt = _tilt(step.target, claim) if has_tilt else None
             found.append(Target(number, step, step.target.frame, tool, point, has_yaw, tilt))
     return tuple(found)
 

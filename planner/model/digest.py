@@ -16,14 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from assur.planner.model.outcome import Arrival, Certificate, Leg, Route
+from assur.planner.model.outcome import INDICES, Arrival, Certificate, Leg, Route
 from assur.planner.trajectory import Trajectory
 
 FORMAT = "assur-plan-4"
 """Changes whenever the meaning of a column, or the order of the items below, does."""
 
 REALS = ("t0", "t1", "normal")
-INDICES = ("first", "first_piece", "second", "second_piece")
 
 
 _WHOLE, _REAL = struct.Struct("<q").pack, struct.Struct("<d").pack

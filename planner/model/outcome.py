@@ -5,11 +5,15 @@ Facts only. Times are absolute seconds of the scene's clock, everything else is 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Literal
+from typing import Any, Literal
+
+import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.trajectory import Trajectory
@@ -61,7 +65,10 @@ class Route:
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """The part [t0, t1] of the plan that serves step number `step`; `route`: how a move goes or why the arm waits."""
+    """The part [t0, t1] of the plan that serves step number `step`; `route`: how a move goes or why the arm waits.
+
+    Raises `InputError` for what is no kind, no number of a step, no finite time or no route.
+    """
 
     kind: LegKind
     step: int
@@ -69,14 +76,29 @@ class Leg:
     t1: float
     route: Route | None = None
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.kind, LegKind):
+            raise InputError("leg.kind", self.kind, f"one of {', '.join(LegKind)}")
+        _step("leg.step", self.step)
+        _finite("leg.t0", self.t0)
+        _finite("leg.t1", self.t1)
+        if not isinstance(self.route, Route | None):
+            raise InputError("leg.route", self.route, "a route, or none")
+
 
 @dataclass(frozen=True, slots=True)
 class Missed:
     """By how much a parabolic blend misses its pose at its time: each joint (B3), rad or m in the robot's order, and
-    the tool point, m."""
+    the tool point, m. Raises `InputError` for what is not a finite number."""
 
     joints: tuple[float, ...]
     distance_m: float
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.joints, tuple):
+            raise InputError("missed_by.joints", self.joints, "a tuple of numbers")
+        for number in (*self.joints, self.distance_m):
+            _finite("missed_by", number)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +111,7 @@ class Arrival:
     the tool was turned about the part's vertical axis, where the part's symmetry (or a free yaw) leaves the choice.
     `pitch`, `roll`: with which the tool met it, rad; None for an arm that has none. `missed_by`: of a via with
     parabolic blends, whose `pose` is where the tool is at `time`, while pitch and roll are those of the pose it misses.
+    Raises `InputError` for what is no number of a step, no pose, no text, or not finite.
     """
 
     step: int
@@ -104,7 +127,31 @@ class Arrival:
     roll: float | None = None
     missed_by: Missed | None = None
 
+    def __post_init__(self) -> None:
+        _step("arrival.step", self.step)
+        for name in ("time", "until", "yaw_offset", "along_m", "window_left_s", "pitch", "roll"):
+            value = getattr(self, name)
+            if value is not None or name in ("time", "until", "yaw_offset"):
+                _finite(f"arrival.{name}", value)
+        for name, kind in (("control_point", str), ("pose", Pose), ("missed_by", Missed | None)):
+            if not isinstance(getattr(self, name), kind):
+                raise InputError(f"arrival.{name}", getattr(self, name), f"{kind}")
 
+
+def _step(field: str, value: object) -> None:
+    """Raises `InputError` for what is no number of a step, from 0 on."""
+    if not isinstance(value, int | np.integer) or isinstance(value, bool) or value < 0:
+        raise InputError(field, value, "the number of a step, from 0 on")
+
+
+def _finite(field: str, value: object) -> None:
+    """Raises `InputError` for what is no finite number."""
+    if not (isinstance(value, float | int | np.floating | np.integer) and math.isfinite(value)):
+        raise InputError(field, value, "a finite number")
+
+
+INDICES = ("first", "first_piece", "second", "second_piece")
+"""Columns of a certificate that hold whole numbers."""
 COVERS = ("separation", "position", "velocity", "acceleration", "jerk")
 """What a certificate covers: separation by its rows, the limits by the exact extrema of the trajectory it is of."""
 
@@ -122,6 +169,9 @@ class Certificate:
     body's axes). A second of -1 is no body but the origin of the world: the row says behind which plane the first stays
     (equation C6). `normal` (M, 3) points from the first to the second. Gaps and bounds of motion are not among the
     columns: who checks a row computes them. Equations C1 to C3 in docs/guarantees.md.
+
+    Raises `InputError` for columns of different lengths or kinds, numbers that are not finite, and names that are not
+    different texts. Whether names and pieces exist is not known here.
     """
 
     names: tuple[str, ...]
@@ -135,18 +185,47 @@ class Certificate:
     digest: str = ""
     covers: tuple[str, ...] = COVERS
 
+    def __post_init__(self) -> None:
+        given: dict[str, Any] = {name: getattr(self, name) for name in Certificate.__dataclass_fields__}
+        rows = np.shape(given["t0"])
+        for name, kind in (("t0", "f"), ("t1", "f"), ("normal", "f"), *((name, "i") for name in INDICES)):
+            column, shape = given[name], (*rows, 3) if name == "normal" else rows
+            if not (isinstance(column, np.ndarray) and column.dtype.kind == kind and column.dtype.itemsize == 8):
+                raise InputError(f"certificate.{name}", column, "an array of int64 or float64")
+            if column.shape != shape or len(rows) != 1 or not np.isfinite(column).all():
+                raise InputError(f"certificate.{name}", column.shape, f"finite numbers of shape {shape}")
+        names, covers = given["names"], given["covers"]
+        if not (isinstance(names, tuple) and all(isinstance(name, str) for name in names)):
+            raise InputError("certificate.names", names, "a tuple of texts")
+        if len(set(names)) != len(names):
+            raise InputError("certificate.names", names, "different names")
+        if not (isinstance(given["digest"], str) and isinstance(covers, tuple)):
+            raise InputError("certificate.covers", covers, "a tuple of texts")
+
     def __len__(self) -> int:
         return len(self.t0)
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What will run, and its proof. The checker needs this and the scene, nothing else."""
+    """What will run, and its proof. The checker needs this and the scene, nothing else.
+
+    Raises `InputError` for parts that are not what they are said to be here.
+    """
 
     trajectory: Trajectory
     legs: tuple[Leg, ...]
     arrivals: tuple[Arrival, ...]
     certificate: Certificate
+
+    def __post_init__(self) -> None:
+        for name, one in (("trajectory", Trajectory), ("certificate", Certificate)):
+            if not isinstance(getattr(self, name), one):
+                raise InputError(f"plan.{name}", getattr(self, name), f"a {one.__name__}")
+        for name, each in (("legs", Leg), ("arrivals", Arrival)):
+            items = getattr(self, name)
+            if not (isinstance(items, tuple) and all(isinstance(item, each) for item in items)):
+                raise InputError(f"plan.{name}", items, f"a tuple of {each.__name__}")
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Cover without gaps: the sorted sweep against painting, and against what a hole is."""
+"""Cover without gaps: the compiled sweep against painting, and against what a hole is."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ import numpy as np
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from assur.planner.checker.cover import _holes, _piecewise, _Spans, asked_pairs
+from assur.planner.checker.rows import asked_pairs, covered
 from assur.planner.checker.solids import solids
-from assur.planner.checker.stage import stage
 from assur.planner.model.phases import phases
 from tests.planner.checker.hand_made import belt_case, crossing_case
 
@@ -23,54 +22,58 @@ def painted(spans: list[tuple[int, int]], begin: int, end: int) -> int:
     return bare[0] if bare else -1
 
 
+pieces = st.tuples(st.integers(-1, 2), st.integers(-1, 1))
+
+
+def holes(given_rows: list[tuple[int, tuple[int, int], tuple[int, int]]], counts: tuple[int, int]) -> list[float]:
+    """What the checker finds of three pairs of bodies of so many pieces: NaN for a pair that is covered."""
+    given_rows = sorted(given_rows, key=lambda row: (row[0], row[2][0]))
+    keys = np.array([key for key, _, _ in given_rows])
+    of = np.array([piece for _, piece, _ in given_rows], dtype=np.int64).reshape(-1, 2)
+    times = np.array([ends for _, _, ends in given_rows], dtype=np.float64).reshape(-1, 2)
+    spans = np.stack([np.searchsorted(keys, np.arange(3), side) for side in ("left", "right")], -1)
+    found = np.full(3, np.nan)
+    covered(np.tile([0.0, LENGTH], (3, 1)), np.tile(np.array(counts), (3, 1)), spans, times, of, found)
+    return [float(x) for x in found]
+
+
 @given(rows)
 @example([(0, (0, 4)), (0, (4, 8))])
 @example([(0, (0, 4)), (0, (5, 8))])
 @example([(0, (2, 2)), (0, (0, 8)), (1, (1, 8)), (2, (0, 7))])
 def test_holes_are_where_nothing_was_painted(given_rows: list[tuple[int, tuple[int, int]]]) -> None:
-    key = np.array([key for key, _ in given_rows], dtype=np.int64)
-    ends = np.array([ends for _, ends in given_rows], dtype=np.int64).reshape(-1, 2)
-    bounds = np.tile([0, LENGTH], (3, 1))
-    found = _holes(np.arange(3), bounds, _Spans(key, ends[:, 0], ends[:, 1]))
-    wanted = [painted([span for k, span in given_rows if k == i], 0, LENGTH) for i in range(3)]
-    assert found.tolist() == wanted
-
-
-pieces = st.tuples(st.integers(-1, 2), st.integers(-1, 1))
+    found = holes([(key, (-1, 0), ends) for key, ends in given_rows], (1, 1))
+    for i in range(3):
+        wanted = painted([span for k, span in given_rows if k == i], 0, LENGTH)
+        assert found[i] == wanted if wanted >= 0 else np.isnan(found[i])
 
 
 @given(st.lists(st.tuples(st.integers(0, 1), pieces, span), max_size=16))
 @example([(0, (i, -1), (0, LENGTH)) for i in range(3)] + [(1, (-1, j), (0, LENGTH)) for j in range(2)])
 @example([(0, (i, -1), (0, LENGTH)) for i in range(2)] + [(1, (-1, -1), (0, LENGTH))])
 def test_every_pair_of_pieces_must_be_painted(given_rows: list[tuple[int, tuple[int, int], tuple[int, int]]]) -> None:
-    """Two pairs of bodies, the first of three pieces and the second of two; −1 stands for all of them."""
-    key = np.array([key for key, _, _ in given_rows], dtype=np.int64)
-    of = np.array([piece for _, piece, _ in given_rows], dtype=np.int64).reshape(-1, 2)
-    ends = np.array([ends for _, _, ends in given_rows], dtype=np.int64).reshape(-1, 2)
-    bounds, counts = np.tile([0, LENGTH], (2, 1)), (np.array([3, 3]), np.array([2, 2]))
-    spans = _Spans(key, ends[:, 0], ends[:, 1])
-    found = _piecewise(np.arange(2), bounds, spans, (of[:, 0], of[:, 1]), *counts)
+    """Pairs of bodies, the first of three pieces and the second of two; -1 stands for all of them."""
+    found = holes(given_rows, (3, 2))
     for k in range(2):
-        holes = []
+        of_pieces = []
         for i in range(3):
             for j in range(2):
                 mine = [s for key, (a, b), s in given_rows if key == k and a in (-1, i) and b in (-1, j)]
-                holes.append(painted(mine, 0, LENGTH))
-        open_ = [hole for hole in holes if hole >= 0]
-        # Of several holes in a pair of bodies, any tells.
-        assert (found[k] in open_) if open_ else found[k] == -1
+                of_pieces.append(painted(mine, 0, LENGTH))
+        open_ = [hole for hole in of_pieces if hole >= 0]
+        assert found[k] == min(open_) if open_ else np.isnan(found[k])
 
 
 def test_the_asked_pairs_of_a_phase_are_the_robot_against_the_rest_and_its_self_pairs() -> None:
     for case in (crossing_case, belt_case):
         scene, plan = case()
         of_plan = phases(scene, plan.legs, plan.arrivals)
-        scenery = stage(scene, solids(scene), of_plan)
-        names = [body.name for body in scenery.solids.bodies]
+        table = solids(scene, of_plan)
+        names = [body.name for body in table.bodies]
         wanted_links = {frozenset(links) for links in scene.robot.self_pairs}
         link = {item.body.name: scene.robot.links[item.link] for item in scene.robot.bodies}
         link |= {body.name: "flange" for body in scene.tool.bodies}
-        asked = asked_pairs(scenery)
+        asked = asked_pairs(scene, table)
         for i, phase in enumerate(of_plan):
             mine = dict(link)
             if phase.carried is not None:

@@ -9,10 +9,9 @@ import pytest
 
 from assur.planner.checker import Code, check
 from assur.planner.checker.enclosure import enclosed
-from assur.planner.checker.ranges import ranges
+from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import solids
-from assur.planner.checker.spline import spline
-from assur.planner.checker.stage import stage
+from assur.planner.checker.world import World
 from assur.planner.frames import Pose
 from assur.planner.geometry.shapes import Body, Piece, box, sphere
 from assur.planner.model.outcome import Plan
@@ -41,11 +40,9 @@ def shell(name: str, half: float, *, hollow: bool = True) -> Body:
 
 
 def found(scene: Scene, plan: Plan) -> list[str]:
-    line = plan.trajectory
-    of_plan = phases(scene, plan.legs, plan.arrivals)
-    scenery = stage(scene, solids(scene), of_plan)
-    swept = ranges(spline(line.time, line.q, line.qd, line.qdd), scene.robot.rate_matrix)
-    findings = enclosed(scenery, of_plan, swept)
+    of_plan, world = phases(scene, plan.legs, plan.arrivals), World(scene, plan)
+    apart = Apart(scene, of_plan, solids(scene, of_plan), world.tables, plan.certificate)
+    findings = enclosed(world, apart)
     assert {finding.code for finding in findings} <= {Code.CONTAINMENT}
     return [finding.what for finding in findings]
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assur.planner.checker.required import required
-from assur.planner.checker.rows import Rows
+from assur.planner.checker.rows import Apart
+from assur.planner.checker.separation import DRIFT, LATE, NEED, spare
 from assur.planner.checker.solids import solids
-from assur.planner.checker.stage import stage
+from assur.planner.checker.world import World
 from assur.planner.frames.law import Uncertainty
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Execution, Scene
@@ -22,8 +22,8 @@ UP = np.array([0.0, 0.0, 1.0])
 SIDE = np.array([0.6, 0.8, 0.0])
 
 
-def read(scene: Scene, phase: Phase, one: str, other: str, n: np.ndarray, t0: float, t1: float) -> float | None:
-    """The distance, or None where nothing is asked."""
+def read(scene: Scene, phase: Phase, one: str, other: str, t1: float) -> float | None:
+    """The distance without the term of a late start, or None where nothing is asked."""
     robot = {item.body.name for item in scene.robot.bodies} | {body.name for body in scene.tool.bodies}
     if phase.carried is not None:
         robot.add(phase.carried.part)
@@ -35,10 +35,10 @@ def read(scene: Scene, phase: Phase, one: str, other: str, n: np.ndarray, t0: fl
     if one in robot and other in robot:
         return clearance
     world = other if one in robot else one
-    frame, pose = scene.index[world].frame, scene.index[world].pose
-    for name, on, at in phase.rides:
+    frame = scene.index[world].frame
+    for name, on, _ in phase.rides:
         if name == world:
-            frame, pose = on, at
+            frame = on
     wait = scene.execution.start_tolerance_s
     late = t1 + wait
 
@@ -52,12 +52,7 @@ def read(scene: Scene, phase: Phase, one: str, other: str, n: np.ndarray, t0: fl
         unsure = 0.0 if frame == phase.glued else u(frame) + u(phase.glued)
     else:
         unsure = u(frame) + sum(u(name) for name in phase.beside if name != frame)
-    law = scene.frames[frame].law.bounds(np.array([t0]), np.array([late]), n[None])
-    table = solids(scene)
-    number, place = np.array([table.number[world]]), np.array([[pose.x, pose.y, pose.z, pose.yaw]])
-    arm = table.reach(number, place)[1][-1] * np.hypot(n[0], n[1])
-    speed = float((law.speed + arm * law.yaw_rate)[0])
-    return clearance + scene.execution.tracking_m + wait * speed + unsure
+    return clearance + scene.execution.tracking_m + unsure
 
 
 @settings(max_examples=20)
@@ -71,21 +66,58 @@ def test_the_required_distance_is_what_the_guarantees_say(seed: int, corrected: 
     }
     scene = replace(scene, frames=unsure, execution=Execution(float(rng.choice([0.0, 2e-3])), wait, corrected))
     of_plan = phases(scene, plan.legs, plan.arrivals)
-    scenery = stage(scene, solids(scene), of_plan)
-    many = len(scenery.solids.bodies)
+    apart = Apart(scene, of_plan, solids(scene, of_plan), World(scene, plan).tables, plan.certificate)
+    many = len(apart.table.bodies)
     one, other = (grid.ravel() for grid in np.meshgrid(np.arange(many), np.arange(many)))
     one, other = one[one != other], other[one != other]
     for k, phase in enumerate(of_plan):
-        t0 = np.full(len(one), phase.t0 + rng.uniform(0, 0.5) * (phase.t1 - phase.t0))
-        t1 = np.full(len(one), phase.t1)
-        n = np.tile(UP if rng.random() < 0.3 else SIDE, (len(one), 1))
-        whole = np.full(len(one), -1)
-        rows = Rows(np.arange(len(one)), np.full(len(one), k), one, other, whole, whole, t0, t1)
-        found = required(scenery, of_plan, rows, n)
+        rows = apart.asked(np.zeros(len(one), dtype=np.int64), np.full(len(one), k), one, other)
+        found = rows[:, NEED] + rows[:, DRIFT] * (phase.t1 + wait)
         for i in range(len(one)):
-            a, b = (scenery.solids.bodies[body[i]].name for body in (one, other))
-            wanted = read(scene, phase, a, b, n[i], float(t0[i]), float(t1[i]))
+            a, b = (apart.table.bodies[body[i]].name for body in (one, other))
+            wanted = read(scene, phase, a, b, phase.t1)
             if wanted is None:
                 assert found[i] == -np.inf or found[i] == -1e-4
             else:
                 assert found[i] == pytest.approx(wanted, abs=1e-12)
+                robots = apart.table.of_robot[k, one[i]] and apart.table.of_robot[k, other[i]]
+                assert rows[i, LATE] == (0.0 if robots or wanted < 0 else wait)
+
+
+@pytest.mark.parametrize("wait", [0.01, 0.05])
+def test_a_late_start_asks_for_the_way_that_a_body_may_have_gone(wait: float) -> None:
+    """The term V of C5 at instants: no less than what points of the body are seen to do, and no more than the law's
+    own bound."""
+    scene, plan = belt_case()
+    of_plan = phases(scene, plan.legs, plan.arrivals)
+    i = next(i for i, p in enumerate(of_plan) if p.carried is None and p.t1 > p.t0)
+    late = replace(scene, execution=Execution(start_tolerance_s=wait))
+    aparts = [Apart(s, of_plan, solids(s, of_plan), World(s, plan).tables, plan.certificate) for s in (scene, late)]
+    table, c = aparts[0].table, plan.certificate
+    one = np.array([table.number["cup"]] * 4)
+    other = np.array([table.number[name] for name in ("neighbour", "plate", "peg", "bed")])
+    row = int(np.flatnonzero((c.t0 >= of_plan[i].t0) & (c.first_piece <= 0) & (c.second_piece <= 0))[0])
+    for n in (UP, SIDE, np.array([1.0, 0.0, 0.0])):
+        normal, t0 = c.normal.copy(), c.t0.copy()
+        normal[row], t1 = n, t0.copy()
+        at = replace(c, normal=normal, t1=t1)
+        found = []
+        for apart in aparts:
+            apart.rows = at
+            found.append(apart.asked(np.full(4, row), np.full(4, i), one, other))
+        spared = [_spare(apart, rows) for apart, rows in zip(aparts, found, strict=True)]
+        for k, name in enumerate(("neighbour", "plate", "peg", "bed")):
+            item = scene.index[name]
+            t = np.linspace(t0[row], t0[row] + wait, 50)
+            motion = scene.frames[item.frame].law.motion(t).at(item.pose)
+            seen = np.abs(motion.v @ n).max()
+            law = scene.frames[item.frame].law.bounds(t[:1], t[-1:], n[None])
+            most = float(law.speed[0] + 0.2 * law.yaw_rate[0])
+            assert wait * seen - 1e-12 <= spared[0][k] - spared[1][k] <= wait * most + 1e-12
+
+
+def _spare(apart: Apart, rows: np.ndarray) -> np.ndarray:
+    """What rows prove beyond what is required; far apart or through each other, for these are of one instant."""
+    found, table = np.zeros(len(rows)), apart.table
+    spare(rows, table.links, table.tilts, table.table, table.vertices, apart.tables, found)
+    return found

@@ -1,4 +1,4 @@
-"""Supports, boxes and reaches of the checker's own table, against one solid at a time and against points."""
+"""Supports, boxes and points that count of the checker's own table, against one solid at a time and against points."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from assur.planner.arrays import FloatArray
+from assur.planner.checker.motion import JETS
+from assur.planner.checker.separation import ARM, ARM_FLAT, CENTRE, HALF, TURN, support
 from assur.planner.checker.solids import solids
-from assur.planner.frames.motion import Pose
-from assur.planner.geometry.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere, support
+from assur.planner.geometry.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
+from assur.planner.geometry.shapes import support as support_of
+from assur.planner.model.phases import phases
 from assur.planner.model.scene import WorldBody
-from tests.planner.checker.hand_made import box_of, carton, crossing, wedge
-from tests.planner.convex import distance_from_origin
+from tests.planner.checker.hand_made import box_of, carton, crossing, crossing_case, wedge
 
 
 def turned(yaw: float) -> FloatArray:
@@ -47,12 +49,25 @@ SINGLE = [
 LYING = (Piece(cylinder(0.01, 0.2), np.zeros(3), AXES["x"]), Piece(sphere(0.01), np.array([0.0, 0.1, 0.0])))
 BODIES = (*SINGLE, carton(), Body("pin", (Piece(cylinder(0.03, 0.2)),)), Body("lying", LYING))
 SCENE = crossing(bodies=tuple(WorldBody(body) for body in BODIES if body.name != "carton"))
-TABLE = solids(SCENE)
+TABLE = solids(SCENE, phases(SCENE, crossing_case()[1].legs, ()))
 NAMES = [body.name for body in BODIES]
+STANDS = np.zeros((1, JETS, 6))
+STANDS[0, [3, 7, 11], :2] = 1.0
 
 
-def reach_of(body: int, offset: FloatArray) -> FloatArray:
-    return TABLE.reach(np.array([body]), offset[None])[1]
+def rows_of(name: str, yaw: float = 0.0) -> FloatArray:
+    """The solids of a body, its box behind its pieces, in the body's axes turned by `yaw`."""
+    body = TABLE.number[name]
+    seat = int(TABLE.seat[0, body])
+    found = TABLE.table[TABLE.first[seat] : TABLE.first[seat] + TABLE.count[body] + 1].copy()
+    turn = turned(yaw - float(TABLE.offset[seat, 3]))
+    found[:, CENTRE:TURN] = (found[:, CENTRE:TURN] - TABLE.offset[seat, :3]) @ turn.T
+    found[:, TURN:HALF] = (found[:, TURN:HALF].reshape(-1, 3, 3) @ turn.T).reshape(-1, 9)
+    return found
+
+
+def reach_along(row: FloatArray, n: FloatArray) -> float:
+    return support(row, STANDS, 0, TABLE.vertices, float(n[0]), float(n[1]), float(n[2]))
 
 
 def points(piece: Piece, rng: np.random.Generator) -> FloatArray:
@@ -79,91 +94,53 @@ def test_supports_are_those_of_the_shapes(name: str, seed: int, regime: str) -> 
     if not n.any():
         n = np.array([0.0, 0.0, 1.0])
     n /= np.linalg.norm(n)
-    body = TABLE.number[name]
-    for k, piece in enumerate(TABLE.bodies[body].pieces):
-        found = TABLE.support(TABLE.of(np.array([body]), np.array([k])), n[None])[0]
-        assert found == pytest.approx(support(piece, n), abs=1e-15)
-    whole = TABLE.support(TABLE.of(np.array([body]), np.array([-1])), n[None])[0]
-    assert whole == pytest.approx(support(box_of(TABLE.bodies[body]), n), abs=1e-15)
-    assert all(whole >= support(piece, n) - 1e-15 for piece in TABLE.bodies[body].pieces)
+    rows, pieces = rows_of(name), TABLE.bodies[TABLE.number[name]].pieces
+    for row, piece in zip(rows, pieces, strict=False):
+        assert reach_along(row, n) == pytest.approx(support_of(piece, n), abs=1e-15)
+    whole = reach_along(rows[-1], n)
+    assert whole == pytest.approx(support_of(box_of(TABLE.bodies[TABLE.number[name]]), n), abs=1e-15)
+    assert all(whole >= support_of(piece, n) - 1e-15 for piece in pieces)
 
 
-@given(
-    st.sampled_from(NAMES),
-    st.integers(0, 2**32 - 1),
-    st.tuples(*[st.sampled_from([0.0, 0.1, -0.3]) | st.floats(-1, 1)] * 3),
-    st.sampled_from([0.0, np.pi / 2, 1.0]),
-    st.floats(1e-3, 1.0),
-)
-def test_turning_moves_no_support_faster_than_the_reach(
-    name: str, seed: int, place: tuple[float, float, float], yaw: float, turn: float
+@given(st.sampled_from(NAMES), st.integers(0, 2**32 - 1), st.sampled_from([0.0, 1.0]), st.floats(1e-3, 1.0))
+def test_turning_about_the_centre_moves_no_support_faster_than_the_points_that_count(
+    name: str, seed: int, yaw: float, turn: float
 ) -> None:
-    """What the reach is for: when the carrier turns, the support along n grows by at most reach |n_xy| a radian."""
-    rng = np.random.default_rng(seed)
-    n = rng.normal(size=3)
-    n /= np.linalg.norm(n)
-    body = TABLE.number[name]
-    offset = Pose(*place, yaw)
-    reaches = reach_of(body, np.array([*place, yaw]))
-    across = math.hypot(n[0], n[1])
-    for k, piece in enumerate(TABLE.bodies[body].pieces):
-        centre = offset.position
-
-        def along(angle: float, piece: Piece = piece, centre: FloatArray = centre) -> float:
-            local = turned(angle).T @ n
-            return float(local @ centre) + support(piece, turned(yaw).T @ local)
-
-        assert abs(along(turn) - along(0.0)) <= reaches[k] * across * turn + 1e-14
-        # ... and it is not far too large: no larger than the outermost point, but for a disc that is tilted.
-        outermost = centre + points(piece, rng) @ turned(yaw).T
-        grown = 0.0 if isinstance(piece.shape, Hull) else piece.shape.disc + piece.shape.ball
-        assert reaches[k] <= np.hypot(outermost[:, 0], outermost[:, 1]).max() + grown + 1e-12
-    assert reaches[-1] <= max(reaches[:-1])
-    assert len(reaches) == len(TABLE.bodies[body].pieces) + 1
-
-
-@given(
-    st.sampled_from(NAMES),
-    st.integers(0, 2**32 - 1),
-    st.tuples(*[st.sampled_from([0.0, 0.1, -0.3]) | st.floats(-1, 1)] * 3),
-    st.sampled_from([0.0, np.pi / 2, 1.0]),
-    st.floats(1e-3, 1.0),
-)
-def test_tilting_moves_no_support_faster_than_the_distance_and_the_makers_is_no_smaller(
-    name: str, seed: int, place: tuple[float, float, float], yaw: float, turn: float
-) -> None:
-    """The carrier turns about any axis through its origin: the support along n grows by at most distance a radian."""
+    """About the vertical, and about any axis: the support grows by at most the distance of those points a radian."""
     rng = np.random.default_rng(seed)
     n, axis = rng.normal(size=(2, 3))
     n, axis = n / np.linalg.norm(n), axis / np.linalg.norm(axis)
-    rotation = Rotation.from_rotvec(turn * axis).as_matrix()
-    body, position = TABLE.number[name], np.array(place)
-    distances = TABLE.reach(np.array([body]), np.array([[*place, yaw]]))[2]
-    for k, piece in enumerate(TABLE.bodies[body].pieces):
-
-        def along(direction: FloatArray, piece: Piece = piece) -> float:
-            return float(direction @ position) + support(piece, turned(yaw).T @ direction)
-
-        assert abs(along(rotation.T @ n) - along(n)) <= distances[k] * turn + 1e-14
-        assert distances[k] <= distance_from_origin(piece, position, turned(yaw)) + 1e-15
-        outermost = position + points(piece, rng) @ turned(yaw).T
-        grown = 0.0 if isinstance(piece.shape, Hull) else piece.shape.disc + piece.shape.ball
-        assert distances[k] <= np.sqrt((outermost**2).sum(1)).max() + grown + 1e-12
-    assert distances[-1] <= max(distances[:-1])
-
-
-def test_a_pin_on_the_axis_does_not_move_when_it_turns() -> None:
-    pin = TABLE.number["pin"]
-    assert (reach_of(pin, np.zeros(4)) == 0).all()
-    assert reach_of(pin, np.array([0.3, 0.4, 1.0, 2.0])) == pytest.approx([0.5, 0.5])
+    tilt = Rotation.from_rotvec(turn * axis).as_matrix()
+    pieces = TABLE.bodies[TABLE.number[name]].pieces
+    for k, row in enumerate(rows_of(name, yaw)):
+        about = row.copy()
+        about[CENTRE:TURN] = 0.0
+        across = math.hypot(n[0], n[1])
+        assert (
+            abs(reach_along(about, turned(turn).T @ n) - reach_along(about, n)) <= row[ARM_FLAT] * across * turn + 1e-14
+        )
+        assert abs(reach_along(about, tilt.T @ n) - reach_along(about, n)) <= row[ARM] * turn + 1e-14
+        if k < len(pieces):
+            # ... and they are not far too large: no farther than the outermost point, but for a disc that is tilted
+            outermost = points(pieces[k], rng) @ turned(yaw).T - row[CENTRE:TURN]
+            grown = 0.0 if isinstance(pieces[k].shape, Hull) else pieces[k].shape.disc  # type: ignore[union-attr]
+            assert row[ARM_FLAT] <= np.hypot(outermost[:, 0], outermost[:, 1]).max() + grown + 1e-12
+            assert row[ARM] <= np.sqrt((outermost**2).sum(1)).max() + grown + 1e-12
 
 
-def test_many_bodies_are_measured_as_one_at_a_time() -> None:
-    rng = np.random.default_rng(0)
-    bodies = rng.choice(len(TABLE.count), 40)
-    offsets = rng.normal(size=(40, 4))
-    start, *found = TABLE.reach(bodies, offsets)
-    for k, body in enumerate(bodies):
-        alone = TABLE.reach(np.array([body]), offsets[k][None])[1:]
-        for many, one in zip(found, alone, strict=True):
-            assert (many[start[k] : start[k] + TABLE.count[body] + 1] == one).all()
+def test_what_looks_the_same_however_it_turns_counts_with_its_centre() -> None:
+    assert rows_of("pin")[0, ARM_FLAT] == 0.0
+    assert (rows_of("sphere upright")[0, [ARM_FLAT, ARM]] == 0.0).all()
+    assert rows_of("cylinder along x")[0, ARM_FLAT] > 0.1
+
+
+def test_a_seat_puts_a_body_at_its_pose() -> None:
+    scene = crossing()
+    item = next(body for body in scene.bodies if body.name == "carton")
+    table = solids(scene, phases(scene, crossing_case()[1].legs, ()))
+    seat = int(table.seat[0, table.number["carton"]])
+    for k, piece in enumerate(item.body.pieces):
+        row = table.table[table.first[seat] + k]
+        at = item.pose.position + turned(item.pose.yaw) @ piece.position
+        assert row[CENTRE:TURN] == pytest.approx(at, abs=1e-15)
+        assert np.abs(row[TURN:HALF].reshape(3, 3).T - turned(item.pose.yaw) @ piece.rotation).max() <= 1e-15

@@ -11,14 +11,13 @@ import numpy as np
 import pytest
 
 from assur.planner.checker import Code, check
-from assur.planner.checker.tilt import tilt, tilt_accelerations, tilt_rates, turned_by
+from assur.planner.checker.world import World
 from assur.planner.frames import Conveyor
 from assur.planner.frames.motion import Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.model.outcome import Arrival, LegKind, Plan, Planned
 from assur.planner.model.scene import Scene, Step
 from assur.planner.pipeline import plan
-from assur.planner.robots.protocol import Sweep
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import cell, frame, go
 from tests.planner.checker.hand_made import sealed
@@ -54,33 +53,15 @@ def found(scene: Scene, plan: Plan) -> dict[Code, list[str]]:
     return texts
 
 
-def test_the_reading_from_the_rotation_is_what_the_hand_was_given() -> None:
-    robot, rng = five_axis_arm(base=Pose(0.3, 0.1, 0.0, 2.0)), np.random.default_rng(2)
-    q, qd, qdd, qddd = rng.uniform(-3.0, 3.0, (4, 1000, 5))
-    motion = robot.link_motion(5, q, qd, qdd, qddd)
-    assert isinstance(motion, TiltedMotion)
-    read = tilt(robot, q)
-    assert turned_by(read, motion.tilt).max() < 1e-14
-    assert np.abs(tilt_rates(robot, q, qd) - motion.tilt_d).max() < 1e-14
-    assert turned_by(read, motion.tilt + np.array([0.0, 1e-3])) == pytest.approx(np.full(1000, 1e-3))
-    sweep = Sweep(q, q, np.abs(qd @ robot.rate_matrix.T), np.abs(qdd @ robot.rate_matrix.T))
-    assert (np.abs(motion.tilt_dd).max(-1) <= tilt_accelerations(robot, sweep)).all()
-
-
-def test_a_tool_axis_that_leaves_the_plane_of_its_heading_is_seen() -> None:
-    class Lying(type(five_axis_arm())):  # type: ignore[misc]
-        """It says another heading than its hand has."""
-
-        def forward(self, q: Any) -> Any:
-            position, heading = super().forward(q)
-            return position, heading + 0.01
-
-    robot = five_axis_arm()
-    lying = Lying(**{name: getattr(robot, name) for name in ("name", "height", "l1", "l2", "l3", "limits")})
-    q = np.array([0.1, 0.9, -1.2, 0.3, 0.2])
-    level = abs(math.cos(float(q[1:4].sum())))
-    assert float(turned_by(tilt(lying, q), tilt(robot, q)[:2])) >= level * math.sin(0.01) - 1e-12
-    assert float(turned_by(tilt(robot, q), tilt(robot, q)[:2])) < 1e-15
+def test_the_pitch_and_roll_that_are_read_are_what_the_hand_was_given() -> None:
+    scene, plan = honest(True)
+    world, robot = World(scene, plan), scene.robot
+    for t in np.linspace(plan.trajectory.start, plan.trajectory.end, 200)[:-1]:
+        motion = robot.link_motion(5, *(plan.trajectory.evaluate(np.array(t), order) for order in range(4)))
+        assert isinstance(motion, TiltedMotion)
+        read = world.tilt(float(t))
+        assert np.abs(np.remainder(read[:2] - motion.tilt + math.pi, math.tau) - math.pi).max() < 1e-12
+        assert np.abs(read[2:] - motion.tilt_d).max() < 1e-12
 
 
 @pytest.mark.parametrize("asked", [True, False])

@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 from assur.planner.checker import Code, check
-from assur.planner.checker.loop import loops
-from assur.planner.checker.ranges import ranges
-from assur.planner.checker.spline import spline
+from assur.planner.checker.tracking import assembled
+from assur.planner.checker.world import World
 from assur.planner.errors import InputError
 from assur.planner.model.link_frames import TrajectoryLaw
 from assur.planner.robots.five_bar import FiveBar
@@ -134,8 +133,10 @@ def test_rows_of_a_coupler_that_look_elsewhere_are_refused() -> None:
 def test_a_serial_arm_is_not_asked() -> None:
     scene = cell_of(shipped("demo").request).scene
     q = np.tile(scene.start.q, (2, 1))
-    line = spline(np.array([0.0, 1.0]), q, 0 * q, 0 * q)
-    assert loops(scene, ranges(line, scene.robot.rate_matrix)) == []
+    still = Trajectory(np.array([0.0, 1.0]), q, 0 * q, 0 * q)
+    request, found = around()
+    plan = plan_of(found, cell_of(request).conventions)[0]
+    assert assembled(World(scene, replace(plan, trajectory=still))) == []
 
 
 def test_a_neighbour_that_would_come_apart_is_bad_input() -> None:

@@ -7,12 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
-from assur.planner.checker.ranges import Ranges
-from assur.planner.checker.spline import REST
 from assur.planner.checker.verdict import Code, Finding
+from assur.planner.checker.world import REST, World
 from assur.planner.model.outcome import Leg, LegKind
-from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step
+from assur.planner.model.scene import Follow, Move, Pick, Place, Step
 
 START = 1e-9
 """Greatest difference of the first knot from the given start, in s, rad or m, rad/s.., rad/s²..: what writing and
@@ -32,46 +30,57 @@ LETTERS = {
 """A letter a leg: wait, move, arch, down, follow, up."""
 
 
-def ends(scene: Scene, ranges: Ranges) -> list[Finding]:
+def ends(world: World) -> list[Finding]:
     """Begins in the given state; ends at rest if asked, and no later than allowed."""
     findings = []
-    line, start, options = ranges.spline, scene.start, scene.options
-    given = (np.array([start.time]), start.q, start.qd, start.qdd)
-    have = (line.time[:1], *line.first)
-    for name, one, other, unit in zip(("time", "q", "qd", "qdd"), given, have, ("s", "1", "1/s", "1/s²"), strict=True):
+    knots, start, options = world.knots, world.scene.start, world.scene.options
+    pairs = (
+        ("time", knots.time[0], start.time, "s"),
+        ("q", knots.q[0], start.q, "1"),
+        ("qd", knots.qd[0], start.qd, "1/s"),
+        ("qdd", knots.qdd[0], start.qdd, "1/s²"),
+    )
+    for name, one, other, unit in pairs:
         off = float(np.abs(one - other).max())
         if not off <= START:
             findings.append(Finding(Code.START, f"the first knot has another {name} than the start", off, unit))
-    if options.end == "rest" and not line.at_rest:
-        fastest = max(float(np.abs(rate).max()) for rate in line.last[1:])
+    if options.end == "rest" and not world.at_rest:
+        fastest = max(float(np.abs(rate[-1]).max()) for rate in (knots.qd, knots.qdd))
         findings.append(Finding(Code.END, "the last knot is not at rest", fastest - REST, "1/s, 1/s²"))
-    if options.latest_end_s is not None and not line.end <= options.latest_end_s + TIME_S:
-        findings.append(Finding(Code.END, "the motion ends too late", line.end - options.latest_end_s, "s"))
+    if options.latest_end_s is not None and not world.end <= options.latest_end_s + TIME_S:
+        findings.append(Finding(Code.END, "the motion ends too late", world.end - options.latest_end_s, "s"))
     return findings
 
 
-def legs(scene: Scene, plan_legs: tuple[Leg, ...], ranges: Ranges) -> list[Finding]:
+def order(world: World, legs: tuple[Leg, ...]) -> list[Finding]:
     """The legs cover the trajectory exactly, and each step has those that belong to it, in its order."""
-    line = ranges.spline
-    if not plan_legs:
+    if not legs:
         return [Finding(Code.LEGS, "a plan without legs")]
     findings: list[Finding] = []
-    edges = [(line.start, plan_legs[0].t0), *((a.t1, b.t0) for a, b in pairwise(plan_legs))]
-    edges.append((plan_legs[-1].t1, line.end))
+    edges = [(world.start, legs[0].t0), *((a.t1, b.t0) for a, b in pairwise(legs)), (legs[-1].t1, world.end)]
     for i, (one, other) in enumerate(edges):
         if one != other:
             findings.append(Finding(Code.LEGS, "legs must meet", abs(one - other), "s", f"before leg {i}"))
-    for i, leg in enumerate(plan_legs):
+    for i, leg in enumerate(legs):
         lasts = leg.t1 >= leg.t0 if leg.kind is LegKind.FOLLOW else leg.t1 > leg.t0
         if not lasts:
             findings.append(Finding(Code.LEGS, "a leg must last", leg.t0 - leg.t1, "s", f"leg {i}"))
-    steps = [leg.step for leg in plan_legs]
-    if any(b < a for a, b in pairwise(steps)):
-        findings.append(Finding(Code.LEGS, "legs must come in the order of the steps"))
-    for number, step in enumerate(scene.task):
-        own = tuple(leg for leg in plan_legs if leg.step == number)
-        findings += _of_step(step, number, own, last=number == len(scene.task) - 1)
-    return findings + _waits(plan_legs, ranges)
+    task = world.scene.task
+    if any(b.step < a.step for a, b in pairwise(legs)) or not all(0 <= leg.step < len(task) for leg in legs):
+        return [*findings, Finding(Code.LEGS, "legs must come in the order of the steps")]
+    for number, step in enumerate(task):
+        own = tuple(leg for leg in legs if leg.step == number)
+        findings += _of_step(step, number, own, last=number == len(task) - 1)
+    if findings:
+        return findings
+    for leg in legs:
+        if leg.kind is LegKind.WAIT:
+            q = world.joints(leg.t0, leg.t1)
+            moved = float((q[:, 1] - q[:, 0]).max())
+            if not moved <= STANDING:
+                what = "a joint moves while the arm waits"
+                findings.append(Finding(Code.LEGS, what, moved, "rad or m", f"{leg.t0:.6g} s"))
+    return findings
 
 
 def pattern(step: Step, *, last: bool) -> str:
@@ -86,7 +95,7 @@ def pattern(step: Step, *, last: bool) -> str:
 
 
 def dwell(step: Step) -> float:
-    """How long the tool is glued at its control point, s."""
+    """How long the tool stays at its control point, s."""
     if isinstance(step, Follow):
         return step.duration_s
     return step.dwell_s if isinstance(step, Pick | Place) else 0.0
@@ -104,20 +113,3 @@ def _of_step(step: Step, number: int, own: tuple[Leg, ...], *, last: bool) -> li
             if not off <= TIME_S:
                 findings.append(Finding(Code.LEGS, f"step {number} ({step.name}) follows for another time", off, "s"))
     return findings
-
-
-def _waits(plan_legs: tuple[Leg, ...], ranges: Ranges) -> list[Finding]:
-    waits = [leg for leg in plan_legs if leg.kind is LegKind.WAIT]
-    if not waits or not all(ranges.spline.start <= leg.t0 <= leg.t1 <= ranges.spline.end for leg in waits):
-        return []
-    swept = ranges.sweep(_times([leg.t0 for leg in waits]), _times([leg.t1 for leg in waits]))
-    moved = (swept.upper - swept.lower).max(1)
-    return [
-        Finding(Code.LEGS, "a joint moves while the arm waits", float(amount), "rad or m", f"{leg.t0:.6g} s")
-        for leg, amount in zip(waits, moved, strict=True)
-        if not amount <= STANDING
-    ]
-
-
-def _times(values: list[float]) -> FloatArray:
-    return np.array(values, dtype=np.float64)

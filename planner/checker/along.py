@@ -1,0 +1,247 @@
+"""Whether the tool keeps to what is asked over the whole of an interval, and a closed chain to its assembly mode.
+
+A quantity between two instants a and b, h apart, leaves its chord by at most M h²/8 with M >= its second derivative
+(equation V2); a jet over the interval bounds M, or the quantity itself (V3). Intervals are halved until that decides;
+what is not decided is refused.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.jets import F1, F2, F3, JET, TABLES, Jet, plus, scaled
+from assur.planner.checker.motion import (
+    AXIS_COUNT,
+    FAMILY,
+    FIRST_KNOT,
+    FIVE_AXIS,
+    FIVE_BAR,
+    JETS,
+    LAST_KNOT,
+    MOST_LINKS,
+    SCARA,
+    Tables,
+    carry,
+    elbows,
+    jet_of,
+)
+from assur.planner.checker.spline import joints
+from assur.planner.compiled import kernel
+
+TRACK, CARRY, STRAIGHT, ALONG, ASSEMBLED = range(5)
+"""What is asked of the tool: it stays with its control point, or on the vertical over it; it does not accelerate harder
+than a held part allows; pitch and roll go the way between two; a point of a frame stays within a window; the chain
+stays assembled."""
+FRAME, POINT, TCP, FOLLOWS, HEIGHT, TURNS, PITCH, ROLL, NUMBERS = 0, 1, 5, 9, 10, 11, 12, 13, 16
+"""Columns of what is asked: carrier of the frame; pose in it that the tool takes (x, y, z, yaw); tool point in the
+flange; whether the height counts; how high it may be; whether the yaw counts; pitch and roll. CARRY: HEIGHT is the
+limit. STRAIGHT: from (PITCH, ROLL) by the two numbers behind them. ALONG: the point is in FRAME, the tcp's x, y, z the
+direction, FOLLOWS and HEIGHT the window's ends, all against the origin of the world."""
+PITCHES, ROLLS = 5, 6
+"""Rows of pitch and roll among the quantities looked at."""
+GLUE_M, GLUE_RAD, STRAIGHT_RAD, MEET_M, CARRY_SHARE = 1e-5, 1e-4, 1e-4, 1e-6, 1e-6
+"""m, rad, rad, m and relative: what the tool may be off while it tracks (the promise of tracking legs; 0.1 mrad moves
+the rim of a part of 200 mm by 10 µm), along a straight leg, and of a window (half of what who measures may find); and
+what anyone may find over the limit of acceleration, an estimate of a grip."""
+SHORTEST_S = 1e-9
+"""Intervals are halved no further, s."""
+MOST = 400_000
+"""Intervals after which the search ends undecided, which is a refusal."""
+
+
+@kernel(f"UniTuple({JET}, 5)({F3}, int64, float64, float64, float64, float64)")
+def point(jets: FloatArray, c: int, x: float, y: float, z: float, yaw: float) -> tuple[Jet, Jet, Jet, Jet, Jet]:
+    """Position, and cosine and sine of the heading, of a frame at a pose in a carrier. (On a carrier that tilts the
+    pose is none, and the heading is that of its level axis.)"""
+    px = plus(jet_of(jets[c], 0), plus(scaled(x, jet_of(jets[c], 3)), scaled(y, jet_of(jets[c], 6))))
+    py = plus(jet_of(jets[c], 1), plus(scaled(x, jet_of(jets[c], 4)), scaled(y, jet_of(jets[c], 7))))
+    pz = plus(jet_of(jets[c], 2), scaled(z, jet_of(jets[c], 11)))
+    cosine, sine = jet_of(jets[c], 3), jet_of(jets[c], 4)
+    a, b = math.cos(yaw), math.sin(yaw)
+    return px, py, pz, plus(scaled(a, cosine), scaled(-b, sine)), plus(scaled(b, cosine), scaled(a, sine))
+
+
+@kernel("float64(float64)")
+def wrapped(angle: float) -> float:
+    """The angle less full turns, in [-π, π]."""
+    return float(angle - 2.0 * math.pi * np.round(angle / (2.0 * math.pi)))
+
+
+@kernel(f"void({F2}, int64, {JET})")
+def write(e: FloatArray, k: int, jet: Jet) -> None:
+    """Puts a jet into row k."""
+    for i in range(6):
+        e[k, i] = jet[i]
+
+
+@kernel(f"boolean(int64, {F1}, float64, float64, int64, {TABLES}, {F3}, {F2}, {F2})")
+def quantities(
+    kind: int,
+    asked: FloatArray,
+    t0: float,
+    t1: float,
+    count: int,
+    tables: Tables,
+    jets: FloatArray,
+    q: FloatArray,
+    e: FloatArray,
+) -> bool:
+    """Jets of what is looked at over [t0, t1] into the rows of e: x, y, z, cosine and sine of the heading of the tool
+    less those of its control point (CARRY: of the tool alone; ALONG: the way, ASSEMBLED: the squared margin, as x), and
+    pitch and roll of a hand. False: not known."""
+    arm, on, work = tables[0][0], int(asked[FRAME]), np.empty((4, 6))
+    joints(tables[1], int(arm[FIRST_KNOT]), int(arm[LAST_KNOT]), int(arm[AXIS_COUNT]), t0, t1, work, q)
+    if kind == ASSEMBLED:
+        write(e, 0, elbows(arm, q)[3])
+        return True
+    if int(arm[FAMILY]) == FIVE_AXIS:
+        write(e, PITCHES, plus(plus(jet_of(q, 1), jet_of(q, 2)), jet_of(q, 3)))
+        write(e, ROLLS, jet_of(q, 4))
+    if kind == STRAIGHT:
+        return True
+    if kind != CARRY and not carry(on, count, t0, t1, tables, jets):
+        return False
+    goal = point(jets, on, asked[POINT], asked[POINT + 1], asked[POINT + 2], asked[POINT + 3])
+    if kind == ALONG:
+        x, y, z = scaled(asked[TCP], goal[0]), scaled(asked[TCP + 1], goal[1]), scaled(asked[TCP + 2], goal[2])
+        write(e, 0, plus(plus(x, y), z))
+        return True
+    if not carry(0, count, t0, t1, tables, jets):
+        return False
+    tool = point(jets, count - 1, asked[TCP], asked[TCP + 1], asked[TCP + 2], asked[TCP + 3])
+    for k in range(5):
+        write(e, k, plus(tool[k], scaled(0.0 if kind == CARRY else -1.0, goal[k])))
+    return True
+
+
+@kernel(f"void(int64, {F1}, boolean, {F2}, {F1})")
+def taken(kind: int, asked: FloatArray, hand: bool, e: FloatArray, found: FloatArray) -> None:
+    """By how much quantities of an instant exceed what is allowed, into `found` (5,) where it is more than is there."""
+    now = np.full(5, -np.inf)
+    if kind == ASSEMBLED:
+        now[0] = asked[HEIGHT] - math.sqrt(max(e[0, 0], 0.0))
+    elif kind == STRAIGHT:
+        way, turn = asked[ROLL + 1], asked[ROLL + 2]
+        # from the middle of the way, which is no longer than half a turn: no turn is in doubt
+        x = wrapped(e[PITCHES, 0] - asked[PITCH] - 0.5 * way)
+        y = wrapped(e[ROLLS, 0] - asked[ROLL] - 0.5 * turn)
+        length = way * way + turn * turn
+        share = min(max((x * way + y * turn) / length, -0.5), 0.5) if length > 0.0 else 0.0
+        now[0] = math.sqrt((x - share * way) ** 2 + (y - share * turn) ** 2) - STRAIGHT_RAD
+    elif kind == CARRY:
+        now[0] = math.sqrt(e[0, 4] ** 2 + e[1, 4] ** 2 + e[2, 4] ** 2) - asked[HEIGHT] * (1.0 + CARRY_SHARE)
+    elif kind == ALONG:
+        now[0], now[1] = asked[FOLLOWS] - e[0, 0] - MEET_M, e[0, 0] - asked[HEIGHT] - MEET_M
+    else:
+        now[0] = math.sqrt(e[0, 0] ** 2 + e[1, 0] ** 2 + asked[FOLLOWS] * e[2, 0] ** 2) - GLUE_M
+        now[1], now[2] = -e[2, 0] - GLUE_M, e[2, 0] - asked[HEIGHT] - GLUE_M
+        if asked[TURNS] > 0.0:
+            now[3] = math.sqrt(e[3, 0] ** 2 + e[4, 0] ** 2) - GLUE_RAD
+        if hand:
+            pitch, roll = abs(wrapped(e[PITCHES, 0] - asked[PITCH])), abs(wrapped(e[ROLLS, 0] - asked[ROLL]))
+            now[4] = (roll if pitch <= roll else pitch) - GLUE_RAD
+    for k in range(5):
+        if not now[k] <= found[k]:
+            found[k] = now[k]
+
+
+@kernel(f"void(int64, {F1}, {F2}, float64, {F1})")
+def bounded(kind: int, asked: FloatArray, e: FloatArray, h: float, found: FloatArray) -> None:
+    """What ends of an interval of length h exceed, in `found` (5,), becomes a bound for all of it, from its jets."""
+    bend, most = h * h / 8.0, np.empty(7)
+    for k in range(7):
+        most[k] = max(abs(e[k, 4]), abs(e[k, 5]))
+    if kind == ASSEMBLED:
+        found[0] = asked[HEIGHT] - math.sqrt(max(e[0, 0], 0.0))
+    elif kind == STRAIGHT:
+        found[0] += bend * math.sqrt(most[PITCHES] ** 2 + most[ROLLS] ** 2)
+    elif kind == CARRY:
+        found[0] = math.sqrt(most[0] ** 2 + most[1] ** 2 + most[2] ** 2) - asked[HEIGHT] * (1.0 + CARRY_SHARE)
+    else:
+        high = most[0] if kind == ALONG else most[2]
+        across = most[0] ** 2 if kind == ALONG else most[0] ** 2 + most[1] ** 2 + asked[FOLLOWS] * most[2] ** 2
+        found[0] += bend * math.sqrt(across)
+        found[1] += bend * high
+        found[2] += bend * high
+        found[3] += bend * (most[3] + most[4])
+        found[4] += bend * max(most[PITCHES], most[ROLLS])
+
+
+@kernel(f"void(int64, {F1}, float64, float64, int64, {TABLES}, {F1})")
+def keeps(
+    kind: int,
+    asked: FloatArray,
+    t0: float,
+    t1: float,
+    count: int,
+    tables: Tables,
+    found: FloatArray,
+) -> None:
+    """Whether nothing that is asked is exceeded over [t0, t1]; `count`: links of the arm. `found` (4,) has 0 if so, 1
+    if it is and 2 if that could not be decided; then which quantity, by how much, and when."""
+    jets, q, e = np.zeros((count + len(tables[2]) + MOST_LINKS, JETS, 6)), np.zeros((8, 6)), np.zeros((7, 6))
+    stack, ends, bound = np.empty((64, 2)), np.empty(5), np.empty(5)
+    hand = int(tables[0][0, FAMILY]) == FIVE_AXIS
+    stack[0, 0], stack[0, 1], top = t0, t1, 1
+    found[0] = 0.0
+    for work in range(MOST + 1):
+        if top == 0:
+            return
+        top -= 1
+        a, b = stack[top, 0], stack[top, 1]
+        ends[:] = -np.inf
+        for t in (a, b):
+            if quantities(kind, asked, t, t, count, tables, jets, q, e):
+                taken(kind, asked, hand, e, ends)
+            else:
+                ends[0] = np.inf
+        bound[:] = ends
+        if quantities(kind, asked, a, b, count, tables, jets, q, e):
+            bounded(kind, asked, e, b - a, bound)
+        else:
+            bound[0] = np.inf
+        exceeds, kept = -1, True
+        for k in range(5):
+            if exceeds < 0 and not ends[k] <= 0.0:
+                exceeds = k
+            kept = kept and bound[k] <= 0.0
+        if exceeds >= 0:
+            found[0], found[1], found[2], found[3] = 1.0, exceeds, ends[exceeds], a
+            return
+        if kept:
+            continue
+        if b - a <= SHORTEST_S or work == MOST:
+            found[0], found[1], found[2], found[3] = 2.0, np.argmax(bound), bound.max(), a
+            return
+        middle = (a + b) / 2.0
+        stack[top, 0], stack[top, 1], stack[top + 1, 0], stack[top + 1, 1] = middle, b, a, middle
+        top += 2
+    found[0], found[3] = 2.0, t0
+
+
+@kernel(f"boolean(int64, {F1}, float64, int64, {TABLES}, {F1})")
+def state(
+    c: int,
+    pose: FloatArray,
+    t: float,
+    count: int,
+    tables: Tables,
+    found: FloatArray,
+) -> bool:
+    """Of a frame at `pose` (4,) in carrier c at time t, into `found` (8,): position, yaw, and their rates. False: not
+    known. On a link that tilts the yaw is the heading of the arm."""
+    jets = np.zeros((count + len(tables[2]) + MOST_LINKS, JETS, 6))
+    if not carry(c, count, t, t, tables, jets):
+        return False
+    x, y, z, cosine, sine = point(jets, c, pose[0], pose[1], pose[2], pose[3])
+    family = int(tables[0][0, FAMILY])
+    if c < count and family != SCARA and family != FIVE_BAR:
+        _, _, _, cosine, sine = point(jets, 1, 0.0, 0.0, 0.0, pose[3])
+    for k, jet in enumerate((x, y, z)):
+        found[k], found[4 + k] = jet[0], jet[2]
+    found[3] = math.atan2(sine[0], cosine[0])
+    found[7] = cosine[0] * sine[2] - sine[0] * cosine[2]
+    return True

@@ -1,0 +1,215 @@
+"""Arms and laws of frames as tables, from the numbers of the request: `assur.planner.checker.motion` says the columns.
+
+A law is polynomials in time, piece after piece, over the time that matters: ramps of belts and dials (R1), moves of an
+indexer (F3), splines through keyframes (F5), all by their control values (V1).
+"""
+
+from __future__ import annotations
+
+import math
+from math import comb
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.checker import motion
+from assur.planner.checker.motion import DEGREE, FRAME, NEIGHBOUR, POLYNOMIAL, SWING, Tables
+from assur.planner.checker.spline import table
+from assur.planner.errors import FaultError
+from assur.planner.frames import Conveyor, Fixed, Indexer, Keyframes, Law, Linear, Pose, Swing, Turntable
+from assur.planner.frames.ramps import Change
+from assur.planner.model.scene import Scene
+from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.robots.five_axis_arm import FiveAxisArm
+from assur.planner.robots.five_bar import FiveBar
+from assur.planner.robots.polar_arm import PolarArm
+from assur.planner.robots.protocol import Robot
+from assur.planner.robots.scara import Scara
+from assur.planner.trajectory import Trajectory
+
+Piece = tuple[float, float, list[list[float]]]
+"""Begin, end, and for x, y, z, yaw the coefficients of the powers of the time since the begin."""
+FORMULAS = (Conveyor, Fixed, Indexer, Keyframes, Linear, Swing, Turntable)
+
+
+@runtime_checkable
+class Neighbour(Protocol):
+    """A link of another robot, which follows a trajectory."""
+
+    robot: Robot
+    trajectory: Trajectory
+    link: int
+    valid: tuple[float, float]
+
+
+def tables(scene: Scene, trajectory: Trajectory, until: float) -> Tables:
+    """The tables of a scene and a plan's trajectory; laws of frames up to the time `until`."""
+    moved: list[tuple[Robot, Trajectory]] = [(scene.robot, trajectory)]
+    frames = np.zeros((len(scene.frames), FRAME))
+    pieces: list[Piece] = []
+    for row, frame in zip(frames, scene.frames.values(), strict=True):
+        law = frame.law
+        if not isinstance(law, FORMULAS) and isinstance(law, Neighbour):
+            row[:] = NEIGHBOUR, *law.valid, len(moved), law.link, 0.0, 0.0
+            moved.append((law.robot, law.trajectory))
+            continue
+        own = _pieces(law, trajectory.start, until)
+        swings = (SWING, law.pose.yaw, law.amplitude) if isinstance(law, Swing) else (POLYNOMIAL, 0.0, 0.0)
+        row[:] = swings[0], *law.valid, len(pieces), len(own), *swings[1:]
+        pieces += own
+    knots = [table(path.time, path.q, path.qd, path.qdd) for _, path in moved]
+    ends = np.cumsum([len(rows) for rows in knots])
+    arms = [_arm(robot, end - len(rows), end - 1) for (robot, _), rows, end in zip(moved, knots, ends, strict=True)]
+    return np.array(arms), np.concatenate(knots), frames, _controls(pieces)
+
+
+def _arm(robot: Robot, first: int, last: int) -> list[float]:
+    """A row of the table of arms."""
+    family, numbers = motion.SCARA, list[float]()
+    if isinstance(robot, Scara):
+        numbers = [robot.l1, robot.l2, float(robot.arms_rise)]
+    elif isinstance(robot, FiveAxisArm):
+        family, numbers = motion.FIVE_AXIS, [robot.height, robot.l1, robot.l2, robot.l3]
+    elif isinstance(robot, ElbowArm):
+        family, numbers = motion.ELBOW, [robot.height, robot.l1, robot.l2]
+    elif isinstance(robot, PolarArm):
+        family, numbers = motion.POLAR, [robot.height]
+    elif isinstance(robot, FiveBar):
+        side = 1.0 if robot.assembly == "front" else -1.0
+        family, numbers = motion.FIVE_BAR, [robot.separation, *robot.proximal, *robot.distal, side]
+    else:
+        raise FaultError(f"the checker does not know the kinematics of {robot.name}")
+    base = robot.base
+    row = [
+        float(family),
+        float(len(robot.joints)),
+        float(first),
+        float(last),
+        base.x,
+        base.y,
+        base.z,
+        base.yaw,
+        *numbers,
+    ]
+    return row + [0.0] * (motion.ARM - len(row))
+
+
+def _pieces(law: Law, start: float, until: float) -> list[Piece]:
+    """The pieces of a law over [start, until] at least, or as far as it is known."""
+    if isinstance(law, Keyframes):
+        return _keyframes(law)
+    pose = law.pose  # type: ignore[attr-defined]
+    along = (math.cos(pose.yaw), math.sin(pose.yaw), 0.0, 0.0)
+    if isinstance(law, Fixed):
+        return [_moved(pose, along, start, until, [0.0])]
+    if isinstance(law, Swing):
+        w = 2.0 * math.pi / law.period
+        return [(start, until, [[pose.x], [pose.y], [pose.z], [w * start + law.phase, w]])]
+    if isinstance(law, Linear):
+        gone = start - law.at_time
+        return [_moved(pose, (*law.velocity, 0.0), start, until, [gone, 1.0])]
+    if isinstance(law, Indexer):
+        turn = (0.0, 0.0, 0.0, 1.0) if law.kind == "turn" else along
+        return [_moved(pose, turn, *piece) for piece in _indexed(law, start, until)]
+    if isinstance(law, Turntable):
+        found = [_moved(pose, (0, 0, 0, 1), *p) for p in _ramped(law.rate, law.changes, law.at_time, start, until)]
+        for begin, _, coordinates in found:
+            coordinates[2] = [pose.z + law.rise * (begin - law.at_time), law.rise]
+        return found
+    if isinstance(law, Conveyor):
+        return [_moved(pose, along, *p) for p in _ramped(law.speed, law.changes, law.at_time, start, until)]
+    raise FaultError(f"the checker does not know the law {type(law).__name__}")
+
+
+def _moved(pose: Pose, along: tuple[float, ...], begin: float, end: float, s: list[float]) -> Piece:
+    """What has gone s from `pose`, in coordinates by the shares `along`."""
+    at = (pose.x, pose.y, pose.z, pose.yaw)
+    return begin, end, [[one + k * s[0], *(k * c for c in s[1:])] for one, k in zip(at, along, strict=True)]
+
+
+def _ramped(
+    speed: float, changes: tuple[Change, ...], at_time: float, start: float, until: float
+) -> list[tuple[float, float, list[float]]]:
+    """The travel with changes of speed (R1), 0 at `at_time`: begin, end and coefficients of each piece."""
+    edges: list[tuple[float, float, float, float]] = [(-math.inf, speed, 0.0, 0.0)]
+    for change in changes:
+        time, delta = change.time, abs(change.speed - speed)
+        if delta > 0.0:
+            rise = min(change.acceleration / change.jerk, math.sqrt(delta / change.jerk))
+            sign = math.copysign(1.0, change.speed - speed)
+            reached = min(change.acceleration, math.sqrt(delta * change.jerk))
+            parts = [(rise, 0.0, change.jerk), (delta / reached - rise, reached, 0.0), (rise, reached, -change.jerk)]
+            for lasts, a, j in parts:
+                if lasts > 0.0:
+                    edges.append((time, speed, sign * a / 2.0, sign * j / 6.0))
+                    speed += sign * (a * lasts + j * lasts**2 / 2.0)
+                    time += lasts
+            edges.append((time, change.speed, 0.0, 0.0))
+        speed = change.speed
+    anchor = edges[1][0] if len(edges) > 1 else at_time
+    gone, found = 0.0, []
+    for k, (time, v, a, j) in enumerate(edges):
+        begin, end = (anchor if k == 0 else time), (edges[k + 1][0] if k + 1 < len(edges) else math.inf)
+        if k == 0 or end == math.inf:
+            first = min(start, at_time, anchor) if k == 0 else begin
+            last = max(until, at_time, begin) if end == math.inf else end
+            found.append((first, last, [gone + v * (first - begin), v]))
+        else:
+            found.append((begin, end, [gone, v, a, j]))
+        if k > 0 and end < math.inf:
+            h = end - begin
+            gone += h * (v + h * (a + h * j))
+    at = next(piece for piece in found if piece[0] <= at_time <= piece[1])
+    zero = float(np.polynomial.polynomial.polyval(at_time - at[0], at[2]))
+    return [(begin, end, [c[0] - zero, *c[1:]]) for begin, end, c in found if end > begin]
+
+
+def _indexed(law: Indexer, start: float, until: float) -> list[tuple[float, float, list[float]]]:
+    """The moves and dwells of an indexer (F3), from the cycle before the start."""
+    found = []
+    period = law.move_s + law.dwell_s
+    for cycle in range(math.floor((start - law.start) / period) - 1, math.floor((until - law.start) / period) + 2):
+        begin = law.start + cycle * period
+        powers = [cycle, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0]
+        found.append((begin, begin + law.move_s, [law.step * c / law.move_s**k for k, c in enumerate(powers)]))
+        after = law.start + (cycle + 1) * period
+        if after > begin + law.move_s:
+            found.append((begin + law.move_s, after, [law.step * (cycle + 1.0)]))
+    return found
+
+
+def _keyframes(law: Keyframes) -> list[Piece]:
+    """The cubic spline through keyframes (F5), by the velocities v that make its acceleration continuous:
+    v_(i-1)/h_(i-1) + 2 v_i (1/h_(i-1) + 1/h_i) + v_(i+1)/h_i = 3 (d_(i-1)/h_(i-1) + d_i/h_i), d the mean velocities."""
+    t, x = np.asarray(law.times), np.array([(p.x, p.y, p.z, p.yaw) for p in law.poses])
+    h = np.diff(t)
+    d, many = np.diff(x, axis=0) / h[:, None], len(t)
+    matrix, right = np.zeros((many, many)), np.zeros((many, 4))
+    for i in range(1, many - 1):
+        matrix[i, i - 1 : i + 2] = 1.0 / h[i - 1], 2.0 / h[i - 1] + 2.0 / h[i], 1.0 / h[i]
+        right[i] = 3.0 * (d[i - 1] / h[i - 1] + d[i] / h[i])
+    for i, inner, mean in ((0, 1, d[0]), (many - 1, many - 2, d[-1])):
+        matrix[i, i] = 1.0
+        if law.ends == "natural":
+            matrix[i, i], matrix[i, inner], right[i] = 2.0, 1.0, 3.0 * mean
+    v = np.linalg.solve(matrix, right)
+    found: list[Piece] = []
+    for i in range(many - 1):
+        a = (3.0 * d[i] - 2.0 * v[i] - v[i + 1]) / h[i]
+        b = (v[i] + v[i + 1] - 2.0 * d[i]) / h[i] ** 2
+        found.append((float(t[i]), float(t[i + 1]), np.stack([x[i], v[i], a, b], -1).tolist()))
+    return found
+
+
+def _controls(pieces: list[Piece]) -> FloatArray:
+    """The table of pieces: control values from coefficients, b_i = Σ_m C(i, m) / C(DEGREE, m) a_m h^m."""
+    powers = np.zeros((len(pieces), 4, DEGREE + 1))
+    for rows, (begin, end, coordinates) in zip(powers, pieces, strict=True):
+        for row, given in zip(rows, coordinates, strict=True):
+            row[: len(given)] = [a * (end - begin) ** m for m, a in enumerate(given)]
+    ends = np.array([piece[:2] for piece in pieces]).reshape(-1, 2)
+    return np.concatenate([ends, (powers @ _BERNSTEIN.T).reshape(len(pieces), -1)], axis=1)
+
+
+_BERNSTEIN = np.array([[comb(i, m) / comb(DEGREE, m) for m in range(DEGREE + 1)] for i in range(DEGREE + 1)])

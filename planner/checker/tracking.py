@@ -1,0 +1,126 @@
+"""What must hold over the whole of some legs: tracking, height of an arch, a hand's tilt, acceleration with a part."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from assur.planner.checker import along
+from assur.planner.checker.along import GLUE_M, MEET_M
+from assur.planner.checker.legs import TIME_S
+from assur.planner.checker.meeting import posed
+from assur.planner.checker.targets import Target
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.checker.world import World
+from assur.planner.model.outcome import GLUED, Arrival, Leg, LegKind
+from assur.planner.model.phases import Phase
+from assur.planner.model.scene import Move, Pick, Place
+
+HALF_RAD = 1e-6
+"""rad. Ways that are so near to half a turn are as short one way round as the other: the one that was gone counts."""
+WHAT = ("leaves its line or point", "goes below its point", "goes higher than asked", "is turned", "tilts or rolls")
+INSTANTS, ROUNDS = 64, 6
+"""Times at which the height of an arch is looked for, and rounds, each between the neighbours of the highest."""
+
+
+def tracked(world: World, legs: tuple[Leg, ...], found: tuple[Target, ...]) -> list[Finding]:
+    """Findings for the tracking legs that leave their point, their line, or do not go as high as asked."""
+    findings = []
+    for leg in legs:
+        if leg.kind not in GLUED:
+            continue
+        target = found[leg.step]
+        step, follows, height = target.step, leg.kind is LegKind.FOLLOW, 0.0
+        if isinstance(step, Pick | Place) and not follows:
+            height = step.approach_m if leg.kind is LegKind.APPROACH else step.depart_m
+        tilt, frame = target.tilt or (0.0, 0.0), world.frame[target.frame]
+        asked = [(along.FRAME, frame), (along.FOLLOWS, float(follows)), (along.HEIGHT, height)]
+        asked += [(along.TURNS, float(target.turns)), (along.PITCH, tilt[0]), (along.ROLL, tilt[1])]
+        excess = world.keeps(along.TRACK, asked + posed(target.tool), leg.t0, leg.t1)
+        name = f"{leg.kind} of {step.name}"
+        if excess is not None:
+            unit = "rad" if excess.column >= 3 else "m"
+            what = f"the tool {WHAT[excess.column]} in {name}"
+            what += "" if excess.decided else " (or could not be shown not to)"
+            findings.append(Finding(Code.GLUE, what, excess.amount, unit, f"{excess.time:.6g} s"))
+        if not follows:
+            outer = leg.t0 if leg.kind is LegKind.APPROACH else leg.t1
+            missing = height - float((world.tool(outer).p - world.state(frame, target.tool, outer).p)[2])
+            if not missing <= GLUE_M:
+                findings.append(Finding(Code.GLUE, f"{name} is shorter than asked", missing, "m", f"{outer:.6g} s"))
+    return findings
+
+
+def arches(world: World, legs: tuple[Leg, ...]) -> list[Finding]:
+    """Whether the tool point rises as high as an arch asks: a value that is taken proves it."""
+    findings = []
+    for number, step in enumerate(world.scene.task):
+        spans = [leg for leg in legs if leg.step == number and leg.kind is LegKind.ARCH]
+        if not isinstance(step, Move) or step.arch is None or not spans:
+            continue
+        low, high, top, at = spans[0].t0, spans[-1].t1, -math.inf, spans[0].t0
+        for _ in range(ROUNDS):
+            t = np.linspace(low, high, INSTANTS + 1)
+            z = [float(world.tool(float(x)).p[2]) for x in t]
+            k = int(np.argmax(z))
+            top, at, low, high = z[k], float(t[k]), float(t[max(0, k - 1)]), float(t[min(INSTANTS, k + 1)])
+        missing = step.arch.top_m - top
+        if not missing <= MEET_M:
+            findings.append(Finding(Code.ARCH, f"the arch to {step.name} is too low", missing, "m", f"{at:.6g} s"))
+    return findings
+
+
+def straight(world: World, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -> list[Finding]:
+    """Findings for straight legs on which the hand does not go from its pitch and roll at the beginning to those at the
+    end, the short way and both together. Not checked: by which law of time, and that the tool point's way is straight.
+    """
+    if "pitch" not in world.scene.robot.coordinates:
+        return []
+    met, findings = {arrival.step: arrival.time for arrival in arrivals}, []
+    for number, step in enumerate(world.scene.task):
+        # however many legs the way is cut into, and whatever they are called
+        own = [leg for leg in legs if leg.step == number and leg.kind is not LegKind.WAIT]
+        own = [leg for leg in own if leg.t1 <= met.get(number, -math.inf) + TIME_S]
+        if not (isinstance(step, Move) and step.leg == "cartesian" and own):
+            continue
+        t0, t1 = own[0].t0, own[-1].t1
+        begin, halfway, end = (world.tilt(t)[:2] for t in (t0, (t0 + t1) / 2, t1))
+        asked = []
+        for k in range(2):
+            way, gone = math.remainder(end[k] - begin[k], math.tau), math.remainder(halfway[k] - begin[k], math.tau)
+            if abs(way) > math.pi - HALF_RAD and way * gone < 0:
+                way -= math.copysign(math.tau, way)
+            asked += [(along.PITCH + k, begin[k]), (along.ROLL + 1 + k, way)]
+        excess = world.keeps(along.STRAIGHT, asked, t0, t1)
+        if excess is not None:
+            what = f"the hand leaves the way between pitch and roll at the ends of the straight leg to {step.name}"
+            findings.append(Finding(Code.GLUE, what, excess.amount, "rad", f"{excess.time:.6g} s"))
+    return findings
+
+
+def carried(world: World, phases: tuple[Phase, ...]) -> list[Finding]:
+    """A finding for each phase in which the tool point accelerates harder than a held part allows."""
+    limit, findings = world.scene.carry_acceleration, []
+    for phase in phases if limit is not None else ():
+        if phase.carried is not None and phase.t0 < world.end:
+            asked = [(along.HEIGHT, float(limit or 0.0))]
+            excess = world.keeps(along.CARRY, asked, phase.t0, min(phase.t1, world.end))
+            if excess is not None:
+                what = f"the tool accelerates too hard in {phase.kind}"
+                findings.append(Finding(Code.CARRY, what, excess.amount, "m/s²", f"{excess.time:.6g} s"))
+    return findings
+
+
+def assembled(world: World) -> list[Finding]:
+    """A finding if a closed chain is not proved to stay assembled, with the robot's least parallel margin."""
+    robot = world.scene.robot
+    if robot.parallel_least <= 0.0:
+        return []  # no loop: it assembles wherever its joints are
+    excess = world.keeps(along.ASSEMBLED, [(along.HEIGHT, robot.parallel_least)], world.start, world.end)
+    if excess is None:
+        return []
+    what = f"{robot.name} leaves its assembly mode, or comes nearer to a type 2 singularity than it may"
+    if not excess.decided:
+        what = f"{robot.name} is not proved to stay in its assembly mode"
+    return [Finding(Code.ASSEMBLY, what, excess.amount, "1", f"{excess.time:.6g} s")]
