@@ -141,6 +141,7 @@ def _refusal(prover: Prover, hit: _Hit) -> Refusal:
     reason = Reason.SELF_COLLISION if arrangement.of_robot[second] else Reason.BODY_COLLISION
     # the standstill after the last leg belongs to the last step
     step = phase.step if phase.step >= 0 else len(prover.scene.task) - 1
-    touching = prover.touch(arrangement, hit.q, hit.t, hit.a, hit.b)
+    # what has a gap does not touch
+    touching = not hit.gap > 0.0 and prover.touch(arrangement, hit.q, hit.t, hit.a, hit.b)
     short, detail = max(0.0, hit.need - RESERVE_M - hit.gap), "touch" if touching else "too close"
     return Refusal("screening", reason, step, names, (hit.t, hit.t), short, "m", detail)
