@@ -25,14 +25,13 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
+from assur.planner.kernels.hermite import FIRST, TIME
 
 MERGE = 2e-5
 """s. Switches closer than this share a knot: at 20 µs and 3 rad, rounding costs a jerk of 2 rad/s³."""
 
 DURATION, JERK = 0, 1
 """Rows of a joint's phases: how long each lasts, s, and its jerk."""
-TIME = 0
-"""Column of a knot; behind it n positions, n velocities, n accelerations."""
 
 
 @kernel("float64(float64[:, ::1], float64[:, ::1], float64[:, :, ::1], float64, float64, float64, float64)")
@@ -112,7 +111,7 @@ def _sum_up(knots: FloatArray, first: int, last: int, joint: int, start: FloatAr
     `start` (3, n): where the leg begins. `phases` (2, S): durations and jerks of the joint.
     """
     joints, most = start.shape[1], phases.shape[1]
-    q, v, a = 1 + joint, 1 + joints + joint, 1 + 2 * joints + joint
+    q, v, a = FIRST + joint, FIRST + joints + joint, FIRST + 2 * joints + joint
     knots[first, q], knots[first, v], knots[first, a] = start[0, joint], start[1, joint], start[2, joint]
     phase, begun, pace = 0, 0.0, start[2, joint]
     for k in range(first + 1, last + 1):
@@ -140,7 +139,7 @@ def knots_of_phases(begins: FloatArray, states: FloatArray, phases: FloatArray) 
     legs, joints, most = phases.shape[0], phases.shape[1], phases.shape[3]
     knots = np.empty((1 + legs * (joints * most + 1), 1 + 3 * joints))
     times = np.empty(joints * most + 2)
-    q, v, a = 1, 1 + joints, 1 + 2 * joints
+    q, v, a = FIRST, FIRST + joints, FIRST + 2 * joints
     knots[0, TIME] = begins[0]
     count = 1
     for leg in range(legs):

@@ -68,7 +68,7 @@ class Reached:
 
     def at(self, t: FloatArray) -> FloatArray:
         """q (T, n) at times t, the arm standing still before the leg and after it."""
-        return self.trajectory.evaluate(np.clip(t, self.trajectory.start, self.trajectory.end))
+        return self.trajectory.evaluate(np.clip(t, self.begin, self.end))
 
 
 class JointMotion:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.model.outcome import Reason, Refusal
 from assur.planner.model.scene import Scene
-from assur.planner.trajectory import Trajectory, check_limits, keeps_limits, keeps_positions, rate_ratios
+from assur.planner.robots.protocol import Limits
+from assur.planner.trajectory import LimitCheck, LimitReport, Trajectory, accepted_bands, check_limits, keeps_bands
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,19 +28,28 @@ class Rates:
 
 def rates(scene: Scene, stage: str, step: int, trajectory: Trajectory) -> Rates | Refusal:
     """How fast the leg is; a refusal where a joint position is beyond its limit, which no slowing down mends."""
-    limits = scene.robot.limits
-    if not keeps_positions(trajectory, limits.lower, limits.upper):
-        return _beyond(scene, stage, step, trajectory)
-    ratios, ok = rate_ratios(trajectory, limits.velocity, limits.acceleration, limits.jerk)
+    report = _report(scene.robot.limits, trajectory)
+    if not report.position.ok:
+        return _beyond(scene, stage, step, trajectory, report.position)
+    ratios = np.stack([check.ratio for check in report.checks[1:]])
     velocity, acceleration, jerk = ratios.max(1).tolist()
-    return Rates(velocity, acceleration, jerk, ok, ratios)
+    return Rates(velocity, acceleration, jerk, report.ok, ratios)
+
+
+def _report(limits: Limits, trajectory: Trajectory) -> LimitReport:
+    kinds = limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk
+    return check_limits(trajectory, *kinds)
+
+
+@lru_cache(maxsize=16)
+def _bands(limits: Limits) -> FloatArray:
+    """What is accepted of motions within these limits; for every robot once."""
+    return accepted_bands(limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk)
 
 
 def beyond_limits(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
     """Whether a joint breaks a limit on the way: moving ends overshoot, and the spline as written is what counts."""
-    limits = scene.robot.limits
-    kinds = limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk
-    if keeps_limits(trajectory, *kinds):
+    if keeps_bands(trajectory, _bands(scene.robot.limits)):
         return None
     fast = rates(scene, "limits", step, trajectory)
     if isinstance(fast, Refusal):
@@ -59,12 +70,9 @@ def too_fast(scene: Scene, stage: str, step: int, fast: Rates, detail: str) -> R
     return Refusal(stage, Reason.MOTION_LIMIT, step, (what.name,), None, excess, unit, detail)
 
 
-def _beyond(scene: Scene, stage: str, step: int, trajectory: Trajectory) -> Refusal:
-    """The joint that is first beyond its limit of position, and by how much at most."""
-    limits = scene.robot.limits
-    rates = limits.velocity, limits.acceleration, limits.jerk
-    position = check_limits(trajectory, limits.lower, limits.upper, *rates).position
-    joint = position.joint or 0
+def _beyond(scene: Scene, stage: str, step: int, trajectory: Trajectory, position: LimitCheck) -> Refusal:
+    """The joint that is farthest beyond its limit of position for its range, and by how much."""
+    limits, joint = scene.robot.limits, position.joint or 0
     below = float(limits.lower[joint] - position.lower[joint])
     above = float(position.upper[joint] - limits.upper[joint])
     what = scene.robot.joints[joint]

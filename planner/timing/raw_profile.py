@@ -39,10 +39,12 @@ def trajectory_of(profiles: Sequence[RawProfile], begins: Sequence[float]) -> Tr
     """
     if not all(a < b for a, b in pairwise(begins)):
         raise FaultError(f"profiles that begin at {list(begins)} s")
-    n = len(profiles[0].phases)
-    phases = np.zeros((len(profiles), n, 2, max(profile.phases.shape[2] for profile in profiles)))
-    for row, profile in zip(phases, profiles, strict=True):
-        row[:, :, : profile.phases.shape[2]] = profile.phases
+    if len(profiles) == 1:
+        phases = profiles[0].phases[None]
+    else:
+        n, most = len(profiles[0].phases), max(profile.phases.shape[2] for profile in profiles)
+        phases = np.zeros((len(profiles), n, 2, most))
+        for row, profile in zip(phases, profiles, strict=True):
+            row[:, :, : profile.phases.shape[2]] = profile.phases
     states = np.array([profiles[0].begin, *(profile.goal for profile in profiles)])
-    knots = knots_of_phases(np.array(begins, dtype=np.float64), states, phases)
-    return Trajectory(knots[:, 0], knots[:, 1 : 1 + n], knots[:, 1 + n : 1 + 2 * n], knots[:, 1 + 2 * n :])
+    return Trajectory.of_knots(knots_of_phases(np.array(begins, dtype=np.float64), states, phases))

@@ -1,14 +1,13 @@
 """What is executed: knots and quintic Hermite splines, their exact extremes, and whether they keep limits."""
 
+from assur.planner.kernels.limits import JERK_TOLERANCE, LIMIT_TOLERANCE
 from assur.planner.trajectory.limits import (
-    JERK_TOLERANCE,
-    LIMIT_TOLERANCE,
     LimitCheck,
     LimitReport,
+    accepted_bands,
     check_limits,
+    keeps_bands,
     keeps_limits,
-    keeps_positions,
-    rate_ratios,
 )
 from assur.planner.trajectory.trajectory import Trajectory
 
@@ -18,8 +17,8 @@ __all__ = [
     "LimitCheck",
     "LimitReport",
     "Trajectory",
+    "accepted_bands",
     "check_limits",
+    "keeps_bands",
     "keeps_limits",
-    "keeps_positions",
-    "rate_ratios",
 ]

@@ -17,9 +17,9 @@ from functools import cached_property, partial
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray, frozen
-from assur.planner.errors import InputError
-from assur.planner.trajectory.extremum import span
-from assur.planner.trajectory.hermite import hulls, powers
+from assur.planner.errors import FaultError, InputError
+from assur.planner.kernels.hermite import HULL_COLUMNS, first_bad_knot, first_column, piece_coefficients, piece_hulls
+from assur.planner.kernels.limits import spline_extremes
 from assur.planner.trajectory.jumps import doubled
 
 
@@ -38,6 +38,7 @@ class Trajectory:
     qd: FloatArray
     qdd: FloatArray
     jumps: bool = field(default=False, kw_only=True)
+    _knots: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         time = frozen(self.time, (None,), "trajectory.time")
@@ -45,16 +46,38 @@ class Trajectory:
             raise InputError("trajectory.time", len(time), "at least two knots")
         if not self.jumps and not (time[1:] > time[:-1]).all():
             raise InputError("trajectory.time", int(np.argmin(time[1:] > time[:-1])) + 1, "strictly increasing times")
-        object.__setattr__(self, "time", time)
-        width = None
+        columns, width = [time[:, None]], None
         for name in ("q", "qd", "qdd"):
             states = frozen(getattr(self, name), (len(time), width), f"trajectory.{name}")
             width = states.shape[1]
-            object.__setattr__(self, name, states)
+            columns.append(states)
         if not width:
-            raise InputError("trajectory.q", self.q.shape, "at least one joint")
+            raise InputError("trajectory.q", columns[1].shape, "at least one joint")
+        self._take(np.concatenate(columns, 1))
         if self.jumps:
             doubled(self.time, self.q, self.qd, self.qdd)
+
+    @classmethod
+    def of_knots(cls, knots: FloatArray) -> Trajectory:
+        """The trajectory of a table (K, 1 + 3n) of K > 1 knots, which is not copied: times, q, q̇, q̈ side by side.
+
+        Raises `FaultError` for numbers that are not finite and times that do not increase.
+        """
+        bad = first_bad_knot(knots)
+        if len(knots) < 2 or bad >= 0:
+            raise FaultError(f"knot {bad} of {len(knots)} is not finite, or not later than the one before")
+        made = object.__new__(cls)
+        object.__setattr__(made, "jumps", False)
+        made._take(knots)
+        return made
+
+    def _take(self, knots: FloatArray) -> None:
+        """Keeps the table of knots, and its columns as read-only views."""
+        n = (knots.shape[1] - 1) // 3
+        object.__setattr__(self, "_knots", knots)
+        object.__setattr__(self, "time", _closed(knots[:, 0]))
+        for number, name in enumerate(("q", "qd", "qdd")):
+            object.__setattr__(self, name, _closed(knots[:, 1 + number * n : 1 + (number + 1) * n]))
 
     def __reduce__(self) -> tuple[Callable[..., Trajectory], tuple[FloatArray, ...]]:
         """Between processes only the knots travel; they are validated again."""
@@ -103,20 +126,24 @@ class Trajectory:
         """Lengths of the pieces, (P,) s; P = K-1 without jumps."""
         return _closed(self.edges[1:] - self.edges[:-1])
 
+    @property
+    def knots(self) -> FloatArray:
+        """Times, q, q̇, q̈ side by side, (K, 1 + 3n): what kernels take. Not to be written to."""
+        return self._knots
+
     @cached_property
-    def _hulls(self) -> tuple[FloatArray, ...]:
-        if len(self._begins) == len(self.time) - 1:
-            return tuple(_closed(hull) for hull in hulls(self.steps, self.q, self.qd, self.qdd))
-        # rows do not see each other: what lasts no time gets some length, and is left out again
-        length = np.ones(len(self.time) - 1)
-        length[self._begins] = self.steps
-        return tuple(_closed(hull[self._begins]) for hull in hulls(length, self.q, self.qd, self.qdd))
+    def _hulls(self) -> FloatArray:
+        """Bernstein coefficients between all knots, (K-1, n, HULL_COLUMNS)."""
+        hulls = np.empty((len(self.time) - 1, self.n, HULL_COLUMNS))
+        piece_hulls(self._knots, hulls)
+        return hulls
 
     @cached_property
     def coefficients(self) -> FloatArray:
         """c0..c5 of q(τ) = Σ c_i τ^i, τ = t − t_k, on every piece: (P, n, 6)."""
-        knots = np.append(self._begins, len(self.time) - 1)
-        return _closed(powers(self.steps, self.q[knots], self.qd[knots], self._hulls))
+        coefficients = np.empty((len(self.time) - 1, self.n, 6))
+        piece_coefficients(self._knots, self._hulls, coefficients)
+        return _closed(coefficients[self._begins])
 
     @cached_property
     def _horner(self) -> tuple[FloatArray, ...]:
@@ -128,7 +155,8 @@ class Trajectory:
 
     def bernstein(self, derivative: int) -> FloatArray:
         """Bernstein coefficients of a derivative (0 to 3) on every piece, (P, n, 6 - derivative): its convex hull."""
-        return self._hulls[derivative]
+        first = first_column(derivative)
+        return _closed(self._hulls[self._begins, :, first : first + 6 - derivative])
 
     def piece(self, t: FloatArray) -> tuple[IntArray, FloatArray]:
         """The piece that holds each time, the right one at an inner knot, and the time since its begin."""
@@ -199,13 +227,15 @@ class Trajectory:
         the true range by at most 1e-13 of the largest Bernstein coefficient, plus the rounding of the coefficients.
         Where the acceleration jumps both of its sides count, and the jerk has no bound: −∞ and ∞.
         """
-        low, high = span(self._hulls[derivative])
-        if len(self._begins) < len(self.time) - 1 and derivative >= 2:
-            leap = np.abs(np.diff(self.qdd, axis=0)[self.time[1:] == self.time[:-1]]).max(0) > 0
-            if derivative == 3:
-                return np.where(leap, -np.inf, low), np.where(leap, np.inf, high)
-            low, high = np.minimum(low, self.qdd.min(0)), np.maximum(high, self.qdd.max(0))
+        low, high = self._extremes[derivative]
         return low, high
+
+    @cached_property
+    def _extremes(self) -> FloatArray:
+        """Lowest and highest value of q and its derivatives, (4, 2, n)."""
+        found = np.empty((4, 2, self.n))
+        spline_extremes(self._knots, found)
+        return _closed(found)
 
 
 def _closed(array: FloatArray) -> FloatArray:

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 import tomllib
 from dataclasses import fields
 from importlib import import_module
-from pathlib import Path
 
 import pytest
 
@@ -146,13 +143,6 @@ def test_the_pages_say_proved_and_what_it_is_not() -> None:
         assert "proved against the model" in said.replace("**", "").lower(), page
         assert "ISO 10218" in said, page
         assert "ISO 13849" in said, page
-
-
-@pytest.mark.parametrize("name", ["scara", "arms"])
-def test_a_drawing_is_what_its_program_draws(name: str, tmp_path: Path) -> None:
-    drawings, drawn = ROOT / "docs" / "drawings", tmp_path / f"{name}.svg"
-    subprocess.run([sys.executable, str(drawings / f"draw_{name}.py"), str(drawn)], check=True)
-    assert drawn.read_bytes() == (drawings / f"{name}.svg").read_bytes()
 
 
 def test_every_test_that_a_claim_is_held_by_is_where_the_page_says() -> None:

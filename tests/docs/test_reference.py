@@ -182,7 +182,7 @@ def test_the_table_of_solids_is_that_of_the_catalogue() -> None:
 
 
 def test_the_arms_that_readme_names_are_those_of_the_catalogue() -> None:
-    table = prose("README.md").split("| arm | of the catalogue")[1].split("\n\n")[0]
+    table = prose("README.md").split("| arm | in the catalogue")[1].split("\n\n")[0]
     rows = re.findall(r"^\| (.+?) \| (.+?) \|$", table, re.MULTILINE)
     there = {robot["model"]: robot["family"] for robot in robots()}
     scaras = [model for model, family in there.items() if family == "scara"]

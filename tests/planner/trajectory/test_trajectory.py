@@ -7,9 +7,10 @@ import pickle
 import numpy as np
 import pytest
 from hypothesis import given
+from hypothesis import strategies as st
 from scipy.interpolate import BPoly
 
-from assur.planner.errors import InputError
+from assur.planner.errors import FaultError, InputError
 from assur.planner.trajectory import Trajectory
 from tests.planner.trajectory.splines import REGIMES, constant_jerk, spline, splines
 
@@ -142,3 +143,22 @@ def test_rest_at_an_end_is_exact_rest() -> None:
         path = Trajectory(np.arange(2.0), zero, qd, qdd)
         assert path.rest_at_start
         assert not path.rest_at_end
+
+
+@given(splines, st.integers(0, 10**6), st.sampled_from([np.nan, np.inf, -np.inf]))
+def test_a_table_of_knots_is_taken_as_it_is_and_refused_where_a_number_is_none(
+    path: Trajectory, place: int, spoilt: float
+) -> None:
+    again = Trajectory.of_knots(path.knots.copy())
+    assert all(np.array_equal(getattr(path, name), getattr(again, name)) for name in ("time", "q", "qd", "qdd"))
+    assert np.array_equal(again.coefficients, path.coefficients)
+    bad = path.knots.copy()
+    bad.flat[place % bad.size] = spoilt
+    with pytest.raises(FaultError):
+        Trajectory.of_knots(bad)
+    with pytest.raises(FaultError):
+        Trajectory.of_knots(path.knots[:1].copy())
+    late = path.knots.copy()
+    late[-1, 0] = late[-2, 0]
+    with pytest.raises(FaultError):
+        Trajectory.of_knots(late)
