@@ -14,13 +14,14 @@ from typing import Annotated, Any, Literal, ParamSpec
 
 import typer
 
-from assur.api.cli import catalogue_table, console_report, number_format
+from assur.api.cli import catalogue_table, console_report
 from assur.api.cli.inputs import json_file, robot_named, target
 from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import Problem, printable
 from assur.api.version import version
 from assur.planner.errors import FaultError, InputError
+from assur.planner.report.number_format import amount
 from assur.scenes import kernels as compiled_kernels
 from assur.scenes import requests
 
@@ -141,9 +142,8 @@ def check(
     else:
         findings = console_report.table("what is wrong", ">by", "where")
         for finding in verdict["findings"]:
-            console_report.row(
-                findings, finding["what"], number_format.amount(finding["amount"], finding["unit"]), finding["where"]
-            )
+            by = amount(finding["amount"], finding["unit"])
+            console_report.row(findings, finding["what"], by, finding["where"])
         _print("plan wrong", "", findings)
     return RIGHT if verdict["ok"] else WRONG
 

@@ -74,8 +74,8 @@ def timed(door: Planner, document: Document) -> Document:
     outcome = door.plan(scene)
     cpu_s, wall_s = time.process_time() - cpu, time.perf_counter() - began
     times = {"build_s": built, "wall_s": wall_s, "cpu_s": cpu_s}
-    # the planner counts here what it proved and its own checker then refused
-    refused = sum(line.count for line in outcome.census.lines if line.stage == "checker")
+    # what the planner proved and its own checker then refused; older commits have the stage in the line itself
+    refused = sum(line.count for line in outcome.census.lines if getattr(line, "refusal", line).stage == "checker")
     if not hasattr(outcome, "plan"):
         reason = f"{outcome.reason}: {outcome.sentence}"
         return {"status": "not_planned", "reason": reason, "checker_refused": refused, **times}

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from assur.planner.model.outcome import Outcome, Planned, Reason
+from assur.planner.model.outcome import Outcome, Planned
+from assur.planner.model.refusal import Reason
 from assur.planner.pipeline import plan
 from assur.scenes.requests import scene_of
 
@@ -69,7 +70,7 @@ def decision(h_mm: float, kind: str) -> dict[str, Any]:
             "peak_deg_s": float(np.degrees(np.abs(rates).max())),
         }
     refused: dict[str, Any] = {"answer": str(outcome.reason), "sentence": outcome.sentence}
-    if outcome.reason == Reason.NEAR_SINGULARITY and outcome.refusal is not None:
-        refused["margin"] = scene.options.singularity_margin - outcome.refusal.amount
+    if outcome.reason == Reason.NEAR_SINGULARITY and outcome.refusal is not None and outcome.refusal.amount:
+        refused["margin"] = scene.options.singularity_margin - outcome.refusal.amount.value
         refused["margin_asked"] = scene.options.singularity_margin
     return refused

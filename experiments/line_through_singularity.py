@@ -23,7 +23,7 @@ from assur.experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RE
 from assur.experiments.line_requests import FASTEST_DEG_S, HALF, LINK, SPEED, decision
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
-from assur.planner.model.outcome import Reason
+from assur.planner.model.refusal import Reason
 from assur.planner.robots.protocol import Limits
 from assur.planner.robots.scara import Scara
 

@@ -5,7 +5,6 @@ scene ─► what is impossible? ─► search (candidates ─► dyad ─► Ru
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import dataclass
 
@@ -13,22 +12,13 @@ from assur.planner.blends.search import searcher
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.necessary import start_collides, start_impossible
 from assur.planner.legs.tilt import pitch_free
-from assur.planner.model.outcome import (
-    Census,
-    CensusLine,
-    NotPlanned,
-    Outcome,
-    Plan,
-    Planned,
-    Reason,
-    Refusal,
-    Relaxation,
-)
+from assur.planner.model.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Relaxation
 from assur.planner.model.phases import phases, yaw_offsets
+from assur.planner.model.refusal import FOR_ALL_TIMES, OF_CANDIDATES, LawEnds, Reason, Refusal, Stage, WindowMissed
 from assur.planner.model.scene import Scene
 from assur.planner.relaxation import relax, worth_trying
 from assur.planner.report.margins import contacts, margins
-from assur.planner.report.sentence import leading, sentence
+from assur.planner.report.sentence import sentence
 from assur.planner.search.beam import Found
 from assur.planner.search.census import Counter
 from assur.planner.search.lower_bound import lower_bound
@@ -52,7 +42,7 @@ def plan(scene: Scene, *, adaptive: bool = True, started: float | None = None) -
     scene for this request says when it began.
     `adaptive=False` samples without learning from what was refused (for experiments). Every plan was accepted by the
     checker. What the prover accepted and the checker refuses is a defect of the planner: it is no answer, and the
-    census tells it under the stage `checker`.
+    census counts it at the stage `checker`.
     """
     clock = _Clock(time.perf_counter() if started is None else started)
     prover = Prover(scene)
@@ -89,28 +79,39 @@ def _planned(scene: Scene, clock: _Clock, prover: Prover, found: Found, made: Pl
 def _not_found(scene: Scene, clock: _Clock, found: Found) -> NotPlanned:
     census = found.census.census()
     line = leading(census, found.deepest)
-    refusal = None if line is None else _as_refusal(line)
-    proved = census.candidates == 0 and not found.cut_by_clock and line is not None and _for_all_times(scene, line)
+    refusal = None if line is None else line.refusal
+    nothing_tried = census.candidates == 0 and not found.cut_by_clock
+    proved = nothing_tried and refusal is not None and for_all_times(scene, refusal)
     return _not_planned(
         scene, clock, refusal, census, proved=proved, cut=found.cut_by_clock, deepest=found.deepest, line=line
     )
 
 
-def _for_all_times(scene: Scene, line: CensusLine) -> bool:
+def leading(census: Census, deepest: int) -> CensusLine | None:
+    """The most frequent refusal at the step that was never passed."""
+    here = [line for line in census.lines if line.refusal.step == deepest]
+    of_candidates = [line for line in here if line.refusal.stage in OF_CANDIDATES]
+    # a mode that is not reached at all refuses once for all candidates: it counts as most frequent
+    once = [line for line in here if line.refusal.stage is Stage.INVERSE]
+    if once and not of_candidates:
+        return once[0]
+    return max(of_candidates or here, key=lambda line: line.count, default=None)
+
+
+def for_all_times(scene: Scene, refusal: Refusal) -> bool:
     """Whether a refusal before any candidate holds for all times: it does not depend on how the arm came here."""
-    if line.stage == "window":
-        # how early the arm can come depends on how it comes; that a window is over or too short does not. No number:
-        # it was not looked at for all times
-        return math.isfinite(line.least) and not line.detail.startswith("the arm comes")
-    if yaw_offsets(scene, scene.task[line.step]) is None or pitch_free(scene, scene.task[line.step]):
+    if refusal.stage is Stage.WINDOW:
+        # how early the arm can come depends on how it comes; that a window is over or too short does not
+        return isinstance(refusal.facts, LawEnds) or (
+            isinstance(refusal.facts, WindowMissed) and refusal.facts.miss in FOR_ALL_TIMES
+        )
+    if yaw_offsets(scene, scene.task[refusal.step]) is None or pitch_free(scene, scene.task[refusal.step]):
         return False  # some yaws, or pitches, were tried, not all
-    if line.reason is Reason.NEAR_SINGULARITY and not line.least > 0:
-        return False  # no margin was asked: a stretched arm may stand there
-    return line.stage == "inverse" and line.interval is not None and line.interval[0] == line.interval[1]
-
-
-def _as_refusal(line: CensusLine) -> Refusal:
-    return Refusal(line.stage, line.reason, line.step, line.bodies, line.interval, line.least, line.unit, line.detail)
+    if refusal.reason is Reason.NEAR_SINGULARITY and not (refusal.amount is not None and refusal.amount.value > 0):
+        return False  # no margin was required: a stretched arm may stand there
+    return (
+        refusal.stage is Stage.INVERSE and refusal.interval is not None and refusal.interval[0] == refusal.interval[1]
+    )
 
 
 def _not_planned(
@@ -127,17 +128,21 @@ def _not_planned(
     options = scene.options
     relaxation: Relaxation | None = None
     tried: tuple[str, ...] = ()
+    spent = False
     if options.explain_budget_s > 0 and worth_trying(refusal):
         deadline = time.perf_counter() + options.explain_budget_s
-        relaxation, tried = relax(scene, min(deepest, len(scene.task) - 1), _blocker(scene, census, deepest), deadline)
+        relaxation, tried, spent = relax(
+            scene, min(deepest, len(scene.task) - 1), _blocker(scene, census, deepest), deadline
+        )
     return NotPlanned(
         reason=Reason.TIMED_OUT if refusal is None else refusal.reason,
         proved=proved,
-        sentence=sentence(scene, line or refusal, census, cut=cut, budget=options.budget_s),
+        sentence=sentence(scene, refusal, line, census, cut=cut),
         refusal=refusal,
         census=census,
         relaxation=relaxation,
         tried=tried,
+        explain_budget_spent=spent,
         assumptions=scene.assumptions,
         seed=options.seed,
         elapsed_s=clock.elapsed,
@@ -149,7 +154,7 @@ def _blocker(scene: Scene, census: Census, step: int) -> str | None:
     """The body of the surroundings that refused most candidates of a step."""
     counts: dict[str, int] = {}
     for line in census.lines:
-        for name in line.bodies:
-            if line.step == step and name in scene.index:
+        for name in line.refusal.bodies:
+            if line.refusal.step == step and name in scene.index:
                 counts[name] = counts.get(name, 0) + line.count
     return max(counts, key=lambda name: counts[name], default=None)

@@ -13,7 +13,8 @@ from assur.planner.blends.search import searcher
 from assur.planner.collision.proof import Prover
 from assur.planner.errors import InputError
 from assur.planner.frames import Conveyor
-from assur.planner.model.outcome import Reason, Refusal, Relaxation
+from assur.planner.model.outcome import Relaxation
+from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.model.scene import WORLD, Clearance, Follow, Move, Pick, Place, Scene, Step, Window
 from assur.planner.search.beam import Found
 
@@ -25,21 +26,21 @@ FEWEST_S = 0.02
 """A change is not tried with less time than this left, s."""
 
 
-def relax(scene: Scene, step: int, blocker: str | None, deadline: float) -> tuple[Relaxation | None, tuple[str, ...]]:
-    """The first change that works, and what was tried; `deadline` in monotonic seconds."""
+def relax(
+    scene: Scene, step: int, blocker: str | None, deadline: float
+) -> tuple[Relaxation | None, tuple[str, ...], bool]:
+    """The first change that works, what was tried, and whether the time was spent; `deadline` in monotonic seconds."""
     tried: list[str] = []
     for what, value, changed in changes(scene, step, blocker):
         left = deadline - time.perf_counter()
         if left < FEWEST_S:
-            tried.append("the explain budget was spent")
-            break
+            return None, tuple(tried), True
         tried.append(f"{what}: {value}")
         found = _attempt(changed, min(left, _longest(what, changed, left)))
         if found.best is not None:
-            return Relaxation(
-                what, _reached(found, what, value, step), found.best.state.time - scene.start.time
-            ), tuple(tried)
-    return None, tuple(tried)
+            taken = found.best.state.time - scene.start.time
+            return Relaxation(what, _reached(found, what, value, step), taken), tuple(tried), False
+    return None, tuple(tried), False
 
 
 def _longest(what: str, changed: Scene, left: float) -> float:

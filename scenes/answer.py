@@ -6,24 +6,28 @@ everything else is SI and in the world frame. What has no number is null. Nothin
 
 from __future__ import annotations
 
-from typing import Literal
+from dataclasses import asdict
+from typing import Literal, cast
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.model.leeway import JointPeak, Margins
 from assur.planner.model.outcome import (
     Arrival,
     Census,
-    CensusLine,
     Certificate,
+    JointPeak,
+    Margins,
     NotPlanned,
     Outcome,
     Plan,
     Planned,
-    Refusal,
+    Route,
 )
+from assur.planner.model.refusal import Facts, Refusal
+from assur.planner.model.scene import Scene
+from assur.planner.report.sentence import because, note
 from assur.scenes.conventions import as_maker
 from assur.scenes.numbers import interval, number, optional
 from assur.scenes.reading.cell import Cell
@@ -62,7 +66,8 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAn
                 "step": int(leg.step),
                 "from_s": number(leg.t0),
                 "to_s": number(leg.t1),
-                "note": leg.note,
+                "note": note(leg.route),
+                "route": None if leg.route is None else _route(leg.route),
             }
             for leg in plan.legs
         ],
@@ -73,7 +78,7 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAn
         "margins": _margins(outcome.margins),
         "lower_bound_s": optional(outcome.lower_bound_s),
         "certificate": certificate_document(plan.certificate, detail),
-        "census": _census(outcome.census),
+        "census": _census(cell.scene, outcome.census),
         "first_s": optional(outcome.first_s),
         "assumptions": list(outcome.assumptions),
         "seed": int(outcome.seed),
@@ -89,22 +94,31 @@ def _not_planned(cell: Cell, outcome: NotPlanned) -> document.NotPlannedAnswer:
     return {
         "schema": "assur/1",
         "status": "not_planned",
-        "reason": str(outcome.reason),
+        "reason": outcome.reason,
         "proved": bool(outcome.proved),
         "sentence": outcome.sentence,
-        "refusal": None if outcome.refusal is None else _refusal(outcome.refusal),
+        "refusal": None if outcome.refusal is None else _refusal(cell.scene, outcome.refusal),
         "relaxation": None
         if relaxation is None
         else {"what": relaxation.what, "value": relaxation.value, "duration_s": optional(relaxation.duration_s)},
         "tried": list(outcome.tried),
-        "details": {key: optional(value) for key, value in outcome.details.items()},
-        "census": _census(outcome.census),
+        "explain_budget_spent": bool(outcome.explain_budget_spent),
+        "census": _census(cell.scene, outcome.census),
         "assumptions": list(outcome.assumptions),
         "seed": int(outcome.seed),
         "elapsed_s": number(outcome.elapsed_s),
         "cut_by_clock": bool(outcome.cut_by_clock),
         "request_digest": cell.scene.digest,
         "notice": NOTICE,
+    }
+
+
+def _route(route: Route) -> document.Route:
+    return {
+        "course": route.course,
+        "vias": int(route.vias),
+        "after_wait": bool(route.after_wait),
+        "later": bool(route.later),
     }
 
 
@@ -209,37 +223,36 @@ def _peak(peak: JointPeak) -> document.Peak:
     }
 
 
-def _census(census: Census) -> document.Census:
+def _census(scene: Scene, census: Census) -> document.Census:
     return {
         "candidates": int(census.candidates),
         "refused": int(census.refused),
-        "lines": [_line(line) for line in census.lines],
+        "lines": [
+            {**_refused(scene, line.refusal), "count": int(line.count), "least": line.least, "most": line.most}
+            for line in census.lines
+        ],
     }
 
 
-def _line(line: CensusLine) -> document.CensusLine:
-    return {
-        "stage": line.stage,
-        "reason": str(line.reason),
-        "step": int(line.step),
-        "bodies": list(line.bodies),
-        "count": int(line.count),
-        "interval_s": interval(line.interval),
-        "least": optional(line.least),
-        "most": optional(line.most),
-        "unit": line.unit,
-        "detail": line.detail,
-    }
+def _refusal(scene: Scene, refusal: Refusal) -> document.Refusal:
+    return {**_refused(scene, refusal), "amount": None if refusal.amount is None else refusal.amount.value}
 
 
-def _refusal(refusal: Refusal) -> document.Refusal:
+def _refused(scene: Scene, refusal: Refusal) -> document.Refused:
     return {
         "stage": refusal.stage,
-        "reason": str(refusal.reason),
+        "reason": refusal.reason,
         "step": int(refusal.step),
         "bodies": list(refusal.bodies),
+        "joint": refusal.joint,
+        "frame": refusal.frame,
         "interval_s": interval(refusal.interval),
-        "amount": optional(refusal.amount),
-        "unit": refusal.unit,
-        "detail": refusal.detail,
+        "unit": None if refusal.amount is None else refusal.amount.unit,
+        # as the dataclass is described in the schema, and as JSON has it
+        "facts": cast(Facts, {key: _plain(value) for key, value in asdict(refusal.facts).items()}),
+        "detail": because(scene, refusal),
     }
+
+
+def _plain(value: object) -> object:
+    return [_plain(item) for item in value] if isinstance(value, tuple) else value

@@ -8,7 +8,7 @@ from typing import Any
 from rich.table import Table
 
 from assur.api.cli.console_report import row, table
-from assur.api.cli.number_format import SHOWN_AS, number
+from assur.planner.report.number_format import SHOWN_AS, number
 
 MARKS = {"vendor_config": " c", "third_party": " t", "disputed": " d", "estimated": " e", None: " ?"}
 """Marks behind a number that is not the maker's own word; `LEGEND` explains them."""

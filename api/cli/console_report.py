@@ -6,7 +6,6 @@ Lengths in millimetres, times in seconds. Texts that came from a request are pri
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -15,40 +14,19 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from assur.api.cli.number_format import amount, number
 from assur.api.problems import printable
+from assur.planner.report.number_format import amount
 
 WIDTH = 110
 """Columns where the output is not a terminal."""
 CENSUS_LINES = 8
 """So many kinds of refusal are told; the document has them all."""
 
-SAYS = {
-    "OUT_OF_REACH": "the arm does not reach",
-    "JOINT_LIMIT": "a joint would pass its limit",
-    "NEAR_SINGULARITY": "the arm would be too near a singular pose",
-    "NEAR_PARALLEL_SINGULARITY": "the motors would hardly hold the tool",
-    "SELF_COLLISION": "the arm would hit itself",
-    "BODY_COLLISION": "something would be hit",
-    "START_IN_COLLISION": "the start is in collision",
-    "CONTROL_POINT_IN_COLLISION": "a control point is in collision",
-    "MOTION_LIMIT": "speed, acceleration or jerk would pass a limit",
-    "CARRY_LIMIT": "the part could not be held so fast",
-    "WINDOW_MISSED": "the window would be missed",
-    "LAW_ENDS": "a frame's motion is not known for so long",
-    "NOT_CERTIFIED": "the proof did not succeed",
-    "TIMED_OUT": "the time was up",
-}
-"""Reasons as a shift leader says them."""
 BEFORE = ("control point", "inverse")
 """Stages that look at poses and times at which a point could be met; candidates are ways to those that are left."""
-OF_UNIT = {"/s": "speed", "/s²": "acceleration", "/s³": "jerk"}
-"""What a limit of this unit is one of."""
 RESTING = 1e-9
 """A joint's velocity in rad/s or m/s up to which it is at rest, and a time in s up to which a knot is that of an
 arrival: rounding of what is written down."""
-SPENT = "the explain budget was spent"
-"""Stands last among what was tried when there was no time for more; it is no change that was tried."""
 
 
 class _Console(Console):
@@ -94,8 +72,8 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
     names = {arrival["step"]: arrival["control_point"] for arrival in answer["arrivals"]}
     legs = table("leg", ">from s", ">to s", "for", "")
     for leg in answer["legs"]:
-        note = re.sub(r"\b(\d+) vias?\b", lambda m: f"by {m[1]} via{'' if m[1] == '1' else 's'}", leg["note"])
-        row(legs, leg["kind"], f"{leg['from_s']:.3f}", f"{leg['to_s']:.3f}", names.get(leg["step"], ""), note)
+        times = (f"{leg['from_s']:.3f}", f"{leg['to_s']:.3f}")
+        row(legs, leg["kind"], *times, names.get(leg["step"], ""), leg["note"])
     yield legs
     yield ""
     angles = ("yaw_rad", *(key for key in ("pitch_rad", "roll_rad") if key in answer["arrivals"][0]))
@@ -159,13 +137,14 @@ def not_planned(answer: dict[str, Any]) -> Iterator[Table | str]:
             f"(then {relaxation['duration_s']:.3f} s; tried)"
         )
     elif answer["tried"]:
-        tried = [change for change in answer["tried"] if change != SPENT]
-        spent = f"; {SPENT}" if SPENT in answer["tried"] else ""
-        yield f"what would not help  {', '.join(tried) or 'nothing was tried'}{spent}"
+        spent = "; the explain budget was spent" * answer["explain_budget_spent"]
+        yield f"what would not help  {', '.join(answer['tried'])}{spent}"
+    elif answer["explain_budget_spent"]:
+        yield "what would help     nothing was tried: the explain budget was spent"
 
 
-def census(document: dict[str, Any], *, planned: bool) -> Iterator[str]:
-    """The census in sentences, most frequent refusal first; `planned`: whether there is a plan after all."""
+def census(document: dict[str, Any], *, planned: bool) -> Iterator[Table | str]:
+    """The census, most frequent refusal first; `planned`: whether there is a plan after all."""
     refused = document["refused"]
     lines = [line for line in document["lines"] if line["stage"] not in BEFORE]
     before = [line for line in document["lines"] if line["stage"] in BEFORE]
@@ -177,53 +156,27 @@ def census(document: dict[str, Any], *, planned: bool) -> Iterator[str]:
         yield f"the other {others} were not refused: each leads a part of the way, or was set aside for a quicker one"
     yield from _kinds(lines)
     if before:
-        yield "poses and times at which the points could be met, looked at before any candidate:"
+        yield "times and poses at which the points could be met, examined before any candidate:"
         yield from _kinds(before)
 
 
-def _kinds(lines: list[dict[str, Any]]) -> Iterator[str]:
+def _kinds(lines: list[dict[str, Any]]) -> Iterator[Table | str]:
+    if not lines:
+        return
+    made = table(">  times", ">step", "stage", "what", ">between s", ">short by")
     for line in lines[:CENSUS_LINES]:
-        yield "  " + refusal(line)
+        interval = line["interval_s"]
+        span = (
+            ""
+            if interval is None or None in interval
+            else " and ".join(dict.fromkeys(f"{instant:.3f}" for instant in interval))
+        )
+        least, most = amount(line["least"], line["unit"]), amount(line["most"], line["unit"])
+        by = least if least == most else f"{least} to {most}"
+        row(made, line["count"], line["step"] + 1, line["stage"], line["detail"], span, by)
+    yield made
     if len(lines) > CENSUS_LINES:
         yield f"  and {len(lines) - CENSUS_LINES} more kinds of refusal"
-
-
-def refusal(line: dict[str, Any]) -> str:
-    """One line of the census as a sentence: how many, why, by what, when, by how much."""
-    often = "once" if line["count"] == 1 else f"{line['count']} times"
-    words = [f"{often} {_event(line['reason'], line['bodies'], line['unit'])}"]
-    interval = line.get("interval_s")
-    if interval is not None and None not in interval:
-        first, last = (f"{instant:.3f}" for instant in interval)
-        words.append(f"at {first} s" if first == last else f"between {first} and {last} s")
-    least, most = amount(line["least"], line["unit"]), amount(line["most"], line["unit"])
-    if least and line["unit"] == "1":
-        words.append(_share(line["reason"], line["least"], line["most"]))
-    elif least:
-        words.append(f"by {least}" if least == most else f"by {least} to {most}")
-    words.append(f"[step {line['step'] + 1}, {line['stage']}]")
-    if line["detail"] and not line["bodies"]:
-        words.append(f": {line['detail']}")
-    return " ".join(words).replace("] :", "]:")
-
-
-def _share(reason: str, least: float, most: float) -> str:
-    """An amount without a unit: a margin that is short, or what is above a limit, in per cent of it."""
-    margin = {"NEAR_PARALLEL_SINGULARITY": "parallel margin", "NEAR_SINGULARITY": "singularity margin"}.get(reason)
-    ends = [number(x if margin else 100.0 * x, 3) for x in (least, most)]
-    span = ends[0] if ends[0] == ends[1] else " to ".join(ends)
-    return f"by {span} % of the limit" if margin is None else f"({margin} short by {span})"
-
-
-def _event(reason: str, names: list[str], unit: str) -> str:
-    """What happened, and to whom: `names` are bodies, or the joint where a joint is at its limit."""
-    if reason in ("BODY_COLLISION", "SELF_COLLISION") and len(names) == 2:
-        return f"{names[0]} would hit {names[1]}"
-    if reason == "JOINT_LIMIT" and len(names) == 1:
-        return f"{names[0]} would pass its limit"
-    if reason == "MOTION_LIMIT" and (what := OF_UNIT.get(unit.removeprefix("rad").removeprefix("m"))):
-        return f"the {what} of {' and '.join(names) or 'a joint'} would pass its limit"
-    return SAYS.get(reason, reason) + (f" ({' and '.join(names)})" if names else "")
 
 
 def assumed(assumptions: list[str]) -> Iterator[str]:

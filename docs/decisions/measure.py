@@ -30,7 +30,8 @@ from assur.planner import Scene, plan
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.screening import screen
 from assur.planner.legs.limits import beyond_limits
-from assur.planner.model.outcome import Planned, Reason, Refusal
+from assur.planner.model.outcome import Planned
+from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.search.beam import MOST_WAYS
 from assur.planner.search.extension import carried_gently, outline
 from assur.planner.search.meeting_options import options

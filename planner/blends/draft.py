@@ -7,14 +7,25 @@ from dataclasses import replace
 import numpy as np
 
 from assur.planner.errors import FaultError
-from assur.planner.legs.blended import Blended, BlendShape, Station, blended, blends_by
+from assur.planner.legs.blended import Blended, BlendShape, Station, blended
 from assur.planner.legs.joint import Shape
 from assur.planner.legs.state import Knots, Stretch
 from assur.planner.model.assembly_mode import leaves_assembly
-from assur.planner.model.outcome import LATEST, Arrival, Leg, LegKind, Missed, Reason, Refusal
+from assur.planner.model.outcome import Arrival, Course, Leg, LegKind, Missed, Route
 from assur.planner.model.phases import phases
+from assur.planner.model.refusal import (
+    RATES,
+    BeyondRange,
+    JointName,
+    MotionLimit,
+    Obstacle,
+    Quantity,
+    Reason,
+    Refusal,
+    Stage,
+)
 from assur.planner.model.scene import Move, Scene
-from assur.planner.search.build import arrival, laws_over
+from assur.planner.search.build import arrival, ends_too_late, laws_over
 from assur.planner.search.partial_plan import Chain, Draft, Sample
 from assur.planner.trajectory import Trajectory, check_limits
 from assur.planner.trajectory.joining import joined
@@ -38,8 +49,7 @@ def blend_draft(scene: Scene, chain: Chain, shape: BlendShape) -> Draft | Refusa
     knots = _knots(chain, found)
     end, latest = knots.last.time, scene.options.latest_end_s
     if latest is not None and not end <= latest:
-        detail = f"the motion ends after {LATEST}"
-        return Refusal("timing", Reason.WINDOW_MISSED, chain.step, (), None, end - latest, "s", detail)
+        return ends_too_late(chain.step, end - latest)
     unknown = laws_over(scene, chain.step, end)
     if unknown is not None:
         return unknown
@@ -55,7 +65,7 @@ def blend_draft(scene: Scene, chain: Chain, shape: BlendShape) -> Draft | Refusa
         ours = ours[: len(legs)]  # the arm does not stand still here
     last = shape.stations[-1]
     sample = Sample(last.point.yaw_offset, last.branch, Shape(wait=shape.wait))
-    stretch = Stretch(LegKind.MOVE, knots, shape.family)
+    stretch = Stretch(LegKind.MOVE, knots, shape.route)
     return Draft(chain, sample, (stretch,), legs, arrivals[-1], knots, trajectory, after, ours)
 
 
@@ -72,13 +82,13 @@ def _legs(chain: Chain, shape: BlendShape, found: Blended, end: float) -> tuple[
     """A leg to each station, which ends when its pose is due; before the first a wait, if there is one."""
     edges = [found.begin, *found.times[:-1], end]
     legs = [
-        Leg(LegKind.MOVE, station.point.step, t0, t1, blends_by(len(free)))
+        Leg(LegKind.MOVE, station.point.step, t0, t1, Route(Course.BLENDS, len(free)))
         for station, free, t0, t1 in zip(shape.stations, shape.frees, edges[:-1], edges[1:], strict=True)
     ]
     if found.begin > chain.state.time:
         # a wait that was sampled is for bodies; the rest is for points that are not yet there
-        note = "lets bodies pass" if shape.wait > 0 else "waits for the control point"
-        legs.insert(0, Leg(LegKind.WAIT, chain.step, chain.state.time, found.begin, note))
+        route = Route(Course.FOR_BODIES if shape.wait > 0 else Course.FOR_POINT)
+        legs.insert(0, Leg(LegKind.WAIT, chain.step, chain.state.time, found.begin, route))
     return tuple(legs)
 
 
@@ -122,7 +132,13 @@ def _beyond(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
     if report.ok:
         return None
     first = next(check for check in report.checks if not check.ok)
-    joint = scene.robot.joints[first.joint or 0].name
-    reason = Reason.JOINT_LIMIT if first.kind == "position" else Reason.MOTION_LIMIT
-    excess = float(first.ratio.max()) - 1
-    return Refusal("limits", reason, step, (joint,), None, excess, "1", f"the {first.kind} of the spline")
+    position = first.kind == "position"
+    rate = next((rate for rate in RATES if rate == first.kind), None)
+    return Refusal(
+        stage=Stage.LIMITS,
+        reason=Reason.JOINT_LIMIT if position else Reason.MOTION_LIMIT,
+        step=step,
+        subject=JointName(scene.robot.joints[first.joint or 0].name),
+        amount=Quantity.of(float(first.ratio.max()) - 1, "1"),
+        facts=BeyondRange() if position else MotionLimit(obstacle=Obstacle.RATE, rate=rate),
+    )

@@ -6,7 +6,7 @@ How a via is blended past depends on the pose behind it, so nothing is proved of
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -15,14 +15,13 @@ from assur.planner.blends.candidates import BlendSampler
 from assur.planner.blends.draft import blend_draft, run_of
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.screening import screen
-from assur.planner.legs.blended import BlendShape, Station, TooShortBlends
+from assur.planner.legs.blended import BlendShape, Station
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.meeting import meetings
 from assur.planner.legs.tilt import tilts
-from assur.planner.model.outcome import Reason, Refusal
 from assur.planner.model.phases import yaw_offsets
+from assur.planner.model.refusal import OF_CANDIDATES, AccelerationTime, Reason, Refusal
 from assur.planner.model.scene import Scene
-from assur.planner.report.sentence import SEARCHED
 from assur.planner.search.beam import ANY_YAW, MOST_WAYS, Found, Search
 from assur.planner.search.meeting_options import options
 from assur.planner.search.partial_plan import Chain, Draft, Outline
@@ -50,8 +49,8 @@ class BlendSearch(Search):
         if found.plan is None:
             counts = dict.fromkeys(run_of(self.scene, min(found.deepest, len(self.scene.task) - 1)), 0)
             for line in found.census.census().lines:
-                if line.step in counts and line.stage in SEARCHED:
-                    counts[line.step] += line.count
+                if line.refusal.step in counts and line.refusal.stage in OF_CANDIDATES:
+                    counts[line.refusal.step] += line.count
             worst = max(counts, key=lambda step: counts[step])
             if counts[worst] > 0:
                 found.deepest = worst
@@ -67,15 +66,15 @@ class BlendSearch(Search):
             batch = batch[: max(0, limit - self.found.census.candidates)]
         drafts: list[Outline | Draft] = []
         shapes: list[BlendShape] = []
-        short: list[TooShortBlends] = []
+        short: list[tuple[Refusal, AccelerationTime]] = []
         hopeless, timed = self.scene.options.acceleration_time_s is not None, False
         for shape in batch:
             if time.perf_counter() >= self.deadline:
                 break
             self.found.census.candidates += 1
             made = blend_draft(self.scene, chain, shape)
-            if isinstance(made, TooShortBlends):
-                short.append(made)
+            if isinstance(made, Refusal) and isinstance(made.facts, AccelerationTime):
+                short.append((made, made.facts))
                 continue
             if isinstance(made, Refusal):
                 self.found.census.add(made)
@@ -89,9 +88,9 @@ class BlendSearch(Search):
                 shapes.append(shape)
         untimed = sampler.visits == 1 and not timed
         # the least time that does for any of the direct ways, so that it is the least there is
-        does = [refusal.enough for refusal in short if untimed and refusal.enough is not None]
-        for refusal in short:
-            self.found.census.add(refusal.told(min(does, default=None)))
+        does = [facts.enough_s for _, facts in short if untimed and facts.enough_s is not None]
+        for refusal, facts in short:
+            self.found.census.add(replace(refusal, facts=replace(facts, enough_s=min(does, default=None))))
         free = []
         for draft, shape, screened in zip(drafts, shapes, screen(self.prover, drafts) if drafts else [], strict=True):
             sampler.learn(shape, screened.bad)

@@ -9,7 +9,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.verdict import Code, Finding
-from assur.planner.model.outcome import Leg, LegKind, Plan, covered
+from assur.planner.model.outcome import Leg, LegKind, Plan, Route, covered
 from assur.planner.model.scene import Scene
 
 REALS = ("t0", "t1")
@@ -92,7 +92,7 @@ def _leg(leg: Any, steps: int) -> bool:
     if not (isinstance(leg, Leg) and _index(leg.step, steps) and _finite(leg.t0) and _finite(leg.t1)):
         return False
     kind: Any = leg.kind
-    return isinstance(kind, LegKind) and isinstance(getattr(leg, "note", None), str)
+    return isinstance(kind, LegKind) and (leg.route is None or isinstance(leg.route, Route))
 
 
 def _certificate(certificate: Any, *, blended: bool) -> list[Finding]:

@@ -14,6 +14,7 @@ from assur.planner.kernels.proof import RESERVE_M
 from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_COLUMNS, HIT_GAP, HIT_NEED
 from assur.planner.kernels.solids import FIRST, SECOND
 from assur.planner.model.phases import Phase, pair
+from assur.planner.model.refusal import Separation
 from assur.planner.model.scene import Scene
 from assur.planner.tables.bodies import Arrangement
 
@@ -28,7 +29,7 @@ def closest(
     q: FloatArray,
     exempt: frozenset[tuple[str, str]],
     among: frozenset[str] | None = None,
-) -> tuple[tuple[str, str], float, str] | None:
+) -> tuple[tuple[str, str], Separation] | None:
     """The first pair nearer than required at the phase's beginning; `among`: only these bodies of the surroundings,
     against what hangs on the flange."""
     arrangement = prover.of(phase)
@@ -49,11 +50,9 @@ def closest(
     hit = found[0]
     units, gap, need = (int(hit[HIT_A]), int(hit[HIT_B])), float(hit[HIT_GAP]), float(hit[HIT_NEED]) - RESERVE_M
     first, second = (arrangement.names[arrangement.body[unit]] for unit in units)
-    if prover.touch(arrangement, q[0], phase.t0, *units):
-        return (first, second), max(0.0, need - gap), f"{first} is up to {1e3 * max(0.0, -gap):.1f} mm deep in {second}"
-    distance = max(0.0, gap)
-    detail = f"{first} is {1e3 * distance:.2f} mm from {second} where {1e3 * need:.2f} mm are asked"
-    return (first, second), max(0.0, need - distance), detail
+    touching = bool(prover.touch(arrangement, q[0], phase.t0, *units))
+    apart = min(gap if touching else max(0.0, gap), need)
+    return (first, second), Separation(touching=touching, gap_m=apart, required_m=need)
 
 
 def _hanging(scene: Scene, arrangement: Arrangement, among: frozenset[str]) -> tuple[BoolArray, BoolArray]:

@@ -19,7 +19,7 @@ from assur.planner.kernels.nearest import (
 from assur.planner.kernels.planes import SIDES
 from assur.planner.kernels.proof import DONE, ITEM_COLUMNS, ITEMS_FULL, TOP
 from assur.planner.kernels.solids import FIRST, GROWTH, REQUIRED, SECOND
-from assur.planner.model.leeway import Nearest
+from assur.planner.model.outcome import Nearest
 from assur.planner.model.phases import Phase
 from assur.planner.trajectory import Trajectory
 

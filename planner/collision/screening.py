@@ -23,8 +23,8 @@ from assur.planner.kernels.screening import (
     HIT_NEED,
 )
 from assur.planner.model.assembly_mode import lost_at
-from assur.planner.model.outcome import Reason, Refusal
 from assur.planner.model.phases import Phase
+from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separation, Stage
 
 STEP_S = 0.02
 """Sampling of candidates, s. It decides how much work a colliding candidate causes, not what is accepted."""
@@ -119,7 +119,8 @@ def _lost(prover: Prover, candidate: Timed, times: list[FloatArray], q: FloatArr
     t = np.concatenate(times)
     number = np.repeat(np.arange(len(times)), [len(each) for each in times])[~kept][0]
     step = candidate.phases[int(number)].step
-    return Screened(lost_at(robot, "screening", step, t[~kept], robot.parallel_margin(q[~kept])), float((~kept).mean()))
+    refusal = lost_at(robot, Stage.SCREENING, step, t[~kept], robot.parallel_margin(q[~kept]))
+    return Screened(refusal, float((~kept).mean()))
 
 
 def hits(
@@ -143,5 +144,13 @@ def _refusal(prover: Prover, hit: _Hit) -> Refusal:
     step = phase.step if phase.step >= 0 else len(prover.scene.task) - 1
     # what has a gap does not touch
     touching = not hit.gap > 0.0 and prover.touch(arrangement, hit.q, hit.t, hit.a, hit.b)
-    short, detail = max(0.0, hit.need - RESERVE_M - hit.gap), "touch" if touching else "too close"
-    return Refusal("screening", reason, step, names, (hit.t, hit.t), short, "m", detail)
+    required = hit.need - RESERVE_M
+    return Refusal(
+        stage=Stage.SCREENING,
+        reason=reason,
+        step=step,
+        subject=Bodies(names),
+        interval=(hit.t, hit.t),
+        amount=Quantity.of(max(0.0, required - hit.gap), "m"),
+        facts=Separation(touching=touching, gap_m=hit.gap, required_m=required),
+    )

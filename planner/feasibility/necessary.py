@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from assur.planner.collision.at_rest import closest, enclosed
@@ -15,8 +13,24 @@ from assur.planner.kernels.solids import REACH
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.tilt import pitch_free, roll_free, tilts
 from assur.planner.model.assembly_mode import lost_at
-from assur.planner.model.outcome import LegKind, Reason, Refusal
+from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Carried, Phase, held, initial_rides, moved_parts, pair, resting_on, yaw_offsets
+from assur.planner.model.refusal import (
+    RATES,
+    BeyondRange,
+    Bodies,
+    Enclosed,
+    JointName,
+    MotionLimit,
+    Obstacle,
+    Quantity,
+    Reason,
+    Refusal,
+    Separation,
+    Stage,
+    law_ends,
+    of_joint,
+)
 from assur.planner.model.scene import Move, Pick, Place, Scene
 from assur.planner.robots.protocol import Code
 
@@ -78,37 +92,29 @@ def _start_beyond_limits(scene: Scene) -> Refusal | None:
     limits, start = scene.robot.limits, scene.start
     over = np.maximum(limits.lower - start.q, start.q - limits.upper)
     for i, joint in enumerate(scene.robot.joints):
-        unit = "rad" if joint.kind == "revolute" else "m"
         if not over[i] <= 0:
             return Refusal(
-                "start",
-                Reason.JOINT_LIMIT,
-                0,
-                (joint.name,),
-                None,
-                float(over[i]),
-                unit,
-                f"{joint.name} starts beyond its limit",
+                stage=Stage.START,
+                reason=Reason.JOINT_LIMIT,
+                step=0,
+                subject=JointName(joint.name),
+                amount=of_joint(joint.kind, float(over[i])),
+                facts=BeyondRange(),
             )
-        for what, value, limit, per in (
-            ("velocity", start.qd[i], limits.velocity[i], "/s"),
-            ("acceleration", start.qdd[i], limits.acceleration[i], "/s²"),
-        ):
+        rates = (start.qd[i], limits.velocity[i]), (start.qdd[i], limits.acceleration[i])
+        for order, (value, limit) in enumerate(rates, start=1):
             if not abs(value) <= limit * (1 + START_RATIO):
-                detail = f"the start {what} of {joint.name} is beyond its limit"
                 return Refusal(
-                    "start",
-                    Reason.MOTION_LIMIT,
-                    0,
-                    (joint.name,),
-                    None,
-                    float(abs(value) - limit),
-                    unit + per,
-                    detail,
+                    stage=Stage.START,
+                    reason=Reason.MOTION_LIMIT,
+                    step=0,
+                    subject=JointName(joint.name),
+                    amount=of_joint(joint.kind, float(abs(value) - limit), order),
+                    facts=MotionLimit(obstacle=Obstacle.RATE, rate=RATES[order - 1]),
                 )
     at, robot = start.q[None], scene.robot
     if not robot.assembled(at, at).all():
-        return lost_at(robot, "start", 0, np.array([start.time]), robot.parallel_margin(at))
+        return lost_at(robot, Stage.START, 0, np.array([start.time]), robot.parallel_margin(at))
     return None
 
 
@@ -117,10 +123,7 @@ def _laws_over(scene: Scene) -> Refusal | None:
     for frame in scene.frames.values():
         low, high = frame.law.valid
         if not low <= start <= high:
-            detail = f"the law of {frame.name} is known from {low:g} s to {high:g} s, the start is at {start:g} s"
-            return Refusal(
-                "start", Reason.LAW_ENDS, 0, (frame.name,), (low, high), max(low - start, start - high), "s", detail
-            )
+            return law_ends(Stage.START, 0, frame.name, (low, high), start, interval=(low, high))
     return None
 
 
@@ -131,8 +134,23 @@ def start_collides(scene: Scene, prover: Prover) -> Refusal | None:
     found = closest(scene, prover, phase, scene.start.q, frozenset())
     if found is None:
         return None
-    names, short, detail = found
-    return Refusal("start", Reason.START_IN_COLLISION, 0, names, (t, t), short, "m", detail)
+    return _hit(Stage.START, Reason.START_IN_COLLISION, 0, *found, interval=(t, t))
+
+
+def _hit(
+    stage: Stage,
+    reason: Reason,
+    step: int,
+    names: tuple[str, str],
+    facts: Separation | Enclosed,
+    interval: tuple[float, float] | None = None,
+) -> Refusal:
+    """A collision of two bodies of these names."""
+    short = None
+    if isinstance(facts, Separation) and facts.gap_m is not None and facts.required_m is not None:
+        short = Quantity.of(facts.required_m - facts.gap_m, "m")
+    subject = Bodies(names)
+    return Refusal(stage=stage, reason=reason, step=step, subject=subject, interval=interval, amount=short, facts=facts)
 
 
 def _start_enclosed(scene: Scene, prover: Prover) -> Refusal | None:
@@ -143,8 +161,7 @@ def _start_enclosed(scene: Scene, prover: Prover) -> Refusal | None:
     within = enclosed(scene, prover, prover.arrangement(None, ()), scene.start.q, t, frozenset(), initial_rides(scene))
     if within is None:
         return None
-    detail = f"{within[0]} is inside {within[1]}"
-    return Refusal("start", Reason.START_IN_COLLISION, 0, within, (t, t), math.nan, "m", detail)
+    return _hit(Stage.START, Reason.START_IN_COLLISION, 0, within, Enclosed(), interval=(t, t))
 
 
 def _point(
@@ -178,14 +195,10 @@ def _point(
         q = solution.q[0]
         found = closest(scene, prover, phase, q, exempt, among)
         within = enclosed(scene, prover, arrangement, q, t, exempt, rides, among) if fixed else None
-        if found is None and within is None:
+        hit = (within, Enclosed()) if within is not None else found
+        if hit is None:
             return None
-        names, short, detail = found or (within or ("", ""), math.nan, "")
-        if within is not None:
-            names, detail = within, f"{within[0]} would be inside {within[1]}"
-        refusals.append(
-            Refusal("control point", Reason.CONTROL_POINT_IN_COLLISION, point.step, names, None, short, "m", detail)
-        )
+        refusals.append(_hit(Stage.CONTROL_POINT, Reason.CONTROL_POINT_IN_COLLISION, point.step, *hit))
     return refusals[0] if refusals else None
 
 

@@ -7,7 +7,16 @@ import numpy as np
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion, like
 from assur.planner.legs.control_point import ControlPoint
-from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.refusal import (
+    BeyondRange,
+    JointName,
+    OutOfReach,
+    Reason,
+    Refusal,
+    Stage,
+    of_joint,
+    out_of_reach,
+)
 from assur.planner.model.scene import Scene
 from assur.planner.robots.protocol import Code, Pitching
 from assur.planner.robots.turns import beyond_range, equivalents
@@ -30,8 +39,12 @@ def out_of_range(scene: Scene, point: ControlPoint) -> Refusal | None:
         if not refused:
             return None
         # the worst of them: with less, the others would still not be met
-        refusals.append(max(refused, key=lambda refusal: np.nan_to_num(refusal.amount)))
-    return min(refusals, key=lambda refusal: refusal.amount, default=None)
+        refusals.append(max(refused, key=_amount))
+    return min(refusals, key=_amount, default=None)
+
+
+def _amount(refusal: Refusal) -> float:
+    return 0.0 if refusal.amount is None else refusal.amount.value
 
 
 def beyond_every_pitch(scene: Scene, point: ControlPoint) -> Refusal | None:
@@ -41,13 +54,13 @@ def beyond_every_pitch(scene: Scene, point: ControlPoint) -> Refusal | None:
     short = float(scene.robot.out_of_reach(point.flange(np.array([scene.start.time])).p)[0])
     if not short > EDGE_M:
         return None
-    return Refusal("control point", Reason.OUT_OF_REACH, point.step, (), None, short, "m", "at every pitch of the tool")
+    return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=OutOfReach(every_pitch=True))
 
 
 def whatever_the_yaw(scene: Scene, refusal: Refusal) -> bool:
     """Whether the refusal of one yaw holds for all: the tool point is on the wrist's axis; it is not the wrist's."""
     tcp = scene.tool.tcp
-    return tcp.x == 0.0 and tcp.y == 0.0 and scene.robot.joints[-1].name not in refusal.bodies
+    return tcp.x == 0.0 and tcp.y == 0.0 and refusal.joint != scene.robot.joints[-1].name
 
 
 def _allowed(scene: Scene) -> list[int]:
@@ -69,9 +82,14 @@ def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refu
         return None
     over = beyond_range(robot, q)
     worst = int(np.argmax(over))
-    name, unit = robot.joints[worst].name, "rad" if robot.joints[worst].kind == "revolute" else "m"
-    detail = f"elbow {robot.modes[mode]}{point.height(above)}"
-    return Refusal("control point", Reason.JOINT_LIMIT, point.step, (name,), None, float(over[worst]), unit, detail)
+    return Refusal(
+        stage=Stage.CONTROL_POINT,
+        reason=Reason.JOINT_LIMIT,
+        step=point.step,
+        subject=JointName(robot.joints[worst].name),
+        amount=of_joint(robot.joints[worst].kind, float(over[worst])),
+        facts=BeyondRange(mode=robot.modes[mode], above_m=above),
+    )
 
 
 def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusal:
@@ -81,8 +99,8 @@ def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusa
         has = float(robot.forward(scene.start.q)[0][2])
         off = abs(float(target[2]) - has)
         if off > EDGE_M:
-            detail = f"a height of {1e3 * target[2]:.1f} mm is asked of the flange, which stays at {1e3 * has:.1f} mm"
-            return Refusal("control point", Reason.OUT_OF_REACH, point.step, (), None, off, "m", detail)
+            facts = OutOfReach(heights_m=(float(target[2]), has))
+            return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=off, facts=facts)
     axis = np.array([robot.base.x, robot.base.y, target[2]])
     share = np.linspace(0.0, 2.0, 2 * LOOKS + 1)
     p, none = axis + share[:, None] * (target - axis), np.zeros(len(share))
@@ -91,7 +109,6 @@ def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusa
     reached = robot.inverse(line, mode, 0).code != Code.OUT_OF_REACH
     distance = float(np.linalg.norm(target - axis))
     short = float(np.abs(share[reached] - 1.0).min()) * distance if reached.any() else float("nan")
-    detail = f"the flange would be {1e3 * distance:.0f} mm from the arm's axis"
-    if isinstance(motion, TiltedMotion):
-        detail += f", the tool at a pitch of {np.degrees(motion.tilt[0, 0]):.1f}°"
-    return Refusal("control point", Reason.OUT_OF_REACH, point.step, (), None, short, "m", detail)
+    pitch = float(motion.tilt[0, 0]) if isinstance(motion, TiltedMotion) else None
+    facts = OutOfReach(from_axis_m=distance, pitch_rad=pitch)
+    return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=facts)

@@ -14,7 +14,23 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint
-from assur.planner.model.outcome import TOLD_AS, Reason, Refusal
+from assur.planner.model.outcome import Course, Route
+from assur.planner.model.refusal import (
+    AccelerationTime,
+    BeyondRange,
+    JointName,
+    Miss,
+    Obstacle,
+    Quantity,
+    Reason,
+    Refusal,
+    Stage,
+    WindowMissed,
+    of_joint,
+    out_of_reach,
+    unmoved,
+    window_missed,
+)
 from assur.planner.model.scene import Scene
 from assur.planner.robots.protocol import Code
 from assur.planner.timing import ParabolicBlend, TooShort, fastest, with_acceleration_time
@@ -45,14 +61,15 @@ class Station:
         robot, step = scene.robot, self.point.step
         found = robot.inverse(self.point.flange(np.array([t])).at_rest(), self.branch.mode, 0)
         if found.code[0] != Code.ASSEMBLED:
-            return Refusal("timing", Reason.OUT_OF_REACH, step, (), (t, t), detail="where the point is by then")
+            return out_of_reach(Stage.TIMING, step, interval=(t, t))
         # the turns of the branch: those of the time of its grid that is nearest
         row = int(np.argmin(np.abs(self.branch.time - t)))
         revolute = np.array([joint.kind == "revolute" for joint in robot.joints])
         turns = np.where(revolute, np.round((self.branch.q[row] - found.q[0]) / (2 * np.pi)), 0.0)
         q = found.q[0] + 2 * np.pi * turns
         if not robot.within(q[None])[0]:
-            return Refusal("timing", Reason.JOINT_LIMIT, step, (), (t, t), detail="a joint is beyond its limit by then")
+            reason = Reason.JOINT_LIMIT
+            return Refusal(stage=Stage.TIMING, reason=reason, step=step, interval=(t, t), facts=BeyondRange())
         return np.asarray(q)
 
     def from_(self, t: float) -> float:
@@ -78,27 +95,8 @@ class BlendShape:
     effort: float = 1.0
 
     @property
-    def family(self) -> str:
-        return blends_by(sum(map(len, self.frees)))
-
-
-def blends_by(count: int) -> str:
-    """Blends, and so many free poses on the way, in words."""
-    return f"blends, {count} via{'' if count == 1 else 's'}" if count else "blends"
-
-
-@dataclass(frozen=True, slots=True)
-class TooShortBlends(Refusal):
-    """An acceleration time that a way cannot keep; `enough`: the least that it can, s, or None."""
-
-    enough: float | None = None
-
-    def told(self, enough: float | None) -> Refusal:
-        """The refusal as the census has it; `enough`: the time that would do, if one is to be told."""
-        tail = "" if enough is None else f"; {1e3 * enough:g} ms would do"
-        return Refusal(
-            self.stage, self.reason, self.step, self.bodies, self.interval, self.amount, self.unit, self.detail + tail
-        )
+    def route(self) -> Route:
+        return Route(Course.BLENDS, sum(map(len, self.frees)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +129,7 @@ def blended(scene: Scene, step: int, time: float, q: FloatArray, shape: BlendSha
         if not early > 0:
             return found
         begin += early
-    return Refusal("window", Reason.WINDOW_MISSED, step, detail="no begin was found from which all windows are met")
+    return window_missed(Stage.WINDOW, step, WindowMissed(miss=Miss.NO_COMMON_BEGIN))
 
 
 def _window(point: ControlPoint, t: float) -> float | Refusal:
@@ -144,8 +142,8 @@ def _window(point: ControlPoint, t: float) -> float | Refusal:
         return min(later)
     late = t - max((high for _, high in spans), default=np.nan)
     span = spans[-1] if spans else None
-    detail = "the arm comes after the window has closed"
-    return Refusal("window", Reason.WINDOW_MISSED, point.step, (), span, float(late), "s", detail)
+    facts = WindowMissed(miss=Miss.CLOSED_ON_ARRIVAL)
+    return window_missed(Stage.WINDOW, point.step, facts, amount=Quantity.of(float(late), "s"), interval=span)
 
 
 def _timed(scene: Scene, step: int, begin: float, q: FloatArray, shape: BlendShape) -> Blended | Refusal:
@@ -161,8 +159,7 @@ def _timed(scene: Scene, step: int, begin: float, q: FloatArray, shape: BlendSha
                 missed = _window(station.point, t)
                 if isinstance(missed, Refusal):
                     return missed
-                detail = "it is out of reach when the arm could be there"
-                return Refusal("timing", Reason.OUT_OF_REACH, station.point.step, (), (t, t), detail=detail)
+                return out_of_reach(Stage.TIMING, station.point.step, interval=(t, t))
             at = station.at(scene, soonest)
             if isinstance(at, Refusal):
                 return at
@@ -178,7 +175,7 @@ def _timed(scene: Scene, step: int, begin: float, q: FloatArray, shape: BlendSha
         times = tuple(passed)
         if attempt >= SEARCHED:
             proportions = law.segments
-    return Refusal("timing", Reason.MOTION_LIMIT, step, detail="the point moves too fast to be met")
+    return unmoved(Stage.TIMING, step, Obstacle.POINT_TOO_FAST)
 
 
 def _law(
@@ -191,11 +188,11 @@ def _law(
     if not isinstance(made, TooShort):
         return made
     joint = scene.robot.joints[made.joint]
-    unit = "rad/s²" if joint.kind == "revolute" else "m/s²"
-    told, factor = TOLD_AS[unit]
-    detail = (
-        f"with an acceleration time of {1e3 * given:.4g} ms {joint.name} would need {factor * made.needed:,.0f} {told} "
-        f"and has {factor * made.limit:,.0f} {told}"
+    return Refusal(
+        stage=Stage.TIMING,
+        reason=Reason.MOTION_LIMIT,
+        step=step,
+        subject=JointName(joint.name),
+        amount=of_joint(joint.kind, made.needed - made.limit, 2),
+        facts=AccelerationTime(given_s=given, needed=made.needed, limit=made.limit, enough_s=made.enough),
     )
-    excess = made.needed - made.limit
-    return TooShortBlends("timing", Reason.MOTION_LIMIT, step, (joint.name,), None, excess, unit, detail, made.enough)

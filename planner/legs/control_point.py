@@ -13,7 +13,6 @@ from assur.planner.errors import InputError
 from assur.planner.frames import Conveyor, Fixed, Linear
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import Tilt, TiltedMotion
-from assur.planner.model.outcome import ABOVE
 from assur.planner.model.phases import Carried, flange_target
 from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Window
 
@@ -71,10 +70,6 @@ class ControlPoint:
         lifted = replace(self.pose, z=self.pose.z + above)
         motion = self.scene.frames[self.frame].law.motion(np.asarray(t, dtype=np.float64)).at(lifted)
         return motion if self.tilt is None else TiltedMotion.of(motion, np.array(self.tilt))
-
-    def height(self, above: float) -> str:
-        """Where `above` metres over the point is, to be appended to words; nothing for the point itself."""
-        return f", {1e3 * above:g} mm {ABOVE}" if above else ""
 
     @property
     def span(self) -> tuple[float, float]:

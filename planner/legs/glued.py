@@ -17,7 +17,19 @@ from assur.planner.legs.singular import nearest
 from assur.planner.legs.spacing import spaced
 from assur.planner.legs.state import Knots, State, Stretch
 from assur.planner.legs.tilt import PATH_RAD, tilt_off
-from assur.planner.model.outcome import LegKind, Reason, Refusal
+from assur.planner.model.outcome import LegKind
+from assur.planner.model.refusal import (
+    FrameName,
+    MotionLimit,
+    Obstacle,
+    Reason,
+    Refusal,
+    Singular,
+    Stage,
+    law_ends,
+    out_of_reach,
+    unmoved,
+)
 from assur.planner.model.scene import Scene
 from assur.planner.robots.protocol import Code, Robot
 from assur.planner.timing import TimingRefusal, time_joints
@@ -113,12 +125,12 @@ def glue(scene: Scene, point: ControlPoint, state: State, mode: int, effort: flo
         spline = _spline(scene, point, state, mode, heights)
         if isinstance(spline, Refusal):
             return spline
-        fast = rates(scene, "glued", point.step, spline)
+        fast = rates(scene, Stage.TRACKING, point.step, spline)
         if isinstance(fast, Refusal):
             return fast
         if fast.ok:
             return _cut(heights, Knots.of(spline))
-        refusal = too_fast(scene, "glued", point.step, fast, f"the own motion of {point.frame} is too fast")
+        refusal = too_fast(scene, Stage.TRACKING, point.step, fast, point.frame)
         worst = max(fast.velocity**2, fast.acceleration, fast.jerk ** (2 / 3))
         effort *= min(0.8, 0.95 / worst)
     return refusal
@@ -145,7 +157,7 @@ def _way(scene: Scene, point: ControlPoint, high: float, low: float, effort: flo
         np.array([j * effort**1.5]),
     )
     if isinstance(found, TimingRefusal):
-        return Refusal("glued", Reason.MOTION_LIMIT, point.step, detail=found.detail)
+        return unmoved(Stage.TRACKING, point.step, Obstacle.NO_PROFILE)
     return found
 
 
@@ -162,7 +174,13 @@ def _spline(scene: Scene, point: ControlPoint, state: State, mode: int, heights:
         if held and _off_path(robot, trajectory, point, heights, middle) <= PATH_M:
             return trajectory
         spacing /= 2
-    return Refusal("glued", Reason.MOTION_LIMIT, point.step, (point.frame,), detail="the frame's motion is not smooth")
+    return Refusal(
+        stage=Stage.TRACKING,
+        reason=Reason.MOTION_LIMIT,
+        step=point.step,
+        subject=FrameName(point.frame),
+        facts=MotionLimit(obstacle=Obstacle.NOT_SMOOTH, frame=point.frame),
+    )
 
 
 def joint_states(
@@ -178,17 +196,20 @@ def joint_states(
     found = scene.robot.inverse(replace(motion, p=p, v=v, a=a), mode, 2)
     span = (float(t[0]), float(t[-1]))
     if not np.isfinite(p).all():
-        return Refusal("glued", Reason.LAW_ENDS, point.step, (point.frame,), span)
+        law = scene.frames[point.frame].law
+        return law_ends(Stage.TRACKING, point.step, point.frame, law.valid, span[1], interval=span)
     if not (found.code == Code.ASSEMBLED).all():
         bad = found.code[found.code != Code.ASSEMBLED]
         if (bad == Code.OUT_OF_REACH).any():
-            return Refusal("glued", Reason.OUT_OF_REACH, point.step, (), span)
+            return out_of_reach(Stage.TRACKING, point.step, interval=span)
         if not (bad == Code.PARALLEL).any():
-            return Refusal("glued", Reason.NEAR_SINGULARITY, point.step, (), span)
+            return Refusal(
+                stage=Stage.TRACKING, reason=Reason.NEAR_SINGULARITY, step=point.step, interval=span, facts=Singular()
+            )
     asked = scene.options.singularity_margin
     if not ((found.code == Code.ASSEMBLED) & found.keeps(asked)).all():
         near = nearest(scene.robot, found, asked, np.arange(len(t)), best=False)
-        return Refusal("glued", near.reason, point.step, (), span, near.missing, "1", near.words)
+        return near.refusal(Stage.TRACKING, point.step, span)
     q = continued(scene.robot, found.q, state.q)
     q[0], qd, qdd = state.q, found.qd.copy(), found.qdd.copy()
     qd[0], qdd[0] = state.qd, state.qdd

@@ -14,7 +14,17 @@ from assur.planner.legs.meeting import GRID_S
 from assur.planner.legs.pace import Pace
 from assur.planner.legs.passing import passing_velocity
 from assur.planner.legs.state import State
-from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.outcome import Course, Route
+from assur.planner.model.refusal import (
+    Miss,
+    Obstacle,
+    Quantity,
+    Refusal,
+    Stage,
+    WindowMissed,
+    unmoved,
+    window_missed,
+)
 from assur.planner.model.scene import Scene
 from assur.planner.timing import SHORTEST, Numbers, RawProfile, TimingRefusal, trajectory_of
 from assur.planner.trajectory import Trajectory
@@ -45,9 +55,9 @@ class Shape:
     """Pace at which a via control point is flown by, in mean joint velocities of the way to the one behind it."""
 
     @property
-    def family(self) -> str:
-        kind = "arch" if self.hop else f"{len(self.vias)} vias" if self.vias else "direct"
-        return kind + (" after a wait" if self.wait > 0 else "") + (" later" if self.late > 0 else "")
+    def route(self) -> Route:
+        course = Course.ARCH if self.hop else Course.DIRECT
+        return Route(course, len(self.vias), after_wait=self.wait > 0, later=self.late > 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,10 +151,9 @@ class JointMotion:
         end, soonest = float(self.branch.times[-1]), self._shortest(self._goal(int(self.branch.rows[-1])))
         need = ready + (least if isinstance(soonest, TimingRefusal) else soonest)
         if not need > end:
-            detail = "no motion was found that takes exactly the time to a meeting"
-            return Refusal("timing", Reason.MOTION_LIMIT, self.step, (), (begin, end), detail=detail)
-        detail = "no meeting time is left"
-        return Refusal("timing", Reason.WINDOW_MISSED, self.step, (), (begin, end), need - end, "s", detail)
+            return unmoved(Stage.TIMING, self.step, Obstacle.NO_SUCH_DURATION, interval=(begin, end))
+        facts, late = WindowMissed(miss=Miss.NO_MEETING_LEFT), Quantity.of(need - end, "s")
+        return window_missed(Stage.TIMING, self.step, facts, amount=late, interval=(begin, end))
 
     def _shortest(self, goal: Numbers) -> float | TimingRefusal:
         """How long the last leg takes at least, s."""
@@ -177,7 +186,7 @@ class JointMotion:
             passed: Numbers = (stations[i], v, [0.0] * len(v))
             found = self.pace.together.raw_profile(self.origin, passed)
             if isinstance(found, TimingRefusal):
-                return Refusal("timing", Reason.MOTION_LIMIT, self.step, detail=f"via: {found.detail}")
+                return unmoved(Stage.TIMING, self.step, Obstacle.NO_PROFILE)
             self.prefix.append(found)
             self.origin = passed
         return None
@@ -192,7 +201,7 @@ class JointMotion:
         row = int(self.branch.rows[0])
         last = self._last(self._goal(row), None)
         if isinstance(last, TimingRefusal):
-            return Refusal("timing", Reason.MOTION_LIMIT, self.step, (), None, last.excess, "s", last.detail)
+            return unmoved(Stage.TIMING, self.step, Obstacle.NO_PROFILE)
         return self._reached(last, begin, row, None)
 
     def _reached(self, last: RawProfile, begin: float, row: int, end: float | None) -> Reached | Refusal:

@@ -8,7 +8,17 @@ from functools import lru_cache
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.refusal import (
+    RATES,
+    BeyondRange,
+    JointName,
+    MotionLimit,
+    Obstacle,
+    Reason,
+    Refusal,
+    Stage,
+    of_joint,
+)
 from assur.planner.model.scene import Scene
 from assur.planner.robots.protocol import Limits
 from assur.planner.trajectory import LimitCheck, LimitReport, Trajectory, accepted_bands, check_limits, keeps_bands
@@ -26,7 +36,7 @@ class Rates:
     ratios: FloatArray
 
 
-def rates(scene: Scene, stage: str, step: int, trajectory: Trajectory) -> Rates | Refusal:
+def rates(scene: Scene, stage: Stage, step: int, trajectory: Trajectory) -> Rates | Refusal:
     """How fast the leg is; a refusal where a joint position is beyond its limit, which no slowing down mends."""
     report = _report(scene.robot.limits, trajectory)
     if not report.position.ok:
@@ -51,32 +61,44 @@ def beyond_limits(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | 
     """Whether a joint breaks a limit on the way: moving ends overshoot, and the spline as written is what counts."""
     if keeps_bands(trajectory, _bands(scene.robot.limits)):
         return None
-    fast = rates(scene, "limits", step, trajectory)
+    fast = rates(scene, Stage.LIMITS, step, trajectory)
     if isinstance(fast, Refusal):
         return fast
     if fast.ok:
         return None
-    return too_fast(scene, "limits", step, fast, "the spline breaks a limit")
+    return too_fast(scene, Stage.LIMITS, step, fast)
 
 
-def too_fast(scene: Scene, stage: str, step: int, fast: Rates, detail: str) -> Refusal:
-    """The refusal of rates that are not `ok`: the joint and the rate whose share of its limit is greatest."""
+def too_fast(scene: Scene, stage: Stage, step: int, fast: Rates, frame: str | None = None) -> Refusal:
+    """The refusal of rates that are not `ok`: the joint and the rate whose share of its limit is greatest; `frame`:
+    which the tool tracks."""
     limits = scene.robot.limits
     kind, joint = (int(k) for k in np.unravel_index(int(fast.ratios.argmax()), fast.ratios.shape))
     limit = (limits.velocity, limits.acceleration, limits.jerk)[kind]
     what = scene.robot.joints[joint]
-    unit = ("rad" if what.kind == "revolute" else "m") + ("/s", "/s²", "/s³")[kind]
     excess = float((fast.ratios[kind, joint] - 1) * limit[joint])
-    return Refusal(stage, Reason.MOTION_LIMIT, step, (what.name,), None, excess, unit, detail)
+    return Refusal(
+        stage=stage,
+        reason=Reason.MOTION_LIMIT,
+        step=step,
+        subject=JointName(what.name),
+        amount=of_joint(what.kind, excess, kind + 1),
+        facts=MotionLimit(obstacle=Obstacle.FRAME_TOO_FAST if frame else Obstacle.RATE, rate=RATES[kind], frame=frame),
+    )
 
 
-def _beyond(scene: Scene, stage: str, step: int, trajectory: Trajectory, position: LimitCheck) -> Refusal:
+def _beyond(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, position: LimitCheck) -> Refusal:
     """The joint that is farthest beyond its limit of position for its range, and by how much."""
     limits, joint = scene.robot.limits, position.joint or 0
     below = float(limits.lower[joint] - position.lower[joint])
     above = float(position.upper[joint] - limits.upper[joint])
     what = scene.robot.joints[joint]
-    unit = "rad" if what.kind == "revolute" else "m"
-    span = (trajectory.start, trajectory.end)
-    detail = f"{what.name} is beyond its limit"
-    return Refusal(stage, Reason.JOINT_LIMIT, step, (what.name,), span, max(below, above), unit, detail)
+    return Refusal(
+        stage=stage,
+        reason=Reason.JOINT_LIMIT,
+        step=step,
+        subject=JointName(what.name),
+        interval=(trajectory.start, trajectory.end),
+        amount=of_joint(what.kind, max(below, above)),
+        facts=BeyondRange(),
+    )

@@ -14,9 +14,24 @@ import numpy as np
 from assur.planner.arrays import BoolArray, FloatArray, IntArray, every
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint
-from assur.planner.legs.missed import window_missed
+from assur.planner.legs.missed import window_is_missed
 from assur.planner.legs.singular import nearest
-from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.refusal import (
+    RATES,
+    BeyondRange,
+    JointName,
+    MotionLimit,
+    Obstacle,
+    OutOfReach,
+    Quantity,
+    Reason,
+    Refusal,
+    Singular,
+    Stage,
+    law_ends,
+    of_joint,
+    out_of_reach,
+)
 from assur.planner.model.scene import Scene
 from assur.planner.robots.protocol import Code, Inverse, Robot
 from assur.planner.robots.turns import beyond_range
@@ -73,7 +88,7 @@ def meetings(
     above = point.approach
     t = times(point, earliest, lead)
     if not len(t):
-        return Meetings(point, above, (), (window_missed(scene, point, earliest + lead),))
+        return Meetings(point, above, (), (window_is_missed(scene, point, earliest + lead),))
     motion = point.flange(t, above)
     if not point.matched or point.via:
         motion = motion.at_rest()
@@ -84,18 +99,17 @@ def meetings(
         assembled = _assembled(found.code, found.qd, found.qdd)
         if not assembled.any():
             known = np.asarray(np.isfinite(motion.p).all(-1))
-            refusals.append(_unreachable(robot, point, found, t, robot.modes[mode], known))
+            refusals.append(_unreachable(scene, point, found, t, robot.modes[mode], known))
             continue
         safe = _safe(scene, point, found) & assembled
         if not safe.any():
             best = nearest(robot, found, scene.options.singularity_margin, np.flatnonzero(assembled), best=True)
-            detail = f"{robot.modes[mode]}: {best.words}"
-            refusals.append(Refusal("inverse", best.reason, point.step, (), _span(t), best.missing, "1", detail))
+            refusals.append(best.refusal(Stage.INVERSE, point.step, _span(t), mode=robot.modes[mode]))
             continue
-        over = np.maximum(np.abs(found.qd) / robot.limits.velocity, np.abs(found.qdd) / robot.limits.acceleration)
-        slow = safe & every(over <= 1.0)
+        over = np.stack([np.abs(found.qd) / robot.limits.velocity, np.abs(found.qdd) / robot.limits.acceleration])
+        slow = safe & every(over.max(0) <= 1.0)
         if not slow.any():
-            refusals.append(_too_fast(robot, point, t[safe], over[safe], robot.modes[mode]))
+            refusals.append(_too_fast(robot, point, t[safe], over[:, safe], robot.modes[mode]))
             continue
         safe = slow
         here = list(_turned(robot, mode, t, found.q, found.qd, found.qdd, safe, _any_time(point), near))
@@ -157,47 +171,46 @@ def _span(t: FloatArray) -> tuple[float, float]:
 
 
 def _unreachable(
-    robot: Robot, point: ControlPoint, found: Inverse, t: FloatArray, mode: str, known: BoolArray
+    scene: Scene, point: ControlPoint, found: Inverse, t: FloatArray, mode: str, known: BoolArray
 ) -> Refusal:
     if not known.any():
-        return Refusal(
-            "inverse", Reason.LAW_ENDS, point.step, (point.frame,), _span(t), detail="the frame's law has ended"
-        )
+        law = scene.frames[point.frame].law
+        return law_ends(Stage.INVERSE, point.step, point.frame, law.valid, float(t[0]), interval=_span(t))
     worst = found.code[known]
     if (worst == Code.OUT_OF_REACH).all():
-        return Refusal(
-            "inverse",
-            Reason.OUT_OF_REACH,
-            point.step,
-            (),
-            _span(t),
-            detail=f"no joint position with the elbow {mode} reaches it",
-        )
+        return out_of_reach(Stage.INVERSE, point.step, interval=_span(t), facts=OutOfReach(mode=mode))
     parallel = np.flatnonzero(found.code == Code.PARALLEL)
     if len(parallel):
-        best = nearest(robot, found, 0.0, parallel, best=True)
-        return Refusal("inverse", best.reason, point.step, (), _span(t), best.missing, "1", f"{mode}: {best.words}")
-    what = " or ".join(WORDS[code] for code in WORDS if (worst == code).any())
-    detail = f"{mode}: {what}"
-    return Refusal("inverse", Reason.NEAR_SINGULARITY, point.step, (), _span(t), 0.0, "1", detail)
+        best = nearest(scene.robot, found, 0.0, parallel, best=True)
+        return best.refusal(Stage.INVERSE, point.step, _span(t), mode=mode)
+    return Refusal(
+        stage=Stage.INVERSE,
+        reason=Reason.NEAR_SINGULARITY,
+        step=point.step,
+        interval=_span(t),
+        amount=Quantity(0.0, "1"),
+        facts=Singular(mode=mode, positions=tuple(code.name.lower() for code in UNDIFFERENTIABLE if code in worst)),
+    )
 
 
-WORDS = {
-    Code.STRETCHED: "the arm is stretched",
-    Code.FOLDED: "the arm is folded",
-    Code.INDETERMINATE: "the tool is on the shoulder's axis",
-    Code.ALIGNED: "the tool is over the base axis",
-}
-"""Codes of positions without derivatives, in words."""
+UNDIFFERENTIABLE = (Code.STRETCHED, Code.FOLDED, Code.INDETERMINATE, Code.ALIGNED)
+"""Codes of positions without derivatives."""
 
 
 def _too_fast(robot: Robot, point: ControlPoint, t: FloatArray, over: FloatArray, mode: str) -> Refusal:
-    """The joint that would have to be faster than it can be even when the point is slowest for it; a share."""
-    row = int(np.argmin(over.max(1)))
-    joint = int(np.argmax(over[row]))
-    name, excess = robot.joints[joint].name, float(over[row, joint]) - 1
-    detail = f"{mode}: to move with {point.frame}, {name} would need {100 * excess:.0f} % more speed or acceleration"
-    return Refusal("inverse", Reason.MOTION_LIMIT, point.step, (name,), _span(t), excess, "1", detail)
+    """The joint that would have to be faster than it can be even when the point is slowest for it; a share of its
+    limit of velocity or acceleration, `over` (2, T, n)."""
+    row = int(np.argmin(over.max((0, 2))))
+    kind, joint = (int(k) for k in np.unravel_index(int(over[:, row].argmax()), over[:, row].shape))
+    return Refusal(
+        stage=Stage.INVERSE,
+        reason=Reason.MOTION_LIMIT,
+        step=point.step,
+        subject=JointName(robot.joints[joint].name),
+        interval=_span(t),
+        amount=Quantity.of(float(over[kind, row, joint]) - 1, "1"),
+        facts=MotionLimit(obstacle=Obstacle.FRAME_TOO_FAST, rate=RATES[kind], mode=mode, frame=point.frame),
+    )
 
 
 def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArray, lead: float, mode: int) -> Refusal:
@@ -214,15 +227,12 @@ def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArr
         worst, where = np.where(more[:, None], at_point, worst), np.where(more, 0.0, where)
     row = int(np.argmin(worst.max(1)))
     most = int(np.argmax(worst[row]))
-    unit = "rad" if robot.joints[most].kind == "revolute" else "m"
-    name = robot.joints[most].name
     return Refusal(
-        "inverse",
-        Reason.JOINT_LIMIT,
-        point.step,
-        (name,),
-        _span(t),
-        float(worst[row, most]),
-        unit,
-        f"{robot.modes[mode]}: {name} is beyond its limit{point.height(float(where[row]))}",
+        stage=Stage.INVERSE,
+        reason=Reason.JOINT_LIMIT,
+        step=point.step,
+        subject=JointName(robot.joints[most].name),
+        interval=_span(t),
+        amount=of_joint(robot.joints[most].kind, float(worst[row, most])),
+        facts=BeyondRange(mode=robot.modes[mode], above_m=float(where[row])),
     )

@@ -9,11 +9,11 @@ import numpy as np
 
 from assur.planner.errors import FaultError
 from assur.planner.legs.control_point import HORIZON_S, ControlPoint
-from assur.planner.model.outcome import LATEST, Reason, Refusal
+from assur.planner.model.refusal import Miss, Quantity, Refusal, Stage, WindowMissed, law_ends, window_missed
 from assur.planner.model.scene import Scene
 
 
-def window_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refusal:
+def window_is_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refusal:
     """Why no meeting time is left: the window is over before `earliest`, or the dwell does not fit into it."""
     intervals = point.intervals
     if not intervals:
@@ -21,76 +21,69 @@ def window_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refusal
         if not whole:
             law = scene.frames[point.frame].law
             if not law.valid[1] >= scene.start.time:
-                return Refusal(
-                    "window", Reason.LAW_ENDS, point.step, (point.frame,), None, scene.start.time - law.valid[1], "s"
-                )
-            return Refusal("window", Reason.WINDOW_MISSED, point.step, (), None, *_never_open(scene, point))
+                return law_ends(Stage.WINDOW, point.step, point.frame, law.valid, scene.start.time)
+            amount, facts = _never_open(scene, point)
+            return window_missed(Stage.WINDOW, point.step, facts, amount=amount)
         low, high = max(whole, key=lambda span: span[1] - span[0])
-        short = point.dwell - (high - low)
-        detail = f"the window is open for {1e3 * (high - low):.0f} ms, the glue takes {1e3 * point.dwell:.0f} ms"
-        return Refusal(
-            "window",
-            Reason.WINDOW_MISSED,
-            point.step,
-            (),
-            (low, high),
-            short,
-            "s",
-            detail + _way(point, high, high + short),
-        )
+        short, belt = point.dwell - (high - low), _belt(point, high, high + point.dwell - (high - low))
+        facts = WindowMissed(miss=Miss.TOO_SHORT, open_s=high - low, needed_s=point.dwell, belt_m=belt)
+        return window_missed(Stage.WINDOW, point.step, facts, amount=Quantity.of(short, "s"), interval=(low, high))
     low, high = intervals[-1]
     latest = scene.options.latest_end_s
     # the same difference as that of the intervals, to the bit
     by_latest = latest is not None and high == latest - point.dwell
-    late = f"the arm comes too late for {LATEST}" if by_latest else "the arm comes after the window has closed"
-    detail = late + _way(point, high, earliest)
-    return Refusal("window", Reason.WINDOW_MISSED, point.step, (), (low, high), earliest - high, "s", detail)
+    miss = Miss.LATEST_END_ON_ARRIVAL if by_latest else Miss.CLOSED_ON_ARRIVAL
+    facts = WindowMissed(miss=miss, belt_m=_belt(point, high, earliest))
+    late = Quantity.of(earliest - high, "s")
+    return window_missed(Stage.WINDOW, point.step, facts, amount=late, interval=(low, high))
 
 
-def _never_open(scene: Scene, point: ControlPoint) -> tuple[float, str, str]:
-    """By how much, its unit, and in words: why the point may be met at no time, however short the glue.
+def _never_open(scene: Scene, point: ControlPoint) -> tuple[Quantity | None, WindowMissed]:
+    """By how much and why the point may be met at no time, however short it would have to be tracked.
 
     A number is a fact for all times; there is none where not all of them were looked at, or known.
     """
     (low, high), start, latest = point.span, scene.start.time, scene.options.latest_end_s
     ends = scene.frames[point.frame].law.valid[1]
     if point.window.time is not None and point.window.time[1] < start:
-        return start - point.window.time[1], "s", "the window is over before the start"
+        return Quantity.of(start - point.window.time[1], "s"), WindowMissed(miss=Miss.OVER_BEFORE_START)
     if latest is not None and high == latest < low:
-        return low - latest, "s", f"the window opens after {LATEST}" if low > start else f"{LATEST} is before the start"
+        miss = Miss.OPENS_AFTER_LATEST_END if low > start else Miss.LATEST_END_BEFORE_START
+        return Quantity.of(low - latest, "s"), WindowMissed(miss=miss)
     if high < low:
-        return math.nan, "", "the window opens when the motion of the frame is not known any more"
+        return None, WindowMissed(miss=Miss.OPENS_AFTER_LAW)
     if point.window.along is None:
         raise FaultError("a span that is not empty, without a window along a conveyor, is one of the intervals")
     inside = point.inside(point.window.along)
     if not inside:
         return _never_inside(point, point.window.along)
     if high == ends:
-        return math.nan, "", "the point is not inside its windows while its motion is known"
+        return None, WindowMissed(miss=Miss.NOT_INSIDE_WHILE_KNOWN)
     if high > start + HORIZON_S:
-        return math.nan, "", f"the point is not inside its windows in the next {HORIZON_S:g} s"
+        return None, WindowMissed(miss=Miss.NOT_INSIDE_SOON, searched_s=HORIZON_S)
     gap = min(max(a - high, low - b) for a, b in inside)
     closes = math.inf if point.window.time is None else point.window.time[1]
     if any(a <= closes and b >= low for a, b in inside):
-        return gap, "s", f"the point comes into its window after {LATEST}"
-    return gap, "s", "the window in time and the window along the belt have no instant in common"
+        return Quantity.of(gap, "s"), WindowMissed(miss=Miss.ENTERS_AFTER_LATEST_END)
+    return Quantity.of(gap, "s"), WindowMissed(miss=Miss.NO_COMMON_INSTANT)
 
 
-def _never_inside(point: ControlPoint, window: tuple[float, float]) -> tuple[float, str, str]:
-    """The same for a point that is in its window along a conveyor at no time that is looked at."""
+def _never_inside(point: ControlPoint, window: tuple[float, float]) -> tuple[Quantity | None, WindowMissed]:
+    """The same for a point that is in its window along a conveyor at no time that is searched."""
     grid = point.scene.start.time + HORIZON_S * np.arange(1001) / 1000
     way = point.along(grid)
     low, high = window
     if way is None or not np.isfinite(way).all():
-        return math.nan, "", "the point is not inside its window while its motion is known"
+        return None, WindowMissed(miss=Miss.NOT_INSIDE_WHILE_KNOWN)
     leaving = way[-1] >= way[-2] if way[-1] > high else way[-1] <= way[-2]
     if not leaving:
-        return math.nan, "", f"the point is not inside its window in the next {HORIZON_S:g} s"
-    return float(np.maximum(low - way, way - high).min()), "m", "the point is never inside its window"
+        return None, WindowMissed(miss=Miss.NOT_INSIDE_SOON, searched_s=HORIZON_S)
+    return Quantity.of(float(np.maximum(low - way, way - high).min()), "m"), WindowMissed(miss=Miss.NEVER_INSIDE)
 
 
-def _way(point: ControlPoint, t0: float, t1: float) -> str:
+def _belt(point: ControlPoint, t0: float, t1: float) -> float | None:
+    """How far the point goes along its conveyor from t0 to t1, m."""
     way = point.along(np.array([t0, t1]))
     if way is None or not np.isfinite(way).all():
-        return ""
-    return f" ({1e3 * abs(float(way[1] - way[0])):.0f} mm of belt)"
+        return None
+    return abs(float(way[1] - way[0]))

@@ -1,4 +1,4 @@
-"""How near an arm would be to a singular position, in the words of a refusal: serial and parallel told apart."""
+"""How near an arm would be to a singular position, as facts of a refusal: serial and parallel apart."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.model.outcome import Reason
+from assur.planner.model.refusal import Quantity, Reason, Refusal, Singular, Stage, finite
 from assur.planner.robots.protocol import Code, Inverse, Robot
 
 
@@ -23,14 +23,26 @@ class Near:
     missing: float
     row: int
 
-    @property
-    def words(self) -> str:
-        if self.reason is Reason.NEAR_SINGULARITY:
-            return f"margin {self.margin:.3f} where {self.margin + self.missing:.3f} is asked"
-        asked = f"{self.margin + self.missing:.3f} is asked"
-        if self.margin < 0:
-            return f"beyond a type 2 singularity, into another assembly (parallel margin {self.margin:.3f}, {asked})"
-        return f"parallel margin {self.margin:.3f} where {asked}"
+    def refusal(
+        self,
+        stage: Stage,
+        step: int,
+        interval: tuple[float, float],
+        *,
+        mode: str | None = None,
+        distance_m: float | None = None,
+        positions: tuple[str, ...] = (),
+    ) -> Refusal:
+        """The refusal at a stage and step; the rest as in `Singular`."""
+        margin, required = finite(self.margin), finite(self.margin + self.missing)
+        return Refusal(
+            stage=stage,
+            reason=self.reason,
+            step=step,
+            interval=interval,
+            amount=Quantity.of(self.missing, "1"),
+            facts=Singular(margin=margin, required=required, mode=mode, positions=positions, distance_m=distance_m),
+        )
 
 
 def nearest(robot: Robot, found: Inverse, asked: float, rows: IntArray, *, best: bool) -> Near:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.model.outcome import LegKind
+from assur.planner.model.outcome import LegKind, Route
 from assur.planner.trajectory import Trajectory
 
 
@@ -61,8 +61,8 @@ class Knots:
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """Knots with the kind of leg that they are and a note."""
+    """Knots with the kind of leg that they are and its route."""
 
     kind: LegKind
     knots: Knots
-    note: str = ""
+    route: Route | None = None

@@ -26,7 +26,19 @@ from assur.planner.legs.singular import nearest
 from assur.planner.legs.spacing import spaced
 from assur.planner.legs.state import Knots, State, Stretch
 from assur.planner.legs.tilt import PATH_RAD, tilt_off
-from assur.planner.model.outcome import LegKind, Reason, Refusal
+from assur.planner.model.outcome import Course, LegKind, Route
+from assur.planner.model.refusal import (
+    LawEnds,
+    Obstacle,
+    OutOfReach,
+    Quantity,
+    Reason,
+    Refusal,
+    Singular,
+    Stage,
+    out_of_reach,
+    unmoved,
+)
 from assur.planner.model.scene import Scene
 from assur.planner.robots.protocol import Code, Inverse
 from assur.planner.timing import TimingRefusal, time_joints
@@ -141,17 +153,17 @@ def scaled(
             break
         phase = paced(scale)
         if isinstance(phase, TimingRefusal):
-            return Refusal("straight", Reason.MOTION_LIMIT, step, detail=phase.detail)
+            return unmoved(Stage.STRAIGHT, step, Obstacle.NO_PROFILE)
         spline = _spline(scene, step, state, mode, Line(left, met, phase, state.time))
         if isinstance(spline, Refusal):
             return spline
-        fast = rates(scene, "straight", step, spline)
+        fast = rates(scene, Stage.STRAIGHT, step, spline)
         if isinstance(fast, Refusal):
             return fast
         ratio = max(fast.velocity, fast.acceleration**0.5, fast.jerk ** (1 / 3))
         if LOOSE <= ratio <= 1.0:
             if kept is None or spline.duration < _length(kept.knots.time):
-                kept = Stretch(LegKind.MOVE, Knots.of(spline), "straight")
+                kept = Stretch(LegKind.MOVE, Knots.of(spline), Route(Course.STRAIGHT))
             if ratio >= CLOSE:
                 break
         if not ratio > 0 or (ratio < LOOSE and scale > 1e3):
@@ -159,7 +171,7 @@ def scaled(
         scale *= (CLOSE_AIM if close else LOOSE_AIM) / ratio
     if kept is not None:
         return kept
-    return Refusal("straight", Reason.MOTION_LIMIT, step, detail="no phase law keeps the limits of all joints")
+    return unmoved(Stage.STRAIGHT, step, Obstacle.NO_PATH_LAW)
 
 
 def _spline(scene: Scene, step: int, state: State, mode: int, line: Line) -> Trajectory | Refusal:
@@ -189,12 +201,15 @@ def _spline(scene: Scene, step: int, state: State, mode: int, line: Line) -> Tra
         if off <= PATH_M and tilt_off(robot, there, between) <= PATH_RAD:
             return spline
         spacing /= 2
-    return Refusal("straight", Reason.MOTION_LIMIT, step, detail="the joints' motion along the line is not smooth")
+    return unmoved(Stage.STRAIGHT, step, Obstacle.NOT_SMOOTH)
 
 
 def _refused(scene: Scene, step: int, t: FloatArray, motion: Motion, found: Inverse) -> Refusal | None:
     if not np.isfinite(motion.p).all():
-        return Refusal("straight", Reason.LAW_ENDS, step, (), (float(t[0]), float(t[-1])))
+        span = (float(t[0]), float(t[-1]))
+        return Refusal(
+            stage=Stage.STRAIGHT, reason=Reason.LAW_ENDS, step=step, interval=span, facts=LawEnds(needed_s=span[1])
+        )
     asked = scene.options.singularity_margin
     bad = ~(found.keeps(asked) & (found.code == Code.ASSEMBLED))
     if not bad.any():
@@ -202,15 +217,13 @@ def _refused(scene: Scene, step: int, t: FloatArray, motion: Motion, found: Inve
     rows = np.flatnonzero(bad)
     span = (float(t[rows[0]]), float(t[rows[-1]]))
     if (found.code[rows] == Code.OUT_OF_REACH).any():
-        return Refusal("straight", Reason.OUT_OF_REACH, step, (), span, detail="the line leaves the workspace")
+        return out_of_reach(Stage.STRAIGHT, step, interval=span)
     near = nearest(scene.robot, found, asked, rows, best=False)
     if near.reason is Reason.NEAR_PARALLEL_SINGULARITY:
-        verb = "leads" if near.margin < 0 else "comes to a"
-        return Refusal("straight", near.reason, step, (), span, near.missing, "1", f"the line {verb} {near.words}")
-    left = scene.robot.singular_distance(found.q[near.row])
+        return near.refusal(Stage.STRAIGHT, step, span)
+    left = float(scene.robot.singular_distance(found.q[near.row]))
     kind = Code(int(scene.robot.singularity(found.q[near.row]))).name.lower()
-    near_to = f"{1e3 * float(left):.1f} mm of a singular position ({kind}; margin {near.margin:.3f})"
-    return Refusal("straight", near.reason, step, (), span, near.missing, "1", f"the line comes within {near_to}")
+    return near.refusal(Stage.STRAIGHT, step, span, distance_m=left, positions=(kind,))
 
 
 def mode_changes(scene: Scene, step: int, state: State, modes: tuple[int, int], left: Along, met: Along) -> Refusal:
@@ -224,9 +237,14 @@ def mode_changes(scene: Scene, step: int, state: State, modes: tuple[int, int], 
     none = np.zeros(LOOKS)
     line = like(Motion(p, still, still, still, np.full(LOOKS, begin.yaw[0]), none, none, none), begin)
     found = robot.inverse(line, modes[0], 0)
-    change = f"a straight leg cannot change from {robot.modes[modes[0]]} to {robot.modes[modes[1]]}"
+    change = (robot.modes[modes[0]], robot.modes[modes[1]])
     if not np.isfinite(found.q).all():
-        return Refusal("straight", Reason.OUT_OF_REACH, step, detail=f"{change}, and the line leaves the workspace")
+        return out_of_reach(Stage.STRAIGHT, step, facts=OutOfReach(modes=change))
     left_over = float(robot.singular_distance(found.q).min())
-    detail = f"{change}: the line comes no nearer than {1e3 * left_over:.1f} mm to a singular position"
-    return Refusal("straight", Reason.NEAR_SINGULARITY, step, (), None, left_over, "m", detail)
+    return Refusal(
+        stage=Stage.STRAIGHT,
+        reason=Reason.NEAR_SINGULARITY,
+        step=step,
+        amount=Quantity.of(left_over, "m"),
+        facts=Singular(distance_m=left_over, modes=change),
+    )

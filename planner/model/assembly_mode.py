@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.refusal import Quantity, Reason, Refusal, Singular, Stage
 from assur.planner.robots.protocol import Robot
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.sweep import sweep
@@ -44,17 +44,20 @@ def leaves_assembly(robot: Robot, step: int, trajectory: Trajectory) -> Refusal 
         margin = robot.parallel_margin(trajectory.evaluate(middle))
         lost = ~(margin >= robot.parallel_least) | ~(t1 - t0 > FINEST_S)
         if lost.any():
-            return lost_at(robot, "limits", step, middle[lost], margin[lost])
+            return lost_at(robot, Stage.LIMITS, step, middle[lost], margin[lost])
         t0, t1 = np.concatenate([t0, middle]), np.concatenate([middle, t1])
     return None
 
 
-def lost_at(robot: Robot, stage: str, step: int, t: FloatArray, margin: FloatArray) -> Refusal:
+def lost_at(robot: Robot, stage: Stage, step: int, t: FloatArray, margin: FloatArray) -> Refusal:
     """The refusal of a way that nears or crosses type 2 at times t (N,), with margins (N,) there."""
     known = np.isfinite(margin)
-    least = float(margin[known].min()) if known.all() else 0.0
-    what = f"comes to a parallel margin of {least:.3f}" if known.all() else "crosses a type 2 singularity"
-    detail = f"the way {what} where {robot.parallel_least:g} is asked"
-    span = (float(t.min()), float(t.max()))
-    missing = max(0.0, robot.parallel_least - least)
-    return Refusal(stage, Reason.NEAR_PARALLEL_SINGULARITY, step, (), span, missing, "1", detail)
+    least = float(margin.min()) if known.all() else None
+    return Refusal(
+        stage=stage,
+        reason=Reason.NEAR_PARALLEL_SINGULARITY,
+        step=step,
+        interval=(float(t.min()), float(t.max())),
+        amount=Quantity(max(0.0, robot.parallel_least - (least or 0.0)), "1"),
+        facts=Singular(margin=least, required=robot.parallel_least),
+    )

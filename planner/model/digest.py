@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from assur.planner.model.outcome import Arrival, Certificate, Leg
+from assur.planner.model.outcome import Arrival, Certificate, Leg, Route
 from assur.planner.trajectory import Trajectory
 
 FORMAT = "assur-plan-4"
@@ -55,7 +55,7 @@ def _items(
     yield from (np.asarray(getattr(trajectory, name), dtype="<f8") for name in ("time", "q", "qd", "qdd"))
     yield from (bool(trajectory.jumps), len(certificate.covers), *certificate.covers)
     for leg in legs:
-        yield from (str(leg.kind), int(leg.step), float(leg.t0), float(leg.t1), leg.note)
+        yield from (str(leg.kind), int(leg.step), float(leg.t0), float(leg.t1), *_route(leg.route))
     for arrival in arrivals:
         yield from (int(arrival.step), arrival.control_point, float(arrival.time), float(arrival.until))
         yield from (float(value) for value in (arrival.pose.x, arrival.pose.y, arrival.pose.z, arrival.pose.yaw))
@@ -66,6 +66,10 @@ def _items(
     yield from certificate.names
     yield from (np.asarray(getattr(certificate, name), dtype="<f8") for name in REALS)
     yield from (np.asarray(getattr(certificate, name), dtype="<i8") for name in INDICES)
+
+
+def _route(route: Route | None) -> tuple[Any, ...]:
+    return (None,) if route is None else (str(route.course), int(route.vias), route.after_wait, route.later)
 
 
 def _canonical(item: Any) -> bytes:

@@ -63,9 +63,9 @@ class TrajectoryLaw(KnownLaw):
                 raise InputError(f"neighbour.trajectory.{end}", "in motion", "at rest: no velocity, no acceleration")
         lost = leaves_assembly(self.robot, 0, self.trajectory)
         if lost is not None:
-            raise InputError(
-                "neighbour.trajectory", lost.detail, f"a motion on which {self.robot.name} stays assembled"
-            )
+            at = "" if lost.interval is None else f" at {lost.interval[0]:.3f} s"
+            allowed = f"a motion on which {self.robot.name} stays assembled"
+            raise InputError("neighbour.trajectory", f"a type 2 singularity{at}", allowed)
         object.__setattr__(self, "valid", interval(self.valid, "neighbour.valid"))
         object.__setattr__(self, "_rates", np.asarray(self.robot.rate_matrix))
 

@@ -5,51 +5,14 @@ Facts only. Times are absolute seconds of the scene's clock, everything else is 
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import StrEnum
+from typing import Literal
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.frames.motion import Pose
-from assur.planner.model.leeway import Contact, Margins
+from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.trajectory import Trajectory
-
-
-class Reason(StrEnum):
-    """Why a candidate, or a whole request, was refused."""
-
-    OUT_OF_REACH = "OUT_OF_REACH"
-    JOINT_LIMIT = "JOINT_LIMIT"
-    NEAR_SINGULARITY = "NEAR_SINGULARITY"
-    NEAR_PARALLEL_SINGULARITY = "NEAR_PARALLEL_SINGULARITY"
-    """Type 2: the actuators of a closed chain no longer hold the tool. Type 1 is the one before."""
-    SELF_COLLISION = "SELF_COLLISION"
-    BODY_COLLISION = "BODY_COLLISION"
-    START_IN_COLLISION = "START_IN_COLLISION"
-    CONTROL_POINT_IN_COLLISION = "CONTROL_POINT_IN_COLLISION"
-    MOTION_LIMIT = "MOTION_LIMIT"
-    CARRY_LIMIT = "CARRY_LIMIT"
-    WINDOW_MISSED = "WINDOW_MISSED"
-    LAW_ENDS = "LAW_ENDS"
-    NOT_CERTIFIED = "NOT_CERTIFIED"
-    TIMED_OUT = "TIMED_OUT"
-
-
-TOLD_AS = {
-    "rad/s": ("deg/s", math.degrees(1.0)),
-    "rad/s²": ("deg/s²", math.degrees(1.0)),
-    "rad/s³": ("deg/s³", math.degrees(1.0)),
-    "m/s": ("mm/s", 1e3),
-    "m/s²": ("mm/s²", 1e3),
-    "m/s³": ("mm/s³", 1e3),
-}
-"""Rates of joints and of the tool, and what people are told instead."""
-
-ABOVE = "above the point"
-"""So ends a detail that is about a height over a control point and not about the point itself."""
-
-LATEST = "latest_end_s"
-"""Is in a detail about what would be too late for the whole plan, and not for a window."""
 
 
 class LegKind(StrEnum):
@@ -67,15 +30,44 @@ GLUED = frozenset({LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART})
 """Kinds of leg during which the tool is guided along the frame of its control point."""
 
 
+class Course(StrEnum):
+    """How a move goes, or why the arm waits."""
+
+    DIRECT = "direct"
+    """From joint position to joint position, also through via points that the planner chose."""
+    ARCH = "arch"
+    """Up, over and down, in one motion."""
+    STRAIGHT = "straight"
+    BLENDS = "blends"
+    """With parabolic blends."""
+    TO_REST = "to rest"
+    """From the velocity of its last point to a stop, where the plan ends."""
+    FOR_BODIES = "for bodies"
+    """A wait until bodies have passed."""
+    FOR_POINT = "for point"
+    """A wait until the control point can be met."""
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """How a leg goes: its course, the number of via points that the planner chose, whether it begins after a wait and
+    meets its point later than it could."""
+
+    course: Course
+    vias: int = 0
+    after_wait: bool = False
+    later: bool = False
+
+
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """A stretch [t0, t1] of the plan that serves step number `step`; `note` says why (a wait) or how."""
+    """The part [t0, t1] of the plan that serves step number `step`; `route`: how a move goes or why the arm waits."""
 
     kind: LegKind
     step: int
     t0: float
     t1: float
-    note: str = ""
+    route: Route | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,36 +150,17 @@ class Plan:
 
 
 @dataclass(frozen=True, slots=True)
-class Refusal:
-    """One candidate's end: the stage that refused it, why, by which bodies, when, by how much.
-
-    `amount` is what was missing, in `unit` (m, rad, s, or a ratio), positive; NaN where there is no number.
-    """
-
-    stage: str
-    reason: Reason
-    step: int
-    bodies: tuple[str, ...] = ()
-    interval: tuple[float, float] | None = None
-    amount: float = float("nan")
-    unit: str = ""
-    detail: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class CensusLine:
-    """Refusals of one kind, counted: `least` and `most` of the amounts, the interval that spans them all."""
+    """Refusals of one kind, counted: the one with the least amount, over the interval that spans all of them, and the
+    greatest amount, in the same unit."""
 
-    stage: str
-    reason: Reason
-    step: int
-    bodies: tuple[str, ...]
+    refusal: Refusal
     count: int
-    interval: tuple[float, float] | None
-    least: float
-    most: float
-    unit: str
-    detail: str
+    most: float | None = None
+
+    @property
+    def least(self) -> float | None:
+        return None if self.refusal.amount is None else self.refusal.amount.value
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,6 +170,55 @@ class Census:
     candidates: int
     refused: int
     lines: tuple[CensusLine, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class JointPeak:
+    """Peaks of one joint over the plan (exact extrema, SI) and their ratios to the limits; no jerk: it is unbounded."""
+
+    joint: str
+    velocity: float
+    acceleration: float
+    jerk: float | None
+    velocity_ratio: float
+    acceleration_ratio: float
+    jerk_ratio: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Nearest:
+    """Where the arm comes closest to something, less contacts: `gap_m` is proved not to exceed the distance of any pair
+    at any time; `distance_m` is that of `bodies` at `time`, larger by 0.05 mm at most."""
+
+    gap_m: float
+    time: float
+    bodies: tuple[str, str]
+    phase: str
+    distance_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """An allowed contact and the time for which it is allowed."""
+
+    bodies: tuple[str, str]
+    t0: float
+    t1: float
+
+
+@dataclass(frozen=True, slots=True)
+class Margins:
+    """How much is left. `binds`: the joint and kind of limit that is used most. `parallel`: None without a loop.
+    `jerk`: whether it has bounds."""
+
+    peaks: tuple[JointPeak, ...]
+    binds: str
+    nearest: Nearest | None
+    tool_acceleration: float
+    tool_acceleration_limit: float | None
+    singularity: float
+    parallel: float | None = None
+    jerk: Literal["limited", "unbounded"] = "limited"
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,7 +248,10 @@ class Relaxation:
 
 @dataclass(frozen=True, eq=False)
 class NotPlanned:
-    """No plan: the leading reason, whether it is proved for all times and modes, and a sentence for a shift leader."""
+    """No plan: the leading reason, whether it is proved for all times and modes, and a sentence for an operator.
+
+    `tried`: changes of the request that were tried; `explain_budget_spent`: before all of them were.
+    """
 
     reason: Reason
     proved: bool
@@ -235,11 +260,11 @@ class NotPlanned:
     census: Census
     relaxation: Relaxation | None
     tried: tuple[str, ...]
+    explain_budget_spent: bool
     assumptions: tuple[str, ...]
     seed: int
     elapsed_s: float
     cut_by_clock: bool
-    details: dict[str, float] = field(default_factory=dict)
 
 
 Outcome = Planned | NotPlanned

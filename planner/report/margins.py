@@ -8,7 +8,7 @@ from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
 from assur.planner.legs.tool_motion import carrying_peak, tool_peak
 from assur.planner.model.assembly_mode import has_loop
-from assur.planner.model.leeway import Contact, JointPeak, Margins
+from assur.planner.model.outcome import Contact, JointPeak, Margins
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory

@@ -1,139 +1,306 @@
-"""Why there is no plan: the leading refusal, and one sentence that a shift leader understands."""
+"""Sentences for people, made of facts. No other module makes them, and no decision reads them."""
 
 from __future__ import annotations
 
-import math
+from assur.planner.model.outcome import Census, CensusLine, Course, Route
+from assur.planner.model.refusal import (
+    OF_CANDIDATES,
+    AccelerationTime,
+    BeyondRange,
+    Carrying,
+    Enclosed,
+    LawEnds,
+    Miss,
+    MotionLimit,
+    Obstacle,
+    OutOfReach,
+    Reason,
+    Refusal,
+    Refuted,
+    Separation,
+    Singular,
+    Stage,
+    WindowMissed,
+)
+from assur.planner.model.scene import Pick, Place, Scene, Window
+from assur.planner.report.number_format import amount, number
 
-from assur.planner.model.outcome import ABOVE, LATEST, TOLD_AS, Census, CensusLine, Reason, Refusal
-from assur.planner.model.scene import Scene, Window
 
-SEARCHED = frozenset({"timing", "screening", "certificate", "limits", "glued", "straight", "window"})
-"""Stages that refuse candidates, one by one."""
-
-
-def leading(census: Census, deepest: int) -> CensusLine | None:
-    """The most frequent refusal at the step that was never passed."""
-    here = [line for line in census.lines if line.step == deepest]
-    candidates = [line for line in here if line.stage in SEARCHED] or here
-    # a Cartesian leg, or a mode that is not reached at all, refuses once for all candidates: it counts as most frequent
-    once = [line for line in here if line.stage == "inverse"]
-    if once and not any(line.stage in SEARCHED for line in here):
-        return once[0]
-    return max(candidates, key=lambda line: line.count, default=None)
-
-
-def sentence(scene: Scene, refusal: Refusal | CensusLine | None, census: Census, *, cut: bool, budget: float) -> str:
-    """One sentence, in the words of the shop."""
+def sentence(scene: Scene, refusal: Refusal | None, line: CensusLine | None, census: Census, *, cut: bool) -> str:
+    """Why there is no plan. `line`: where the refusal is counted, if it is; `cut`: the clock ended the search."""
+    budget = f"{scene.options.budget_s:g} s"
     if refusal is None:
         if census.candidates:
-            return f"No plan was found among {census.candidates} candidates; the last step was not tried any more."
-        return f"No plan was found in {budget:g} s; nothing was tried."
-    step = scene.task[refusal.step].name
-    what = _because(scene, refusal)
+            return (
+                f"No plan was found among {census.candidates} candidates; "
+                "the search ended before it reached the last step."
+            )
+        return f"No plan was found in {budget}; nothing was tried."
     tail = ""
-    if isinstance(refusal, CensusLine) and refusal.stage in SEARCHED and census.candidates:
-        tail = f" ({refusal.count} of {census.candidates} candidates{_span(refusal)})"
+    if line is not None and refusal.stage in OF_CANDIDATES and census.candidates:
+        tail = f"{_others(line, census)} ({line.count} of {census.candidates} candidates{_span(refusal)})"
         if cut:
-            tail += f"; the budget of {budget:g} s was spent"
-    return f"{'' if refusal.stage == 'start' else step + ': '}{what}{_others(refusal, census)}{tail}."
+            tail += f"; the budget of {budget} was spent"
+    step = "" if refusal.stage is Stage.START else f"{scene.task[refusal.step].name}: "
+    return f"{step}{because(scene, refusal)}{tail}."
 
 
-def _others(refusal: Refusal | CensusLine, census: Census) -> str:
-    """Bodies that are in the way about as often, at the same step."""
-    if not isinstance(refusal, CensusLine) or refusal.reason is not Reason.BODY_COLLISION:
+def because(scene: Scene, refusal: Refusal) -> str:
+    """What would happen, or what is missing: a sentence without its step and its full stop."""
+    short = "" if refusal.amount is None else amount(refusal.amount.value, refusal.amount.unit)
+    match refusal.facts:
+        case OutOfReach() as facts:
+            return _out_of_reach(refusal.stage, facts, short)
+        case BeyondRange() as facts:
+            return _beyond_range(refusal, facts, short)
+        case Singular() as facts:
+            return _singular(refusal, facts)
+        case MotionLimit() as facts:
+            return _motion_limit(refusal, facts, short)
+        case AccelerationTime() as facts:
+            return _acceleration_time(refusal, facts)
+        case Separation() | Enclosed() as facts:
+            return _collision(refusal, facts)
+        case Carrying() as facts:
+            most, limit = (number(value, 3) for value in (facts.acceleration, facts.limit))
+            return f"the part would be accelerated with {most} m/s², but only {limit} m/s² are allowed"
+        case WindowMissed() as facts:
+            return _window_missed(scene, refusal, facts, short)
+        case LawEnds() as facts:
+            if facts.known_s is None:
+                return f"the motion of a frame is not known at {facts.needed_s:g} s"
+            low, high = facts.known_s
+            known = " ".join(f"{word} {end:g} s" for word, end in (("from", low), ("to", high)) if end is not None)
+            return f"the motion of {refusal.frame} is known {known}, but it is needed at {facts.needed_s:g} s"
+        case Refuted() as facts:
+            return (
+                f"the checker refuses the plan: {facts.code}, {facts.what}{f', {facts.where}' if facts.where else ''}"
+            )
+
+
+def _others(line: CensusLine, census: Census) -> str:
+    """Bodies that are hit about as often, at the same step."""
+    leading = line.refusal
+    if leading.reason is not Reason.BODY_COLLISION:
         return ""
-    seen, found = set(refusal.bodies[1:]), []
-    for line in census.lines:
-        same = (line.reason, line.step) == (refusal.reason, refusal.step)
-        if same and 2 * line.count >= refusal.count and not seen.issuperset(line.bodies[1:]):
-            seen |= set(line.bodies[1:])
-            found.append(f"{line.bodies[0]} with {' and '.join(line.bodies[1:])}")
-    return f"; likewise {', '.join(found[:2])}" if found else ""
+    seen, also = set(leading.bodies[1:]), []
+    for other in census.lines:
+        bodies, same = other.refusal.bodies, other.refusal.step == leading.step
+        alike = same and other.refusal.reason is leading.reason and 2 * other.count >= line.count
+        if alike and not seen.issuperset(bodies[1:]):
+            seen |= set(bodies[1:])
+            also.append(f"{bodies[0]} with {_and(bodies[1:])}")
+    return f"; likewise {', '.join(also[:2])}" if also else ""
 
 
-def _span(line: CensusLine) -> str:
-    if line.interval is None:
+def _span(refusal: Refusal) -> str:
+    if refusal.interval is None:
         return ""
-    a, b = line.interval
+    a, b = refusal.interval
     return f", at {a:.2f} s" if b - a < 0.005 else f", between {a:.2f} s and {b:.2f} s"
 
 
-def _number(refusal: Refusal | CensusLine) -> str:
-    amount = refusal.least if isinstance(refusal, CensusLine) else refusal.amount
-    if not math.isfinite(amount):
+def _and(names: tuple[str, ...]) -> str:
+    return " and ".join(names)
+
+
+def _mm(value: float) -> str:
+    return amount(value, "m")
+
+
+def _mode(mode: str | None) -> str:
+    return f" (mode {mode})" if mode else ""
+
+
+def _out_of_reach(stage: Stage, facts: OutOfReach, short: str) -> str:
+    if facts.modes is not None:
+        first, second = facts.modes
+        return f"a straight leg cannot change from mode {first} to {second}, and its line leaves the workspace"
+    if stage is Stage.STRAIGHT:
+        return "the straight line leaves the workspace"
+    if stage is Stage.TRACKING:
+        return "the point leaves the workspace while it is tracked"
+    if stage is Stage.TIMING:
+        return "the point is out of reach when the arm could be there"
+    what = f"the point is {short} out of reach" if short else "the point is out of reach"
+    if facts.every_pitch:
+        return f"{what} at every pitch of the tool"
+    if facts.heights_m is not None:
+        required, possible = (_mm(height) for height in facts.heights_m)
+        return f"{what}: the flange would have to be at a height of {required}, but it stays at {possible}"
+    if facts.from_axis_m is not None:
+        pitch = "" if facts.pitch_rad is None else f", with the tool at a pitch of {amount(facts.pitch_rad, 'rad')}"
+        return f"{what}: the flange would be {_mm(facts.from_axis_m)} from the arm's axis{pitch}"
+    return f"{what}{_mode(facts.mode)}"
+
+
+def _beyond_range(refusal: Refusal, facts: BeyondRange, short: str) -> str:
+    joint = refusal.joint or "a joint"
+    if refusal.amount is not None and refusal.amount.unit == "1":
+        short = f"{100 * refusal.amount.value:.3g} % of its range"
+    if refusal.stage is Stage.START:
+        return f"{joint} starts {short} beyond its limit"
+    arch = "" if facts.arch_top_m is None else f"for an arch up to {_mm(facts.arch_top_m)}, "
+    above = f"{_mm(facts.above_m)} above the point, " if facts.above_m else ""
+    return f"{arch}{above}{joint} would have to go {short + ' ' if short else ''}beyond its limit{_mode(facts.mode)}"
+
+
+POSITIONS = {
+    "stretched": "the arm would be stretched",
+    "folded": "the arm would be folded",
+    "indeterminate": "the tool would be on the shoulder's axis",
+    "aligned": "the tool would be over the base axis",
+}
+"""Singular positions, by their codes."""
+
+
+def _singular(refusal: Refusal, facts: Singular) -> str:
+    near = None if facts.distance_m is None else _mm(facts.distance_m)
+    if facts.modes is not None:
+        first, second = facts.modes
+        return (
+            f"a straight leg cannot change from mode {first} to {second}: "
+            f"its line comes no closer than {near} to a singular position"
+        )
+    parallel = refusal.reason is Reason.NEAR_PARALLEL_SINGULARITY
+    kind = "parallel margin" if parallel else "singularity margin"
+    margins = ""
+    if facts.margin is not None and facts.required is not None:
+        margins = f"{kind} {facts.margin:.3f}, required {facts.required:.3f}"
+    if parallel:
+        if facts.margin is None or facts.margin < 0:
+            crossed = "the arm would cross a position in which its motors do not hold the tool (type 2 singularity)"
+            return f"{crossed}: {margins}" if margins else crossed
+        return f"the arm would be too close to a position in which its motors do not hold the tool ({margins})"
+    if near is not None:
+        at = f"{' or '.join(facts.positions)}; " if facts.positions else ""
+        return f"the straight line comes within {near} of a singular position ({at}{margins})"
+    if facts.positions:
+        return " or ".join(POSITIONS.get(name, name) for name in facts.positions) + _mode(facts.mode)
+    return "the arm would be too close to a singular position" + (f" ({margins})" if margins else "")
+
+
+OBSTACLES = {
+    Obstacle.NOT_SMOOTH: "the joints cannot follow the path: its motion is not smooth",
+    Obstacle.NO_PATH_LAW: "no motion along the straight line was found that keeps the limits of all joints",
+    Obstacle.NO_PROFILE: "no motion was found that keeps the limits of all joints",
+    Obstacle.NO_SUCH_DURATION: "no motion was found that takes exactly the time to a meeting",
+    Obstacle.STRAIGHT_FROM_MOTION: "a straight leg must begin at rest or while a frame is tracked",
+    Obstacle.POINT_TOO_FAST: "the control point moves too fast to be met",
+}
+"""Obstacles that are no joint's rate."""
+
+
+def _motion_limit(refusal: Refusal, facts: MotionLimit, short: str) -> str:
+    if facts.obstacle in OBSTACLES:
+        return OBSTACLES[facts.obstacle]
+    if refusal.amount is not None and refusal.amount.unit == "1":
+        short = f"{number(100 * refusal.amount.value, 3)} %"
+    what, joint = facts.rate or "velocity, acceleration or jerk", refusal.joint or "a joint"
+    if refusal.stage is Stage.START:
+        return f"the {what} of {joint} at the start exceeds its limit by {short}"
+    tracking = "" if facts.frame is None else f"to move with {facts.frame}, "
+    return f"{tracking}{joint} would have to exceed its limit of {what} by {short}{_mode(facts.mode)}"
+
+
+def _acceleration_time(refusal: Refusal, facts: AccelerationTime) -> str:
+    unit = "m/s²" if refusal.amount is None else refusal.amount.unit
+    enough = "" if facts.enough_s is None else f"; {amount(facts.enough_s, 's')} would be enough"
+    return (
+        f"with an acceleration time of {amount(facts.given_s, 's')} {refusal.joint} would need "
+        f"{amount(facts.needed, unit)}, but it has {amount(facts.limit, unit)}{enough}"
+    )
+
+
+def _collision(refusal: Refusal, facts: Separation | Enclosed) -> str:
+    first, second = refusal.bodies
+    if isinstance(facts, Enclosed):
+        what = f"{first} is inside {second}"
+    elif refusal.reason is Reason.NOT_CERTIFIED:
+        return f"{first} and {second} could not be proved to stay apart"
+    elif facts.touching:
+        what = f"{first} would hit {second}"
+    else:
+        what = f"{first} would come too close to {second}"
+        if facts.gap_m is not None and facts.required_m is not None:
+            what += f": {_mm(facts.gap_m)}, required {_mm(facts.required_m)}"
+    if refusal.reason is Reason.SELF_COLLISION:
+        return f"the arm would hit itself: {what}"
+    if refusal.reason is Reason.START_IN_COLLISION:
+        return f"the arm collides at the start: {what}"
+    if refusal.reason is Reason.CONTROL_POINT_IN_COLLISION:
+        return f"the control point cannot be met without a collision: {what}"
+    return what
+
+
+ON_ARRIVAL = frozenset({Miss.CLOSED_ON_ARRIVAL, Miss.NO_MEETING_LEFT, Miss.OUTSIDE})
+"""Misses of what ends the time for a meeting: the window, or the latest end where there is no window."""
+
+
+def _window_missed(scene: Scene, refusal: Refusal, facts: WindowMissed, short: str) -> str:
+    step = scene.task[refusal.step]
+    belt = "" if facts.belt_m is None else f", {_mm(facts.belt_m)} of belt"
+    if facts.miss in ON_ARRIVAL and step.window == Window() and scene.options.latest_end_s is not None:
+        return f"the arm comes at least {short} too late for latest_end_s"
+    match facts.miss:
+        case Miss.TOO_SHORT:
+            what = "part" if isinstance(step, Pick | Place) else "point"
+            needed, is_open = amount(facts.needed_s, "s"), amount(facts.open_s, "s")
+            return (
+                f"the {what} must be tracked for {needed}, but its window is open for only {is_open} "
+                f"({short} short{belt})"
+            )
+        case Miss.OVER_BEFORE_START:
+            return f"the window closes {short} before the start"
+        case Miss.OPENS_AFTER_LATEST_END:
+            return f"the window opens {short} after latest_end_s"
+        case Miss.LATEST_END_BEFORE_START:
+            return f"latest_end_s is {short} before the start"
+        case Miss.ENTERS_AFTER_LATEST_END:
+            return f"the point enters its window {short} after latest_end_s"
+        case Miss.NEVER_INSIDE:
+            return f"the point never enters its window along the conveyor: it stays {short} away"
+        case Miss.NO_COMMON_INSTANT:
+            return f"the window in time and the window along the conveyor never overlap: they are {short} apart"
+        case Miss.OPENS_AFTER_LAW:
+            return "the window opens when the motion of the frame is no longer known"
+        case Miss.NOT_INSIDE_WHILE_KNOWN:
+            return "the point does not enter its window while the motion of its frame is known"
+        case Miss.NOT_INSIDE_SOON:
+            return f"the point does not enter its window in the next {facts.searched_s:g} s"
+        case Miss.CLOSED_ON_ARRIVAL:
+            return f"the arm comes at least {short} after the window has closed{belt}"
+        case Miss.LATEST_END_ON_ARRIVAL:
+            return f"the arm comes at least {short} too late to end by latest_end_s{belt}"
+        case Miss.ENDS_TOO_LATE:
+            return f"the motion ends at least {short} after latest_end_s"
+        case Miss.NO_MEETING_LEFT:
+            return f"the arm comes at least {short} too late for the window"
+        case Miss.OUTSIDE:
+            return f"the point would be met {short} outside its window"
+        case Miss.NO_COMMON_BEGIN:
+            return "no start of the motion was found from which all windows are met"
+
+
+COURSES = {
+    Course.DIRECT: "direct",
+    Course.ARCH: "arch",
+    Course.STRAIGHT: "straight",
+    Course.BLENDS: "blends",
+    Course.TO_REST: "comes to rest",
+    Course.FOR_BODIES: "lets bodies pass",
+    Course.FOR_POINT: "waits for the control point",
+}
+"""Notes of legs."""
+
+
+def note(route: Route | None) -> str:
+    """How a leg goes, or why the arm waits; nothing where there is nothing to say."""
+    if route is None:
         return ""
-    unit = refusal.unit
-    if unit == "m":
-        return f"{1e3 * amount:.1f} mm"
-    if unit == "rad":
-        return f"{math.degrees(amount):.1f}°"
-    if unit == "s":
-        return f"{1e3 * amount:.0f} ms"
-    if unit in TOLD_AS:
-        told, factor = TOLD_AS[unit]
-        return f"{factor * amount:,.0f} {told}"
-    return f"{amount:.3g}"
-
-
-def _beyond(refusal: Refusal | CensusLine) -> str:
-    """Which limit of a joint a motion breaks, where the unit says it."""
-    joint = refusal.bodies[0] if len(refusal.bodies) == 1 and refusal.unit.endswith(("/s", "/s²", "/s³")) else "a joint"
-    if refusal.unit.endswith("/s²"):
-        return f"{joint} would have to accelerate more than it can"
-    if refusal.unit.endswith("/s³"):
-        return f"{joint} would have to change its acceleration faster than it may"
-    return f"{joint} would have to be faster than it can be"
-
-
-def _missed(scene: Scene, refusal: Refusal | CensusLine) -> str:
-    """What a motion comes too late for: a step without a window has only the end of the plan."""
-    window = getattr(scene.task[refusal.step], "window", Window())
-    no_window = window.time is None and window.along is None
-    only_latest = no_window and scene.options.latest_end_s is not None
-    return LATEST if only_latest or LATEST in refusal.detail else "the window"
-
-
-def _because(scene: Scene, refusal: Refusal | CensusLine) -> str:
-    bodies = " and ".join(refusal.bodies)
-    number = _number(refusal)
-    detail = refusal.detail
-    match refusal.reason:
-        case Reason.OUT_OF_REACH:
-            return (
-                f"the point is {number} out of reach ({detail})" if number else f"the point is out of reach ({detail})"
-            )
-        case Reason.JOINT_LIMIT:
-            where = f"{detail.rpartition(', ')[2]} " if detail.endswith(ABOVE) else ""
-            return f"{where}{bodies or 'a joint'} would have to go {number} beyond its limit" if number else detail
-        case Reason.NEAR_SINGULARITY:
-            return (
-                f"the arm would be too near a singular position ({detail})"
-                if detail
-                else "the arm would be too near a singular position"
-            )
-        case Reason.NEAR_PARALLEL_SINGULARITY:
-            return f"the arm would be too near a position in which its motors do not hold the tool ({detail})"
-        case Reason.SELF_COLLISION:
-            return f"the arm would hit itself: {bodies}"
-        case Reason.BODY_COLLISION:
-            verb = "would hit" if detail != "too close" else "would come too close to"
-            first, *rest = refusal.bodies
-            return f"{first} {verb} {' and '.join(rest)}"
-        case Reason.START_IN_COLLISION:
-            return f"the arm collides where it stands at the start: {detail}"
-        case Reason.CONTROL_POINT_IN_COLLISION:
-            return f"the control point can never be met: {detail}"
-        case Reason.MOTION_LIMIT:
-            return f"{_beyond(refusal)}{': ' + detail if detail else ''}"
-        case Reason.CARRY_LIMIT:
-            return f"the part would be accelerated by {number} too much"
-        case Reason.WINDOW_MISSED:
-            least = "" if "the glue takes" in detail else "at least "
-            return f"{_missed(scene, refusal)} is missed by {least}{number}: {detail}" if number else detail
-        case Reason.LAW_ENDS:
-            return f"the motion of {bodies or 'a frame'} is not known for long enough{': ' + detail if detail else ''}"
-        case Reason.NOT_CERTIFIED:
-            return f"{bodies} could not be proved to stay apart"
-        case Reason.TIMED_OUT:
-            return "the budget was spent before anything could be tried"
-    raise AssertionError(refusal.reason)
+    vias = f"{route.vias} via point{'s' * (route.vias != 1)}" if route.vias else ""
+    if route.course is Course.DIRECT:
+        words = vias or COURSES[route.course]
+    else:
+        words = COURSES[route.course] + (f", {vias}" if vias else "")
+    return words + " after a wait" * route.after_wait + " later" * route.later

@@ -16,8 +16,9 @@ from assur.planner.collision.screening import screen
 from assur.planner.feasibility.necessary import points_impossible
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
-from assur.planner.model.outcome import Plan, Refusal
+from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import yaw_offsets
+from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.search.candidates import Sampler
 from assur.planner.search.census import Counter, refused_proof

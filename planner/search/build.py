@@ -12,8 +12,21 @@ from assur.planner.legs.limits import beyond_limits
 from assur.planner.legs.state import Knots, State, Stretch
 from assur.planner.legs.tool_motion import RESERVE, carrying_peak
 from assur.planner.model.assembly_mode import leaves_assembly
-from assur.planner.model.outcome import LATEST, Arrival, Leg, LegKind, Reason, Refusal
+from assur.planner.model.outcome import Arrival, Course, Leg, LegKind, Route
 from assur.planner.model.phases import Phase, held, moved_parts, phases
+from assur.planner.model.refusal import (
+    Carrying,
+    Miss,
+    Obstacle,
+    Quantity,
+    Reason,
+    Refusal,
+    Stage,
+    WindowMissed,
+    law_ends,
+    unmoved,
+    window_missed,
+)
 from assur.planner.model.scene import Pick, Place, Scene
 from assur.planner.search.partial_plan import Chain, Draft, Sample
 from assur.planner.timing import TimingRefusal, time_joints
@@ -48,10 +61,7 @@ def assembled(
         knots = knots.then(stretch.knots)
     latest = scene.options.latest_end_s
     if latest is not None and not knots.time[-1] <= latest:
-        over = float(knots.time[-1]) - latest
-        return Refusal(
-            "timing", Reason.WINDOW_MISSED, chain.step, (), None, over, "s", f"the motion ends after {LATEST}"
-        )
+        return ends_too_late(chain.step, float(knots.time[-1]) - latest)
     unknown = laws_over(scene, chain.step, float(knots.time[-1]))
     if unknown is not None:
         return unknown
@@ -59,7 +69,7 @@ def assembled(
     beyond = beyond_limits(scene, chain.step, trajectory) or leaves_assembly(scene.robot, chain.step, trajectory)
     if beyond is not None:
         return beyond
-    legs = tuple(Leg(s.kind, chain.step, float(s.knots.time[0]), float(s.knots.time[-1]), s.note) for s in stretches)
+    legs = tuple(Leg(s.kind, chain.step, float(s.knots.time[0]), float(s.knots.time[-1]), s.route) for s in stretches)
     met = arrival(scene, point, trajectory, begin, end)
     after = _after(scene, chain, point, sample, legs, met, knots)
     ours = phases(scene, after.legs, after.arrivals)[len(chain.legs) :]
@@ -77,8 +87,19 @@ def _too_hard(scene: Scene, step: int, trajectory: Trajectory, ours: tuple[Phase
     peak = carrying_peak(scene, trajectory, ours) if limit is not None else None
     if limit is None or peak is None or peak[0] <= limit * (1 - RESERVE):
         return None
-    detail = f"{peak[0]:.1f} m/s² where {limit:g} m/s² are allowed"
-    return Refusal("limits", Reason.CARRY_LIMIT, step, (), (peak[1], peak[1]), peak[0] - limit, "m/s²", detail)
+    return Refusal(
+        stage=Stage.LIMITS,
+        reason=Reason.CARRY_LIMIT,
+        step=step,
+        interval=(peak[1], peak[1]),
+        amount=Quantity.of(peak[0] - limit, "m/s²"),
+        facts=Carrying(acceleration=peak[0], limit=limit),
+    )
+
+
+def ends_too_late(step: int, late: float) -> Refusal:
+    """The motion ends `late` seconds after the latest end."""
+    return window_missed(Stage.TIMING, step, WindowMissed(miss=Miss.ENDS_TOO_LATE), amount=Quantity.of(late, "s"))
 
 
 def _after(
@@ -132,8 +153,8 @@ def _to_rest(scene: Scene, step: int, state: State, pace: float) -> Stretch | Re
     rates = limits.velocity, limits.acceleration, limits.jerk
     found = time_joints(state.q, state.qd, state.qdd, target, none, none, *rates, begin=state.time)
     if isinstance(found, TimingRefusal):
-        return Refusal("timing", Reason.MOTION_LIMIT, step, detail=found.detail)
-    return Stretch(LegKind.MOVE, Knots.of(found), "comes to rest")
+        return unmoved(Stage.TIMING, step, Obstacle.NO_PROFILE)
+    return Stretch(LegKind.MOVE, Knots.of(found), Route(Course.TO_REST))
 
 
 def laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
@@ -142,9 +163,7 @@ def laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
     needed = end + stay + scene.execution.start_tolerance_s
     for frame in scene.frames.values():
         if not needed <= frame.law.valid[1]:
-            late = needed - frame.law.valid[1]
-            detail = f"the law of {frame.name} ends at {frame.law.valid[1]:g} s"
-            return Refusal("timing", Reason.LAW_ENDS, step, (frame.name,), None, late, "s", detail)
+            return law_ends(Stage.TIMING, step, frame.name, frame.law.valid, needed)
     return None
 
 

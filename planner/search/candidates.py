@@ -14,7 +14,7 @@ import numpy as np
 from assur.planner.frames import all_stand
 from assur.planner.legs.arched import Hop
 from assur.planner.legs.joint import Shape
-from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.refusal import BeyondRange, JointName, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Arch, Move, Scene
 from assur.planner.search.meeting_options import Option
 from assur.planner.search.partial_plan import Chain, Sample
@@ -133,8 +133,14 @@ class Sampler:
         if lift is None or arch is None or self._tops():
             return None
         joint, over = scene.robot.joints[lift].name, self._height(arch) - float(scene.robot.limits.upper[lift])
-        detail = f"for an arch up to {1e3 * arch.top_m:g} mm"
-        return Refusal("inverse", Reason.JOINT_LIMIT, self.chain.step, (joint,), None, over, "m", detail)
+        return Refusal(
+            stage=Stage.INVERSE,
+            reason=Reason.JOINT_LIMIT,
+            step=self.chain.step,
+            subject=JointName(joint),
+            amount=Quantity.of(over, "m"),
+            facts=BeyondRange(arch_top_m=arch.top_m),
+        )
 
     def _height(self, arch: Arch) -> float:
         """The lift joint's value at the top of an arch."""

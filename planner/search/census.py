@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from assur.planner.collision.rows import Unproved
-from assur.planner.model.outcome import Census, CensusLine, Reason, Refusal
+from assur.planner.model.outcome import Census, CensusLine
+from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separation, Stage, Subject, Unit, finite
+
+_Kind = tuple[Stage, Reason, int, Subject | None, Unit | None]
 
 
 @dataclass(eq=False)
@@ -15,7 +18,7 @@ class Counter:
 
     candidates: int = 0
     refused: int = 0
-    _groups: dict[tuple[str, Reason, int, tuple[str, ...], str], list[Refusal]] = field(default_factory=dict)
+    _groups: dict[_Kind, list[Refusal]] = field(default_factory=dict)
 
     def add(self, refusal: Refusal) -> None:
         self.refused += 1
@@ -23,25 +26,22 @@ class Counter:
 
     def note(self, refusal: Refusal) -> None:
         """Records a refusal that was not of a candidate (a working mode without a solution, say)."""
-        key = (refusal.stage, refusal.reason, refusal.step, refusal.bodies, refusal.unit)
+        unit = None if refusal.amount is None else refusal.amount.unit
+        key = (refusal.stage, refusal.reason, refusal.step, refusal.subject, unit)
         self._groups.setdefault(key, []).append(refusal)
 
     def census(self) -> Census:
         lines = [_line(group) for group in self._groups.values()]
-        lines.sort(key=lambda line: (-line.count, line.stage, line.reason, line.bodies))
+        lines.sort(key=lambda line: (-line.count, line.refusal.stage, line.refusal.reason, str(line.refusal.subject)))
         return Census(self.candidates, self.refused, tuple(lines))
 
 
 def _line(group: list[Refusal]) -> CensusLine:
-    first = group[0]
-    amounts = [r.amount for r in group if math.isfinite(r.amount)]
+    amounts = [r.amount.value for r in group if r.amount is not None]
     spans = [r.interval for r in group if r.interval is not None]
     interval = (min(a for a, _ in spans), max(b for _, b in spans)) if spans else None
-    least, most = (min(amounts), max(amounts)) if amounts else (math.nan, math.nan)
-    detail = min(group, key=lambda r: r.amount if math.isfinite(r.amount) else math.inf).detail
-    return CensusLine(
-        first.stage, first.reason, first.step, first.bodies, len(group), interval, least, most, first.unit, detail
-    )
+    mildest = min(group, key=lambda r: math.inf if r.amount is None else r.amount.value)
+    return CensusLine(replace(mildest, interval=interval), len(group), max(amounts, default=None))
 
 
 def refused_proof(unproved: Unproved, step: int) -> Refusal:
@@ -49,7 +49,13 @@ def refused_proof(unproved: Unproved, step: int) -> Refusal:
     reason = Reason.NOT_CERTIFIED
     if unproved.touching or unproved.gap <= unproved.required:
         reason = Reason.SELF_COLLISION if unproved.of_robot else Reason.BODY_COLLISION
-    amount = unproved.required - unproved.gap
-    detail = "touch" if unproved.touching else "too close" if reason is not Reason.NOT_CERTIFIED else "not proved"
-    span = (unproved.time, unproved.time)
-    return Refusal("certificate", reason, step, unproved.bodies, span, amount, "m", detail)
+    gap, required = finite(unproved.gap), finite(unproved.required)
+    return Refusal(
+        stage=Stage.CERTIFICATE,
+        reason=reason,
+        step=step,
+        subject=Bodies(unproved.bodies),
+        interval=(unproved.time, unproved.time),
+        amount=Quantity.of(unproved.required - unproved.gap, "m"),
+        facts=Separation(touching=bool(unproved.touching), gap_m=gap, required_m=required),
+    )

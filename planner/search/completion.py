@@ -5,7 +5,8 @@ from __future__ import annotations
 from assur.planner.checker import check
 from assur.planner.collision.rows import written
 from assur.planner.errors import FaultError
-from assur.planner.model.outcome import Plan, Reason, Refusal
+from assur.planner.model.outcome import Plan
+from assur.planner.model.refusal import Reason, Refusal, Refuted, Stage
 from assur.planner.model.scene import Scene
 from assur.planner.search.partial_plan import Chain
 from assur.planner.trajectory import Trajectory
@@ -27,5 +28,9 @@ def completed(scene: Scene, chain: Chain) -> Plan | Refusal:
     if verdict.ok:
         return plan
     first = verdict.findings[0]
-    detail = f"{first.code}: {first.what}, {first.where}"
-    return Refusal("checker", Reason.NOT_CERTIFIED, chain.step - 1, (), None, first.amount, first.unit, detail)
+    return Refusal(
+        stage=Stage.CHECKER,
+        reason=Reason.NOT_CERTIFIED,
+        step=chain.step - 1,
+        facts=Refuted(code=str(first.code), what=first.what, where=first.where),
+    )

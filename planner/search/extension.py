@@ -17,8 +17,19 @@ from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.state import Knots, Stretch
 from assur.planner.legs.straight import mode_changes, straight
 from assur.planner.legs.tilt import tilt_of
-from assur.planner.model.outcome import LegKind, Reason, Refusal
+from assur.planner.model.outcome import Course, LegKind, Route
 from assur.planner.model.phases import Phase
+from assur.planner.model.refusal import (
+    Carrying,
+    Miss,
+    Obstacle,
+    Quantity,
+    Refusal,
+    Stage,
+    WindowMissed,
+    unmoved,
+    window_missed,
+)
 from assur.planner.model.scene import Move, Scene
 from assur.planner.search.build import assembled, laws_over
 from assur.planner.search.partial_plan import Chain, Draft, Outline, Sample, paced
@@ -54,9 +65,9 @@ def carried_gently(scene: Scene, way: Outline) -> Draft | Refusal:
     """`finished`, timed again, slower, where it pulls too hard at the part in the gripper."""
     made, limit = finished(scene, way), scene.carry_acceleration
     for _ in range(SLOWED):
-        if limit is None or not (isinstance(made, Refusal) and made.reason is Reason.CARRY_LIMIT):
+        if limit is None or not (isinstance(made, Refusal) and isinstance(made.facts, Carrying)):
             break
-        share = SLOWER * limit / (limit + made.amount)
+        share = SLOWER * limit / made.facts.acceleration
         shape = replace(way.sample.shape, effort=share * way.sample.shape.effort)
         sample = replace(way.sample, shape=shape, glue_effort=share * way.sample.glue_effort)
         again = outline(scene, way.chain, way.meeting, sample, way.ahead)
@@ -80,7 +91,7 @@ def finished(scene: Scene, way: Outline) -> Draft | Refusal:
         way.chain,
         way.meeting.point,
         way.sample,
-        Stretch(LegKind.ARCH if shape.hop else LegKind.MOVE, Knots.of(way.reached.trajectory), shape.family),
+        Stretch(LegKind.ARCH if shape.hop else LegKind.MOVE, Knots.of(way.reached.trajectory), shape.route),
     )
 
 
@@ -101,7 +112,7 @@ def _continued(scene: Scene, chain: Chain, point: ControlPoint, sample: Sample, 
         if not chain.state.resting:
             raise FaultError("an arm in motion cannot wait")
         waits = Knots.standing(chain.state, chain.state.time + sample.shape.wait)
-        stretches.insert(0, Stretch(LegKind.WAIT, waits, "lets bodies pass"))
+        stretches.insert(0, Stretch(LegKind.WAIT, waits, Route(Course.FOR_BODIES)))
     begin = end = way.knots.last.time
     if point.glued:
         block = glue(scene, point, way.knots.last, sample.branch.mode, sample.glue_effort)
@@ -131,9 +142,7 @@ def _line(scene: Scene, chain: Chain, point: ControlPoint, wait: float, mode: in
             still = Motion.still(pose, np.shape(t))
             return still if tilt is None else TiltedMotion.of(still, np.array(tilt))
     else:
-        return Refusal(
-            "straight", Reason.MOTION_LIMIT, chain.step, detail="a straight leg begins at rest or in a frame"
-        )
+        return unmoved(Stage.STRAIGHT, chain.step, Obstacle.STRAIGHT_FROM_MOTION)
 
     def met(t: FloatArray) -> Motion:
         return point.flange(t, point.approach)
@@ -144,11 +153,13 @@ def _line(scene: Scene, chain: Chain, point: ControlPoint, wait: float, mode: in
 
 
 def _window_refusal(point: ControlPoint, begin: float, step: int) -> Refusal | None:
-    """Whether the glue may begin at `begin`."""
+    """Whether the arm may begin to track the point at `begin`."""
     spans = point.intervals
     if any(low - 1e-12 <= begin <= high + 1e-12 for low, high in spans):
         return None
     if not spans:
-        return Refusal("window", Reason.WINDOW_MISSED, step, (), None, point.dwell, "s")
-    miss = min(max(low - begin, begin - high) for low, high in spans)
-    return Refusal("window", Reason.WINDOW_MISSED, step, (), spans[0], miss, "s", "the meeting is outside the window")
+        facts = WindowMissed(miss=Miss.OUTSIDE, needed_s=point.dwell)
+        return window_missed(Stage.WINDOW, step, facts, amount=Quantity.of(point.dwell, "s"))
+    off = min(max(low - begin, begin - high) for low, high in spans)
+    facts = WindowMissed(miss=Miss.OUTSIDE)
+    return window_missed(Stage.WINDOW, step, facts, amount=Quantity.of(off, "s"), interval=spans[0])

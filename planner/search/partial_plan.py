@@ -17,8 +17,9 @@ from assur.planner.legs.joint import Reached, Shape
 from assur.planner.legs.meeting import Meetings, meetings
 from assur.planner.legs.pace import Pace
 from assur.planner.legs.state import Knots, State, Stretch
-from assur.planner.model.outcome import Arrival, Leg, Refusal
+from assur.planner.model.outcome import Arrival, Leg
 from assur.planner.model.phases import Carried, Phase, initial_rides
+from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.verdict import Code, Finding
-from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Missed, Plan
+from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Missed, Plan, Route
 from assur.scenes.conventions import Conventions, converted
 from assur.scenes.faults import Path, fault
 from assur.scenes.reading.frames import placed
@@ -47,12 +47,17 @@ def plan_of(plan: object, conventions: Conventions) -> tuple[Plan, tuple[Finding
     made = Plan(
         trajectory=trajectory_of(root, (*PLAN, "trajectory"), item["trajectory"], conventions),
         legs=tuple(
-            Leg(LegKind(leg["kind"]), leg["step"], leg["from_s"], leg["to_s"], leg["note"]) for leg in item["legs"]
+            Leg(LegKind(leg["kind"]), leg["step"], leg["from_s"], leg["to_s"], _route(leg.get("route")))
+            for leg in item["legs"]
         ),
         arrivals=tuple(_arrival(root, i, arrival, conventions) for i, arrival in enumerate(item["arrivals"])),
         certificate=_certificate(root, item["certificate"]),
     )
     return made, _untrue(item)
+
+
+def _route(item: document.Route | None) -> Route | None:
+    return None if item is None else Route(item["course"], item["vias"], item["after_wait"], item["later"])
 
 
 def _arrival(root: object, i: int, item: document.Arrival, conventions: Conventions) -> Arrival:

@@ -12,6 +12,8 @@ from typing import Annotated, Literal, NotRequired, Required
 from pydantic import ConfigDict, Field, with_config
 from typing_extensions import TypedDict
 
+from assur.planner.model.outcome import Course
+from assur.planner.model.refusal import Facts, Reason, Stage, Unit
 from assur.scenes import bounds
 from assur.scenes.schema.model import Angle, Instant, Point, Strength
 
@@ -46,14 +48,26 @@ class Trajectory(TypedDict):
 
 
 @with_config(CLOSED)
+class Route(TypedDict):
+    """How a move goes or why the arm waits, through how many via points that the planner chose, whether it begins after
+    a wait, and whether it meets its point later than it could."""
+
+    course: Annotated[Course, Field(strict=False)]
+    vias: Annotated[int, Field(ge=0, le=2**31)]
+    after_wait: bool
+    later: bool
+
+
+@with_config(CLOSED)
 class Leg(TypedDict):
-    """A part of the plan that serves one step; `note` says why a wait is made, or how a move goes."""
+    """A part of the plan that serves one step; `note` says for people what `route` says."""
 
     kind: Literal["WAIT", "MOVE", "ARCH", "APPROACH", "FOLLOW", "DEPART"]
     step: Step
     from_s: Instant
     to_s: Instant
-    note: Text
+    note: NotRequired[Text]
+    route: NotRequired[Route | None]
 
 
 @with_config(CLOSED)
@@ -152,20 +166,29 @@ class Margins(TypedDict):
     jerk: Literal["limited", "unbounded"]
 
 
-@with_config(CLOSED)
-class CensusLine(TypedDict):
-    """Refusals of one kind, counted: the least and the largest amount, and the interval that spans them all."""
+class Refused(TypedDict):
+    """What a refusal is about (bodies, a joint or a frame), its facts, and the same for people in `detail`."""
 
-    stage: Text
-    reason: Text
+    stage: Stage
+    reason: Reason
     step: Step
     bodies: list[Text]
-    count: int
+    joint: Text | None
+    frame: Text | None
     interval_s: Interval | None
+    unit: Unit | None
+    facts: Annotated[Facts, Field(discriminator="kind")]
+    detail: Text
+
+
+@with_config(CLOSED)
+class CensusLine(Refused):
+    """Refusals of one kind, counted: the least and the largest amount, and the interval that spans them all. The facts
+    are those of the refusal with the least amount."""
+
+    count: int
     least: Number | None
     most: Number | None
-    unit: Text
-    detail: Text
 
 
 @with_config(CLOSED)
@@ -178,17 +201,10 @@ class Census(TypedDict):
 
 
 @with_config(CLOSED)
-class Refusal(TypedDict):
-    """The leading refusal: the stage that made it, why, by which bodies, when, and by how much."""
+class Refusal(Refused):
+    """The leading refusal: the stage that made it, why, about what, when, and by how much."""
 
-    stage: Text
-    reason: Text
-    step: Step
-    bodies: list[Text]
-    interval_s: Interval | None
     amount: Number | None
-    unit: Text
-    detail: Text
 
 
 @with_config(CLOSED)
@@ -237,13 +253,13 @@ class NotPlannedAnswer(_Common):
 
     schema: Schema
     status: Literal["not_planned"]
-    reason: Text
+    reason: Reason
     proved: bool
     sentence: Text
     refusal: Refusal | None
     relaxation: Relaxation | None
     tried: list[Text]
-    details: dict[str, Number | None]
+    explain_budget_spent: bool
 
 
 Answer = Annotated[PlannedAnswer | NotPlannedAnswer, Field(discriminator="status")]

@@ -107,7 +107,7 @@ def _allowed(model: Any, kind: str, context: dict[str, Any], location: Path, pat
         few = context.get("min_length", context.get("max_length"))
         least = "at least" if kind == "string_too_short" else "at most"
         return f"{least} {few} character{'' if few == 1 else 's'}"
-    if kind == "literal_error":
+    if kind in ("literal_error", "enum"):
         return str(context["expected"])
     if kind == "string_pattern_mismatch":
         if context["pattern"] in (NAME, REFERENCE):

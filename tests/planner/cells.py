@@ -14,6 +14,7 @@ from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.frames import Conveyor, Fixed, Frame, Law, Linear, Swing, Turntable, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
+from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import (
     Clearance,
     Execution,
@@ -264,3 +265,13 @@ __all__ = [
     "stands",
     "table_to_table",
 ]
+
+
+def amount_of(refusal: Refusal | None) -> float:
+    """What a refusal says is missing; NaN where there is no number."""
+    return math.nan if refusal is None or refusal.amount is None else refusal.amount.value
+
+
+def unit_of(refusal: Refusal | None) -> str:
+    """The unit of that."""
+    return "" if refusal is None or refusal.amount is None else refusal.amount.unit

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -22,12 +21,13 @@ from assur.planner.frames import Conveyor, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder
 from assur.planner.model.link_frames import TrajectoryLaw
-from assur.planner.model.outcome import NotPlanned, Outcome, Planned, Reason
+from assur.planner.model.outcome import Course, NotPlanned, Outcome, Planned, Route
+from assur.planner.model.refusal import AccelerationTime, Reason
 from assur.planner.model.scene import Arch, Follow, Options, Pick, Place, Scene, Start, Step, Target, Window
 from assur.planner.pipeline import plan
 from assur.planner.robots.protocol import Code
 from assur.planner.robots.scara import FLANGE, LINK1
-from tests.planner.cells import CUP, PART, Around, Swing, arm, at, cell, frame, go, solid, stands
+from tests.planner.cells import CUP, PART, Around, Swing, amount_of, arm, at, cell, frame, go, solid, stands, unit_of
 
 DIAL = frame("dial", Turntable(Pose(0.32, 0.12), 0.8))
 BELT = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.2))
@@ -121,7 +121,7 @@ def planned(name: str) -> tuple[Scene, Planned]:
 
 def test_a_point_that_is_not_yet_in_reach_is_waited_for_and_met_as_soon_as_it_is() -> None:
     _, outcome = planned("not yet in reach")
-    assert [leg.note for leg in outcome.plan.legs] == ["waits for the control point", "blends"]
+    assert [leg.route for leg in outcome.plan.legs] == [Route(Course.FOR_POINT), Route(Course.BLENDS)]
     scene = CELLS["not yet in reach"]()
     robot, law = scene.robot, scene.frames["late"].law
     target = Pose(0.0, 0.0, 0.15)
@@ -192,8 +192,8 @@ def test_windows_are_waited_for_and_kept() -> None:
 
 def test_a_wall_across_the_way_is_blended_over() -> None:
     _, outcome = planned("over a wall")
-    assert any("wall" in line.bodies for line in outcome.census.lines)
-    assert any("via" in leg.note for leg in outcome.plan.legs)
+    assert any("wall" in line.refusal.bodies for line in outcome.census.lines)
+    assert any(leg.route is not None and leg.route.vias for leg in outcome.plan.legs)
 
 
 @pytest.mark.parametrize("name", ["among", "over a wall"])
@@ -286,19 +286,18 @@ def test_an_acceleration_time_that_is_too_short_is_refused_with_joint_limit_and_
     assert not outcome.proved
     refusal = outcome.refusal
     assert refusal is not None
-    joint = next(i for i, j in enumerate(scene.robot.joints) if j.name == refusal.bodies[0])
+    joint = next(i for i, j in enumerate(scene.robot.joints) if j.name == refusal.joint)
     limit = float(scene.robot.limits.acceleration[joint])
-    assert refusal.unit == "rad/s²"
-    assert refusal.amount > 0
-    has, needs = (f"{math.degrees(x):,.0f} deg/s²" for x in (limit, refusal.amount + limit))
-    for words in ("50 ms", refusal.bodies[0], f"has {has}", f"need {needs}"):
-        assert words in refusal.detail
-    assert f"{refusal.bodies[0]} would have to accelerate more than it can" in outcome.sentence
-    assert {line.stage for line in outcome.census.lines if line.step >= 0} <= {"timing", "inverse"}
+    assert unit_of(refusal) == "rad/s²"
+    assert amount_of(refusal) > 0
+    assert isinstance(refusal.facts, AccelerationTime)
+    assert (refusal.facts.given_s, refusal.facts.limit) == (0.05, limit)
+    assert refusal.facts.needed == pytest.approx(limit + amount_of(refusal))
+    assert f"with an acceleration time of 50 ms {refusal.joint} would need" in outcome.sentence
+    assert {line.refusal.stage for line in outcome.census.lines if line.refusal.step >= 0} <= {"timing", "inverse"}
     assert outcome.census.candidates <= DIRECT  # the direct ways, and none with more poses
-    told = re.search(r"; ([0-9.]+) ms would do", refusal.detail)
-    assert told is not None
-    least = float(told[1]) * 1e-3
+    least = refusal.facts.enough_s
+    assert least is not None
     assert isinstance(plan(replace(scene, options=replace(scene.options, acceleration_time_s=least))), Planned)
     sooner = replace(scene.options, acceleration_time_s=least - 2e-4)
     assert isinstance(plan(replace(scene, options=sooner)), NotPlanned)
@@ -309,12 +308,12 @@ def test_free_poses_go_round_bodies_and_a_leg_counts_its_own() -> None:
     task = (go(0.4, -0.3), go(0.4, 0.3, name="b"), go(0.35, 0.3, name="c"))
     open_cell = plan(blend(cell(*task), stop="budget", max_candidates=80))
     assert isinstance(open_cell, Planned)
-    assert {leg.note for leg in open_cell.plan.legs if leg.kind == "MOVE"} == {"blends"}
+    assert {leg.route for leg in open_cell.plan.legs if leg.kind == "MOVE"} == {Route(Course.BLENDS)}
     vias = (go(0.4, -0.3, via=True), go(0.4, 0.3, name="b", via=True), go(0.35, 0.3, name="c"))
     walled = plan(blend(cell(*vias, bodies=(wall(),)), max_candidates=400))
     assert isinstance(walled, Planned)
-    notes = [leg.note for leg in walled.plan.legs if leg.kind == "MOVE"]
-    assert notes == ["blends, 2 vias"] * 3  # up and over on the way to each
+    routes = [leg.route for leg in walled.plan.legs if leg.kind == "MOVE"]
+    assert routes == [Route(Course.BLENDS, 2)] * 3  # up and over on the way to each
 
 
 def test_what_would_have_helped_is_to_leave_the_acceleration_time_to_the_planner() -> None:
@@ -348,7 +347,7 @@ def test_what_cannot_be_reached_or_comes_too_late_is_refused_with_its_reason() -
     end = plan(blend(cell(go(0.35, -0.2)), max_candidates=20, latest_end_s=0.1))
     assert isinstance(end, NotPlanned)
     assert end.reason is Reason.WINDOW_MISSED
-    assert "latest_end_s is missed by" in end.sentence
+    assert "too late for latest_end_s" in end.sentence
 
 
 def test_a_point_that_flees_faster_than_the_arm_is_not_met() -> None:

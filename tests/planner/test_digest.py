@@ -9,11 +9,11 @@ import numpy as np
 
 from assur.planner.frames.motion import Pose
 from assur.planner.model.digest import digest
-from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Missed
+from assur.planner.model.outcome import Arrival, Certificate, Course, Leg, LegKind, Missed, Route
 from assur.planner.trajectory import Trajectory
 
 KNOTS = Trajectory(np.array([0.0, 1.0]), np.zeros((2, 3)), np.zeros((2, 3)), np.zeros((2, 3)))
-LEGS = (Leg(LegKind.WAIT, 0, 0.0, 0.5, "why"), Leg(LegKind.MOVE, 0, 0.5, 1.0))
+LEGS = (Leg(LegKind.WAIT, 0, 0.0, 0.5, Route(Course.FOR_BODIES)), Leg(LegKind.MOVE, 0, 0.5, 1.0))
 ARRIVALS = (Arrival(0, "there", 1.0, 1.0, Pose(1.0, 2.0, 3.0, 0.1), True, 0.0, None, 0.25),)
 ROWS = Certificate(
     names=("a", "b"),
@@ -58,9 +58,12 @@ def test_every_number_and_every_word_counts() -> None:
         values = getattr(KNOTS, name).copy()
         values.flat[-1] += 1e-15 if name != "time" else 1e-12
         seen.add(of(trajectory=replace(KNOTS, **{name: values})))
-    changed: dict[str, Any] = {"kind": LegKind.ARCH, "step": 1, "t0": 0.1, "t1": 0.6, "note": ""}
+    changed: dict[str, Any] = {"kind": LegKind.ARCH, "step": 1, "t0": 0.1, "t1": 0.6, "route": None}
     assert set(changed) == {field.name for field in fields(Leg)}
     seen |= {of(legs=(replace(LEGS[0], **{name: value}), LEGS[1])) for name, value in changed.items()}
+    for route in (Route(Course.ARCH), Route(Course.FOR_BODIES, 1), Route(Course.FOR_BODIES, after_wait=True)):
+        seen.add(of(legs=(replace(LEGS[0], route=route), LEGS[1])))
+    seen.add(of(legs=(replace(LEGS[0], route=Route(Course.FOR_BODIES, later=True)), LEGS[1])))
     arrived: dict[str, Any] = {
         "step": 1,
         "control_point": "here",
@@ -85,7 +88,7 @@ def test_every_number_and_every_word_counts() -> None:
     seen.add(of(certificate=replace(ROWS, names=("a", "c"))))
     seen.add(of(certificate=replace(ROWS, covers=ROWS.covers[:-1])))
     seen.add(of(trajectory=replace(KNOTS, jumps=True)))
-    assert len(seen) == 4 + 4 + len(changed) + len(arrived) + len(columns) + 3
+    assert len(seen) == 4 + 4 + 4 + len(changed) + len(arrived) + len(columns) + 3
 
 
 def test_words_do_not_run_into_each_other() -> None:

@@ -1,31 +1,60 @@
-"""The leading refusal and its sentence, in the words of the shop."""
+"""The leading refusal, and the sentences that are made of facts."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from dataclasses import fields, replace
+from typing import Any, get_args
 
 import pytest
 
-from assur.planner.model.outcome import Census, CensusLine, Reason, Refusal
+from assur.planner.model.outcome import Census, CensusLine, Course, Route
+from assur.planner.model.refusal import (
+    AccelerationTime,
+    BeyondRange,
+    Bodies,
+    Carrying,
+    Enclosed,
+    Facts,
+    FrameName,
+    JointName,
+    LawEnds,
+    Miss,
+    MotionLimit,
+    Obstacle,
+    OutOfReach,
+    Quantity,
+    Reason,
+    Refusal,
+    Refuted,
+    Separation,
+    Singular,
+    Stage,
+    WindowMissed,
+)
 from assur.planner.model.scene import Window
-from assur.planner.report.sentence import leading, sentence
+from assur.planner.pipeline import leading
+from assur.planner.report.sentence import because, note, sentence
 from tests.planner.cells import cell, go
 
 SCENE = cell(go(0.35, 0.2, name="drop"), go(0.3, 0.0, name="home"))
 NONE = Census(0, 0)
+APART = Separation(touching=False, gap_m=0.001, required_m=0.013)
+HIT = Separation(touching=True, gap_m=-0.001, required_m=0.011)
 
 
-def line(
-    count: int, stage: str = "screening", reason: Reason = Reason.BODY_COLLISION, step: int = 0, **more: Any
-) -> CensusLine:
-    facts: dict[str, Any] = {"bodies": ("cup", "gate"), "interval": (1.0, 2.0), "detail": ""}
-    facts |= {"least": 0.012, "most": 0.03, "unit": "m"}
-    return CensusLine(stage, reason, step, count=count, **{**facts, **more})
+def refusal(stage: Stage = Stage.SCREENING, reason: Reason = Reason.BODY_COLLISION, **more: Any) -> Refusal:
+    facts: dict[str, Any] = {"step": 0, "subject": Bodies(("cup", "gate")), "interval": (1.0, 2.0), "facts": HIT}
+    return Refusal(stage=stage, reason=reason, **{**facts, "amount": Quantity(0.012, "m"), **more})
+
+
+def line(count: int, *arguments: Any, **more: Any) -> CensusLine:
+    return CensusLine(refusal(*arguments, **more), count, 0.03)
 
 
 def test_the_most_frequent_refusal_of_the_step_that_was_never_passed_leads() -> None:
-    census = Census(40, 40, (line(30, step=0), line(6, step=1), line(4, step=1, bodies=("cup", "post"))))
+    post = Bodies(("cup", "post"))
+    census = Census(40, 40, (line(30, step=0), line(6, step=1), line(4, step=1, subject=post)))
     first, second = leading(census, 0), leading(census, 1)
     assert first is not None
     assert first.count == 30
@@ -34,14 +63,16 @@ def test_the_most_frequent_refusal_of_the_step_that_was_never_passed_leads() -> 
 
 
 def test_a_mode_that_is_not_reached_leads_only_where_nothing_else_was_tried() -> None:
-    once = line(1, "inverse", Reason.OUT_OF_REACH, bodies=(), detail="left: no joint position reaches it")
+    once = line(1, Stage.INVERSE, Reason.OUT_OF_REACH, subject=None, facts=OutOfReach(mode="left"))
     assert leading(Census(20, 20, (line(20), once)), 0) == line(20)
     assert leading(Census(0, 0, (once,)), 0) == once
     assert leading(NONE, 0) is None
 
 
-def said(refusal: Refusal | CensusLine | None, census: Census = NONE, *, cut: bool = False) -> str:
-    return sentence(SCENE, refusal, census, cut=cut, budget=0.2)
+def said(refused: Refusal | CensusLine | None, census: Census = NONE, *, cut: bool = False) -> str:
+    counted = refused if isinstance(refused, CensusLine) else None
+    alone = refused.refusal if isinstance(refused, CensusLine) else refused
+    return sentence(SCENE, alone, counted, census, cut=cut)
 
 
 def test_a_sentence_names_the_step_the_bodies_the_count_and_the_time() -> None:
@@ -49,84 +80,224 @@ def test_a_sentence_names_the_step_the_bodies_the_count_and_the_time() -> None:
     assert found == "drop: cup would hit gate (30 of 40 candidates, between 1.00 s and 2.00 s)."
     at_once = said(line(30, interval=(1.0, 1.001)), Census(40, 40, (line(30),)))
     assert "at 1.00 s" in at_once
-    assert "the budget of 0.2 s was spent" in said(line(30), Census(40, 40, (line(30),)), cut=True)
+    assert "the budget of" in said(line(30), Census(40, 40, (line(30),)), cut=True)
+    also = line(20, subject=Bodies(("cup", "post")))
+    assert "; likewise cup with post (30 of" in said(line(30), Census(60, 50, (line(30), also)))
 
 
 def test_what_no_candidate_refused_is_not_counted() -> None:
-    refusal = line(1, "window", Reason.WINDOW_MISSED, bodies=(), least=0.034, unit="s", detail="too late")
-    assert said(refusal) == "drop: the window is missed by at least 34 ms: too late."
+    late = WindowMissed(miss=Miss.CLOSED_ON_ARRIVAL)
+    found = line(1, Stage.WINDOW, Reason.WINDOW_MISSED, subject=None, amount=Quantity(0.034, "s"), facts=late)
+    assert said(found) == "drop: the arm comes at least 34 ms after the window has closed."
 
 
-def test_a_step_without_a_window_misses_the_end_of_the_plan() -> None:
-    late = Refusal("timing", Reason.WINDOW_MISSED, 0, amount=0.037, unit="s", detail="no meeting time is left")
-    ends = {"end": "latest_end_s", "window": "the window"}
+def test_a_step_without_a_window_misses_the_latest_end() -> None:
+    late = Refusal(
+        stage=Stage.TIMING,
+        reason=Reason.WINDOW_MISSED,
+        step=0,
+        amount=Quantity(0.037, "s"),
+        facts=WindowMissed(miss=Miss.NO_MEETING_LEFT),
+    )
     scenes = {
-        "end": cell(go(0.35, 0.2, name="drop"), latest_end_s=1.0),
-        "window": cell(go(0.35, 0.2, name="drop", window=Window(time=(0.0, 0.1))), latest_end_s=1.0),
+        "latest_end_s": cell(go(0.35, 0.2, name="drop"), latest_end_s=1.0),
+        "the window": cell(go(0.35, 0.2, name="drop", window=Window(time=(0.0, 0.1))), latest_end_s=1.0),
     }
     for name, scene in scenes.items():
-        told = sentence(scene, late, NONE, cut=False, budget=0.2)
-        assert told == f"drop: {ends[name]} is missed by at least 37 ms: no meeting time is left."
+        told = sentence(scene, late, None, NONE, cut=False)
+        assert told == f"drop: the arm comes at least 37 ms too late for {name}."
 
 
-@pytest.mark.parametrize(
-    ("reason", "amount", "unit", "words"),
-    [
-        (Reason.OUT_OF_REACH, math.nan, "", "out of reach"),
-        (Reason.JOINT_LIMIT, 0.02, "m", "20.0 mm beyond its limit"),
-        (Reason.JOINT_LIMIT, math.radians(3), "rad", "3.0° beyond its limit"),
-        (Reason.NEAR_SINGULARITY, 0.1, "1", "too near a singular position"),
-        (Reason.SELF_COLLISION, 0.01, "m", "hit itself"),
-        (Reason.BODY_COLLISION, 0.01, "m", "would hit"),
-        (Reason.START_IN_COLLISION, 0.01, "m", "at the start"),
-        (Reason.CONTROL_POINT_IN_COLLISION, 0.01, "m", "can never be met"),
-        (Reason.MOTION_LIMIT, math.nan, "", "faster than it can be"),
-        (Reason.CARRY_LIMIT, 1.0, "m/s²", "too much"),
-        (Reason.WINDOW_MISSED, 0.034, "s", "34 ms"),
-        (Reason.LAW_ENDS, 0.5, "s", "not known for long enough"),
-        (Reason.NOT_CERTIFIED, math.nan, "m", "could not be proved"),
-        (Reason.TIMED_OUT, math.nan, "", "budget"),
-    ],
-)
-def test_every_reason_has_its_sentence(reason: Reason, amount: float, unit: str, words: str) -> None:
-    found = said(Refusal("x", reason, 1, ("cup", "gate"), None, amount, unit, "because"))
-    assert found.startswith("home: ")
+def of(reason: Reason, facts: Facts, amount: Quantity | None = None, **more: Any) -> Refusal:
+    subject: Any = {"bodies": Bodies(("cup", "gate")), "joint": JointName("j1"), "frame": FrameName("belt")}
+    about = {Reason.JOINT_LIMIT: "joint", Reason.MOTION_LIMIT: "joint", Reason.LAW_ENDS: "frame"}
+    return Refusal(
+        **{"stage": Stage.INVERSE, "step": 1, "subject": subject[about.get(reason, "bodies")], **more},
+        reason=reason,
+        amount=amount,
+        facts=facts,
+    )
+
+
+MARGINS: dict[str, Any] = {"margin": 0.03, "required": 0.1}
+CASES: list[tuple[Refusal, str]] = [
+    (of(Reason.OUT_OF_REACH, OutOfReach(mode="left")), "the point is out of reach (mode left)"),
+    (
+        of(Reason.OUT_OF_REACH, OutOfReach(every_pitch=True), Quantity(0.0315, "m")),
+        "the point is 31.5 mm out of reach at every pitch of the tool",
+    ),
+    (
+        of(Reason.OUT_OF_REACH, OutOfReach(heights_m=(0.32, 0.3)), Quantity(0.02, "m")),
+        "the point is 20 mm out of reach: the flange would have to be at a height of 320 mm, but it stays at 300 mm",
+    ),
+    (
+        of(Reason.OUT_OF_REACH, OutOfReach(from_axis_m=0.7, pitch_rad=-math.pi / 2), Quantity(0.1, "m")),
+        "the point is 100 mm out of reach: the flange would be 700 mm from the arm's axis, "
+        "with the tool at a pitch of -90 deg",
+    ),
+    (of(Reason.OUT_OF_REACH, OutOfReach(), stage=Stage.STRAIGHT), "the straight line leaves the workspace"),
+    (of(Reason.OUT_OF_REACH, OutOfReach(), stage=Stage.TRACKING), "the point leaves the workspace while it is tracked"),
+    (of(Reason.OUT_OF_REACH, OutOfReach(), stage=Stage.TIMING), "out of reach when the arm could be there"),
+    (of(Reason.OUT_OF_REACH, OutOfReach(modes=("left", "right"))), "cannot change from mode left to right"),
+    (
+        of(Reason.JOINT_LIMIT, BeyondRange(), Quantity(0.04, "m")),
+        "j1 would have to go 40 mm beyond its limit",
+    ),
+    (
+        of(Reason.JOINT_LIMIT, BeyondRange(mode="right", above_m=0.03), Quantity(math.radians(3), "rad")),
+        "30 mm above the point, j1 would have to go 3 deg beyond its limit (mode right)",
+    ),
+    (
+        of(Reason.JOINT_LIMIT, BeyondRange(arch_top_m=0.4), Quantity(0.07, "m")),
+        "for an arch up to 400 mm, j1 would have to go 70 mm beyond its limit",
+    ),
+    (of(Reason.JOINT_LIMIT, BeyondRange(), Quantity(0.02, "1")), "j1 would have to go 2 % of its range beyond"),
+    (of(Reason.JOINT_LIMIT, BeyondRange(), Quantity(0.1, "m"), stage=Stage.START), "j1 starts 100 mm beyond its limit"),
+    (of(Reason.JOINT_LIMIT, BeyondRange(), subject=None), "a joint would have to go beyond its limit"),
+    (
+        of(Reason.NEAR_SINGULARITY, Singular(**MARGINS)),
+        "the arm would be too close to a singular position (singularity margin 0.030, required 0.100)",
+    ),
+    (of(Reason.NEAR_SINGULARITY, Singular()), "the arm would be too close to a singular position"),
+    (
+        of(Reason.NEAR_SINGULARITY, Singular(mode="left", positions=("stretched", "aligned"))),
+        "the arm would be stretched or the tool would be over the base axis (mode left)",
+    ),
+    (
+        of(Reason.NEAR_SINGULARITY, Singular(distance_m=0.01, positions=("folded",), **MARGINS)),
+        "the straight line comes within 10 mm of a singular position "
+        "(folded; singularity margin 0.030, required 0.100)",
+    ),
+    (
+        of(Reason.NEAR_SINGULARITY, Singular(distance_m=0.01, modes=("left", "right"))),
+        "a straight leg cannot change from mode left to right: its line comes no closer than 10 mm to a singular",
+    ),
+    (
+        of(Reason.NEAR_PARALLEL_SINGULARITY, Singular(**MARGINS)),
+        "too close to a position in which its motors do not hold the tool (parallel margin 0.030, required 0.100)",
+    ),
+    (of(Reason.NEAR_PARALLEL_SINGULARITY, Singular(margin=-0.1, required=0.1)), "would cross a position"),
+    (of(Reason.NEAR_PARALLEL_SINGULARITY, Singular(required=0.1)), "would cross a position"),
+    (of(Reason.SELF_COLLISION, HIT), "the arm would hit itself: cup would hit gate"),
+    (of(Reason.BODY_COLLISION, HIT), "cup would hit gate"),
+    (of(Reason.BODY_COLLISION, APART), "cup would come too close to gate: 1 mm, required 13 mm"),
+    (of(Reason.START_IN_COLLISION, APART), "the arm collides at the start: cup would come too close to gate"),
+    (of(Reason.START_IN_COLLISION, Enclosed()), "the arm collides at the start: cup is inside gate"),
+    (
+        of(Reason.CONTROL_POINT_IN_COLLISION, HIT),
+        "the control point cannot be met without a collision: cup would hit gate",
+    ),
+    (of(Reason.NOT_CERTIFIED, APART), "cup and gate could not be proved to stay apart"),
+    (
+        of(Reason.NOT_CERTIFIED, Refuted(code="LIMIT", what="too fast", where="1.2 s"), subject=None),
+        "the checker refuses the plan: LIMIT, too fast, 1.2 s",
+    ),
+    (
+        of(Reason.MOTION_LIMIT, MotionLimit(obstacle=Obstacle.RATE, rate="acceleration"), Quantity(0.5, "m/s²")),
+        "j1 would have to exceed its limit of acceleration by 500 mm/s²",
+    ),
+    (
+        of(
+            Reason.MOTION_LIMIT,
+            MotionLimit(obstacle=Obstacle.FRAME_TOO_FAST, rate="velocity", frame="dial", mode="left"),
+            Quantity(0.05, "1"),
+        ),
+        "to move with dial, j1 would have to exceed its limit of velocity by 5 % (mode left)",
+    ),
+    (
+        of(
+            Reason.MOTION_LIMIT,
+            MotionLimit(obstacle=Obstacle.RATE, rate="velocity"),
+            Quantity(1.0, "rad/s"),
+            stage=Stage.START,
+        ),
+        "the velocity of j1 at the start exceeds its limit by 57.3 deg/s",
+    ),
+    (
+        of(
+            Reason.MOTION_LIMIT,
+            AccelerationTime(given_s=0.05, needed=20.0, limit=10.0, enough_s=0.08),
+            Quantity(10.0, "m/s²"),
+        ),
+        "with an acceleration time of 50 ms j1 would need 20,000 mm/s², but it has 10,000 mm/s²; 80 ms would be enough",
+    ),
+    (
+        of(Reason.CARRY_LIMIT, Carrying(acceleration=12.5, limit=10.0)),
+        "the part would be accelerated with 12.5 m/s², but only 10 m/s² are allowed",
+    ),
+    (
+        of(
+            Reason.WINDOW_MISSED,
+            WindowMissed(miss=Miss.TOO_SHORT, open_s=0.2, needed_s=0.5, belt_m=0.15),
+            Quantity(0.3, "s"),
+        ),
+        "the point must be tracked for 500 ms, but its window is open for only 200 ms (300 ms short, 150 mm of belt)",
+    ),
+    (
+        of(Reason.LAW_ENDS, LawEnds(known_s=(0.0, 2.0), needed_s=2.5), Quantity(0.5, "s")),
+        "the motion of belt is known from 0 s to 2 s, but it is needed at 2.5 s",
+    ),
+    (of(Reason.LAW_ENDS, LawEnds(needed_s=2.5), subject=None), "the motion of a frame is not known at 2.5 s"),
+]
+CASES += [
+    (of(Reason.MOTION_LIMIT, MotionLimit(obstacle=obstacle), subject=None), "")
+    for obstacle in Obstacle
+    if obstacle not in (Obstacle.RATE, Obstacle.FRAME_TOO_FAST)
+]
+CASES += [
+    (of(Reason.WINDOW_MISSED, WindowMissed(miss=miss, searched_s=60.0), Quantity(0.034, "s"), subject=None), "")
+    for miss in Miss
+    if miss is not Miss.TOO_SHORT
+]
+"""Refusals, and what is said of them."""
+
+
+@pytest.mark.parametrize(("refused", "words"), CASES, ids=lambda x: str(getattr(x, "reason", "")))
+def test_every_fact_has_its_sentence(refused: Refusal, words: str) -> None:
+    found = said(refused)
+    assert found.startswith("" if refused.stage is Stage.START else "home: ")
     assert found.endswith(".")
     assert words in found
     assert "nan" not in found
+    assert "None" not in found
 
 
-@pytest.mark.parametrize(
-    ("unit", "words"),
-    [
-        ("rad/s", "be faster than it can be"),
-        ("m/s²", "accelerate more than it can"),
-        ("rad/s³", "change its acceleration faster than it may"),
-    ],
-)
-def test_a_motion_limit_names_the_joint_and_which_of_its_rates(unit: str, words: str) -> None:
-    refusal = Refusal("glued", Reason.MOTION_LIMIT, 1, ("j1",), None, 1.0, unit, "the belt is too fast")
-    assert said(refusal) == f"home: j1 would have to {words}: the belt is too fast."
+def test_every_reason_and_every_kind_of_facts_is_tried_above() -> None:
+    """One without a sentence would be a fault in the middle of an answer."""
+    assert {refused.reason for refused, _ in CASES} == set(Reason) - {Reason.TIMED_OUT}
+    assert {type(refused.facts) for refused, _ in CASES} == set(get_args(Facts))
+    words = [because(SCENE, refused) for refused, _ in CASES]
+    assert all(words)
+    assert len({said(refused) for refused, _ in CASES}) == len(CASES)
 
 
-def test_a_height_that_is_not_that_of_the_point_is_told() -> None:
-    facts = Reason.JOINT_LIMIT, 1, ("j3",), None, 0.04, "m"
-    above = said(Refusal("inverse", *facts, "right: j3 is beyond its limit, 30 mm above the point"))
-    assert above == "home: 30 mm above the point j3 would have to go 40.0 mm beyond its limit."
-    here = said(Refusal("inverse", *facts, "right: j3 is beyond its limit"))
-    assert here == "home: j3 would have to go 40.0 mm beyond its limit."
+def test_each_note_of_a_leg_is_another_one() -> None:
+    routes = [Route(course) for course in Course]
+    routes += [Route(Course.DIRECT, 1), Route(Course.DIRECT, 2), Route(Course.BLENDS, 2)]
+    routes += [Route(Course.DIRECT, after_wait=True), Route(Course.DIRECT, later=True)]
+    assert len({note(route) for route in routes}) == len(routes)
+    assert note(Route(Course.DIRECT, 2, after_wait=True, later=True)) == "2 via points after a wait later"
+    assert note(None) == ""
 
 
-def test_every_reason_is_tried_above() -> None:
-    """A reason without a sentence would be a fault in the middle of an answer."""
-    for reason in Reason:
-        assert said(Refusal("x", reason, 0, ("cup", "gate"))).endswith(".")
+def test_a_quantity_is_a_number_or_nothing() -> None:
+    assert Quantity.of(math.nan, "m") is None
+    assert Quantity.of(math.inf, "s") is None
+    assert Quantity.of(0.5, "s") == Quantity(0.5, "s")
 
 
-def test_too_close_is_not_a_hit() -> None:
-    assert "too close to" in said(line(3, detail="too close"))
+def test_a_refusal_is_about_one_kind_of_thing() -> None:
+    kinds = {subject: refusal(subject=subject) for subject in (Bodies(("x",)), JointName("x"), FrameName("x"), None)}
+    told = {(found.bodies, found.joint, found.frame) for found in kinds.values()}
+    assert told == {(("x",), None, None), ((), "x", None), ((), None, "x"), ((), None, None)}
 
 
 def test_with_nothing_tried_the_sentence_says_so() -> None:
-    assert said(None) == "No plan was found in 0.2 s; nothing was tried."
+    budget = replace(SCENE, options=replace(SCENE.options, budget_s=0.2))
+    assert sentence(budget, None, None, NONE, cut=False) == "No plan was found in 0.2 s; nothing was tried."
     assert "among 70 candidates" in said(None, Census(70, 60))
+
+
+def test_facts_of_a_kind_say_which_kind_they_are() -> None:
+    kinds = [next(field.default for field in fields(kind) if field.name == "kind") for kind in get_args(Facts)]
+    assert len(set(kinds)) == len(kinds)

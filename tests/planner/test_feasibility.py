@@ -14,7 +14,8 @@ from assur.planner.feasibility.necessary import points_impossible, start_impossi
 from assur.planner.frames import Conveyor, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece, box, cylinder, sphere
-from assur.planner.model.outcome import Planned, Reason, Refusal
+from assur.planner.model.outcome import Planned
+from assur.planner.model.refusal import BeyondRange, Reason, Refusal
 from assur.planner.model.scene import Clearance, Execution, Follow, Pick, Place, Scene
 from assur.planner.pipeline import plan
 from assur.planner.search.beam import Search
@@ -23,6 +24,7 @@ from tests.planner.cells import (
     CUP,
     Around,
     Shape,
+    amount_of,
     arm,
     at,
     belt_and_dial,
@@ -61,8 +63,8 @@ def test_a_start_beyond_a_joints_range_says_by_how_much(joint: int, value: float
     refusal = found(cell(go(0.35, -0.2), q=tuple(q)))
     assert refusal is not None
     assert refusal.reason is Reason.JOINT_LIMIT
-    assert refusal.amount == pytest.approx(amount)
-    assert refusal.bodies == (arm().joints[joint].name,)
+    assert amount_of(refusal) == pytest.approx(amount)
+    assert refusal.joint == arm().joints[joint].name
     assert found(cell(go(0.35, -0.2), q=(2.3038, 1.2, 0.25, 0.0))) is None  # at the limit is not beyond it
 
 
@@ -199,7 +201,7 @@ def test_a_point_that_stands_out_of_reach_is_impossible_by_so_many_millimetres()
     refusal = found(cell(go(0.7, 0.0)))
     assert refusal is not None
     assert refusal.reason is Reason.OUT_OF_REACH
-    assert refusal.amount == pytest.approx(0.1, abs=0.002)  # the arm is 0.6 m long
+    assert amount_of(refusal) == pytest.approx(0.1, abs=0.002)  # the arm is 0.6 m long
 
 
 def test_a_point_within_reach_is_not_out_of_range() -> None:
@@ -209,21 +211,22 @@ def test_a_point_within_reach_is_not_out_of_range() -> None:
 def test_a_height_that_the_lift_joint_does_not_come_to_is_named_with_what_is_missing() -> None:
     refusal = found(cell(go(0.4, 0.0, 0.27)))
     assert refusal is not None
-    assert (refusal.reason, refusal.bodies) == (Reason.JOINT_LIMIT, ("z",))
-    assert refusal.amount == pytest.approx(0.02, abs=1e-9)
+    assert (refusal.reason, refusal.joint) == (Reason.JOINT_LIMIT, "z")
+    assert amount_of(refusal) == pytest.approx(0.02, abs=1e-9)
 
 
-@pytest.mark.parametrize(("z", "missing", "where"), [(-0.03, 0.08, "left"), (0.26, 0.04, "30 mm above the point")])
-def test_of_a_point_and_its_approach_the_one_that_misses_more_is_told(z: float, missing: float, where: str) -> None:
+@pytest.mark.parametrize(("z", "missing", "above"), [(-0.03, 0.08, 0.0), (0.26, 0.04, 0.03)])
+def test_of_a_point_and_its_approach_the_one_that_misses_more_is_told(z: float, missing: float, above: float) -> None:
     base = table_to_table()
     assert isinstance(base.task[0], Pick)
     part = replace(base.index["part"], pose=Pose(0.25, 0.30, z, 0.5))
     pick = replace(base.task[0], grasp=Pose(), approach_m=0.03, depart_m=0.0)
     refusal = found(replace(base, bodies=(part,), task=(pick,), tool=BARE))
     assert refusal is not None
-    assert (refusal.reason, refusal.bodies) == (Reason.JOINT_LIMIT, ("z",))
-    assert refusal.amount == pytest.approx(missing)
-    assert refusal.detail.endswith(where)
+    assert (refusal.reason, refusal.joint) == (Reason.JOINT_LIMIT, "z")
+    assert amount_of(refusal) == pytest.approx(missing)
+    assert isinstance(refusal.facts, BeyondRange)
+    assert refusal.facts.above_m == above
 
 
 @settings(max_examples=40)

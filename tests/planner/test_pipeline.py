@@ -16,7 +16,8 @@ from assur.planner.checker import check
 from assur.planner.frames import Change, Conveyor, Fixed, Keyframes, Linear, Swing, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder, sphere
-from assur.planner.model.outcome import Leg, LegKind, NotPlanned, Outcome, Planned, Reason
+from assur.planner.model.outcome import Leg, LegKind, NotPlanned, Outcome, Planned
+from assur.planner.model.refusal import Reason, Stage
 from assur.planner.model.scene import Arch, Clearance, Execution, Follow, Move, Pick, Place, Scene, Target, Window
 from assur.planner.pipeline import plan
 from assur.planner.trajectory import check_limits
@@ -54,7 +55,7 @@ def planned(scene: Scene) -> Planned:
 
 def flawless(outcome: Outcome) -> bool:
     """Whether the checker never had to stop what the prover had accepted: that would be a defect."""
-    return not any(line.stage == "checker" for line in outcome.census.lines)
+    return not any(line.refusal.stage is Stage.CHECKER for line in outcome.census.lines)
 
 
 def refused(scene: Scene) -> NotPlanned:
@@ -76,7 +77,7 @@ BELT = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.5))
 SPUN = (Around(solid("part", box(0.03, 0.03, 0.02)), "dial", Pose(0.1, 0.0, 0.06), 0.1),)
 REASONS: dict[Reason, tuple[Callable[[], Scene], bool, str]] = {
     Reason.OUT_OF_REACH: (lambda: cell(go(0.7, 0.0)), True, "reach"),
-    Reason.JOINT_LIMIT: (lambda: cell(go(0.35, 0.2, 0.27)), True, "20.0 mm beyond"),
+    Reason.JOINT_LIMIT: (lambda: cell(go(0.35, 0.2, 0.27)), True, "20 mm beyond"),
     Reason.NEAR_SINGULARITY: (lambda: cell(Follow("f", at(0.599, 0.0), 0.1), singularity_margin=0.2), True, "singular"),
     Reason.NEAR_PARALLEL_SINGULARITY: (
         # inside the curve on which the couplers are in line: there only in the other assembly mode
@@ -114,7 +115,7 @@ REASONS: dict[Reason, tuple[Callable[[], Scene], bool, str]] = {
     Reason.MOTION_LIMIT: (
         lambda: cell(Follow("f", at(0.08, 0.0, 0.1, 0.0, "dial"), 0.1), frames=(frame("dial", dial(30.0)),)),
         False,
-        "faster",
+        "exceed its limit",
     ),
     Reason.CARRY_LIMIT: (
         # 0.1 m from the axis at 3 rad/s is 0.9 m/s² however gently one takes the part
@@ -133,7 +134,7 @@ REASONS: dict[Reason, tuple[Callable[[], Scene], bool, str]] = {
     Reason.WINDOW_MISSED: (
         lambda: cell(Follow("f", at(0.0, 0.0, 0.1, 0.0, "belt"), 0.5, Window(along=(0.2, 0.3))), frames=(BELT,)),
         True,
-        "the window is missed by 300 ms",
+        "must be tracked for 500 ms, but its window is open for only 200 ms (300 ms short, 150 mm of belt)",
     ),
     Reason.LAW_ENDS: (
         lambda: cell(go(0.35, -0.2), bodies=(GATE,), frames=(frame("gate", dial(1.0, -0.3, 0.0, valid=(0.0, 0.1))),)),
@@ -456,7 +457,7 @@ def test_a_latest_end_is_kept() -> None:
     assert planned(cell(go(0.35, -0.2), latest_end_s=whole + 0.01)).plan.trajectory.end <= whole + 0.01
     outcome = refused(cell(go(0.35, -0.2), latest_end_s=whole - 0.01, max_candidates=30))
     assert outcome.reason is Reason.WINDOW_MISSED
-    assert "latest_end_s is missed by" in outcome.sentence
+    assert "latest_end_s" in outcome.sentence
 
 
 def test_a_law_that_ends_ends_the_plan() -> None:

@@ -17,10 +17,12 @@ from assur.planner.frames.motion import Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.geometry.shapes import box
 from assur.planner.legs.tilt import PITCHES, pitch_free, roll_free, tilt_of, tilts
-from assur.planner.model.outcome import LegKind, NotPlanned, Outcome, Planned, Reason
+from assur.planner.model.outcome import Course, LegKind, NotPlanned, Outcome, Planned, Route
+from assur.planner.model.refusal import Reason
 from assur.planner.model.scene import Arch, Pick, Place, Scene, Tool
 from assur.planner.pipeline import plan
-from tests.planner.cells import at, cell, frame, go, stands
+from assur.planner.report.number_format import amount
+from tests.planner.cells import amount_of, at, cell, frame, go, stands
 from tests.planner.five_axis_cells import DOWN, HEIGHT, REACH, START, aim, five_axis_arm, five_axis_cell, follows, goes
 
 BELT = frame("belt", Conveyor(Pose(0.35, -0.3, 0.2, math.pi / 2), 0.15))
@@ -119,8 +121,8 @@ def test_a_point_that_one_pitch_does_not_reach_is_refused_with_its_number_and_an
     assert answer.refusal is not None
     # the wrist, above the tool point, would have to be nearer: on the circle of 410 mm
     short = OUT[0] - math.sqrt(0.41**2 - 0.072**2)
-    assert answer.refusal.amount == pytest.approx(short, abs=OUT[0] / 400)
-    assert "pitch of -90.0°" in answer.sentence
+    assert amount_of(answer.refusal) == pytest.approx(short, abs=OUT[0] / 400)
+    assert "pitch of -90 deg" in answer.sentence
     assert answer.relaxation is not None
     assert (answer.relaxation.what, answer.relaxation.value) == ("pitch", "free")
     met = planned(five_axis_cell(goes(aim(*OUT)))).plan.arrivals[0]
@@ -135,8 +137,8 @@ def test_a_point_that_no_pitch_reaches_is_refused_with_the_distance_that_is_miss
     assert (answer.reason, answer.proved) == (Reason.OUT_OF_REACH, True)
     assert answer.refusal is not None
     short = math.hypot(x, z - HEIGHT) - REACH
-    assert answer.refusal.amount == pytest.approx(short, abs=1e-12)
-    assert answer.sentence == f"goal: the point is {1e3 * short:.1f} mm out of reach (at every pitch of the tool)."
+    assert amount_of(answer.refusal) == pytest.approx(short, abs=1e-12)
+    assert answer.sentence == f"goal: the point is {amount(short, 'm')} out of reach at every pitch of the tool."
 
 
 def test_a_point_within_reach_of_no_legal_pitch_is_refused_and_not_called_proved() -> None:
@@ -180,7 +182,7 @@ def test_a_straight_leg_carries_pitch_and_roll_along() -> None:
     scene = five_axis_cell(goes(aim(0.3, 0.15, 0.35, pitch=DOWN, roll=1.2), leg="cartesian"))
     outcome = planned(scene)
     leg = outcome.plan.legs[-1]
-    assert (leg.kind, leg.note) == (LegKind.MOVE, "straight")
+    assert (leg.kind, leg.route) == (LegKind.MOVE, Route(Course.STRAIGHT))
     t = np.linspace(leg.t0, leg.t1, 400)
     moved = hand(scene, outcome, t)
     begin, end = moved.tilt[0], moved.tilt[-1]

@@ -15,11 +15,12 @@ from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.collision.screening import screen
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
-from assur.planner.model.outcome import LegKind, Reason
+from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase
+from assur.planner.model.refusal import Reason, Separation
 from assur.planner.model.scene import Clearance
 from assur.planner.trajectory import Trajectory
-from tests.planner.cells import CUP, Around, arm, block, cell, go, mesh_box, solid, stands
+from tests.planner.cells import CUP, Around, amount_of, arm, block, cell, go, mesh_box, solid, stands
 from tests.planner.certificate.moving_ball import LAWS, SHAPES, encounter
 from tests.planner.second_solids import standing
 
@@ -58,9 +59,10 @@ def test_what_screening_refuses_really_is_too_close_where_and_as_it_says(
     assert t == same
     there = float(case.apart(np.array([t]))[0]) - radius
     assert there < clearance + 1e-8
-    assert (found.refusal.detail == "touch") == (there <= 0)
+    assert isinstance(found.refusal.facts, Separation)
+    assert found.refusal.facts.touching == (there <= 0)
     if there > 0:
-        assert found.refusal.amount == pytest.approx(clearance - there, abs=1e-6)
+        assert amount_of(found.refusal) == pytest.approx(clearance - there, abs=1e-6)
 
 
 @settings(max_examples=40)

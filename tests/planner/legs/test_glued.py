@@ -18,14 +18,15 @@ from assur.planner.geometry.shapes import box
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.glued import Glued, glue, lead_time
 from assur.planner.legs.state import State
-from assur.planner.model.outcome import LegKind, Reason, Refusal
+from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import initial_rides
+from assur.planner.model.refusal import MotionLimit, Obstacle, Reason, Refusal
 from assur.planner.model.scene import Follow, Pick, Scene, Start, Target, Tool
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.polar_arm import PolarArm
 from assur.planner.robots.protocol import Code, Limits, Robot
 from assur.planner.trajectory import Trajectory, check_limits
-from tests.planner.cells import BARE, CRANKED, CUP, arm, cell, frame, limits, stands
+from tests.planner.cells import BARE, CRANKED, CUP, amount_of, arm, cell, frame, limits, stands, unit_of
 
 LIMITS = limits()
 FOLLOWED_M = 1e-6
@@ -179,9 +180,9 @@ def test_the_joint_that_is_too_slow_for_a_frame_is_named_with_what_it_lacks() ->
     assert start is not None
     block = glue(start[0].scene, start[0], start[1], 0, 1.0)
     assert isinstance(block, Refusal)
-    assert (block.reason, block.bodies, block.unit) == (Reason.MOTION_LIMIT, ("theta4",), "rad/s")
-    assert block.amount == pytest.approx(5.0, abs=1e-3)
-    assert "moving" in block.detail
+    assert (block.reason, block.joint, unit_of(block)) == (Reason.MOTION_LIMIT, "theta4", "rad/s")
+    assert amount_of(block) == pytest.approx(5.0, abs=1e-3)
+    assert block.facts == MotionLimit(obstacle=Obstacle.FRAME_TOO_FAST, rate="velocity", frame="moving")
 
 
 def test_a_belt_that_leaves_the_workspace_during_the_glue_is_out_of_reach() -> None:
@@ -207,7 +208,7 @@ def test_the_wrist_turns_on_and_on_with_a_dial_until_its_range_ends() -> None:
     refused = glue(longer, again[0], again[1], 0, 1.0)
     assert isinstance(refused, Refusal)
     assert refused.reason is Reason.JOINT_LIMIT
-    assert refused.bodies == ("theta4",)
+    assert refused.joint == "theta4"
 
 
 def test_near_a_singularity_a_block_is_refused_with_the_margin_that_is_missing() -> None:
@@ -218,7 +219,7 @@ def test_near_a_singularity_a_block_is_refused_with_the_margin_that_is_missing()
     block = glue(scene, point, State(0.0, found.q, found.qd, found.qdd), 0, 1.0)
     assert isinstance(block, Refusal)
     assert block.reason is Reason.NEAR_SINGULARITY
-    assert 0 < block.amount <= 0.4
+    assert 0 < amount_of(block) <= 0.4
 
 
 POLAR_RANGE = (np.array([-3.0, -1.0, 0.2]), np.array([3.0, 1.5, 0.8]))

@@ -19,12 +19,12 @@ from assur.planner.legs.control_point import control_point
 from assur.planner.legs.joint import JointMotion, Reached, Shape, Via
 from assur.planner.legs.meeting import meetings
 from assur.planner.legs.state import Knots, State
-from assur.planner.model.outcome import Reason, Refusal
 from assur.planner.model.phases import initial_rides
+from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.model.scene import Scene, Window
 from assur.planner.timing import Solver
 from assur.planner.trajectory import check_limits
-from tests.planner.cells import cell, frame, go, limits
+from tests.planner.cells import amount_of, cell, frame, go, limits, unit_of
 
 NONE = np.zeros(4)
 LIMITS = limits()
@@ -229,8 +229,8 @@ def test_a_window_that_is_too_early_is_missed_with_seconds() -> None:
     found = JointMotion(scene, 0, begin, Shape(), branches(scene, begin)[0]).meet()
     assert isinstance(found, Refusal)
     assert found.reason is Reason.WINDOW_MISSED
-    assert found.unit == "s"
-    assert found.amount > 0.01
+    assert unit_of(found) == "s"
+    assert amount_of(found) > 0.01
 
 
 @pytest.mark.parametrize("pace", [0.0, 0.5, 5.0])

@@ -14,11 +14,11 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.meeting import LOOK_AHEAD_S, Meetings, meetings
-from assur.planner.model.outcome import Reason
 from assur.planner.model.phases import initial_rides
+from assur.planner.model.refusal import FOR_ALL_TIMES, BeyondRange, Miss, Reason, WindowMissed
 from assur.planner.model.scene import Follow, Pick, Scene, Window
 from assur.planner.model.scene import WorldBody as Around
-from tests.planner.cells import arm, at, cell, frame, go, solid
+from tests.planner.cells import amount_of, arm, at, cell, frame, go, solid, unit_of
 
 
 def met(scene: Scene, modes: tuple[int, ...] = (0, 1), earliest: float = 0.0, lead: float = 0.0) -> Meetings:
@@ -61,23 +61,23 @@ def test_what_is_out_of_reach_beyond_a_limit_or_near_singular_says_so_with_a_num
     assert [refusal.reason for refusal in far.refusals] == [Reason.OUT_OF_REACH] * 2
     high = met(cell(go(0.35, 0.2, 0.27)))
     assert {refusal.reason for refusal in high.refusals} == {Reason.JOINT_LIMIT}
-    assert high.refusals[0].bodies == ("z",)
-    assert high.refusals[0].amount == pytest.approx(0.02)
-    assert high.refusals[0].unit == "m"
+    assert high.refusals[0].joint == "z"
+    assert amount_of(high.refusals[0]) == pytest.approx(0.02)
+    assert unit_of(high.refusals[0]) == "m"
     behind = met(cell(go(-0.5, -0.0, 0.1)))
     assert Reason.JOINT_LIMIT in {refusal.reason for refusal in behind.refusals}
     near = met(cell(Follow("f", at(0.599, 0.0), 0.1), singularity_margin=0.2))
     assert {refusal.reason for refusal in near.refusals} == {Reason.NEAR_SINGULARITY}
     theta2 = math.acos((0.599**2 - 0.325**2 - 0.275**2) / (2 * 0.325 * 0.275))
-    assert near.refusals[0].amount == pytest.approx(0.2 - math.sin(theta2), abs=1e-9)
+    assert amount_of(near.refusals[0]) == pytest.approx(0.2 - math.sin(theta2), abs=1e-9)
 
 
 @pytest.mark.parametrize(
-    ("z", "missing", "where"),
-    [(-0.03, 0.08, "z is beyond its limit"), (0.26, 0.04, "z is beyond its limit, 30 mm above the point")],
+    ("z", "missing", "above"),
+    [(-0.03, 0.08, 0.0), (0.26, 0.04, 0.03)],
 )
 def test_a_height_that_is_missing_is_that_of_the_point_or_of_its_approach_whichever_is_more(
-    z: float, missing: float, where: str
+    z: float, missing: float, above: float
 ) -> None:
     """From 50 to 250 mm is the lift's; also where the point moves."""
     for law in (Conveyor(Pose(0.3, 0.2, z), 0.1), Conveyor(Pose(0.3, 0.2, z), 0.0), Fixed(Pose(0.3, 0.2, z))):
@@ -90,9 +90,10 @@ def test_a_height_that_is_missing_is_that_of_the_point_or_of_its_approach_whiche
         refusals = met(scene, lead=0.1).refusals
         assert len(refusals) == 2
         for refusal in refusals:
-            assert (refusal.reason, refusal.bodies) == (Reason.JOINT_LIMIT, ("z",))
-            assert refusal.amount == pytest.approx(missing)
-            assert refusal.detail.endswith(where)
+            assert (refusal.reason, refusal.joint) == (Reason.JOINT_LIMIT, "z")
+            assert amount_of(refusal) == pytest.approx(missing)
+            assert isinstance(refusal.facts, BeyondRange)
+            assert refusal.facts.above_m == above
 
 
 def test_a_point_met_at_rest_does_not_ask_for_a_margin() -> None:
@@ -127,12 +128,15 @@ def test_the_glue_begins_a_lead_after_the_meeting() -> None:
 def test_a_window_that_is_over_or_too_short_says_by_how_much() -> None:
     over = met(cell(go(0.1, 0.0, 0.06, 0.0, "dial", window=Window(time=(0.0, 1.0))), frames=(DIAL,)), earliest=1.4)
     assert over.refusals[0].reason is Reason.WINDOW_MISSED
-    assert over.refusals[0].amount == pytest.approx(0.4)
+    assert amount_of(over.refusals[0]) == pytest.approx(0.4)
     belt = frame("belt", Conveyor(Pose(-0.3, 0.35, 0.05), 0.5))
     short = met(cell(Follow("f", at(0.0, 0.0, 0.05, 0.0, "belt"), 0.5, Window(along=(0.2, 0.3))), frames=(belt,)))
     assert short.refusals[0].reason is Reason.WINDOW_MISSED
-    assert short.refusals[0].amount == pytest.approx(0.3)
-    assert "150 mm of belt" in short.refusals[0].detail
+    assert amount_of(short.refusals[0]) == pytest.approx(0.3)
+    facts = short.refusals[0].facts
+    assert isinstance(facts, WindowMissed)
+    assert facts.miss is Miss.TOO_SHORT
+    assert (facts.open_s, facts.needed_s, facts.belt_m) == pytest.approx((0.2, 0.5, 0.15))
 
 
 BELT = frame("belt", Conveyor(Pose(-0.3, 0.35, 0.05), 0.2))
@@ -140,37 +144,41 @@ BELT = frame("belt", Conveyor(Pose(-0.3, 0.35, 0.05), 0.2))
 
 
 @pytest.mark.parametrize(
-    ("window", "latest", "missing", "words"),
+    ("window", "latest", "missing", "miss"),
     [
-        (Window(time=(0.0, 0.3), along=(0.1, 0.6)), None, 0.2, "have no instant in common"),
-        (Window(time=(4.0, 4.5), along=(0.1, 0.6)), None, 1.0, "have no instant in common"),
-        (Window(time=(0.0, 4.0), along=(0.1, 0.6)), 0.4, 0.1, "comes into its window after latest_end_s"),
-        (Window(time=(4.0, 5.0)), 3.0, 1.0, "the window opens after latest_end_s"),
-        (Window(time=(-3.0, -1.0)), None, 1.0, "the window is over before the start"),
-        (Window(along=(-0.2, -0.1)), None, 0.1, "the point is never inside its window"),
+        (Window(time=(0.0, 0.3), along=(0.1, 0.6)), None, 0.2, Miss.NO_COMMON_INSTANT),
+        (Window(time=(4.0, 4.5), along=(0.1, 0.6)), None, 1.0, Miss.NO_COMMON_INSTANT),
+        (Window(time=(0.0, 4.0), along=(0.1, 0.6)), 0.4, 0.1, Miss.ENTERS_AFTER_LATEST_END),
+        (Window(time=(4.0, 5.0)), 3.0, 1.0, Miss.OPENS_AFTER_LATEST_END),
+        (Window(time=(-3.0, -1.0)), None, 1.0, Miss.OVER_BEFORE_START),
+        (Window(along=(-0.2, -0.1)), None, 0.1, Miss.NEVER_INSIDE),
         # what cannot be said for all times has no number
-        (Window(time=(60.5, 70.0), along=(0.1, 0.6)), None, math.nan, "in the next 60 s"),
+        (Window(time=(60.5, 70.0), along=(0.1, 0.6)), None, math.nan, Miss.NOT_INSIDE_SOON),
     ],
 )
 def test_windows_that_never_open_say_how_far_they_are_from_it(
-    window: Window, latest: float | None, missing: float, words: str
+    window: Window, latest: float | None, missing: float, miss: Miss
 ) -> None:
     scene = cell(go(0.0, 0.0, 0.05, 0.0, "belt", window=window), frames=(BELT,), latest_end_s=latest)
     (refusal,) = met(scene).refusals
     assert refusal.reason is Reason.WINDOW_MISSED
-    assert refusal.amount == pytest.approx(missing, nan_ok=True)
-    assert refusal.detail.endswith(words)
+    assert amount_of(refusal) == pytest.approx(missing, nan_ok=True)
+    assert isinstance(refusal.facts, WindowMissed)
+    assert refusal.facts.miss is miss
+    assert (miss in FOR_ALL_TIMES) == math.isfinite(missing)
 
 
 def test_a_window_that_may_open_when_the_law_has_ended_has_no_number() -> None:
     ends = frame("belt", Linear(Pose(-0.3, 0.35, 0.05), (0.2, 0.0, 0.0), valid=(0.0, 5.0)))
     for window in (Window(time=(6.0, 7.0)), Window(time=(4.0, 7.0), along=(0.1, 0.6))):
         (refusal,) = met(cell(go(0.0, 0.0, 0.05, 0.0, "belt", window=window), frames=(ends,))).refusals
-        assert math.isnan(refusal.amount)
-        assert "the window is over" not in refusal.detail
+        assert math.isnan(amount_of(refusal))
+        assert isinstance(refusal.facts, WindowMissed)
+        assert refusal.facts.miss not in FOR_ALL_TIMES
 
 
-def test_who_comes_too_late_for_the_end_of_the_plan_is_not_told_of_a_window() -> None:
+def test_an_arm_that_comes_too_late_for_the_latest_end_is_refused_for_that_and_not_for_a_window() -> None:
     (late,) = met(cell(go(0.0, 0.0, 0.05, 0.0, "belt"), frames=(BELT,), latest_end_s=1.0), earliest=1.4).refusals
-    assert late.detail.startswith("the arm comes too late for latest_end_s")
-    assert late.amount == pytest.approx(0.4)
+    assert isinstance(late.facts, WindowMissed)
+    assert late.facts.miss is Miss.LATEST_END_ON_ARRIVAL
+    assert amount_of(late) == pytest.approx(0.4)

@@ -21,6 +21,7 @@ from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Plan, Planned
 from assur.planner.model.scene import Scene
 from assur.planner.pipeline import plan
+from assur.planner.report.number_format import amount
 from assur.planner.robots.five_axis_arm import FLANGE, LINK4, FiveAxisArm
 from assur.scenes.requests import check_document, plan_document, plan_scenario, scene_of
 from assur.scenes.scenarios import shipped, unmet
@@ -252,14 +253,14 @@ def test_a_target_too_far_away_is_refused_with_what_is_missing() -> None:
     assert (far["status"], far["reason"], far["proved"]) == ("not_planned", "OUT_OF_REACH", True)
     short = math.hypot(0.6, 0.1) - 0.482
     assert far["refusal"]["amount"] == pytest.approx(short, abs=1e-12)
-    assert far["sentence"] == f"far: the point is {1e3 * short:.1f} mm out of reach (at every pitch of the tool)."
+    assert far["sentence"] == f"far: the point is {amount(short, 'm')} out of reach at every pitch of the tool."
 
 
 def test_a_target_that_the_hand_reaches_only_stretched_out_is_refused_straight_down() -> None:
     at = {"at_mm": [460, 0, 300]}
     down = plan_document(changed(lambda r: r.update(task=[{"move": {"name": "far", "to": {**at, "pitch_deg": -90}}}])))
     assert (down["status"], down["reason"], down["proved"]) == ("not_planned", "OUT_OF_REACH", True)
-    assert "at a pitch of -90.0°" in down["sentence"]
+    assert "at a pitch of -90 deg" in down["sentence"]
     free = plan_document(changed(lambda r: r.update(task=[{"move": {"to": at}}], bodies=[])))
     assert free["status"] == "planned", free
 

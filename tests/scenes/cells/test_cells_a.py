@@ -17,10 +17,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
-from assur.planner.model.outcome import Reason, Refusal
+from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.pipeline import plan
 from assur.planner.search.census import Counter
 from assur.scenes.requests import Scenario, check_document, plan_document, plan_scenario, scene_of, shipped, unmet
+from tests.planner.cells import amount_of, unit_of
 
 Array = NDArray[np.float64]
 Answer = dict[str, Any]
@@ -356,15 +357,15 @@ class TestDenseFlow:
         ends = {}
         for bodies in (("finger-back", "behind"), ("finger-front", "before")):
             mine = [refusal for refusal in refusals if refusal.bodies == bodies]
-            assert {(refusal.reason, refusal.unit) for refusal in mine} == {(Reason.BODY_COLLISION, "m")}
+            assert {(refusal.reason, unit_of(refusal)) for refusal in mine} == {(Reason.BODY_COLLISION, "m")}
             told = next(line for line in lines if tuple(line["bodies"]) == bodies)
             assert told["count"] == len(mine)
-            assert told["least"] == min(refusal.amount for refusal in mine)
-            assert told["most"] == max(refusal.amount for refusal in mine)
+            assert told["least"] == min(amount_of(refusal) for refusal in mine)
+            assert told["most"] == max(amount_of(refusal) for refusal in mine)
             # few candidates come past the neighbour on their way there, at other distances
             beside = [r for r in mine if r.interval is not None and r.interval[0] > 2.65]
             assert len(mine) - len(beside) <= 0.01 * len(mine)
-            ends[bodies[0]] = np.sort([(r.amount + 0.0115 - 0.0015) / (drifts * 0.005) for r in beside])
+            ends[bodies[0]] = np.sort([(amount_of(r) + 0.0115 - 0.0015) / (drifts * 0.005) for r in beside])
         met = ends["finger-back"]
         assert len(met) >= 80
         assert met[0] == pytest.approx((900 - 200) / 250, abs=1e-6)  # where the window begins

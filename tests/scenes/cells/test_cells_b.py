@@ -19,7 +19,7 @@ from scipy.interpolate import BPoly
 
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.necessary import points_impossible
-from assur.planner.model.outcome import Reason
+from assur.planner.model.refusal import Reason
 from assur.planner.search.candidates import Sampler
 from assur.scenes.cells import two_robots
 from assur.scenes.requests import check_document, plan_document, plan_scenario, scene_of
@@ -245,14 +245,14 @@ def test_a_clearance_of_more_than_5_mm_cannot_be_kept_in_the_carton() -> None:
 def test_a_higher_rim_is_refused_for_the_12_mm_that_j3_lacks_and_not_for_a_wall() -> None:
     refused = answer("carton-high-rim")
     refusal = refused["refusal"]
-    assert refusal["bodies"] == ["j3"]
+    assert (refusal["bodies"], refusal["joint"]) == ([], "j3")
     assert refusal["unit"] == "m"
     assert refusal["amount"] == pytest.approx(0.225 + 0.12 - 0.333, abs=1e-9)
     assert "j3" in refused["sentence"]
     assert "wall" not in refused["sentence"]
     placing = [line for line in refused["census"]["lines"] if line["step"] == 1]
     assert placing
-    assert all(line["bodies"] == ["j3"] for line in placing)
+    assert all(line["joint"] == "j3" for line in placing)
 
 
 def test_the_higher_rim_is_no_hindrance_where_j3_has_12_mm_left() -> None:
@@ -269,7 +269,7 @@ def test_with_the_elbow_kept_j1_lacks_what_trigonometry_says() -> None:
     inner = math.acos((L1**2 + radius**2 - L2**2) / (2 * L1 * radius))
     assert angle + inner > math.radians(170) > angle - inner  # J2 negative, J2 positive
     refused = answer("behind-the-base-keep")
-    assert refused["refusal"]["bodies"] == ["j1"]
+    assert refused["refusal"]["joint"] == "j1"
     assert refused["refusal"]["amount"] == pytest.approx(angle + inner - math.radians(170), abs=1e-9)
     assert refused["census"]["candidates"] == 0
     assert refused["relaxation"]["what"] == "elbow"

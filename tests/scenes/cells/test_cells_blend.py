@@ -183,7 +183,7 @@ def test_an_acceleration_time_that_cannot_be_kept_is_an_answer_with_its_numbers(
     found = plan_document(request_of(acceleration_time_ms=100))
     assert (found["status"], found["reason"], found["proved"]) == ("not_planned", "MOTION_LIMIT", False)
     assert "with an acceleration time of 100 ms" in found["sentence"]
-    assert "would do" in found["sentence"]
+    assert "would be enough" in found["sentence"]
     assert found["refusal"]["unit"] in ("rad/s²", "m/s²")
     assert found["refusal"]["amount"] > 0
 

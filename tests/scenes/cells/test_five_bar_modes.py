@@ -76,7 +76,7 @@ def test_a_joint_leg_changes_the_working_mode_where_it_crosses_type_1() -> None:
 def test_a_straight_leg_does_not_change_the_working_mode() -> None:
     found = plan_document(request(leg="cartesian"))
     assert (found["status"], found["reason"]) == ("not_planned", "NEAR_SINGULARITY")
-    assert "a straight leg cannot change from left-right to left-left" in found["sentence"]
+    assert "a straight leg cannot change from mode left-right to left-left" in found["sentence"]
 
 
 def test_a_plan_that_keeps_its_working_mode_never_crosses_type_1() -> None:
@@ -183,7 +183,7 @@ def crossed(**changes: Any) -> Answer:
 def test_the_cranks_of_one_robot_may_not_meet() -> None:
     found = plan_document(crossed())
     assert (found["status"], found["reason"]) == ("not_planned", "SELF_COLLISION")
-    assert "crank-left and crank-right" in found["sentence"]
+    assert "crank-left would hit crank-right" in found["sentence"]
 
 
 def test_a_plan_in_which_they_meet_is_refused_by_the_checker() -> None:

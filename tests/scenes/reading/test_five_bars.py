@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from assur.planner.errors import InputError
+from assur.planner.report.number_format import amount
 from assur.planner.robots.five_bar import FiveBar
 from assur.scenes.requests import plan_document, scene_of, shipped
 
@@ -52,8 +53,8 @@ def test_without_a_lift_another_height_is_refused_by_the_two_heights() -> None:
     x, y, z = (1e3 * value for value in here.robot.forward(here.start.q)[0])
     answer = plan_document({**document, "task": [{"move": {"to": {"at_mm": [x, y, z + 20]}}}]})
     assert (answer["reason"], answer["proved"]) == ("OUT_OF_REACH", True)
-    assert f"20.0 mm out of reach (a height of {z + 20:.1f} mm is asked of the flange" in answer["sentence"]
-    assert f"which stays at {z:.1f} mm" in answer["sentence"]
+    assert "20 mm out of reach: the flange would have to be at a height of " in answer["sentence"]
+    assert f"but it stays at {amount(z / 1e3, 'm')}" in answer["sentence"]
 
 
 def test_a_five_bar_is_what_the_request_says() -> None:

@@ -1,10 +1,8 @@
-"""Amounts for people: mm, ms, degrees, with the digits that count."""
+"""Numbers as people read them: mm, ms, degrees, with the digits that count."""
 
 from __future__ import annotations
 
 import math
-
-from assur.planner.model.outcome import TOLD_AS
 
 SHOWN_AS = {
     "m": ("mm", 1e3),
@@ -13,18 +11,23 @@ SHOWN_AS = {
     "rad": ("deg", math.degrees(1.0)),
     "deg": ("deg", 1.0),
     "1": ("", 1.0),
-    **TOLD_AS,
+    "rad/s": ("deg/s", math.degrees(1.0)),
+    "rad/s²": ("deg/s²", math.degrees(1.0)),
+    "rad/s³": ("deg/s³", math.degrees(1.0)),
+    "m/s": ("mm/s", 1e3),
+    "m/s²": ("mm/s²", 1e3),
+    "m/s³": ("mm/s³", 1e3),
 }
-"""Units of the document, and what people are told instead."""
+"""Units of a document, and what people read instead, with the factor."""
 LEAST_SHOWN = 1e-3
-"""Amounts below a thousandth of mm, ms or degree are told as less than that."""
+"""Amounts below a thousandth of mm, ms or degree are shown as less than that."""
 
 
-def amount(value: float | None, unit: str) -> str:
+def amount(value: float | None, unit: str | None) -> str:
     """A length in mm, a time in ms or s, an angle in degrees, anything else as it is; nothing for no number."""
-    if value is None:
+    if value is None or not math.isfinite(value):
         return ""
-    name, factor = ("s", 1.0) if unit == "s" and abs(value) >= 1.0 else SHOWN_AS.get(unit, (unit, 1.0))
+    name, factor = ("s", 1.0) if unit == "s" and abs(value) >= 1.0 else SHOWN_AS.get(unit or "", (unit or "", 1.0))
     size = abs(value * factor)
     if 0.0 < size < LEAST_SHOWN:
         return f"less than {LEAST_SHOWN:g} {name}".rstrip()

@@ -1,0 +1,400 @@
+"""Why a candidate, or a whole request, was refused: typed facts. `report.sentence` alone makes sentences of them.
+
+Whoever decides reads these facts, never a sentence. Times are absolute seconds of the scene's clock, all else is SI.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Literal
+
+
+class Reason(StrEnum):
+    """The kind of refusal."""
+
+    OUT_OF_REACH = "OUT_OF_REACH"
+    JOINT_LIMIT = "JOINT_LIMIT"
+    NEAR_SINGULARITY = "NEAR_SINGULARITY"
+    NEAR_PARALLEL_SINGULARITY = "NEAR_PARALLEL_SINGULARITY"
+    """Type 2: the actuators of a closed chain no longer hold the tool. Type 1 is the one before."""
+    SELF_COLLISION = "SELF_COLLISION"
+    BODY_COLLISION = "BODY_COLLISION"
+    START_IN_COLLISION = "START_IN_COLLISION"
+    CONTROL_POINT_IN_COLLISION = "CONTROL_POINT_IN_COLLISION"
+    MOTION_LIMIT = "MOTION_LIMIT"
+    CARRY_LIMIT = "CARRY_LIMIT"
+    WINDOW_MISSED = "WINDOW_MISSED"
+    LAW_ENDS = "LAW_ENDS"
+    NOT_CERTIFIED = "NOT_CERTIFIED"
+    TIMED_OUT = "TIMED_OUT"
+
+
+class Stage(StrEnum):
+    """Which part of planning refused."""
+
+    START = "start"
+    CONTROL_POINT = "control point"
+    WINDOW = "window"
+    INVERSE = "inverse"
+    TIMING = "timing"
+    STRAIGHT = "straight"
+    TRACKING = "tracking"
+    LIMITS = "limits"
+    SCREENING = "screening"
+    CERTIFICATE = "certificate"
+    CHECKER = "checker"
+
+
+OF_CANDIDATES = frozenset(Stage) - {Stage.START, Stage.CONTROL_POINT, Stage.INVERSE, Stage.CHECKER}
+"""Stages that refuse candidates, one by one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bodies:
+    """The bodies that a refusal is about, first the robot's own or the held part."""
+
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class JointName:
+    """The joint that a refusal is about."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class FrameName:
+    """The frame that a refusal is about."""
+
+    name: str
+
+
+Subject = Bodies | JointName | FrameName
+
+Unit = Literal["m", "rad", "s", "1", "m/s", "m/s²", "m/s³", "rad/s", "rad/s²", "rad/s³"]
+
+
+def finite(value: float) -> float | None:
+    """The number, or None if it is NaN or infinite."""
+    return float(value) if math.isfinite(value) else None
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A finite number with its unit; "1" is a ratio."""
+
+    value: float
+    unit: Unit
+
+    @staticmethod
+    def of(value: float, unit: Unit) -> Quantity | None:
+        """The quantity, or None where there is no number: it is NaN or infinite."""
+        return Quantity(float(value), unit) if math.isfinite(value) else None
+
+
+def of_joint(kind: str, value: float, order: int = 0) -> Quantity | None:
+    """A position (order 0), velocity, acceleration or jerk (3) of a joint of this kind, "revolute" or "prismatic"."""
+    units: tuple[tuple[Unit, ...], tuple[Unit, ...]] = (
+        ("rad", "rad/s", "rad/s²", "rad/s³"),
+        ("m", "m/s", "m/s²", "m/s³"),
+    )
+    return Quantity.of(value, units[kind != "revolute"][order])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutOfReach:
+    """`mode`: the assembly mode; `every_pitch`: at no pitch of the tool; `heights`: required and possible height of
+    the flange, m; `from_axis`: its distance from the arm's axis, m; `pitch`: of the tool, rad; `modes`: a straight leg
+    would have to change from the first assembly mode to the second."""
+
+    kind: Literal["out_of_reach"] = "out_of_reach"
+    mode: str | None = None
+    every_pitch: bool = False
+    heights_m: tuple[float, float] | None = None
+    from_axis_m: float | None = None
+    pitch_rad: float | None = None
+    modes: tuple[str, str] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BeyondRange:
+    """JOINT_LIMIT. `mode`: the assembly mode; `above_m`: it happens so far above the point; `arch_top_m`: for an arch
+    of this height."""
+
+    kind: Literal["joint_limit"] = "joint_limit"
+    mode: str | None = None
+    above_m: float = 0.0
+    arch_top_m: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Singular:
+    """`margin` reached (None: it is crossed, or not known) and `required`; `positions`: names of the singular positions
+    met; `distance_m`: how near a straight leg comes; `modes`: as in `OutOfReach`."""
+
+    kind: Literal["singularity"] = "singularity"
+    margin: float | None = None
+    required: float | None = None
+    mode: str | None = None
+    positions: tuple[str, ...] = ()
+    distance_m: float | None = None
+    modes: tuple[str, str] | None = None
+
+
+class Obstacle(StrEnum):
+    """What prevents a motion (MOTION_LIMIT)."""
+
+    RATE = "rate"
+    """A joint would exceed its velocity, acceleration or jerk."""
+    FRAME_TOO_FAST = "frame too fast"
+    """... because a frame that must be tracked is too fast."""
+    NOT_SMOOTH = "not smooth"
+    """The joints cannot follow the path: its motion is not smooth."""
+    NO_PATH_LAW = "no path law"
+    """No motion along the straight line was found that keeps all limits."""
+    NO_PROFILE = "no profile"
+    """No time-optimal motion was found."""
+    NO_SUCH_DURATION = "no such duration"
+    """No motion was found that takes exactly the time to a meeting."""
+    STRAIGHT_FROM_MOTION = "straight from motion"
+    """A straight leg would begin in motion, and not with a frame."""
+    POINT_TOO_FAST = "point too fast"
+    """The control point moves too fast to be met."""
+
+
+Rate = Literal["velocity", "acceleration", "jerk"]
+RATES: tuple[Rate, Rate, Rate] = ("velocity", "acceleration", "jerk")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MotionLimit:
+    """`rate`: which limit of the joint is exceeded, where that is known; `frame`: which it would have to track."""
+
+    kind: Literal["motion_limit"] = "motion_limit"
+    obstacle: Obstacle
+    rate: Rate | None = None
+    mode: str | None = None
+    frame: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AccelerationTime:
+    """MOTION_LIMIT of a parabolic blend whose acceleration time is given: what it would need of the joint, and the
+    joint's limit, rad/s² or m/s²; `enough_s`: an acceleration time that would do, where one is known."""
+
+    kind: Literal["acceleration_time"] = "acceleration_time"
+    given_s: float
+    needed: float
+    limit: float
+    enough_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Separation:
+    """How near two bodies come: `gap_m` (negative: how deep, at most; None: not known) where `required_m` is
+    required; both are None where time ran out before they were known."""
+
+    kind: Literal["separation"] = "separation"
+    touching: bool
+    gap_m: float | None
+    required_m: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Enclosed:
+    """The first body is inside the second, a hollow mesh."""
+
+    kind: Literal["enclosed"] = "enclosed"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Carrying:
+    """The held part would be accelerated with `acceleration`, m/s², where `limit` is allowed."""
+
+    kind: Literal["carrying"] = "carrying"
+    acceleration: float
+    limit: float
+
+
+class Miss(StrEnum):
+    """Why a control point is not met in its window, or a motion does not end in time."""
+
+    TOO_SHORT = "too short"
+    """The window is open for less time than the point must be tracked."""
+    OVER_BEFORE_START = "over before start"
+    OPENS_AFTER_LATEST_END = "opens after latest end"
+    LATEST_END_BEFORE_START = "latest end before start"
+    ENTERS_AFTER_LATEST_END = "enters after latest end"
+    """The point comes into its window along the conveyor only after the latest end."""
+    NEVER_INSIDE = "never inside"
+    """The point is at no time inside its window along the conveyor."""
+    NO_COMMON_INSTANT = "no common instant"
+    """The window in time and the window along the conveyor have no instant in common."""
+    OPENS_AFTER_LAW = "opens after law"
+    """The window opens when the motion of the frame is not known any more."""
+    NOT_INSIDE_WHILE_KNOWN = "not inside while known"
+    NOT_INSIDE_SOON = "not inside soon"
+    """The point is not inside within the time that is searched."""
+    CLOSED_ON_ARRIVAL = "closed on arrival"
+    """The arm comes after the window has closed."""
+    LATEST_END_ON_ARRIVAL = "latest end on arrival"
+    """The arm comes so late that tracking would last beyond the latest end."""
+    ENDS_TOO_LATE = "ends too late"
+    """The motion ends after the latest end."""
+    NO_MEETING_LEFT = "no meeting left"
+    OUTSIDE = "outside"
+    NO_COMMON_BEGIN = "no common begin"
+    """No begin of the motion was found from which all windows are met."""
+
+
+FOR_ALL_TIMES = frozenset(
+    {
+        Miss.TOO_SHORT,
+        Miss.OVER_BEFORE_START,
+        Miss.OPENS_AFTER_LATEST_END,
+        Miss.LATEST_END_BEFORE_START,
+        Miss.ENTERS_AFTER_LATEST_END,
+        Miss.NEVER_INSIDE,
+        Miss.NO_COMMON_INSTANT,
+    }
+)
+"""Misses that do not depend on when, or whether, the arm comes."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WindowMissed:
+    """`open_s`: how long the window is open; `needed_s`: how long the point must be tracked; `belt_m`: how far the
+    conveyor goes in the time that is missing; `searched_s`: how long was searched."""
+
+    kind: Literal["window"] = "window"
+    miss: Miss
+    open_s: float | None = None
+    needed_s: float | None = None
+    belt_m: float | None = None
+    searched_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LawEnds:
+    """A frame's motion is known on `known_s`, s (None: of which frame is not known; None for an end: for ever), and
+    needed at `needed_s`."""
+
+    kind: Literal["law_ends"] = "law_ends"
+    known_s: tuple[float | None, float | None] | None = None
+    needed_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Refuted:
+    """The checker refused the plan: the code of its first finding, what it says, and where."""
+
+    kind: Literal["refuted"] = "refuted"
+    code: str
+    what: str
+    where: str
+
+
+Facts = (
+    OutOfReach
+    | BeyondRange
+    | Singular
+    | MotionLimit
+    | AccelerationTime
+    | Separation
+    | Enclosed
+    | Carrying
+    | WindowMissed
+    | LawEnds
+    | Refuted
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Refusal:
+    """One candidate's end: which stage refused it at which step, why, what it is about, when, by how much.
+
+    `amount`: what was missing or too much, positive; None where there is no number.
+    """
+
+    stage: Stage
+    reason: Reason
+    step: int
+    subject: Subject | None = None
+    interval: tuple[float, float] | None = None
+    amount: Quantity | None = None
+    facts: Facts
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the bodies that it is about; none where it is about something else."""
+        return self.subject.names if isinstance(self.subject, Bodies) else ()
+
+    @property
+    def joint(self) -> str | None:
+        return self.subject.name if isinstance(self.subject, JointName) else None
+
+    @property
+    def frame(self) -> str | None:
+        return self.subject.name if isinstance(self.subject, FrameName) else None
+
+
+def unmoved(stage: Stage, step: int, obstacle: Obstacle, *, interval: tuple[float, float] | None = None) -> Refusal:
+    """No motion could be made: MOTION_LIMIT without a joint or a number."""
+    facts = MotionLimit(obstacle=obstacle)
+    return Refusal(stage=stage, reason=Reason.MOTION_LIMIT, step=step, interval=interval, facts=facts)
+
+
+def out_of_reach(
+    stage: Stage,
+    step: int,
+    *,
+    short_m: float = math.nan,
+    interval: tuple[float, float] | None = None,
+    facts: OutOfReach | None = None,
+) -> Refusal:
+    """A point is `short_m` out of reach; NaN: by how much is not known."""
+    return Refusal(
+        stage=stage,
+        reason=Reason.OUT_OF_REACH,
+        step=step,
+        interval=interval,
+        amount=Quantity.of(short_m, "m"),
+        facts=facts or OutOfReach(),
+    )
+
+
+def window_missed(
+    stage: Stage,
+    step: int,
+    facts: WindowMissed,
+    *,
+    amount: Quantity | None = None,
+    interval: tuple[float, float] | None = None,
+) -> Refusal:
+    """A window, or the latest end, is missed by `amount`, s or m."""
+    reason = Reason.WINDOW_MISSED
+    return Refusal(stage=stage, reason=reason, step=step, interval=interval, amount=amount, facts=facts)
+
+
+def law_ends(
+    stage: Stage,
+    step: int,
+    frame: str,
+    known: tuple[float, float],
+    needed: float,
+    *,
+    interval: tuple[float, float] | None = None,
+) -> Refusal:
+    """The motion of a frame is known on `known`, s, and not at `needed`."""
+    return Refusal(
+        stage=stage,
+        reason=Reason.LAW_ENDS,
+        step=step,
+        subject=FrameName(frame),
+        interval=interval,
+        amount=Quantity.of(max(known[0] - needed, needed - known[1]), "s"),
+        facts=LawEnds(known_s=(finite(known[0]), finite(known[1])), needed_s=needed),
+    )
