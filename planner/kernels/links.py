@@ -199,10 +199,11 @@ def loop_least(robot: FloatArray, lower: FloatArray, upper: FloatArray) -> tuple
     NaN where it is not proved that the loop assembles throughout, or something given is not finite.
     """
     d, al, bl, ar, br = robot[HEIGHT], robot[L1], robot[L2], robot[L3], robot[L4]
+    for i in range(2):
+        if not (math.isfinite(lower[i]) and math.isfinite(upper[i]) and lower[i] <= upper[i]):
+            return math.nan, math.nan
     r1, r5 = (upper[0] - lower[0]) / 2.0, (upper[1] - lower[1]) / 2.0
     theta1, theta5 = lower[0] + r1, lower[1] + r5
-    if not (r1 >= 0.0 and r5 >= 0.0 and math.isfinite(theta1) and math.isfinite(theta5)):
-        return math.nan, math.nan
     sine, cosine = math.sin(theta5 - theta1), math.cos(theta5 - theta1)
     square = d * d + al * al + ar * ar - 2.0 * al * ar * cosine
     square += 2.0 * d * (al * math.sin(theta1) - ar * math.sin(theta5))
