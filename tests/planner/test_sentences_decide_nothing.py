@@ -1,46 +1,56 @@
-"""No decision reads a sentence: with nonsense for every text, each verdict stays what it was."""
+"""No decision reads a sentence: with nonsense for every text, each status, verdict, proof and exit code stays."""
 
 from __future__ import annotations
 
+import copy
+import json
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
-from assur.planner.model.outcome import NotPlanned, Outcome, Planned
+from assur.api.command_line import RIGHT, WRONG, app
+from assur.api.workers.jobs import FIRST_PLAN
+from assur.planner import pipeline
+from assur.planner.model.outcome import NotPlanned, Outcome
 from assur.planner.model.scene import Scene
 from assur.planner.pipeline import plan
 from assur.planner.report import sentence
 from assur.scenes import answer as answers
+from assur.scenes.requests import check_document, plan_document, shipped, shipped_scenarios
 from tests.planner.test_pipeline import PROVED, REASONS
 
-NONSENSE = ("the arm comes", "too close", "latest_end_s", "above the point", "")
-"""Texts that decisions once depended on, and none at all."""
+NONSENSE = "the arm comes, 2 vias: the glue takes latest_end_s too close above the point"
+"""Words on which decisions once depended."""
+MOST = 12
+"""Candidates of a shipped scenario: enough for refusals, few enough for all scenarios twice."""
+TEXTS = {"sentence", "detail", "note"}
+TIMES = {"elapsed_s", "first_s"}
 
 
-def nonsense(monkeypatch: pytest.MonkeyPatch, text: str) -> None:
-    """Replaces every function of the module that makes sentences, wherever it has been imported."""
-    from assur.planner import pipeline
+@pytest.fixture
+def nonsense(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
+    """Replaces every function that makes a sentence, wherever it has been imported."""
 
-    for module in (sentence, pipeline, answers):
-        for name in ("sentence", "because", "note"):
-            if callable(getattr(module, name, None)):
-                monkeypatch.setattr(module, name, lambda *_, **__: text)
+    def replace() -> None:
+        items = vars(sentence).items()
+        makers = [name for name, item in items if callable(item) and item.__module__ == sentence.__name__]
+        assert {"sentence", "because", "note"} <= set(makers)
+        for module in (sentence, pipeline, answers):
+            for name in set(makers) & vars(module).keys():
+                monkeypatch.setattr(module, name, lambda *_, **__: NONSENSE)
+
+    return replace
 
 
-def verdict(outcome: Outcome) -> dict[str, Any]:
-    """All of an outcome that decides something."""
-    lines = [
-        (line.refusal.stage, line.refusal.reason, line.refusal.step, line.refusal.subject, line.count)
-        for line in outcome.census.lines
-    ]
-    found: dict[str, Any] = {"planned": isinstance(outcome, Planned), "census": lines}
+def decided(outcome: Outcome) -> Any:
+    """All of an outcome but the sentence and the time that it took."""
+    lines = [(line.refusal, line.count, line.most) for line in outcome.census.lines]
     if isinstance(outcome, NotPlanned):
-        found |= {"reason": outcome.reason, "proved": outcome.proved, "refusal": outcome.refusal}
-        found |= {"relaxation": outcome.relaxation and outcome.relaxation.what, "tried": outcome.tried}
-    else:
-        found |= {"end": outcome.plan.trajectory.end, "digest": outcome.plan.certificate.digest}
-    return found
+        return outcome.reason, outcome.proved, outcome.refusal, outcome.tried, lines
+    return outcome.plan.certificate.digest, outcome.plan.legs, lines
 
 
 TABLE: dict[str, Callable[[], Scene]] = {
@@ -50,11 +60,46 @@ TABLE: dict[str, Callable[[], Scene]] = {
 
 
 @pytest.mark.parametrize("name", sorted(TABLE))
-def test_no_refusal_changes_with_its_sentence(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    before = verdict(plan(TABLE[name]()))
-    for text in NONSENSE:
-        with monkeypatch.context() as patched:
-            nonsense(patched, text)
-            outcome = plan(TABLE[name]())
-        assert verdict(outcome) == before
-        assert not isinstance(outcome, NotPlanned) or outcome.sentence == text
+def test_no_refusal_changes_with_its_sentence(name: str, nonsense: Callable[[], None]) -> None:
+    before = decided(plan(TABLE[name]()))
+    nonsense()
+    outcome = plan(TABLE[name]())
+    assert decided(outcome) == before
+    assert not isinstance(outcome, NotPlanned) or outcome.sentence == NONSENSE
+
+
+def without(document: Any, keys: set[str]) -> Any:
+    if isinstance(document, dict):
+        return {key: without(value, keys) for key, value in document.items() if key not in keys}
+    return [without(item, keys) for item in document] if isinstance(document, list) else document
+
+
+@pytest.mark.parametrize("name", sorted(shipped_scenarios()))
+def test_no_answer_to_a_shipped_scenario_changes_with_its_sentences(name: str, nonsense: Callable[[], None]) -> None:
+    scenario = shipped(name)
+    request = copy.deepcopy(scenario.request)
+    request["options"] |= {"max_candidates": MOST, "explain_budget_s": 0, "budget_s": 60}
+    for other in ("explain_budget_ms", "budget_ms"):
+        request["options"].pop(other, None)
+    before = plan_document(request, folder=scenario.folder)
+    nonsense()
+    answer = plan_document(request, folder=scenario.folder)
+    assert without(answer, TEXTS | TIMES) == without(before, TEXTS | TIMES)
+    if answer["status"] == "planned":
+        # a plan that was written with sentences is right, and so is one that was written without
+        assert check_document(request, before, folder=scenario.folder)["ok"]
+        assert check_document(request, json.loads(json.dumps(answer)), folder=scenario.folder)["ok"]
+
+
+@pytest.mark.parametrize(("x_m", "code"), [(0.4, RIGHT), (4.0, WRONG)])
+def test_no_exit_code_changes_with_a_sentence(
+    x_m: float, code: int, tmp_path: Path, nonsense: Callable[[], None]
+) -> None:
+    file = tmp_path / "request.json"
+    file.write_text(json.dumps({**FIRST_PLAN, "task": [{"move": {"to": {"at_m": [x_m, 0.0, 0.25]}}}]}))
+    runner = CliRunner()
+    before = runner.invoke(app, ["plan", str(file)])
+    nonsense()
+    after = runner.invoke(app, ["plan", str(file)])
+    assert (before.exit_code, after.exit_code) == (code, code)
+    assert (NONSENSE in before.output, NONSENSE in after.output) == (False, True)
