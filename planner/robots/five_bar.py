@@ -211,7 +211,7 @@ class FiveBar:
 
     def within(self, q: FloatArray) -> BoolArray:
         """Whether q (..., n) keeps the position limits and assembles with `parallel_least`, (...); NaN does not."""
-        kept = ((self.limits.lower <= q) & (q <= self.limits.upper)).all(-1)
+        kept = self.limits.holds(q)
         flat = q.reshape(-1, q.shape[-1])
         return np.asarray(kept & self.assembled(flat, flat).reshape(q.shape[:-1]))
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from assur.planner.arrays import BoolArray, FloatArray, IntArray, every, frozen
+from assur.planner.arrays import BoolArray, FloatArray, IntArray, frozen
 from assur.planner.assur.rrr import LEFT, RIGHT, RRR
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Motion, Pose
@@ -225,7 +225,7 @@ class Scara(Serial):
 
     def within(self, q: FloatArray) -> BoolArray:
         """Whether q (..., n) keeps the position limits, (...); NaN does not."""
-        return every((self.limits.lower <= q) & (q <= self.limits.upper))
+        return self.limits.holds(q)
 
     @np.errstate(all="ignore")
     def point_bounds(

@@ -188,7 +188,7 @@ class TiltingArm(InVerticalPlane, Serial):
 
     def within(self, q: FloatArray) -> BoolArray:
         """Whether q (..., n) keeps the position limits, (...); NaN does not."""
-        return np.asarray(((self.limits.lower <= q) & (q <= self.limits.upper)).all(-1))
+        return self.limits.holds(q)
 
     @np.errstate(all="ignore")
     def point_bounds(
