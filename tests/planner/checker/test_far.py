@@ -135,9 +135,9 @@ def test_rows_that_leave_out_an_ulp_of_time_count_for_nothing() -> None:
 def test_a_body_that_stands_before_no_plane_is_not_covered() -> None:
     """The same plan in a cell where one post, or a carton, stands where the arm may come: nothing is said about it."""
     scene, made = ring()
-    for index, x in ((0, 0.62), (20, 0.25)):
+    for index, x, y in ((0, 0.25, 0.0), (20, 0.35, -0.25)):
         bodies = list(scene.bodies)
-        bodies[index] = replace(bodies[index], pose=Pose(x, 0.0, 0.25))
+        bodies[index] = replace(bodies[index], pose=Pose(x, y, 0.25))
         wrong = replace(scene, bodies=tuple(bodies))
         assert Code.COVER in codes(wrong, with_rows(wrong, made))
 
