@@ -33,9 +33,7 @@ BEAM = 4
 KEPT = 12
 """Chains of one length that are remembered: the beam, and those of other modes."""
 PROVED_A_BATCH = 3
-"""Continuations proved in one batch before the others of the batch are left alone."""
-PROOFS_A_BATCH = 6
-"""Proofs begun in one batch: what passes fine screening is nearly always proved."""
+"""Candidates proved in one batch, after which the others, which end later, are left alone; 1 with `stop: first`."""
 MOST_WAYS = 12
 """Ways to meet a control point that are kept, the quickest; one a pitch where the pitch is free."""
 ANY_YAW = 8
@@ -164,18 +162,11 @@ class Search:
                 sampler.learn(sample, 1.0)
             elif self._of_use(way):
                 ways.append(way)
-        free = []
-        for way, screened in zip(ways, screen(self.prover, ways) if ways else [], strict=True):
-            at = None if screened.refusal is None or screened.refusal.interval is None else screened.refusal.interval[0]
-            sampler.learn(way.sample, screened.bad, way.end, at)
-            if screened.refusal is not None:
-                self.found.census.add(screened.refusal)
-                for also in screened.also:
-                    self.found.census.note(also)
-            else:
-                free.append(way)
-        for way in self._prove(sorted(free, key=lambda way: way.end)):
-            sampler.learn(way.sample, 1.0)
+        enough = 1 if self.scene.options.stop == "first" else PROVED_A_BATCH
+        for way in sorted(ways, key=lambda way: way.end):
+            if enough <= 0 or time.perf_counter() >= self.deadline:
+                break
+            enough -= self._screened_and_proved(sampler, way)
         return bool(batch)
 
     def _way(self, chain: Chain, option: Option, sample: Sample) -> Outline | Draft | Refusal:
@@ -195,22 +186,28 @@ class Search:
         """When the best plan so far ends, s: only what ends earlier is of interest."""
         return math.inf if self.found.best is None else self.found.best.state.time
 
-    def _prove(self, free: list[Outline | Draft]) -> list[Outline | Draft]:
-        """Proves ways, the earliest first, and adds the chains that come of them; gives those that are refused."""
-        proved, refused = 0, []
-        for way in free[:PROOFS_A_BATCH]:
-            if proved >= PROVED_A_BATCH or time.perf_counter() >= self.deadline:
-                break
-            chain = self._proved(way)
-            if isinstance(chain, Refusal):
-                self.found.census.add(chain)
-                refused.append(way)
-                continue
-            proved += 1
-            self._add(chain)
-            if self.scene.options.stop == "first":
-                break
-        return refused
+    def _screened_and_proved(self, sampler: Sampler, way: Outline | Draft) -> bool:
+        """Screens a timed candidate and, if nothing is in its way, proves it and adds the partial plan it leads to.
+
+        Returns whether it was proved.
+        """
+        screened = screen(self.prover, [way])[0]
+        at = None if screened.refusal is None or screened.refusal.interval is None else screened.refusal.interval[0]
+        sampler.learn(way.sample, screened.bad, way.end, at)
+        if screened.refusal is not None:
+            self.found.census.add(screened.refusal)
+            for also in screened.also:
+                self.found.census.note(also)
+            return False
+        if not self._of_use(way):
+            return False
+        chain = self._proved(way)
+        if isinstance(chain, Refusal):
+            self.found.census.add(chain)
+            sampler.learn(way.sample, 1.0)
+            return False
+        self._add(chain)
+        return True
 
     def _proved(self, way: Outline | Draft) -> Chain | Refusal:
         """The chain that a way leads to, with the proofs of all its phases."""

@@ -42,8 +42,11 @@ class Sampler:
         visit, self.visits = self.visits, self.visits + 1
         if not self.options:
             return []
-        if visit == 0:
-            return [*self._direct(), *self._arches()]
+        if visit == 0 and (direct := self._direct()):
+            return direct
+        if visit <= 1 and (arches := self._arches()):
+            self.visits = 2
+            return arches
         if self._cartesian():
             # a straight leg from a moving frame has nothing to choose: it has been tried
             return [self._wait() for _ in range(tuning.BATCH)] if self.chain.state.resting else []
