@@ -19,11 +19,11 @@ from assur.experiments import printed_rrr
 from assur.experiments.experiment import Result, paragraphs
 from assur.experiments.five_bar_figure import SIZE, draw
 from assur.experiments.five_bar_places import Paths, elbows, on_curve, standing
+from assur.experiments.five_bar_workspace import Workspace, workspace
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Pose
-from assur.planner.robots.five_bar import MODES, SIGMA, FiveBar
-from assur.planner.robots.five_bar_workspace import Workspace, workspace
+from assur.planner.robots.five_bar import MODES, FiveBar
 from assur.planner.robots.protocol import Code
 from assur.scenes.catalogue import arm_named
 from assur.scenes.reading.plan import plan_of
@@ -156,7 +156,7 @@ def printed_against_planner(robot: FiveBar, space: Workspace) -> dict[str, float
         sides = []
         for k, shift in ((0, robot.separation / 2), (1, -robot.separation / 2)):
             axis = printed_rrr.Point(zero, zero + shift, zero, zero, zero, zero)
-            assembly = 1 if SIGMA[mode][k] > 0 else 2
+            assembly = 2 if (mode // 2, mode % 2)[k] else 1
             sides.append(printed_rrr.dyad(axis, tool, robot.proximal[k], robot.distal[k], assembly))
         motion = standing(p[mine])
         motion.v[:, :2], motion.a[:, :2] = v[mine], a[mine]
@@ -166,7 +166,7 @@ def printed_against_planner(robot: FiveBar, space: Workspace) -> dict[str, float
             off = printed - mine_q[:, :2]
             off = np.angle(np.exp(1j * off)) if order == 0 else off / (1 + np.abs(mine_q[:, :2]))
             worst[key] = max(worst[key], float(np.abs(off).max(initial=0.0)))
-        direct = printed_rrr.dyad(sides[0].c, sides[1].c, *robot.distal, 1 if robot.loop.sigma > 0 else 2).c
+        direct = printed_rrr.dyad(sides[0].c, sides[1].c, *robot.distal, 1 if robot.sigma > 0 else 2).c
         for key, (one, two) in zip(back, (("x", "y"), ("xd", "yd"), ("xdd", "ydd")), strict=True):
             off = np.hypot(getattr(direct, one) - getattr(tool, one), getattr(direct, two) - getattr(tool, two))
             back[key] = max(back[key], float(off.max(initial=0.0)))

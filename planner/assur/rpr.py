@@ -1,15 +1,8 @@
-"""The RPR dyad: a slider between two revolute joints, in vector form, from position to jerk.
+"""The RPR dyad in arrays: a slider between two revolute joints, equations K19 to K22 of docs/kinematics.md.
 
 A and B are given with their motion, d = B − A; angle θ and length l of the line from A to B are sought. e = d/l,
-e⊥ a quarter turn to the left. Equations K19 to K22 of docs/kinematics.md:
-
-    l = s |d|        θ = ∠(s d)                                                                      (K19)
-    l̇ = e·ḋ          θ̇ = e⊥·ḋ/l                                                                     (K20)
-    l̈ = e·d̈ + l θ̇²   θ̈ = (e⊥·d̈ − 2 l̇ θ̇)/l                                                         (K21)
-    l⃛ = e·d⃛ + 3 l̇ θ̇² + 3 l θ̇ θ̈    θ⃛ = (e⊥·d⃛ − 3 l̇ θ̈ − 3 l̈ θ̇ + l θ̇³)/l                         (K22)
-
-Source: 000, figures 2 (θ) and 3 (l), without their cases for x = 0 (of which two are printed wrongly) and with one
-order more. The same dyad gives base angle and radius of any arm that turns about the vertical.
+e⊥ a quarter turn to the left. The equations stand in `assur.planner.kernels.dyads`. The same dyad gives base angle and
+radius of any arm that turns about the vertical.
 """
 
 from __future__ import annotations
@@ -19,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.assur.codes import Code
-from assur.planner.assur.rrr import Planar
+from assur.planner.assur.rrr import Planar, stacked
 from assur.planner.errors import FaultError, InputError
+from assur.planner.kernels.dyads import ANGLE, LENGTH, RPR_COLUMNS, rpr_rows
 
 FORWARD = 1
 """s of the usual assembly: B ahead of A along the slider, l > 0."""
@@ -62,7 +55,6 @@ class RPR:
         if not (0.0 < self.least < np.inf):
             raise InputError("least", self.least, "a positive length in m")
 
-    @np.errstate(all="ignore")
     def solve(self, sign: int, d: Planar, *derivatives: Planar) -> Extension:
         """The assembly with `sign` (FORWARD or BACKWARD) for `d` = B − A (m) and up to three time derivatives of d.
 
@@ -72,38 +64,11 @@ class RPR:
         """
         if sign not in (FORWARD, BACKWARD) or len(derivatives) > 3:
             raise FaultError(f"RPR: sign {sign} with {len(derivatives)} derivatives")
-        dx, dy = d
-        distance = np.hypot(dx, dy)
-        length = sign * distance
-        ex, ey = dx / length, dy / length
-        along = [ex * x + ey * y for x, y in derivatives]
-        across = [ex * y - ey * x for x, y in derivatives]
-        rates: list[Planar] = []
-        if along:
-            grows, turns = along[0], across[0] / length  # K20
-            rates.append((turns, grows))
-        if len(along) > 1:
-            grows_2 = along[1] + length * turns * turns  # K21
-            turns_2 = (across[1] - 2.0 * grows * turns) / length
-            rates.append((turns_2, grows_2))
-        if len(along) > 2:
-            grows_3 = along[2] + 3.0 * turns * (grows * turns + length * turns_2)  # K22
-            turns_3 = (across[2] - 3.0 * (grows * turns_2 + grows_2 * turns) + length * turns**3) / length
-            rates.append((turns_3, grows_3))
-        given = sum((x * 0.0 for pair in (d, *derivatives) for x in pair), np.zeros(distance.shape))
-        finite = np.isfinite(given + distance)
-        far = distance > self.least
-        for pair in rates:
-            finite &= np.isfinite(pair[0] + pair[1]) | ~far
-        code = np.where(~finite, Code.OUT_OF_REACH, np.where(far, Code.ASSEMBLED, Code.INDETERMINATE)).astype(np.int64)
-        good = code == Code.ASSEMBLED
-
-        def known(x: FloatArray) -> FloatArray:
-            return np.where(good, x, np.nan)
-
-        # + 0.0: no negative zero, which would turn the angle of a line along −x into −π
-        angle = np.arctan2(sign * dy + 0.0, sign * dx + 0.0)
-        unit = (known(ex), known(ey))
-        return Extension(
-            known(angle), known(length), unit, tuple((known(turn), known(grow)) for turn, grow in rates), code
-        )
+        rows = stacked(d, *derivatives)
+        out, code = np.empty((*rows.shape[:-2], RPR_COLUMNS)), np.empty(rows.shape[:-2], dtype=np.int64)
+        flat = rows.reshape(-1, *rows.shape[-2:])
+        rpr_rows(self.least, sign, flat, len(derivatives), out.reshape(-1, RPR_COLUMNS), code.reshape(-1))
+        angle, length = out[..., ANGLE], out[..., LENGTH]
+        unit = (sign * np.cos(angle), sign * np.sin(angle))
+        rates = tuple((out[..., 2 * k], out[..., 2 * k + 1]) for k in range(1, len(derivatives) + 1))
+        return Extension(angle, length, unit, rates, code)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.collision.proof import BUDGET, MANY, STACK, Prover
+from assur.planner.collision.proof import BUDGET, MANY, ROOM, STACK, Prover
 from assur.planner.kernels.nearest import (
     LOWER,
     NEAREST_A,
@@ -16,6 +16,7 @@ from assur.planner.kernels.nearest import (
     sample_distance,
     search_nearest,
 )
+from assur.planner.kernels.planes import SIDES
 from assur.planner.kernels.proof import DONE, ITEM_COLUMNS, ITEMS_FULL, TOP
 from assur.planner.kernels.solids import FIRST, GROWTH, REQUIRED, SECOND
 from assur.planner.model.outcome import Nearest
@@ -48,9 +49,9 @@ def nearest(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -
         return None
     arrangement = prover.of(where)
     first, second = (arrangement.names[arrangement.body[int(state[k])]] for k in (NEAREST_A, NEAREST_B))
-    return Nearest(
-        max(0.0, min(float(state[LOWER]), float(state[UPPER]))), float(state[NEAREST_T]), (first, second), where.kind
-    )
+    upper = float(state[UPPER])
+    lower = max(0.0, min(float(state[LOWER]), upper))
+    return Nearest(lower, float(state[NEAREST_T]), (first, second), where.kind, upper)
 
 
 def _search(prover: Prover, trajectory: Trajectory, phase: Phase, state: FloatArray) -> None:
@@ -60,12 +61,14 @@ def _search(prover: Prover, trajectory: Trajectory, phase: Phase, state: FloatAr
     edges = np.linspace(phase.t0, phase.t1, INSTANTS)
     edges[-1] = phase.t1
     within, pairs = NEARBY_M, asked.every
-    while len(asked.mine) * len(asked.others) > MANY:
+    many = len(asked.mine) * len(asked.others) > MANY
+    least = prover.behind(phase, spline, asked) if many else np.zeros((0, SIDES))
+    while many:
         # what planes keep further apart than `within` cannot be nearest, if anything is found that is nearer
         within = min(within, float(state[UPPER]))
         others = asked.others.copy()
         others[:, REQUIRED - 1], others[:, GROWTH - 1 :] = within, 0.0
-        pairs = prover.not_behind(phase, spline, asked, others)
+        pairs = prover.not_behind(phase, asked, others, least)
         _sample(prover, phase, trajectory, pairs, edges, state)
         if state[UPPER] <= within or len(pairs) == len(asked):
             break
@@ -74,7 +77,7 @@ def _search(prover: Prover, trajectory: Trajectory, phase: Phase, state: FloatAr
     pairs = pairs[pairs[:, REQUIRED] >= 0.0]
     if not len(pairs):
         return
-    items, stack = np.zeros((max(256, 4 * len(pairs)), ITEM_COLUMNS)), np.zeros((STACK, 4))
+    items, stack = np.zeros((ROOM + 2 * len(pairs), ITEM_COLUMNS)), np.zeros((STACK, 4))
     items[: len(pairs), 0], items[: len(pairs), 1] = pairs[:, FIRST], pairs[:, SECOND]
     stack[0], state[TOP] = (phase.t0, phase.t1, 0, len(pairs)), 1
     for _ in range(MOST_CALLS):

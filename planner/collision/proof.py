@@ -56,6 +56,8 @@ MANY = 64
 """Pairs of a phase from which on planes are looked for: for fewer, rows of pairs cost less."""
 PART_S = 0.08
 """Intervals over which planes are proved, s."""
+ROOM = 128
+"""Rows, and open pairs, for which there is room at first; it is doubled when it runs out."""
 STACK = 64
 """Intervals on the stack at a time: two for each halving, and no motion is halved so often."""
 ORIGIN = -1.0
@@ -148,18 +150,19 @@ class Prover:
         many = not_behind(arrangement.boxes, pairs.mine, least, others, pairs.allowed, since, phase.t1, used, left)
         return np.concatenate([left[:many], pairs.own])
 
-    def not_behind(self, phase: Phase, spline: Spline, pairs: Pairs, others: FloatArray) -> FloatArray:
-        """The pairs (P, PAIR_COLUMNS) of a phase that no plane proves to stay as far apart as `others` says."""
-        edges = _parts(phase)
-        least = self._behind(phase, spline, pairs, edges)
+    def behind(self, phase: Phase, spline: Spline, pairs: Pairs) -> FloatArray:
+        """How far behind planes the robot's units are proved to stay throughout a phase (R, 6)."""
+        return self._behind(phase, spline, pairs, _parts(phase))
+
+    def not_behind(self, phase: Phase, pairs: Pairs, others: FloatArray, least: FloatArray) -> FloatArray:
+        """The pairs (P, PAIR_COLUMNS) of a phase that no plane of `least` keeps as far apart as `others` says."""
         return self._left(phase, self.of(phase), pairs, others, least, np.zeros_like(least))
 
     def _settled(
         self, phase: Phase, arrangement: Arrangement, spline: Spline, latest: float, pairs: FloatArray
     ) -> FloatArray | Unproved:
         """Rows (N, ROW_COLUMNS) of all pairs, or the first that resists."""
-        items = np.zeros((max(256, 4 * len(pairs)), ITEM_COLUMNS))
-        rows = np.empty((max(128, 2 * len(pairs)), ROW_COLUMNS))
+        items, rows = np.zeros((ROOM + 2 * len(pairs), ITEM_COLUMNS)), np.empty((ROOM + len(pairs), ROW_COLUMNS))
         items[: len(pairs), 0], items[: len(pairs), 1] = pairs[:, FIRST], pairs[:, SECOND]
         items[: len(pairs), 2] = np.arange(len(pairs))
         stack, state = np.zeros((STACK, 4)), np.zeros(STATE_COLUMNS)

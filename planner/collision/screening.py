@@ -142,7 +142,8 @@ def _refusal(prover: Prover, hit: _Hit) -> Refusal:
     reason = Reason.SELF_COLLISION if arrangement.of_robot[second] else Reason.BODY_COLLISION
     # the standstill after the last leg belongs to the last step
     step = phase.step if phase.step >= 0 else len(prover.scene.task) - 1
-    touching = prover.touch(arrangement, hit.q, hit.t, hit.a, hit.b)
+    # what has a gap does not touch
+    touching = not hit.gap > 0.0 and prover.touch(arrangement, hit.q, hit.t, hit.a, hit.b)
     required = hit.need - RESERVE_M
     return Refusal(
         stage=Stage.SCREENING,
@@ -151,5 +152,5 @@ def _refusal(prover: Prover, hit: _Hit) -> Refusal:
         subject=Bodies(names),
         interval=(hit.t, hit.t),
         amount=Quantity.of(max(0.0, required - hit.gap), "m"),
-        facts=Separation(touching=bool(touching), gap_m=hit.gap, required_m=required),
+        facts=Separation(touching=touching, gap_m=hit.gap, required_m=required),
     )

@@ -43,7 +43,7 @@ class Change:
     def phases(self, before: float) -> list[tuple[float, float, float]]:
         """The ramp from speed `before`, as (duration, acceleration at its begin, jerk) of each phase; [] if none.
 
-        With Δ the change, A and J the limits (equation R1): tⱼ = A/J, tₐ = Δ/A − tⱼ if Δ ≥ A²/J, and else
+        With Δ the change, A and J the limits (equation F7): tⱼ = A/J, tₐ = Δ/A − tⱼ if Δ ≥ A²/J, and else
         tⱼ = √(Δ/J), tₐ = 0; the phases are tⱼ with jerk J, tₐ with none and tⱼ with −J.
         """
         delta = abs(self.speed - before)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 
-from assur.planner.arrays import FloatArray
+import numpy as np
+
+from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.laws import bound_frame, place_frame
 from assur.planner.kernels.links import (
     ACCELERATION,
+    BOUND_COLUMNS,
     LINKS,
     V_ANY,
     V_ANY_FAR,
@@ -20,6 +23,9 @@ from assur.planner.kernels.links import (
     bound_links,
     place_links,
 )
+
+LEAST_SQUARE = 1e-290
+"""Squares below this are near the smallest numbers that there are (no unit)."""
 
 
 @kernel("void(float64[::1], float64[:, ::1], float64[:, ::1], float64[::1], float64, float64[:, ::1])")
@@ -99,6 +105,30 @@ def point_bound(
     """
     if not (reach >= 0.0 and distance >= 0.0):
         return math.inf, math.inf
-    flat = math.sqrt(nx * nx + ny * ny)
+    square = nx * nx + ny * ny
+    # the root of a square that is almost nothing has lost its digits
+    flat = math.sqrt(square) if square > LEAST_SQUARE else math.hypot(nx, ny)
     speed = _along(bounds, k, 0, reach, distance, nx, ny, nz, flat)
     return speed, _along(bounds, k, ACCELERATION, reach, distance, nx, ny, nz, flat)
+
+
+@kernel(
+    "void(float64[::1], int64[::1], float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1],"
+    " float64[:, ::1], float64[:, ::1])"
+)
+def points_of_links(
+    robot: FloatArray,
+    links: IntArray,
+    points: FloatArray,
+    lower: FloatArray,
+    upper: FloatArray,
+    rate: FloatArray,
+    rate_d: FloatArray,
+    found: FloatArray,
+) -> None:
+    """`point_bound` for N points: `points` (N, 5) are reach, distance and n, `found` (N, 2) speed and acceleration."""
+    bounds = np.empty((int(robot[LINKS]), BOUND_COLUMNS))
+    for i in range(len(points)):
+        bound_links(robot, lower[i], upper[i], rate[i], rate_d[i], bounds)
+        reach, distance, nx, ny, nz = points[i, 0], points[i, 1], points[i, 2], points[i, 3], points[i, 4]
+        found[i, 0], found[i, 1] = point_bound(bounds, links[i], reach, distance, nx, ny, nz)

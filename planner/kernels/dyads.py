@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import math
 
-from assur.planner.arrays import FloatArray
+from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.compiled import kernel
 
 LEFT = 1
@@ -49,9 +49,28 @@ UX, UY, WX, WY, CROSS, MARGIN = range(6)
 RATES = 6
 """Then, for each derivative that is given, its pair for links 1 and 2 of their absolute angles."""
 RRR_COLUMNS = 12
+WORK_ROWS = 8
+"""Rows of the room (8, 12) that motions work in: the orders of d, then solved dyads."""
+SOLVED = 4
+"""First row of that room that is for a solved dyad."""
 ANGLE, LENGTH = 0, 1
 """Columns of a solved RPR dyad: θ in (−π, π], rad, and l, m; then the pair of each derivative."""
 RPR_COLUMNS = 8
+
+
+@kernel("void(float64[::1], float64)")
+def fill(row: FloatArray, value: float) -> None:
+    """Sets every number of a row."""
+    for i in range(len(row)):
+        row[i] = value
+
+
+@kernel("void(float64[:, ::1], int64, int64, float64)")
+def fill_rows(table: FloatArray, begin: int, end: int, value: float) -> None:
+    """Sets every number of the rows from `begin` to before `end`."""
+    for k in range(begin, end):
+        for i in range(table.shape[1]):
+            table[k, i] = value
 
 
 @kernel("int64(float64, float64, float64, float64[:, ::1], int64, float64[::1])")
@@ -61,7 +80,7 @@ def rrr(l1: float, l2: float, sigma: float, d: FloatArray, order: int, out: Floa
     Degenerate targets: stretched and folded ones have u and w, on the line AB, and a margin of 0, but NaN rates (K7,
     K8); out of reach, indeterminate, and targets that are not finite, are NaN throughout. So are rates above `order`.
     """
-    out[:] = math.nan
+    fill(out, math.nan)
     dx, dy = d[0, 0], d[0, 1]
     square = dx * dx + dy * dy
     outer, inner = l1 + l2, abs(l1 - l2)
@@ -111,4 +130,66 @@ def rrr(l1: float, l2: float, sigma: float, d: FloatArray, order: int, out: Floa
                 by = d[3, 1] + m1 * uy + c1 * ux + m2 * wy + c2 * wx
                 out[RATES + 4] = (bx * wx + by * wy) * inverse  # K6
                 out[RATES + 5] = -(bx * ux + by * uy) * inverse
+    for k in range(RATES + 2 * order):
+        total += 0.0 * out[k]
+    if not math.isfinite(total):
+        # rates that overflow
+        fill(out, math.nan)
+        return OUT_OF_REACH
     return ASSEMBLED
+
+
+@kernel("int64(float64, float64, float64[:, ::1], int64, float64[::1])")
+def rpr(least: float, sign: float, d: FloatArray, order: int, out: FloatArray) -> int:
+    """Fills `out` (8 at least) with the assembly `sign` (1: l > 0, −1: l < 0) for `d` (4, 2) up to derivative `order`.
+
+    Returns its code: INDETERMINATE where |d| <= `least`, m, for then the slider may point anywhere. That, and what is
+    not finite or overflows (OUT_OF_REACH), is NaN throughout; so are rates above `order`.
+    """
+    fill(out, math.nan)
+    dx, dy = d[0, 0], d[0, 1]
+    total = 0.0
+    for k in range(order + 1):
+        total += 0.0 * (d[k, 0] + d[k, 1])  # NaN for what is not finite
+    distance = math.hypot(dx, dy)
+    if not math.isfinite(total + distance):
+        return OUT_OF_REACH
+    if not distance > least:
+        return INDETERMINATE
+    length = sign * distance
+    ex, ey = dx / length, dy / length
+    # + 0.0: no negative zero, which would turn the angle of a line along −x into −π
+    angle = math.atan2(sign * dy + 0.0, sign * dx + 0.0)
+    out[ANGLE], out[LENGTH] = angle, length
+    if order > 0:
+        grows, turns = ex * d[1, 0] + ey * d[1, 1], (ex * d[1, 1] - ey * d[1, 0]) / length  # K20
+        out[2], out[3] = turns, grows
+        if order > 1:
+            along, across = ex * d[2, 0] + ey * d[2, 1], ex * d[2, 1] - ey * d[2, 0]
+            grows_2, turns_2 = along + length * turns * turns, (across - 2.0 * grows * turns) / length  # K21
+            out[4], out[5] = turns_2, grows_2
+            if order > 2:
+                along, across = ex * d[3, 0] + ey * d[3, 1], ex * d[3, 1] - ey * d[3, 0]
+                mixed = 3.0 * (grows * turns_2 + grows_2 * turns)
+                out[6] = (across - mixed + length * turns * turns * turns) / length  # K22
+                out[7] = along + 3.0 * turns * (grows * turns + length * turns_2)
+    for k in range(2 + 2 * order):
+        total += 0.0 * out[k]
+    if not math.isfinite(total):
+        fill(out, math.nan)
+        return OUT_OF_REACH
+    return ASSEMBLED
+
+
+@kernel("void(float64, float64, float64, float64[:, :, ::1], int64, float64[:, ::1], int64[::1])")
+def rrr_rows(l1: float, l2: float, sigma: float, d: FloatArray, order: int, out: FloatArray, codes: IntArray) -> None:
+    """`rrr` for each of `d` (N, 4, 2), into `out` (N, 12) and `codes` (N,)."""
+    for i in range(len(d)):
+        codes[i] = rrr(l1, l2, sigma, d[i], order, out[i])
+
+
+@kernel("void(float64, float64, float64[:, :, ::1], int64, float64[:, ::1], int64[::1])")
+def rpr_rows(least: float, sign: float, d: FloatArray, order: int, out: FloatArray, codes: IntArray) -> None:
+    """`rpr` for each of `d` (N, 4, 2), into `out` (N, 8) and `codes` (N,)."""
+    for i in range(len(d)):
+        codes[i] = rpr(least, sign, d[i], order, out[i])

@@ -14,6 +14,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
+from assur.planner.kernels.dyads import fill, fill_rows
 from assur.planner.kernels.links import (
     ACCELERATION,
     BOUND_COLUMNS,
@@ -209,14 +210,16 @@ def _place_neighbour(law: FloatArray, pieces: FloatArray, t: float, placed: Floa
     q, found = scratch[:n], scratch[n:].reshape((links, POSE_COLUMNS))
     spline_state(run[times:coefficients], run[coefficients:whole].reshape((count, n, 6)), t, q)
     place_links(row, q, found)
-    placed[k] = found[int(law[LINK])]
+    link = int(law[LINK])
+    for i in range(POSE_COLUMNS):
+        placed[k, i] = found[link, i]
 
 
 @kernel("void(float64[::1], float64[:, ::1], float64, float64[:, ::1], int64)")
 def place_frame(law: FloatArray, pieces: FloatArray, t: float, placed: FloatArray, k: int) -> None:
     """Fills row k of `placed` with the frame of a law at time t; NaN where the law is not known, and for NaN."""
     if not law[FIRST] <= t <= law[LAST]:
-        placed[k] = math.nan
+        fill_rows(placed, k, k + 1, math.nan)
         return
     kind = law[KIND]
     x, y, z, c, s = law[X], law[Y], law[Z], law[COS], law[SIN]
@@ -298,7 +301,9 @@ def _bound_neighbour(law: FloatArray, pieces: FloatArray, t0: float, t1: float, 
         rate_d,
     )
     bound_links(row, lower, upper, rate, rate_d, found)
-    bounds[k] = found[int(law[LINK])]
+    link = int(law[LINK])
+    for i in range(BOUND_COLUMNS):
+        bounds[k, i] = found[link, i]
 
 
 @kernel("void(float64[::1], float64[:, ::1], float64, float64, float64[:, ::1], int64)")
@@ -308,7 +313,7 @@ def bound_frame(law: FloatArray, pieces: FloatArray, t0: float, t1: float, bound
     Infinite in every direction for an interval that is not wholly known, ends before it begins, or is not a number.
     """
     row = bounds[k]
-    row[:] = 0.0
+    fill(row, 0.0)
     if not (law[FIRST] <= t0 <= t1 <= law[LAST]):
         row[V_ANY] = row[ACCELERATION + V_ANY] = math.inf
         return

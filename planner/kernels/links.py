@@ -19,9 +19,9 @@ import math
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
+from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels.dyads import CROSS, RRR_COLUMNS, UX, UY, WX, WY, rrr
+from assur.planner.kernels.dyads import RRR_COLUMNS, SOLVED, UX, UY, WX, WY, fill_rows, rrr
 
 SCARA, FIVE_BAR, ELBOW, POLAR, FIVE_AXIS = range(5)
 """Kinds of arms."""
@@ -94,23 +94,23 @@ def _place_scara(robot: FloatArray, q: FloatArray, placed: FloatArray) -> None:
     put_upright(placed, 4, tip_x, tip_y, tip, c2, s2)
 
 
-@kernel("int64(float64[::1], float64, float64, float64[:, ::1], float64[::1])")
-def close_loop(robot: FloatArray, theta1: float, theta5: float, s: FloatArray, solved: FloatArray) -> int:
+@kernel("int64(float64[::1], float64, float64, float64[:, ::1])")
+def close_loop(robot: FloatArray, theta1: float, theta5: float, work: FloatArray) -> int:
     """The dyad between the elbows of a five-bar (K32), in base axes, for the angles of its cranks; its code.
 
-    `s` (4, 2) and `solved` (12,) are filled, without rates.
+    Row `SOLVED` of `work` is filled, without rates.
     """
-    s[0, 0] = robot[L3] * math.cos(theta5) - robot[L1] * math.cos(theta1)
-    s[0, 1] = robot[L3] * math.sin(theta5) - robot[L1] * math.sin(theta1) - robot[HEIGHT]
-    return rrr(robot[L2], robot[L4], robot[SIGMA], s, 0, solved)
+    work[0, 0] = robot[L3] * math.cos(theta5) - robot[L1] * math.cos(theta1)
+    work[0, 1] = robot[L3] * math.sin(theta5) - robot[L1] * math.sin(theta1) - robot[HEIGHT]
+    return rrr(robot[L2], robot[L4], robot[SIGMA], work, 0, work[SOLVED])
 
 
 @kernel("void(float64[::1], float64[::1], float64[:, ::1])")
 def _place_five_bar(robot: FloatArray, q: FloatArray, placed: FloatArray) -> None:
     """K34; NaN beyond the cranks where the loop does not assemble."""
-    scratch = np.empty((4 + RRR_COLUMNS // 2, 2))
-    solved = scratch[4:].reshape(RRR_COLUMNS)
-    close_loop(robot, q[0], q[1], scratch, solved)
+    work = np.empty((SOLVED + 1, RRR_COLUMNS))
+    close_loop(robot, q[0], q[1], work)
+    solved = work[SOLVED]
     c, s, z = robot[BASE_COS], robot[BASE_SIN], robot[BASE_Z]
     half = robot[HEIGHT] / 2.0
     x, y = robot[BASE_X], robot[BASE_Y]
@@ -199,10 +199,11 @@ def loop_least(robot: FloatArray, lower: FloatArray, upper: FloatArray) -> tuple
     NaN where it is not proved that the loop assembles throughout, or something given is not finite.
     """
     d, al, bl, ar, br = robot[HEIGHT], robot[L1], robot[L2], robot[L3], robot[L4]
+    for i in range(2):
+        if not (math.isfinite(lower[i]) and math.isfinite(upper[i]) and lower[i] <= upper[i]):
+            return math.nan, math.nan
     r1, r5 = (upper[0] - lower[0]) / 2.0, (upper[1] - lower[1]) / 2.0
     theta1, theta5 = lower[0] + r1, lower[1] + r5
-    if not (r1 >= 0.0 and r5 >= 0.0 and math.isfinite(theta1) and math.isfinite(theta5)):
-        return math.nan, math.nan
     sine, cosine = math.sin(theta5 - theta1), math.cos(theta5 - theta1)
     square = d * d + al * al + ar * ar - 2.0 * al * ar * cosine
     square += 2.0 * d * (al * math.sin(theta1) - ar * math.sin(theta5))
@@ -230,18 +231,6 @@ def assembled(robot: FloatArray, lower: FloatArray, upper: FloatArray) -> bool:
         return True
     least: float = robot[PARALLEL_LEAST] * robot[L2] * robot[L4]
     return loop_least(robot, lower, upper)[0] >= least
-
-
-@kernel("float64(float64[::1], float64[::1])")
-def parallel_margin(robot: FloatArray, q: FloatArray) -> float:
-    """|sin| of the angle between the couplers of a five-bar (K33), NaN where q does not assemble; 1 without a loop."""
-    if robot[KIND] != FIVE_BAR:
-        return 1.0
-    scratch = np.empty((4 + RRR_COLUMNS // 2, 2))
-    solved = scratch[4:].reshape(RRR_COLUMNS)
-    close_loop(robot, q[0], q[1], scratch, solved)
-    margin: float = abs(solved[CROSS]) / (robot[L2] * robot[L4])
-    return margin
 
 
 @kernel("UniTuple(float64, 4)(float64[::1], float64[::1], float64[::1], float64[::1], float64[::1])")
@@ -373,9 +362,9 @@ def bound_links(
     total = 0.0
     for j in range(len(rate)):
         total += rate[j] + rate_d[j]
-    bounds[:links] = 0.0
+    fill_rows(bounds, 0, links, 0.0)
     if not math.isfinite(total):
-        for k in range(1, links):
+        for k in range(links):
             bounds[k, V_ANY] = bounds[k, ACCELERATION + V_ANY] = math.inf
     elif robot[KIND] == SCARA:
         _bound_scara(robot, rate, rate_d, bounds)
@@ -383,3 +372,17 @@ def bound_links(
         _bound_five_bar(robot, lower, upper, rate, rate_d, bounds)
     else:
         _bound_tilting(robot, rate, rate_d, bounds)
+
+
+@kernel("void(float64[::1], float64[:, ::1], float64[:, :, ::1])")
+def places_of_links(robot: FloatArray, q: FloatArray, placed: FloatArray) -> None:
+    """`place_links` for each row of q (N, n), into `placed` (N, L, 12)."""
+    for i in range(len(q)):
+        place_links(robot, q[i], placed[i])
+
+
+@kernel("void(float64[::1], float64[:, ::1], float64[:, ::1], boolean[::1])")
+def ranges_assembled(robot: FloatArray, lower: FloatArray, upper: FloatArray, proved: BoolArray) -> None:
+    """`assembled` for each of the ranges `lower, upper` (N, n), into `proved` (N,)."""
+    for i in range(len(lower)):
+        proved[i] = assembled(robot, lower[i], upper[i])

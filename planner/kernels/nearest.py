@@ -184,34 +184,31 @@ def search_nearest(
         top = int(state[TOP]) - 1
         if top + 2 > len(stack):
             return ITEMS_FULL
+        if budget <= 0:
+            return WORK_SPENT
         t0, t1, first, count = stack[top, 0], stack[top, 1], int(stack[top, 2]), int(stack[top, 3])
         state[TOP] = top
         number += 1
         survey(robot, laws, side, tk, c, whole, matrix, t0, t1, q, swept, carriers, bounds)
         end, left, i = first + count, 0, first
         while i < end:
-            status = WORK_SPENT if budget <= 0 else DONE
-            if status == DONE:
-                budget -= 1
-                a, b = int(items[i, 0]), int(items[i, 1])
-                fetch(bodies, a, carriers, placed, stamp, number, still)
-                fetch(bodies, b, carriers, placed, stamp, number, still)
-                if not bounded(bodies, vertices, placed, bounds, t0, t1, items, i, points, work, state):
-                    nx, ny, nz = items[i, 3], items[i, 4], items[i, 5]
-                    several = bodies[a, PIECES] > 0.0 or bodies[b, PIECES] > 0.0
-                    if several and not gap(bodies, vertices, placed, 1, a, b, nx, ny, nz) > state[UPPER]:
-                        opened = open_box(bodies, items, i, end)
-                        if opened < 0:
-                            status = ITEMS_FULL
-                        else:
-                            end = opened
-                    else:
-                        move_items(items, i, first + left, 1)
-                        left += 1
-            if status != DONE:
-                move_items(items, i, first + left, end - i)
-                push(stack, state, t0, t1, first, left + end - i)
-                return status
+            budget -= 1
+            a, b = int(items[i, 0]), int(items[i, 1])
+            fetch(bodies, a, carriers, placed, stamp, number, still)
+            fetch(bodies, b, carriers, placed, stamp, number, still)
+            if not bounded(bodies, vertices, placed, bounds, t0, t1, items, i, points, work, state):
+                nx, ny, nz = items[i, 3], items[i, 4], items[i, 5]
+                several = bodies[a, PIECES] > 0.0 or bodies[b, PIECES] > 0.0
+                if several and not gap(bodies, vertices, placed, 1, a, b, nx, ny, nz) > state[UPPER]:
+                    opened = open_box(bodies, items, i, end)
+                    if opened < 0:
+                        move_items(items, i, first + left, end - i)
+                        push(stack, state, t0, t1, first, left + end - i)
+                        return ITEMS_FULL
+                    end = opened
+                else:
+                    move_items(items, i, first + left, 1)
+                    left += 1
             i += 1
         if left > 0:
             if first + 2 * left > len(items):

@@ -298,8 +298,8 @@ def prove(
 
     Motion: `robot`, `laws`, `side` of the carriers, `tk`, `c`, `whole`, `matrix` of the joints. `still` (K,): 1 for
     carriers that stand still throughout. `since`: the time from which a growth counts; `latest`: by how much the robot
-    may start late at most, s. `budget`: how many items may be settled. Unless it is done or a pair resists, the state
-    is such that the call can be repeated with more room.
+    may start late at most, s. `budget`: after how many items no interval is begun. Unless it is done or a pair resists,
+    the state is such that the call can be repeated with more room.
     """
     carriers_many, n, m = len(still), c.shape[1], len(matrix)
     carriers, placed = np.empty((3, carriers_many, POSE_COLUMNS)), np.empty((3, len(bodies), POSE_COLUMNS))
@@ -317,6 +317,9 @@ def prove(
         top = int(state[TOP]) - 1
         if top + 2 > len(stack):
             return ITEMS_FULL
+        # between intervals only: items that were looked over in one would be looked over again
+        if budget <= 0:
+            return WORK_SPENT
         t0, t1, first, count = stack[top, 0], stack[top, 1], int(stack[top, 2]), int(stack[top, 3])
         state[TOP] = top
         number += 1
@@ -330,8 +333,6 @@ def prove(
             status = DONE
             if r >= len(rows):
                 status = ROWS_FULL
-            elif budget <= 0:
-                status = WORK_SPENT
             else:
                 budget -= 1
                 fetch(bodies, int(items[i, 0]), carriers, placed, stamp, number, still)

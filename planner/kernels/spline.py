@@ -109,7 +109,9 @@ def piece_bounds(
     """
     pieces, n, m = len(c), c.shape[1], len(matrix)
     k = 2 * m + 2 * n
-    whole[:] = 0.0
+    for p in range(pieces + 1):
+        for j in range(2 * k):
+            whole[p, j] = 0.0
     for p in range(pieces):
         h = tk[p + 1] - tk[p]
         for j in range(m):
@@ -126,6 +128,8 @@ def piece_bounds(
             b4 = g0 + 0.8 * p1 + 0.6 * p2 + 0.4 * p3 + p4 / 5.0
             b5 = g0 + p1 + p2 + p3 + p4 + p5
             high, low = max(g0, b1, b2, b3, b4, b5), min(g0, b1, b2, b3, b4, b5)
+            bent = h * h * acceleration / 8.0
+            high, low = min(high, max(g0, b5) + bent), max(low, min(g0, b5) - bent)
             whole[p, 2 * m + i], whole[p, 2 * m + n + i] = high, -low
             whole[p, k + 2 * m + i] = whole[p, k + 2 * m + n + i] = acceleration / 8.0
             place = ROUNDING * max(abs(high), abs(low))
@@ -139,7 +143,8 @@ def piece_bounds(
             share = ROUNDING * abs(matrix[j, i])
             whole[pieces, j] += share * whole[pieces, k + 2 * m + i]
             whole[pieces, m + j] += share * whole[pieces, k + 2 * m + n + i]
-    whole[pieces, k:] = 0.0
+    for j in range(k, 2 * k):
+        whole[pieces, j] = 0.0
     whole[pieces, k] = 1.0 if rests_before else 0.0
     whole[pieces, k + 1] = 1.0 if rests_after else 0.0
 
@@ -178,11 +183,15 @@ def sweep_bounds(
     start, end = tk[0], tk[pieces]
     known = t0 <= t1 and (t0 >= start or whole[pieces, k] == 1.0) and (t1 <= end or whole[pieces, k + 1] == 1.0)
     if not known:
-        lower[:] = -math.inf
-        upper[:] = rate[:] = rate_d[:] = math.inf
+        for i in range(n):
+            lower[i], upper[i] = -math.inf, math.inf
+        for j in range(m):
+            rate[j] = rate_d[j] = math.inf
         return
-    lower[:] = upper[:] = -math.inf
-    rate[:] = rate_d[:] = 0.0
+    for i in range(n):
+        lower[i] = upper[i] = -math.inf
+    for j in range(m):
+        rate[j] = rate_d[j] = 0.0
     a, b = min(max(t0, start), end), min(max(t1, start), end)
     p = piece_at(tk, a)
     first = True

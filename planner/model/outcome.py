@@ -266,12 +266,14 @@ class JointPeak:
 
 @dataclass(frozen=True, slots=True)
 class Nearest:
-    """Where the arm comes closest to something: a proved lower bound of the distance `gap_m`, less contacts."""
+    """Where the arm comes closest to something, less contacts: `gap_m` is proved not to exceed the distance of any pair
+    at any time; `distance_m` is that of `bodies` at `time`, larger by 0.05 mm at most."""
 
     gap_m: float
     time: float
     bodies: tuple[str, str]
     phase: str
+    distance_m: float
 
 
 @dataclass(frozen=True, slots=True)

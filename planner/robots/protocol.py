@@ -17,7 +17,7 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.geometry.shapes import Body
 
-__all__ = ["Code", "Inverse", "Joint", "Limits", "Pitching", "Robot", "RobotBody", "Serial", "Sweep"]
+__all__ = ["Code", "Inverse", "Joint", "Limits", "Pitching", "Robot", "RobotBody", "Sweep"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,23 +95,6 @@ class RobotBody:
     link: int
 
 
-class Serial:
-    """What the protocol asks about loops, as an arm without one answers."""
-
-    @property
-    def parallel_least(self) -> float:
-        """0: there is nothing to keep away from."""
-        return 0.0
-
-    def parallel_margin(self, q: FloatArray) -> FloatArray:
-        """1 for every q (..., n)."""
-        return np.ones(q.shape[:-1])
-
-    def assembled(self, lower: FloatArray, upper: FloatArray) -> BoolArray:  # noqa: ARG002
-        """True for every range (N, n)."""
-        return np.ones(len(lower), dtype=bool)
-
-
 class Robot(Protocol):
     """A robot arm with n joints and L link frames. World frame everywhere, unless said."""
 
@@ -154,6 +137,11 @@ class Robot(Protocol):
     @property
     def self_pairs(self) -> tuple[tuple[str, str], ...]:
         """Names of links between which self-collision is asked: bodies on the one against bodies on the other."""
+        ...
+
+    @property
+    def row(self) -> FloatArray:
+        """What the kernels know of it (`assur.planner.kernels.links`); not to be written to."""
         ...
 
     @property

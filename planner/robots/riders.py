@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from assur.planner.errors import InputError
+from assur.planner.geometry.shapes import LARGEST_M, SMALLEST_M
 from assur.planner.robots.planar import upright
 from assur.planner.robots.protocol import Joint, Limits, RobotBody
 
@@ -28,3 +29,10 @@ def check_riders(links: tuple[str, ...], bodies: tuple[RobotBody, ...], pairs: t
     for pair in pairs:
         if not set(pair) <= set(links):
             raise InputError("robot.self_pairs", pair, f"pairs out of {links}")
+
+
+def check_lengths(**lengths: float) -> None:
+    """Raises `InputError` for a link that is not from 10 µm to 50 m long, naming it."""
+    for name, length in lengths.items():
+        if not SMALLEST_M <= length <= LARGEST_M:
+            raise InputError(name, length, f"a length from {SMALLEST_M} to {LARGEST_M} m")

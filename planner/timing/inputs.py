@@ -156,7 +156,7 @@ def lowered_limits(start: Numbers, goal: Numbers, allowed: Allowed) -> Limits | 
 
 
 def _at_ease(v0: float, a0: float, v1: float, a1: float, v: float, a: float, j: float) -> bool:
-    """Whether both states, and what they lead to (P2), are within the lowered limits: nearly always."""
+    """Whether both states, and what they lead to (equation P6), are within the lowered limits: nearly always."""
     if not (-a <= a0 <= a and -a <= a1 <= a and -v <= v0 <= v and -v <= v1 <= v):
         return False
     return -v <= v0 + a0 * abs(a0) / (2 * j) <= v and -v <= v1 - a1 * abs(a1) / (2 * j) <= v

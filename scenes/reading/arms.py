@@ -12,7 +12,7 @@ import numpy as np
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece
-from assur.planner.robots import five_axis_arm, five_bar_links, scara, vertical_plane
+from assur.planner.robots import five_axis_arm, five_bar, scara, tilting
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.five_bar import FiveBar
@@ -43,9 +43,9 @@ WITH_QUILL: tuple[Family, ...] = ("scara", "five_bar")
 """Families whose flange is lifted by a quill, or by nothing."""
 LINKS: dict[Family, tuple[str, ...]] = {
     "scara": scara.LINKS,
-    "elbow_arm": vertical_plane.LINKS,
-    "polar_arm": vertical_plane.LINKS,
-    "five_bar": five_bar_links.LINKS,
+    "elbow_arm": tilting.LINKS,
+    "polar_arm": tilting.LINKS,
+    "five_bar": five_bar.LINKS,
     "five_axis_arm": five_axis_arm.LINKS,
 }
 """Names of the link frames of each family, in order."""

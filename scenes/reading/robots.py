@@ -87,8 +87,7 @@ def refuse_open_chain(document: object, robot: Robot, start: Start) -> None:
     """Raises `DocumentError` at `start.joints` for a five-bar whose couplers cannot meet there."""
     if not isinstance(robot, FiveBar):
         return
-    x, y = robot.loop.span((start.q[..., 0],), (start.q[..., 1],))[0]
-    apart, (left, right) = 1e3 * float(np.hypot(x, y)), (1e3 * length for length in robot.distal)
+    apart, (left, right) = 1e3 * float(np.hypot(*robot.span(start.q))), (1e3 * length for length in robot.distal)
     if abs(left - right) <= apart <= left + right:
         return
     couplers = f"{left + right:.1f} mm long together" if apart > left + right else f"{left:g} mm and {right:g} mm long"

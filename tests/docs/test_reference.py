@@ -19,7 +19,7 @@ from assur.scenes.reading.arms import WITH_QUILL
 from assur.scenes.requests import request_schema, robots
 from assur.scenes.schema.request import ExecutionDocument, OptionsDocument
 from assur.scenes.units import si_key, twin_of
-from tests.docs.pages import blocks, prose, spans
+from tests.docs.pages import PAGES, ROOT, blocks, prose, spans, text
 
 API = "docs/api.md"
 REQUEST = "docs/request.md"
@@ -192,3 +192,28 @@ def test_the_arms_that_readme_names_are_those_of_the_catalogue() -> None:
     assert len(scaras) == 8
     assert set(re.findall(r"`([\w-]+)`", first)) <= set(scaras)
     assert {name for cell in others for name in re.findall(r"`([\w-]+)`", cell)} == set(there) - set(scaras)
+
+
+CITED = re.compile(r"\bequations? ((?:[A-Z]\d{1,2}(?:, | and | to )?)+)")
+NUMBERED = re.compile(r"\(([A-Z]\d{1,2})\)")
+
+
+def cited(text: str) -> set[str]:
+    """Numbers of equations that a module cites: those after the word, and all of kinematics."""
+    named = {number for found in CITED.findall(text) for number in re.findall(r"[A-Z]\d+", found)}
+    return named | set(re.findall(r"\bK\d{1,2}\b", text))
+
+
+def test_every_equation_that_the_code_cites_stands_on_a_page_once() -> None:
+    shown = [number for page in PAGES if page.startswith("docs/") for number in NUMBERED.findall(text(page))]
+    for tree in ("planner", "scenes", "experiments"):
+        for module in sorted((ROOT / tree).rglob("*.py")):
+            assert cited(module.read_text(encoding="utf-8")) <= set(shown), module
+    kinematics = re.findall(r"\(([A-Z]\d{1,2})\)(?: \|)?$", text("docs/kinematics.md"), re.MULTILINE)
+    assert len(kinematics) == len(set(kinematics)) > 80
+
+
+def test_an_equation_that_stands_nowhere_is_found() -> None:
+    assert cited("as in equation Q7") == {"Q7"}
+    assert cited("equations F1, F2 and P5; K13") == {"F1", "F2", "P5", "K13"}
+    assert cited("(equations T4 to T5).") == {"T4", "T5"}

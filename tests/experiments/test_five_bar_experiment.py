@@ -9,8 +9,8 @@ import pytest
 
 from assur.experiments import five_bar
 from assur.experiments.five_bar_places import elbows, on_curve
+from assur.experiments.five_bar_workspace import workspace
 from assur.planner.robots.five_bar import MODES
-from assur.planner.robots.five_bar_workspace import workspace
 from tests.experiments.results import result
 
 GRID_M = 0.005

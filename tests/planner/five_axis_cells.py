@@ -12,7 +12,7 @@ from assur.planner.geometry.shapes import box
 from assur.planner.model.scene import Follow, Move, Scene, Step, Target
 from assur.planner.robots.five_axis_arm import FLANGE, LINK4, FiveAxisArm
 from assur.planner.robots.protocol import Limits, RobotBody
-from assur.planner.robots.vertical_plane import LINK2, LINK3
+from assur.planner.robots.tilting import LINK2, LINK3
 from tests.planner.cells import cell, solid
 
 HEIGHT, L1, L2, L3 = 0.3, 0.25, 0.16, 0.072

@@ -13,7 +13,7 @@ def test_every_equation_that_the_code_cites_is_on_the_page() -> None:
     page = PAGE.read_text(encoding="utf-8")
     stated = set(re.findall(r"\((K\d+|S1)\)", page))
     cited: dict[str, str] = {}
-    for folder in ("assur", "robots", "frames"):
+    for folder in ("assur", "kernels", "robots", "frames"):
         for path in sorted((ROOT / "planner" / folder).glob("*.py")):
             cited.update(dict.fromkeys(re.findall(r"\bK\d+\b", path.read_text(encoding="utf-8")), path.name))
     assert {f"K{i}" for i in range(1, 9)} <= set(cited)

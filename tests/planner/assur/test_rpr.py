@@ -11,7 +11,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.assur.codes import Code
 from assur.planner.assur.rpr import BACKWARD, FORWARD, RPR
 from assur.planner.errors import FaultError, InputError
-from assur.planner.robots.vertical_plane import turned
+from assur.planner.kernels.motion import add_turned
 
 DYAD = RPR(1e-12)
 BOTH = pytest.mark.parametrize("sign", [FORWARD, BACKWARD])
@@ -28,7 +28,10 @@ def moving(size: int, sign: int) -> tuple[list[FloatArray], list[FloatArray]]:
 @BOTH
 def test_what_is_put_together_by_length_and_angle_is_taken_apart_again(sign: int) -> None:
     length, angle = moving(10_000, sign)
-    d, *derivatives = ((x[0], x[1]) for x in turned(length, angle))
+    put = np.zeros((len(length[0]), 4, 2))
+    for row, orders in zip(put, zip(*length, *angle, strict=True), strict=True):
+        add_turned(row, *orders)
+    d, *derivatives = ((put[:, k, 0], put[:, k, 1]) for k in range(4))
     with np.errstate(all="raise"):
         got = DYAD.solve(sign, d, *derivatives)
     assert (got.code == Code.ASSEMBLED).all()

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+import assur.planner.collision.proof
 from assur.planner.collision.fcl_door import Collider
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
@@ -139,6 +140,28 @@ def test_the_sampled_gap_of_every_row_is_the_clearance_and_the_reserve_or_more(
         of = (solids.names[solids.body[rows.second[i]]], int(solids.piece[rows.second[i]]))
         # the reserve of 1 µm is kept above the clearance
         assert true_gap(scene, case.path, normals[i], t, of).min() >= 0.001 + 1e-6 - 1e-11
+
+
+@pytest.mark.parametrize("short", ["BUDGET", "ROOM", "STACK"])
+def test_a_proof_that_runs_out_of_work_or_room_goes_on_where_it_was(
+    short: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cases = [encounter(seed, SHAPES[seed % len(SHAPES)], LAWS[seed % len(LAWS)], 1 + seed % 3) for seed in range(12)]
+    roomy = [(case, case.nearest()[0]) for case in cases]
+    roomy = [(case, least) for case, least in roomy if least > 2 * SMALLEST_BALL]
+    assert len(roomy) >= 6
+    for case, least in roomy:
+        phase, asks = case.phase(), Clearance(0.001, 0.0)
+        scene, too_near = (case.scene(least - share * 0.001, clearance=asks) for share in (1.1, 0.99))
+        whole = Prover(scene).prove(phase, case.path)
+        with monkeypatch.context() as scarce:
+            scarce.setattr(assur.planner.collision.proof, short, {"BUDGET": 1, "ROOM": 0, "STACK": 2}[short])
+            rows = Prover(scene).prove(phase, case.path)
+            assert isinstance(Prover(too_near).prove(phase, case.path), Unproved)
+        assert isinstance(rows, Rows)
+        assert isinstance(whole, Rows)
+        assert covered(rows, phase, scene)
+        assert np.array_equal(rows.table, whole.table) or short != "STACK"
 
 
 @given(st.integers(0, 10**6), st.sampled_from(LAWS))

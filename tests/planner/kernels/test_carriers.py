@@ -1,4 +1,4 @@
-"""Carriers as kernels place and bound them: the same as the NumPy forms of robots and laws, to rounding."""
+"""Carriers as kernels place and bound them: frames as their laws say, joints as the trajectory and its sweep say."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames import Fixed, Frame, Keyframes, Law, Linear, Pose
+from assur.planner.frames import Fixed, Keyframes, Law, Linear, Pose
 from assur.planner.kernels import laws as law_columns
-from assur.planner.kernels.carriers import carrier_bounds, place_carriers, point_bound
+from assur.planner.kernels.carriers import carrier_bounds, point_bound
 from assur.planner.kernels.laws import bound_frame, place_frame
-from assur.planner.kernels.links import ACCELERATION, BOUND_COLUMNS, V_REACH, assembled, parallel_margin
+from assur.planner.kernels.links import ACCELERATION, BOUND_COLUMNS, V_REACH
 from assur.planner.kernels.spline import spline_motion, spline_state, sweep_bounds
 from assur.planner.model.link_frames import TrajectoryLaw
 from assur.planner.robots.protocol import Robot, Sweep
@@ -40,20 +40,6 @@ def same(found: FloatArray, expected: FloatArray, close: float = CLOSE) -> None:
     assert np.all(np.abs(found[known] - expected[known]) <= close * (1.0 + np.abs(expected[known])))
 
 
-@every_arm
-def test_links_are_where_the_robot_says(name: str) -> None:
-    robot = ARMS[name]
-    row, q = robot_row(robot), states(robot, 1, 400)
-    q[0] = np.nan
-    p, rotation = robot.placements(q)
-    expected = np.concatenate([p, rotation.reshape(*p.shape[:2], 9)], -1)
-    found = np.empty_like(expected)
-    for i in range(len(q)):
-        place_carriers(row, NO_LAWS, NO_PIECES, q[i], 0.0, found[i])
-    same(found[1:], expected[1:])
-    assert np.isnan(found[0, -1]).any()
-
-
 def swept(robot: Robot, seed: int, size: int) -> Sweep:
     """Ranges about random states, from points to wide ones, with random rates; some are zero, one is infinite."""
     rng = np.random.default_rng(seed)
@@ -64,26 +50,6 @@ def swept(robot: Robot, seed: int, size: int) -> Sweep:
     rates[:, ::5] = 0.0
     rates[:, ::7, 0] = 0.0
     return Sweep(q - half, q + half, rates[0], rates[1] * 10.0)
-
-
-@every_arm
-def test_points_of_links_are_bounded_as_the_robot_bounds_them(name: str) -> None:
-    robot, rng, size = ARMS[name], np.random.default_rng(2), 500
-    row, known = robot_row(robot), swept(robot, 3, size)
-    links = rng.integers(0, len(robot.links), size)
-    reach, distance = rng.uniform(0.0, 0.4, (2, size))
-    reach[::4] = 0.0
-    n = rng.normal(size=(size, 3))
-    n[::6], n[1::6] = [0.0, 0.0, 1.0], [0.6, -0.8, 0.0]
-    n /= np.linalg.norm(n, axis=1, keepdims=True)
-    expected = np.stack(robot.point_bounds(links, reach, distance, n, known), -1)
-    found = np.empty((size, 2))
-    bounds = np.empty((len(robot.links), BOUND_COLUMNS))
-    for i in range(size):
-        each = (known.lower[i], known.upper[i], known.rate[i], known.rate_d[i])
-        carrier_bounds(row, NO_LAWS, NO_PIECES, 0.0, 1.0, *each, bounds)
-        found[i] = point_bound(bounds, links[i], reach[i], distance[i], *n[i])
-    same(found, expected)
 
 
 @every_arm
@@ -102,17 +68,6 @@ def test_a_point_of_which_nothing_is_known_is_bounded_by_infinity(name: str) -> 
     for reach, distance in ((-0.1, 0.1), (0.1, -0.1), (math.nan, 0.1), (0.1, math.nan)):
         assert point_bound(bounds, last, reach, distance, 1.0, 0.0, 0.0) == (math.inf, math.inf)
     assert point_bound(bounds, last, 0.1, 0.1, math.nan, 0.0, 0.0) == (math.inf, math.inf)
-
-
-@every_arm
-def test_a_loop_is_proved_to_assemble_where_the_robot_proves_it(name: str) -> None:
-    robot, size = ARMS[name], 500
-    row, known = robot_row(robot), swept(robot, 4, size)
-    found = [assembled(row, known.lower[i], known.upper[i]) for i in range(size)]
-    assert np.array_equal(found, robot.assembled(known.lower, known.upper))
-    same(np.array([parallel_margin(row, q) for q in known.lower]), robot.parallel_margin(known.lower))
-    nowhere = np.full(len(robot.joints), np.nan)
-    assert assembled(row, nowhere, nowhere) == (len(robot.limits.lower) == 0 or "five-bar" not in name)
 
 
 def placed_by(law: Law, t: FloatArray) -> FloatArray:
@@ -246,7 +201,7 @@ def test_joint_motion_is_bounded_as_the_sweep_bounds_it(path: Trajectory, seed: 
     for i in range(40):
         out = (found.lower[i], found.upper[i], found.rate[i], found.rate_d[i])
         sweep_bounds(table.tk, table.c, table.whole, table.matrix, t0[i], t1[i], *out)
-    sizes = [1.0, 1.0, *(1.0 + np.abs(path.bernstein(order)).max() for order in (1, 2))]
+    sizes = [1.0 + np.abs(path.bernstein(order)).max() for order in (0, 0, 1, 2)]
     for name, size in zip(("lower", "upper", "rate", "rate_d"), sizes, strict=True):
         sign, close = -1.0 if name == "lower" else 1.0, CLOSE * path.n * size
         assert np.all(sign * (getattr(found, name) - getattr(expected, name)) <= close)
@@ -270,10 +225,3 @@ def test_beside_a_trajectory_that_does_not_rest_nothing_is_known() -> None:
     for t0, t1 in ((math.nan, 0.5), (0.5, math.nan)):
         sweep_bounds(table.tk, table.c, table.whole, table.matrix, t0, t1, lower, upper, rate, rate_d)
         assert rate[0] == rate_d[0] == upper[0] == math.inf == -lower[0]
-
-
-def test_the_side_table_holds_several_laws() -> None:
-    frames = [Frame("a", law) for law, _ in ((Fixed(Pose(2.0)), 0),)]
-    rows, pieces = law_tables([frame.law for frame in frames])
-    assert rows.shape == (1, law_columns.LAW_COLUMNS)
-    assert pieces.shape == (0, law_columns.PIECE_COLUMNS)

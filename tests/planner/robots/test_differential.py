@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from assur.experiments.differential import determinant, inverse_jacobian, transforms
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion, Pose
-from assur.planner.robots.differential import determinant, inverse_jacobian, transforms
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.polar_arm import PolarArm

@@ -1,7 +1,7 @@
 """What the protocol promises of kinematics, asked of every robot of the catalogue: a new entry is asked by being there.
 
 Joints turn freely here and slide within their range; states that a robot's own `within` refuses (a closed chain that
-does not assemble) are left out. Only the protocol is used, and `assur.planner.robots.differential`, which is made of
+does not assemble) are left out. Only the protocol is used, and `assur.experiments.differential`, which is made of
 it.
 """
 
@@ -15,10 +15,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from assur.experiments.differential import determinant, inverse_jacobian, transforms
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.robots.differential import determinant, inverse_jacobian, transforms
 from assur.planner.robots.protocol import Code, Limits, Robot
 from assur.scenes.catalogue import arm_named, models
 

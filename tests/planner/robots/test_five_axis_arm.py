@@ -8,15 +8,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from assur.experiments.differential import determinant, inverse_jacobian, transforms
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.robots.differential import determinant, inverse_jacobian, transforms
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.five_axis_arm import FLANGE, LINK4, LINKS, FiveAxisArm
 from assur.planner.robots.protocol import Code, Inverse, Limits, Pitching, Robot, Sweep
-from assur.planner.robots.vertical_plane import LINK2, LINK3
+from assur.planner.robots.tilting import LINK2, LINK3
 
 L1, L2, L3, HEIGHT = 0.25, 0.16, 0.072, 0.3
 BASES = [Pose(), Pose(0.4, -0.7, 0.2, 2.5), Pose(-12.0, 30.0, -1.0, -9.0)]

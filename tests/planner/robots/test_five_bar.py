@@ -7,14 +7,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from assur.experiments.five_bar_workspace import type_2_curves, workspace
 from assur.planner.arrays import FloatArray
 from assur.planner.assur.rrr import RRR
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.geometry.shapes import Body, Piece, box
-from assur.planner.robots.five_bar import MODES, SIGMA, FiveBar
-from assur.planner.robots.five_bar_links import DISTAL_LEFT, DISTAL_RIGHT, FLANGE, LINKS, QUILL
-from assur.planner.robots.five_bar_workspace import workspace
+from assur.planner.robots.five_bar import DISTAL_LEFT, DISTAL_RIGHT, FLANGE, LINKS, MODES, QUILL, FiveBar
 from assur.planner.robots.protocol import Code, Limits, Robot, RobotBody
 from tests.planner.robots.five_bars import BASES, LENGTHS, five_bar, states
 
@@ -177,11 +176,13 @@ def test_the_jacobian_is_that_of_differences_and_of_the_dyads(mode: int) -> None
     again = robot.link_motion(FLANGE, q, qd, np.zeros_like(q), np.zeros_like(q))
     assert np.abs(again.v - task[:, :3]).max() < 1e-9
     # K36: det = −D_L D_R/D
-    left, right = robot._elbows(q)
+    s = robot.span(q)
+    loop = RRR(*robot.distal).solve(robot.sigma, (s[..., 0], s[..., 1]))
+    left = np.arctan2(loop.u[1], loop.u[0]) - q[:, 0]
+    right = np.arctan2(-loop.w[1], -loop.w[0]) - q[:, 1]
     c1 = robot.proximal[0] * robot.distal[0] * np.sin(left)
     c2 = robot.proximal[1] * robot.distal[1] * np.sin(right)
-    cross = robot.loop.assembled((q[:, 0],), (q[:, 1],)).cross
-    assert np.linalg.det(jacobian[:, :2, :2]) == pytest.approx(-c1 * c2 / cross, rel=1e-9)
+    assert np.linalg.det(jacobian[:, :2, :2]) == pytest.approx(-c1 * c2 / loop.cross, rel=1e-9)
 
 
 # Singularities, at constructed places.
@@ -300,7 +301,7 @@ def test_sigma_is_that_of_the_dyads() -> None:
     robot, q = five_bar("odd"), states(np.random.default_rng(3), five_bar("odd"), 1, 50)
     p, _ = robot.forward(q)
     for k, side in enumerate((0.06, -0.06)):
-        solved = RRR(robot.proximal[k], robot.distal[k]).solve(SIGMA[1][k], (p[:, 0], p[:, 1] - side))
+        solved = RRR(robot.proximal[k], robot.distal[k]).solve((1, -1)[k], (p[:, 0], p[:, 1] - side))
         assert same_angle(np.arctan2(solved.u[1], solved.u[0]), q[:, k]).max() < 1e-12
 
 
@@ -310,7 +311,7 @@ def test_sigma_is_that_of_the_dyads() -> None:
 @pytest.mark.parametrize("lengths", sorted(LENGTHS))
 def test_the_type_2_curves_are_where_couplers_are_in_line(lengths: str) -> None:
     robot = five_bar(lengths)
-    for curve in robot.loop.type_2_curves(181):
+    for curve in type_2_curves(robot, 181):
         found = 0
         for x, y in curve[np.isfinite(curve).all(1)]:
             margins = []

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion, Pose
-from assur.planner.robots.five_bar_links import DISTAL_LEFT, FLANGE, LINKS, PROXIMAL_LEFT
+from assur.planner.robots.five_bar import DISTAL_LEFT, FLANGE, LINKS, PROXIMAL_LEFT
 from assur.planner.robots.protocol import Sweep
 from tests.planner.robots.five_bars import BASES, LENGTHS, five_bar, states
 

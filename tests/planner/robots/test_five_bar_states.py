@@ -8,12 +8,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from assur.experiments.differential import determinant, inverse_jacobian
+from assur.experiments.five_bar_workspace import velocity_equation
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.frames.motion import Motion
-from assur.planner.robots.differential import determinant, inverse_jacobian
-from assur.planner.robots.five_bar import MODES, FiveBar
-from assur.planner.robots.five_bar_jacobian import velocity_equation
-from assur.planner.robots.five_bar_links import DISTAL_LEFT, DISTAL_RIGHT, FLANGE
+from assur.planner.robots.five_bar import DISTAL_LEFT, DISTAL_RIGHT, FLANGE, MODES, FiveBar
 from assur.planner.robots.protocol import Code
 from tests.planner.robots.five_bars import BASES, five_bar, states
 
@@ -97,7 +96,7 @@ def test_both_jacobians_hold_and_their_determinants_are_the_margins(mode: int, a
     robot, rng = five_bar("odd", assembly=assembly), np.random.default_rng(30 + mode)
     q = states(rng, robot, mode, SIZE)
     qd, none = rng.normal(size=q.shape), np.zeros_like(q)
-    direct, inverse = velocity_equation(robot.loop, q)
+    direct, inverse = velocity_equation(robot, q)
     flange = robot.link_motion(FLANGE, q, qd, none, none)
     left = (direct @ flange.v[:, :2, None])[:, :, 0]
     right = (inverse @ qd[:, :2, None])[:, :, 0]
@@ -162,7 +161,7 @@ def test_a_left_arm_in_one_line_is_type_1_and_not_type_2(kind: Code, lengths: st
             assert (found.margin[known] == 0).all()
             assert np.isfinite(found.q[known]).all()
             assert np.isnan(found.qd).all()
-            direct, inverse = velocity_equation(robot.loop, found.q[followed])
+            direct, inverse = velocity_equation(robot, found.q[followed])
             assert np.abs(np.linalg.det(inverse)).max() < 1e-9
             assert np.abs(np.linalg.det(direct)).min() > 0.09 * robot.distal[0] * robot.distal[1]
             near = robot.singularity(found.q[followed])

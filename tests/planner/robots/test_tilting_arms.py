@@ -16,8 +16,7 @@ from assur.planner.geometry.shapes import Body, Piece, box
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.polar_arm import PolarArm
 from assur.planner.robots.protocol import Code, Inverse, Limits, Robot, RobotBody, Sweep
-from assur.planner.robots.tilting import TiltingArm
-from assur.planner.robots.vertical_plane import BASE, FLANGE, LINK1, LINK2, LINK3, LINKS
+from assur.planner.robots.tilting import BASE, FLANGE, LINK1, LINK2, LINK3, LINKS, TiltingArm
 
 BASES = [Pose(), Pose(0.4, -0.7, 0.2, 2.5), Pose(-12.0, 30.0, -1.0, -9.0)]
 STENCIL = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])

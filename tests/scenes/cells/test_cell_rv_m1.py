@@ -4,77 +4,28 @@ from __future__ import annotations
 
 import copy
 import math
-from dataclasses import replace
-from functools import cache
 from typing import Any
 
-import fcl
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
-from assur.planner.checker import Code, check
 from assur.planner.errors import InputError
-from assur.planner.geometry.shapes import Body, Primitive, box
-from assur.planner.model.digest import digest
-from assur.planner.model.outcome import Plan, Planned
-from assur.planner.model.scene import Scene
-from assur.planner.pipeline import plan
 from assur.planner.report.number_format import amount
-from assur.planner.robots.five_axis_arm import FLANGE, LINK4, FiveAxisArm
-from assur.scenes.requests import check_document, plan_document, plan_scenario, scene_of
-from assur.scenes.scenarios import shipped, unmet
+from assur.planner.robots.five_axis_arm import FiveAxisArm
+from assur.scenes.requests import check_document, plan_document, scene_of
+from assur.scenes.scenarios import shipped
+from tests.scenes.cells.second_kinematics import Document, answer, chain, changed, path_of
 
-Array = NDArray[np.float64]
-Document = dict[str, Any]
-INSTANTS = 600
-LINKS = ("base", "link1", "link2", "link3", "link4", "flange")
-
-
-@cache
-def answer() -> Document:
-    return plan_scenario(shipped("rv-m1"))
-
-
-def path_of(plan: Document) -> BPoly:
-    knots = plan["trajectory"]
-    states = np.stack([np.array(knots[key]) for key in ("position", "velocity", "acceleration")], axis=1)
-    return BPoly.from_derivatives(np.array(knots["time_s"]), states)
-
-
-def about(axis: int, angle: float, x: float = 0.0, z: float = 0.0) -> Array:
-    """A turn about an axis after a shift, (4, 4)."""
-    found, i, j = np.eye(4), (axis + 1) % 3, (axis + 2) % 3
-    c, s = math.cos(angle), math.sin(angle)
-    found[[i, j], [i, j]], found[i, j], found[j, i] = c, -s, s
-    found[0, 3], found[2, 3] = x, z
-    return found
-
-
-def chain(q: Array) -> list[Array]:
-    """Link frames from the maker's joint values and the numbers of the catalogue."""
-    found = [np.eye(4)]
-    for step in (about(2, q[0], z=0.3), about(1, -q[1]), about(1, -q[2], 0.25), about(1, -q[3], 0.16)):
-        found.append(found[-1] @ step)
-    return [*found, found[-1] @ about(0, q[4], 0.072)]
-
-
-def test_the_cell_is_planned_as_it_expects_and_checked_and_the_same_again() -> None:
-    scenario = shipped("rv-m1")
-    assert unmet(scenario.expect, answer()) == []
-    verdict = check_document(scenario.request, answer(), folder=scenario.folder)
-    assert verdict["ok"] is True, verdict
-    again = plan_scenario(scenario)
-    assert again["certificate"]["digest"] == answer()["certificate"]["digest"]
+NAME = "rv-m1"
 
 
 def test_the_tool_points_straight_down_at_its_control_point_and_has_its_velocity() -> None:
-    arrival, path = answer()["arrivals"][0], path_of(answer())
+    arrival, path = answer(NAME)["arrivals"][0], path_of(answer(NAME))
     assert arrival["pitch_rad"] == pytest.approx(-math.pi / 2)
     assert arrival["roll_rad"] == pytest.approx(math.radians(20))
     for t in np.linspace(arrival["time_s"], arrival["until_s"], 7):
-        around = [chain(path(t + k * 1e-4))[-1] for k in (-1, 0, 1)]
+        around = [chain(NAME, path(t + k * 1e-4))["flange"] for k in (-1, 0, 1)]
         where = np.array([0.33, 0.12 * t - 0.25, 0.04 + 0.02 + 0.045])
         assert np.abs(around[1][:3, 3] - where).max() < 1e-5
         assert np.abs(around[1][:3, 0] - [0.0, 0.0, -1.0]).max() < 1e-4
@@ -84,60 +35,11 @@ def test_the_tool_points_straight_down_at_its_control_point_and_has_its_velocity
 
 
 def test_the_pitch_of_the_second_point_was_free_and_is_told() -> None:
-    arrival, path = answer()["arrivals"][1], path_of(answer())
-    flange = chain(path(arrival["time_s"]))[-1]
+    arrival, path = answer(NAME)["arrivals"][1], path_of(answer(NAME))
+    flange = chain(NAME, path(arrival["time_s"]))["flange"]
     assert flange[:3, 3] == pytest.approx([0.3, 0.15, 0.42], abs=1e-6)
     assert math.asin(flange[2, 0]) == pytest.approx(arrival["pitch_rad"], abs=1e-6)
     assert math.atan2(flange[1, 0], flange[0, 0]) == pytest.approx(arrival["yaw_rad"], abs=1e-6)
-
-
-def solid(piece: Any) -> Any:
-    x, y, z = (2 * h for h in piece.shape.half)
-    if piece.shape.kind == "box":
-        return fcl.Box(x, y, z)
-    return fcl.Cylinder(piece.shape.disc, z) if piece.shape.kind == "cylinder" else fcl.Capsule(piece.shape.ball, z)
-
-
-def test_no_link_comes_nearer_to_anything_than_was_asked() -> None:
-    scene, path = scene_of(shipped("rv-m1").request), path_of(answer())
-    knots, closest = answer()["trajectory"]["time_s"], np.inf
-    arm = [(LINKS[item.link], item.body.pieces[0]) for item in scene.robot.bodies]
-    assert {link for link, _ in arm} == set(LINKS)
-    for t in np.linspace(knots[0], knots[-1], INSTANTS):
-        frames, placed = dict(zip(LINKS, chain(path(t)), strict=True)), []
-        for link, piece in arm:
-            at = frames[link]
-            pose = fcl.Transform(at[:3, :3] @ piece.rotation, at[:3, :3] @ piece.position + at[:3, 3])
-            placed.append((link, fcl.CollisionObject(solid(piece), pose)))
-        for body in scene.bodies:
-            motion = scene.frames[body.frame].law.motion(np.array(t)).at(body.pose)
-            yaw, piece = about(2, float(motion.yaw))[:3, :3], body.body.pieces[0]
-            pose = fcl.Transform(yaw @ piece.rotation, yaw @ piece.position + motion.p)
-            other = fcl.CollisionObject(solid(piece), pose)
-            closest = min(closest, *(gap(one, other) for _, one in placed))
-        for i, (first, one) in enumerate(placed):
-            for second, other in placed[i + 1 :]:
-                if (first, second) in scene.robot.self_pairs:
-                    closest = min(closest, gap(one, other))
-    assert closest >= scene.options.clearance.near_m - 1e-6
-    assert answer()["margins"]["nearest"]["gap_m"] <= closest + 1e-4
-
-
-def gap(one: Any, other: Any) -> float:
-    return float(fcl.distance(one, other, fcl.DistanceRequest(), fcl.DistanceResult()))
-
-
-def test_the_gate_is_in_the_way() -> None:
-    free = changed(lambda r: r.update(bodies=[body for body in r["bodies"] if body["name"] != "bar"]))
-    quicker = plan_document(free)
-    assert quicker["trajectory"]["time_s"][-1] < answer()["trajectory"]["time_s"][-1]
-    assert any("bar" in line["bodies"] for line in answer()["census"]["lines"])
-
-
-def changed(change: Any) -> Document:
-    request = copy.deepcopy(shipped("rv-m1").request)
-    change(request)
-    return request
 
 
 def second(request: Document) -> Document:
@@ -148,7 +50,7 @@ def second(request: Document) -> Document:
 @pytest.mark.parametrize(("key", "amount"), [("pitch_rad", 1e-4), ("roll_rad", -1e-4)])
 @pytest.mark.parametrize("step", [0, 1])
 def test_an_answer_that_says_another_attitude_is_refused(key: str, amount: float, step: int) -> None:
-    forged = copy.deepcopy(answer())
+    forged = copy.deepcopy(answer(NAME))
     forged["arrivals"][step][key] += amount
     verdict = check_document(shipped("rv-m1").request, forged)
     assert verdict["ok"] is False
@@ -156,9 +58,9 @@ def test_an_answer_that_says_another_attitude_is_refused(key: str, amount: float
 
 
 def test_an_answer_for_another_pitch_than_the_request_asks_is_refused() -> None:
-    other = changed(lambda r: r["task"][0]["follow"]["to"].update(pitch_rad=-math.pi / 2 + 1e-4, pitch_deg=None))
+    other = changed(NAME, lambda r: r["task"][0]["follow"]["to"].update(pitch_rad=-math.pi / 2 + 1e-4, pitch_deg=None))
     del other["task"][0]["follow"]["to"]["pitch_deg"]
-    verdict = check_document(other, answer())
+    verdict = check_document(other, answer(NAME))
     assert {"ARRIVAL", "DIGEST"} <= {finding["code"] for finding in verdict["findings"]}
 
 
@@ -188,7 +90,7 @@ def test_a_via_that_is_blended_past_has_its_pitch_and_roll_in_the_pose_that_is_m
     t, kept = np.unique(knots["time_s"], return_index=True)  # parabolas: positions and velocities say all of them
     states = np.stack([np.array(knots[key])[kept] for key in ("position", "velocity")], axis=1)
     q = BPoly.from_derivatives(t, states)(via["time_s"]) - np.array(via["missed_by"]["joints"])
-    assert np.allclose(chain(q)[-1][:3, 3], [0.28, 0.1, 0.25], atol=1e-9)
+    assert np.allclose(chain(NAME, q)["flange"][:3, 3], [0.28, 0.1, 0.25], atol=1e-9)
     assert q[1] + q[2] + q[3] == pytest.approx(math.radians(-60), abs=1e-9)
     assert via["missed_by"]["distance_m"] > 1e-3
     other = check_document(blends(-60.01), made)
@@ -199,57 +101,19 @@ def test_a_via_that_is_blended_past_has_its_pitch_and_roll_in_the_pose_that_is_m
         assert "ARRIVAL" in {finding["code"] for finding in check_document(blends(), forged)["findings"]}
 
 
-@cache
-def proof() -> tuple[Scene, Plan]:
-    scene = scene_of(shipped("rv-m1").request)
-    outcome = plan(scene)
-    assert isinstance(outcome, Planned)
-    return scene, outcome.plan
-
-
-def forged(**columns: Any) -> set[Code]:
-    """What the checker finds when columns of the proof are others and its digest fits."""
-    scene, honest = proof()
-    changed = replace(honest.certificate, **columns)
-    parts = (scene.digest, honest.trajectory, honest.legs, honest.arrivals, changed)
-    verdict = check(scene, replace(honest, certificate=replace(changed, digest=digest(*parts))))
-    return {finding.code for finding in verdict.findings}
-
-
-def test_a_proof_that_looks_elsewhere_or_too_shortly_is_none() -> None:
-    honest = proof()[1].certificate
-    assert forged() == set()
-    assert forged(normal=-honest.normal) == {Code.SEPARATION, Code.COVER}
-    assert forged(t1=(honest.t0 + honest.t1) / 2) == {Code.COVER}
-
-
-@pytest.mark.parametrize(("link", "thicker"), [(LINK4, 0.05), (FLANGE, 0.02)])
-def test_a_proof_for_a_smaller_hand_or_flange_is_none_for_this_one(link: int, thicker: float) -> None:
-    """The body so much thicker on each side, m, that it comes too near; 20 mm more of link 4 would still be clear."""
-    scene, honest = proof()
-    number = next(i for i, item in enumerate(scene.robot.bodies) if item.link == link)
-    body = scene.robot.bodies[number]
-    piece = body.body.pieces[0]
-    assert isinstance(piece.shape, Primitive)
-    shape = box(*(2 * (h + thicker) for h in piece.shape.half))
-    bodies = list(scene.robot.bodies)
-    bodies[number] = replace(body, body=Body(body.body.name, (replace(piece, shape=shape),)))
-    robot: Any = scene.robot
-    other = replace(scene, robot=replace(robot, bodies=tuple(bodies)))
-    assert Code.SEPARATION in {finding.code for finding in check(other, honest).findings}
-
-
 def test_free_and_silent_are_one_request_and_a_number_is_another() -> None:
-    silent = changed(lambda r: second(r).pop("pitch_deg"))
-    both = changed(lambda r: second(r).update(roll_deg="free"))
-    assert scene_of(silent).digest == scene_of(both).digest == answer()["request_digest"]
-    asked = changed(lambda r: second(r).update(pitch_deg=-60))
+    silent = changed(NAME, lambda r: second(r).pop("pitch_deg"))
+    both = changed(NAME, lambda r: second(r).update(roll_deg="free"))
+    assert scene_of(silent).digest == scene_of(both).digest == answer(NAME)["request_digest"]
+    asked = changed(NAME, lambda r: second(r).update(pitch_deg=-60))
     assert scene_of(asked).digest != scene_of(silent).digest
 
 
 def test_a_target_too_far_away_is_refused_with_what_is_missing() -> None:
     """600 mm away and 100 mm up, against arm and hand of 482 mm."""
-    far = plan_document(changed(lambda r: r.update(task=[{"move": {"name": "far", "to": {"at_mm": [600, 0, 400]}}}])))
+    far = plan_document(
+        changed(NAME, lambda r: r.update(task=[{"move": {"name": "far", "to": {"at_mm": [600, 0, 400]}}}]))
+    )
     assert (far["status"], far["reason"], far["proved"]) == ("not_planned", "OUT_OF_REACH", True)
     short = math.hypot(0.6, 0.1) - 0.482
     assert far["refusal"]["amount"] == pytest.approx(short, abs=1e-12)
@@ -258,15 +122,17 @@ def test_a_target_too_far_away_is_refused_with_what_is_missing() -> None:
 
 def test_a_target_that_the_hand_reaches_only_stretched_out_is_refused_straight_down() -> None:
     at = {"at_mm": [460, 0, 300]}
-    down = plan_document(changed(lambda r: r.update(task=[{"move": {"name": "far", "to": {**at, "pitch_deg": -90}}}])))
+    down = plan_document(
+        changed(NAME, lambda r: r.update(task=[{"move": {"name": "far", "to": {**at, "pitch_deg": -90}}}]))
+    )
     assert (down["status"], down["reason"], down["proved"]) == ("not_planned", "OUT_OF_REACH", True)
     assert "at a pitch of -90 deg" in down["sentence"]
-    free = plan_document(changed(lambda r: r.update(task=[{"move": {"to": at}}], bodies=[])))
+    free = plan_document(changed(NAME, lambda r: r.update(task=[{"move": {"to": at}}], bodies=[])))
     assert free["status"] == "planned", free
 
 
 def test_a_straight_leg_is_straight_and_carries_the_pitch_along() -> None:
-    request = changed(lambda r: r.update(bodies=[body for body in r["bodies"] if body["name"] == "part"]))
+    request = changed(NAME, lambda r: r.update(bodies=[body for body in r["bodies"] if body["name"] == "part"]))
     request["task"][1]["move"]["leg"] = "cartesian"
     second(request).update(pitch_deg=-60, roll_deg=0)
     found = plan_document(request)
@@ -274,7 +140,7 @@ def test_a_straight_leg_is_straight_and_carries_the_pitch_along() -> None:
     assert check_document(request, found)["ok"] is True
     leg, path = found["legs"][-1], path_of(found)
     assert leg["note"] == "straight"
-    begin, middle, end = (chain(path(t))[-1] for t in (leg["from_s"], leg["from_s"] + 0.4, leg["to_s"]))
+    begin, middle, end = (chain(NAME, path(t))["flange"] for t in (leg["from_s"], leg["from_s"] + 0.4, leg["to_s"]))
     assert math.degrees(math.asin(begin[2, 0])) == pytest.approx(-90, abs=0.01)
     assert math.degrees(math.asin(end[2, 0])) == pytest.approx(-60, abs=1e-4)
     assert -90 < math.degrees(math.asin(middle[2, 0])) < -60
@@ -296,11 +162,11 @@ PICK = {"part": "part", "grasp_mm": [0, 0, 0], "approach": {"mm": 1}, "dwell_ms"
 )
 def test_what_this_arm_cannot_do_is_refused_in_words(change: Any, match: str) -> None:
     with pytest.raises(InputError, match=match):
-        scene_of(changed(change))
+        scene_of(changed(NAME, change))
 
 
 def test_every_number_that_nobody_vouches_for_is_told_with_the_plan() -> None:
-    told = "\n".join(answer()["assumptions"])
+    told = "\n".join(answer(NAME)["assumptions"])
     for what in ("length of link 1 250", "length of link 2 160", "length of the hand 72", "height of the shoulder 300"):
         assert f"mitsubishi-rv-m1: {what} mm, third_party: widely quoted for the Mitsubishi RV-M1, unsourced" in told
     for joint in ("j1", "j2", "j3", "j4", "j5"):
@@ -320,9 +186,9 @@ def test_written_out_a_tools_length_is_a_part_of_the_hand() -> None:
         request["task"] = [{"move": {"to": {"at_mm": [300, 0, 150], "pitch_deg": -90}}}]
         request["bodies"], request["frames"] = [], {}
 
-    robot = scene_of(changed(longer)).robot
+    robot = scene_of(changed(NAME, longer)).robot
     assert isinstance(robot, FiveAxisArm)
     assert robot.l3 == pytest.approx(0.172)
-    found = plan_document(changed(longer))
+    found = plan_document(changed(NAME, longer))
     assert found["status"] == "planned", found
-    assert check_document(changed(longer), found)["ok"] is True
+    assert check_document(changed(NAME, longer), found)["ok"] is True

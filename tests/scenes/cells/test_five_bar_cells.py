@@ -18,15 +18,11 @@ from assur.planner.model.link_frames import TrajectoryLaw
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.trajectory import Trajectory
 from assur.scenes.reading.plan import plan_of
-from assur.scenes.requests import cell_of, check_document, plan_document, plan_scenario, shipped, unmet
+from assur.scenes.requests import cell_of, check_document, plan_document, shipped
 from tests.scenes.cells.five_bar_plans import resealed
+from tests.scenes.cells.second_kinematics import answer
 
 Answer = dict[str, Any]
-
-
-@cache
-def answer(name: str) -> Answer:
-    return plan_scenario(shipped(name))
 
 
 @cache
@@ -36,11 +32,6 @@ def around() -> tuple[Answer, Answer]:
     del request["task"][0]["move"]["leg"]
     request["options"]["max_candidates"] = 300
     return request, plan_document(request)
-
-
-@pytest.mark.parametrize("name", ["five-bar", "five-bar-type-2"])
-def test_a_cell_is_answered_as_it_expects(name: str) -> None:
-    assert unmet(shipped(name).expect, answer(name)) == []
 
 
 def test_the_plan_of_the_cell_is_checked_and_keeps_both_margins() -> None:

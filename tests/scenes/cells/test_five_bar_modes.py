@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from assur.experiments.five_bar_workspace import velocity_equation
 from assur.planner.arrays import FloatArray
 from assur.planner.checker import Code, check
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Certificate, Plan
 from assur.planner.robots.five_bar import FiveBar
-from assur.planner.robots.five_bar_jacobian import velocity_equation
 from assur.planner.trajectory import Trajectory
 from assur.scenes.reading.plan import plan_of
 from assur.scenes.requests import cell_of, check_document, plan_document, shipped
@@ -65,7 +65,7 @@ def test_a_joint_leg_changes_the_working_mode_where_it_crosses_type_1() -> None:
     inside = [leg for leg in plan.legs if leg.t0 <= t[at[0]] <= leg.t1]
     assert [leg.kind for leg in inside] == ["MOVE"]
     # type 1: the right arm stretched, the left arm and the couplers far from it; det B changes its sign, det A keeps it
-    direct, inverse = velocity_equation(robot.loop, q)
+    direct, inverse = velocity_equation(robot, q)
     assert robot.margin(q)[at[0]] < 1e-2
     assert np.flatnonzero(np.diff(np.sign(inverse[:, 1, 1]))).tolist() == at.tolist()
     assert (inverse[:, 0, 0] * inverse[0, 0, 0] > 0).all()

@@ -1,4 +1,13 @@
-"""The workspace of a five-bar, sampled: what its four working modes reach, and where both kinds of singularity lie."""
+"""The workspace of a five-bar, sampled: what its four working modes reach, and where both kinds of singularity lie.
+
+The lengths of the couplers do not change, so along each of them the tool axis P moves as its elbow does:
+
+    A Ṗ = B (θ̇1, θ̇5)    A = | uᵀ |    B = diag(a_L e(θ1)⊥·u, a_R e(θ5)⊥·w) = diag(D_L, −D_R)             (K36)
+                             | wᵀ |
+
+det A = D vanishes at type 2: the cranks stand and P can still move. det B vanishes at type 1: P stands and a crank can
+still move. det J = det B/det A.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.assur.rrr import LEFT, RIGHT, RRR
 from assur.planner.frames.motion import Motion, Pose
+from assur.planner.geometry.shapes import SMALLEST_M
 from assur.planner.robots.five_bar import FiveBar
 
 
@@ -65,10 +76,46 @@ def workspace(robot: FiveBar, spacing: float, many: int = 721) -> Workspace:
         parallel=np.stack(parallel),
         within=np.asarray((code == 0) & (least <= upper).all(-1)),
         type_1=tuple(circles),
-        type_2=robot.loop.type_2_curves(many),
+        type_2=type_2_curves(robot, many),
     )
 
 
 def _grid(far: float, spacing: float) -> FloatArray:
     count = math.ceil(far / spacing)
     return np.linspace(-count * spacing, count * spacing, 2 * count + 1)
+
+
+def velocity_equation(robot: FiveBar, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A and B (..., 2, 2), m and m², of K36 in base axes for q (..., n); NaN where q does not assemble."""
+    s = robot.span(q)
+    found = RRR(*robot.distal).solve(robot.sigma, (s[..., 0], s[..., 1]))
+    direct = np.stack([np.stack(found.u, -1), np.stack(found.w, -1)], -2)
+    inverse = np.zeros(direct.shape)
+    for k, crank in enumerate(robot.proximal):
+        push = crank * np.stack([-np.sin(q[..., k]), np.cos(q[..., k])], -1)
+        inverse[..., k, k] = (push * direct[..., k, :]).sum(-1)
+    return direct, inverse
+
+
+def type_2_curves(robot: FiveBar, many: int) -> tuple[FloatArray, ...]:
+    """Where the tool axis can be at type 2: curves (many, 2), m, base axes, NaN where there is no such point.
+
+    Couplers in one line are one link of length b_L + b_R or |b_L − b_R| between the cranks: a four-bar, whose
+    tool axis is followed over a turn of the left crank, on both of its branches.
+    """
+    (al, ar), (bl, br) = robot.proximal, robot.distal
+    theta = np.linspace(-math.pi, math.pi, many)
+    x, y = al * np.cos(theta), robot.separation / 2 + al * np.sin(theta)
+    found = []
+    for bar, share in ((bl + br, bl), (abs(bl - br), math.copysign(bl, bl - br))):
+        if bar >= SMALLEST_M:
+            for branch in (LEFT, RIGHT):
+                ux, uy = RRR(bar, ar).solve(branch, (-x, -robot.separation / 2 - y)).u
+                found.append(np.stack([x + share / bar * ux, y + share / bar * uy], -1))
+        else:
+            # Equal couplers fold where the elbows meet; the tool axis is then anywhere around them.
+            meet = RRR(al, ar).solve(LEFT, (np.zeros(1), np.full(1, -robot.separation)))
+            for side in (1.0, -1.0):
+                centre = np.array([side * meet.u[0][0], robot.separation / 2 + meet.u[1][0]])
+                found.append(centre + bl * np.stack([np.cos(theta), np.sin(theta)], -1))
+    return tuple(found)

@@ -1,0 +1,150 @@
+"""What every arm answers, whatever its family, from the row of numbers that its family gives it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import cached_property
+
+import numpy as np
+
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.errors import FaultError
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.robots.protocol import Inverse, Joint, Limits, Sweep
+
+
+class Arm(ABC):
+    """Kinematics of an arm whose family is known to the kernels; a family gives the facts below."""
+
+    limits: Limits
+    base: Pose
+    joints: tuple[Joint, ...]
+    links: tuple[str, ...]
+    tilting: frozenset[int]
+    coordinates: tuple[str, ...]
+    modes: tuple[str, ...]
+    parallel_least: float
+    """The parallel margin below which the arm may never be; 0 without a loop."""
+
+    @property
+    @abstractmethod
+    def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
+        """The family's name in `assur.planner.robots.kinematics`, lengths of links, m, what else its kernels read."""
+
+    @cached_property
+    def row(self) -> FloatArray:
+        """The arm as the kernels know it (columns of `assur.planner.kernels.links`); not to be written to."""
+        from assur.planner.robots.kinematics import row_of
+
+        return row_of(self)
+
+    def inverse(self, flange: Motion, mode: int, order: int = 3) -> Inverse:
+        """Joint motion that gives the flange this motion (world) in working mode number `mode`: K10, K23 to K25, K35.
+
+        Derivatives above `order` are not computed and NaN. An arm without a wrist does not read the yaw; a flange that
+        pitches and rolls moves as a `TiltedMotion`. Rows that are not ASSEMBLED: see `Inverse`; a row that is not
+        finite in what is read is OUT_OF_REACH. Revolute joints are in (−π, π]. Not checked: joint limits (`within`).
+        Raises `FaultError` for a mode or an order that there is not, and for a motion without pitch and roll.
+        """
+        from assur.planner.robots.kinematics import inverse
+
+        if mode not in range(len(self.modes)) or order not in range(4):
+            raise FaultError(f"{type(self).__name__}.inverse: mode {mode}, order {order}")
+        if "pitch" in self.coordinates and not isinstance(flange, TiltedMotion):
+            raise FaultError(f"{type(self).__name__}.inverse: a motion without pitch and roll")
+        return inverse(self, flange, mode, order)
+
+    def forward(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Flange position (..., 3) and yaw (...) in the world for q (..., n), the heading of a flange that tilts; NaN
+        where q is not finite or does not assemble."""
+        from assur.planner.robots.kinematics import moved
+
+        found = moved(self, len(self.links) - 1, q)
+        return found[..., 0, :3].copy(), found[..., 0, 3].copy()
+
+    def link_motion(self, link: int, q: FloatArray, qd: FloatArray, qdd: FloatArray, qddd: FloatArray) -> Motion:
+        """Motion of link frame number `link` in the world for joint motion (..., n), K12, K23; a `TiltedMotion` if it
+        is a flange that pitches and rolls. NaN where the joint motion is not finite or does not assemble.
+
+        Raises `FaultError` for a link that does not exist.
+        """
+        from assur.planner.robots.kinematics import motion_of, moved
+
+        if link not in range(len(self.links)):
+            raise FaultError(f"{type(self).__name__}.link_motion: link {link}")
+        tilted = "pitch" in self.coordinates and link == len(self.links) - 1
+        return motion_of(moved(self, link, q, qd, qdd, qddd), tilted)
+
+    def placements(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Link frames in the world for q (..., n): positions (..., L, 3) and rotations (..., L, 3, 3), K9, K31, K34."""
+        from assur.planner.robots.kinematics import placements
+
+        return placements(self, q)
+
+    def jacobian(self, q: FloatArray) -> FloatArray:
+        """(..., len(coordinates), n): rates of the task coordinates per joint rate; NaN where the arm does not assemble
+        with rates (K11, K26, K27, K36, H5)."""
+        from assur.planner.robots.kinematics import jacobian
+
+        return jacobian(self, q)
+
+    def _posture(self, q: FloatArray) -> FloatArray:
+        from assur.planner.robots.kinematics import postures
+
+        return postures(self, q)
+
+    def singularity(self, q: FloatArray) -> IntArray:
+        """Which singularity (...) the margin is measured to, as a `Code`: STRETCHED or FOLDED, whichever is nearer, or
+        ALIGNED where the base axis counts most. Of a posture that is not known: OUT_OF_REACH."""
+        code = self._posture(q)[..., 0]
+        return np.where(np.isnan(code), 1, code).astype(np.int64)
+
+    def singular_distance(self, q: FloatArray) -> FloatArray:
+        """Metres (...) that the flange may move until the arm is singular (K16, K30)."""
+        return np.asarray(self._posture(q)[..., 1])
+
+    def mode_of(self, q: FloatArray) -> IntArray:
+        """Working mode number (...) of q (..., n); −1 where it is not finite or does not assemble."""
+        return np.asarray(self._posture(q)[..., 2].astype(np.int64))
+
+    def margin(self, q: FloatArray) -> FloatArray:
+        """Singularity margin (...), from 0 (singular) to 1: the lesser |sin| of the elbows, or the share of the
+        reach by which the flange is off the base axis."""
+        return np.asarray(self._posture(q)[..., 3])
+
+    def parallel_margin(self, q: FloatArray) -> FloatArray:
+        """Margin (...) to a type 2 singularity (K33), from 0 to 1; NaN where q does not assemble. Without a loop: 1."""
+        if not self.parallel_least > 0.0:
+            return np.ones(q.shape[:-1])
+        return np.asarray(self._posture(q)[..., 4])
+
+    def assembled(self, lower: FloatArray, upper: FloatArray) -> BoolArray:
+        """Whether (N,) the arm is proved to assemble with `parallel_least` for lower <= q <= upper (N, n), K39; without
+        a loop always."""
+        from assur.planner.robots.kinematics import assembled
+
+        return assembled(self, lower, upper) if self.parallel_least > 0.0 else np.ones(len(lower), dtype=bool)
+
+    def within(self, q: FloatArray) -> BoolArray:
+        """Whether q (..., n) keeps the position limits and assembles with `parallel_least`, (...); NaN does not."""
+        kept = np.asarray(((self.limits.lower <= q) & (q <= self.limits.upper)).all(-1))
+        if not self.parallel_least > 0.0:
+            return kept
+        flat = q.reshape(-1, q.shape[-1])
+        return np.asarray(kept & self.assembled(flat, flat).reshape(q.shape[:-1]))
+
+    def point_bounds(
+        self, link: IntArray, reach: FloatArray, distance: FloatArray, n: FloatArray, sweep: Sweep, /
+    ) -> tuple[FloatArray, FloatArray]:
+        """Upper bounds (N,) of |n·ẋ| and |n·ẍ| over N intervals for the points of a link (K43).
+
+        Infinite for what is not a number, a negative reach or distance, and where a loop is not proved to assemble, but
+        for links and directions to which the couplers' motion does not matter. Raises `FaultError` for a link that does
+        not exist.
+        """
+        from assur.planner.robots.kinematics import point_bounds
+
+        if not ((link >= 0) & (link < len(self.links))).all():
+            raise FaultError(f"{type(self).__name__}.point_bounds: no such link")
+        return point_bounds(self, link, reach, distance, n, sweep)

@@ -1,0 +1,142 @@
+"""Kinematics of any arm in arrays, by the kernels: what `assur.planner.robots.arm` answers with.
+
+The web process loads robots and must not load numba, so this module is imported where it is first needed.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.frames.motion import Motion
+from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.kernels import inverse as kernels
+from assur.planner.kernels import links as of
+from assur.planner.kernels.carriers import points_of_links
+from assur.planner.kernels.inverse import POSTURE_COLUMNS, joint_motions
+from assur.planner.kernels.motion import COORDINATES, ORDERS, link_motions
+from assur.planner.robots.protocol import Inverse, Sweep
+
+if TYPE_CHECKING:
+    from assur.planner.robots.arm import Arm
+
+FAMILIES = {
+    "scara": of.SCARA,
+    "five-bar": of.FIVE_BAR,
+    "elbow": of.ELBOW,
+    "polar": of.POLAR,
+    "five-axis": of.FIVE_AXIS,
+}
+"""Kinds of arms by name."""
+PLACES = (
+    ("height", of.HEIGHT),
+    ("rises", of.RISES),
+    ("sigma", of.SIGMA),
+    ("parallel_least", of.PARALLEL_LEAST),
+    ("longest", of.LONGEST),
+)
+"""Where an arm's further numbers stand in its row."""
+
+
+def row_of(arm: Arm) -> FloatArray:
+    """The arm as a row of numbers (`ROBOT_COLUMNS`,), SI units."""
+    row = np.zeros(of.ROBOT_COLUMNS)
+    family, lengths, numbers = arm.facts
+    row[of.KIND], row[of.JOINTS], row[of.LINKS] = FAMILIES[family], len(arm.joints), len(arm.links)
+    base = arm.base
+    row[[of.BASE_X, of.BASE_Y, of.BASE_Z, of.BASE_YAW]] = base.x, base.y, base.z, base.yaw
+    row[of.BASE_COS], row[of.BASE_SIN] = math.cos(base.yaw), math.sin(base.yaw)
+    row[of.L1 : of.L1 + len(lengths)] = lengths
+    for name, column in PLACES:
+        row[column] = numbers.get(name, 0.0)
+    return row
+
+
+def inverse(arm: Arm, flange: Motion, mode: int, order: int) -> Inverse:
+    """As `Robot.inverse`; `mode` and `order` are what they may be."""
+    shape, n = flange.yaw.shape, len(arm.joints)
+    targets = np.zeros((*shape, ORDERS, COORDINATES))
+    places, turns = (flange.p, flange.v, flange.a, flange.j), (flange.yaw, flange.yaw_d, flange.yaw_dd, flange.yaw_ddd)
+    for k in range(order + 1):
+        targets[..., k, :3], targets[..., k, 3] = places[k], turns[k]
+    if isinstance(flange, TiltedMotion):
+        tilts = (flange.tilt, flange.tilt_d, flange.tilt_dd, flange.tilt_ddd)
+        for k in range(order + 1):
+            targets[..., k, 4:] = tilts[k]
+    joints, margins = np.empty((*shape, ORDERS, n)), np.empty((*shape, 2))
+    codes = np.empty(shape, dtype=np.int64)
+    flat = targets.reshape(-1, ORDERS, COORDINATES)
+    joint_motions(arm.row, mode, order, flat, joints.reshape(-1, ORDERS, n), margins.reshape(-1, 2), codes.reshape(-1))
+    q, qd, qdd, qddd = (np.ascontiguousarray(joints[..., k, :]) for k in range(ORDERS))
+    parallel = margins[..., 1] if arm.parallel_least > 0.0 else None
+    return Inverse(q, qd, qdd, qddd, codes, margins[..., 0], parallel)
+
+
+def moved(arm: Arm, link: int, *orders: FloatArray) -> FloatArray:
+    """Motion (..., 4, 6) of a link for q and up to three derivatives (..., n), those not given being 0."""
+    joints = np.zeros((*orders[0].shape[:-1], ORDERS, len(arm.joints)))
+    for k, each in enumerate(orders):
+        joints[..., k, :] = each
+    out = np.empty((*joints.shape[:-2], ORDERS, COORDINATES))
+    flat = joints.reshape(-1, ORDERS, joints.shape[-1])
+    link_motions(arm.row, link, flat, out.reshape(-1, ORDERS, COORDINATES))
+    return out
+
+
+def motion_of(table: FloatArray, tilted: bool) -> Motion:
+    """The motion that a table (..., 4, 6) holds."""
+    p, v, a, j = (table[..., k, :3] for k in range(ORDERS))
+    yaw, yaw_d, yaw_dd, yaw_ddd = (table[..., k, 3] for k in range(ORDERS))
+    motion = Motion(p, v, a, j, yaw, yaw_d, yaw_dd, yaw_ddd)
+    return TiltedMotion.of(motion, *(table[..., k, 4:] for k in range(ORDERS))) if tilted else motion
+
+
+def jacobian(arm: Arm, q: FloatArray) -> FloatArray:
+    """(..., len(coordinates), n): the flange's velocity for each joint at unit rate, which is linear in the rates."""
+    n = len(arm.joints)
+    columns = ["xyz".index(name) if name in "xyz" else 3 + ("yaw", "pitch", "roll").index(name)
+               for name in arm.coordinates]  # fmt: skip
+    rates = np.broadcast_to(np.eye(n), (*q.shape[:-1], n, n))
+    each = moved(arm, len(arm.links) - 1, np.broadcast_to(q[..., None, :], rates.shape), rates)
+    return np.ascontiguousarray(np.swapaxes(each[..., 1, columns], -1, -2))
+
+
+def placements(arm: Arm, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Link frames in the world for q (..., n): positions (..., L, 3) and rotations (..., L, 3, 3)."""
+    shape = (*q.shape[:-1], len(arm.links))
+    placed = np.empty((*shape, of.POSE_COLUMNS))
+    flat = np.array(q, dtype=np.float64).reshape(-1, len(arm.joints))
+    of.places_of_links(arm.row, flat, placed.reshape(-1, *placed.shape[-2:]))
+    return placed[..., :3].copy(), placed[..., 3:].reshape(*shape, 3, 3)
+
+
+def postures(arm: Arm, q: FloatArray) -> FloatArray:
+    """(..., 5): columns of `assur.planner.kernels.inverse`."""
+    out = np.empty((*q.shape[:-1], POSTURE_COLUMNS))
+    flat = np.array(q, dtype=np.float64).reshape(-1, len(arm.joints))
+    kernels.postures(arm.row, flat, out.reshape(-1, POSTURE_COLUMNS))
+    return out
+
+
+def assembled(arm: Arm, lower: FloatArray, upper: FloatArray) -> BoolArray:
+    """Whether (N,) the loop is proved to assemble over the ranges (N, n), K39."""
+    proved = np.empty(len(lower), dtype=np.bool_)
+    of.ranges_assembled(arm.row, np.array(lower, dtype=np.float64), np.array(upper, dtype=np.float64), proved)
+    return proved
+
+
+def point_bounds(
+    arm: Arm, link: IntArray, reach: FloatArray, distance: FloatArray, n: FloatArray, sweep: Sweep
+) -> tuple[FloatArray, FloatArray]:
+    """As `Robot.point_bounds`; the links are there."""
+    found, links = np.empty((len(link), 2)), np.array(link, dtype=np.int64)
+    tilting = np.isin(links, list(arm.tilting))
+    points = np.column_stack([np.where(tilting, 0.0, reach), np.where(tilting, distance, 0.0), n])
+    lower, upper, rate, rate_d = (
+        np.array(each, dtype=np.float64) for each in (sweep.lower, sweep.upper, sweep.rate, sweep.rate_d)
+    )
+    points_of_links(arm.row, links, points, lower, upper, rate, rate_d, found)
+    return found[:, 0].copy(), found[:, 1].copy()
