@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
+from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames import Conveyor, Fixed, Frame, Linear, Turntable
 from assur.planner.frames.motion import Motion, Pose
@@ -464,7 +464,7 @@ def with_rows(scene: Scene, plan: Plan, **columns: object) -> Plan:
     return sealed(scene, replace(plan, certificate=replace(plan.certificate, **columns)))  # type: ignore[arg-type]
 
 
-def without(scene: Scene, plan: Plan, rows: FloatArray) -> Plan:
+def without(scene: Scene, plan: Plan, rows: FloatArray | BoolArray) -> Plan:
     """The plan without the rows for which `rows` (M,) is true, sealed."""
     c = plan.certificate
     kept = {name: getattr(c, name)[~rows.astype(bool)] for name in COLUMNS}
