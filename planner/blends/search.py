@@ -14,7 +14,6 @@ import numpy as np
 from assur.planner.blends.candidates import BlendSampler
 from assur.planner.blends.draft import blend_draft, run_of
 from assur.planner.collision.proof import Prover
-from assur.planner.collision.screening import screen
 from assur.planner.legs.blended import BlendShape, Station
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.meeting import meetings
@@ -91,18 +90,15 @@ class BlendSearch(Search):
         does = [facts.enough_s for _, facts in short if untimed and facts.enough_s is not None]
         for refusal, facts in short:
             self.found.census.add(replace(refusal, facts=replace(facts, enough_s=min(does, default=None))))
-        free = []
-        for draft, shape, screened in zip(drafts, shapes, screen(self.prover, drafts) if drafts else [], strict=True):
+        enough = self._enough()
+        for draft, shape in sorted(zip(drafts, shapes, strict=True), key=lambda pair: pair[0].end):
+            if enough <= 0 or time.perf_counter() >= self.deadline:
+                break
+            screened, proved = self._tried(draft)
             sampler.learn(shape, screened.bad)
-            if screened.refusal is not None:
+            if proved is False:
                 sampler.block(shape)
-                self.found.census.add(screened.refusal)
-                for also in screened.also:
-                    self.found.census.note(also)
-            else:
-                free.append(draft)
-        for draft in self._prove(sorted(free, key=lambda draft: draft.end)):
-            sampler.block(next(shape for other, shape in zip(drafts, shapes, strict=True) if other is draft))
+            enough -= proved is True
         nothing_else = hopeless or not (sampler.blocked or sampler.moving())
         if untimed and nothing_else:
             # no direct way keeps the acceleration time, or comes in time: free poses are there to go round bodies

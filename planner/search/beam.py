@@ -12,7 +12,7 @@ import numpy as np
 
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
-from assur.planner.collision.screening import screen
+from assur.planner.collision.screening import Screened, screen
 from assur.planner.feasibility.necessary import points_impossible
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
@@ -162,11 +162,17 @@ class Search:
                 sampler.learn(sample, 1.0)
             elif self._of_use(way):
                 ways.append(way)
-        enough = 1 if self.scene.options.stop == "first" else PROVED_A_BATCH
+        enough = self._enough()
         for way in sorted(ways, key=lambda way: way.end):
             if enough <= 0 or time.perf_counter() >= self.deadline:
                 break
-            enough -= self._screened_and_proved(sampler, way)
+            screened, proved = self._tried(way)
+            interval = None if screened.refusal is None else screened.refusal.interval
+            at = None if interval is None else interval[0]
+            sampler.learn(way.sample, screened.bad, way.end, at)
+            if proved is False and screened.refusal is None:
+                sampler.learn(way.sample, 1.0)
+            enough -= proved is True
         return bool(batch)
 
     def _way(self, chain: Chain, option: Option, sample: Sample) -> Outline | Draft | Refusal:
@@ -186,28 +192,29 @@ class Search:
         """When the best plan so far ends, s: only what ends earlier is of interest."""
         return math.inf if self.found.best is None else self.found.best.state.time
 
-    def _screened_and_proved(self, sampler: Sampler, way: Outline | Draft) -> bool:
+    def _enough(self) -> int:
+        """Candidates of one batch after whose proof the others are left alone."""
+        return 1 if self.scene.options.stop == "first" else PROVED_A_BATCH
+
+    def _tried(self, way: Outline | Draft) -> tuple[Screened, bool | None]:
         """Screens a timed candidate and, if nothing is in its way, proves it and adds the partial plan it leads to.
 
-        Returns whether it was proved.
+        Also returns whether it was proved; None: it was not needed any more.
         """
         screened = screen(self.prover, [way])[0]
-        at = None if screened.refusal is None or screened.refusal.interval is None else screened.refusal.interval[0]
-        sampler.learn(way.sample, screened.bad, way.end, at)
         if screened.refusal is not None:
             self.found.census.add(screened.refusal)
             for also in screened.also:
                 self.found.census.note(also)
-            return False
+            return screened, False
         if not self._of_use(way):
-            return False
+            return screened, None
         chain = self._proved(way)
         if isinstance(chain, Refusal):
             self.found.census.add(chain)
-            sampler.learn(way.sample, 1.0)
-            return False
+            return screened, False
         self._add(chain)
-        return True
+        return screened, True
 
     def _proved(self, way: Outline | Draft) -> Chain | Refusal:
         """The chain that a way leads to, with the proofs of all its phases."""

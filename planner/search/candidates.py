@@ -44,9 +44,9 @@ class Sampler:
             return []
         if visit == 0 and (direct := self._direct()):
             return direct
-        if visit <= 1 and (arches := self._arches()):
+        if visit <= 1 and (first_arches := self._arches()):
             self.visits = 2
-            return arches
+            return first_arches
         if self._cartesian():
             # a straight leg from a moving frame has nothing to choose: it has been tried
             return [self._wait() for _ in range(tuning.BATCH)] if self.chain.state.resting else []
