@@ -167,7 +167,7 @@ class Search:
         free = []
         for way, screened in zip(ways, screen(self.prover, ways) if ways else [], strict=True):
             at = None if screened.refusal is None or screened.refusal.interval is None else screened.refusal.interval[0]
-            sampler.learn(way.sample, screened.bad, at)
+            sampler.learn(way.sample, screened.bad, way.end, at)
             if screened.refusal is not None:
                 self.found.census.add(screened.refusal)
                 for also in screened.also:

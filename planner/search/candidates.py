@@ -5,8 +5,9 @@ Seeded and adaptive: what was free or nearly free is varied.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -34,6 +35,7 @@ class Sampler:
     adaptive: bool = True
     visits: int = 0
     population: Population | None = None
+    elite: list[tuple[float, float, Sample]] = field(default_factory=list)
 
     def batch(self, before: float = np.inf) -> list[tuple[Option, Sample]]:
         """The next batch, of ways that may end before `before`, s; empty only if there is nothing left to try."""
@@ -54,11 +56,17 @@ class Sampler:
         arches = max(tuning.FILLED - len(found), int(self.rng.random() < tuning.ARCHES_TOO)) if self._tops() else 0
         return found + [self._arch() for _ in range(arches)] or [self.population.anyone()]
 
-    def learn(self, sample: Sample, bad: float, at: float | None = None) -> None:
+    def learn(self, sample: Sample, bad: float, end: float = math.inf, at: float | None = None) -> None:
         """`bad`: the share of a candidate's instants at which it was in the way of something; 0: it was free; 1: it was
-        refused for another reason. `at`: when something was in its way, s."""
-        if self.adaptive and self.population is not None:
+        refused for another reason. `end`: when it ends, `at`: when something was in its way, s."""
+        if not self.adaptive:
+            return
+        if self.population is not None:
             self.population.learn(sample, bad, at)
+        if sample.shape.hop is not None:
+            self.elite = [each for each in self.elite if each[2] is not sample] + [(bad, end, sample)]
+            self.elite.sort(key=lambda each: each[:2])
+            del self.elite[tuning.ELITE :]
 
     def _direct(self) -> list[tuple[Option, Sample]]:
         """Directly to the option of each mode that is met first."""
@@ -149,8 +157,10 @@ class Sampler:
         return option, self._sample(option, Shape(float(self.rng.exponential(tuning.WAIT_S))))
 
     def _arch(self) -> tuple[Option, Sample]:
-        """An arch of random height and corners."""
+        """An arch of random height and corners, or a variation of a good one."""
         rng = self.rng
+        if self.adaptive and self.elite and rng.random() < tuning.VARIED:
+            return self._varied()
         option, tops = self._any_option(), self._tops()
         top = float(rng.uniform(min(tops), max(tops))) if rng.random() < 0.5 else max(tops)
         shape = Shape(hop=Hop(top, float(rng.random()), float(rng.random())))
@@ -159,6 +169,19 @@ class Sampler:
         if self._may_wait() and rng.random() < tuning.ARCH_WAITS:
             shape = replace(shape, wait=float(rng.exponential(tuning.WAIT_S)))
         return option, self._sample(option, shape)
+
+    def _varied(self) -> tuple[Option, Sample]:
+        rng = self.rng
+        *_, parent = self.elite[int(rng.integers(len(self.elite)))]
+        option = next(o for o in self.options if o.branch is parent.branch)
+        shape, hop = parent.shape, parent.shape.hop
+        if hop is not None:
+            corners = np.array([hop.rise, hop.fall]) + rng.normal(0.0, tuning.CORNER_NUDGE, 2)
+            rise, fall = np.clip(corners, 0.0, 1.0)
+            shape = replace(shape, hop=Hop(hop.top, float(rise), float(fall)))
+        if self._may_wait() and rng.random() < tuning.NUDGED_TIME:
+            shape = replace(shape, wait=max(0.0, shape.wait + float(rng.normal(0.0, tuning.TIME_NUDGE_S))))
+        return option, replace(parent, shape=shape)
 
     def _sample(self, option: Option, shape: Shape) -> Sample:
         effort, pace = tracking_effort(self.rng)

@@ -81,6 +81,10 @@ ARCHES_TOO = 0.3
 """... one is added this often."""
 ARCH_WAITS = 0.25
 """How often an arch waits first."""
+ELITE = 6
+"""Best arches that are varied."""
+CORNER_NUDGE = 0.15
+"""Spread of the corners of a varied arch."""
 ANY_OPTION = 0.45
 """An arch or a wait leads to each option this often, of those that the options before it left over."""
 EVALUATED_MEETINGS = 300
