@@ -17,12 +17,6 @@ from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.hermite import HULL_COLUMNS, first_column, piece_hulls
 
-LIMIT_TOLERANCE = 1e-9
-"""Relative; of the range for positions. Knots that lie on a limit round to 1e-16 beyond it and extrema are bounded to
-1e-13; a thousand times that is still a thousandth of the excess that anyone may find (1e-6)."""
-JERK_TOLERANCE = 1e-6
-"""Relative. A jerk is a third difference of the knots' numbers: those of a 10 µs piece round it by some rad/s³, a
-hundredth of what anyone may find (1e-4)."""
 TIGHTNESS = 1e-13
 """How far an extreme may lie above the true one, relative to the largest coefficient of its joint: a few hundred
 roundings, ten thousand times below the narrowest tolerance with which limits are checked."""

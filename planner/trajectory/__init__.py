@@ -1,7 +1,8 @@
 """What is executed: knots and quintic Hermite splines, their exact extremes, and whether they keep limits."""
 
-from assur.planner.kernels.limits import JERK_TOLERANCE, LIMIT_TOLERANCE
 from assur.planner.trajectory.limits import (
+    JERK_TOLERANCE,
+    LIMIT_TOLERANCE,
     LimitCheck,
     LimitReport,
     accepted_bands,

@@ -11,9 +11,14 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.kernels.limits import JERK_TOLERANCE, LIMIT_TOLERANCE, NONE, first_beyond
 from assur.planner.trajectory.trajectory import Trajectory
 
+LIMIT_TOLERANCE = 1e-9
+"""Relative; of the range for positions. Knots that lie on a limit round to 1e-16 beyond it and extrema are bounded to
+1e-13; a thousand times that is still a thousandth of the excess that anyone may find (1e-6)."""
+JERK_TOLERANCE = 1e-6
+"""Relative. A jerk is a third difference of the knots' numbers: those of a 10 µs piece round it by some rad/s³, a
+hundredth of what anyone may find (1e-4)."""
 KINDS = ("position", "velocity", "acceleration", "jerk")
 
 
@@ -70,6 +75,8 @@ def accepted_bands(
 
 def keeps_bands(trajectory: Trajectory, bands: FloatArray) -> bool:
     """Whether a trajectory stays within `accepted_bands`."""
+    from assur.planner.kernels.limits import NONE, first_beyond
+
     return first_beyond(trajectory.knots, bands) == NONE
 
 

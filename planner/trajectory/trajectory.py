@@ -6,6 +6,8 @@ exactly. Times are strictly increasing; q, q̇ and q̈ are continuous, the jerk 
 
 A trajectory that says so (`jumps`: parabolic blends) may hold two knots at one time, with the same q and q̇, where q̈
 jumps (`assur.planner.trajectory.jumps`). Its pieces are those that last; at a jump the one to the right counts.
+
+Kernels are imported where they are called: whoever only names a trajectory, as the web process does, loads no compiler.
 """
 
 from __future__ import annotations
@@ -18,8 +20,6 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray, frozen
 from assur.planner.errors import FaultError, InputError
-from assur.planner.kernels.hermite import HULL_COLUMNS, first_bad_knot, first_column, piece_coefficients, piece_hulls
-from assur.planner.kernels.limits import spline_extremes
 from assur.planner.trajectory.jumps import doubled
 
 
@@ -63,6 +63,8 @@ class Trajectory:
 
         Raises `FaultError` for numbers that are not finite and times that do not increase.
         """
+        from assur.planner.kernels.hermite import first_bad_knot
+
         bad = first_bad_knot(knots)
         if len(knots) < 2 or bad >= 0:
             raise FaultError(f"knot {bad} of {len(knots)} is not finite, or not later than the one before")
@@ -134,6 +136,8 @@ class Trajectory:
     @cached_property
     def _hulls(self) -> FloatArray:
         """Bernstein coefficients between all knots, (K-1, n, HULL_COLUMNS)."""
+        from assur.planner.kernels.hermite import HULL_COLUMNS, piece_hulls
+
         hulls = np.empty((len(self.time) - 1, self.n, HULL_COLUMNS))
         piece_hulls(self._knots, hulls)
         return hulls
@@ -141,6 +145,8 @@ class Trajectory:
     @cached_property
     def coefficients(self) -> FloatArray:
         """c0..c5 of q(τ) = Σ c_i τ^i, τ = t − t_k, on every piece: (P, n, 6)."""
+        from assur.planner.kernels.hermite import piece_coefficients
+
         coefficients = np.empty((len(self.time) - 1, self.n, 6))
         piece_coefficients(self._knots, self._hulls, coefficients)
         return _closed(coefficients[self._begins])
@@ -155,6 +161,8 @@ class Trajectory:
 
     def bernstein(self, derivative: int) -> FloatArray:
         """Bernstein coefficients of a derivative (0 to 3) on every piece, (P, n, 6 - derivative): its convex hull."""
+        from assur.planner.kernels.hermite import first_column
+
         first = first_column(derivative)
         return _closed(self._hulls[self._begins, :, first : first + 6 - derivative])
 
@@ -233,6 +241,8 @@ class Trajectory:
     @cached_property
     def _extremes(self) -> FloatArray:
         """Lowest and highest value of q and its derivatives, (4, 2, n)."""
+        from assur.planner.kernels.limits import spline_extremes
+
         found = np.empty((4, 2, self.n))
         spline_extremes(self._knots, found)
         return _closed(found)
