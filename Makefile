@@ -34,6 +34,10 @@ $(BIN)/python:
 	@$(PYTHON) -c 'import ensurepip, venv' >/dev/null 2>&1 || { echo "$(PYTHON) has no venv module (Debian: apt-get install python3-venv)" >&2; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 
+# Tests of kernels that run as plain Python, too, where coverage can see their lines.
+PLAIN := tests/planner/kernels tests/planner/timing/test_rough_motions.py tests/planner/timing/test_knots.py \
+	tests/planner/test_gjk.py tests/planner/test_separation.py
+
 # A stamp per set of extras: pip runs again only when pyproject.toml has changed since.
 install = $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable "$(1)" && touch $@
 
@@ -57,7 +61,8 @@ demo: kernels
 
 test: $(VENV)/installed-test
 	$(BIN)/assur kernels
-	$(BIN)/python -m pytest -n 2 --dist worksteal --cov --cov-report=term
+	$(BIN)/python -m pytest -n 2 --dist worksteal
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 $(PLAIN) --cov=planner/kernels --cov-report=term
 
 check: $(VENV)/installed-dev
 	$(BIN)/ruff check .
