@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import reduce
 from typing import Any
@@ -14,6 +15,9 @@ from assur.planner.errors import InputError
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+
+A_FEW = 32
+"""Up to so many numbers are looked at one by one."""
 
 
 def frozen(values: Any, shape: Sequence[int | None], field: str) -> FloatArray:
@@ -28,9 +32,11 @@ def frozen(values: Any, shape: Sequence[int | None], field: str) -> FloatArray:
     if array.shape != shape and not _fits(array.shape, shape):
         wanted = tuple("any" if want is None else want for want in shape)
         raise InputError(field, array.shape, f"an array of shape {wanted}")
-    if not np.isfinite(array).all():
+    # Python is faster for a few numbers, and most facts of a scene are a few
+    finite = all(map(math.isfinite, array.ravel().tolist())) if array.size <= A_FEW else np.isfinite(array).all()
+    if not finite:
         raise InputError(field, values, "finite numbers")
-    array.flags.writeable = False
+    array.setflags(write=False)
     return array
 
 

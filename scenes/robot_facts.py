@@ -4,7 +4,7 @@ answer's assumptions. No robot is built."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from assur.scenes.faults import written_key
@@ -47,6 +47,10 @@ class Quantity:
     status: str | None = None
     source: str | None = None
 
+    def plain(self) -> dict[str, Any]:
+        """The quantity as plain data."""
+        return {"value": self.value, "unit": self.unit, "status": self.status, "source": self.source}
+
     def part(self, index: int) -> Quantity:
         """One of several numbers."""
         return Quantity(self.value[index], self.unit, self.status, self.source)
@@ -54,6 +58,8 @@ class Quantity:
 
 def assumptions(family: Family, arm: Written) -> tuple[str, ...]:
     """A sentence for each number that is not the maker's own word, and one for those without a status."""
+    if not any(isinstance(value, dict) for mapping in (arm, *arm["joints"]) for value in mapping.values()):
+        return (OWN,)  # the mappings of an arm and its joints are the facts that are stated; here is none
     name = name_of(family, arm)
     numbers = list(_numbers(family, arm))
     found = [
@@ -67,10 +73,9 @@ def assumptions(family: Family, arm: Written) -> tuple[str, ...]:
         if solids.status is not None and solids.status not in SURE:
             each = "; ".join(_solid_in_words(solid) for solid in map(_solid, solids.value))
             found.append(f"{name}: solids in mm, {solids.status}: {solids.source}: {each}")
-    without = sum(number.status is None for _, number in numbers)
-    if without == len(numbers):
-        return (OWN,)
-    return (*found, *([f"{name}: numbers without a status are the request's own"] if without else ()))
+    if any(number.status is None for _, number in numbers):
+        found.append(f"{name}: numbers without a status are the request's own")
+    return tuple(found)
 
 
 def listed(family: Family, arm: Written) -> dict[str, Any]:
@@ -80,7 +85,7 @@ def listed(family: Family, arm: Written) -> dict[str, Any]:
         "model": name_of(family, arm),
         "title": arm.get("title", ""),
         "family": family,
-        **{field.removesuffix("_m"): asdict(number) for field, number in _lengths(arm)},
+        **{field.removesuffix("_m"): number.plain() for field, number in _lengths(arm)},
         "joints": [_joint(joint) for joint in arm["joints"]],
         "solids": {
             "status": solids.status,
@@ -95,7 +100,7 @@ def listed(family: Family, arm: Written) -> dict[str, Any]:
         if key in arm:
             found[key] = " ".join(arm[key].split())
     if "payload_kg" in arm:
-        found["payload"] = asdict(quantity(arm, "payload_kg"))
+        found["payload"] = quantity(arm, "payload_kg").plain()
     return found
 
 
@@ -148,7 +153,7 @@ def _turns(joint: Written) -> bool:
 
 def _joint(joint: Written) -> dict[str, Any]:
     kind = "revolute" if _turns(joint) else "prismatic"
-    numbers = {field: asdict(number) for field, number in _of_joint(joint)}
+    numbers = {field: number.plain() for field, number in _of_joint(joint)}
     return {"name": joint["name"], "kind": kind, "sign": joint.get("sign", 1), **numbers}
 
 

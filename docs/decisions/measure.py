@@ -29,6 +29,7 @@ import assur.planner.timing.solver
 from assur.planner import Scene, plan
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.screening import screen
+from assur.planner.kernels.candidates import OPTION
 from assur.planner.legs.limits import beyond_limits
 from assur.planner.model.outcome import Planned
 from assur.planner.model.refusal import Reason, Refusal
@@ -37,7 +38,8 @@ from assur.planner.search.extension import carried_gently, outline
 from assur.planner.search.meeting_options import options
 from assur.planner.search.partial_plan import Outline, Sample, initial, prepared
 from assur.planner.search.population import Population
-from assur.planner.search.rough_score import Glance
+from assur.planner.search.rough_score import CoarseScore
+from assur.planner.search.via_batch import shape_of
 from assur.planner.timing import trajectory_of
 from assur.planner.trajectory import Trajectory
 from assur.scenes.requests import scene_of
@@ -153,15 +155,15 @@ def glances(limit: int) -> None:
             ways = () if isinstance(meeting, Refusal) else options(scene, chain, [(0.0, meeting)], MOST_WAYS)
             if not ways:
                 continue
-            population = Population(scene, chain, ways, Glance(prover, chain, ways), rng, adaptive=False)
+            population = Population(scene, chain, ways, CoarseScore(prover, chain, ways), rng, adaptive=False)
             prospects = population.freedom.drawn(rng, DRAWN, population.shares)
             began = time.perf_counter()
-            bad, _ = population.glance(prospects, rng)
+            bad, _ = population.score(prospects, rng)
             glanced = time.perf_counter()
             really = np.zeros(DRAWN, dtype=bool)
             for i in range(DRAWN):
-                option = ways[int(prospects.option[i])]
-                way = outline(scene, chain, option.meeting, Sample(0.0, option.branch, prospects.shape(i)), None)
+                option = ways[int(prospects[i, OPTION])]
+                way = outline(scene, chain, option.meeting, Sample(0.0, option.branch, shape_of(prospects[i])), None)
                 if isinstance(way, Outline) and screen(prover, [way])[0].refusal is None:
                     really[i] = not isinstance(carried_gently(scene, way), Refusal)
             cost.append((time.perf_counter() - glanced) / (glanced - began))

@@ -119,11 +119,12 @@ def _start_beyond_limits(scene: Scene) -> Refusal | None:
 
 
 def _laws_over(scene: Scene) -> Refusal | None:
+    """Whether the motion of a frame that bears a body is not known at the start."""
     start = scene.start.time
-    for frame in scene.frames.values():
-        low, high = frame.law.valid
+    for name in {body.frame: None for body in scene.bodies}:
+        low, high = scene.frames[name].law.valid
         if not low <= start <= high:
-            return law_ends(Stage.START, 0, frame.name, (low, high), start, interval=(low, high))
+            return law_ends(Stage.START, 0, name, (low, high), start, interval=(low, high))
     return None
 
 

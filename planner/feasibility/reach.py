@@ -78,7 +78,8 @@ def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refu
     if found.code[0] == Code.OUT_OF_REACH:
         return _far(scene, point, motion, mode)
     q = found.q[0]
-    if not np.isfinite(q).all() or len(equivalents(robot, q, robot.limits.lower, robot.limits.upper)):
+    limits = robot.limits
+    if not np.isfinite(q).all() or len(equivalents(robot, q, limits.lower - limits.slack, limits.upper + limits.slack)):
         return None
     over = beyond_range(robot, q)
     worst = int(np.argmax(over))

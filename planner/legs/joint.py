@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.kernels.candidates import passing_velocity
 from assur.planner.legs.arched import Hop, Vertical, arch, vertical
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.limits import beyond_limits
 from assur.planner.legs.meeting import GRID_S
 from assur.planner.legs.pace import Pace
-from assur.planner.legs.passing import passing_velocity
 from assur.planner.legs.state import State
 from assur.planner.model.outcome import Course, Route
 from assur.planner.model.refusal import (
@@ -172,7 +172,11 @@ class JointMotion:
 
     def _passing(self, before: list[float], at: list[float], behind: list[float], share: float) -> list[float]:
         velocity, acceleration, _ = self.pace.rates
-        return passing_velocity(before, at, behind, share, velocity, acceleration)
+        found = np.empty(len(at))
+        first, here, last = (np.array(station) for station in (before, at, behind))
+        passing_velocity(first, here, last, share, np.array(velocity), np.array(acceleration), found)
+        row: list[float] = found.tolist()
+        return row
 
     def _through_vias(self) -> Refusal | None:
         """Times the legs up to the last via."""

@@ -145,14 +145,15 @@ def _turned(
 
     A joint that can go round many times is offered `MOST_TURNS` either way from where it is (`near`; None: all).
     """
-    met = q[safe]
+    met, slack = q[safe], robot.limits.slack
+    lower, upper = robot.limits.lower - slack, robot.limits.upper + slack
     choices = []
     for i, joint in enumerate(robot.joints):
         if joint.kind != "revolute":
             choices.append([0])
             continue
-        first = int(np.ceil((robot.limits.lower[i] - met[:, i].max()) / (2 * np.pi)))
-        last = int(np.floor((robot.limits.upper[i] - met[:, i].min()) / (2 * np.pi)))
+        first = int(np.ceil((lower[i] - met[:, i].max()) / (2 * np.pi)))
+        last = int(np.floor((upper[i] - met[:, i].min()) / (2 * np.pi)))
         if near is not None:
             here = round((near[i] - float(met[0, i])) / (2 * np.pi))
             first, last = max(first, here - MOST_TURNS), min(last, here + MOST_TURNS)

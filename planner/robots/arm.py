@@ -128,7 +128,7 @@ class Arm(ABC):
 
     def within(self, q: FloatArray) -> BoolArray:
         """Whether q (..., n) keeps the position limits and assembles with `parallel_least`, (...); NaN does not."""
-        kept = np.asarray(((self.limits.lower <= q) & (q <= self.limits.upper)).all(-1))
+        kept = self.limits.holds(q)
         if not self.parallel_least > 0.0:
             return kept
         flat = q.reshape(-1, q.shape[-1])

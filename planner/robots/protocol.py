@@ -11,13 +11,18 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from assur.planner.arrays import BoolArray, FloatArray, IntArray, frozen
+from assur.planner.arrays import BoolArray, FloatArray, IntArray, every, frozen
 from assur.planner.assur.codes import Code
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.geometry.shapes import Body
 
 __all__ = ["Code", "Inverse", "Joint", "Limits", "Pitching", "Robot", "RobotBody", "Sweep"]
+
+
+RANGE_SLACK = 1e-10
+"""Share of a joint's range by which a position may be beyond its end: rounding of inverse kinematics is 1e-15, and a
+tenth of what the limits of a trajectory are checked to."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +52,15 @@ class Limits:
         for name in ("velocity", "acceleration", "jerk"):
             if not (getattr(self, name) > 0).all():
                 raise InputError(f"limits.{name}", getattr(self, name).tolist(), "positive numbers")
+
+    @property
+    def slack(self) -> FloatArray:
+        """By how much (n,) a position may be beyond its limit: rounding, for points exactly at the end of a range."""
+        return np.asarray(RANGE_SLACK * (self.upper - self.lower))
+
+    def holds(self, q: FloatArray) -> BoolArray:
+        """Whether q (..., n) keeps the position limits up to `slack`, (...); NaN does not."""
+        return every((self.lower - self.slack <= q) & (q <= self.upper + self.slack))
 
 
 @dataclass(frozen=True, slots=True)

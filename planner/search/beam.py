@@ -26,7 +26,7 @@ from assur.planner.search.completion import completed
 from assur.planner.search.extension import carried_gently, is_straight, outline, straight_draft
 from assur.planner.search.meeting_options import Option, ahead, options
 from assur.planner.search.partial_plan import Chain, Draft, Outline, Sample, initial, prepared
-from assur.planner.search.rough_score import Glance
+from assur.planner.search.rough_score import CoarseScore
 
 BEAM = 4
 """Chains of one length that are continued in a round."""
@@ -124,7 +124,7 @@ class Search:
             if chain.step == 0:
                 self.found.first_ways = ways
             sampler = Sampler(
-                self.scene, chain, ways, self.rng, partial(Glance, self.prover, chain, ways), self.adaptive
+                self.scene, chain, ways, self.rng, partial(CoarseScore, self.prover, chain, ways), self.adaptive
             )
             high = sampler.too_high()
             if high is not None:
@@ -167,7 +167,7 @@ class Search:
         free = []
         for way, screened in zip(ways, screen(self.prover, ways) if ways else [], strict=True):
             at = None if screened.refusal is None or screened.refusal.interval is None else screened.refusal.interval[0]
-            sampler.learn(way.sample, screened.bad, way.end, at)
+            sampler.learn(way.sample, screened.bad, at)
             if screened.refusal is not None:
                 self.found.census.add(screened.refusal)
                 for also in screened.also:

@@ -158,12 +158,16 @@ def _to_rest(scene: Scene, step: int, state: State, pace: float) -> Stretch | Re
 
 
 def laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
-    """Whether a frame's law ends before the arm, started late, has stood still for as long as is asked."""
+    """Whether the law of a frame that bears a body, or will, ends before the arm, started late, has stood still for as
+    long as is required."""
     stay = scene.options.stay_safe_s if scene.options.end == "rest" else 0.0
     needed = end + stay + scene.execution.start_tolerance_s
-    for frame in scene.frames.values():
-        if not needed <= frame.law.valid[1]:
-            return law_ends(Stage.TIMING, step, frame.name, frame.law.valid, needed)
+    bearing = [body.frame for body in scene.bodies]
+    bearing += [each.to.frame for each in scene.task if isinstance(each, Place)]
+    for name in dict.fromkeys(bearing):
+        valid = scene.frames[name].law.valid
+        if not needed <= valid[1]:
+            return law_ends(Stage.TIMING, step, name, valid, needed)
     return None
 
 

@@ -5,9 +5,8 @@ Seeded and adaptive: what was free or nearly free is varied.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,43 +15,25 @@ from assur.planner.legs.arched import Hop
 from assur.planner.legs.joint import Shape
 from assur.planner.model.refusal import BeyondRange, JointName, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Arch, Move, Scene
+from assur.planner.search import tuning
 from assur.planner.search.meeting_options import Option
 from assur.planner.search.partial_plan import Chain, Sample
-from assur.planner.search.population import Population, glue_effort
-from assur.planner.search.rough_score import Glance
-from assur.planner.search.via_batch import WAIT_S
-
-HOPS = ((0.5, 0.5), (1.0, 1.0))
-"""Overlaps of an arch that are tried first: half, none (corners stopped at)."""
-ARCHED = 2
-"""Options to which arches are tried first."""
-BATCH = 12
-"""Arches in a batch, where an arch is asked for, or waits before a straight leg."""
-FILLED = 6
-"""Batches of the population that are smaller are filled up with arches, and to larger ones ..."""
-ARCHES_TOO = 0.3
-"""... one is added this often."""
-VARIED = 0.5
-"""Share of arches that are variations of the best so far, once there are any."""
-ELITE = 6
-"""Best arches that are kept for that."""
-PACES = (0.7, 0.0)
-"""Paces at which a via control point is flown by first."""
+from assur.planner.search.population import Population, tracking_effort
+from assur.planner.search.rough_score import CoarseScore
 
 
 @dataclass(eq=False)
 class Sampler:
-    """Samples for one chain. What it learned stays with it. `glance`: makes what looks at many ways at once."""
+    """Samples for one chain. What it learned stays with it. `score`: makes what scores many candidates at once."""
 
     scene: Scene
     chain: Chain
     options: tuple[Option, ...]
     rng: np.random.Generator
-    glance: Callable[[], Glance]
+    score: Callable[[], CoarseScore]
     adaptive: bool = True
     visits: int = 0
     population: Population | None = None
-    elite: list[tuple[float, float, Sample]] = field(default_factory=list)
 
     def batch(self, before: float = np.inf) -> list[tuple[Option, Sample]]:
         """The next batch, of ways that may end before `before`, s; empty only if there is nothing left to try."""
@@ -63,34 +44,28 @@ class Sampler:
             return [*self._direct(), *self._arches()]
         if self._cartesian():
             # a straight leg from a moving frame has nothing to choose: it has been tried
-            return [self._wait() for _ in range(BATCH)] if self.chain.state.resting else []
+            return [self._wait() for _ in range(tuning.BATCH)] if self.chain.state.resting else []
         if self._asked_arch() is not None:
-            return [self._arch() for _ in range(BATCH)]
+            return [self._arch() for _ in range(tuning.BATCH)]
         if self.population is None:
-            parts = self.scene, self.chain, self.options, self.glance(), self.rng
+            parts = self.scene, self.chain, self.options, self.score(), self.rng
             self.population = Population(*parts, adaptive=self.adaptive)
         found = self.population.batch(before)
-        arches = max(FILLED - len(found), int(self.rng.random() < ARCHES_TOO)) if self._tops() else 0
+        arches = max(tuning.FILLED - len(found), int(self.rng.random() < tuning.ARCHES_TOO)) if self._tops() else 0
         return found + [self._arch() for _ in range(arches)] or [self.population.anyone()]
 
-    def learn(self, sample: Sample, bad: float, end: float = math.inf, at: float | None = None) -> None:
-        """`bad`: the share of a draft's samples that were in the way of something; 0: it was free; 1: it was refused
-        for another reason. `end`: when it ends, `at`: when something was in its way, s."""
-        if not self.adaptive:
-            return
-        if self.population is not None:
+    def learn(self, sample: Sample, bad: float, at: float | None = None) -> None:
+        """`bad`: the share of a candidate's instants at which it was in the way of something; 0: it was free; 1: it was
+        refused for another reason. `at`: when something was in its way, s."""
+        if self.adaptive and self.population is not None:
             self.population.learn(sample, bad, at)
-        if sample.shape.hop is not None:
-            self.elite = [each for each in self.elite if each[2] is not sample] + [(bad, end, sample)]
-            self.elite.sort(key=lambda each: each[:2])
-            del self.elite[ELITE:]
 
     def _direct(self) -> list[tuple[Option, Sample]]:
         """Directly to the option of each mode that is met first."""
         if self._asked_arch() is not None:
             return []
         step = self.scene.task[self.chain.step]
-        paces = PACES if isinstance(step, Move) and step.via else (0.0,)
+        paces = tuning.THROUGH_PACES if isinstance(step, Move) and step.via else (0.0,)
         return [
             (option, Sample(option.yaw_offset, option.branch, Shape(through=pace)))
             for option in self._first_of_modes()
@@ -107,11 +82,11 @@ class Sampler:
         tops = self._tops()
         if not tops or self._cartesian():
             return []
-        through = PACES[0] if self._is_via() else 0.0
+        through = tuning.THROUGH_PACES[0] if self._is_via() else 0.0
         return [
             (option, Sample(option.yaw_offset, option.branch, Shape(hop=Hop(tops[0], rise, fall), through=through)))
-            for option in self._first_of_modes()[:ARCHED]
-            for rise, fall in (HOPS[:1] if self._is_via() else HOPS)
+            for option in self._first_of_modes()[: tuning.ARCHED]
+            for rise, fall in (tuning.HOPS[:1] if self._is_via() else tuning.HOPS)
         ]
 
     def _tops(self) -> list[float]:
@@ -166,39 +141,25 @@ class Sampler:
         return self.chain.state.resting and not all_stand(self.scene.frames.values())
 
     def _any_option(self) -> Option:
-        return self.options[min(len(self.options) - 1, int(self.rng.geometric(0.45)) - 1)]
+        return self.options[min(len(self.options) - 1, int(self.rng.geometric(tuning.ANY_OPTION)) - 1)]
 
     def _wait(self) -> tuple[Option, Sample]:
         """A straight leg after a wait."""
         option = self._any_option()
-        return option, self._sample(option, Shape(float(self.rng.exponential(WAIT_S))))
+        return option, self._sample(option, Shape(float(self.rng.exponential(tuning.WAIT_S))))
 
     def _arch(self) -> tuple[Option, Sample]:
-        """An arch of random height and corners, or a variation of a good one."""
+        """An arch of random height and corners."""
         rng = self.rng
-        if self.adaptive and self.elite and rng.random() < VARIED:
-            return self._varied()
         option, tops = self._any_option(), self._tops()
         top = float(rng.uniform(min(tops), max(tops))) if rng.random() < 0.5 else max(tops)
         shape = Shape(hop=Hop(top, float(rng.random()), float(rng.random())))
         if self._is_via():
-            shape = replace(shape, through=float(rng.uniform(0.2, 1.0)))
-        if self._may_wait() and rng.random() < 0.25:
-            shape = replace(shape, wait=float(rng.exponential(WAIT_S)))
+            shape = replace(shape, through=float(rng.uniform(*tuning.THROUGH)))
+        if self._may_wait() and rng.random() < tuning.ARCH_WAITS:
+            shape = replace(shape, wait=float(rng.exponential(tuning.WAIT_S)))
         return option, self._sample(option, shape)
 
-    def _varied(self) -> tuple[Option, Sample]:
-        rng = self.rng
-        *_, parent = self.elite[int(rng.integers(len(self.elite)))]
-        option = next(o for o in self.options if o.branch is parent.branch)
-        shape, hop = parent.shape, parent.shape.hop
-        if hop is not None:
-            rise, fall = np.clip(np.array([hop.rise, hop.fall]) + rng.normal(0.0, 0.15, 2), 0.0, 1.0)
-            shape = replace(shape, hop=Hop(hop.top, float(rise), float(fall)))
-        if self._may_wait() and rng.random() < 0.5:
-            shape = replace(shape, wait=max(0.0, shape.wait + float(rng.normal(0.0, 0.1))))
-        return option, replace(parent, shape=shape)
-
     def _sample(self, option: Option, shape: Shape) -> Sample:
-        effort, pace = glue_effort(self.rng)
+        effort, pace = tracking_effort(self.rng)
         return Sample(option.yaw_offset, option.branch, shape, effort, pace)

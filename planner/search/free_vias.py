@@ -6,15 +6,7 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.robots.protocol import Robot
-
-KINDS = (0.3, 0.4, 0.3)
-"""Shares of vias near the way, anywhere, and with a folded arm."""
-SPREAD = 0.2
-"""Spread of vias near the way, in ranges of the joints."""
-FOLDED = 0.3
-"""A folded joint is this far from an end of its range at most, in ranges."""
-ABOVE, BELOW_TOP = 0.7, 0.6
-"""How often the lift joint stays above both ends of the way, and how often it is not at its very top."""
+from assur.planner.search import tuning
 
 
 def free_vias(rng: np.random.Generator, robot: Robot, start: FloatArray, goal: FloatArray, count: int) -> FloatArray:
@@ -24,24 +16,24 @@ def free_vias(rng: np.random.Generator, robot: Robot, start: FloatArray, goal: F
     share = np.sort(rng.uniform(0.1, 0.9, shape), axis=1)[..., None]
     goal = goal[:, None]
     on_way = start + share * (goal - start)
-    near = on_way + rng.normal(0.0, SPREAD, (*shape, len(span))) * span
+    near = on_way + rng.normal(0.0, tuning.SPREAD, (*shape, len(span))) * span
     anywhere = rng.uniform(limits.lower, limits.upper, (*shape, len(span)))
-    kind = rng.choice(len(KINDS), size=shape, p=KINDS)[..., None]
+    kind = rng.choice(len(tuning.VIA_KINDS), size=shape, p=tuning.VIA_KINDS)[..., None]
     q = np.where(kind == 1, anywhere, near)
     # one joint near an end of its range: a folded arm passes where a stretched one does not
     folding = np.flatnonzero(joints)[1:]
     if len(folding):
         joint = rng.choice(folding, shape)
-        up, inward = rng.random(shape) < 0.5, FOLDED * rng.random(shape) * span[joint]
+        up, inward = rng.random(shape) < 0.5, tuning.FOLDED * rng.random(shape) * span[joint]
         folded = np.where(up, limits.upper[joint] - inward, limits.lower[joint] + inward)
         q = np.where((kind == 2) & (np.arange(len(span)) == joint[..., None]), folded[..., None], q)
     q = np.where(joints, q, on_way)
     if robot.lift is not None:
         z = robot.lift
         above = np.minimum(np.maximum(start[z], goal[..., z]), limits.upper[z])
-        low = np.where(rng.random(shape) < ABOVE, above, limits.lower[z])
+        low = np.where(rng.random(shape) < tuning.ABOVE, above, limits.lower[z])
         between = rng.uniform(low, limits.upper[z], shape)
-        q[..., z] = np.where(rng.random(shape) < BELOW_TOP, between, limits.upper[z])
+        q[..., z] = np.where(rng.random(shape) < tuning.BELOW_TOP, between, limits.upper[z])
     return np.asarray(np.clip(q, limits.lower, limits.upper))
 
 

@@ -13,10 +13,8 @@ from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
 from assur.planner.model.scene import Move, Scene
 from assur.planner.search.partial_plan import Chain
+from assur.planner.search.tuning import EVALUATED_MEETINGS
 from assur.planner.timing import least_duration
-
-LOOKED_AT = 300
-"""Meeting times, about, at which a lower bound of the duration orders the branches."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +34,7 @@ def options(scene: Scene, chain: Chain, found: list[tuple[float, Meetings]], mos
     ways = [(yaw_offset, meeting, branch) for yaw_offset, meeting in found for branch in meeting.branches]
     if not ways:
         return ()
-    looked_at = [branch.rows[:: 1 + len(branch.time) // LOOKED_AT] for _, _, branch in ways]
+    looked_at = [branch.rows[:: 1 + len(branch.time) // EVALUATED_MEETINGS] for _, _, branch in ways]
     durations = _least(scene, chain, [branch for _, _, branch in ways], looked_at)
     result = []
     for (yaw_offset, meeting, branch), rows, least in zip(ways, looked_at, durations, strict=True):

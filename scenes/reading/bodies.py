@@ -79,6 +79,8 @@ def attached(document: object, path: Path, item: AttachedBody, lower_m: float = 
     """A body at its pose in its carrier's frame, `lower_m` lower: its pieces and surface moved there."""
     body = solid(document, (*path, "shape"), item.name, item.shape)
     at = np.array(item.at_m) - [0.0, 0.0, lower_m]
+    if item.yaw_rad == 0.0 and body.surface is None:
+        return Body(item.name, tuple(Piece(p.shape, at + p.position, p.rotation) for p in body.pieces))
     turn = _turn(item.yaw_rad)
     turned = [p.rotation if item.yaw_rad == 0.0 else turn @ p.rotation for p in body.pieces]
     pieces = tuple(Piece(p.shape, at + turn @ p.position, axes) for p, axes in zip(body.pieces, turned, strict=True))

@@ -45,13 +45,13 @@ class Document(BaseModel):
         if type(data) is not dict:
             return data
         for group in cls.exactly_one:
-            given = [key for key in group if key in data]
-            if len(given) != 1:
+            if sum(map(data.__contains__, group)) != 1:
+                given = [key for key in group if key in data]
                 strange = [] if given else [key for key in data if not cls._has(key)]
                 raise _refusal("one_of", given[1:], f"exactly one of {', '.join(group)}{_strange(strange, group)}")
         for group in cls.at_most_one:
-            given = [key for key in group if key in data]
-            if len(given) > 1:
+            if sum(map(data.__contains__, group)) > 1:
+                given = [key for key in group if key in data]
                 raise _refusal("one_of", given[1:], f"at most one of {', '.join(group)}")
         return data
 

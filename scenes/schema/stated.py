@@ -10,7 +10,7 @@ from typing import Annotated, Any, Generic, Literal, TypeVar, get_args
 
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema
-from pydantic_core.core_schema import tagged_union_schema
+from pydantic_core.core_schema import simple_ser_schema, tagged_union_schema
 
 from assur.scenes import bounds
 from assur.scenes.schema.model import Document
@@ -50,7 +50,7 @@ class _BothForms:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         plain, stated = get_args(source)
         choices = {PLAIN: handler.generate_schema(plain), STATED: handler.generate_schema(stated)}
-        return tagged_union_schema(choices, _form)
+        return tagged_union_schema(choices, _form, serialization=simple_ser_schema("any"))
 
     def __get_pydantic_json_schema__(self, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         plain, stated = handler(core_schema)["oneOf"]

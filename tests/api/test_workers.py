@@ -194,6 +194,27 @@ def test_a_job_that_does_not_end_is_killed_and_the_next_is_served(job: Callable[
     with_workers(Settings(workers=1), story)
 
 
+def test_a_worker_that_does_not_read_its_job_is_killed_too() -> None:
+    async def story(workers: Workers) -> None:
+        stuck = await pid_of(workers)
+        os.kill(stuck, signal.SIGSTOP)
+        problem = await refused(workers.run(len, (bytes(20 << 20),), "unread", 0.5))
+        assert problem.kind == "worker-timeout"
+        assert await pid_of(workers) != stuck
+
+    with_workers(Settings(workers=1), story)
+
+
+def test_what_a_job_raises_is_raised_here_and_its_worker_goes_on() -> None:
+    async def story(workers: Workers) -> None:
+        pid = await pid_of(workers)
+        with pytest.raises(ZeroDivisionError):
+            await workers.run(divmod, (1, 0), "raises", 30.0)
+        assert await pid_of(workers) == pid
+
+    with_workers(Settings(workers=1), story)
+
+
 def test_a_job_whose_caller_has_gone_is_killed() -> None:
     async def story(workers: Workers) -> None:
         pid = await pid_of(workers)

@@ -124,7 +124,9 @@ def test_the_catalogue_knows_the_same_robot() -> None:
     named = scene_of({**document, "robot": {"model": "benchmark-scara", "tool": {"tcp_m": [0.0, 0.0, 0.0]}}}).robot
     assert isinstance(inline, Scara)
     assert isinstance(named, Scara)
-    assert (named.l1, named.l2, named.joints, named.self_pairs) == (inline.l1, inline.l2, inline.joints, ())
+    assert (named.l1, named.l2, named.joints) == (inline.l1, inline.l2, inline.joints)
+    assert inline.self_pairs == ()  # without a tool and a part none of them can meet
+    assert set(named.self_pairs) == {("link1", "quill"), ("link1", "flange"), ("link2", "flange")}
     for name in ("lower", "upper", "velocity", "acceleration", "jerk"):
         assert np.allclose(getattr(named.limits, name), getattr(inline.limits, name), rtol=1e-15, atol=0.0)
     for one, other in zip(named.bodies, inline.bodies, strict=True):

@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from assur.planner.checker import check
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.necessary import points_impossible, start_impossible
-from assur.planner.frames import Conveyor, Turntable
+from assur.planner.frames import Conveyor, Linear, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece, box, cylinder, sphere
 from assur.planner.model.outcome import Planned
@@ -77,7 +78,8 @@ def test_a_start_that_is_faster_than_a_joint_can_be_is_refused_and_one_at_its_li
 def test_a_law_must_be_known_at_the_start() -> None:
     for valid, start, may in (((0.0, 5.0), 0.0, True), ((0.1, 5.0), 0.0, False), ((0.0, 5.0), 6.0, False)):
         gate = frame("gate", Turntable(Pose(-0.3, -0.3), 1.0, valid=valid))
-        assert (reason(cell(go(0.35, -0.2), frames=(gate,), time=start)) is None) == may
+        bar = stands("bar", box(0.1, 0.1, 0.1), frame="gate")
+        assert (reason(cell(go(0.35, -0.2), frames=(gate,), bodies=(bar,), time=start)) is None) == may
 
 
 HERE = np.array([0.3, 1.2, 0.2, 0.0])
@@ -248,3 +250,33 @@ def test_nothing_that_is_planned_was_called_impossible(seed: int) -> None:
         assert refusal is None
     if refusal is None and isinstance(plan(scene), Planned):
         assert searched.best is not None
+
+
+def test_a_point_exactly_at_the_end_of_a_range_is_within_it_and_one_a_micrometre_further_is_not() -> None:
+    """In whole millimetres some such points are beyond the end, by the rounding of a sum."""
+    tool, rounded = replace(BARE, tcp=Pose(z=-0.06)), 0
+    for k in range(280, 300):
+        upper = arm().limits.upper.copy()
+        upper[2] = k / 1000
+        robot = replace(arm(), limits=replace(arm().limits, upper=upper))
+        z = (k - 60) / 1000
+        rounded += z + 0.06 > k / 1000
+        scene = cell(go(0.35, -0.2, z), robot=robot, tool=tool, max_candidates=20)
+        outcome = plan(scene)
+        assert isinstance(outcome, Planned), outcome.sentence
+        assert check(scene, outcome.plan).ok
+        refusal = found(cell(go(0.35, -0.2, z + 1e-6), robot=robot, tool=tool))
+        assert refusal is not None
+        assert (refusal.reason, refusal.joint) == (Reason.JOINT_LIMIT, "z")
+    assert rounded > 3
+
+
+def test_only_a_frame_that_bears_a_body_must_be_known_at_the_start() -> None:
+    over = frame("old", Linear(Pose(5.0, 5.0, 0.0), (0.1, 0.0, 0.0), valid=(-20.0, -10.0)))
+    empty = cell(go(0.35, -0.2), frames=(over,), max_candidates=20)
+    outcome = plan(empty)
+    assert isinstance(outcome, Planned)
+    assert check(empty, outcome.plan).ok
+    refusal = found(cell(go(0.35, -0.2), frames=(over,), bodies=(stands("cart", box(0.1, 0.1, 0.1), frame="old"),)))
+    assert refusal is not None
+    assert (refusal.reason, refusal.frame) == (Reason.LAW_ENDS, "old")

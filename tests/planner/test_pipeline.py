@@ -202,7 +202,7 @@ PROVED: dict[str, tuple[Callable[[], Scene], bool]] = {
     "a start beyond a limit": (lambda: cell(go(0.35, 0.2), q=(0.3, 1.2, 0.3, 0.0)), True),
     "a start that is too fast": (lambda: cell(go(0.35, 0.2), qd=(9.0, 0.0, 0.0, 0.0)), True),
     "a start that is before a law begins": (
-        lambda: cell(go(0.35, -0.2), frames=(frame("gate", dial(1.0, valid=(1.0, 2.0))),)),
+        lambda: cell(go(0.35, -0.2), bodies=(GATE,), frames=(frame("gate", dial(1.0, valid=(1.0, 2.0))),)),
         True,
     ),
     "a point in a body of its own frame": (

@@ -379,6 +379,9 @@ BAD_REQUESTS: tuple[Bad, ...] = (
         "asset that is not shipped", put(*PART, "shape", "mesh", "asset", value="teapot"), "bodies[1].shape.mesh.asset"
     ),
     Bad("asset by path", put(*PART, "shape", "mesh", "asset", value="../assets/bracket"), "bodies[1].shape.mesh.asset"),
+    Bad("robot by file", put("robot", value={"file": "arm.yaml", "tool": {"tcp_mm": [0, 0, 0]}}), "robot.file"),
+    Bad("robot by a path", put("robot", value={"file": "/etc/passwd", "tool": {"tcp_mm": [0, 0, 0]}}), "robot.file"),
+    Bad("model by path", put("robot", "model", value="../robots/lab-scara"), "robot.model"),
     Bad(
         "mesh by file",
         put(*PART, "shape", "mesh", value={"file": "bracket.stl", "unit": "mm"}),

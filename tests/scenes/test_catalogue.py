@@ -24,6 +24,7 @@ from assur.planner.robots.protocol import Robot
 from assur.planner.robots.scara import Scara
 from assur.scenes.catalogue import FOLDER, arm_named, load_robot, models, robots, shipped_robot
 from assur.scenes.conventions import JointConvention, as_maker, converted
+from assur.scenes.requests import plan_document
 from assur.scenes.schema.stated import SURE
 
 LISTED = {robot["model"]: robot for robot in robots()}
@@ -328,9 +329,26 @@ def test_the_quill_slides_through_link_2_everywhere_so_that_pair_is_left_out(mod
         assert _meet(objects["link2"], objects["quill"])
 
 
-def test_a_wide_tool_can_meet_column_and_links_so_those_pairs_are_asked() -> None:
-    for model in ("mitsubishi-rh-6frh5520", "mitsubishi-rh-6crh6020", "fanuc-sr-3ia"):
-        assert {("base", "flange"), ("link1", "flange"), ("link2", "flange")} <= set(_robot(model).self_pairs)
+@pytest.mark.parametrize("model", SCARAS)
+def test_a_tool_can_collide_with_column_and_links_so_pairs_with_the_flange_are_named(model: str) -> None:
+    robot = _robot(model)
+    solid = {robot.links[item.link] for item in robot.bodies} - {"quill"}
+    assert {first for first, second in robot.self_pairs if second == "flange"} >= solid
+
+
+def test_a_tool_that_reaches_into_a_link_of_the_benchmarks_robot_is_refused() -> None:
+    mast = {"name": "mast", "shape": {"box": {"size_mm": [20, 20, 400]}}, "at_mm": [0, 0, 200]}
+    request = {
+        "schema": "assur/1",
+        "robot": {"model": "benchmark-scara", "tool": {"tcp_mm": [0, 0, 0], "bodies": [mast]}},
+        "start": {"joints": {"q1_deg": 0, "q2_deg": 40, "z_mm": 100, "q4_deg": 0}},
+        "task": [{"move": {"to": {"at_mm": [400, 100, 150]}}}],
+        "options": {"max_candidates": 10},
+    }
+    answer = plan_document(request)
+    assert (answer["status"], answer["reason"], answer["proved"]) == ("not_planned", "START_IN_COLLISION", True)
+    assert "link-2" in answer["sentence"]
+    assert "mast" in answer["sentence"]
 
 
 @pytest.mark.parametrize("model", models())

@@ -1,8 +1,9 @@
-"""Numbers of NumPy in a request from Python: the same request as with plain ones, or an error at the field."""
+"""What models read: SI, no null, and numbers of NumPy as the numbers that they are, or an error at the field."""
 
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Callable
 from decimal import Decimal
 from enum import IntEnum
@@ -14,8 +15,9 @@ import pytest
 
 from assur.scenes import check, load, plan
 from assur.scenes.faults import DocumentError
-from assur.scenes.requests import request_digest, validate
-from assur.scenes.schema.normal import ALLOWED, plain
+from assur.scenes.requests import request_digest, request_schema, stated_budgets, validate
+from assur.scenes.schema.normal import ALLOWED, normal, plain
+from assur.scenes.units import si_key
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 
@@ -127,3 +129,59 @@ def test_nesting_without_end_is_refused() -> None:
     for request, field in ((endless, r"\[0\]"), (with_joint(endless), "start")):
         with pytest.raises(DocumentError, match=f"^{field}.*deeper nesting"):
             validate(request)
+
+
+def test_keys_and_values_are_in_si_wherever_they_are_and_the_document_is_left_alone() -> None:
+    written = {"a": {"at_mm": [1000, 0, 5], "b": [{"yaw_deg": 180}, {"clearance_mm": {"near": 2, "far": 4}}]}}
+    before = copy.deepcopy(written)
+    assert normal(written) == {
+        "a": {"at_m": [1.0, 0.0, 0.005], "b": [{"yaw_rad": math.pi}, {"clearance_m": {"near": 0.002, "far": 0.004}}]}
+    }
+    assert written == before
+
+
+def test_names_that_the_document_gives_are_no_quantities() -> None:
+    frames = {"belt_mm": {"fixed": {"at_mm": [0, 0, 1000]}}, "s": {"fixed": {"at_m": [0, 0, 0]}}}
+    assert normal({"frames": frames})["frames"] == {
+        "belt_mm": {"fixed": {"at_m": [0.0, 0.0, 1.0]}},
+        "s": {"fixed": {"at_m": [0, 0, 0]}},
+    }
+
+
+@pytest.mark.parametrize(
+    ("document", "field"),
+    [
+        ({"a": [{"b": None}]}, "a[0].b"),
+        ({"a": {"at_m": [0, 0, 0], "at_mm": [0, 0, 0]}}, "a.at_mm"),
+        ({"at_mm": None}, "at_mm"),
+    ],
+)
+def test_a_null_and_a_quantity_that_is_given_twice_are_refused_where_they_are(document: Any, field: str) -> None:
+    with pytest.raises(DocumentError) as caught:
+        normal(document)
+    assert caught.value.field == field
+
+
+def test_no_field_of_a_request_ends_in_a_unit_that_is_converted() -> None:
+    """A field that did would never be found: every key in a twin unit becomes its SI key."""
+    parts = [request_schema(), *request_schema()["$defs"].values()]
+    written = [name for part in parts for name in part.get("properties", {})]
+    fields = {name for name in written if si_key(name) is None}
+    assert {si_key(name)[0] for name in set(written) - fields} <= fields  # type: ignore[index]
+
+
+@pytest.mark.parametrize(
+    ("options", "budgets"),
+    [
+        (None, (1.0, 0.0)),
+        ({}, (1.0, 0.0)),
+        ([], (1.0, 0.0)),
+        ({"budget_s": 2, "explain_budget_s": 0.5}, (2.0, 0.5)),
+        ({"budget_ms": 1500, "explain_budget_ms": 250.0}, (1.5, 0.25)),
+        ({"budget_s": "2", "explain_budget_s": None}, (1.0, 0.0)),
+        ({"budget_s": -1}, (1.0, 0.0)),
+    ],
+)
+def test_budgets_are_read_before_anything_is_validated(options: Any, budgets: tuple[float, float]) -> None:
+    document = {} if options is None else {"options": options}
+    assert tuple(stated_budgets(document).values()) == budgets
