@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker import Code
-from assur.planner.checker.check import limits
+from assur.planner.checker.checking import limits
 from assur.planner.checker.spline import JERK, RATE, cut, joints, table
 from assur.planner.checker.world import World
 from assur.planner.robots.protocol import Limits
