@@ -193,7 +193,10 @@ def keeps(
         top -= 1
         a, b = stack[top, 0], stack[top, 1]
         ends[:] = -np.inf
+        when = a
         for t in (a, b):
+            if ends.max() <= 0.0:
+                when = t  # nothing is exceeded before
             if quantities(kind, asked, t, t, count, tables, jets, q, e):
                 taken(kind, asked, hand, e, ends)
             else:
@@ -209,7 +212,7 @@ def keeps(
                 exceeds = k
             kept = kept and bound[k] <= 0.0
         if exceeds >= 0:
-            found[0], found[1], found[2], found[3] = 1.0, exceeds, ends[exceeds], a
+            found[0], found[1], found[2], found[3] = 1.0, exceeds, ends[exceeds], when
             return
         if kept:
             continue

@@ -393,14 +393,15 @@ def test_the_mode_is_right_where_theta2_is_positive_and_none_where_it_is_unknown
     assert np.isnan(scara().margin(q)[4:]).all()
 
 
-def test_within_takes_the_limits_themselves_and_nothing_beyond_and_no_nan() -> None:
+def test_within_takes_the_limits_themselves_and_nothing_beyond_rounding_and_no_nan() -> None:
     robot = scara()
     lower, upper = robot.limits.lower, robot.limits.upper
+    assert (robot.limits.slack <= 1.01e-10 * (upper - lower)).all()
     assert robot.within(np.stack([lower, upper, (lower + upper) / 2])).all()
     for joint in range(4):
-        for edge, outwards in ((lower, -np.inf), (upper, np.inf)):
+        for edge, outwards in ((lower, -1.0), (upper, 1.0)):
             beyond = edge.copy()
-            beyond[joint] = np.nextafter(edge[joint], outwards)
+            beyond[joint] += outwards * 1.01 * robot.limits.slack[joint]
             assert not robot.within(beyond)
         unknown = lower.copy()
         unknown[joint] = np.nan
