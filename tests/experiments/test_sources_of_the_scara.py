@@ -102,7 +102,7 @@ def test_the_planner_plans_the_line_far_from_the_axis_and_refuses_it_with_the_ma
         for mm, answer in zip(numbers["distance_mm"], answers, strict=True):
             if margins[mm] < 0.05:
                 assert answer["answer"] == "NEAR_SINGULARITY", (kind, mm)
-                # the planner evaluates the line at points of its own, none of which is better than the best
+                # within 2 % until the search changed, now 3 %: why has not been found
                 assert margins[mm] * 0.98 <= answer["margin"] <= margins[mm] * 1.05
                 assert answer["margin_asked"] == 0.05
             elif kind == "constant speed" and np.degrees(numbers["speed_m_s"] / (mm / 1e3)) > numbers["limit_deg_s"]:
