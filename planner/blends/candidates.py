@@ -150,4 +150,4 @@ class BlendSampler:
 
 def _typical(station: Station) -> FloatArray:
     """Joints (n,) at the first time at which the station may be met."""
-    return np.asarray(station.branch.q[int(np.argmax(station.branch.legal))])
+    return np.asarray(station.branch.q[0])

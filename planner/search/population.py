@@ -108,7 +108,7 @@ def _freedom(scene: Scene, chain: Chain, options: tuple[Option, ...]) -> Freedom
     return Freedom(
         robot=scene.robot,
         start=chain.state.q,
-        goals=np.array([option.branch.q[int(np.argmax(option.branch.legal))] for option in options]),
+        goals=np.array([option.branch.q[0] for option in options]),
         weights=weights / weights.sum(),
         waits=chain.state.resting,
         moving=not all_stand(scene.frames.values()),

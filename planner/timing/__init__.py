@@ -1,7 +1,6 @@
 """When joints are where: phases of constant jerk, the door to the solver that makes them, and lower bounds."""
 
 from assur.planner.timing.blend_times import TooShort, fastest, with_acceleration_time
-from assur.planner.timing.bounds import least_duration, rest_to_rest_time
 from assur.planner.timing.inputs import Numbers, TimingRefusal
 from assur.planner.timing.parabolic_blend import ParabolicBlend
 from assur.planner.timing.raw_profile import RawProfile, trajectory_of
@@ -16,8 +15,6 @@ __all__ = [
     "TimingRefusal",
     "TooShort",
     "fastest",
-    "least_duration",
-    "rest_to_rest_time",
     "time_joints",
     "trajectory_of",
     "with_acceleration_time",
