@@ -12,7 +12,7 @@ from assur.planner.legs.control_point import control_point
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
 from assur.planner.model.scene import Scene
-from assur.planner.search.partial_plan import Chain
+from assur.planner.search.partial_plan import PartialPlan
 from assur.planner.search.tuning import EVALUATED_MEETINGS
 
 
@@ -28,9 +28,9 @@ class Option:
     grain: float
 
 
-def options(scene: Scene, chain: Chain, found: list[tuple[float, Meetings]], most: int) -> tuple[Option, ...]:
+def options(scene: Scene, partial: PartialPlan, found: list[tuple[float, Meetings]], most: int) -> tuple[Option, ...]:
     """Branches of all turns of the part, those with the least possible duration first."""
-    state, limits = chain.state, scene.robot.limits
+    state, limits = partial.state, scene.robot.limits
     start = np.array([state.q, state.qd, state.qdd])
     result = []
     for yaw_offset, meeting in found:
@@ -53,15 +53,15 @@ def options(scene: Scene, chain: Chain, found: list[tuple[float, Meetings]], mos
     return tuple(result[:most])
 
 
-def ahead(scene: Scene, chain: Chain, q: FloatArray) -> FloatArray | None:
+def ahead(scene: Scene, partial: PartialPlan, q: FloatArray) -> FloatArray | None:
     """Joints (n,) near those of the control point behind the next one, for a via that is flown by; None: no such."""
-    step = scene.task[chain.step]
-    if not step.via or chain.step + 1 >= len(scene.task):
+    step = scene.task[partial.step]
+    if not step.via or partial.step + 1 >= len(scene.task):
         return None
-    tilt = tilts(scene, scene.task[chain.step + 1], q)[0]
-    behind = control_point(scene, chain.step + 1, chain.attached, 0.0, tilt)
-    motion = behind.flange(np.array([chain.state.time]), behind.approach)
-    found = scene.robot.inverse(motion, chain.mode, 0)
+    tilt = tilts(scene, scene.task[partial.step + 1], q)[0]
+    behind = control_point(scene, partial.step + 1, partial.attached, 0.0, tilt)
+    motion = behind.flange(np.array([partial.state.time]), behind.approach)
+    found = scene.robot.inverse(motion, partial.mode, 0)
     if not np.isfinite(found.q).all():
         return None
     turns = np.round((q - found.q[0]) / (2 * np.pi))

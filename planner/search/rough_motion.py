@@ -17,7 +17,7 @@ from assur.planner.kernels.candidates import (
 )
 from assur.planner.robots.protocol import Robot
 from assur.planner.search.meeting_options import Option
-from assur.planner.search.partial_plan import Chain
+from assur.planner.search.partial_plan import PartialPlan
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +47,8 @@ class Rough:
 class RoughMotions:
     """Times the candidates that continue one partial plan."""
 
-    def __init__(self, robot: Robot, chain: Chain, options: tuple[Option, ...]) -> None:
-        self._limits, state = robot.limits.table, chain.state
+    def __init__(self, robot: Robot, partial: PartialPlan, options: tuple[Option, ...]) -> None:
+        self._limits, state = robot.limits.table, partial.state
         self._start, self._time = np.array([state.q, state.qd]), float(state.time)
         first, rows, meetings = 0, [], []
         for branch in (option.branch for option in options):

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.blends.durations import TooShort, fastest, with_acceleration_time
+from assur.planner.blends.law import ParabolicBlend
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.model.outcome import Course, Route
@@ -33,7 +35,6 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Scene
 from assur.planner.robots.protocol import Code
-from assur.planner.timing import ParabolicBlend, TooShort, fastest, with_acceleration_time
 
 AGREES_S = 1e-12
 """Times that are put in and that come out agree to this, s: at 10 m/s a place is then known to 10 pm."""

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from assur.planner.blends.durations import RESERVE, TOLD_S, TooShort, fastest, with_acceleration_time
+from assur.planner.blends.law import ParabolicBlend
 from assur.planner.errors import InputError
-from assur.planner.timing import ParabolicBlend, TooShort, fastest, with_acceleration_time
-from assur.planner.timing.blend_times import RESERVE, TOLD_S
 from assur.planner.trajectory import Trajectory, check_limits
 from tests.planner.timing.least import least_duration
 
