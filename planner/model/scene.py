@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
@@ -165,9 +164,10 @@ class Scene:
         if not self.task:
             raise InputError("task", self.task, "at least one step")
         solids = [each.body for each in self.robot.bodies] + list(self.tool.bodies) + [b.body for b in self.bodies]
-        for name, count in Counter(body.name for body in solids).items():
-            if count > 1:
-                raise InputError("bodies", name, "names that are unique, the robot's and the tool's bodies included")
+        names = [body.name for body in solids]
+        if len(set(names)) < len(names):
+            twice = next(name for i, name in enumerate(names) if name in names[:i])
+            raise InputError("bodies", twice, "names that are unique, the robot's and the tool's bodies included")
         for i, body in enumerate(self.bodies):
             if body.frame not in self.frames:
                 raise InputError(f"bodies[{i}].pose.frame", body.frame, f"one of {sorted(self.frames)}")
