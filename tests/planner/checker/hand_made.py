@@ -295,7 +295,7 @@ def sides(scene: Scene, phase: Phase) -> list[Side]:
         if phase.attached.held is not None and phase.attached.held.part == item.name:
             found.append(Side(item.name, item.body, FLANGE, "", phase.attached.held.in_flange))
         else:
-            found.append(Side(item.name, item.body, -1, *phase.attached.seat(scene, item.name)))
+            found.append(Side(item.name, item.body, -1, *phase.attached.pose_of(scene, item.name)))
     return found
 
 
