@@ -19,7 +19,7 @@ from assur.planner.legs.control_point import control_point
 from assur.planner.legs.joint import JointMotion, Reached, Shape, Via
 from assur.planner.legs.meeting import meetings
 from assur.planner.legs.state import Knots, State
-from assur.planner.model.phases import initial_rides
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.model.scene import Scene, Window
 from assur.planner.timing import Solver
@@ -44,7 +44,7 @@ def scene_on(law: Law, **manners: Any) -> Scene:
 
 
 def branches(scene: Scene, state: State) -> tuple[Branch, ...]:
-    point = control_point(scene, 0, initial_rides(scene), None, 0.0)
+    point = control_point(scene, 0, AT_START, 0.0)
     found = meetings(scene, point, state.time, 0.0, (0, 1)).branches
     assert found
     return found
@@ -81,7 +81,6 @@ def check_leg(scene: Scene, begin: State, branch: Branch, found: Reached, how: S
     assert last.time == found.end
     if not branch.still:
         assert found.end == branch.time[found.row]
-        assert branch.legal[found.row]
     for have, asked in ((last.q, branch.q), (last.qd, branch.qd), (last.qdd, branch.qdd)):
         assert np.abs(have - asked[found.row]).max() <= 1e-9
     trajectory = found.trajectory
@@ -91,7 +90,8 @@ def check_leg(scene: Scene, begin: State, branch: Branch, found: Reached, how: S
     assert report.ok, report
     # the flange by forward kinematics, against the law: no inverse kinematics
     p, yaw = scene.robot.forward(trajectory.evaluate(np.array(found.end)))
-    target = scene.task[0].target  # type: ignore[union-attr]
+    target = scene.task[0].target
+    assert target is not None
     wanted = scene.frames[target.frame].law.motion(np.array(found.end)).at(target.pose)
     assert np.abs(p - wanted.p).max() <= 1e-9
     assert abs(math.remainder(float(yaw - wanted.yaw), 2 * math.pi)) <= 1e-9
@@ -156,12 +156,12 @@ def test_no_earlier_time_of_the_grid_could_have_been_met_directly(seed: int, law
     solver = Solver(LIMITS.velocity.tolist(), LIMITS.acceleration.tolist(), LIMITS.jerk.tolist())
     start = begin.q.tolist(), begin.qd.tolist(), begin.qdd.tolist()
     grid = float(np.diff(branch.time).max())
-    earlier = [i for i in np.flatnonzero(branch.legal) if branch.time[i] < found.end - 3.5 * grid]
+    earlier = np.flatnonzero(branch.time < found.end - 3.5 * grid).tolist()
     for i in earlier[:: max(1, len(earlier) // 40)]:
         least = solver.shortest(start, (branch.q[i].tolist(), branch.qd[i].tolist(), branch.qdd[i].tolist()))
         if isinstance(least, float) and begin.time + least <= branch.time[i]:
             # it was possible to be there sooner only if no motion of exactly that time exists (blocked)
-            only = replace(branch, legal=np.arange(len(branch.time)) == i)
+            only = replace(branch, meetings=branch.meetings[i : i + 1], numbers=branch.numbers[i : i + 1])
             exact = JointMotion(scene, 0, begin, Shape(), only).meet()
             assert isinstance(exact, Refusal), (branch.time[i], found.end)
 
