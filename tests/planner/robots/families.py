@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -106,7 +107,7 @@ def random_q(robot: Robot, rng: np.random.Generator, size: int, mode: int | None
 
 
 @cache
-def _states(robot: Robot, seed: int, size: int, mode: int | None) -> FloatArray:
+def _states(robot: Any, seed: int, size: int, mode: int | None) -> FloatArray:
     found = random_q(robot, np.random.default_rng(seed), size, mode)
     found.setflags(write=False)
     return found

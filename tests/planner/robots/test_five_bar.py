@@ -106,6 +106,7 @@ def test_type_1_at_both_ends_of_either_arms_reach() -> None:
                     assert np.isnan(got.qd).all()
                     assert robot.margin(got.q) < 1e-6
                     assert robot.singular_distance(got.q) < 1e-12
+                    assert robot.singularity(got.q) == kind
 
 
 def sided(robot: FiveBar, q: FloatArray) -> FloatArray:
