@@ -107,7 +107,7 @@ def random_q(robot: Robot, rng: np.random.Generator, size: int, mode: int | None
 
 
 @cache
-def _states(robot: Any, seed: int, size: int, mode: int | None) -> FloatArray:
+def _states(robot: Robot, seed: int, size: int, mode: int | None) -> FloatArray:
     found = random_q(robot, np.random.default_rng(seed), size, mode)
     found.setflags(write=False)
     return found
@@ -115,7 +115,8 @@ def _states(robot: Any, seed: int, size: int, mode: int | None) -> FloatArray:
 
 def random_motion(robot: Robot, seed: int, size: int, mode: int | None = None) -> tuple[FloatArray, ...]:
     """q, q̇, q̈, q⃛, each (size, n)."""
-    q, rng = _states(robot, seed, size, mode), np.random.default_rng(seed)
+    known: Any = robot
+    q, rng = _states(known, seed, size, mode), np.random.default_rng(seed)
     return q, *(scale * rng.normal(size=q.shape) for scale in (1.0, 10.0, 100.0))
 
 
