@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.rows import Rows
 from assur.planner.frames.motion import Pose
@@ -76,10 +74,6 @@ class Draft:
     def end(self) -> float:
         return float(self.knots.time[-1])
 
-    def at(self, t: FloatArray) -> FloatArray:
-        """q (T, n) at times t, the arm standing still before and after."""
-        return self.trajectory.evaluate(np.clip(t, self.trajectory.start, self.trajectory.end))
-
 
 def prepared(
     scene: Scene, chain: Chain, yaw_offset: float, tilt: Tilt | None, modes: tuple[int, ...]
@@ -118,9 +112,10 @@ class Outline:
     def end(self) -> float:
         return self.reached.end
 
-    def at(self, t: FloatArray) -> FloatArray:
-        """q (T, n) at times t."""
-        return self.reached.at(t)
+    @property
+    def trajectory(self) -> Trajectory:
+        """The leg; before it the arm stands still."""
+        return self.reached.trajectory
 
 
 def initial(scene: Scene) -> Chain:

@@ -14,6 +14,7 @@ from assur.planner.model.scene import Scene
 from assur.planner.search.extension import finished, outline, straight_draft
 from assur.planner.search.partial_plan import Chain, Draft, Outline, Sample, initial, paced, prepared
 from tests.planner.cells import cell, go, table_to_table
+from tests.planner.second_solids import standing
 
 
 def met(scene: Scene, chain: Chain) -> Meetings:
@@ -63,15 +64,11 @@ def test_an_outline_is_where_its_draft_is_to_ten_micrometres_at_times_in_any_ord
     draft = finished(scene, way)
     assert isinstance(draft, Draft), draft
     t = np.random.default_rng(1).permutation(np.linspace(-0.1, way.end + 0.1, 200))
-    assert np.abs(way.at(t) - draft.at(t)).max() <= 1e-5
-    # asked for one by one, all together, or after others were made: the same
-    assert np.array_equal(way.at(t), np.concatenate([way.at(t[k : k + 1]) for k in range(len(t))]))
-    before = way.at(t)
-    outline(scene, chain, meeting, Sample(0.0, meeting.branches[0], Shape()), None)
-    assert np.array_equal(way.at(t), before)
+    before = standing(way.trajectory, t)
+    assert np.abs(before - standing(draft.trajectory, t)).max() <= 1e-5
     anew = outline(scene, initial(scene), meeting, Sample(0.0, meeting.branches[0], shape), None)
     assert isinstance(anew, Outline)
-    assert np.array_equal(anew.at(t), before)
+    assert np.array_equal(standing(anew.trajectory, t), before)
 
 
 def test_each_effort_has_one_pace_with_its_own_limits() -> None:
