@@ -112,7 +112,7 @@ def _known(scene: Scene, table: Solids, of_plan: tuple[Phase, ...]) -> list[Find
     for k, (name, frame) in enumerate(scene.frames.items(), start=table.links):
         first, last = frame.law.valid
         for i, phase in enumerate(of_plan):
-            needed = (table.carrier[table.seat[i]] == k).any() or phase.glued == name
+            needed = (table.carrier[table.seat[i]] == k).any() or phase.tracked == name
             if needed and not (first <= phase.t0 and phase.t1 + late <= last):
                 missing = max(first - phase.t0, phase.t1 + late - last)
                 what = f"the motion of {name} is not known long enough"

@@ -37,7 +37,7 @@ class Apart:
         self.need, self.drift = _required(scene, phases)
         self.contact = np.zeros((len(phases), len(table.count), len(table.count)), dtype=np.bool_)
         for i, phase in enumerate(phases):
-            for first, second in phase.exempt:
+            for first, second in phase.contacts:
                 if first in table.number and second in table.number:
                     a, b = table.number[first], table.number[second]
                     self.contact[i, a, b] = self.contact[i, b, a] = True
@@ -223,12 +223,12 @@ def _required(scene: Scene, phases: tuple[Phase, ...]) -> tuple[FloatArray, Floa
     for i, phase in enumerate(phases):
         clearance = scene.options.clearance.near_m if phase.near else scene.options.clearance.travel_m
         counts = np.eye(len(frames))  # whether the uncertainty of a frame (column) counts for bodies on another (row)
-        if execution.belt_correction and phase.glued is not None:
-            k = number[phase.glued]
+        if execution.belt_correction and phase.tracked is not None:
+            k = number[phase.tracked]
             counts[:, k] = 1.0
             counts[k, k] = 0.0
         elif execution.belt_correction:
-            counts[:, [number[name] for name in phase.beside]] = 1.0
+            counts[:, [number[name] for name in phase.corrected]] = 1.0
         drift[i] = counts @ speed
         need[i, :-1] = clearance + execution.tracking_m + counts @ place - drift[i] * scene.start.time
         need[i, -1] = clearance

@@ -63,9 +63,10 @@ def solids(scene: Scene, phases: tuple[Phase, ...]) -> Solids:
     found: dict[tuple[int, int, Pose], int] = {}
     seat = np.zeros((len(phases), len(fixed)), dtype=np.int64)
     for row, phase in zip(seat, phases, strict=True):
-        moved = {name: (frames[frame], pose) for name, frame, pose in phase.rides}
-        if phase.carried is not None:
-            moved[phase.carried.part] = (flange, phase.carried.in_flange)
+        moved = {name: (frames[frame], pose) for name, frame, pose in phase.attached.placed}
+        held = phase.attached.held
+        if held is not None:
+            moved[held.part] = (flange, held.in_flange)
         for b, (item, carrier, pose) in enumerate(fixed):
             row[b] = found.setdefault((b, *moved.get(item.name, (carrier, pose))), len(found))
     body = np.array([b for b, _, _ in found], dtype=np.int64)

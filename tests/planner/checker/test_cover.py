@@ -76,8 +76,8 @@ def test_the_asked_pairs_of_a_phase_are_the_robot_against_the_rest_and_its_self_
         asked = asked_pairs(scene, table)
         for i, phase in enumerate(of_plan):
             mine = dict(link)
-            if phase.carried is not None:
-                mine[phase.carried.part] = "flange"
+            if phase.attached.held is not None:
+                mine[phase.attached.held.part] = "flange"
             for a, one in enumerate(names):
                 for b, other in enumerate(names):
                     both = one in mine and other in mine and frozenset((mine[one], mine[other])) in wanted_links

@@ -63,7 +63,7 @@ def reach(scene: Scene, made: Plan, row: int, t: FloatArray) -> FloatArray:
     """max of n·x over the body of a row, n being its normal, at times t (T,)."""
     c = made.certificate
     phase = next(p for p in phases(scene, made.legs, made.arrivals) if p.t0 <= c.t0[row] and c.t1[row] <= p.t1)
-    arrangement = Prover(scene).arrangement(phase.carried, phase.rides)
+    arrangement = Prover(scene).arrangement(phase.attached)
     unit = arrangement.roots[arrangement.number[c.names[c.first[row]]]]
     where = carriers(scene, standing(made.trajectory, t), t)
     placed = place(arrangement, where, np.arange(len(t)), np.full(len(t), unit))

@@ -25,18 +25,18 @@ SIDE = np.array([0.6, 0.8, 0.0])
 def read(scene: Scene, phase: Phase, one: str, other: str, t1: float) -> float | None:
     """The distance without the term of a late start, or None where nothing is asked."""
     robot = {item.body.name for item in scene.robot.bodies} | {body.name for body in scene.tool.bodies}
-    if phase.carried is not None:
-        robot.add(phase.carried.part)
+    if phase.attached.held is not None:
+        robot.add(phase.attached.held.part)
     if one not in robot and other not in robot:
         return None
-    if tuple(sorted((one, other))) in phase.exempt:
+    if tuple(sorted((one, other))) in phase.contacts:
         return -1e-4
     clearance = scene.options.clearance.near_m if phase.near else scene.options.clearance.travel_m
     if one in robot and other in robot:
         return clearance
     world = other if one in robot else one
     frame = scene.index[world].frame
-    for name, on, _ in phase.rides:
+    for name, on, _ in phase.attached.placed:
         if name == world:
             frame = on
     wait = scene.execution.start_tolerance_s
@@ -48,10 +48,10 @@ def read(scene: Scene, phase: Phase, one: str, other: str, t1: float) -> float |
 
     if not scene.execution.belt_correction:
         unsure = u(frame)
-    elif phase.glued is not None:
-        unsure = 0.0 if frame == phase.glued else u(frame) + u(phase.glued)
+    elif phase.tracked is not None:
+        unsure = 0.0 if frame == phase.tracked else u(frame) + u(phase.tracked)
     else:
-        unsure = u(frame) + sum(u(name) for name in phase.beside if name != frame)
+        unsure = u(frame) + sum(u(name) for name in phase.corrected if name != frame)
     return clearance + scene.execution.tracking_m + unsure
 
 
@@ -90,7 +90,7 @@ def test_a_late_start_asks_for_the_way_that_a_body_may_have_gone(wait: float) ->
     own bound."""
     scene, plan = belt_case()
     of_plan = phases(scene, plan.legs, plan.arrivals)
-    i = next(i for i, p in enumerate(of_plan) if p.carried is None and p.t1 > p.t0)
+    i = next(i for i, p in enumerate(of_plan) if p.attached.held is None and p.t1 > p.t0)
     late = replace(scene, execution=Execution(start_tolerance_s=wait))
     aparts = [Apart(s, of_plan, solids(s, of_plan), World(s, plan).tables, plan.certificate) for s in (scene, late)]
     table, c = aparts[0].table, plan.certificate
