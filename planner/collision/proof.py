@@ -38,7 +38,7 @@ from assur.planner.kernels.proof import (
     UNIT,
 )
 from assur.planner.kernels.screening import BAD, HIT_COLUMNS, depth_at, sampled_behind
-from assur.planner.kernels.solids import FIRST, PAIR_COLUMNS, REQUIRED, SECOND, place
+from assur.planner.kernels.solids import FIRST, GROWTH, LATE, PAIR_COLUMNS, REQUIRED, SECOND, place
 from assur.planner.kernels.spline import spline_state
 from assur.planner.kernels.walk import PROVE, SCREEN, walk
 from assur.planner.model.assembly_mode import has_loop
@@ -164,7 +164,12 @@ class Prover:
         `pairs` (P, PAIR_COLUMNS): only these; None: all of the phase.
         """
         asked = self.near(phase, spline) if pairs is None else pairs
-        search = Search(self, phase, spline, asked[asked[:, REQUIRED] >= 0.0], np.empty((MOST_HITS, HIT_COLUMNS)))
+        asked = asked[asked[:, REQUIRED] >= 0.0]
+        # what grows counts as at the end of the phase, so that a refusal says what the whole phase asks for
+        lasts = np.maximum(phase.t1 + asked[:, LATE] - self.scene.start.time, 0.0)
+        asked[:, REQUIRED] += asked[:, GROWTH] * lasts
+        asked[:, GROWTH] = 0.0
+        search = Search(self, phase, spline, asked, np.empty((MOST_HITS, HIT_COLUMNS)))
         while search.go_on(SCREEN, step) != DONE and not search.over:
             pass
         # all intervals of all lengths down to the step have an instant in their middle
