@@ -69,16 +69,29 @@ ORIGIN = -1.0
 class Search:
     """A search over the halved intervals of one phase (`kernels.walk`), which gets more room where it runs out.
 
-    `pairs` (P, PAIR_COLUMNS) are looked at; `rows` take what is written.
+    `pairs` (P, PAIR_COLUMNS) are looked at, over all of the phase, and before that over other `spans` of time; `rows`
+    take what is written.
     """
 
-    def __init__(self, prover: Prover, phase: Phase, spline: Spline, pairs: FloatArray, rows: FloatArray) -> None:
+    def __init__(
+        self,
+        prover: Prover,
+        phase: Phase,
+        spline: Spline,
+        pairs: FloatArray,
+        rows: FloatArray,
+        spans: tuple[tuple[float, float], ...] = (),
+    ) -> None:
         self.prover, self.phase, self.spline, self.pairs, self.rows = prover, phase, spline, pairs, rows
         self.cell = prover.of(phase).cell
         self.state, self.stack = np.zeros(STATE_COLUMNS), np.zeros((STACK, 4))
-        self.items = np.zeros((ROOM + 2 * len(pairs), ITEM_COLUMNS))
-        self.items[: len(pairs), :2], self.items[: len(pairs), 2] = pairs[:, FIRST : SECOND + 1], np.arange(len(pairs))
-        self.stack[0], self.state[TOP] = (phase.t0, phase.t1, 0, len(pairs)), 1
+        count, many = len(pairs), 1 + len(spans)
+        self.items = np.zeros((ROOM + (many + 1) * count, ITEM_COLUMNS))
+        for k, (t0, t1) in enumerate(((phase.t0, phase.t1), *spans)):
+            mine = self.items[k * count : (k + 1) * count]
+            mine[:, :2], mine[:, 2] = pairs[:, FIRST : SECOND + 1], np.arange(count)
+            self.stack[k] = t0, t1, k * count, count
+        self.state[TOP] = many
 
     def go_on(self, task: int, step: float = 0.0) -> int:
         """Goes on until it is done, a pair resists, or the budget of a call is spent, and gives room for the next."""
@@ -169,13 +182,16 @@ class Prover:
         lasts = np.maximum(phase.t1 + asked[:, LATE] - self.scene.start.time, 0.0)
         asked[:, REQUIRED] += asked[:, GROWTH] * lasts
         asked[:, GROWTH] = 0.0
-        search = Search(self, phase, spline, asked, np.empty((MOST_HITS, HIT_COLUMNS)))
+        # the end is an instant of its own: often what is near is nearest there
+        ends = ((phase.t1, phase.t1),) if phase.t1 > phase.t0 else ()
+        search = Search(self, phase, spline, asked, np.empty((MOST_HITS, HIT_COLUMNS)), ends)
         while search.go_on(SCREEN, step) != DONE and not search.over:
             pass
         # all intervals of all lengths down to the step have an instant in their middle
         length = phase.t1 - phase.t0
         halvings = 0 if not length > step else math.ceil(math.log2(length / step))
-        return search.rows[: int(search.state[FOUND])], float(search.state[BAD]) / (2 ** (halvings + 1) - 1)
+        instants = 2 ** (halvings + 1) - 1 + len(ends)
+        return search.rows[: int(search.state[FOUND])], float(search.state[BAD]) / instants
 
     def near(self, phase: Phase, spline: Spline) -> FloatArray:
         """The pairs (P, PAIR_COLUMNS) of a phase that are not kept apart by planes, if there are many."""
