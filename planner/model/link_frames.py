@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from assur.planner.frames.validity import ALWAYS, KnownLaw, interval
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.robots.protocol import Robot
 from assur.planner.trajectory import Trajectory
+from assur.planner.trajectory.spline import Spline, spline_table
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +31,8 @@ class TrajectoryLaw(KnownLaw):
     trajectory: Trajectory
     link: int
     valid: tuple[float, float] = ALWAYS
+    spline: Spline = field(init=False, repr=False)
+    """The trajectory as tables."""
 
     def __post_init__(self) -> None:
         links, joints = len(self.robot.links), len(self.robot.joints)
@@ -53,6 +56,7 @@ class TrajectoryLaw(KnownLaw):
             allowed = f"a motion on which {self.robot.name} stays assembled"
             raise InputError("neighbour.trajectory", f"a type 2 singularity{at}", allowed)
         object.__setattr__(self, "valid", interval(self.valid, "neighbour.valid"))
+        object.__setattr__(self, "spline", spline_table(self.trajectory, self.robot.rate_matrix))
 
     def _motion(self, t: FloatArray, /) -> Motion:
         path = self.trajectory
