@@ -76,10 +76,6 @@ class Reached:
     def end(self) -> float:
         return self.trajectory.end
 
-    def at(self, t: FloatArray) -> FloatArray:
-        """q (T, n) at times t, the arm standing still before the leg and after it."""
-        return self.trajectory.evaluate(np.clip(t, self.begin, self.end))
-
 
 class JointMotion:
     """The legs of one shape from one state towards one branch. `pace`: that of the shape's effort, if it is there."""

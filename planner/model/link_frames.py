@@ -14,7 +14,7 @@ from assur.planner.frames.validity import ALWAYS, KnownLaw, interval
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.robots.protocol import Robot
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory.sweep import sweep
+from assur.planner.trajectory.spline import Spline, spline_table
 
 LEVER_M = 1e9
 """Length of the lever at which the speed of a link's points is read as its yaw rate, m: so long that the speed of the
@@ -43,7 +43,8 @@ class TrajectoryLaw(KnownLaw):
     trajectory: Trajectory
     link: int
     valid: tuple[float, float] = ALWAYS
-    _rates: FloatArray = field(init=False, repr=False)
+    spline: Spline = field(init=False, repr=False)
+    """The trajectory as tables."""
 
     def __post_init__(self) -> None:
         links, joints = len(self.robot.links), len(self.robot.joints)
@@ -67,7 +68,7 @@ class TrajectoryLaw(KnownLaw):
             allowed = f"a motion on which {self.robot.name} stays assembled"
             raise InputError("neighbour.trajectory", f"a type 2 singularity{at}", allowed)
         object.__setattr__(self, "valid", interval(self.valid, "neighbour.valid"))
-        object.__setattr__(self, "_rates", np.asarray(self.robot.rate_matrix))
+        object.__setattr__(self, "spline", spline_table(self.trajectory, self.robot.rate_matrix))
 
     def _motion(self, t: FloatArray, /) -> Motion:
         path = self.trajectory
@@ -78,7 +79,7 @@ class TrajectoryLaw(KnownLaw):
         return self.robot.link_motion(self.link, q, qd, qdd, np.where(moving[..., None], qddd, 0.0))
 
     def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
-        swept = sweep(self.trajectory, t0, t1, self._rates)
+        swept = self.spline.sweep(t0, t1)
         link, lever = np.full(t0.shape, self.link), np.full(t0.shape, LEVER_M)
         none, sideways = np.zeros(t0.shape), np.tile(SIDEWAYS, (len(t0), 1))
         speed, acceleration = self.robot.point_bounds(link, none, none, n, swept)

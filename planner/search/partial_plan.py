@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.rows import Rows
 from assur.planner.frames.tilted import Tilt
@@ -71,9 +69,10 @@ class TimedCandidate:
     def end(self) -> float:
         return self.reached.end
 
-    def at(self, t: FloatArray) -> FloatArray:
-        """q (T, n) at times t."""
-        return self.reached.at(t)
+    @property
+    def trajectory(self) -> Trajectory:
+        """The leg; before it the arm stands still."""
+        return self.reached.trajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,10 +89,6 @@ class Extension:
     @property
     def end(self) -> float:
         return self.trajectory.end
-
-    def at(self, t: FloatArray) -> FloatArray:
-        """q (T, n) at times t, the arm standing still before and after."""
-        return self.trajectory.evaluate(np.clip(t, self.trajectory.start, self.trajectory.end))
 
 
 def initial(scene: Scene) -> PartialPlan:

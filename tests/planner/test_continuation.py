@@ -24,6 +24,7 @@ from assur.planner.search.partial_plan import (
     prepared,
 )
 from tests.planner.cells import cell, go, table_to_table
+from tests.planner.second_solids import standing
 
 
 def met(scene: Scene, partial: PartialPlan) -> Meetings:
@@ -75,15 +76,11 @@ def test_a_timed_candidate_is_where_its_extension_is_to_ten_micrometres_at_times
     extension = extended(scene, way)
     assert isinstance(extension, Extension), extension
     t = np.random.default_rng(1).permutation(np.linspace(-0.1, way.end + 0.1, 200))
-    assert np.abs(way.at(t) - extension.at(t)).max() <= 1e-5
-    # asked for one by one, all together, or after others were made: the same
-    assert np.array_equal(way.at(t), np.concatenate([way.at(t[k : k + 1]) for k in range(len(t))]))
-    before = way.at(t)
-    timed(scene, partial, meeting, Candidate(0.0, meeting.branches[0], Shape()), None)
-    assert np.array_equal(way.at(t), before)
+    before = standing(way.trajectory, t)
+    assert np.abs(before - standing(extension.trajectory, t)).max() <= 1e-5
     anew = timed(scene, initial(scene), meeting, Candidate(0.0, meeting.branches[0], shape), None)
     assert isinstance(anew, TimedCandidate)
-    assert np.array_equal(anew.at(t), before)
+    assert np.array_equal(standing(anew.trajectory, t), before)
 
 
 def test_each_effort_has_one_pace_with_its_own_limits() -> None:

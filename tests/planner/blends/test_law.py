@@ -15,6 +15,7 @@ from assur.experiments.printed_joint_move import ParabolicBlend as Printed
 from assur.planner.blends.law import SHORTEST, ParabolicBlend
 from assur.planner.errors import InputError
 from assur.planner.trajectory import Trajectory
+from tests.planner.trajectory.splines import bernstein
 
 Floats = NDArray[np.float64]
 PAGE = Path(__file__).parents[3] / "docs" / "kinematics.md"
@@ -90,7 +91,7 @@ def test_the_knots_are_the_law_and_every_piece_is_a_parabola(made: ParabolicBlen
     t = np.linspace(0, made.duration, 400)[1:-1]
     for order, exact in ((0, 1e-12), (1, 1e-10)):
         assert np.abs(path.evaluate(t + begin, order) - made.evaluate(t, order)).max() <= exact
-    pull = path.bernstein(2)
+    pull = bernstein(path, 2)
     assert (pull.max(-1) - pull.min(-1)).max() <= 1e-6
     # two at a time wherever the acceleration jumps, at the ends too
     zones = len(made.poses) + int((made._straight > 1e-12).sum())

@@ -19,13 +19,11 @@ from assur.planner.kernels.spline import spline_motion, spline_state, sweep_boun
 from assur.planner.model.link_frames import TrajectoryLaw
 from assur.planner.robots.protocol import Robot, Sweep
 from assur.planner.tables.laws import law_tables
-from assur.planner.tables.robot import robot_row
-from assur.planner.tables.spline import spline_table
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory.sweep import sweep
+from assur.planner.trajectory.spline import spline_table
 from tests.planner.frames.laws import Case, cases, directions, intervals
 from tests.planner.kernels.arms import ARMS, states
-from tests.planner.trajectory.splines import splines
+from tests.planner.trajectory.splines import bernstein, splines
 
 CLOSE = 1e-12
 """Relative, and m or rad: how far two forms of the same formula may differ by rounding."""
@@ -55,7 +53,7 @@ def swept(robot: Robot, seed: int, size: int) -> Sweep:
 @every_arm
 def test_a_point_of_which_nothing_is_known_is_bounded_by_infinity(name: str) -> None:
     robot = ARMS[name]
-    row, known = robot_row(robot), swept(robot, 3, 4)
+    row, known = robot.row, swept(robot, 3, 4)
     bounds = np.empty((len(robot.links), BOUND_COLUMNS))
     last = len(robot.links) - 1
     for bad in (math.nan, math.inf):
@@ -179,39 +177,11 @@ def test_the_spline_is_the_trajectory(path: Trajectory, seed: int) -> None:
         spline_motion(table.tk, table.c, each, state)
         inside = path.start <= each < path.end
         for order in range(1, 4):
-            size = np.abs(path.bernstein(order)).max()
+            size = np.abs(bernstein(path, order)).max()
             expected = path.evaluate(held, order) if inside else np.zeros(path.n)
             assert np.all(np.abs(state[order] - expected) <= CLOSE * (1.0 + size))
     spline_state(table.tk, table.c, math.nan, q)
     assert np.isnan(q).all()
-
-
-@given(splines, st.integers(0, 10**6))
-def test_joint_motion_is_bounded_as_the_sweep_bounds_it(path: Trajectory, seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    matrix = rng.integers(-1, 2, (path.n + 1, path.n)).astype(np.float64)
-    table = spline_table(path, matrix)
-    t0 = rng.uniform(path.start, path.end, 40)
-    t1 = np.minimum(t0 + path.duration * 10.0 ** rng.uniform(-6, 0, 40), path.end)
-    knots = np.sort(rng.choice(path.time, (2, 10)), axis=0)
-    t0[:10], t1[:10] = knots
-    t0[10], t1[10] = path.start, path.end
-    expected = sweep(path, t0, t1, matrix)
-    found = Sweep(np.empty_like(expected.lower), np.empty_like(expected.upper), *np.empty((2, *expected.rate.shape)))
-    for i in range(40):
-        out = (found.lower[i], found.upper[i], found.rate[i], found.rate_d[i])
-        sweep_bounds(table.tk, table.c, table.whole, table.matrix, t0[i], t1[i], *out)
-    sizes = [1.0 + np.abs(path.bernstein(order)).max() for order in (0, 0, 1, 2)]
-    for name, size in zip(("lower", "upper", "rate", "rate_d"), sizes, strict=True):
-        sign, close = -1.0 if name == "lower" else 1.0, CLOSE * path.n * size
-        assert np.all(sign * (getattr(found, name) - getattr(expected, name)) <= close)
-        between = t0[:, None] + (t1 - t0)[:, None] * np.linspace(0.0, 1.0, 30)
-        truth = [path.evaluate(np.minimum(between, t1[:, None]), order) for order in range(3)]
-        if name in ("lower", "upper"):
-            least = truth[0].min(1) if name == "lower" else truth[0].max(1)
-        else:
-            least = np.abs(truth[1 if name == "rate" else 2] @ matrix.T).max(1)
-        assert np.all(sign * (getattr(found, name) - least) >= -close)
 
 
 def test_beside_a_trajectory_that_does_not_rest_nothing_is_known() -> None:
