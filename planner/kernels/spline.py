@@ -250,24 +250,3 @@ def sweep_bounds(
     for i in range(n):
         upper[i] += abs(upper[i]) * ROUNDING + whole[pieces, 2 * m + i]
         lower[i] = -(lower[i] + abs(lower[i]) * ROUNDING + whole[pieces, 2 * m + n + i])
-
-
-@kernel(
-    "void(float64[::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1], float64[::1], float64[::1],"
-    " float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1])"
-)
-def sweeps_bounds(
-    tk: FloatArray,
-    c: FloatArray,
-    whole: FloatArray,
-    matrix: FloatArray,
-    t0: FloatArray,
-    t1: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
-    rate: FloatArray,
-    rate_d: FloatArray,
-) -> None:
-    """`sweep_bounds` for each of the intervals `t0, t1` (N,)."""
-    for i in range(len(t0)):
-        sweep_bounds(tk, c, whole, matrix, t0[i], t1[i], lower[i], upper[i], rate[i], rate_d[i])

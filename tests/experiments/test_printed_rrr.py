@@ -11,7 +11,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.assur.codes import Code
 from assur.planner.assur.rrr import LEFT, RIGHT, RRR
 from assur.planner.frames.motion import Motion
-from assur.planner.robots.protocol import Limits
+from assur.planner.robots.facts import Limits
 from assur.planner.robots.scara import Scara
 
 SIGMA = {1: LEFT, 2: RIGHT}

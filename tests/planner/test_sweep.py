@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from assur.planner.errors import FaultError
 from assur.planner.timing import time_joints
 from assur.planner.trajectory import Trajectory
 from tests.planner.timing.legs import question
@@ -165,17 +164,3 @@ def test_an_arm_in_motion_at_an_end_is_not_known_beyond_it(end: int, what: str) 
         assert (found.rate_d[k] == np.inf).all()
         assert (found.lower[k] == -np.inf).all()
         assert (found.upper[k] == np.inf).all()
-
-
-@pytest.mark.parametrize(("t0", "t1"), [(1.2, 1.1), (np.nan, 1.1), (1.1, np.nan), (np.inf, -np.inf)])
-def test_an_interval_that_is_none_is_a_fault(t0: float, t1: float) -> None:
-    path = at_rest_at_both_ends()
-    with pytest.raises(FaultError, match="interval"):
-        sweep(path, np.array([1.1, t0]), np.array([1.2, t1]), SCARA)
-
-
-def test_shapes_that_do_not_fit_are_a_fault() -> None:
-    path, t = at_rest_at_both_ends(), np.array([1.1])
-    for t0, t1, c in ((t, np.array([1.2, 1.3]), SCARA), (t[None], t[None], SCARA), (t, t, SCARA[:, :3]), (t, t, t)):
-        with pytest.raises(FaultError):
-            sweep(path, t0, t1, c)

@@ -7,10 +7,11 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
 from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.robots.facts import Limits
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.polar_arm import PolarArm
-from assur.planner.robots.protocol import Limits, Robot
+from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
 
 BASES = (Pose(), Pose(0.4, -0.7, 0.2, 2.5))

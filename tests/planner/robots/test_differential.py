@@ -8,7 +8,7 @@ import pytest
 
 from assur.experiments.differential import determinant, inverse_jacobian
 from assur.planner.arrays import FloatArray
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
 from tests.planner.robots.families import elbow, five_axis, polar, random_q, scara
 

@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from assur.planner.kernels.hermite import HULL_COLUMNS, first_column, piece_hulls
-from assur.planner.robots.protocol import Sweep
+from assur.planner.kernels.spline import sweep_bounds
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import spline_table
+from tests.planner.robots.point_bounds import Sweep
 
 Floats = NDArray[np.float64]
 
@@ -23,7 +24,13 @@ def bernstein(path: Trajectory, derivative: int) -> Floats:
 
 def sweep(path: Trajectory, t0: Floats, t1: Floats, rate_matrix: Floats) -> Sweep:
     """What is known of the joint motion over intervals (N,)."""
-    return spline_table(path, rate_matrix).sweep(t0, t1)
+    table = spline_table(path, rate_matrix)
+    m, n = rate_matrix.shape
+    found = Sweep(*np.empty((2, len(t0), n)), *np.empty((2, len(t0), m)))
+    for i in range(len(t0)):
+        out = (found.lower[i], found.upper[i], found.rate[i], found.rate_d[i])
+        sweep_bounds(table.tk, table.c, table.whole, table.matrix, float(t0[i]), float(t1[i]), *out)
+    return found
 
 
 REGIMES = ("even", "random", "short pieces", "cubic", "still", "far from zero")
