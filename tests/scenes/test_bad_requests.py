@@ -47,11 +47,21 @@ def test_a_start_on_its_limits_is_no_fault() -> None:
     assert start.q[2] == 0.333
 
 
-def test_a_start_of_a_joint_that_its_maker_counts_downwards_is_told_its_makers_range() -> None:
+@pytest.mark.parametrize(
+    ("model", "joints", "said"),
+    [
+        ("fanuc-sr-3ia", (0, 0, -1, 0), r"start\.joints\.j3_mm: got -1; allowed: 0 to 200$"),  # it counts downwards
+        ("lab-scara", (0, 50, 10, 0), r"start\.joints\.j2_mm: got 50; allowed: 60 to 420$"),  # its lift comes second
+        ("lab-scara", (0, 90, 170, 0), r"start\.joints\.j3_deg: got 170; allowed: -150 to 150$"),
+    ],
+)
+def test_a_start_beyond_a_range_is_told_its_makers_joint_and_range(model: str, joints: tuple[int], said: str) -> None:
     request = copy.deepcopy(GOOD_REQUEST)
-    request["robot"] = {"model": "fanuc-sr-3ia", "tool": {"tcp_mm": [0, 0, 0]}}
-    request["start"]["joints"]["j3_mm"] = -1
-    with pytest.raises(InputError, match="allowed: 0 to 200"):
+    request["robot"] = {"model": model, "tool": {"tcp_mm": [0, 0, 0]}}
+    lift = 2 if model == "lab-scara" else 3
+    keys = [f"j{i}_{'mm' if i == lift else 'deg'}" for i in range(1, 5)]
+    request["start"]["joints"] = dict(zip(keys, joints, strict=True))
+    with pytest.raises(InputError, match=said):
         scene_of(request)
 
 
