@@ -38,8 +38,9 @@ from assur.planner.kernels.proof import (
     UNIT,
 )
 from assur.planner.kernels.screening import BAD, HIT_COLUMNS, depth_at, sampled_behind
-from assur.planner.kernels.solids import FIRST, PAIR_COLUMNS, REQUIRED, SECOND, place
+from assur.planner.kernels.solids import BODY, FIRST, GROWTH, LATE, PAIR_COLUMNS, REQUIRED, SECOND
 from assur.planner.kernels.spline import spline_state
+from assur.planner.kernels.units import pose_shapes
 from assur.planner.kernels.walk import PROVE, SCREEN, walk
 from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.phases import Phase
@@ -69,16 +70,29 @@ ORIGIN = -1.0
 class Search:
     """A search over the halved intervals of one phase (`kernels.walk`), which gets more room where it runs out.
 
-    `pairs` (P, PAIR_COLUMNS) are looked at; `rows` take what is written.
+    `pairs` (P, PAIR_COLUMNS) are looked at, over all of the phase, and before that over other `spans` of time; `rows`
+    take what is written.
     """
 
-    def __init__(self, prover: Prover, phase: Phase, spline: Spline, pairs: FloatArray, rows: FloatArray) -> None:
+    def __init__(
+        self,
+        prover: Prover,
+        phase: Phase,
+        spline: Spline,
+        pairs: FloatArray,
+        rows: FloatArray,
+        spans: tuple[tuple[float, float], ...] = (),
+    ) -> None:
         self.prover, self.phase, self.spline, self.pairs, self.rows = prover, phase, spline, pairs, rows
         self.cell = prover.of(phase).cell
         self.state, self.stack = np.zeros(STATE_COLUMNS), np.zeros((STACK, 4))
-        self.items = np.zeros((ROOM + 2 * len(pairs), ITEM_COLUMNS))
-        self.items[: len(pairs), :2], self.items[: len(pairs), 2] = pairs[:, FIRST : SECOND + 1], np.arange(len(pairs))
-        self.stack[0], self.state[TOP] = (phase.t0, phase.t1, 0, len(pairs)), 1
+        count, many = len(pairs), 1 + len(spans)
+        self.items = np.zeros((ROOM + (many + 1) * count, ITEM_COLUMNS))
+        for k, (t0, t1) in enumerate(((phase.t0, phase.t1), *spans)):
+            mine = self.items[k * count : (k + 1) * count]
+            mine[:, :2], mine[:, 2] = pairs[:, FIRST : SECOND + 1], np.arange(count)
+            self.stack[k] = t0, t1, k * count, count
+        self.state[TOP] = many
 
     def go_on(self, task: int, step: float = 0.0) -> int:
         """Goes on until it is done, a pair resists, or the budget of a call is spent, and gives room for the next."""
@@ -164,13 +178,21 @@ class Prover:
         `pairs` (P, PAIR_COLUMNS): only these; None: all of the phase.
         """
         asked = self.near(phase, spline) if pairs is None else pairs
-        search = Search(self, phase, spline, asked[asked[:, REQUIRED] >= 0.0], np.empty((MOST_HITS, HIT_COLUMNS)))
+        asked = asked[asked[:, REQUIRED] >= 0.0]
+        # what grows counts as at the end of the phase, so that a refusal says what the whole phase asks for
+        lasts = np.maximum(phase.t1 + asked[:, LATE] - self.scene.start.time, 0.0)
+        asked[:, REQUIRED] += asked[:, GROWTH] * lasts
+        asked[:, GROWTH] = 0.0
+        # the end is an instant of its own: often what is near is nearest there
+        ends = ((phase.t1, phase.t1),) if phase.t1 > phase.t0 else ()
+        search = Search(self, phase, spline, asked, np.empty((MOST_HITS, HIT_COLUMNS)), ends)
         while search.go_on(SCREEN, step) != DONE and not search.over:
             pass
         # all intervals of all lengths down to the step have an instant in their middle
         length = phase.t1 - phase.t0
         halvings = 0 if not length > step else math.ceil(math.log2(length / step))
-        return search.rows[: int(search.state[FOUND])], float(search.state[BAD]) / (2 ** (halvings + 1) - 1)
+        instants = 2 ** (halvings + 1) - 1 + len(ends)
+        return search.rows[: int(search.state[FOUND])], float(search.state[BAD]) / instants
 
     def near(self, phase: Phase, spline: Spline) -> FloatArray:
         """The pairs (P, PAIR_COLUMNS) of a phase that are not kept apart by planes, if there are many."""
@@ -249,16 +271,16 @@ class Prover:
         return found
 
     def posed(self, arrangement: Arrangement, q: FloatArray, t: float, units: IntArray) -> list[Posed]:
-        """The shapes of units (N,) where they are at time t with joints q."""
-        carriers = self.carriers(q, t)
-        placed = np.empty((1, len(arrangement.rows), POSE_COLUMNS))
-        found = []
-        for i in units.tolist():
-            place(arrangement.rows, i, carriers, placed, 0)
-            axes = placed[0, i, 3:].reshape(3, 3)
-            position = placed[0, i, :3] - axes @ arrangement.offset[i]
-            found.append(Posed(arrangement.names[arrangement.body[i]], arrangement.shapes[i], position, axes))
-        return found
+        """The shapes of units (N,), which are pieces, where they are at time t with joints q."""
+        rows, own = arrangement.rows, arrangement.bodies.own
+        carriers = np.empty((len(arrangement.bodies.still), POSE_COLUMNS))
+        placed = np.empty((1, len(rows), POSE_COLUMNS))
+        pose_shapes(*self.carried_by, np.array(q), t, rows, own, units, carriers, placed)
+        names, body = arrangement.names, rows[units, BODY].astype(np.int64).tolist()
+        return [
+            Posed(names[b], arrangement.shape(i), placed[0, i, :3], placed[0, i, 3:].reshape(3, 3))
+            for i, b in zip(units.tolist(), body, strict=True)
+        ]
 
 
 def _parts(phase: Phase) -> FloatArray:
