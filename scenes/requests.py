@@ -23,6 +23,8 @@ from assur.scenes.text.json_text import parse_json
 from assur.scenes.units import twin_of
 
 if TYPE_CHECKING:
+    from assur.planner.checker.verdict import Finding
+    from assur.planner.model.outcome import Plan
     from assur.planner.model.scene import Scene
     from assur.scenes.reading.cell import Cell
 
@@ -31,12 +33,15 @@ __all__ = [
     "Scenario",
     "cell_of",
     "check_document",
+    "check_plan",
     "load_robot",
     "load_scenario",
     "models",
     "parse_json",
+    "plan_cell",
     "plan_document",
     "plan_scenario",
+    "read_plan",
     "request_digest",
     "request_schema",
     "robots",
@@ -116,11 +121,17 @@ def plan_document(
     `started`: the reading of `time.perf_counter` from which the budget counts. A service gives the time at which it
     took the request up, so that building the scene counts, too; None: the budget is for the search alone.
     """
+    return plan_cell(cell_of(document, folder=folder), certificate=certificate, started=started)
+
+
+def plan_cell(
+    cell: Cell, *, certificate: Literal["full", "digest"] = "full", started: float | None = None
+) -> dict[str, Any]:
+    """The answer for a cell that has been read; as `plan_document`."""
     from assur.planner.pipeline import plan
     from assur.scenes.answer import answer_of
 
-    cell = cell_of(document, folder=folder)
-    with located(document):
+    with located(cell.document):
         outcome = plan(cell.scene, started=started)
     return dict(answer_of(cell, outcome, certificate))
 
@@ -135,12 +146,26 @@ def plan_scenario(
 
 def check_document(request: object, plan: object, *, folder: Path | None = None) -> dict[str, Any]:
     """The checker's verdict on a planned answer with a full certificate. Raises `InputError` naming the field."""
-    from assur.planner.checker import check
-    from assur.scenes.answer import NOTICE
+    cell = cell_of(request, folder=folder)
+    return check_plan(cell, *read_plan(cell, plan))
+
+
+def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...]]:
+    """The plan in a planned answer with a full certificate, and what the answer says of it that is not so.
+
+    Raises `InputError` naming the field.
+    """
     from assur.scenes.reading.plan import plan_of
 
-    cell = cell_of(request, folder=folder)
-    made, told = plan_of(plain(plan), cell.conventions)  # told before the checker's word, which knows no documents
+    return plan_of(plain(plan), cell.conventions)
+
+
+def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = ()) -> dict[str, Any]:
+    """The checker's verdict on a plan that has been read. `told`: findings before the checker's, who knows no
+    documents."""
+    from assur.planner.checker import check
+    from assur.scenes.answer import NOTICE
+
     verdict = check(cell.scene, made)
     findings: list[written.Finding] = [
         {

@@ -66,11 +66,15 @@ def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -
         here, attached = step_phases(scene, attached, legs[first:last], of_step.get(number))
         found += here
         first = last
+    return tuple(found + stay_phase(scene, legs[-1].t1, attached)) if legs else ()
+
+
+def stay_phase(scene: Scene, end: float, attached: Attachments) -> list[Phase]:
+    """The standstill for `stay_safe_s` after a motion that ends at `end`, s, if one is required."""
     stay = scene.options.stay_safe_s
-    if scene.options.end == "rest" and stay > 0 and legs:
-        end, after = legs[-1].t1, _corrected(scene, len(scene.task))
-        found.append(Phase(end, end + stay, LegKind.WAIT, -1, attached, corrected=after))
-    return tuple(found)
+    if scene.options.end != "rest" or not stay > 0:
+        return []
+    return [Phase(end, end + stay, LegKind.WAIT, -1, attached, corrected=_corrected(scene, len(scene.task)))]
 
 
 def step_phases(

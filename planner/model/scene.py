@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 from assur.planner.arrays import FloatArray, frozen
@@ -183,6 +184,14 @@ class Scene:
         refuse_acceleration_time(self.options.timing, self.options.acceleration_time_s)
         if self.options.blended:
             refuse_unblendable(self.task, self.frames, moving=self.start.moving, end=self.options.end)
+
+    @cached_property
+    def ending(self) -> tuple[tuple[str, tuple[float, float]], ...]:
+        """The frames that bear a body, or will, and whose motion is not known for ever; and when it is known, s."""
+        bearing = [body.frame for body in self.bodies]
+        bearing += [step.to.frame for step in self.task if isinstance(step, Place)]
+        valid = {name: self.frames[name].law.valid for name in dict.fromkeys(bearing)}
+        return tuple((name, span) for name, span in valid.items() if span[1] != math.inf)
 
     def _check_wrist(self) -> None:
         """An arm that cannot turn its tool at will cannot lay down a part as it should lie."""

@@ -95,7 +95,7 @@ def _table(pairs: Sequence[tuple[float, ...]]) -> FloatArray:
     return np.array(pairs, dtype=np.float64).reshape(-1, PAIR_COLUMNS)
 
 
-def _allowed(arrangement: Arrangement, phase: Phase) -> list[tuple[float, ...]]:
+def _allowed(arrangement: Arrangement, phase: Phase) -> list[tuple[float, float, float, float, float]]:
     """The pairs of a phase that may touch, the robot's unit first."""
     found = []
     for names in sorted(phase.contacts):

@@ -111,7 +111,7 @@ def tables(a: Placed, b: Placed, row: int) -> tuple[FloatArray, FloatArray, Floa
     placed = np.full((1, len(a.arrangement.rows), 12), np.nan)
     for each in (a, b):
         placed[0, each.unit[row], :3], placed[0, each.unit[row], 3:] = each.centre[row], each.axes[row].ravel()
-    return a.arrangement.rows, a.arrangement.vertices, placed, int(a.unit[row]), int(b.unit[row])
+    return a.arrangement.rows, a.arrangement.bodies.vertices, placed, int(a.unit[row]), int(b.unit[row])
 
 
 def kernel_gaps(a: Placed, b: Placed, n: FloatArray) -> FloatArray:

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from assur.experiments.printed_joint_move import ParabolicBlend as Printed
+from assur.planner.blends.law import SHORTEST, ParabolicBlend
 from assur.planner.errors import InputError
-from assur.planner.timing import ParabolicBlend
-from assur.planner.timing.parabolic_blend import SHORTEST
 from assur.planner.trajectory import Trajectory
 from tests.planner.trajectory.splines import bernstein
 
@@ -130,9 +129,9 @@ def test_what_is_no_law_is_refused(poses: Floats, segments: Floats, tau: Floats,
 
 
 def test_the_equations_that_the_code_cites_are_on_the_page() -> None:
-    folder = PAGE.parents[1] / "planner" / "timing"
+    folder = PAGE.parents[1] / "planner" / "blends"
     cited = set()
-    for name in ("parabolic_blend", "blend_times"):
+    for name in ("law", "durations"):
         cited |= set(re.findall(r"\bB\d\b", (folder / f"{name}.py").read_text(encoding="utf-8")))
     assert cited == set(re.findall(r"\((B\d)\)\s*$", PAGE.read_text(encoding="utf-8"), re.MULTILINE))
     assert len(cited) == 7
