@@ -126,7 +126,9 @@ class Bodies:
         )
         rows, self.own, boxes = rows[:units], own[:units], np.empty((units, 6))
         numbers = np.array(poses).reshape(-1, 4)
-        seat_bodies(self.own, self.vertices, self.roots, np.array(carriers), numbers, self._places, rows, boxes)
+        seat_bodies(
+            self.own, self.vertices, self.roots, np.array(carriers, dtype=np.int64), numbers, self._places, rows, boxes
+        )
         self._made = {AT_START: Arrangement(self, rows, boxes)}
 
     def __call__(self, attached: Attachments) -> Arrangement:
