@@ -91,7 +91,7 @@ def enclosed(
         low, high = vertices.min(0), vertices.max(0)
         carrier = carriers[int(arrangement.carrier[arrangement.roots[number]])]
         origin, turn = carrier[:3], carrier[3:].reshape(3, 3)
-        pose = attached.seat(scene, world.name)[1]
+        pose = attached.pose_of(scene, world.name)[1]
         c, s = math.cos(pose.yaw), math.sin(pose.yaw)
         yaw = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         for mine, here in points:

@@ -98,7 +98,7 @@ class Clearance:
 @dataclass(frozen=True, slots=True)
 class Execution:
     """How the plan will be run: servo lag of the tool `tracking_m`, dispatch up to `start_tolerance_s` late, and
-    whether the controller shifts glued legs by the live encoder (`belt_correction`)."""
+    whether the controller shifts tracking legs by the live encoder (`belt_correction`)."""
 
     tracking_m: float = 0.0
     start_tolerance_s: float = 0.0
@@ -134,7 +134,7 @@ class Options:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A whole request, valid: robot, tool, start, frames, bodies, task, manners."""
+    """A whole request, valid: robot, tool, start, frames, bodies, task, options."""
 
     robot: Robot
     tool: Tool

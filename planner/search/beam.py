@@ -55,6 +55,8 @@ class Search:
         self.rng = np.random.default_rng(scene.options.seed)
         self.pool: list[list[PartialPlan]] = [[] for _ in range(len(scene.task) + 1)]
         self.samplers: dict[PartialPlan, Sampler] = {}
+        self.until_first = scene.options.stop == "first"
+        """Whether the first plan ends the search. It says nothing about how that one is found."""
         self.found = Found()
 
     def run(self) -> Found:
@@ -86,9 +88,7 @@ class Search:
         return (first + [partial for partial in every if partial not in first])[: min(width, BEAM)]
 
     def _over(self) -> bool:
-        if self.scene.options.stop == "first" and self.found.best is not None:
-            return True
-        if self._left() <= 0:
+        if (self.until_first and self.found.best is not None) or self._left() <= 0:
             return True
         self.found.cut_by_clock = self._late()
         return self.found.cut_by_clock
