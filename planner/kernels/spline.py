@@ -122,10 +122,10 @@ def combined(c: FloatArray, p: int, matrix: FloatArray, row: int) -> tuple[float
 @kernel("boolean(float64[:, ::1], int64)")
 def rests(knots: FloatArray, k: int) -> bool:
     """Whether velocity and acceleration of knot number k are exactly zero."""
+    still = True
     for column in range(1 + (knots.shape[1] - 1) // 3, knots.shape[1]):
-        if knots[k, column] != 0.0:
-            return False
-    return True
+        still = still and knots[k, column] == 0.0
+    return still
 
 
 @kernel("void(float64[:, ::1], float64[::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1])")
@@ -257,24 +257,3 @@ def sweep_bounds(
     for i in range(n):
         upper[i] += abs(upper[i]) * ROUNDING + whole[pieces, 2 * m + i]
         lower[i] = -(lower[i] + abs(lower[i]) * ROUNDING + whole[pieces, 2 * m + n + i])
-
-
-@kernel(
-    "void(float64[::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1], float64[::1], float64[::1],"
-    " float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1])"
-)
-def sweeps_bounds(
-    tk: FloatArray,
-    c: FloatArray,
-    whole: FloatArray,
-    matrix: FloatArray,
-    t0: FloatArray,
-    t1: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
-    rate: FloatArray,
-    rate_d: FloatArray,
-) -> None:
-    """`sweep_bounds` for each of the intervals `t0, t1` (N,)."""
-    for i in range(len(t0)):
-        sweep_bounds(tk, c, whole, matrix, t0[i], t1[i], lower[i], upper[i], rate[i], rate_d[i])
