@@ -110,8 +110,11 @@ class Bodies:
         self.pieces = table
         carriers = [each.link for each in robot.bodies] + [self._flange] * len(tool)
         poses = [(0.0, 0.0, 0.0, 0.0)] * len(carriers)
-        carriers += [self._frames[each.frame] for each in scene.bodies]
-        poses += [_numbers(each.pose) for each in scene.bodies]
+        frames = self._frames
+        for body in scene.bodies:
+            pose = body.pose
+            carriers.append(frames[body.frame])
+            poses.append((pose.x, pose.y, pose.z, pose.yaw))
         places = [NOWHERE] * self.links + [_place(frame.law) for frame in scene.frames.values()]
         self.still = np.array([int(place is not NOWHERE) for place in places], dtype=np.int64)
         self._places = np.array(places)
