@@ -11,9 +11,9 @@ from functools import cached_property
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray, every, frozen
-from assur.planner.assur.codes import Code
 from assur.planner.errors import InputError
 from assur.planner.geometry.shapes import Body
+from assur.planner.robots.codes import Code
 
 __all__ = ["Code", "Inverse", "Joint", "Limits", "RobotBody"]
 

@@ -1,4 +1,4 @@
-"""Kinematics of any arm in arrays, by the kernels: what `assur.planner.robots.arm` answers with.
+"""Kinematics of any arm in arrays, by the kernels: what `assur.planner.robots.robot` answers with.
 
 The web process loads robots and must not load numba, so this module is imported where it is first needed.
 """

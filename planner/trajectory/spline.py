@@ -1,4 +1,4 @@
-"""A trajectory as tables for kernels."""
+"""A trajectory as tables: what `assur.planner.kernels.spline` reads."""
 
 from __future__ import annotations
 
@@ -32,5 +32,5 @@ def spline_table(trajectory: Trajectory, rate_matrix: FloatArray) -> Spline:
     if matrix.ndim != 2 or matrix.shape[1] != trajectory.n:
         raise FaultError(f"rates {matrix.shape} of {trajectory.n} joints")
     whole = np.empty((len(tk), 4 * sum(matrix.shape)))
-    piece_bounds(tk, c, matrix, trajectory.rest_at_start, trajectory.rest_at_end, whole)
+    piece_bounds(trajectory.knots, tk, c, matrix, whole)
     return Spline(tk, c, whole, matrix)

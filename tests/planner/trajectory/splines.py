@@ -23,13 +23,12 @@ def bernstein(path: Trajectory, derivative: int) -> Floats:
 
 
 def sweep(path: Trajectory, t0: Floats, t1: Floats, rate_matrix: Floats) -> Sweep:
-    """What is known of the joint motion over intervals (N,)."""
+    """What is known of the joint motion over intervals (N,), by the kernel."""
     table = spline_table(path, rate_matrix)
-    m, n = rate_matrix.shape
-    found = Sweep(*np.empty((2, len(t0), n)), *np.empty((2, len(t0), m)))
+    found = Sweep(*np.empty((2, len(t0), path.n)), *np.empty((2, len(t0), len(rate_matrix))))
     for i in range(len(t0)):
-        out = (found.lower[i], found.upper[i], found.rate[i], found.rate_d[i])
-        sweep_bounds(table.tk, table.c, table.whole, table.matrix, float(t0[i]), float(t1[i]), *out)
+        each = found.lower[i], found.upper[i], found.rate[i], found.rate_d[i]
+        sweep_bounds(table.tk, table.c, table.whole, table.matrix, t0[i], t1[i], *each)
     return found
 
 
