@@ -92,8 +92,8 @@ def quantities(
     """Jets of what is looked at over [t0, t1] into the rows of e: x, y, z, cosine and sine of the heading of the tool
     less those of its control point (CARRY: of the tool alone; ALONG: the way, ASSEMBLED: the squared margin, as x), and
     pitch and roll of a hand. False: not known."""
-    arm, on, work = tables[0][0], int(asked[FRAME]), np.empty((4, 6))
-    joints(tables[1], int(arm[FIRST_KNOT]), int(arm[LAST_KNOT]), int(arm[AXIS_COUNT]), t0, t1, work, q)
+    arm, on = tables[0][0], int(asked[FRAME])
+    joints(tables[1], int(arm[FIRST_KNOT]), int(arm[LAST_KNOT]), int(arm[AXIS_COUNT]), t0, t1, q)
     if kind == ASSEMBLED:
         write(e, 0, elbows(arm, q)[3])
         return True
@@ -225,26 +225,26 @@ def keeps(
     found[0], found[3] = 2.0, t0
 
 
-@kernel(f"boolean(int64, {F1}, float64, int64, {TABLES}, {F1})")
-def state(
-    c: int,
-    pose: FloatArray,
-    t: float,
-    count: int,
-    tables: Tables,
-    found: FloatArray,
-) -> bool:
-    """Of a frame at `pose` (4,) in carrier c at time t, into `found` (8,): position, yaw, and their rates. False: not
-    known. On a link that tilts the yaw is the heading of the arm."""
-    jets = np.zeros((count + len(tables[2]) + MOST_LINKS, JETS, 6))
-    if not carry(c, count, t, t, tables, jets):
-        return False
-    x, y, z, cosine, sine = point(jets, c, pose[0], pose[1], pose[2], pose[3])
-    family = int(tables[0][0, FAMILY])
-    if c < count and family != SCARA and family != FIVE_BAR:
-        _, _, _, cosine, sine = point(jets, 1, 0.0, 0.0, 0.0, pose[3])
-    for k, jet in enumerate((x, y, z)):
-        found[k], found[4 + k] = jet[0], jet[2]
-    found[3] = math.atan2(sine[0], cosine[0])
-    found[7] = cosine[0] * sine[2] - sine[0] * cosine[2]
-    return True
+@kernel(f"void({F2}, int64, {TABLES}, {F2})")
+def states(where: FloatArray, count: int, tables: Tables, found: FloatArray) -> None:
+    """Of frames at poses in carriers at times, `where` (N, 6): carrier, x, y, z, yaw, time, into `found` (N, 13):
+    position, yaw, their rates; pitch and roll of the hand of an arm with five axes (H2), their rates; and the speed of
+    the fastest joint. NaN where it is not known. On a link that tilts the yaw is the heading of the arm."""
+    jets, q = np.zeros((count + len(tables[2]) + MOST_LINKS, JETS, 6)), np.zeros((8, 6))
+    arm = tables[0][0]
+    for i in range(len(where)):
+        c, t, own = int(where[i, 0]), where[i, 5], found[i]
+        own[:] = np.nan
+        joints(tables[1], int(arm[FIRST_KNOT]), int(arm[LAST_KNOT]), int(arm[AXIS_COUNT]), t, t, q)
+        for k in range(2):
+            own[8 + 2 * k], own[9 + 2 * k] = q[1, 2 * k] + q[2, 2 * k] + q[3, 2 * k], q[4, 2 * k]
+        own[12] = np.abs(q[: int(arm[AXIS_COUNT]), 2]).max()
+        if not carry(c, count, t, t, tables, jets):
+            continue
+        x, y, z, cosine, sine = point(jets, c, where[i, 1], where[i, 2], where[i, 3], where[i, 4])
+        if c < count and int(arm[FAMILY]) != SCARA and int(arm[FAMILY]) != FIVE_BAR:
+            _, _, _, cosine, sine = point(jets, 1, 0.0, 0.0, 0.0, where[i, 4])
+        for k, jet in enumerate((x, y, z)):
+            own[k], own[4 + k] = jet[0], jet[2]
+        own[3] = math.atan2(sine[0], cosine[0])
+        own[7] = cosine[0] * sine[2] - sine[0] * cosine[2]

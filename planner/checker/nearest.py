@@ -1,0 +1,98 @@
+"""Whether the smallest clearance that an answer states is so, from both sides.
+
+That no pair comes nearer is proved with the rows of the certificate (`separation`): where the normal of a row does not
+show it, the checker looks for its own, and halves the interval.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.jets import F1, F2, TABLES
+from assur.planner.checker.motion import JETS, MOST_LINKS, Tables, carry
+from assur.planner.checker.rows import Apart
+from assur.planner.checker.separation import HINT, ITEM, ONE, ONE_ON, OTHER, OTHER_ON, PAIR_ONE, PAIR_OTHER, REACHED, WHEN, distance
+from assur.planner.checker.solids import BODY, CARRIER, FIRST
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.compiled import kernel
+from assur.planner.model.outcome import Nearest
+
+WITHIN_M = 5e-5
+"""By how much a smallest clearance may be off, m, either way: the promise of the planner, 0.05 mm. Proved is, that all
+pairs keep what is claimed less this; and the pair that is named, when it is said, is not farther apart than with it."""
+
+
+@kernel(f"float64(int64, int64, int64, int64, int64, int64, float64, int64, {F2}, {F2}, {TABLES}, float64)")
+def pair_distance(
+    first: int,
+    count: int,
+    on: int,
+    other: int,
+    others: int,
+    beside: int,
+    t: float,
+    links: int,
+    solids: FloatArray,
+    vertices: FloatArray,
+    tables: Tables,
+    claimed: float,
+) -> float:
+    """The distance, m, of two bodies at an instant, as pieces `first` ... on carrier `on`, and `other` ... `beside`: an
+    upper value of it. `claimed`: what it is compared with. NaN where it is not known."""
+    jets, item, found = np.full((links + len(tables[2]) + MOST_LINKS, JETS, 6), np.nan), np.zeros(ITEM), math.inf
+    for c in (on, beside):
+        if not carry(0 if c < links else c, links, t, t, tables, jets):
+            return math.nan
+    item[ONE_ON], item[OTHER_ON] = on, beside
+    for i in range(first, first + count):
+        for k in range(other, other + others):
+            item[ONE], item[OTHER], item[HINT], item[HINT + 1], item[HINT + 2] = i, k, 0.0, 0.0, 1.0
+            found = min(found, distance(solids, vertices, jets, item, claimed)[1])
+    return found
+
+
+def nearest(apart: Apart, claim: Nearest | None, against: FloatArray) -> list[Finding]:
+    """Findings about what is claimed (None: that there is nothing to keep apart), of which the proof found what is
+    `against` it (`separation.STATE`)."""
+    findings, table = [], apart.table
+    if against[REACHED] != math.inf:
+        names = [table.bodies[int(b)].name for b in (_body(apart, against[PAIR_ONE]), _body(apart, against[PAIR_OTHER]))]
+        what = f"{' and '.join(sorted(names))} come nearer than the smallest clearance that is stated"
+        amount, where = math.nan, f"{against[WHEN]:.6g} s"
+        if math.isnan(against[REACHED]):
+            what += " (or could not be shown not to)"
+        elif claim is not None:
+            amount = claim.gap_m - float(against[REACHED])
+        findings.append(Finding(Code.NEAREST, what, amount, "m", where))
+    if claim is None:
+        return findings
+    off = min((_distance(apart, i, claim) for i in range(len(apart.phases))), default=math.inf) - claim.gap_m
+    if not off <= WITHIN_M:
+        what = f"{' and '.join(claim.bodies)} are not as near in {claim.phase} as is stated"
+        findings.append(Finding(Code.NEAREST, what, off, "m", f"{claim.time:.6g} s"))
+    return findings
+
+
+def _body(apart: Apart, solid: float) -> int:
+    """The body of a solid of the table."""
+    seats = apart.table.seats
+    return int(seats[np.searchsorted(seats[:, FIRST], solid, side="right") - 1, BODY])
+
+
+def _distance(apart: Apart, phase: int, claim: Nearest) -> float:
+    """The distance of the pair that is named, at the time, if that is in this phase and the pair may not touch there,
+    m; else inf."""
+    table, number, at = apart.table, apart.table.number, apart.phases[phase]
+    if not (at.kind == claim.phase and at.t0 <= claim.time <= at.t1 and all(name in number for name in claim.bodies)):
+        return math.inf
+    a, b = (number[name] for name in claim.bodies)
+    if not apart.required(phase, a, b):
+        return math.inf
+    one, other = (table.seats[table.seat[phase, body]].tolist() for body in (a, b))
+    return pair_distance(
+        one[FIRST], int(table.count[a]), one[CARRIER], other[FIRST], int(table.count[b]), other[CARRIER], claim.time,
+        table.links, table.table, table.vertices, apart.tables, claim.gap_m + WITHIN_M,
+    )  # fmt: skip
