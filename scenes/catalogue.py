@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ from assur.planner.errors import FaultError, InputError
 from assur.scenes.bounds import MAX_YAML_BYTES
 from assur.scenes.faults import DocumentError, dotted, likeliest
 from assur.scenes.files import below, with_meshes
-from assur.scenes.robot_facts import listed
+from assur.scenes.robot_facts import assumptions, listed
 from assur.scenes.schema.read import read
 from assur.scenes.schema.robots import FAMILIES, Arm, ArmDocument, Family
 from assur.scenes.text.yaml_text import Lines, parse_yaml, with_line
@@ -39,6 +39,11 @@ class RobotFile:
         from assur.scenes.reading.arms import built
 
         return built(self.document, (self.family,), self.family, self.arm)
+
+    @cached_property
+    def assumptions(self) -> tuple[str, ...]:
+        """A sentence for each number that is not the maker's own word."""
+        return assumptions(self.family, self.document[self.family])
 
     def listed(self) -> dict[str, Any]:
         """The arm as plain data, each number with unit, status and source."""

@@ -7,8 +7,7 @@ SI names; here it becomes the path with the keys as they were written (`speed_mm
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 
 from assur.planner.errors import InputError
 from assur.scenes.units import any_unit, twin_of
@@ -98,15 +97,18 @@ def likeliest(value: str, names: Iterable[str]) -> str:
     return ", ".join(listed) + (f"; did you mean {plain[close[0]]}?" if close else "")
 
 
-@contextmanager
-def located(document: object, *path: str | int) -> Iterator[None]:
+class located:
     """Whatever a constructor of the planner refuses inside becomes a fault of the field at `path` (or below it)."""
-    try:
-        yield
-    except DocumentError:
-        raise
-    except InputError as error:
-        raise below(document, path, error) from error
+
+    def __init__(self, document: object, *path: str | int) -> None:
+        self._document, self._path = document, path
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, InputError) and not isinstance(error, DocumentError):
+            raise below(self._document, self._path, error) from error
 
 
 def below(document: object, path: Path, error: InputError) -> DocumentError:

@@ -105,8 +105,13 @@ def listed(family: Family, arm: Written) -> dict[str, Any]:
 
 
 def name_of(family: Family, arm: Written) -> str:
-    """What the arm is called; one without a name is called by its family."""
-    return str(arm.get("name", "inline-" + family.replace("_", "-")))
+    """What the arm is called."""
+    return str(arm.get("name", unnamed(family)))
+
+
+def unnamed(family: Family) -> str:
+    """What an arm without a name is called."""
+    return "inline-" + family.replace("_", "-")
 
 
 def quantity(mapping: Written, field: str) -> Quantity:

@@ -48,8 +48,11 @@ def twin_of(key: str) -> str | None:
 
 
 @lru_cache(maxsize=4096)
-def si_key(key: str) -> tuple[str, str] | None:
-    """(SI key, unit as written) of a key in a twin unit: `at_mm` → (`at_m`, `mm`); None for any other key."""
+def si_key(key: object) -> tuple[str, str] | None:
+    """(SI key, unit as written) of a key in a twin unit: `at_mm` → (`at_m`, `mm`); None for any other key, and for what
+    is no text."""
+    if not isinstance(key, str):
+        return None
     unit = unit_of(key, TWIN_UNITS)
     return None if unit is None else (key[: len(key) - len(unit)] + TWIN_UNITS[unit], unit)
 

@@ -115,7 +115,7 @@ class BlendSearch(Search):
             attitudes = tilts(self.scene, self.scene.task[step], chain.state.q)
             yaws = turns or tuple(float(x) for x in 2 * np.pi * np.arange(ANY_YAW) / ANY_YAW)
             for turn, tilt in product(yaws, attitudes):
-                point = control_point(self.scene, step, chain.rides, None, turn, tilt)
+                point = control_point(self.scene, step, chain.attached, turn, tilt)
                 found = meetings(self.scene, point, chain.state.time, 0.0, self._modes(chain), chain.state.q)
                 for refusal in found.refusals:
                     self.found.census.note(refusal)

@@ -124,7 +124,7 @@ def _known(scene: Scene, table: Solids, of_plan: tuple[Phase, ...]) -> list[Find
         if (first, last) == ALWAYS:
             continue
         for i, phase in enumerate(of_plan):
-            needed = phase.glued == name or (carriers[i] == k).any()
+            needed = phase.tracked == name or (carriers[i] == k).any()
             if needed and not (first <= phase.t0 and phase.t1 + late <= last):
                 missing = max(first - phase.t0, phase.t1 + late - last)
                 what = f"the motion of {name} is not known long enough"

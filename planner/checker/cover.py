@@ -194,9 +194,10 @@ def put_behind(
         whole = seats[seat[p, b], FIRST] + (0 if pieces[b] == 1 else pieces[b])
         apart = stays - support(solids[whole], jets[BEGIN], c, vertices, -n[0], -n[1], -n[2]) - SLACK_M
         least = need[p, c - count] + drift[p, c - count] * (spans[p, 1] + late)
-        touches = marks[p, mine[one], b] & CONTACT
+        first, second = ordered(mine, one, b)
+        touches = marks[p, mine[first], second] & CONTACT
         if apart >= (-CONTACT_M if touches else least):
-            marks[p, mine[one], b] |= BEHIND | (FAR if apart >= claimed or touches else 0)
+            marks[p, mine[first], second] |= BEHIND | (FAR if apart >= claimed or touches else 0)
 
 
 @kernel(
@@ -229,7 +230,7 @@ def _planes(
         stays, reached = verdicts[first, SPARED], rows[first, T1]
         for k in range(i + 1, len(order)):
             r = order[k]
-            if rows[r, T0] > reached:
+            if rows[r, T0] > reached or reached == spans[p, 1]:
                 break
             same = rows[r, T0] == reached and rows[r, OTHER_NAME] < 0.0 and rows[r, NAME] == rows[first, NAME]
             for axis in range(3):
@@ -368,8 +369,8 @@ def judge(
                 if marks[p, u, b] & (BEHIND | FAR) == BEHIND:
                     if many >= room:
                         return False
-                    sit_down(cell, p, robots[0, u], -1, items[many], 0)
-                    sit_down(cell, p, b, -1, items[many], 1)
+                    for side, body in ((0, robots[0, u]), (1, b)):
+                        sit_down(cell, p, body, -1, items[many], side)
                     items[many, ROW], items[many, PROVE], items[many, CLAIM] = -1.0, 0.0, 1.0
                     items[many, HINT], items[many, HINT + 1], items[many, HINT + 2] = 0.0, 0.0, 1.0
                     many += 1

@@ -11,15 +11,15 @@ from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker import cover
 from assur.planner.checker.cover import AWAY, CONTACT, JUDGED, OUTSIDE, SPARED, STATUS, UNIT_NORMAL, UNKNOWN, Cell
 from assur.planner.checker.motion import Tables
-from assur.planner.checker.separation import CLAIMED, REACHED, STATE, WRONG
+from assur.planner.checker.separation import CLAIMED, MOST, REACHED, STATE, WRONG
 from assur.planner.checker.solids import Solids
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.model.outcome import Certificate
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 
-ROOM, MOST_ROOM = 64, 1 << 22
-"""Pairs that may be open at a time: at first, and at most."""
+ROOM = 64
+"""Pairs that may be open at a time, beyond some for each row, at first; who needs more gets it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class Apart:
         robots = (mine >= 0).nonzero()[0]
         marks = np.zeros((len(phases), len(robots), len(mine)), dtype=np.int64)
         for i, phase in enumerate(phases):
-            for first, second in phase.exempt:
+            for first, second in phase.contacts:
                 if first in number and second in number:
                     a, b = cover.ordered(mine, number[first], number[second])
                     if mine[a] >= 0:
@@ -61,21 +61,30 @@ class Apart:
     def found(self, certificate: Certificate, claimed: float) -> tuple[list[Finding], FloatArray]:
         """Rows that mean or prove nothing, and pairs that are not kept apart; and what stands against the clearance
         `claimed` of all pairs that may not touch, m (`separation.STATE`; -inf: none is claimed)."""
-        c, table, state = certificate, self.table, np.zeros(STATE)
+        verdicts, holes, state = self.judged(certificate, claimed)
+        wrong = _found(certificate, verdicts) if state[WRONG] > 0.0 else []
+        return wrong + self._holes(holes), state
+
+    def judged(self, c: Certificate, claimed: float = -math.inf) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """What is found of each row (M, cover.VERDICT), of each phase (P, cover.HOLES) and of the claim (STATE,)."""
+        table, state, room = self.table, np.zeros(STATE), 4 * len(c) + ROOM
         numbers = np.array([table.number.get(name, -1) for name in c.names], dtype=np.int64)
-        rows, verdicts = columns(c), np.zeros((len(c), cover.VERDICT))
-        order, holes, room = np.lexsort((c.t1, c.t0)), np.zeros((len(self.phases), cover.HOLES)), 4 * len(c) + ROOM
+        order, rows = np.lexsort((c.t1, c.t0)), np.empty((len(c), cover.COLUMNS))
+        rows[:, cover.T0], rows[:, cover.T1], rows[:, cover.N :] = c.t0, c.t1, c.normal
+        rows[:, cover.NAME], rows[:, cover.PIECE] = c.first, c.first_piece
+        rows[:, cover.OTHER_NAME], rows[:, cover.OTHER_PIECE] = c.second, c.second_piece
+        verdicts, holes = np.zeros((len(c), cover.VERDICT)), np.zeros((len(self.phases), cover.HOLES))
         while True:
-            state[:], marks = 0.0, self.marks.copy()
-            state[CLAIMED], state[REACHED] = claimed, math.inf
+            state[:], state[CLAIMED], state[REACHED] = 0.0, claimed, math.inf
             if cover.judge(
-                rows, order, numbers, self.cell, marks, table.tilts, table.table, table.vertices, self.tables, room,
-                verdicts, holes, state,
+                rows, order, numbers, self.cell, self.marks.copy(), table.tilts, table.table, table.vertices,
+                self.tables, room, verdicts, holes, state,
             ):  # fmt: skip
-                return (_found(c, verdicts) if state[WRONG] > 0.0 else []) + self._holes(holes), state
+                return verdicts, holes, state
             room *= 4
-            if room > MOST_ROOM:
-                return [Finding(Code.SEPARATION, "too many pairs are open at a time to be judged")], state
+            if room > MOST:
+                verdicts[:], state[WRONG], state[REACHED] = 0.0, 1.0, math.nan
+                return verdicts, holes, state
 
     def _holes(self, holes: FloatArray) -> list[Finding]:
         """A finding for each phase in which a pair is not covered throughout, by rows or by a plane."""
@@ -93,15 +102,6 @@ class Apart:
         if a == b or not cover.required(self.cell, phase, a, b):
             return False
         return not self.marks[phase, self.table.mine[first], second] & CONTACT
-
-
-def columns(c: Certificate) -> FloatArray:
-    """The rows of a certificate as a table (M, cover.COLUMNS)."""
-    rows = np.empty((len(c), cover.COLUMNS))
-    rows[:, cover.T0], rows[:, cover.T1], rows[:, cover.N :] = c.t0, c.t1, c.normal
-    rows[:, cover.NAME], rows[:, cover.PIECE] = c.first, c.first_piece
-    rows[:, cover.OTHER_NAME], rows[:, cover.OTHER_PIECE] = c.second, c.second_piece
-    return rows
 
 
 def _found(c: Certificate, verdicts: FloatArray) -> list[Finding]:
@@ -140,10 +140,10 @@ def _required(scene: Scene, phases: tuple[Phase, ...]) -> tuple[FloatArray, Floa
         clearance = scene.options.clearance.near_m if phase.near else scene.options.clearance.travel_m
         counts = unsure
         if execution.belt_correction:
-            shifts = [number[name] for name in (phase.beside if phase.glued is None else (phase.glued,))]
+            shifts = sorted({number[name] for name in (phase.corrected if phase.tracked is None else [phase.tracked])})
             counts = unsure + unsure[shifts].sum(0)
             # what shifts the arm with a frame does not part it from that frame
-            counts[shifts] = 0.0 if phase.glued is not None else counts[shifts] - unsure[shifts]
+            counts[shifts] = 0.0 if phase.tracked is not None else counts[shifts] - unsure[shifts]
         drift[i] = counts[:, 1]
         need[i, :-1] = clearance + execution.tracking_m + counts[:, 0] - drift[i] * scene.start.time
         need[i, -1] = clearance

@@ -73,9 +73,9 @@ def solids(scene: Scene, phases: tuple[Phase, ...]) -> Solids:
     seat[:] = seated
     known: dict[tuple[str, int, Pose], int] = {}
     for row, phase in zip(seat, phases, strict=True):
-        moved = [(name, frames[frame], pose) for name, frame, pose in phase.rides]
-        if phase.carried is not None:
-            moved.append((phase.carried.part, flange, phase.carried.in_flange))
+        moved = [(name, frames[frame], pose) for name, frame, pose in phase.attached.placed]
+        if phase.attached.held is not None:
+            moved.append((phase.attached.held.part, flange, phase.attached.held.in_flange))
         for name, carrier, pose in moved:
             if (name, carrier, pose) not in known:
                 known[name, carrier, pose] = len(seated)

@@ -13,7 +13,7 @@ from assur.planner.checker.meeting import posed
 from assur.planner.checker.targets import Target
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
-from assur.planner.model.outcome import GLUED, Arrival, Leg, LegKind
+from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Move, Pick, Place
 
@@ -28,7 +28,7 @@ def tracked(world: World, legs: tuple[Leg, ...], found: tuple[Target, ...]) -> l
     """Findings for the tracking legs that leave their point, their line, or do not go as high as asked."""
     findings = []
     for leg in legs:
-        if leg.kind not in GLUED:
+        if leg.kind not in TRACKING:
             continue
         target = found[leg.step]
         step, follows, height = target.step, leg.kind is LegKind.FOLLOW, 0.0
@@ -106,7 +106,7 @@ def carried(world: World, phases: tuple[Phase, ...]) -> list[Finding]:
     """A finding for each phase in which the tool point accelerates harder than a held part allows."""
     limit, findings = world.scene.carry_acceleration, []
     for phase in phases if limit is not None else ():
-        if phase.carried is not None and phase.t0 < world.end:
+        if phase.attached.held is not None and phase.t0 < world.end:
             asked = [(along.HEIGHT, float(limit or 0.0))]
             excess = world.keeps(along.CARRY, asked, phase.t0, min(phase.t1, world.end))
             if excess is not None:

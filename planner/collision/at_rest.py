@@ -8,12 +8,12 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.collision.proof import Prover
-from assur.planner.frames.motion import Pose
 from assur.planner.geometry.containment import inside
 from assur.planner.kernels.proof import RESERVE_M
 from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_COLUMNS, HIT_GAP, HIT_NEED
 from assur.planner.kernels.solids import FIRST, SECOND
-from assur.planner.model.phases import Phase, pair
+from assur.planner.model.attachments import Attachments
+from assur.planner.model.phases import Contacts, Phase, pair
 from assur.planner.model.refusal import Separation
 from assur.planner.model.scene import Scene
 from assur.planner.tables.bodies import Arrangement
@@ -27,7 +27,7 @@ def closest(
     prover: Prover,
     phase: Phase,
     q: FloatArray,
-    exempt: frozenset[tuple[str, str]],
+    contacts: Contacts,
     among: frozenset[str] | None = None,
 ) -> tuple[tuple[str, str], Separation] | None:
     """The first pair nearer than required at the phase's beginning; `among`: only these bodies of the surroundings,
@@ -37,7 +37,7 @@ def closest(
     pairs = prover.near(phase, q, t)
     one, other = (arrangement.body[pairs[:, column].astype(np.int64)] for column in (FIRST, SECOND))
     names = [pair(arrangement.names[a], arrangement.names[b]) for a, b in zip(one, other, strict=True)]
-    wanted = np.array([each not in exempt for each in names], dtype=bool)
+    wanted = np.array([each not in contacts for each in names], dtype=bool)
     if among is not None:
         hanging, named = _hanging(scene, arrangement, among)
         wanted &= hanging[one] & named[other]
@@ -66,19 +66,20 @@ def _hanging(scene: Scene, arrangement: Arrangement, among: frozenset[str]) -> t
 def enclosed(
     scene: Scene,
     prover: Prover,
-    arrangement: Arrangement,
+    attached: Attachments,
     q: FloatArray,
     t: float,
-    exempt: frozenset[tuple[str, str]],
-    rides: dict[str, tuple[str, Pose]],
+    contacts: Contacts,
     among: frozenset[str] | None = None,
 ) -> tuple[str, str] | None:
     """A body of the arm and the mesh whose surface encloses a point of it (a mesh is hollow to FCL and to gaps).
 
-    `rides`: where each body of the surroundings sits by then; `among`: only these of them.
+    `attached`: where each body of the surroundings sits by then; `contacts`: pairs that do not count; `among`: only
+    these bodies of the surroundings.
     """
     if all(world.body.surface is None for world in scene.bodies):
         return None
+    arrangement = prover.arrangement(attached)
     carriers = prover.carriers(q, t)
     points = [
         (mine, _reference_points(prover, arrangement, q, t, mine))
@@ -94,14 +95,14 @@ def enclosed(
         low, high = vertices.min(0), vertices.max(0)
         carrier = carriers[int(arrangement.carrier[arrangement.roots[number]])]
         origin, turn = carrier[:3], carrier[3:].reshape(3, 3)
-        pose = rides[world.name][1]
+        pose = attached.seat(scene, world.name)[1]
         c, s = math.cos(pose.yaw), math.sin(pose.yaw)
         yaw = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         for mine, here in points:
             local = ((here - origin) @ turn - pose.position) @ yaw
             # a point outside the box round the surface is outside the surface; NaN is not outside
             near = ~((local < low) | (local > high)).any(-1)
-            if pair(arrangement.names[mine], world.name) in exempt or not near.any():
+            if pair(arrangement.names[mine], world.name) in contacts or not near.any():
                 continue
             if inside(world.body.surface, local[near]).any():
                 return arrangement.names[mine], world.name

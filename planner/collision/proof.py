@@ -81,7 +81,7 @@ class Prover:
 
     def of(self, phase: Phase) -> Arrangement:
         """The arrangement of a phase."""
-        return self.arrangement(phase.carried, phase.rides)
+        return self.arrangement(phase.attached)
 
     def spline(self, trajectory: Trajectory) -> Spline:
         """The tables of a trajectory; those of the last one are kept, for its phases are proved one after the other."""

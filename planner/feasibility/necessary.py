@@ -8,13 +8,13 @@ from assur.planner.collision.at_rest import closest, enclosed
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.reach import beyond_every_pitch, out_of_range, whatever_the_yaw
 from assur.planner.frames import Fixed
-from assur.planner.frames.motion import Pose
 from assur.planner.kernels.solids import REACH
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.tilt import pitch_free, roll_free, tilts
 from assur.planner.model.assembly_mode import lost_at
+from assur.planner.model.attachments import AT_START, Attachments
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Carried, Phase, held, initial_rides, moved_parts, pair, resting_on, yaw_offsets
+from assur.planner.model.phases import Phase, contacts_of, yaw_offsets
 from assur.planner.model.refusal import (
     RATES,
     BeyondRange,
@@ -31,7 +31,7 @@ from assur.planner.model.refusal import (
     law_ends,
     of_joint,
 )
-from assur.planner.model.scene import Move, Pick, Place, Scene
+from assur.planner.model.scene import Pick, Scene
 from assur.planner.robots.protocol import Code
 
 START_RATIO = 1e-9
@@ -55,36 +55,31 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
     colliding = start_collides(scene, prover)
     if colliding is not None:
         return colliding
-    rides, carried = initial_rides(scene), None
+    attached = AT_START
     for number, step in enumerate(scene.task):
         offsets, tilt = yaw_offsets(scene, step), tilts(scene, step, scene.start.q)[0]
         if pitch_free(scene, step):
-            never = beyond_every_pitch(scene, control_point(scene, number, rides, carried, 0.0, tilt))
+            never = beyond_every_pitch(scene, control_point(scene, number, attached, 0.0, tilt))
             if never is not None:
                 return never
             continue  # some pitch reaches it; which of them are free of bodies is a matter of search
-        if isinstance(step, Place) and (carried is None or carried.part != step.part):
-            return None  # the scene's constructor has refused this already
         turns = offsets if offsets is not None else (0.0,)
-        beyond = [out_of_range(scene, control_point(scene, number, rides, carried, turn, tilt)) for turn in turns]
+        beyond = [out_of_range(scene, control_point(scene, number, attached, turn, tilt)) for turn in turns]
         if all(r is not None and (offsets is not None or whatever_the_yaw(scene, r)) for r in beyond):
             return beyond[0]
         if roll_free(scene, step):
             continue  # at another roll a body on the flange may be elsewhere
-        if scene.options.blended and isinstance(step, Move) and step.via:
+        if scene.options.blended and step.via:
             continue  # its pose is missed: that it collides there proves nothing
         found = [
-            _point(scene, prover, control_point(scene, number, rides, carried, o, tilt), rides, carried)
+            _point(scene, prover, control_point(scene, number, attached, o, tilt), attached)
             for o in (offsets if offsets is not None else (0.0,))
         ]
-        if all(r is not None and (offsets is not None or _whatever_the_yaw(scene, prover, r, carried)) for r in found):
+        if all(r is not None and (offsets is not None or _whatever_the_yaw(scene, prover, r, attached)) for r in found):
             return found[0]
-        if isinstance(step, Pick):
-            if offsets != (0.0,):
-                return None  # how the part sits in the gripper from here on is a choice
-            carried = held(scene, step, 0.0)
-        if isinstance(step, Place):
-            carried, rides = None, {**rides, step.part: (step.to.frame, step.to.pose)}
+        if isinstance(step, Pick) and offsets != (0.0,):
+            return None  # how the part sits in the gripper from here on is a choice
+        attached = attached.after(scene, step)
     return None
 
 
@@ -131,7 +126,7 @@ def _laws_over(scene: Scene) -> Refusal | None:
 def start_collides(scene: Scene, prover: Prover) -> Refusal | None:
     """The arm as it stands at the start, against everything, at the clearance that travel asks for."""
     t = scene.start.time
-    phase = Phase(t, t, LegKind.WAIT, 0, None, (), frozenset(), None, ())
+    phase = Phase(t, t, LegKind.WAIT, 0)
     found = closest(scene, prover, phase, scene.start.q, frozenset())
     if found is None:
         return None
@@ -159,34 +154,27 @@ def _start_enclosed(scene: Scene, prover: Prover) -> Refusal | None:
     if all(world.body.surface is None for world in scene.bodies):
         return None
     t = scene.start.time
-    within = enclosed(scene, prover, prover.arrangement(None, ()), scene.start.q, t, frozenset(), initial_rides(scene))
+    within = enclosed(scene, prover, AT_START, scene.start.q, t, frozenset())
     if within is None:
         return None
     return _hit(Stage.START, Reason.START_IN_COLLISION, 0, within, Enclosed(), interval=(t, t))
 
 
-def _point(
-    scene: Scene,
-    prover: Prover,
-    point: ControlPoint,
-    rides: dict[str, tuple[str, Pose]],
-    carried: Carried | None,
-) -> Refusal | None:
+def _point(scene: Scene, prover: Prover, point: ControlPoint, attached: Attachments) -> Refusal | None:
     """Whether the flange's bodies at the point touch, in every working mode, a body that never moves against it."""
     t = scene.start.time
     if not point.still and not _known(scene, point.frame, t):
         return None
     fixed = isinstance(scene.frames[point.frame].law, Fixed)
+    frames = {body.name: attached.seat(scene, body.name)[0] for body in scene.bodies}
     among = frozenset(
-        body.name
-        for body in scene.bodies
-        if rides[body.name][0] == point.frame or (fixed and isinstance(scene.frames[rides[body.name][0]].law, Fixed))
+        name
+        for name, frame in frames.items()
+        if frame == point.frame or (fixed and isinstance(scene.frames[frame].law, Fixed))
     )
-    away = moved_parts(scene, rides)
-    arrangement = prover.arrangement(carried, away)
-    kind = LegKind.FOLLOW if point.glued else LegKind.MOVE
-    phase = Phase(t, t, kind, point.step, carried, away, frozenset(), point.frame if point.glued else None, ())
-    exempt = _contacts(scene, point, rides)
+    kind = LegKind.FOLLOW if point.tracks else LegKind.MOVE
+    phase = Phase(t, t, kind, point.step, attached, tracked=point.frame if point.tracks else None)
+    contacts, _ = contacts_of(scene, point.facts, attached, None)
     refusals = []
     for mode in range(len(scene.robot.modes)):
         solution = scene.robot.inverse(point.flange(np.array([t])).at_rest(), mode, 0)
@@ -194,8 +182,8 @@ def _point(
             # seen at another time it may be reached, and collide in the same way; here nothing can be said
             return None
         q = solution.q[0]
-        found = closest(scene, prover, phase, q, exempt, among)
-        within = enclosed(scene, prover, arrangement, q, t, exempt, rides, among) if fixed else None
+        found = closest(scene, prover, phase, q, contacts, among)
+        within = enclosed(scene, prover, attached, q, t, contacts, among) if fixed else None
         hit = (within, Enclosed()) if within is not None else found
         if hit is None:
             return None
@@ -203,10 +191,10 @@ def _point(
     return refusals[0] if refusals else None
 
 
-def _whatever_the_yaw(scene: Scene, prover: Prover, refusal: Refusal, carried: Carried | None) -> bool:
+def _whatever_the_yaw(scene: Scene, prover: Prover, refusal: Refusal, attached: Attachments) -> bool:
     """Whether turning the tool about its axis changes nothing for the body that is in the way."""
     tcp = scene.tool.tcp
-    arrangement = prover.arrangement(carried, ())
+    arrangement = prover.arrangement(attached)
     units = np.array(arrangement.pieces[arrangement.number[refusal.bodies[0]]])
     on_quill = scene.robot.links[arrangement.carrier[units[0]]] == "quill"
     return tcp.x == 0.0 and tcp.y == 0.0 and (on_quill or bool((arrangement.rows[units, REACH] == 0.0).all()))
@@ -215,13 +203,3 @@ def _whatever_the_yaw(scene: Scene, prover: Prover, refusal: Refusal, carried: C
 def _known(scene: Scene, frame: str, t: float) -> bool:
     low, high = scene.frames[frame].law.valid
     return low <= t <= high
-
-
-def _contacts(scene: Scene, point: ControlPoint, rides: dict[str, tuple[str, Pose]]) -> frozenset[tuple[str, str]]:
-    step = scene.task[point.step]
-    if isinstance(step, Pick):
-        return frozenset(pair(body.name, step.part) for body in scene.tool.bodies)
-    if isinstance(step, Place):
-        names = resting_on(scene, step.part, step.to.frame, step.to.pose, step.contact_with, rides)
-        return frozenset(pair(name, step.part) for name in names)
-    return frozenset()

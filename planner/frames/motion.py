@@ -24,6 +24,8 @@ class Pose:
     yaw: float = 0.0
 
     def __post_init__(self) -> None:
+        if math.isfinite(self.x + self.y + self.z + self.yaw):
+            return  # a sum is finite only if all its terms are
         for name in ("x", "y", "z", "yaw"):
             if not math.isfinite(getattr(self, name)):
                 raise InputError(f"pose.{name}", getattr(self, name), "a finite number")

@@ -32,6 +32,8 @@ class Pieces:
 
 
 NO_CORE = (0.0, 0.0, 0.0, 0.0, 0.0)
+NO_POINTS, NO_AXES = np.zeros(0), np.zeros((0, 3))
+"""What stands in front, so that there may be no body."""
 
 
 def pieces(bodies: Sequence[Body]) -> Pieces:
@@ -47,8 +49,8 @@ def pieces(bodies: Sequence[Body]) -> Pieces:
     found = Pieces(
         first=np.cumsum(count) - count,
         count=count,
-        position=np.array([piece.position for piece in every], dtype=np.float64).reshape(-1, 3),
-        rotation=np.array([piece.rotation for piece in every], dtype=np.float64).reshape(-1, 3, 3),
+        position=np.concatenate([NO_POINTS, *(piece.position for piece in every)]).reshape(-1, 3),
+        rotation=np.concatenate([NO_AXES, *(piece.rotation for piece in every)]).reshape(-1, 3, 3),
         half=core[:, :3].copy(),
         disc=core[:, 3].copy(),
         ball=core[:, 4].copy(),

@@ -11,6 +11,7 @@ box: h; sphere: rb; capsule along z: hz, rb; cylinder along z: hz, rd. A convex 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from operator import le
 
 import numpy as np
 
@@ -61,9 +62,8 @@ class Primitive:
         terms = (*self.half, self.disc, self.ball)
         if len(terms) != 5:
             raise InputError(f"{self.kind}.half", self.half, "three lengths")
-        for low, term, high in zip(SHORTEST[self.kind], terms, LONGEST[self.kind], strict=True):
-            if not low <= term <= high:
-                raise InputError(self.kind, terms, f"lengths where {TERMS[self.kind]} has a 1, and else zero")
+        if not (all(map(le, SHORTEST[self.kind], terms)) and all(map(le, terms, LONGEST[self.kind]))):
+            raise InputError(self.kind, terms, f"lengths where {TERMS[self.kind]} has a 1, and else zero")
 
 
 def box(size_x: float, size_y: float, size_z: float) -> Primitive:

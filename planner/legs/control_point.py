@@ -13,8 +13,8 @@ from assur.planner.errors import InputError
 from assur.planner.frames import Conveyor, Fixed, Linear
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import Tilt, TiltedMotion
-from assur.planner.model.phases import Carried, flange_target
-from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Window
+from assur.planner.model.attachments import Attachments
+from assur.planner.model.scene import Scene, Step, Window
 
 HORIZON_S = 60.0
 """Windows along a conveyor are looked for this long after the start, s."""
@@ -26,39 +26,52 @@ BISECTIONS = 40
 
 @dataclass(frozen=True, eq=False)
 class ControlPoint:
-    """The control point of step number `step`: `frame`, the flange's `pose` in it, and the manners of the meeting.
+    """The control point of step number `step`: the flange's `pose` in `frame`, `tilt` (pitch and roll of the tool at
+    the point, which it keeps while it is there; None: the arm has none), and the turn of the tool that it is for.
 
-    `approach`, `depart`: metres above the point (along the vertical, which every frame shares) where glued motion
-    begins and ends; `dwell`: seconds of glue; `matched`: velocity and yaw rate are those of the frame.
+    `seat`: the pose in the frame whose way along a conveyor is measured: the part's, or the target's.
     """
 
     scene: Scene
     step: int
     frame: str
     pose: Pose
-    approach: float
-    depart: float
-    dwell: float
-    matched: bool
-    via: bool
+    seat: Pose
     yaw_offset: float
-    point: Pose
-    """The pose in the frame whose way along a conveyor is measured: the part's, or the target's."""
-    tilt: Tilt | None = None
-    """Pitch and roll of the tool at the point, which it keeps while it is there; None: the arm has none."""
+    tilt: Tilt | None
+    approach: float
+    """Metres above the point, along the vertical that every frame shares, where tracking begins."""
+    dwell: float
+    """Seconds for which the point itself is tracked."""
+    depart: float
+    """Metres above the point where tracking ends."""
+
+    @property
+    def facts(self) -> Step:
+        """The step that it belongs to."""
+        return self.scene.task[self.step]
 
     @property
     def name(self) -> str:
-        return self.scene.task[self.step].name
+        return self.facts.name
 
     @property
-    def glued(self) -> bool:
+    def tracks(self) -> bool:
         """Whether the tool is guided along the frame for a time."""
-        return not isinstance(self.scene.task[self.step], Move)
+        return self.facts.tracks
+
+    @property
+    def via(self) -> bool:
+        return self.facts.via
+
+    @property
+    def matched(self) -> bool:
+        """Whether velocity and yaw rate at the point are those of the frame."""
+        return self.facts.match == "velocity"
 
     @property
     def window(self) -> Window:
-        return getattr(self.scene.task[self.step], "window", Window())
+        return self.facts.window
 
     @property
     def still(self) -> bool:
@@ -66,14 +79,14 @@ class ControlPoint:
         return isinstance(self.scene.frames[self.frame].law, Fixed)
 
     def flange(self, t: FloatArray, above: float = 0.0) -> Motion:
-        """Motion of the flange (world) when it is glued to the point, `above` metres over it, at times t (...)."""
+        """Motion of the flange (world) that tracks the point, `above` metres over it, at times t (...)."""
         lifted = replace(self.pose, z=self.pose.z + above)
         motion = self.scene.frames[self.frame].law.motion(np.asarray(t, dtype=np.float64)).at(lifted)
         return motion if self.tilt is None else TiltedMotion.of(motion, np.array(self.tilt))
 
     @property
     def span(self) -> tuple[float, float]:
-        """From when on and until when the glue may last, a window along a conveyor left aside; empty if reversed."""
+        """From when until when the point may be tracked, a window along a conveyor left aside; empty if reversed."""
         law, latest = self.scene.frames[self.frame].law, self.scene.options.latest_end_s
         opens, closes = self.window.time or (-math.inf, math.inf)
         low = max(self.scene.start.time, law.valid[0], opens)
@@ -81,7 +94,7 @@ class ControlPoint:
 
     @cached_property
     def intervals(self) -> list[tuple[float, float]]:
-        """Times at which the glue may begin, as closed intervals in order; empty: the dwell does not fit."""
+        """Times at which tracking may begin, as closed intervals in order; empty: the dwell does not fit."""
         found = [self.span]
         if self.window.along is not None:
             inside = self.inside(self.window.along)
@@ -93,7 +106,7 @@ class ControlPoint:
         law = self.scene.frames[self.frame].law
         if not isinstance(law, Conveyor | Linear):
             return None
-        return travelled(law, self.scene, self.frame, self.point, t)
+        return travelled(law, self.scene, self.frame, self.seat, t)
 
     def inside(self, window: tuple[float, float]) -> list[tuple[float, float]]:
         """When the point is in `window`, m along its conveyor, in the next `HORIZON_S`; closed intervals in order."""
@@ -161,29 +174,11 @@ def travelled(law: Conveyor | Linear, scene: Scene, frame: str, point: Pose, t: 
 
 
 def control_point(
-    scene: Scene,
-    step: int,
-    rides: dict[str, tuple[str, Pose]],
-    carried: Carried | None,
-    yaw_offset: float,
-    tilt: Tilt | None = None,
+    scene: Scene, step: int, attached: Attachments, yaw_offset: float, tilt: Tilt | None = None
 ) -> ControlPoint:
-    """The control point of a step, with parts where `rides` says and `carried` in the gripper; an arm with pitch and
-    roll meets it with those of `tilt`."""
+    """The control point of a step that begins with `attached`; an arm with pitch and roll meets it with those of
+    `tilt`."""
     what = scene.task[step]
-    frame, pose = flange_target(scene, what, rides, carried, yaw_offset)
-    approach = depart = dwell = 0.0
-    matched, via = True, False
-    if isinstance(what, Pick | Place):
-        approach, depart, dwell = what.approach_m, what.depart_m, what.dwell_s
-        matched = what.match == "velocity"
-    if isinstance(what, Follow):
-        dwell = what.duration_s
-    if isinstance(what, Move):
-        matched, via = what.match == "velocity", what.via
-    point = (
-        rides[what.part][1]
-        if isinstance(what, Pick)
-        else (what.to.pose if isinstance(what, Place) else what.target.pose)
-    )
-    return ControlPoint(scene, step, frame, pose, approach, depart, dwell, matched, via, yaw_offset, point, tilt)
+    frame, pose = attached.flange(scene, what, yaw_offset)
+    seat, heights = attached.point(scene, what)[1], (what.approach_m, what.dwell_s, what.depart_m)
+    return ControlPoint(scene, step, frame, pose, seat, yaw_offset, tilt, *heights)

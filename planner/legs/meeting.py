@@ -126,7 +126,7 @@ def _assembled(code: IntArray, qd: FloatArray, qdd: FloatArray) -> BoolArray:
 
 def _safe(scene: Scene, point: ControlPoint, found: Inverse) -> BoolArray:
     """The margin is asked of points met with a matched velocity or along a Cartesian leg, and not of others."""
-    moving = point.glued or (point.matched and not point.still and not point.via)
+    moving = point.tracks or (point.matched and not point.still and not point.via)
     return found.keeps(scene.options.singularity_margin) if moving else np.ones(found.code.shape, dtype=bool)
 
 

@@ -10,7 +10,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import Tilt, TiltedMotion
-from assur.planner.model.scene import Scene, Step, Target
+from assur.planner.model.scene import Scene, Step
 from assur.planner.robots.protocol import Robot
 
 PATH_RAD = 1e-5
@@ -37,8 +37,8 @@ def tilts(scene: Scene, step: Step, q: FloatArray) -> tuple[Tilt | None, ...]:
     A free roll is kept; it turns nothing else. Of a free pitch the arm's own comes first, then others, nearest first.
     An arm without them has one choice: None.
     """
-    target = getattr(step, "target", None)
-    if "pitch" not in scene.robot.coordinates or not isinstance(target, Target):
+    target = step.target
+    if "pitch" not in scene.robot.coordinates or target is None:
         return (None,)
     now = tilt_of(scene.robot, q)
     if now is None:
@@ -67,9 +67,9 @@ def tilt_off(robot: Robot, q: FloatArray, path: Motion) -> float:
 
 def pitch_free(scene: Scene, step: Step) -> bool:
     """Whether a step leaves the pitch to choose, so that what was tried is not all there is."""
-    return "pitch" in scene.robot.coordinates and getattr(getattr(step, "target", None), "pitch", None) is None
+    return "pitch" in scene.robot.coordinates and (step.target is None or step.target.pitch is None)
 
 
 def roll_free(scene: Scene, step: Step) -> bool:
     """Whether a step leaves the roll to choose."""
-    return "roll" in scene.robot.coordinates and getattr(getattr(step, "target", None), "roll", None) is None
+    return "roll" in scene.robot.coordinates and (step.target is None or step.target.roll is None)

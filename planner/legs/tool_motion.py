@@ -35,5 +35,5 @@ def tool_peak(scene: Scene, trajectory: Trajectory, t0: float, t1: float) -> tup
 
 def carrying_peak(scene: Scene, trajectory: Trajectory, phases: tuple[Phase, ...]) -> tuple[float, float] | None:
     """Largest acceleration, m/s², of the tool point while a part is carried, and when; None: nothing is carried."""
-    spans = [(p.t0, p.t1) for p in phases if p.carried is not None and p.t1 > p.t0 and p.step >= 0]
+    spans = [(p.t0, p.t1) for p in phases if p.attached.held is not None and p.t1 > p.t0 and p.step >= 0]
     return max((tool_peak(scene, trajectory, t0, t1) for t0, t1 in spans), default=None)

@@ -18,9 +18,9 @@ def drift(scene: Scene, phase: Phase, frame: str) -> tuple[float, float]:
     own = _uncertain(scene, frame)
     if not scene.execution.belt_correction:
         return own
-    if phase.glued is not None:
-        own = (0.0, 0.0) if frame == phase.glued else own
-    shifts = phase.beside if phase.glued is None else (phase.glued,)
+    if phase.tracked is not None:
+        own = (0.0, 0.0) if frame == phase.tracked else own
+    shifts = phase.corrected if phase.tracked is None else (phase.tracked,)
     for shift in shifts:
         # what shifts the arm with a frame does not part it from that frame
         if shift != frame:

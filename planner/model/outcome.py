@@ -30,7 +30,7 @@ class LegKind(StrEnum):
     DEPART = "DEPART"
 
 
-GLUED = frozenset({LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART})
+TRACKING = frozenset({LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART})
 """Kinds of leg during which the tool is guided along the frame of its control point."""
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -164,9 +163,10 @@ class Scene:
         if not self.task:
             raise InputError("task", self.task, "at least one step")
         solids = [each.body for each in self.robot.bodies] + list(self.tool.bodies) + [b.body for b in self.bodies]
-        for name, count in Counter(body.name for body in solids).items():
-            if count > 1:
-                raise InputError("bodies", name, "names that are unique, the robot's and the tool's bodies included")
+        names = [body.name for body in solids]
+        if len(set(names)) < len(names):
+            twice = next(name for i, name in enumerate(names) if name in names[:i])
+            raise InputError("bodies", twice, "names that are unique, the robot's and the tool's bodies included")
         for i, body in enumerate(self.bodies):
             if body.frame not in self.frames:
                 raise InputError(f"bodies[{i}].pose.frame", body.frame, f"one of {sorted(self.frames)}")
@@ -175,7 +175,7 @@ class Scene:
         object.__setattr__(self, "pieces", pieces(solids))
         for i, step in enumerate(self.task):
             self._check_step(f"task[{i}].{type(step).__name__.lower()}", step)
-            if isinstance(step, Move) and step.arch is not None and self.robot.lift is None:
+            if step.arch is not None and self.robot.lift is None:
                 allowed = f"no arch: {self.robot.name} has no joint that lifts (cartesian legs go up and over)"
                 raise InputError(f"task[{i}].move.arch", step.arch.top_m, allowed)
         self._check_hands()
@@ -204,12 +204,12 @@ class Scene:
                 raise InputError(f"task[{i}].{type(step).__name__.lower()}", step.name, allowed)
 
     def _check_step(self, field: str, step: Step) -> None:
-        target = step.to if isinstance(step, Place) else getattr(step, "target", None)
+        target = step.target
         if target is not None and target.frame not in self.frames:
             raise InputError(f"{field}.frame", target.frame, f"one of {sorted(self.frames)}")
         if target is not None:
             self._check_tilt(field, target)
-        straight = isinstance(step, Move) and step.leg == "cartesian" and step.match == "position"
+        straight = step.leg == "cartesian" and step.match == "position"
         if straight and target is not None and not isinstance(self.frames[target.frame].law, Fixed):
             allowed = "velocity: a straight leg meets a moving frame with its velocity"
             raise InputError(f"{field}.match", "position", allowed)

@@ -1,9 +1,14 @@
-"""The steps of a task: control points with manners. Facts only, SI."""
+"""The steps of a task: control points, and how each is to be met. Facts only, SI.
+
+Every kind of step answers the same questions; what a kind does not have is said once, in its class: `tracks` (whether
+the tool is guided along the point's frame for a time), `part`, `target`, `approach_m`, `depart_m`, `dwell_s`, `match`,
+`via`, `arch`, `leg`, `window`.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from assur.planner.frames.motion import Pose
 
@@ -52,20 +57,39 @@ class Move:
     window: Window = Window()
     leg: Literal["joint", "cartesian"] = "joint"
 
+    tracks: ClassVar[bool] = False
+    part: ClassVar[None] = None
+    approach_m: ClassVar[float] = 0.0
+    depart_m: ClassVar[float] = 0.0
+    dwell_s: ClassVar[float] = 0.0
+
 
 @dataclass(frozen=True, slots=True)
 class Follow:
-    """Meet `target` with its velocity and stay glued to it for `duration_s`."""
+    """Meet `target` with its velocity and track it for `duration_s`."""
 
     name: str
     target: Target
     duration_s: float
     window: Window = Window()
 
+    tracks: ClassVar[bool] = True
+    match: ClassVar[Match] = "velocity"
+    via: ClassVar[bool] = False
+    arch: ClassVar[None] = None
+    leg: ClassVar[Literal["joint"]] = "joint"
+    part: ClassVar[None] = None
+    approach_m: ClassVar[float] = 0.0
+    depart_m: ClassVar[float] = 0.0
+
+    @property
+    def dwell_s(self) -> float:
+        return self.duration_s
+
 
 @dataclass(frozen=True, slots=True)
 class Pick:
-    """Approach `part` along the vertical of its frame, glue, attach at the end of `dwell_s`, depart.
+    """Approach `part` along the vertical of its frame, track it, attach it at the end of `dwell_s`, depart.
 
     `grasp` is the tool point in the part's frame; `contact_with` names what the part rests on (None: derived).
     """
@@ -80,10 +104,17 @@ class Pick:
     window: Window = Window()
     contact_with: tuple[str, ...] | None = None
 
+    tracks: ClassVar[bool] = True
+    via: ClassVar[bool] = False
+    arch: ClassVar[None] = None
+    leg: ClassVar[Literal["joint"]] = "joint"
+    target: ClassVar[None] = None
+
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Bring the held part's frame to `to`, glue for `dwell_s`, detach, depart; the part then rides on to.frame."""
+    """Bring the held part's frame to `to`, track it, detach at the end of `dwell_s`, depart; the part then sits in
+    `to.frame`."""
 
     name: str
     part: str
@@ -94,6 +125,16 @@ class Place:
     match: Match = "velocity"
     window: Window = Window()
     contact_with: tuple[str, ...] | None = None
+
+    tracks: ClassVar[bool] = True
+    via: ClassVar[bool] = False
+    arch: ClassVar[None] = None
+    leg: ClassVar[Literal["joint"]] = "joint"
+
+    @property
+    def target(self) -> Target:
+        """Where the part is put: its own pose, not that of the tool."""
+        return self.to
 
 
 Step = Move | Follow | Pick | Place

@@ -71,7 +71,7 @@ def contacts(phases: tuple[Phase, ...]) -> tuple[Contact, ...]:
     """The allowed contacts of a plan, joined over phases that follow each other."""
     spans: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for phase in phases:
-        for bodies in sorted(phase.exempt):
+        for bodies in sorted(phase.contacts):
             held = spans.setdefault(bodies, [])
             if held and held[-1][1] == phase.t0:
                 held[-1] = (held[-1][0], phase.t1)

@@ -13,7 +13,7 @@ from assur.planner.legs.state import Knots, State, Stretch
 from assur.planner.legs.tool_motion import RESERVE, carrying_peak
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.outcome import Arrival, Course, Leg, LegKind, Route
-from assur.planner.model.phases import Phase, held, moved_parts, phases
+from assur.planner.model.phases import Phase, phases
 from assur.planner.model.refusal import (
     Carrying,
     Miss,
@@ -27,7 +27,7 @@ from assur.planner.model.refusal import (
     unmoved,
     window_missed,
 )
-from assur.planner.model.scene import Pick, Place, Scene
+from assur.planner.model.scene import Place, Scene
 from assur.planner.search.partial_plan import Chain, Draft, Sample
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory
@@ -111,25 +111,18 @@ def _after(
     met: Arrival,
     knots: Knots,
 ) -> Chain:
-    step, carried, rides, moved = scene.task[chain.step], chain.carried, chain.rides, chain.moved
-    if isinstance(step, Pick):
-        carried = held(scene, step, sample.yaw_offset)
-    if isinstance(step, Place):
-        carried, rides = None, {**rides, step.part: (step.to.frame, step.to.pose)}
-        moved = moved_parts(scene, rides)
     resting = knots.last.resting
     return Chain(
         step=chain.step + 1,
         state=knots.last,
         mode=sample.branch.mode,
-        carried=carried,
-        rides=rides,
-        moved=moved,
+        attached=chain.attached.after(scene, scene.task[chain.step], sample.yaw_offset),
         legs=chain.legs + legs,
         arrivals=(*chain.arrivals, met),
         knots=knots if chain.knots is None else chain.knots.then(knots),
         proofs=chain.proofs,
-        glued_to=point if not resting and point.matched and not point.via else None,
+        paces=chain.paces,
+        tracked=point if not resting and point.matched and not point.via else None,
     )
 
 

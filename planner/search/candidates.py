@@ -15,7 +15,7 @@ from assur.planner.frames import all_stand
 from assur.planner.legs.arched import Hop
 from assur.planner.legs.joint import Shape
 from assur.planner.model.refusal import BeyondRange, JointName, Quantity, Reason, Refusal, Stage
-from assur.planner.model.scene import Arch, Move, Scene
+from assur.planner.model.scene import Arch, Scene, Step
 from assur.planner.search import tuning
 from assur.planner.search.meeting_options import Option
 from assur.planner.search.partial_plan import Chain, Sample
@@ -47,10 +47,10 @@ class Sampler:
         if visit <= 1 and (first_arches := self._arches()):
             self.visits = 2
             return first_arches
-        if self._cartesian():
+        if self.step.leg == "cartesian":
             # a straight leg from a moving frame has nothing to choose: it has been tried
             return [self._wait() for _ in range(tuning.BATCH)] if self.chain.state.resting else []
-        if self._asked_arch() is not None:
+        if self.step.arch is not None:
             return [self._arch() for _ in range(tuning.BATCH)]
         if self.population is None:
             parts = self.scene, self.chain, self.options, self.score(), self.rng
@@ -73,10 +73,9 @@ class Sampler:
 
     def _direct(self) -> list[tuple[Option, Sample]]:
         """Directly to the option of each mode that is met first."""
-        if self._asked_arch() is not None:
+        if self.step.arch is not None:
             return []
-        step = self.scene.task[self.chain.step]
-        paces = tuning.THROUGH_PACES if isinstance(step, Move) and step.via else (0.0,)
+        paces = tuning.THROUGH_PACES if self.step.via else (0.0,)
         return [
             (option, Sample(option.yaw_offset, option.branch, Shape(through=pace)))
             for option in self._first_of_modes()
@@ -91,13 +90,13 @@ class Sampler:
 
     def _arches(self) -> list[tuple[Option, Sample]]:
         tops = self._tops()
-        if not tops or self._cartesian():
+        if not tops or self.step.leg == "cartesian":
             return []
-        through = tuning.THROUGH_PACES[0] if self._is_via() else 0.0
+        through = tuning.THROUGH_PACES[0] if self.step.via else 0.0
         return [
             (option, Sample(option.yaw_offset, option.branch, Shape(hop=Hop(tops[0], rise, fall), through=through)))
             for option in self._first_of_modes()[: tuning.ARCHED]
-            for rise, fall in (tuning.HOPS[:1] if self._is_via() else tuning.HOPS)
+            for rise, fall in (tuning.HOPS[:1] if self.step.via else tuning.HOPS)
         ]
 
     def _tops(self) -> list[float]:
@@ -106,7 +105,7 @@ class Sampler:
         if lift is None:
             return []
         upper = float(scene.robot.limits.upper[lift])
-        arch = self._asked_arch()
+        arch = self.step.arch
         if arch is not None:
             asked = self._height(arch)
             return [asked] if asked <= upper else []
@@ -115,7 +114,7 @@ class Sampler:
 
     def too_high(self) -> Refusal | None:
         """Why the arch that is asked for cannot be: the lift ends below it; None: it can, or none is asked."""
-        scene, lift, arch = self.scene, self.scene.robot.lift, self._asked_arch()
+        scene, lift, arch = self.scene, self.scene.robot.lift, self.step.arch
         if lift is None or arch is None or self._tops():
             return None
         joint, over = scene.robot.joints[lift].name, self._height(arch) - float(scene.robot.limits.upper[lift])
@@ -135,17 +134,9 @@ class Sampler:
         # the lift joint moves the flange one to one, so heights differ by a constant
         return arch.top_m - scene.tool.tcp.z - (float(flange[2]) - float(q[scene.robot.lift or 0]))
 
-    def _asked_arch(self) -> Arch | None:
-        step = self.scene.task[self.chain.step]
-        return step.arch if isinstance(step, Move) else None
-
-    def _is_via(self) -> bool:
-        step = self.scene.task[self.chain.step]
-        return isinstance(step, Move) and step.via
-
-    def _cartesian(self) -> bool:
-        step = self.scene.task[self.chain.step]
-        return isinstance(step, Move) and step.leg == "cartesian"
+    @property
+    def step(self) -> Step:
+        return self.scene.task[self.chain.step]
 
     def _may_wait(self) -> bool:
         """Whether waiting is possible and changes anything."""
@@ -167,7 +158,7 @@ class Sampler:
         option, tops = self._any_option(), self._tops()
         top = float(rng.uniform(min(tops), max(tops))) if rng.random() < 0.5 else max(tops)
         shape = Shape(hop=Hop(top, float(rng.random()), float(rng.random())))
-        if self._is_via():
+        if self.step.via:
             shape = replace(shape, through=float(rng.uniform(*tuning.THROUGH)))
         if self._may_wait() and rng.random() < tuning.ARCH_WAITS:
             shape = replace(shape, wait=float(rng.exponential(tuning.WAIT_S)))

@@ -30,7 +30,7 @@ from assur.planner.model.refusal import (
     unmoved,
     window_missed,
 )
-from assur.planner.model.scene import Move, Scene
+from assur.planner.model.scene import Scene
 from assur.planner.search.build import assembled, laws_over
 from assur.planner.search.partial_plan import Chain, Draft, Outline, Sample, paced
 
@@ -43,7 +43,7 @@ def outline(
     reached = JointMotion(scene, chain.step, chain.state, sample.shape, sample.branch, ahead, pace).meet()
     if isinstance(reached, Refusal):
         return reached
-    if not meeting.point.glued:
+    if not meeting.point.tracks:
         missed = _window_refusal(meeting.point, reached.end, chain.step)
         if missed is not None:
             return missed
@@ -51,7 +51,7 @@ def outline(
     if unknown is not None:
         return unknown
     times = chain.state.time, reached.end
-    way = Phase(*times, LegKind.MOVE, chain.step, chain.carried, chain.moved, frozenset(), None, ())
+    way = Phase(*times, LegKind.MOVE, chain.step, chain.attached)
     return Outline(chain, meeting, sample, reached, (way,), ahead)
 
 
@@ -79,8 +79,7 @@ def carried_gently(scene: Scene, way: Outline) -> Draft | Refusal:
 
 def is_straight(scene: Scene, chain: Chain) -> bool:
     """Whether the next step asks for a Cartesian leg."""
-    step = scene.task[chain.step]
-    return isinstance(step, Move) and step.leg == "cartesian"
+    return scene.task[chain.step].leg == "cartesian"
 
 
 def finished(scene: Scene, way: Outline) -> Draft | Refusal:
@@ -97,9 +96,10 @@ def finished(scene: Scene, way: Outline) -> Draft | Refusal:
 
 def straight_draft(scene: Scene, chain: Chain, meeting: Meetings, sample: Sample) -> Draft | Refusal:
     """The whole continuation by a Cartesian leg."""
-    key = meeting.point, sample.shape.wait, sample.branch.mode
+    point, wait, mode = meeting.point, sample.shape.wait, sample.branch.mode
+    key = point.yaw_offset, point.tilt, wait, mode
     if key not in chain.lines:
-        chain.lines[key] = _line(scene, chain, *key)
+        chain.lines[key] = _line(scene, chain, point, wait, mode)
     line = chain.lines[key]
     if isinstance(line, Refusal):
         return line
@@ -114,7 +114,7 @@ def _continued(scene: Scene, chain: Chain, point: ControlPoint, sample: Sample, 
         waits = Knots.standing(chain.state, chain.state.time + sample.shape.wait)
         stretches.insert(0, Stretch(LegKind.WAIT, waits, Route(Course.FOR_BODIES)))
     begin = end = way.knots.last.time
-    if point.glued:
+    if point.tracks:
         block = glue(scene, point, way.knots.last, sample.branch.mode, sample.glue_effort)
         if isinstance(block, Refusal):
             return block
@@ -129,8 +129,8 @@ def _continued(scene: Scene, chain: Chain, point: ControlPoint, sample: Sample, 
 def _line(scene: Scene, chain: Chain, point: ControlPoint, wait: float, mode: int) -> Stretch | Refusal:
     """A Cartesian leg to the control point, from rest or from the frame that the arm is glued to."""
     state = chain.state if wait <= 0 else Knots.standing(chain.state, chain.state.time + wait).last
-    if chain.glued_to is not None:
-        before = chain.glued_to
+    if chain.tracked is not None:
+        before = chain.tracked
 
         def left(t: FloatArray) -> Motion:
             return before.flange(t, before.depart)

@@ -7,8 +7,9 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.tilt import pitch_free, roll_free, tilts
-from assur.planner.model.phases import held, initial_rides, yaw_offsets
-from assur.planner.model.scene import Follow, Pick, Place, Scene, Step
+from assur.planner.model.attachments import AT_START
+from assur.planner.model.phases import yaw_offsets
+from assur.planner.model.scene import Pick, Place, Scene, Step
 from assur.planner.robots.turns import equivalents
 from assur.planner.search.meeting_options import Option
 
@@ -20,18 +21,18 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
     at, whose spacing is taken off. Later ways are bounded by velocity alone, and only between points that stand still
     and have one yaw.
     """
-    rides, carried = initial_rides(scene), None
+    attached = AT_START
     free = yaw_offsets(scene, scene.task[0]) is None or _tilt_free(scene, scene.task[0], moving=scene.start.moving)
     total = min((_first(option, free=free) for option in first), default=0.0)
     before: list[FloatArray] = []
     turned = False
     for number, step in enumerate(scene.task):
         offsets = yaw_offsets(scene, step)
-        total += _dwell(step)
+        total += step.dwell_s
         here: list[FloatArray] = []
         between = bool(before) or number + 1 < len(scene.task)
         for offset in (offsets or ()) if between else ():
-            point = control_point(scene, number, rides, carried, offset, tilts(scene, step, scene.start.q)[0])
+            point = control_point(scene, number, attached, offset, tilts(scene, step, scene.start.q)[0])
             known = not _tilt_free(scene, step, moving=True)
             if point.still and known and not (isinstance(step, Place) and turned):
                 here += _positions(scene, point)
@@ -42,17 +43,8 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
         if isinstance(step, Pick):
             # in which of several turns the part is held is not known: nor where it is put down from
             turned = len(offsets or ()) != 1
-            carried = held(scene, step, (offsets or (0.0,))[0])
-        if isinstance(step, Place):
-            carried, rides = None, {**rides, step.part: (step.to.frame, step.to.pose)}
+        attached = attached.after(scene, step, (offsets or (0.0,))[0])
     return total
-
-
-def _dwell(step: Step) -> float:
-    """Seconds for which the tool is glued to its point, on whatever way, at whatever yaw it comes there."""
-    if isinstance(step, Pick | Place):
-        return step.dwell_s
-    return step.duration_s if isinstance(step, Follow) else 0.0
 
 
 def _first(option: Option, *, free: bool) -> float:

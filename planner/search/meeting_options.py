@@ -11,7 +11,7 @@ from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
-from assur.planner.model.scene import Move, Scene
+from assur.planner.model.scene import Scene
 from assur.planner.search.partial_plan import Chain
 from assur.planner.search.tuning import EVALUATED_MEETINGS
 from assur.planner.timing import least_duration
@@ -67,10 +67,10 @@ def _least(scene: Scene, chain: Chain, branches: list[Branch], rows: list[IntArr
 def ahead(scene: Scene, chain: Chain, q: FloatArray) -> FloatArray | None:
     """Joints (n,) near those of the control point behind the next one, for a via that is flown by; None: no such."""
     step = scene.task[chain.step]
-    if not (isinstance(step, Move) and step.via) or chain.step + 1 >= len(scene.task):
+    if not step.via or chain.step + 1 >= len(scene.task):
         return None
     tilt = tilts(scene, scene.task[chain.step + 1], q)[0]
-    behind = control_point(scene, chain.step + 1, chain.rides, chain.carried, 0.0, tilt)
+    behind = control_point(scene, chain.step + 1, chain.attached, 0.0, tilt)
     motion = behind.flange(np.array([chain.state.time]), behind.approach)
     found = scene.robot.inverse(motion, chain.mode, 0)
     if not np.isfinite(found.q).all():

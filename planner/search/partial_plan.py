@@ -8,7 +8,6 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.rows import Rows
-from assur.planner.frames.motion import Pose
 from assur.planner.frames.tilted import Tilt
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint, control_point
@@ -17,8 +16,9 @@ from assur.planner.legs.joint import Reached, Shape
 from assur.planner.legs.meeting import Meetings, meetings
 from assur.planner.legs.pace import Pace
 from assur.planner.legs.state import Knots, State, Stretch
+from assur.planner.model.attachments import AT_START, Attachments
 from assur.planner.model.outcome import Arrival, Leg
-from assur.planner.model.phases import Carried, Phase, initial_rides
+from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
@@ -31,20 +31,17 @@ class Chain:
     step: int
     state: State
     mode: int
-    carried: Carried | None
-    rides: dict[str, tuple[str, Pose]]
-    moved: tuple[tuple[str, str, Pose], ...] = ()
-    """Of them those that differ from the start's, as phases have them."""
+    attached: Attachments = AT_START
     legs: tuple[Leg, ...] = ()
     arrivals: tuple[Arrival, ...] = ()
     knots: Knots | None = None
     proofs: tuple[Rows, ...] = ()
-    glued_to: ControlPoint | None = None
-    """The control point above which a glued leg ended: the arm still moves with its frame."""
-    prepared: dict[tuple[int, float, Tilt | None], Meetings | Refusal] = field(default_factory=dict)
+    tracked: ControlPoint | None = None
+    """The control point above which a tracking leg ended: the arm still moves with its frame."""
     paces: dict[float, Pace] = field(default_factory=dict)
-    lines: dict[tuple[ControlPoint, float, int], Stretch | Refusal] = field(default_factory=dict)
-    """Straight legs from here by control point, wait and mode: full turns of the meeting make no other."""
+    """Of joint legs, by effort: one table for all chains of a search."""
+    lines: dict[tuple[float, Tilt | None, float, int], Stretch | Refusal] = field(default_factory=dict)
+    """Straight legs from here by yaw and tilt of the tool, wait and mode: full turns of the meeting make no other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,20 +81,14 @@ class Draft:
 def prepared(
     scene: Scene, chain: Chain, yaw_offset: float, tilt: Tilt | None, modes: tuple[int, ...]
 ) -> Meetings | Refusal:
-    """How the next control point can be met from this chain; kept with the chain."""
-    key = (chain.step, yaw_offset, tilt)
-    if key not in chain.prepared:
-        point = control_point(scene, chain.step, chain.rides, chain.carried, yaw_offset, tilt)
-        lead = lead_time(scene, point, 1.0) if point.glued else 0.0
-        found = (
-            lead if isinstance(lead, Refusal) else meetings(scene, point, chain.state.time, lead, modes, chain.state.q)
-        )
-        chain.prepared[key] = found
-    return chain.prepared[key]
+    """How the next control point can be met from this chain."""
+    point = control_point(scene, chain.step, chain.attached, yaw_offset, tilt)
+    lead = lead_time(scene, point, 1.0) if point.tracks else 0.0
+    return lead if isinstance(lead, Refusal) else meetings(scene, point, chain.state.time, lead, modes, chain.state.q)
 
 
 def paced(scene: Scene, chain: Chain, effort: float) -> Pace:
-    """The pace of joint legs of this effort; kept with the chain."""
+    """The pace of joint legs of this effort; made once a search."""
     if effort not in chain.paces:
         chain.paces[effort] = Pace(scene.robot.limits, scene.robot.lift, effort)
     return chain.paces[effort]
@@ -127,4 +118,4 @@ def initial(scene: Scene) -> Chain:
     """The chain of no steps."""
     start = scene.start
     mode = int(scene.robot.mode_of(start.q))
-    return Chain(0, State(start.time, start.q, start.qd, start.qdd), mode, None, initial_rides(scene))
+    return Chain(0, State(start.time, start.q, start.qd, start.qdd), mode)

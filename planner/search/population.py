@@ -10,7 +10,7 @@ import numpy as np
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.frames import all_stand
 from assur.planner.kernels.candidates import OPTION
-from assur.planner.model.scene import Move, Scene
+from assur.planner.model.scene import Scene
 from assur.planner.search import tuning
 from assur.planner.search.meeting_options import Option
 from assur.planner.search.partial_plan import Chain, Sample
@@ -113,5 +113,5 @@ def _freedom(scene: Scene, chain: Chain, options: tuple[Option, ...]) -> Freedom
         waits=chain.state.resting,
         moving=not all_stand(scene.frames.values()),
         late=np.array([not option.branch.still for option in options]),
-        via=isinstance(step, Move) and step.via,
+        via=step.via,
     )

@@ -23,7 +23,7 @@ class CoarseScore:
     def __init__(self, prover: Prover, chain: Chain, options: tuple[Option, ...]) -> None:
         self.prover, self.chain = prover, chain
         self.rough = RoughMotions(prover.scene.robot, chain, options)
-        self.pairs = len(prover.pairs(prover.arrangement(chain.carried, chain.moved), self._way(chain.state.time)))
+        self.pairs = len(prover.pairs(prover.arrangement(chain.attached), self._way(chain.state.time)))
         """How many pairs of bodies must be kept apart on the way."""
         self.times: list[float] = []
         """When candidates that had seemed free were in the way of something, s."""
@@ -72,6 +72,4 @@ class CoarseScore:
     def _way(self, until: float) -> Phase:
         """A motion to the next control point that ends at `until`, s."""
         chain = self.chain
-        return Phase(
-            chain.state.time, until, LegKind.MOVE, chain.step, chain.carried, chain.moved, frozenset(), None, ()
-        )
+        return Phase(chain.state.time, until, LegKind.MOVE, chain.step, chain.attached)

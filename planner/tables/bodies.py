@@ -37,7 +37,7 @@ from assur.planner.kernels.solids import (
     VERTEX,
     VERTICES,
 )
-from assur.planner.model.phases import Carried
+from assur.planner.model.attachments import Attachments
 from assur.planner.model.scene import Scene
 
 __all__ = ["COVER", "Arrangement", "Bodies"]
@@ -110,17 +110,16 @@ class Bodies:
         self._write_shapes()
         every = np.arange(len(self._body))
         self._put(self.rows, self.boxes, every, carriers[self._body], poses[self._body])
-        self._made: dict[tuple[object, ...], Arrangement] = {}
+        self._made: dict[Attachments, Arrangement] = {}
 
-    def __call__(self, carried: Carried | None, rides: tuple[tuple[str, str, Pose], ...]) -> Arrangement:
-        """The arrangement in which `carried` is in the gripper and each part of `rides` is carried by its frame."""
-        key = (carried, rides)
-        if key not in self._made:
-            moved = [(part, self._frames[frame], pose) for part, frame, pose in rides]
-            if carried is not None:
-                moved.append((carried.part, self._flange, carried.in_flange))
-            self._made[key] = self._arranged(moved)
-        return self._made[key]
+    def __call__(self, attached: Attachments) -> Arrangement:
+        """The arrangement in which the held part is carried by the flange and each placed part by its frame."""
+        if attached not in self._made:
+            moved = [(part, self._frames[frame], pose) for part, frame, pose in attached.placed]
+            if attached.held is not None:
+                moved.append((attached.held.part, self._flange, attached.held.in_flange))
+            self._made[attached] = self._arranged(moved)
+        return self._made[attached]
 
     def _arranged(self, moved: Iterable[tuple[str, int, Pose]]) -> Arrangement:
         rows, boxes = self.rows, self.boxes

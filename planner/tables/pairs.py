@@ -60,7 +60,7 @@ class PairTables:
 
     def __call__(self, arrangement: Arrangement, phase: Phase) -> Pairs:
         """The pairs of a phase, in the arrangement that it has."""
-        key = (arrangement, phase.near, phase.glued, phase.beside, phase.exempt)
+        key = (arrangement, phase.near, phase.tracked, phase.corrected, phase.contacts)
         if key not in self._made:
             self._made[key] = self._pairs(arrangement, phase)
         return self._made[key]
@@ -105,7 +105,7 @@ def _within_robot(scene: Scene, arrangement: Arrangement, mine: IntArray) -> lis
 def _allowed(arrangement: Arrangement, phase: Phase) -> FloatArray:
     """The pairs of a phase that may touch, the robot's unit first."""
     found = []
-    for names in sorted(phase.exempt):
+    for names in sorted(phase.contacts):
         if all(name in arrangement.number for name in names):
             one, other = (arrangement.number[name] for name in names)
             if arrangement.of_robot[other]:

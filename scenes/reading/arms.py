@@ -21,9 +21,9 @@ from assur.planner.robots.polar_arm import PolarArm
 from assur.planner.robots.protocol import Limits, Robot, RobotBody
 from assur.planner.robots.scara import Scara
 from assur.scenes.conventions import Conventions, JointConvention, JointKind, places
-from assur.scenes.faults import Path, as_written, fault, located
+from assur.scenes.faults import Path, fault, located
 from assur.scenes.reading.bodies import attached
-from assur.scenes.robot_facts import assumptions, name_of
+from assur.scenes.robot_facts import unnamed
 from assur.scenes.schema.robots import (
     Arm,
     ElbowArmDocument,
@@ -87,7 +87,6 @@ class BuiltArm:
     limits: Limits
     zero_m: float
     z_down: bool
-    assumptions: tuple[str, ...]
     make: Callable[..., Robot]
 
     def robot(self, base: Pose, limits: Limits) -> Robot:
@@ -115,10 +114,7 @@ def built(document: object, path: Path, family: Family, arm: Arm) -> BuiltArm:
     elif isinstance(arm, FiveBarDocument):
         zero = value_of(arm.height_m)
     z_down = isinstance(arm, ScaraDocument) and arm.tool_frame == "z_down"
-    _, written = as_written(document, path)
-    if not isinstance(written, dict):
-        raise fault(document, path, "a mapping of fields")
-    name = name_of(family, written)
+    name = arm.name or unnamed(family)
     order = np.argsort(places(conventions))
     make = _maker(
         arm,
@@ -127,7 +123,7 @@ def built(document: object, path: Path, family: Family, arm: Arm) -> BuiltArm:
         self_pairs=_pairs(document, path, family, arm),
         joint_names=tuple(conventions[int(i)].name for i in order),
     )
-    return BuiltArm(name, conventions, limits, zero, z_down, assumptions(family, written), make)
+    return BuiltArm(name, conventions, limits, zero, z_down, make)
 
 
 def _maker(arm: Arm, **shared: Any) -> Callable[..., Robot]:

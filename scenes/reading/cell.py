@@ -25,10 +25,9 @@ def cell_of(document: object, request: RequestDocument) -> Cell:
     Raises `DocumentError` for what has no meaning: unknown names, wider limits, joints left out, a mesh that is open.
     Not checked here: whether anything can be planned.
     """
-    arm = robots.arm(document, ("robot",), request.robot)
-    robot = robots.robot(document, ("robot",), request.robot, arm)
-    tool = robots.tool(document, ("robot", "tool"), request.robot.tool, arm)
-    start = robots.start(document, request.start, arm.conventions, robot.limits)
+    given = robots.equipped(document, ("robot",), request.robot)
+    robot, tool = given.robot, given.tool
+    start = robots.start(document, request.start, given.conventions, robot.limits)
     robots.refuse_open_chain(document, robot, start)
     known = frames.frames_of(document, request.frames)
     places: bodies.Places = {}
@@ -62,10 +61,10 @@ def cell_of(document: object, request: RequestDocument) -> Cell:
                 request.execution.tracking_m, request.execution.start_tolerance_s, request.execution.belt_correction
             ),
             carry_acceleration=carry,
-            assumptions=(*arm.assumptions, *_unused(request)),
+            assumptions=(*robots.assumptions_of(document, ("robot",), request.robot), *_unused(request)),
             digest=request.digest,
         )
-    return Cell(scene, arm.conventions)
+    return Cell(scene, given.conventions)
 
 
 MASSES = "mass_kg is not used: no torque, no payload check"

@@ -59,15 +59,15 @@ def add_neighbour(
     """Puts a neighbour's links among the frames and gives its bodies, all called NEIGHBOUR/name."""
     from assur.planner.model.link_frames import TrajectoryLaw
 
-    its_arm = robots.arm(document, (*path, "robot"), item.robot)
-    robot = robots.robot(document, (*path, "robot"), item.robot, its_arm)
+    given = robots.equipped(document, (*path, "robot"), item.robot)
+    robot = given.robot
     if robot.tilting:
         raise fault(document, (*path, "robot"), "an arm whose links stay upright, not one whose links tilt")
     if item.trajectory.acceleration_jumps:
         allowed = "false: a neighbour's links are frames, and the acceleration of a frame does not jump"
         raise fault(document, (*path, "trajectory", "acceleration_jumps"), allowed)
     spelt: answer.Trajectory = item.trajectory.model_dump()  # type: ignore[assignment]
-    trajectory = trajectory_of(document, (*path, "trajectory"), spelt, its_arm.conventions)
+    trajectory = trajectory_of(document, (*path, "trajectory"), spelt, given.conventions)
     if not (trajectory.rest_at_start and trajectory.rest_at_end):
         allowed = "rest at its first and last knot: it stands still before and after"
         raise fault(document, (*path, "trajectory", "velocity"), allowed)
@@ -76,9 +76,8 @@ def add_neighbour(
         with located(document, *path, "trajectory"):
             law = Fixed(robot.base) if link == "base" else TrajectoryLaw(robot, trajectory, number)
         frames[name] = Frame(name, law)
-    its_tool = robots.tool(document, (*path, "robot", "tool"), item.robot.tool, its_arm)
     carried = [(body.body, robot.links[body.link]) for body in robot.bodies]
-    carried += [(body, "flange") for body in its_tool.bodies]
+    carried += [(body, "flange") for body in given.tool.bodies]
     found = []
     for body, link in carried:
         renamed = Body(f"{item.name}/{body.name}", body.pieces, body.surface)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,12 +14,13 @@ from assur.planner.model.scene import Start, Tool
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.protocol import Limits, Robot
 from assur.scenes.bounds import FAR_M
-from assur.scenes.catalogue import arm_named
+from assur.scenes.catalogue import arm_named, shipped_robot
 from assur.scenes.conventions import Conventions, JointConvention, converted, places
-from assur.scenes.faults import Path, fault, located
+from assur.scenes.faults import Path, as_written, fault, located
 from assur.scenes.reading.arms import BuiltArm, built, turned_over
 from assur.scenes.reading.bodies import attached
 from assur.scenes.reading.frames import placed, pose_of
+from assur.scenes.robot_facts import assumptions
 from assur.scenes.schema.robots import (
     JointValues,
     LimitsDocument,
@@ -28,9 +30,56 @@ from assur.scenes.schema.robots import (
 )
 from assur.scenes.units import from_si, si_key, twin_of
 
+MOST_KEPT = 64
+"""So many robots are kept for further requests."""
+LONGEST_KEPT = 1 << 16
+"""Longest document of a robot that is kept, characters: one with meshes in it is not."""
 
-def arm(document: object, path: Path, robot: RobotDocument) -> BuiltArm:
-    """The arm that is written out, or the shipped one that is named. Raises `DocumentError` at the field at fault."""
+
+@dataclass(frozen=True, eq=False)
+class Equipped:
+    """A robot at its base with its limits narrowed, its tool, and the conventions in which its maker counts."""
+
+    robot: Robot
+    tool: Tool
+    conventions: Conventions
+
+
+_kept: dict[str, Equipped] = {}
+
+
+def equipped(document: object, path: Path, item: RobotDocument) -> Equipped:
+    """The robot of a document with its tool. A robot that many requests repeat is built once: its document decides.
+
+    Raises `DocumentError` at the field at fault.
+    """
+    text = item.model_dump_json(exclude_none=True)
+    found = _kept.get(text)
+    if found is None:
+        of = _arm(document, path, item)
+        limits = _narrowed(document, (*path, "limits"), item.limits, of)
+        with located(document, *path):
+            made = of.robot(pose_of(item.base), limits)
+        found = Equipped(made, _tool(document, (*path, "tool"), item.tool, of), of.conventions)
+        if len(text) <= LONGEST_KEPT:
+            if len(_kept) >= MOST_KEPT:
+                _kept.clear()
+            _kept[text] = found
+    return found
+
+
+def assumptions_of(document: object, path: Path, item: RobotDocument) -> tuple[str, ...]:
+    """What an answer says of the arm's numbers, in the units in which they are written."""
+    given = item.written_out()
+    if given is None:
+        return shipped_robot(str(item.model)).assumptions
+    family, _ = given
+    _, written = as_written(document, (*path, family))
+    return assumptions(family, written)  # type: ignore[arg-type]
+
+
+def _arm(document: object, path: Path, robot: RobotDocument) -> BuiltArm:
+    """The arm that is written out, or the shipped one that is named."""
     given = robot.written_out()
     if given is not None:
         family, item = given
@@ -43,14 +92,7 @@ def arm(document: object, path: Path, robot: RobotDocument) -> BuiltArm:
         raise fault(document, (*path, "model"), error.allowed) from None
 
 
-def robot(document: object, path: Path, item: RobotDocument, of: BuiltArm) -> Robot:
-    """The robot at its base, with its limits narrowed."""
-    limits = _narrowed(document, (*path, "limits"), item.limits, of)
-    with located(document, *path):
-        return of.robot(pose_of(item.base), limits)
-
-
-def tool(document: object, path: Path, item: ToolDocument, of: BuiltArm) -> Tool:
+def _tool(document: object, path: Path, item: ToolDocument, of: BuiltArm) -> Tool:
     """The tool in the planner's flange frame, whose z axis points up."""
     bodies = tuple(attached(document, (*path, "bodies", i), body) for i, body in enumerate(item.bodies))
     tcp = placed(item.tcp_m, item.tcp_yaw_rad)

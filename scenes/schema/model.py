@@ -8,9 +8,17 @@ given are declared as class variables, so that the reader and the schema agree o
 from __future__ import annotations
 
 import difflib
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+)
 from pydantic_core import CoreSchema, PydanticCustomError
 from pydantic_core.core_schema import no_info_before_validator_function
 
@@ -35,7 +43,8 @@ class Document(BaseModel):
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         schema = handler(source)
-        if not cls.exactly_one and not cls.at_most_one:
+        groups = cls.exactly_one or cls.at_most_one
+        if not groups or schema["type"] == "function-before":  # a model that is a field of another comes guarded
             return schema
         return no_info_before_validator_function(cls._keep_groups, schema)
 
@@ -54,6 +63,10 @@ class Document(BaseModel):
                 given = [key for key in group if key in data]
                 raise _refusal("one_of", given[1:], f"at most one of {', '.join(group)}")
         return data
+
+    def __deepcopy__(self, memo: object = None) -> Self:
+        """Itself: it is frozen, so whatever has it as its default may share it."""
+        return self
 
     @classmethod
     def _has(cls, key: object) -> bool:
@@ -85,6 +98,16 @@ class Document(BaseModel):
         if rules:
             schema["allOf"] = rules
         return schema
+
+
+class ByName(Document):
+    """A mapping whose keys, fields apart, are names that come from elsewhere, such as those of a robot's joints."""
+
+    model_config = ConfigDict(extra="allow")
+
+    @model_serializer(mode="wrap")
+    def _sorted(self, written: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return dict(sorted(written(self).items()))
 
 
 def _needs(key: str) -> dict[str, Any]:

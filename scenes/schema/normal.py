@@ -6,6 +6,7 @@ What looks like a number but is not one of a document must not get past it: unit
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,10 @@ from assur.scenes.bounds import MAX_DEPTH
 from assur.scenes.faults import DocumentError, Path, dotted
 from assur.scenes.units import si_key, to_si
 
-LEAVES = frozenset((str, float, int, bool, type(None)))
-"""Types of a document's leaves."""
+PLAIN = frozenset((str, float, int, bool))
+"""Types of a document's values."""
+LEAVES = PLAIN | {type(None)}
+"""The same, and what is refused where a key has it."""
 ALLOWED = "a number that a float or an int is exactly"
 OF_NAMES = "frames"
 """Key of the mapping whose keys are names that the document gives, whatever they end in."""
@@ -28,7 +31,26 @@ def normal(document: object) -> Any:
     Python's, and for nesting without end. Whatever else is no number is left for the model to refuse, NaN and infinity,
     too.
     """
-    return _inside(document, (), in_si=True)
+    return document if _is_normal(document) else _inside(document, (), in_si=True)
+
+
+def _is_normal(value: object, depth: int = 0) -> bool:
+    """Whether a mapping or list is in SI and of plain types already, as most documents that programs write."""
+    items: Iterable[object]
+    if type(value) is dict:
+        if any(map(si_key, value)):
+            return False
+        items = value.values()
+    elif type(value) is list:
+        items = value
+    else:
+        return False
+    if depth >= MAX_DEPTH:
+        return False
+    for item in items:  # noqa: SIM110 - a generator takes twice as long
+        if type(item) not in PLAIN and not _is_normal(item, depth + 1):
+            return False
+    return True
 
 
 def plain(document: object) -> Any:

@@ -61,11 +61,13 @@ def read_normal(model: Any, normal_document: object, document: object, prefix: P
     try:
         return _adapter(model).validate_python(normal_document)
     except ValidationError as error:
-        faults = sorted(
-            error.errors(include_url=False, include_input=False),
-            key=lambda fault: 0 if fault["type"] == "extra_forbidden" else 1,
-        )
-        told = [_fault(model, document, dict(fault)) for fault in faults[:MAX_FAULTS]]
+        faults = [
+            (location, fault["type"], fault.get("ctx", {}))
+            for fault in error.errors(include_url=False, include_input=False)
+            if (location := _location(model, document, fault["loc"])) is not None
+        ]
+        faults.sort(key=lambda fault: 0 if fault[1] == "extra_forbidden" else 1)
+        told = [_fault(model, document, *fault) for fault in faults[:MAX_FAULTS]]
         first = told[0]
         more = tuple((dotted((*prefix, *path)), allowed) for path, _, allowed in told[1:])
         raise DocumentError(dotted((*prefix, *first[0])), first[1], first[2], more=more) from None
@@ -76,9 +78,25 @@ def _adapter(model: Any) -> TypeAdapter[Any]:
     return TypeAdapter(model)
 
 
-def _fault(model: Any, document: object, error: dict[str, Any]) -> tuple[Path, object, str]:
-    kind, context = error["type"], error.get("ctx", {})
-    location: Path = tuple(part for part in error["loc"] if part not in ("[key]", PLAIN, STATED))
+def _location(model: Any, document: object, parts: Path) -> Path | None:
+    """The keys on the way to a fault, out of the parts in which pydantic tells it: without the form of a fact and the
+    mark of a mapping's key, which a document's own key may be called like. None for a fault of the form of a fact that
+    is not the one given: both are tried, and both refused."""
+    found: Path = ()
+    seen: Path | None = None
+    for part in parts:
+        if part in (PLAIN, STATED) and found != seen and len(_options(_annotation(model, found))) > 1:
+            if isinstance(as_written(document, found)[1], dict) != (part == STATED):
+                return None
+            seen = found
+        elif not (part == "[key]" and get_origin(_options(_annotation(model, found[:-1]))[0]) is dict):
+            found += (part,)
+    return found
+
+
+def _fault(
+    model: Any, document: object, location: Path, kind: str, context: dict[str, Any]
+) -> tuple[Path, object, str]:
     if "keys" in context:
         location += tuple(context["keys"][:1])
     path, value = as_written(document, location)
@@ -177,7 +195,7 @@ def _annotation(model: Any, location: Path) -> Any:
 def _below(option: Any, part: str | int) -> Any:
     if _is_model(option):
         return _fields(option).get(str(part))
-    return get_args(option)[-1] if get_origin(option) in (list, dict) else None
+    return get_args(option)[-1] if get_origin(option) is (list if isinstance(part, int) else dict) else None
 
 
 def _options(annotation: Any) -> tuple[Any, ...]:

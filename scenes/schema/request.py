@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from functools import cached_property
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, SerializerFunctionWrapHandler, field_serializer
 
 from assur.scenes import bounds
 from assur.scenes.schema.frames import FrameDocument
@@ -77,12 +76,19 @@ class RequestDocument(Document):
     execution: ExecutionDocument = ExecutionDocument()
     carry: CarryDocument | None = None
 
+    @field_serializer("frames", mode="wrap")
+    def _sorted(self, frames: dict[str, FrameDocument], written: SerializerFunctionWrapHandler) -> Any:
+        return written(dict(sorted(frames.items())))
+
     def canonical(self) -> dict[str, Any]:
-        """The request in SI with every default written out: what two requests that mean the same have in common."""
+        """The request in SI with every default written out: what two requests that mean the same have in common.
+
+        Fields have the order of the schema, and names that the document gives (of frames, of joints) their own.
+        """
         return self.model_dump(mode="python", by_alias=True, exclude_none=True)
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of the canonical request as JSON with sorted keys and no spaces, ``sha256:<64 hex digits>``."""
-        text = json.dumps(self.canonical(), sort_keys=True, separators=(",", ":"), allow_nan=False)
+        """SHA-256 of the canonical request as JSON without spaces, ``sha256:<64 hex digits>``."""
+        text = self.model_dump_json(by_alias=True, exclude_none=True)
         return "sha256:" + hashlib.sha256(text.encode()).hexdigest()

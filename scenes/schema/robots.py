@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar, Literal, get_args
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from assur.planner.geometry.shapes import LARGEST_M
 from assur.scenes import bounds
 from assur.scenes.schema.model import (
     Angle,
+    ByName,
     Coordinate,
     Document,
     Group,
@@ -60,10 +61,9 @@ class ToolDocument(Document):
     bodies: Annotated[list[AttachedBody], Field(max_length=bounds.MAX_TOOL_BODIES)] = Field(default_factory=list)
 
 
-class LimitsDocument(Document):
+class LimitsDocument(ByName):
     """Scales in (0, 1] of the robot's own limits, and narrower ranges by the maker's joint names (`j4_rad`)."""
 
-    model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Pair]
 
     velocity: Scale = 1.0
@@ -200,10 +200,9 @@ class RobotDocument(ArmDocument):
     limits: LimitsDocument = Field(default_factory=lambda: LimitsDocument.model_validate({}))
 
 
-class JointValues(Document):
+class JointValues(ByName):
     """A number for each joint, by the maker's joint name and unit: `j1_rad`, `j3_m`, `j1_rad_s`."""
 
-    model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Strength]
 
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Generic, Literal, TypeVar, get_args
 
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema
-from pydantic_core.core_schema import simple_ser_schema, tagged_union_schema
+from pydantic_core.core_schema import simple_ser_schema, union_schema
 
 from assur.scenes import bounds
 from assur.scenes.schema.model import Document
@@ -49,18 +49,17 @@ class _BothForms:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         plain, stated = get_args(source)
-        choices = {PLAIN: handler.generate_schema(plain), STATED: handler.generate_schema(stated)}
-        return tagged_union_schema(choices, _form, serialization=simple_ser_schema("any"))
+        forms: list[CoreSchema | tuple[CoreSchema, str]] = [
+            (handler.generate_schema(plain), PLAIN),
+            (handler.generate_schema(stated), STATED),
+        ]
+        return union_schema(forms, mode="left_to_right", serialization=simple_ser_schema("any"))
 
     def __get_pydantic_json_schema__(self, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        plain, stated = handler(core_schema)["oneOf"]
+        plain, stated = handler(core_schema)["anyOf"]
         stated = dict(handler.resolve_ref_schema(stated))
         del stated["title"]
         return {"oneOf": [plain, stated]}
-
-
-def _form(given: object) -> str:
-    return STATED if isinstance(given, dict | Stated) else PLAIN
 
 
 FACT = _BothForms()

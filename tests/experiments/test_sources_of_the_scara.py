@@ -102,9 +102,12 @@ def test_the_planner_plans_the_line_far_from_the_axis_and_refuses_it_with_the_ma
         for mm, answer in zip(numbers["distance_mm"], answers, strict=True):
             if margins[mm] < 0.05:
                 assert answer["answer"] == "NEAR_SINGULARITY", (kind, mm)
-                # within 2 % until the search changed, now 3 %: why has not been found
-                assert margins[mm] * 0.98 <= answer["margin"] <= margins[mm] * 1.05
                 assert answer["margin_asked"] == 0.05
+                # The margin is that of the worst knot. Half of the line is a knot of a straight leg. Tracking is met
+                # at any time in the window, which is 1 ms longer than the line takes, and has its knots from there on.
+                late_mm = 1e3 * numbers["speed_m_s"] * (1e-3 if kind == "constant speed" else 0.0)
+                off = np.hypot(mm, late_mm) / 400
+                assert margins[mm] * (1 - 1e-9) <= answer["margin"] <= 2 * off * np.sqrt(1 - off**2) * (1 + 1e-9)
             elif kind == "constant speed" and np.degrees(numbers["speed_m_s"] / (mm / 1e3)) > numbers["limit_deg_s"]:
                 assert answer["answer"] == "MOTION_LIMIT", (kind, mm)
             else:

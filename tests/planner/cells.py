@@ -14,6 +14,7 @@ from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.frames import Conveyor, Fixed, Frame, Law, Linear, Swing, Turntable, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import (
     Clearance,
@@ -231,7 +232,7 @@ def placed(pieces: list[tuple[Piece, Piece]]) -> tuple[Placed, Placed]:
         for side, piece in zip("ab", both, strict=True)
     )
     scene = cell(go(0.3, 0.0), bodies=bodies, robot=arm(bare=True))
-    arrangement = Bodies(scene)(None, ())
+    arrangement = Bodies(scene)(AT_START)
     where = carriers(scene, np.zeros((1, 4)), np.zeros(1))
     # a hull has a bounding box of its own: the unit of the piece itself is the last one
     units: IntArray = np.array([arrangement.pieces[k][-1] for k in range(len(bodies))], dtype=np.int64)

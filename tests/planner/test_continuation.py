@@ -10,6 +10,7 @@ import pytest
 from assur.planner.legs.arched import Hop
 from assur.planner.legs.joint import Shape, Via
 from assur.planner.legs.meeting import Meetings
+from assur.planner.model.attachments import Attachments
 from assur.planner.model.scene import Scene
 from assur.planner.search.extension import finished, outline, straight_draft
 from assur.planner.search.partial_plan import Chain, Draft, Outline, Sample, initial, paced, prepared
@@ -88,13 +89,13 @@ def test_each_effort_has_one_pace_with_its_own_limits() -> None:
 def test_a_way_after_a_place_says_where_the_part_rides_now_and_one_before_does_not() -> None:
     scene = table_to_table(go(0.3, 0.0))
     chain = initial(scene)
-    part = scene.task[1].part  # type: ignore[union-attr]
-    target = scene.task[1].to  # type: ignore[union-attr]
-    rides = {**chain.rides, part: (target.frame, target.pose)}
+    part, target = scene.task[1].part, scene.task[1].target
+    assert part is not None
+    assert target is not None
     moved = ((part, target.frame, target.pose),)
-    behind = replace(chain, step=2, rides=rides, moved=moved)
+    behind = replace(chain, step=2, attached=Attachments(None, moved))
     for at, expected in ((replace(chain, step=2), ()), (behind, moved)):
         meeting = met(scene, at)
         way = outline(scene, at, meeting, Sample(0.0, meeting.branches[0], Shape()), None)
         assert isinstance(way, Outline), way
-        assert way.phases[0].rides == expected
+        assert way.phases[0].attached.placed == expected

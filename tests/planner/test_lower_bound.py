@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from assur.planner.frames import Conveyor, Turntable
 from assur.planner.frames.motion import Pose
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import Planned
-from assur.planner.model.phases import flange_target, held, initial_rides
 from assur.planner.model.scene import Follow, Pick, Place, Scene, Target, Tool, Window
 from assur.planner.pipeline import plan
 from assur.planner.search.lower_bound import lower_bound
@@ -99,9 +99,8 @@ def test_a_turn_of_a_symmetric_part_that_needs_no_way_at_all_is_not_ruled_out() 
         Place("place", "part", Target("world", to), 0.03, 0.05, 0.03),
     )
     scene = cell(*task, bodies=(part,), tool=crank, robot=arm(bare=True))
-    rides = initial_rides(scene)
-    flange = [flange_target(scene, task[0], rides, None, turn)[1] for turn in (0.0, math.pi)]
-    down = [flange_target(scene, task[1], rides, held(scene, task[0], turn))[1] for turn in (0.0, math.pi)]
+    flange = [AT_START.flange(scene, task[0], turn)[1] for turn in (0.0, math.pi)]
+    down = [AT_START.after(scene, task[0], turn).flange(scene, task[1])[1] for turn in (0.0, math.pi)]
     assert math.dist(flange[1].position, down[1].position) < 1e-9
     assert min(math.dist(flange[k].position, down[0].position) for k in (0, 1)) > 0.1
     assert lower_bound(scene, ()) <= 0.1 + 1e-12  # the dwells alone

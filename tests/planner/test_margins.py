@@ -50,12 +50,12 @@ def test_allowed_contacts_are_not_the_smallest_clearance() -> None:
     path = Trajectory(np.array([0.0, 1.0]), np.stack([q, q]), np.zeros((2, 4)), np.zeros((2, 4)))
     plate = stands("plate", box(2.0, 2.0, 0.02), 0.0, 0.0, 0.15 - 0.06 - 0.01)
     scene = cell(go(0.3, 0.0), bodies=(plate,), tool=CUP)
-    phase = Phase(0.0, 1.0, LegKind.FOLLOW, 0, None, (), frozenset(), None, ())
+    phase = Phase(0.0, 1.0, LegKind.FOLLOW, 0)
     found = nearest(Prover(scene), path, (phase,))
     assert found is not None
     assert found.bodies == ("cup", "plate")
     assert found.gap_m == pytest.approx(0.0, abs=1e-12)
-    touching = replace(phase, exempt=frozenset({("cup", "plate")}))
+    touching = replace(phase, contacts=frozenset({("cup", "plate")}))
     found = nearest(Prover(scene), path, (touching,))
     assert found is not None
     assert found.bodies == ("quill", "plate")
@@ -144,7 +144,7 @@ def test_no_pair_is_nearer_at_any_of_many_instants(posts: int) -> None:
         for i, (a, r) in enumerate(zip(rng.uniform(-3.0, 3.0, posts), rng.uniform(0.55, 1.5, posts), strict=True))
     )
     scene = cell(go(0.35, -0.2), bodies=bodies)
-    phase = Phase(0.0, 1.0, LegKind.MOVE, 0, None, (), frozenset(), None, ())
+    phase = Phase(0.0, 1.0, LegKind.MOVE, 0)
     apart = 0
     for _ in range(6):
         q = np.stack([rng.uniform([-2.0, -1.5, 0.1, -1.0], [2.0, 1.5, 0.2, 1.0]) for _ in range(2)])

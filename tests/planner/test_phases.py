@@ -16,18 +16,16 @@ from assur.planner.errors import InputError
 from assur.planner.frames import Conveyor, Fixed, Frame, Linear, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece, Primitive, box, cylinder
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import Arrival, Leg, LegKind
 from assur.planner.model.phases import (
     Phase,
-    flange_target,
-    held,
-    initial_rides,
     pair,
     phases,
     resting_on,
     yaw_offsets,
 )
-from assur.planner.model.scene import Follow, Move, Options, Pick, Place, Scene, Step, Target, WorldBody
+from assur.planner.model.scene import Execution, Follow, Move, Options, Pick, Place, Scene, Step, Target, WorldBody
 from tests.planner.checker.hand_made import TOOL, arm, solid, start_at
 
 FRAMES = {
@@ -36,6 +34,7 @@ FRAMES = {
     "dial": Frame("dial", Turntable(Pose(0.25, -0.1, 0.02, -0.3), 0.5)),
 }
 PARTS = ("red", "blue")
+SHIFTS = Execution(belt_correction=True)
 BODIES = (
     WorldBody(solid("table", box(2.0, 2.0, 0.1)), "world", Pose(z=-0.05)),
     WorldBody(solid("bed", box(1.0, 0.2, 0.04)), "belt", Pose(z=-0.02)),
@@ -51,7 +50,7 @@ Matrix = FloatArray
 def scene(task: tuple[Step, ...], **options: object) -> Scene:
     robot = arm()
     start = start_at(robot, TOOL.tcp, Pose(0.3, 0.0, 0.2))
-    return Scene(robot, TOOL, start, FRAMES, BODIES, task, Options(**options))  # type: ignore[arg-type]
+    return Scene(robot, TOOL, start, FRAMES, BODIES, task, Options(**options), SHIFTS)  # type: ignore[arg-type]
 
 
 small = st.floats(-0.1, 0.1)
@@ -215,18 +214,18 @@ def simulated(scene: Scene, legs: tuple[Leg, ...], turns: dict[int, float]) -> l
 
 def same(phase: Phase, wanted: Wanted, around: tuple[str | None, ...]) -> None:
     assert (phase.t0, phase.t1) == wanted.span
-    assert (None if phase.carried is None else phase.carried.part) == wanted.holds
-    if phase.carried is not None:
+    assert (None if phase.attached.held is None else phase.attached.held.part) == wanted.holds
+    if phase.attached.held is not None:
         assert wanted.grip is not None
-        assert np.allclose(matrix(phase.carried.in_flange), wanted.grip, atol=1e-12)
-    assert {name for name, _, _ in phase.rides} == set(wanted.moved)
-    for name, frame, pose in phase.rides:
+        assert np.allclose(matrix(phase.attached.held.in_flange), wanted.grip, atol=1e-12)
+    assert {name for name, _, _ in phase.attached.placed} == set(wanted.moved)
+    for name, frame, pose in phase.attached.placed:
         on, at = wanted.moved[name]
         assert frame == on
         assert np.allclose(matrix(pose), at, atol=1e-12)
-    assert phase.exempt == wanted.touching
-    assert phase.glued == wanted.frame
-    assert set(phase.beside) == ({frame for frame in around if frame} if wanted.frame is None else set())
+    assert phase.contacts == wanted.touching
+    assert phase.tracked == wanted.frame
+    assert set(phase.corrected) == ({frame for frame in around if frame} if wanted.frame is None else set())
 
 
 @given(tasks(), st.booleans(), st.booleans(), st.sampled_from([0.0, 0.5]), st.sampled_from(["rest", "moving"]), angles)
@@ -254,15 +253,17 @@ def test_a_part_that_is_put_down_comes_to_lie_where_it_was_asked(
     pick = Pick("take", "red", grasp, 0.0, 0.1, 0.0)
     place = Place("put", "red", Target(frame, to), 0.0, 0.1, 0.0)
     cell = scene((pick, place))
-    carried = held(cell, pick, turn)
-    on, flange = flange_target(cell, place, initial_rides(cell), carried)
+    attached = AT_START.after(cell, pick, turn)
+    assert attached.held is not None
+    in_flange = attached.held.in_flange
+    on, flange = attached.flange(cell, place)
     assert on == frame
-    assert np.allclose(matrix(flange) @ matrix(carried.in_flange), matrix(to), atol=1e-12)
+    assert np.allclose(matrix(flange) @ matrix(in_flange), matrix(to), atol=1e-12)
     # ... and at the pick the gripper is where the part then is in it.
-    on, flange = flange_target(cell, pick, initial_rides(cell), None, turn)
+    on, flange = AT_START.flange(cell, pick, turn)
     assert on == "belt"
     lies = matrix(cell.index["red"].pose)
-    assert np.allclose(matrix(flange) @ matrix(carried.in_flange), lies, atol=1e-12)
+    assert np.allclose(matrix(flange) @ matrix(in_flange), lies, atol=1e-12)
     tool = matrix(flange) @ matrix(cell.tool.tcp)
     assert np.allclose(tool, lies @ matrix(Pose(yaw=turn)) @ matrix(grasp), atol=1e-12)
 
@@ -270,9 +271,22 @@ def test_a_part_that_is_put_down_comes_to_lie_where_it_was_asked(
 def test_what_is_not_held_cannot_be_placed() -> None:
     pick, place = Pick("take", "red", Pose(), 0.0, 0.1, 0.0), Place("put", "red", Target("dial", Pose()), 0.0, 0.1, 0.0)
     cell = scene((pick, place))
-    for carried in (None, replace(held(cell, pick, 0.0), part="blue")):
+    taken = AT_START.after(cell, pick)
+    assert taken.held is not None
+    for attached in (AT_START, replace(taken, held=replace(taken.held, part="blue"))):
         with pytest.raises(InputError, match="earlier pick"):
-            flange_target(cell, place, initial_rides(cell), carried)
+            attached.flange(cell, place)
+
+
+def test_a_part_that_is_put_back_sits_as_at_the_start() -> None:
+    pick, away = Pick("take", "red", Pose(), 0.0, 0.1, 0.0), Place("put", "red", Target("dial", Pose()), 0.0, 0.1, 0.0)
+    cell = scene((pick, away))
+    seat = AT_START.seat(cell, "red")
+    moved = AT_START.after(cell, pick).after(cell, away)
+    assert (moved.held, moved.placed) == (None, (("red", "dial", Pose()),))
+    assert moved.seat(cell, "red") == ("dial", Pose())
+    back = replace(away, to=Target(*seat))
+    assert moved.after(cell, replace(pick, name="again")).after(cell, back) == AT_START
 
 
 def test_a_symmetric_part_leaves_the_turns_that_look_the_same() -> None:
@@ -308,8 +322,8 @@ def test_a_part_may_be_put_on_one_that_was_put_before() -> None:
     cell = scene(task)
     found = phases(cell, legs_of(task, False, False), ())
     by_step = {phase.step: phase for phase in found if phase.kind is LegKind.FOLLOW}
-    assert by_step[1].exempt == {("blue", "plate")}
-    assert by_step[3].exempt == {("blue", "red")}
+    assert by_step[1].contacts == {("blue", "plate")}
+    assert by_step[3].contacts == {("blue", "red")}
 
 
 def test_only_the_first_piece_does_not_decide_how_high_a_body_is() -> None:

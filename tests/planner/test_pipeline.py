@@ -657,7 +657,7 @@ def test_random_tasks_on_belts_and_dials_are_planned_and_pass_or_are_refused_wit
         replace(part, yaw_symmetry=int(rng.integers(0, 3))),
         Around(solid("plate", cylinder(0.15, 0.01)), "dial", Pose(z=-0.005)),
         *((stands("bar", box(0.25, 0.02, 0.03), 0.125, frame="gate"),) if coin() else ()),
-        *((stands("beside", box(0.05, 0.03, 0.02), part.pose.x + 0.09, 0.0, 0.01, frame="belt"),) if coin() else ()),
+        *((stands("corrected", box(0.05, 0.03, 0.02), part.pose.x + 0.09, 0.0, 0.01, frame="belt"),) if coin() else ()),
     )
     approach, dwell = draw(0.01, 0.04), float(rng.choice([0.0, 0.02, 0.1]))
     steps = (

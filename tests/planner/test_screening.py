@@ -81,8 +81,7 @@ def still(q: tuple[float, ...], **facts: object) -> Motion:
     """The arm stands at q for a second."""
     both = np.array([q, q])
     path = Trajectory(np.array([0.0, 1.0]), both, np.zeros((2, 4)), np.zeros((2, 4)))
-    given_facts = {"kind": LegKind.MOVE, "step": 0, "carried": None, "rides": (), "exempt": frozenset(), "glued": None}
-    phase = Phase(t0=0.0, t1=1.0, beside=(), **{**given_facts, **facts})  # type: ignore[arg-type]
+    phase = Phase(t0=0.0, t1=1.0, **{"kind": LegKind.MOVE, "step": 0, **facts})  # type: ignore[arg-type]
     return Motion(path, (phase,))
 
 
@@ -120,7 +119,7 @@ def test_pairs_that_may_touch_are_left_to_the_prover() -> None:
     plate = stands("plate", box(0.1, 0.1, 0.02), float(p[0]), float(p[1]), 0.2 - 0.06 - 0.01)
     prover = Prover(cell(go(0.3, 0.0), bodies=(plate,), tool=CUP, clearance=Clearance(0.002, 0.002)))
     assert screen(prover, [still(HERE)])[0].refusal is not None
-    assert screen(prover, [still(HERE, exempt=frozenset({("cup", "plate")}))])[0].refusal is None
+    assert screen(prover, [still(HERE, contacts=frozenset({("cup", "plate")}))])[0].refusal is None
 
 
 def test_a_collision_of_the_arm_with_itself_is_called_so() -> None:

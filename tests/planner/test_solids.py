@@ -15,8 +15,9 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece, box, corners, cylinder, sphere, support
 from assur.planner.geometry.units import bounding_box
 from assur.planner.kernels.solids import CENTRE, FIRST, REACH, ROTATION, SECOND
+from assur.planner.model.attachments import AT_START, Attachments, Held
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Carried, Phase
+from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.robots.scara import FLANGE
 from assur.planner.tables.bodies import COVER, Arrangement, Bodies
@@ -29,7 +30,7 @@ from tests.planner.second_solids import carriers, standing
 
 def asked_pairs(scene: Scene, solids: Arrangement) -> tuple[IntArray, IntArray]:
     """The pairs of units that are asked on a way between two points."""
-    way = Phase(0.0, 1.0, LegKind.MOVE, 0, None, (), frozenset(), None, ())
+    way = Phase(0.0, 1.0, LegKind.MOVE, 0)
     pairs = PairTables(scene)(solids, way).every
     return pairs[:, FIRST].astype(np.int64), pairs[:, SECOND].astype(np.int64)
 
@@ -68,7 +69,7 @@ def test_a_bounding_box_holds_all_pieces_and_little_more(pieces: list[Piece], se
 
 def test_a_primitive_is_one_unit_and_everything_else_has_its_box_first() -> None:
     scene = scene_of_all()
-    solids = Bodies(scene)(None, ())
+    solids = Bodies(scene)(AT_START)
     units = {
         name: [int(solids.piece[i]) for i in range(len(solids.body)) if solids.names[solids.body[i]] == name]
         for name in solids.names
@@ -86,7 +87,7 @@ def test_a_primitive_is_one_unit_and_everything_else_has_its_box_first() -> None
 
 def test_units_ride_on_the_carriers_of_their_bodies() -> None:
     scene = scene_of_all()
-    solids = Bodies(scene)(None, ())
+    solids = Bodies(scene)(AT_START)
     q, t = np.array([[0.4, -1.0, 0.1, 2.0]]), np.array([0.7])
     where = carriers(scene, q, t)
     p, rotation = scene.robot.placements(q)
@@ -117,7 +118,7 @@ def test_where_a_law_is_not_known_nothing_is_known() -> None:
 
 def test_every_body_of_the_arm_is_asked_against_every_body_around_and_its_own_as_the_robot_says() -> None:
     scene = scene_of_all()
-    solids = Bodies(scene)(None, ())
+    solids = Bodies(scene)(AT_START)
     a, b = asked_pairs(scene, solids)
     found = [(solids.names[solids.body[x]], solids.names[solids.body[y]]) for x, y in zip(a, b, strict=True)]
     around = [body.name for body in scene.bodies]
@@ -139,7 +140,7 @@ def test_bodies_on_one_link_are_never_asked() -> None:
     odd = replace(robot, self_pairs=(("flange", "flange"), ("base", "quill")))
     tool = replace(CUP, bodies=(*CUP.bodies, solid("second cup", sphere(0.01))))
     scene = replace(scene, robot=odd, tool=tool)
-    solids = Bodies(scene)(None, ())
+    solids = Bodies(scene)(AT_START)
     a, b = asked_pairs(scene, solids)
     assert (solids.carrier[a] != solids.carrier[b]).all()
 
@@ -147,13 +148,13 @@ def test_bodies_on_one_link_are_never_asked() -> None:
 def test_a_carried_part_is_the_arms_and_no_longer_around() -> None:
     scene = table_to_table()
     make = Bodies(scene)
-    carried = Carried("part", Pose(0.01, 0.0, -0.07, 0.4))
-    solids = make(carried, ())
+    held = Held("part", Pose(0.01, 0.0, -0.07, 0.4))
+    solids = make(Attachments(held))
     assert solids.names.count("part") == 1
     number = solids.number["part"]
     assert solids.of_robot[number]
     assert solids.carrier[solids.roots[number]] == FLANGE
-    assert np.allclose(centre(solids, int(solids.roots[number])), carried.in_flange.position)
+    assert np.allclose(centre(solids, int(solids.roots[number])), held.in_flange.position)
     a, b = asked_pairs(scene, solids)
     pairs = {(solids.names[solids.body[x]], solids.names[solids.body[y]]) for x, y in zip(a, b, strict=True)}
     assert {("part", "left-table"), ("part", "right-table")} <= pairs
@@ -163,19 +164,19 @@ def test_a_carried_part_is_the_arms_and_no_longer_around() -> None:
 def test_a_part_that_was_moved_rides_where_it_was_put() -> None:
     scene = scene_of_all()
     make = Bodies(scene)
-    solids = make(None, (("part", "dial", Pose(0.05, 0.0, 0.03, 0.2)),))
+    solids = make(Attachments(None, (("part", "dial", Pose(0.05, 0.0, 0.03, 0.2)),)))
     root = solids.roots[solids.number["part"]]
     assert solids.carrier[root] == 5 + list(scene.frames).index("dial")
     assert np.allclose(centre(solids, int(root)), [0.05, 0.0, 0.03])
-    assert make(None, (("part", "dial", Pose(0.05, 0.0, 0.03, 0.2)),)) is solids
-    assert make(None, ()) is not solids
+    assert make(Attachments(None, (("part", "dial", Pose(0.05, 0.0, 0.03, 0.2)),))) is solids
+    assert make(AT_START) is not solids
 
 
 @given(st.one_of(grid_aligned(), anywhere()), st.integers(0, 10**6))
 def test_no_point_of_a_unit_is_further_from_its_carriers_axis_than_its_reach(piece: Piece, seed: int) -> None:
     pose = Pose(0.1, -0.2, 0.05, 0.7)
     scene = cell(go(0.3, 0.0), bodies=(Around(Body("body", (piece, piece)), "world", pose),), robot=arm(bare=True))
-    solids = Bodies(scene)(None, ())
+    solids = Bodies(scene)(AT_START)
     rng = np.random.default_rng(seed)
     for unit in range(len(solids.body)):
         shape = solids.shapes[unit]

@@ -257,6 +257,19 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad("wider range", put("robot", "limits", "j4_deg", value=[-400, 270]), "robot.limits.j4_deg"),
     Bad("range upside down", put("robot", "limits", "j1_deg", value=[90, -90]), "robot.limits.j1_deg"),
     Bad("range of an unknown joint", put("robot", "limits", "j9_deg", value=[-1, 1]), "robot.limits.j9_deg"),
+    Bad("key called like a form of a fact", put("[plain]", value=1), "[plain]"),
+    Bad("frame called like a mark of pydantic's", put("frames", "[key]", value={}), "frames.[key]"),
+    Bad(
+        "stated fact with a field too many",
+        _inline(l1_mm={"value": 300, "status": "defined", "source": "here", "[stated]": 1}),
+        "robot.scara.l1_mm.[stated]",
+    ),
+    Bad(
+        "stated solid with a field too many",
+        _inline(bodies={"value": [{"name": "rod", "color": 1}], "status": "defined", "source": "here"}),
+        "robot.scara.bodies.value[0].color",
+    ),
+    Bad("stated fact without a source", _inline(l1_mm={"value": 300, "status": "defined"}), "robot.scara.l1_mm.source"),
     Bad("inline with two joints", _inline(joints=[JOINT, JOINT]), "robot.scara.joints"),
     Bad(
         "inline with a turning lift",

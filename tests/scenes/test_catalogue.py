@@ -112,7 +112,7 @@ LENGTHS = ("separation", "proximal", "distal", "l1", "l2", "l3", "height")
 
 @pytest.mark.parametrize("model", models())
 def test_every_number_has_a_source_and_a_status_and_is_an_assumption_unless_it_is_sure(model: str) -> None:
-    listed, assumptions = LISTED[model], list(arm_named(model).assumptions)
+    listed, assumptions = LISTED[model], list(shipped_robot(model).assumptions)
     numbers = [(model, listed[name]) for name in LENGTHS if name in listed]
     for joint in listed["joints"]:
         for name in ("lower", "upper", "velocity", "acceleration", "jerk", "zero"):

@@ -104,6 +104,18 @@ def test_assumptions_say_what_was_stated_as_it_was_written_and_that_other_number
     assert rest.endswith("are the request's own")
 
 
+def test_a_robot_that_requests_repeat_is_built_once_and_its_numbers_keep_the_units_of_each_request() -> None:
+    in_mm, in_m = changed(l1_mm=stated(300)), changed(l1_m=stated(0.3))
+    del in_m["robot"]["scara"]["l1_mm"]
+    first, again, other = scene_of(in_mm), scene_of(in_m), scene_of(changed(l1_mm=stated(301)))
+    assert first.robot is again.robot is not other.robot
+    assert first.tool is again.tool
+    assert ("300 mm" in first.assumptions[0], "0.3 m" in again.assumptions[0]) == (True, True)
+    moved = changed(l1_mm=stated(300))
+    moved["robot"]["base"] = {"at_mm": [1, 0, 0]}
+    assert scene_of(moved).robot.base.x == 0.001
+
+
 @pytest.mark.parametrize(
     ("shape", "said"),
     [

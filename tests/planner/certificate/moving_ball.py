@@ -145,9 +145,8 @@ class Encounter:
         )
 
     def phase(self, **changes: Any) -> Phase:
-        facts: dict[str, Any] = {"kind": LegKind.MOVE, "step": 0, "carried": None, "rides": ()}
-        facts |= {"exempt": frozenset(), "glued": None}
-        facts |= {"beside": (), "t0": self.path.start, "t1": self.path.end, **changes}
+        facts: dict[str, Any] = {"kind": LegKind.MOVE, "step": 0}
+        facts |= {"t0": self.path.start, "t1": self.path.end, **changes}
         return Phase(**facts)
 
 

@@ -195,7 +195,7 @@ def standing_beside(gap: float, **changes: Any) -> tuple[Scene, Phase, Trajector
     table = stands("table", box(2.0, 2.0, 0.1), 0.0, 0.0, level, frame=str(changes.pop("on", "world")))
     tool = Tool(Pose(), (solid("ball", sphere(0.02)),))
     scene = cell(go(0.3, 0.0), bodies=(table,), robot=arm(bare=True), tool=tool, **changes)
-    return scene, Phase(0.0, 2.0, LegKind.FOLLOW, 0, None, (), frozenset(), None, ()), path
+    return scene, Phase(0.0, 2.0, LegKind.FOLLOW, 0), path
 
 
 TOUCHING = frozenset({("ball", "table")})
@@ -206,7 +206,7 @@ TOUCHING = frozenset({("ball", "table")})
 )
 def test_an_allowed_contact_is_held_to_a_tenth_of_a_millimetre(gap: float, may: bool) -> None:
     scene, phase, path = standing_beside(gap, clearance=Clearance(0.001, 0.001))
-    assert isinstance(Prover(scene).prove(replace(phase, exempt=TOUCHING), path), Rows) == may
+    assert isinstance(Prover(scene).prove(replace(phase, contacts=TOUCHING), path), Rows) == may
 
 
 def test_without_the_allowance_a_contact_is_refused() -> None:
@@ -214,7 +214,7 @@ def test_without_the_allowance_a_contact_is_refused() -> None:
     found = Prover(scene).prove(phase, path)
     assert isinstance(found, Unproved)
     other = frozenset({("cup", "table")})
-    assert isinstance(Prover(scene).prove(replace(phase, exempt=other), path), Unproved)
+    assert isinstance(Prover(scene).prove(replace(phase, contacts=other), path), Unproved)
 
 
 @pytest.mark.parametrize(("kind", "need"), [(LegKind.FOLLOW, 0.001), (LegKind.APPROACH, 0.001), (LegKind.MOVE, 0.004)])
@@ -279,7 +279,7 @@ def test_belt_correction_leaves_nothing_towards_the_same_belt_and_counts_towards
     ):
         for gap, may in ((need + 1e-4, True), (need - 1e-4, False)):
             scene, phase, path = standing_beside(gap, on=on, frames=(belt,), execution=shift)
-            found = Prover(scene).prove(replace(phase, glued=glued, beside=beside), path)
+            found = Prover(scene).prove(replace(phase, tracked=glued, corrected=beside), path)
             assert isinstance(found, Rows) == may, (on, glued, beside, gap)
 
 
@@ -294,7 +294,7 @@ def test_an_arm_that_fcl_sees_touching_a_mesh_is_never_certified(seed: int) -> N
     )
     path = motion(rng)
     scene = cell(go(0.3, 0.0), bodies=bodies, robot=arm(column=0.08), tool=CUP)
-    phase = Phase(path.start, path.end, LegKind.MOVE, 0, None, (), frozenset(), None, ())
+    phase = Phase(path.start, path.end, LegKind.MOVE, 0)
     prover = Prover(scene)
     found = prover.prove(phase, path)
     solids = prover.of(phase)
@@ -329,7 +329,7 @@ def test_a_body_that_holds_the_arm_inside_its_box_but_touches_nothing_is_certifi
     bin_ = Around(mesh_box("bin", 0.2, 0.2, 0.2), "world", Pose(float(p[0]), float(p[1]), 0.1))
     tool = Tool(Pose(), (solid("ball", sphere(0.02)),))
     scene = cell(go(0.3, 0.0), bodies=(bin_,), robot=arm(bare=True), tool=tool)
-    rows = Prover(scene).prove(Phase(0.0, 1.0, LegKind.MOVE, 0, None, (), frozenset(), None, ()), path)
+    rows = Prover(scene).prove(Phase(0.0, 1.0, LegKind.MOVE, 0), path)
     assert isinstance(rows, Rows)
     assert set(rows.arrangement.piece[rows.second]) == set(range(6))
 

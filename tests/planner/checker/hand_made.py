@@ -21,7 +21,7 @@ from assur.planner.frames.motion import Motion, Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece, box, capsule, cylinder, sphere, support
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Plan
-from assur.planner.model.phases import CONTACT_M, Phase, initial_rides, phases
+from assur.planner.model.phases import CONTACT_M, Phase, phases
 from assur.planner.model.scene import Clearance, Move, Options, Pick, Place, Scene, Start, Target, Tool, WorldBody
 from assur.planner.robots.protocol import Code, Limits, RobotBody, Sweep
 from assur.planner.robots.scara import BASE, FLANGE, LINK1, LINK2, QUILL, Scara
@@ -290,12 +290,11 @@ def sides(scene: Scene, phase: Phase) -> list[Side]:
     """All bodies, where they ride in a phase."""
     found = [Side(b.body.name, b.body, b.link, "", Pose()) for b in scene.robot.bodies]
     found += [Side(b.name, b, FLANGE, "", Pose()) for b in scene.tool.bodies]
-    where = initial_rides(scene) | {name: (on, pose) for name, on, pose in phase.rides}
     for item in scene.bodies:
-        if phase.carried is not None and phase.carried.part == item.name:
-            found.append(Side(item.name, item.body, FLANGE, "", phase.carried.in_flange))
+        if phase.attached.held is not None and phase.attached.held.part == item.name:
+            found.append(Side(item.name, item.body, FLANGE, "", phase.attached.held.in_flange))
         else:
-            found.append(Side(item.name, item.body, -1, *where[item.name]))
+            found.append(Side(item.name, item.body, -1, *phase.attached.seat(scene, item.name)))
     return found
 
 
@@ -364,7 +363,7 @@ class PlainProver:
         self._pair(phase, a, k, b, m, middle, t1)
 
     def _required(self, phase: Phase, a: Side, b: Side) -> float:
-        if tuple(sorted((a.name, b.name))) in phase.exempt:
+        if tuple(sorted((a.name, b.name))) in phase.contacts:
             return -CONTACT_M
         clearance = self.scene.options.clearance
         found = clearance.near_m if phase.near else clearance.travel_m

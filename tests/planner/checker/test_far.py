@@ -9,6 +9,7 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.checker import Code, check
+from assur.planner.checker.cover import SPARED
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import solids
 from assur.planner.checker.world import World
@@ -63,7 +64,7 @@ def reach(scene: Scene, made: Plan, row: int, t: FloatArray) -> FloatArray:
     """max of n·x over the body of a row, n being its normal, at times t (T,)."""
     c = made.certificate
     phase = next(p for p in phases(scene, made.legs, made.arrivals) if p.t0 <= c.t0[row] and c.t1[row] <= p.t1)
-    arrangement = Prover(scene).arrangement(phase.carried, phase.rides)
+    arrangement = Prover(scene).arrangement(phase.attached)
     unit = arrangement.roots[arrangement.number[c.names[c.first[row]]]]
     where = carriers(scene, standing(made.trajectory, t), t)
     placed = place(arrangement, where, np.arange(len(t)), np.full(len(t), unit))
@@ -85,11 +86,9 @@ def test_what_each_row_of_a_body_alone_proves_is_true_at_all_times_that_are_look
     scene, made = ring()
     c = made.certificate
     of_plan = phases(scene, made.legs, made.arrivals)
-    apart = Apart(scene, of_plan, solids(scene, of_plan), World(scene, made).tables, c)
-    which = np.flatnonzero(alone(made))
-    phase = np.array([max(i for i, p in enumerate(of_plan) if p.t0 <= t) for t in c.t0[which]])
-    one = np.array([apart.table.number[c.names[body]] for body in c.first[which]])
-    for row, least in zip(which, apart.spare(which, phase, one, np.full(len(which), -1)), strict=True):
+    verdicts = Apart.of(scene, of_plan, solids(scene, of_plan), World(scene, made).tables).judged(c)[0]
+    for row in np.flatnonzero(alone(made)):
+        least = verdicts[row, SPARED]
         found = -reach(scene, made, int(row), np.linspace(c.t0[row], c.t1[row], 41))
         assert found.min() - 0.1 <= least <= found.min()
 

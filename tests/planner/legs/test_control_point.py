@@ -14,7 +14,7 @@ from assur.planner.errors import InputError
 from assur.planner.frames import Change, Conveyor, Fixed, Law, Linear, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.legs.control_point import ControlPoint, control_point
-from assur.planner.model.phases import initial_rides
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.scene import Follow, Window
 from tests.planner.cells import CRANKED, at, cell, frame, go, table_to_table
 
@@ -24,7 +24,7 @@ def point(
 ) -> ControlPoint:
     step = Follow("f", at(x, 0.0, 0.0, 0.0, "moving"), dwell, window)
     scene = cell(step, frames=(frame("moving", law),), time=start, **more)
-    return control_point(scene, 0, initial_rides(scene), None, 0.0)
+    return control_point(scene, 0, AT_START, 0.0)
 
 
 def allowed(found: ControlPoint, t: float) -> bool:
@@ -115,7 +115,7 @@ def test_millimetres_of_a_frame_that_is_no_conveyor_are_refused_by_name() -> Non
 def test_the_flange_puts_the_tool_point_over_the_moving_target(yaw: float, t: float, above: float) -> None:
     law = Turntable(Pose(0.3, 0.1, 0.05, yaw), 0.8)
     scene = cell(go(0.1, 0.02, 0.03, 0.5, "dial"), frames=(frame("dial", law),), tool=CRANKED)
-    found = control_point(scene, 0, initial_rides(scene), None, 0.2)
+    found = control_point(scene, 0, AT_START, 0.2)
     flange = found.flange(np.array(t), above)
     x, y, z = (float(v) for v in flange.p)
     tool = Pose(x, y, z, float(flange.yaw)).then(scene.tool.tcp)
@@ -127,8 +127,8 @@ def test_the_flange_puts_the_tool_point_over_the_moving_target(yaw: float, t: fl
 
 def test_a_pick_knows_its_manners() -> None:
     scene = table_to_table()
-    found = control_point(scene, 0, initial_rides(scene), None, 0.0)
+    found = control_point(scene, 0, AT_START, 0.0)
     assert (found.approach, found.dwell, found.depart) == (0.03, 0.05, 0.04)
-    assert found.glued
+    assert found.tracks
     assert found.still
     assert found.name == "pick"

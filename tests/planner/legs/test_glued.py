@@ -18,8 +18,8 @@ from assur.planner.geometry.shapes import box
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.glued import Glued, glue, lead_time
 from assur.planner.legs.state import State
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import initial_rides
 from assur.planner.model.refusal import MotionLimit, Obstacle, Reason, Refusal
 from assur.planner.model.scene import Follow, Pick, Scene, Start, Target, Tool
 from assur.planner.robots.elbow_arm import ElbowArm
@@ -60,7 +60,7 @@ def cell_with(where: Law, pose: Pose, tool: Tool, dwell: float = 0.1, **more: An
 
 def begun(scene: Scene, t: float, mode: int) -> tuple[ControlPoint, State] | None:
     """The control point, and the state of the arm above it at t."""
-    point = control_point(scene, 0, initial_rides(scene), None, 0.0)
+    point = control_point(scene, 0, AT_START, 0.0)
     found = scene.robot.inverse(point.flange(np.array(t), point.approach), mode, 2)
     if found.code != Code.ASSEMBLED or not found.margin > 0.3:
         return None
@@ -166,7 +166,7 @@ def test_a_lead_is_the_time_of_the_way_down() -> None:
 
 def test_a_frame_that_is_faster_than_the_arm_is_a_motion_limit() -> None:
     scene = cell_with(Turntable(Pose(0.32, 0.12, 0.06), 30.0), Pose(0.08, 0.0), CUP)
-    point = control_point(scene, 0, initial_rides(scene), None, 0.0)
+    point = control_point(scene, 0, AT_START, 0.0)
     found = scene.robot.inverse(point.flange(np.array(0.0), point.approach), 0, 2)
     block = glue(scene, point, State(0.0, found.q, found.qd, found.qdd), 0, 1.0)
     assert isinstance(block, Refusal)
@@ -214,7 +214,7 @@ def test_the_wrist_turns_on_and_on_with_a_dial_until_its_range_ends() -> None:
 def test_near_a_singularity_a_block_is_refused_with_the_margin_that_is_missing() -> None:
     where = Linear(Pose(0.348, 0.464, 0.06), (0.009, 0.012, 0.0))
     scene = cell_with(where, Pose(), CUP, dwell=0.5, singularity_margin=0.4)
-    point = control_point(scene, 0, initial_rides(scene), None, 0.0)
+    point = control_point(scene, 0, AT_START, 0.0)
     found = scene.robot.inverse(point.flange(np.array(0.0), point.approach), 0, 2)
     block = glue(scene, point, State(0.0, found.q, found.qd, found.qdd), 0, 1.0)
     assert isinstance(block, Refusal)
@@ -252,7 +252,7 @@ def test_an_arm_without_a_lift_goes_straight_down_to_a_moving_point_and_up_again
     still = Start(0.0, np.array([0.0, 0.5, 0.5]), np.zeros(3), np.zeros(3))
     step = Follow("f", Target("belt", Pose(0.02, 0.01, 0.05), True), 0.2)
     scene = Scene(robot, Tool(Pose()), still, {"belt": belt}, (), (step,))
-    plain = control_point(scene, 0, {}, None, 0.0)
+    plain = control_point(scene, 0, AT_START, 0.0)
     point = replace(plain, approach=0.05, depart=0.08)
     lead = lead_time(scene, point, 1.0)
     assert isinstance(lead, float)

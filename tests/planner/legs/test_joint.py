@@ -19,7 +19,7 @@ from assur.planner.legs.control_point import control_point
 from assur.planner.legs.joint import JointMotion, Reached, Shape, Via
 from assur.planner.legs.meeting import meetings
 from assur.planner.legs.state import Knots, State
-from assur.planner.model.phases import initial_rides
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.model.scene import Scene, Window
 from assur.planner.timing import Solver
@@ -44,7 +44,7 @@ def scene_on(law: Law, **manners: Any) -> Scene:
 
 
 def branches(scene: Scene, state: State) -> tuple[Branch, ...]:
-    point = control_point(scene, 0, initial_rides(scene), None, 0.0)
+    point = control_point(scene, 0, AT_START, 0.0)
     found = meetings(scene, point, state.time, 0.0, (0, 1)).branches
     assert found
     return found
@@ -91,7 +91,8 @@ def check_leg(scene: Scene, begin: State, branch: Branch, found: Reached, how: S
     assert report.ok, report
     # the flange by forward kinematics, against the law: no inverse kinematics
     p, yaw = scene.robot.forward(trajectory.evaluate(np.array(found.end)))
-    target = scene.task[0].target  # type: ignore[union-attr]
+    target = scene.task[0].target
+    assert target is not None
     wanted = scene.frames[target.frame].law.motion(np.array(found.end)).at(target.pose)
     assert np.abs(p - wanted.p).max() <= 1e-9
     assert abs(math.remainder(float(yaw - wanted.yaw), 2 * math.pi)) <= 1e-9

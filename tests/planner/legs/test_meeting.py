@@ -14,7 +14,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.meeting import LOOK_AHEAD_S, Meetings, meetings
-from assur.planner.model.phases import initial_rides
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.refusal import FOR_ALL_TIMES, BeyondRange, Miss, Reason, WindowMissed
 from assur.planner.model.scene import Follow, Pick, Scene, Window
 from assur.planner.model.scene import WorldBody as Around
@@ -22,7 +22,7 @@ from tests.planner.cells import amount_of, arm, at, cell, frame, go, solid, unit
 
 
 def met(scene: Scene, modes: tuple[int, ...] = (0, 1), earliest: float = 0.0, lead: float = 0.0) -> Meetings:
-    point = control_point(scene, 0, initial_rides(scene), None, 0.0)
+    point = control_point(scene, 0, AT_START, 0.0)
     return meetings(scene, point, earliest, lead, modes)
 
 

@@ -112,7 +112,14 @@ def test_a_request_in_si_has_the_digest_of_its_twin_in_millimetres() -> None:
 
 
 def test_defaults_written_out_and_keys_in_another_order_do_not_change_the_digest() -> None:
-    longer = dict(reversed(list(copy.deepcopy(GOOD_REQUEST).items())))
+    longer = copy.deepcopy(GOOD_REQUEST)
+    for names in ((), ("frames",), ("start", "joints"), ("robot", "limits")):
+        mapping = longer
+        for name in names:
+            mapping = mapping[name]
+        items = list(mapping.items())
+        mapping.clear()
+        mapping.update(reversed(items))
     longer["execution"] = {"belt_correction": False}
     longer["frames"]["belt"]["conveyor"]["yaw_deg"] = 0
     longer["task"][2]["move"]["match"] = "velocity"
