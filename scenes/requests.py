@@ -137,11 +137,12 @@ def check_document(request: object, plan: object, *, folder: Path | None = None)
     """The checker's verdict on a planned answer with a full certificate. Raises `InputError` naming the field."""
     from assur.planner.checker import check
     from assur.scenes.answer import NOTICE
-    from assur.scenes.reading.plan import plan_of
+    from assur.scenes.reading.plan import nearest_of, plan_of
 
     cell = cell_of(request, folder=folder)
-    made, told = plan_of(plain(plan), cell.conventions)  # told before the checker's word, which knows no documents
-    verdict = check(cell.scene, made)
+    answer = plain(plan)
+    made, told = plan_of(answer, cell.conventions)  # told before the checker's word, which knows no documents
+    verdict = check(cell.scene, made, nearest_of(answer))
     findings: list[written.Finding] = [
         {
             "code": str(finding.code),

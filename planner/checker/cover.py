@@ -72,7 +72,7 @@ def required(cell: Cell, p: int, a: int, b: int) -> bool:
     on, beside, links = seats[seat[p, a], CARRIER], seats[seat[p, b], CARRIER], len(wanted)
     if on < links and beside < links:
         return bool(wanted[on, beside] > 0)
-    return on < links or beside < links
+    return bool(on < links or beside < links)
 
 
 @kernel(f"UniTuple(int64, 2)({I1}, int64, int64)")
@@ -108,7 +108,7 @@ def resolve(
 ) -> bool:
     """The pair of a row as an item of a proof (`separation.ITEM`), with what is required of it (C5); False: it names
     what does not exist or is not inside one phase."""
-    seat, seats, wanted, count, mine, _, spans, need, drift, late = cell
+    _, _, wanted, count, mine, _, spans, need, drift, late = cell
     alone = row[OTHER_NAME] == -1.0 and row[OTHER_PIECE] == -1.0
     bodies, verdict[STATUS] = (-1, -1), UNKNOWN
     for side in range(1 if alone else 2):
@@ -200,9 +200,7 @@ def put_behind(
             marks[p, mine[first], second] |= BEHIND | (FAR if apart >= claimed or touches else 0)
 
 
-@kernel(
-    f"void({F2}, {I1}, {I1}, {CELL}, {I3}, {F2}, {F2}, {TABLES}, {F4}, {F3}, {F2}, float64)"
-)
+@kernel(f"void({F2}, {I1}, {I1}, {CELL}, {I3}, {F2}, {F2}, {TABLES}, {F4}, {F3}, {F2}, float64)")
 def _planes(
     rows: FloatArray,
     order: IntArray,
@@ -245,9 +243,7 @@ def _planes(
 
 
 @kernel(f"float64({F2}, int64, {I2}, int64, int64, float64, float64)")
-def hole(
-    rows: FloatArray, first: int, chain: IntArray, one: int, other: int, begin: float, end: float
-) -> float:
+def hole(rows: FloatArray, first: int, chain: IntArray, one: int, other: int, begin: float, end: float) -> float:
     """When a pair of bodies of `one` and `other` pieces is first not covered over [begin, end]; NaN: never.
 
     Its rows are number `first`, then the one that `chain` (.., 2) has for it, and so on up to -1, in the order of their
@@ -334,7 +330,7 @@ def judge(
 
     Fills `verdicts` (M, VERDICT) and `holes` (P, HOLES). `room`: for items of a proof; False: it was not enough.
     """
-    seat, seats, wanted, count, mine, robots, spans, _, _, _ = cell
+    _, _, wanted, count, _, robots, spans, _, _, _ = cell
     links, carriers, phases = len(wanted), len(tilts), len(spans)
     jets, known = np.empty((PLACES, carriers + MOST_LINKS, JETS, 6)), np.full((PLACES, carriers, 3), np.nan)
     items, stack, times = np.empty((room, ITEM)), np.empty((2 * DEEPEST + 4, 5)), np.full(2, np.nan)

@@ -143,9 +143,7 @@ def _pieces(law: Law, start: float, until: float) -> list[Piece]:
     ]
 
 
-def _ramped(
-    speed: float, changes: tuple[Change, ...], at_time: float, start: float, until: float
-) -> list[Way]:
+def _ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: float, until: float) -> list[Way]:
     """The travel with changes of speed (R1), 0 at `at_time`: begin, end and coefficients of each piece."""
     edges: list[tuple[float, float, float, float]] = [(-math.inf, speed, 0.0, 0.0)]
     for change in changes:

@@ -11,10 +11,22 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.jets import F1, F2, TABLES
+from assur.planner.checker.jets import F2, TABLES
 from assur.planner.checker.motion import JETS, MOST_LINKS, Tables, carry
 from assur.planner.checker.rows import Apart
-from assur.planner.checker.separation import HINT, ITEM, ONE, ONE_ON, OTHER, OTHER_ON, PAIR_ONE, PAIR_OTHER, REACHED, WHEN, distance
+from assur.planner.checker.separation import (
+    HINT,
+    ITEM,
+    ONE,
+    ONE_ON,
+    OTHER,
+    OTHER_ON,
+    PAIR_ONE,
+    PAIR_OTHER,
+    REACHED,
+    WHEN,
+    distance,
+)
 from assur.planner.checker.solids import BODY, CARRIER, FIRST
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.compiled import kernel
@@ -59,7 +71,9 @@ def nearest(apart: Apart, claim: Nearest | None, against: FloatArray) -> list[Fi
     `against` it (`separation.STATE`)."""
     findings, table = [], apart.table
     if against[REACHED] != math.inf:
-        names = [table.bodies[int(b)].name for b in (_body(apart, against[PAIR_ONE]), _body(apart, against[PAIR_OTHER]))]
+        names = [
+            table.bodies[int(b)].name for b in (_body(apart, against[PAIR_ONE]), _body(apart, against[PAIR_OTHER]))
+        ]
         what = f"{' and '.join(sorted(names))} come nearer than the smallest clearance that is stated"
         amount, where = math.nan, f"{against[WHEN]:.6g} s"
         if math.isnan(against[REACHED]):

@@ -24,7 +24,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.jets import F1, F2, F3, TABLES
-from assur.planner.checker.motion import COUNT, DEGREE, JETS, KIND, MOST_LINKS, POLYNOMIAL, SINCE, UNTIL, Tables, carry
+from assur.planner.checker.motion import DEGREE, KIND, POLYNOMIAL, SINCE, UNTIL, Tables, carry
 from assur.planner.checker.solids import BALL, farthest, moving, support
 from assur.planner.compiled import kernel
 
@@ -299,9 +299,14 @@ def descend(
                     ok = ok and carried(MIDDLE, c, count, middle, middle, tables, jets, known)
                 if ok:
                     said = claim_of(solids, vertices, jets, begin, tilts, item, h, middle, state)
-                claim = said == OPEN or said == BOXES
+                claim = said in (OPEN, BOXES)
                 if claim and depth >= DEEPEST:
-                    state[REACHED], state[WHEN], state[PAIR_ONE], state[PAIR_OTHER] = math.nan, t0, item[ONE], item[OTHER]
+                    state[REACHED], state[WHEN], state[PAIR_ONE], state[PAIR_OTHER] = (
+                        math.nan,
+                        t0,
+                        item[ONE],
+                        item[OTHER],
+                    )
                     claim = False
             if not (prove or claim):
                 continue

@@ -86,9 +86,7 @@ def straight(world: World, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...])
         if not (isinstance(step, Move) and step.leg == "cartesian" and own):
             continue
         t0, t1 = own[0].t0, own[-1].t1
-        begin, halfway, end = (
-            (tool.pitch, tool.roll) for tool in map(world.tool, (t0, (t0 + t1) / 2, t1))
-        )
+        begin, halfway, end = ((tool.pitch, tool.roll) for tool in map(world.tool, (t0, (t0 + t1) / 2, t1)))
         asked = []
         for k in range(2):
             way, gone = math.remainder(end[k] - begin[k], math.tau), math.remainder(halfway[k] - begin[k], math.tau)

@@ -120,7 +120,6 @@ def test_a_late_start_asks_for_the_way_that_a_body_may_have_gone(wait: float) ->
 
 def proves(apart: Apart, one: str, other: str, t: float, n: np.ndarray) -> float:
     """What a row of an instant proves beyond what is required; the bodies may be far apart or through each other."""
-    c = Certificate(
-        (one, other), np.array([t]), np.array([t]), *(np.array([k]) for k in (0, -1, 1, -1)), normal=n[None].copy()
-    )
+    at, zero, one_, box = np.array([t]), np.array([0]), np.array([1]), np.array([-1])
+    c = Certificate((one, other), at, at, zero, box, one_, box, n[None].copy())
     return float(apart.judged(c)[0][0, SPARED])
