@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.checker.jets import F1, F2, F3, TABLES
+from assur.planner.checker.jets import F1, F2, F3, TABLES, VECTOR
 from assur.planner.checker.motion import DEGREE, JETS, KIND, MOST_LINKS, POLYNOMIAL, SINCE, UNTIL, Tables
 from assur.planner.checker.separation import (
     BEGIN,
@@ -32,13 +32,16 @@ from assur.planner.checker.separation import (
     PIECES,
     PLACES,
     PROVE,
+    REACHED,
     ROW,
     SLACK_M,
     WRONG,
     carried,
     descend,
-)
-from assur.planner.checker.solids import CARRIER, FIRST, I2, support
+    support,
+    vector,
+)  # fmt: skip
+from assur.planner.checker.solids import CARRIER, FIRST, I2, Vector
 from assur.planner.compiled import kernel
 from assur.planner.model.phases import CONTACT_M
 
@@ -162,25 +165,15 @@ def good_alone(verdict: FloatArray) -> bool:
     return bool(verdict[STATUS] == JUDGED and verdict[AWAY] <= UNIT_NORMAL and verdict[SPARED] > -math.inf)
 
 
-@kernel(f"void({CELL}, {I3}, int64, int64, {F1}, float64, {F2}, {F2}, int64, {TABLES}, {F4}, {F3}, float64)")
+@kernel(f"void({CELL}, {I3}, int64, int64, {VECTOR}, float64, {TABLES}, {F4}, {F3}, float64)")
 def put_behind(
-    cell: Cell,
-    marks: IntArray,
-    p: int,
-    one: int,
-    n: FloatArray,
-    stays: float,
-    solids: FloatArray,
-    vertices: FloatArray,
-    count: int,
-    tables: Tables,
-    jets: FloatArray,
-    known: FloatArray,
-    claimed: float,
-) -> None:
+    cell: Cell, marks: IntArray, p: int, one: int, n: Vector, stays: float, tables: Tables, jets: FloatArray,
+    known: FloatArray, claimed: float,
+) -> None:  # fmt: skip
     """Marks the bodies that stand still throughout phase p, before the plane n·x = -stays that body `one` of the robot
     stays behind, at the distance required (C6)."""
-    seat, seats, _, pieces, mine, _, spans, need, drift, late = cell
+    seat, seats, wanted, pieces, mine, _, spans, need, drift, late = cell
+    count = len(wanted)
     for b in range(len(pieces)):
         c = seats[seat[p, b], CARRIER]
         if c < count:
@@ -189,10 +182,10 @@ def put_behind(
         still = frame[KIND] == POLYNOMIAL and frame[DEGREE] == 0.0
         if not (still and frame[SINCE] <= spans[p, 0] and spans[p, 1] <= frame[UNTIL]):
             continue
-        if not carried(BEGIN, c, count, spans[p, 0], spans[p, 0], tables, jets, known):
+        if not carried(BEGIN, c, spans[p, 0], spans[p, 0], tables, jets, known):
             continue
         whole = seats[seat[p, b], FIRST] + (0 if pieces[b] == 1 else pieces[b])
-        apart = stays - support(solids[whole], jets[BEGIN], c, vertices, -n[0], -n[1], -n[2]) - SLACK_M
+        apart = stays - support(tables, jets[BEGIN], whole, c, (-n[0], -n[1], -n[2])) - SLACK_M
         least = need[p, c - count] + drift[p, c - count] * (spans[p, 1] + late)
         first, second = ordered(mine, one, b)
         touches = marks[p, mine[first], second] & CONTACT
@@ -200,21 +193,11 @@ def put_behind(
             marks[p, mine[first], second] |= BEHIND | (FAR if apart >= claimed or touches else 0)
 
 
-@kernel(f"void({F2}, {I1}, {I1}, {CELL}, {I3}, {F2}, {F2}, {TABLES}, {F4}, {F3}, {F2}, float64)")
+@kernel(f"void({F2}, {I1}, {I1}, {CELL}, {I3}, {TABLES}, {F4}, {F3}, {F2}, float64)")
 def _planes(
-    rows: FloatArray,
-    order: IntArray,
-    numbers: IntArray,
-    cell: Cell,
-    marks: IntArray,
-    solids: FloatArray,
-    vertices: FloatArray,
-    tables: Tables,
-    jets: FloatArray,
-    known: FloatArray,
-    verdicts: FloatArray,
-    claimed: float,
-) -> None:
+    rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, tables: Tables, jets: FloatArray,
+    known: FloatArray, verdicts: FloatArray, claimed: float,
+) -> None:  # fmt: skip
     """Rows of one phase, body of the robot and normal, to the bit, count together, each beginning where the one before
     ends; if they do not last the whole phase, they count for nothing."""
     seat, seats, wanted, _, _, _, spans, _, _, _ = cell
@@ -236,10 +219,7 @@ def _planes(
             if same and good_alone(verdicts[r]):
                 stays, reached = min(stays, verdicts[r, SPARED]), rows[r, T1]
         if reached == spans[p, 1]:
-            put_behind(
-                cell, marks, p, body, rows[first, N : N + 3], stays, solids, vertices, len(wanted), tables, jets, known,
-                claimed,
-            )  # fmt: skip
+            put_behind(cell, marks, p, body, vector(rows[first], N), stays, tables, jets, known, claimed)
 
 
 @kernel(f"float64({F2}, int64, {I2}, int64, int64, float64, float64)")
@@ -274,14 +254,9 @@ def hole(rows: FloatArray, first: int, chain: IntArray, one: int, other: int, be
 
 @kernel(f"void({F2}, {I1}, {I1}, {CELL}, {I3}, {F2}, {F2})")
 def _cover(
-    rows: FloatArray,
-    order: IntArray,
-    numbers: IntArray,
-    cell: Cell,
-    marks: IntArray,
-    verdicts: FloatArray,
+    rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, verdicts: FloatArray,
     holes: FloatArray,
-) -> None:
+) -> None:  # fmt: skip
     """What is not covered in each phase."""
     _, _, _, count, mine, robots, spans, _, _, _ = cell
     # rows of a pair are chained in the order of their begins; 0 is none, so that what is not touched costs nothing
@@ -309,58 +284,42 @@ def _cover(
                         holes[p, HOLE], holes[p, BODY], holes[p, BODY_OTHER] = found, a, b
 
 
-@kernel(f"boolean({F2}, {I1}, {I1}, {CELL}, {I3}, {F1}, {F2}, {F2}, {TABLES}, int64, {F2}, {F2}, {F1})")
+@kernel(f"boolean({F2}, {I1}, {I1}, {CELL}, {I3}, {TABLES}, int64, {F2}, {F2}, {F1})")
 def judge(
-    rows: FloatArray,
-    order: IntArray,
-    numbers: IntArray,
-    cell: Cell,
-    marks: IntArray,
-    tilts: FloatArray,
-    solids: FloatArray,
-    vertices: FloatArray,
-    tables: Tables,
-    room: int,
-    verdicts: FloatArray,
-    holes: FloatArray,
-    state: FloatArray,
-) -> bool:
+    rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, tables: Tables, room: int,
+    verdicts: FloatArray, holes: FloatArray, state: FloatArray,
+) -> bool:  # fmt: skip
     """Judges the rows of a certificate (M, COLUMNS), in their `order` of begin and end, their names having `numbers`;
     then what they do not cover; and, of all pairs that may not touch, the clearance that is claimed in `state`.
 
     Fills `verdicts` (M, VERDICT) and `holes` (P, HOLES). `room`: for items of a proof; False: it was not enough.
     """
     _, _, wanted, count, _, robots, spans, _, _, _ = cell
-    links, carriers, phases = len(wanted), len(tilts), len(spans)
-    jets, known = np.empty((PLACES, carriers + MOST_LINKS, JETS, 6)), np.full((PLACES, carriers, 3), np.nan)
-    items, stack, times = np.empty((room, ITEM)), np.empty((2 * DEEPEST + 4, 5)), np.full(2, np.nan)
-    spared = np.full(len(rows), np.inf)
-    many = 0
-    for i in range(len(order) + 1 if len(order) > 0 else 0):
-        r, last = order[min(i, len(order) - 1)], order[max(i - 1, 0)]
-        if many > 0 and (i == len(order) or rows[r, T0] != rows[last, T0] or rows[r, T1] != rows[last, T1]):
-            if not descend(
-                rows[last, T0], rows[last, T1], many, items, stack, links, tilts, solids, vertices, tables, jets, known,
-                times, spared, state,
-            ):  # fmt: skip
-                return False
-            many = 0
-        if i == len(order):
-            break
+    jets = np.empty((PLACES, len(wanted) + len(tables[2]) + MOST_LINKS, JETS, 6))
+    known = np.full((PLACES, len(wanted) + len(tables[2]), 3), np.nan)
+    items, spared, many = np.empty((room, ITEM)), np.full(len(rows), np.inf), 0
+    work = (jets, known, items, np.empty((2 * DEEPEST + 4, 5)))
+    for i in range(len(order)):
+        r, last = order[i], i + 1 == len(order)
         if many >= room:
             return False
         verdicts[r, AWAY] = abs(math.sqrt(rows[r, N] ** 2 + rows[r, N + 1] ** 2 + rows[r, N + 2] ** 2) - 1.0)
         if resolve(cell, marks, numbers, rows[r], items[many], verdicts[r]):
             items[many, ROW] = r
             many += 1
+        # rows of one interval are looked at together
+        if many > 0 and (last or rows[r, T0] != rows[order[i + 1], T0] or rows[r, T1] != rows[order[i + 1], T1]):
+            if not descend(rows[r, T0], rows[r, T1], many, tables, work, spared, state):
+                return False
+            many = 0
     for r in range(len(rows)):
         verdicts[r, SPARED] = spared[r]
         alone = rows[r, OTHER_NAME] < 0.0
         state[WRONG] += 0.0 if (good_alone(verdicts[r]) if alone else good(verdicts[r])) else 1.0
-    _planes(rows, order, numbers, cell, marks, solids, vertices, tables, jets, known, verdicts, state[CLAIMED])
-    for p in range(phases):
+    _planes(rows, order, numbers, cell, marks, tables, jets, known, verdicts, state[CLAIMED])
+    for p in range(len(spans)):
         many = 0
-        for u in range(robots.shape[1] if state[CLAIMED] > -math.inf and spans[p, 1] > spans[p, 0] else 0):
+        for u in range(robots.shape[1] if state[REACHED] == math.inf and spans[p, 1] > spans[p, 0] else 0):
             for b in range(len(count)):
                 if marks[p, u, b] & (BEHIND | FAR) == BEHIND:
                     if many >= room:
@@ -370,10 +329,7 @@ def judge(
                     items[many, ROW], items[many, PROVE], items[many, CLAIM] = -1.0, 0.0, 1.0
                     items[many, HINT], items[many, HINT + 1], items[many, HINT + 2] = 0.0, 0.0, 1.0
                     many += 1
-        if many > 0 and not descend(
-            spans[p, 0], spans[p, 1], many, items, stack, links, tilts, solids, vertices, tables, jets, known, times,
-            spared, state,
-        ):  # fmt: skip
+        if many > 0 and not descend(spans[p, 0], spans[p, 1], many, tables, work, spared, state):
             return False
     _cover(rows, order, numbers, cell, marks, verdicts, holes)
     return True

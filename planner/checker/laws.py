@@ -45,7 +45,7 @@ class Neighbour(Protocol):
 
 
 def tables(scene: Scene, trajectory: Trajectory, until: float) -> Tables:
-    """The tables of a scene and a plan's trajectory; laws of frames up to the time `until`."""
+    """The tables of a scene and a plan's trajectory, without solids; laws of frames up to the time `until`."""
     moved: list[tuple[Robot, Trajectory]] = [(scene.robot, trajectory)]
     frames, found = np.zeros((len(scene.frames), FRAME)), list[Piece]()
     for row, frame in zip(frames, scene.frames.values(), strict=True):
@@ -71,7 +71,7 @@ def tables(scene: Scene, trajectory: Trajectory, until: float) -> Tables:
         curve(np.array(path.knots, order="C"), path.n, at, curves)
         arms.append(_arm(robot, at, at + len(path.time) - 1))
         at += len(path.time)
-    return np.array(arms), curves, frames, pieces
+    return np.array(arms), curves, frames, pieces, np.zeros((0, 1)), np.zeros((0, 3))
 
 
 def _arm(robot: Robot, first: int, last: int) -> list[float]:
@@ -91,18 +91,8 @@ def _arm(robot: Robot, first: int, last: int) -> list[float]:
     else:
         raise FaultError(f"the checker does not know the kinematics of {robot.name}")
     base = robot.base
-    row = [
-        float(family),
-        float(len(robot.joints)),
-        float(first),
-        float(last),
-        base.x,
-        base.y,
-        base.z,
-        base.yaw,
-        *numbers,
-    ]
-    return row + [0.0] * (motion.ARM - len(row))
+    own = [family, len(robot.joints), first, last, base.x, base.y, base.z, base.yaw, len(robot.links), *numbers]
+    return own + [0.0] * (motion.ARM - len(own))
 
 
 def _pieces(law: Law, start: float, until: float) -> list[Piece]:

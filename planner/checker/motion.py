@@ -32,10 +32,10 @@ from assur.planner.compiled import kernel
 JETS = 12
 """Rows of a carrier: x, y, z, then the columns of its rotation."""
 SCARA, ELBOW, POLAR, FIVE_AXIS, FIVE_BAR = range(5)
-FAMILY, AXIS_COUNT, FIRST_KNOT, LAST_KNOT, BASE, NUMBERS, ARM = 0, 1, 2, 3, 4, 8, 16
-"""Columns of an arm: its family, number of joints, knots, pose of its base (x, y, z, yaw), and the family's numbers:
-SCARA l1, l2, whether the lift carries the arms; ELBOW height, l1, l2; POLAR height; FIVE_AXIS height, l1, l2, l3;
-FIVE_BAR separation, left and right crank, left and right coupler, sign of the assembly mode; how many columns."""
+FAMILY, AXIS_COUNT, FIRST_KNOT, LAST_KNOT, BASE, LINKS, NUMBERS, ARM = 0, 1, 2, 3, 4, 8, 9, 16
+"""Columns of an arm: its family, number of joints, knots, pose of its base (x, y, z, yaw), number of links, and the
+family's numbers: SCARA l1, l2, whether the lift carries the arms; ELBOW height, l1, l2; POLAR height; FIVE_AXIS height,
+l1, l2, l3; FIVE_BAR separation, left and right crank, left and right coupler, sign of the assembly mode; how many."""
 POLYNOMIAL, SWING, NEIGHBOUR = range(3)
 KIND, SINCE, UNTIL, FIRST, COUNT, DEGREE, MEAN, AMPLITUDE, FRAME = range(9)
 """Columns of a frame: its kind, when its law is known, first row and number of its pieces, and their degree (0: it
@@ -46,8 +46,9 @@ BEGIN, END, CONTROL, WIDTH, PIECE = 0, 1, 2, MOST_DEGREE + 1, 2 + 4 * (MOST_DEGR
 """Columns of a piece of a law: [begin, end], and from CONTROL on WIDTH columns each for the control values of x, y, z
 and yaw; how many columns."""
 MOST_LINKS = 8
-Tables = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-"""Arms (the own one first), curves of all trajectories, frames, and pieces of their laws."""
+Tables = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""Arms (the own one first), curves of all trajectories, frames, and pieces of their laws; solids, and vertices of hulls
+(`assur.planner.checker.solids`)."""
 
 
 @kernel(f"{JET}({F2}, int64)")
@@ -254,15 +255,21 @@ def fixed_law(frame: FloatArray, t0: float, t1: float, pieces: FloatArray, jets:
     return True
 
 
-@kernel(f"boolean(int64, int64, float64, float64, {TABLES}, {F3})")
-def carry(c: int, count: int, t0: float, t1: float, tables: Tables, jets: FloatArray) -> bool:
-    """Jets over [t0, t1] of carrier c: a link of the arm, of `count`, and then of all of them, or a frame behind.
+@kernel(f"{F3}({TABLES})")
+def all_jets(tables: Tables) -> FloatArray:
+    """Room for the jets of all carriers, and of the links of a neighbour's arm behind them."""
+    return np.zeros((int(tables[0][0, LINKS]) + len(tables[2]) + MOST_LINKS, JETS, 6))
 
-    `jets` has MOST_LINKS rows more than there are carriers. False: not known, or not assembled, throughout.
+
+@kernel(f"boolean(int64, float64, float64, {TABLES}, {F3})")
+def carry(c: int, t0: float, t1: float, tables: Tables, jets: FloatArray) -> bool:
+    """Jets over [t0, t1] of carrier c: a link of the arm, and then of all of them, or a frame behind those.
+
+    `jets`: as `all_jets` has them. False: not known, or not assembled, throughout.
     """
-    arms, curves, frames, pieces = tables
+    arms, curves, frames, pieces, _, _ = tables
     q = np.empty((8, 6))
-    arm, at, frame = 0, 0, c - count
+    arm, at, frame = 0, 0, c - int(arms[0, LINKS])
     if frame >= 0:
         if not (frames[frame, SINCE] <= t0 and t0 <= t1 and t1 <= frames[frame, UNTIL]):
             return False

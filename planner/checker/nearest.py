@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
-from assur.planner.checker.jets import F2, TABLES
-from assur.planner.checker.motion import JETS, MOST_LINKS, Tables, carry
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.checker.jets import TABLES
+from assur.planner.checker.motion import LINKS, Tables, all_jets, carry
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.separation import (
     HINT,
@@ -26,8 +26,8 @@ from assur.planner.checker.separation import (
     REACHED,
     WHEN,
     distance,
-)
-from assur.planner.checker.solids import BODY, CARRIER, FIRST
+)  # fmt: skip
+from assur.planner.checker.solids import BODY, CARRIER, FIRST, I2
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.compiled import kernel
 from assur.planner.model.outcome import Nearest
@@ -37,32 +37,19 @@ WITHIN_M = 5e-5
 pairs keep what is claimed less this; and the pair that is named, when it is said, is not farther apart than with it."""
 
 
-@kernel(f"float64(int64, int64, int64, int64, int64, int64, float64, int64, {F2}, {F2}, {TABLES}, float64)")
-def pair_distance(
-    first: int,
-    count: int,
-    on: int,
-    other: int,
-    others: int,
-    beside: int,
-    t: float,
-    links: int,
-    solids: FloatArray,
-    vertices: FloatArray,
-    tables: Tables,
-    claimed: float,
-) -> float:
-    """The distance, m, of two bodies at an instant, as pieces `first` ... on carrier `on`, and `other` ... `beside`: an
-    upper value of it. `claimed`: what it is compared with. NaN where it is not known."""
-    jets, item, found = np.full((links + len(tables[2]) + MOST_LINKS, JETS, 6), np.nan), np.zeros(ITEM), math.inf
-    for c in (on, beside):
-        if not carry(0 if c < links else c, links, t, t, tables, jets):
+@kernel(f"float64({I2}, float64, {TABLES}, float64)")
+def pair_distance(pair: IntArray, t: float, tables: Tables, claimed: float) -> float:
+    """The distance, m, of two bodies at an instant: an upper value of it. `pair` (2, 3): their first pieces, how many,
+    and their carriers. `claimed`: what it is compared with. NaN where it is not known."""
+    jets, item, found = all_jets(tables), np.zeros(ITEM), math.inf
+    for c in (pair[0, 2], pair[1, 2]):
+        if not carry(0 if c < tables[0][0, LINKS] else c, t, t, tables, jets):
             return math.nan
-    item[ONE_ON], item[OTHER_ON] = on, beside
-    for i in range(first, first + count):
-        for k in range(other, other + others):
+    item[ONE_ON], item[OTHER_ON] = pair[0, 2], pair[1, 2]
+    for i in range(pair[0, 0], pair[0, 0] + pair[0, 1]):
+        for k in range(pair[1, 0], pair[1, 0] + pair[1, 1]):
             item[ONE], item[OTHER], item[HINT], item[HINT + 1], item[HINT + 2] = i, k, 0.0, 0.0, 1.0
-            found = min(found, distance(solids, vertices, jets, item, claimed)[1])
+            found = min(found, distance(tables, jets, item, claimed)[1])
     return found
 
 
@@ -105,8 +92,8 @@ def _distance(apart: Apart, phase: int, claim: Nearest) -> float:
     a, b = (number[name] for name in claim.bodies)
     if not apart.required(phase, a, b):
         return math.inf
-    one, other = (table.seats[table.seat[phase, body]].tolist() for body in (a, b))
-    return pair_distance(
-        one[FIRST], int(table.count[a]), one[CARRIER], other[FIRST], int(table.count[b]), other[CARRIER], claim.time,
-        table.links, table.table, table.vertices, apart.tables, claim.gap_m + WITHIN_M,
-    )  # fmt: skip
+    pair = np.empty((2, 3), dtype=np.int64)
+    for row, body in zip(pair, (a, b), strict=True):
+        seat = table.seats[table.seat[phase, body]]
+        row[:] = seat[FIRST], table.count[body], seat[CARRIER]
+    return pair_distance(pair, claim.time, apart.tables, claim.gap_m + WITHIN_M)

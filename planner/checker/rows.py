@@ -52,11 +52,8 @@ class Apart:
         spans = np.array([(phase.t0, phase.t1) for phase in phases]).reshape(-1, 2)
         need, drift = _required(scene, phases)
         late = float(scene.execution.start_tolerance_s)
-        count = table.count.copy()
-        return Apart(
-            phases, table, tables,
-            (table.seat, table.seats, wanted, count, mine, robots[None], spans, need, drift, late), marks,
-        )  # fmt: skip
+        cell = (table.seat, table.seats, wanted, table.count, mine, robots[None], spans, need, drift, late)
+        return Apart(phases, table, (*tables[:4], table.table, table.vertices), cell, marks)
 
     def found(self, certificate: Certificate, claimed: float) -> tuple[list[Finding], FloatArray]:
         """Rows that mean or prove nothing, and pairs that are not kept apart; and what stands against the clearance
@@ -75,11 +72,10 @@ class Apart:
         rows[:, cover.OTHER_NAME], rows[:, cover.OTHER_PIECE] = c.second, c.second_piece
         verdicts, holes = np.zeros((len(c), cover.VERDICT)), np.zeros((len(self.phases), cover.HOLES))
         while True:
-            state[:], state[CLAIMED], state[REACHED] = 0.0, claimed, math.inf
+            state[:], state[CLAIMED], state[REACHED] = 0.0, claimed, math.nan if claimed == -math.inf else math.inf
             if cover.judge(
-                rows, order, numbers, self.cell, self.marks.copy(), table.tilts, table.table, table.vertices,
-                self.tables, room, verdicts, holes, state,
-            ):  # fmt: skip
+                rows, order, numbers, self.cell, self.marks.copy(), self.tables, room, verdicts, holes, state
+            ):
                 return verdicts, holes, state
             room *= 4
             if room > MOST:

@@ -23,9 +23,9 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.jets import F1, F2, F3, TABLES
-from assur.planner.checker.motion import DEGREE, KIND, POLYNOMIAL, SINCE, UNTIL, Tables, carry
-from assur.planner.checker.solids import BALL, farthest, moving, support
+from assur.planner.checker.jets import F1, F2, F3, TABLES, VECTOR
+from assur.planner.checker.motion import DEGREE, KIND, LINKS, POLYNOMIAL, SINCE, UNTIL, Tables, carry
+from assur.planner.checker.solids import BALL, Vector, farthest, moving
 from assur.planner.compiled import kernel
 
 ROW, ONE, ONE_ON, OTHER, OTHER_ON, PIECES, OTHERS, NORMAL, NEED, DRIFT, LATE, PROVE, CLAIM, HINT, ITEM = (
@@ -56,58 +56,62 @@ F4 = "float64[:, :, :, ::1]"
 """Jets (PLACES, carriers + MOST_LINKS, JETS, 6)."""
 
 
-@kernel(f"boolean(int64, int64, int64, float64, float64, {TABLES}, {F4}, {F3})")
-def carried(
-    place: int, c: int, count: int, t0: float, t1: float, tables: Tables, jets: FloatArray, known: FloatArray
-) -> bool:
-    """`carry`, which is not done again for the same interval: `known` (PLACES, carriers, 3) has those of the jets and
-    whether they are known. The links of the arm, of `count`, are known together; the origin (-1) always is."""
+Work = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+"""Jets; for which time they are known (PLACES, carriers, 3): begin, end, and whether they are; room for items that are
+open (.., ITEM), and for intervals (.., 5)."""
+WORK_ROOM = f"Tuple(({F4}, {F3}, {F2}, {F2}))"
+
+
+@kernel(f"{VECTOR}({F1}, int64)")
+def vector(row: FloatArray, at: int) -> Vector:
+    """Three numbers of a row."""
+    return row[at], row[at + 1], row[at + 2]
+
+
+@kernel(f"boolean(int64, int64, float64, float64, {TABLES}, {F4}, {F3})")
+def carried(place: int, c: int, t0: float, t1: float, tables: Tables, jets: FloatArray, known: FloatArray) -> bool:
+    """`carry`, which is not done again for the same interval, nor for what stands still. The links of the arm are known
+    together; the origin (-1) always is."""
     if c < 0:
         return True
+    count, stands = int(tables[0][0, LINKS]), False
     k = 0 if c < count else c
-    now, stands = known[place, k], False
+    now = known[place, k]
     if c >= count:
         frame = tables[2][c - count]
         stands = frame[KIND] == POLYNOMIAL and frame[DEGREE] == 0.0 and frame[SINCE] <= t0 and t1 <= frame[UNTIL]
     if not (now[0] == t0 and now[1] == t1) and not (stands and now[2] > 0.0):
-        now[2] = 1.0 if carry(k, count, t0, t1, tables, jets[place]) else 0.0
+        now[2] = 1.0 if carry(k, t0, t1, tables, jets[place]) else 0.0
         now[0], now[1] = t0, t1
     return bool(now[2] > 0.0)
 
 
-@kernel(f"float64({F2}, {F2}, {F3}, {F1}, float64, float64, float64)")
-def gap(
-    solids: FloatArray, vertices: FloatArray, jets: FloatArray, item: FloatArray, nx: float, ny: float, nz: float
-) -> float:
+@kernel(f"float64({TABLES}, {F3}, int64, int64, {VECTOR})")
+def support(tables: Tables, jets: FloatArray, solid: int, c: int, n: Vector) -> float:
+    """max of n·x over a solid on carrier c at the instant of the jets."""
+    x = farthest(tables[4][solid], jets, c, tables[5], n, 1.0)
+    return n[0] * x[0] + n[1] * x[1] + n[2] * x[2]
+
+
+@kernel(f"float64({TABLES}, {F3}, {F1}, {VECTOR})")
+def gap(tables: Tables, jets: FloatArray, item: FloatArray, n: Vector) -> float:
     """The support gap (C1) of a pair at the instant of the jets."""
-    found = -support(solids[int(item[ONE])], jets, int(item[ONE_ON]), vertices, nx, ny, nz)
+    found = -support(tables, jets, int(item[ONE]), int(item[ONE_ON]), n)
     if item[OTHER] >= 0.0:
-        found -= support(solids[int(item[OTHER])], jets, int(item[OTHER_ON]), vertices, -nx, -ny, -nz)
+        found -= support(tables, jets, int(item[OTHER]), int(item[OTHER_ON]), (-n[0], -n[1], -n[2]))
     return found
 
 
-@kernel(f"UniTuple(float64, 2)({F2}, {F2}, {F4}, int64, {F1}, {F1}, float64, float64, float64, float64)")
-def least(
-    solids: FloatArray,
-    vertices: FloatArray,
-    jets: FloatArray,
-    begin: int,
-    tilts: FloatArray,
-    item: FloatArray,
-    h: float,
-    nx: float,
-    ny: float,
-    nz: float,
-) -> tuple[float, float]:
+@kernel(f"UniTuple(float64, 2)({TABLES}, {F4}, {F1}, float64, {VECTOR})")
+def least(tables: Tables, jets: FloatArray, item: FloatArray, h: float, n: Vector) -> tuple[float, float]:
     """The least gap of a pair at the ends of an interval of length h, and by how much it falls below over it (C3)."""
-    on, beside, end = int(item[ONE_ON]), int(item[OTHER_ON]), BEGIN + END - begin
-    a = moving(solids[int(item[ONE])], jets[OVER], on, tilts[on] > 0.0, 2, nx, ny, nz)
+    a = moving(tables[4][int(item[ONE])], jets[OVER], int(item[ONE_ON]), 2, n)
     bend = a[2] - a[0]
-    if beside >= 0:
-        b = moving(solids[int(item[OTHER])], jets[OVER], beside, tilts[beside] > 0.0, 2, nx, ny, nz)
+    if item[OTHER] >= 0.0:
+        b = moving(tables[4][int(item[OTHER])], jets[OVER], int(item[OTHER_ON]), 2, n)
         bend += b[1] + b[2]
-    g0, g1 = gap(solids, vertices, jets[begin], item, nx, ny, nz), gap(solids, vertices, jets[end], item, nx, ny, nz)
-    return min(g0, g1) - SLACK_M, max(bend, 0.0) * h * h / 8.0
+    ends = min(gap(tables, jets[BEGIN], item, n), gap(tables, jets[END], item, n))
+    return ends - SLACK_M, max(bend, 0.0) * h * h / 8.0
 
 
 @kernel(f"int64({F2}, int64)")
@@ -152,62 +156,50 @@ def nearest_face(points: FloatArray, many: int) -> int:
     return kept + 1
 
 
-@kernel(f"UniTuple(float64, 2)({F2}, {F2}, {F3}, {F1}, float64)")
-def distance(
-    solids: FloatArray, vertices: FloatArray, jets: FloatArray, item: FloatArray, claimed: float
-) -> tuple[float, float]:
+@kernel(f"UniTuple(float64, 2)({TABLES}, {F3}, {F1}, float64)")
+def distance(tables: Tables, jets: FloatArray, item: FloatArray, claimed: float) -> tuple[float, float]:
     """Of a pair at the instant of the jets, from below and from above; the normal goes into HINT of the item.
 
     The origin's way to the differences of their points, step by step to the one that is farthest against it. It ends as
     soon as the lower value exceeds what is claimed by most of what it can, or the upper one falls short of it.
     """
     one, other, on, beside = int(item[ONE]), int(item[OTHER]), int(item[ONE_ON]), int(item[OTHER_ON])
-    balls, points = solids[one, BALL] + solids[other, BALL], np.empty((5, 3))
-    nx, ny, nz, many, low, high = item[HINT], item[HINT + 1], item[HINT + 2], 0, -math.inf, math.inf
+    balls, points = tables[4][one, BALL] + tables[4][other, BALL], np.empty((5, 3))
+    n, many, low, high = vector(item, HINT), 0, -math.inf, math.inf
     for _ in range(STEPS):
-        a = farthest(solids[one], jets, on, vertices, nx, ny, nz, 0.0)
-        b = farthest(solids[other], jets, beside, vertices, -nx, -ny, -nz, 0.0)
-        dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-        apart = nx * dx + ny * dy + nz * dz - balls
+        a = farthest(tables[4][one], jets, on, tables[5], n, 0.0)
+        b = farthest(tables[4][other], jets, beside, tables[5], (-n[0], -n[1], -n[2]), 0.0)
+        apart = n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2]) - balls
         if apart > low:
-            low, item[HINT], item[HINT + 1], item[HINT + 2] = apart, nx, ny, nz
+            low, item[HINT], item[HINT + 1], item[HINT + 2] = apart, n[0], n[1], n[2]
         if not (high - low > NEAR_M and high >= claimed and low - claimed < 0.75 * (high - claimed)):
             break
-        points[many, 0], points[many, 1], points[many, 2] = dx, dy, dz
+        for k in range(3):
+            points[many, k] = b[k] - a[k]
         many = nearest_face(points, many + 1)
         size = math.sqrt(points[4, 0] ** 2 + points[4, 1] ** 2 + points[4, 2] ** 2)
         if not (size > 0.0 and size - balls < high):
             high = min(high, max(size - balls, 0.0))
             break
         high = size - balls
-        nx, ny, nz = points[4, 0] / size, points[4, 1] / size, points[4, 2] / size
+        n = (points[4, 0] / size, points[4, 1] / size, points[4, 2] / size)
     return low, high
 
 
-@kernel(f"int64({F2}, {F2}, {F4}, int64, {F1}, {F1}, float64, float64, {F1})")
-def claim_of(
-    solids: FloatArray,
-    vertices: FloatArray,
-    jets: FloatArray,
-    begin: int,
-    tilts: FloatArray,
-    item: FloatArray,
-    h: float,
-    t: float,
-    state: FloatArray,
-) -> int:
+@kernel(f"int64({TABLES}, {F4}, {F1}, float64, float64, {F1})")
+def claim_of(tables: Tables, jets: FloatArray, item: FloatArray, h: float, t: float, state: FloatArray) -> int:
     """Whether a pair is proved to keep the clearance claimed over an interval, with t in its middle: HOLDS, or is OPEN,
-    or FAILS at t, which goes into the state. Of boxes that come too near the PIECES are to be looked at."""
-    low, sag = least(solids, vertices, jets, begin, tilts, item, h, item[HINT], item[HINT + 1], item[HINT + 2])
+    or FAILS at t, which goes into the state. Of BOXES that come too near the pieces are to be looked at."""
+    low, sag = least(tables, jets, item, h, vector(item, HINT))
     if low - sag >= state[CLAIMED]:
         return HOLDS
-    high = distance(solids, vertices, jets[MIDDLE], item, state[CLAIMED])[1]
+    high = distance(tables, jets[MIDDLE], item, state[CLAIMED])[1]
     if high < state[CLAIMED]:
         if item[PIECES] > 0.0 or item[OTHERS] > 0.0:
             return BOXES
         state[REACHED], state[WHEN], state[PAIR_ONE], state[PAIR_OTHER] = high, t, item[ONE], item[OTHER]
         return FAILS
-    low, sag = least(solids, vertices, jets, begin, tilts, item, h, item[HINT], item[HINT + 1], item[HINT + 2])
+    low, sag = least(tables, jets, item, h, vector(item, HINT))
     return HOLDS if low - sag >= state[CLAIMED] else OPEN
 
 
@@ -227,41 +219,23 @@ def opened(items: FloatArray, i: int, at: int) -> int:
     return ones * others
 
 
-@kernel(
-    f"boolean(float64, float64, int64, {F2}, {F2}, int64, {F1}, {F2}, {F2}, {TABLES}, {F4}, {F3}, {F1}, {F1}, {F1})"
-)
-def descend(
-    t0: float,
-    t1: float,
-    many: int,
-    items: FloatArray,
-    stack: FloatArray,
-    count: int,
-    tilts: FloatArray,
-    solids: FloatArray,
-    vertices: FloatArray,
-    tables: Tables,
-    jets: FloatArray,
-    known: FloatArray,
-    times: FloatArray,
-    spared: FloatArray,
-    state: FloatArray,
-) -> bool:
+@kernel(f"boolean(float64, float64, int64, {TABLES}, {WORK_ROOM}, {F1}, {F1})")
+def descend(t0: float, t1: float, many: int, tables: Tables, work: Work, spared: FloatArray, state: FloatArray) -> bool:
     """By how much, m, rows prove more than is required over [t0, t1], into `spared` where that is less than what is
     there (less than 0, or NaN: they do not); and whether pairs keep the clearance claimed, into `state`.
 
-    What is open are rows 0 to `many` - 1 of `items` (.., ITEM); `times` (2,): those of the jets at BEGIN and END. Of a
-    row of one body alone, what it proves is the distance. False: no room for the items.
+    What is open are the first `many` items. Of a row of one body alone, what it proves is the distance. False: no room
+    for the items.
     """
+    jets, known, items, stack = work
     stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3], stack[0, 4], top = t0, t1, 0.0, many, 0.0, 1
     while top > 0:
         top -= 1
         t0, t1, depth = stack[top, 0], stack[top, 1], stack[top, 4]
         first, end, left = int(stack[top, 2]), int(stack[top, 2] + stack[top, 3]), 0
         h, middle, begin = t1 - t0, (t0 + t1) / 2.0, BEGIN
-        if times[0] != t0 and (times[1] == t0 or times[0] == t1):
+        if known[BEGIN, 0, 0] != t0 and (known[END, 0, 0] == t0 or known[BEGIN, 0, 0] == t1):
             begin = END  # what was the end of another interval is the begin of this one, or the other way round
-        times[begin - BEGIN], times[END - begin] = t0, t1
         for i in range(first, end):
             item, row = items[i], int(items[i, ROW])
             pair, prove = item[OTHER] >= 0.0, item[PROVE] > 0.0
@@ -272,20 +246,19 @@ def descend(
             state[WORK] += 1.0
             ok, low, sag = state[WORK] <= MOST, -math.inf, 0.0
             for c in (int(item[ONE_ON]), int(item[OTHER_ON])):
-                ok = ok and carried(OVER, c, count, t0, t1, tables, jets, known)
-                ok = ok and carried(begin, c, count, t0, t0, tables, jets, known)
-                ok = ok and carried(BEGIN + END - begin, c, count, t1, t1, tables, jets, known)
+                ok = ok and carried(OVER, c, t0, t1, tables, jets, known)
+                ok = ok and carried(begin, c, t0, t0, tables, jets, known)
+                ok = ok and carried(BEGIN + END - begin, c, t1, t1, tables, jets, known)
             if ok and row >= 0:
-                nx, ny, nz = item[NORMAL], item[NORMAL + 1], item[NORMAL + 2]
-                low, sag = least(solids, vertices, jets, begin, tilts, item, h, nx, ny, nz)
+                low, sag = least(tables, jets, item, h, vector(item, NORMAL))
                 claim = claim and not low - sag >= state[CLAIMED]
             if prove:
                 late, world = item[LATE], max(int(item[ONE_ON]), int(item[OTHER_ON]))
                 need = item[NEED] + item[DRIFT] * (t1 + late)
-                if ok and late > 0.0 and world >= count:
-                    ok = carried(LATER, world, count, t0, t1 + late, tables, jets, known)
-                    solid = solids[int(item[OTHER] if int(item[OTHER_ON]) == world else item[ONE])]
-                    v = moving(solid, jets[LATER], world, False, 1, item[NORMAL], item[NORMAL + 1], item[NORMAL + 2])
+                if ok and late > 0.0:
+                    ok = carried(LATER, world, t0, t1 + late, tables, jets, known)
+                    solid = tables[4][int(item[OTHER] if int(item[OTHER_ON]) == world else item[ONE])]
+                    v = moving(solid, jets[LATER], world, 1, vector(item, NORMAL))
                     need += late * (max(abs(v[0]), abs(v[1])) + v[2])
                 taken, bound = low - need, low - need - sag
                 if not (ok and bound > -math.inf):
@@ -296,18 +269,13 @@ def descend(
             said = OPEN
             if claim and not prove:
                 for c in (int(item[ONE_ON]), int(item[OTHER_ON])):
-                    ok = ok and carried(MIDDLE, c, count, middle, middle, tables, jets, known)
+                    ok = ok and carried(MIDDLE, c, middle, middle, tables, jets, known)
                 if ok:
-                    said = claim_of(solids, vertices, jets, begin, tilts, item, h, middle, state)
+                    said = claim_of(tables, jets, item, h, middle, state)
                 claim = said in (OPEN, BOXES)
                 if claim and depth >= DEEPEST:
-                    state[REACHED], state[WHEN], state[PAIR_ONE], state[PAIR_OTHER] = (
-                        math.nan,
-                        t0,
-                        item[ONE],
-                        item[OTHER],
-                    )
-                    claim = False
+                    state[REACHED], state[WHEN] = math.nan, t0
+                    state[PAIR_ONE], state[PAIR_OTHER], claim = item[ONE], item[OTHER], False
             if not (prove or claim):
                 continue
             more = 1 if end + left < len(items) else -1

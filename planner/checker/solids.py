@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.checker.jets import F1, F2, F3, size
+from assur.planner.checker.jets import F1, F2, F3, VECTOR, size
 from assur.planner.checker.motion import JETS
 from assur.planner.compiled import kernel
 from assur.planner.frames.motion import Pose
@@ -21,22 +21,25 @@ from assur.planner.geometry.shapes import Body
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 
-CENTRE, TURN, HALF, DISC, BALL, VERTEX, VERTICES, ARM_FLAT, ARM, SOLID = 0, 3, 12, 15, 16, 17, 18, 19, 20, 21
+CENTRE, TURN, HALF, DISC, BALL, VERTEX, VERTICES, ARM_FLAT, ARM, TILTS, SOLID = (
+    0, 3, 12, 15, 16, 17, 18, 19, 20, 21, 22,
+)  # fmt: skip
 """Columns of a solid, in its carrier: centre, axes (columns one after the other), half sizes of the box, disc across
 the z axis, ball (S1), first row and number of the vertices of a hull; how far points that count are from the vertical
-through its centre, and from its centre; how many columns."""
+through its centre, and from its centre; 1 on a carrier that does not stay upright; how many columns."""
 BODY, CARRIER, FIRST = 0, 1, 2
 """Columns of a seat: number of the body, its carrier, and the row of the table where its pieces begin."""
 UPRIGHT = 1e-12
 """A solid of revolution whose axis is off the vertical by no more than this (a few roundings, rad) stands upright."""
 I2 = "int64[:, ::1]"
+Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
 class Solids:
     """`bodies`, by `number` of their name; `count` (B,) of their pieces; `seat` (P, B) in each phase; `seats` (S, 3)
     and `offset` (S, 4): x, y, z, yaw of seats in their carriers; `table` (N, SOLID) and the `vertices` of hulls;
-    `tilts` (C,): 1 for carriers that do not stay upright; `mine` (B,): numbers of the bodies that are the robot's in
+    `mine` (B,): numbers of the bodies that are the robot's in
     any phase, -1 for others."""
 
     bodies: tuple[Body, ...]
@@ -47,7 +50,6 @@ class Solids:
     offset: FloatArray
     table: FloatArray
     vertices: FloatArray
-    tilts: FloatArray
     mine: IntArray
     links: int
 
@@ -98,11 +100,11 @@ def solids(scene: Scene, phases: tuple[Phase, ...]) -> Solids:
         sizes = np.array([len(hull.vertices) for hull in raw.hulls])
         vertices, which = np.concatenate([hull.vertices for hull in raw.hulls]), np.flatnonzero(raw.hull >= 0)
         own_table[which, VERTEX], own_table[which, VERTICES] = np.cumsum(sizes) - sizes, sizes
-    table, places, first = np.zeros((int(rows.sum()), SOLID)), np.array(offset).reshape(-1, 4), raw.first.copy()
-    place(own_table, first, raw.count.copy(), seats, places, vertices, table)
-    tilts = np.zeros(links + len(frames))
-    tilts[list(robot.tilting)] = 1.0
-    return Solids(bodies, number, raw.count, seat, seats, places, table, vertices, tilts, mine, links)
+    table, places, count = np.zeros((int(rows.sum()), SOLID)), np.array(offset).reshape(-1, 4), raw.count.copy()
+    place(own_table, raw.first.copy(), count, seats, places, vertices, table)
+    if robot.tilting:
+        table[np.repeat(np.isin(carriers, list(robot.tilting)), rows), TILTS] = 1.0
+    return Solids(bodies, number, count, seat, seats, places, table, vertices, mine, links)
 
 
 def _four(pose: Pose) -> tuple[float, float, float, float]:
@@ -175,12 +177,11 @@ def place(
                 table[i, CENTRE + axis] += offset[s, axis]
 
 
-@kernel(f"UniTuple(float64, 3)({F1}, {F3}, int64, {F2}, float64, float64, float64, float64)")
-def farthest(
-    solid: FloatArray, jets: FloatArray, c: int, vertices: FloatArray, nx: float, ny: float, nz: float, ball: float
-) -> tuple[float, float, float]:
+@kernel(f"{VECTOR}({F1}, {F3}, int64, {F2}, {VECTOR}, float64)")
+def farthest(solid: FloatArray, jets: FloatArray, c: int, vertices: FloatArray, n: Vector, ball: float) -> Vector:
     """The point of a solid on carrier c that is farthest along n, where the jets, of an instant, have it (S1); with
     `ball` 0 the ball about it is left out."""
+    nx, ny, nz = n
     along = (
         nx * jets[c, 3, 0] + ny * jets[c, 4, 0] + nz * jets[c, 5, 0],
         nx * jets[c, 6, 0] + ny * jets[c, 7, 0] + nz * jets[c, 8, 0],
@@ -215,28 +216,16 @@ def farthest(
     )
 
 
-@kernel(f"float64({F1}, {F3}, int64, {F2}, float64, float64, float64)")
-def support(
-    solid: FloatArray, jets: FloatArray, c: int, vertices: FloatArray, nx: float, ny: float, nz: float
-) -> float:
-    """max of n·x over a solid on carrier c, where the jets, of an instant, have it."""
-    x, y, z = farthest(solid, jets, c, vertices, nx, ny, nz, 1.0)
-    return nx * x + ny * y + nz * z
-
-
-@kernel(f"UniTuple(float64, 3)({F1}, {F3}, int64, boolean, int64, float64, float64, float64)")
-def moving(
-    solid: FloatArray, jets: FloatArray, c: int, tilts: bool, order: int, nx: float, ny: float, nz: float
-) -> tuple[float, float, float]:
+@kernel(f"{VECTOR}({F1}, {F3}, int64, int64, {VECTOR})")
+def moving(solid: FloatArray, jets: FloatArray, c: int, order: int, n: Vector) -> Vector:
     """Bounds of n·c of a solid's centre c, differentiated `order` times, and how far that of its points may be off."""
     low, high = 0.0, 0.0
     for k in range(3):
-        n = nx if k == 0 else (ny if k == 1 else nz)
         for axis in range(4):
-            share = n if axis == 0 else n * solid[CENTRE + axis - 1]
+            share = n[k] if axis == 0 else n[k] * solid[CENTRE + axis - 1]
             least, most = share * jets[c, 3 * axis + k, 2 * order], share * jets[c, 3 * axis + k, 2 * order + 1]
             low += least if share >= 0.0 else most
             high += most if share >= 0.0 else least
-    if tilts:
+    if solid[TILTS] > 0.0:
         return low, high, solid[ARM] * size(jets, c, 3, JETS, order)
-    return low, high, solid[ARM_FLAT] * math.sqrt(nx * nx + ny * ny) * size(jets, c, 3, 5, order)
+    return low, high, solid[ARM_FLAT] * math.sqrt(n[0] * n[0] + n[1] * n[1]) * size(jets, c, 3, 5, order)

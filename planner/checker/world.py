@@ -85,7 +85,7 @@ class World:
         """Motion of frames at poses in carriers, each at a time."""
         where = np.array([(carrier, pose.x, pose.y, pose.z, pose.yaw, t) for carrier, pose, t in asked], np.float64)
         found = np.empty((len(where), len(State._fields)))
-        along.states(where, self.links, self.tables, found)
+        along.states(where, self.tables, found)
         return [State._make(row) for row in found.tolist()]
 
     def tool(self, t: float) -> State:
@@ -94,8 +94,8 @@ class World:
 
     def place(self, carrier: int, t: float) -> tuple[FloatArray, FloatArray]:
         """Position (3,) and rotation (3, 3) of a carrier."""
-        jets = np.full((len(self.tables[2]) + self.links + motion.MOST_LINKS, motion.JETS, 6), np.nan)
-        motion.carry(carrier if carrier >= self.links else 0, self.links, t, t, self.tables, jets)
+        jets = motion.all_jets(self.tables) * np.nan
+        motion.carry(carrier if carrier >= self.links else 0, t, t, self.tables, jets)
         return jets[carrier, :3, 0], jets[carrier, 3:, 0].reshape(3, 3).T
 
     def keeps(self, kind: int, asked: Sequence[tuple[int, float]], t0: float, t1: float) -> Excess | None:
@@ -105,7 +105,7 @@ class World:
         row[along.TCP : along.TCP + 4] = tcp.x, tcp.y, tcp.z, tcp.yaw
         for column, value in asked:
             row[column] = value
-        along.keeps(kind, row, t0, t1, self.links, self.tables, found)
+        along.keeps(kind, row, t0, t1, self.tables, found)
         if found[0] == 0.0:
             return None
         return Excess(int(found[1]), float(found[2]), float(found[3]), bool(found[0] == 1.0))

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.motion import JETS
-from assur.planner.checker.solids import ARM, ARM_FLAT, CENTRE, FIRST, HALF, TURN, solids, support
+from assur.planner.checker.solids import ARM, ARM_FLAT, CENTRE, FIRST, HALF, TURN, farthest, solids
 from assur.planner.geometry.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
 from assur.planner.geometry.shapes import support as support_of
 from assur.planner.model.phases import phases
@@ -67,7 +67,7 @@ def rows_of(name: str, yaw: float = 0.0) -> FloatArray:
 
 
 def reach_along(row: FloatArray, n: FloatArray) -> float:
-    return support(row, STANDS, 0, TABLE.vertices, float(n[0]), float(n[1]), float(n[2]))
+    return float(n @ farthest(row, STANDS, 0, TABLE.vertices, (float(n[0]), float(n[1]), float(n[2])), 1.0))
 
 
 def points(piece: Piece, rng: np.random.Generator) -> FloatArray:
