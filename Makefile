@@ -78,22 +78,33 @@ serve: $(VENV)/installed
 	$(BIN)/assur serve --host $(HOST) --port $(PORT)
 
 # The moving goals once met in position and once with their velocity.
+RUNS := static:position moving_bodies:position moving_goal:position moving_goal:velocity
+
 problems: $(VENV)/installed
 	@mkdir -p $(OUT)
-	@set -e; for run in static:position moving_bodies:position moving_goal:position moving_goal:velocity; do \
+	@set -e; for run in $(RUNS); do \
 		set_="$${run%%:*}"; match="$${run##*:}"; answers="$(OUT)/$$set_-$$match.jsonl"; \
 		$(BIN)/python -m benchmarks.run_problems "benchmarks/problems/$$set_.json" \
 			--budget-s $(BUDGET) --stop first --match "$$match" --out "$$answers"; \
 		$(BIN)/python -m benchmarks.recheck "benchmarks/problems/$$set_.json" "$$answers" --match "$$match"; \
 	done
 
+# The scripts of the benchmark, each in a process of its own.
+SCRIPTS := first_answer durations demo_cycle session scaling legs service side_by_side
+each_script = for script in $(SCRIPTS); do \
+		beside=; if [ $$script = first_answer ]; then beside="$(if $(BESIDE),--beside $(BESIDE))"; fi; \
+		$(BIN)/python -m benchmarks.$$script $$beside $(1) || status=1; done
+
 # What was measured stands in the pages even where an answer was not clean: as refused.
 bench: $(VENV)/installed
-	@status=0; $(BIN)/python -m benchmarks.bench $(if $(BESIDE),--beside $(BESIDE)) || status=$$?; \
+	@status=0; $(call each_script,); rm -f benchmarks/results/profile.jsonl; \
+		for run in $(RUNS); do for commit in "" $(if $(BESIDE),--commit=$(BESIDE)); do \
+			$(BIN)/python -m benchmarks.profile "$${run%%:*}" --match "$${run##*:}" $$commit \
+				--out benchmarks/results/profile.jsonl || status=1; done; done; \
 		$(BIN)/python -m benchmarks.report; exit $$status
 
 bench-quick: $(VENV)/installed
-	$(BIN)/python -m benchmarks.bench --quick
+	@status=0; $(call each_script,--quick); exit $$status
 
 clean:
 	rm -rf $(VENV) .venv-peers $(OUT) build .coverage .coverage.* htmlcov .hypothesis .mypy_cache .pytest_cache .ruff_cache .import_linter_cache *.egg-info

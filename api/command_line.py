@@ -99,14 +99,15 @@ def plan(
 ) -> int:
     """Plan FILE, check the plan, and say what came out."""
     given = target(file)
-    _announce_compilation()
     if out is not None and (out.is_dir() or not out.parent.is_dir()):
         raise InputError("--out", str(out), "a file in a folder that exists")
+    cell = given.cell
+    _announce_compilation()
     with console_report.working(f"planning {given.name}"):
         answer = given.plan()
         checked = answer["status"] == "planned"
         if checked:
-            _hold_to_checker(given.check(answer))
+            _hold_to_checker(requests.check_plan(cell, *requests.read_plan(cell, answer)))
     if checked and certificate == "digest":
         answer["certificate"] = {key: answer["certificate"][key] for key in ("digest", "rows", "covers")}
     if out is not None:
@@ -131,10 +132,10 @@ def check(
 ) -> int:
     """Check a PLAN against FILE with the checker, which trusts no planner."""
     given = target(file)
-    answer = json_file(plan, "PLAN")
+    read = requests.read_plan(given.cell, json_file(plan, "PLAN"))
     _announce_compilation()
     with console_report.working(f"checking {plan.name}"):
-        verdict = given.check(answer)
+        verdict = requests.check_plan(given.cell, *read)
     if as_json:
         _print_json(verdict)
     elif verdict["ok"]:

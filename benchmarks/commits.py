@@ -39,11 +39,11 @@ def sources(commit: str | None) -> Iterator[Path]:
 
 
 @contextmanager
-def planning(folder: Path, problems: ProblemSet, log: Path | None = None) -> Iterator[Program]:
+def planning(folder: Path, problems: ProblemSet) -> Iterator[Program]:
     """A planner that is warm: libraries are loaded and every path was taken once, on problems that are in no set."""
     # -P: modules here must not take the names of the standard library's
     command = [sys.executable, "-P", str(PROGRAM), str(folder)]
-    with Program(command, folder=folder, log=log, start_s=START_S) as program:
+    with Program(command, folder=folder, start_s=START_S) as program:
         for seed in WARM_UP_SEEDS:
             for match in ("position", "velocity"):
                 problem = unrelated_problem(seed, moving_goal=seed % 2 == 0)

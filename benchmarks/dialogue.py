@@ -14,7 +14,6 @@ import sys
 import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 Document = dict[str, Any]
@@ -28,30 +27,20 @@ class ProgramDied(Exception):
 
 
 class Program:
-    """The asking end. The first line that the process writes, once it is warm, is its `greeting`; `opening` is what it
-    is told before."""
+    """The asking end. The first line that the process writes, once it is warm, is its `greeting`."""
 
-    def __init__(
-        self,
-        command: Sequence[str],
-        *,
-        folder: Path,
-        opening: Document | None = None,
-        log: Path | None = None,
-        start_s: float = 120.0,
-    ):
-        self._log = log.open("ab") if log is not None else None
+    def __init__(self, command: Sequence[str], *, folder: Path, start_s: float):
         self._process = subprocess.Popen(
             command,
             cwd=folder,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=self._log or subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
             text=True,
             encoding="utf-8",
         )
         try:
-            self.greeting = self._line(start_s) if opening is None else self.ask(opening, start_s)
+            self.greeting = self._line(start_s)
         except ProgramDied:
             self.close()
             raise
@@ -88,27 +77,16 @@ class Program:
 
     def close(self) -> None:
         """Ends the process."""
-        if self._process.stdin is not None:
-            try:
-                self._process.stdin.close()
-            except BrokenPipeError:
-                self._process.kill()
         try:
-            self._process.wait(GRACE_S)
+            self._process.communicate(timeout=GRACE_S)
         except subprocess.TimeoutExpired:
             self._process.kill()
-            self._process.wait()
-        if self._process.stdout is not None:
-            self._process.stdout.close()
-        if self._log is not None:
-            self._log.close()
+            self._process.communicate()
 
     def __enter__(self) -> Program:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 
@@ -118,11 +96,6 @@ def answer_lines(prepare: Callable[[], tuple[Document, Callable[[Document], Docu
     out = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     greeting, answer = prepare()
-    _write(out, greeting)
+    print(json.dumps(greeting, allow_nan=False), file=out, flush=True)
     for line in sys.stdin:
-        _write(out, answer(json.loads(line)))
-
-
-def _write(out: Any, document: Document) -> None:
-    out.write(json.dumps(document, allow_nan=False) + "\n")
-    out.flush()
+        print(json.dumps(answer(json.loads(line)), allow_nan=False), file=out, flush=True)

@@ -25,9 +25,8 @@ Document = dict[str, Any]
 KEEP = ("units", "catalogue", "scenarios")
 """Modules of scenes whose caches hold nothing of a request: spelling of keys, shipped robots and scenarios."""
 PACKAGES = ("planner", "scenes")
-ROUNDS = 30
-"""Rounds in which the time of library functions is passed on to their callers; it converges as fast as calls nest."""
-NOBODY = "outside"
+LIBRARIES = "libraries"
+"""What a profile calls the time of functions that are in none of our rooms."""
 
 
 class Planner(NamedTuple):
@@ -103,8 +102,8 @@ def timed(door: Planner, document: Document) -> Document:
 
 
 def profiled(door: Planner, document: Document, repeats: int) -> Document:
-    """Milliseconds a request by room (`own_ms`, time in libraries counted to the room that called them) and by function
-    (`calls_ms`, with all that it calls), measured by cProfile and scaled to the median time without it (`total_ms`)."""
+    """Milliseconds a request by room (`own_ms`, without what it calls; a compiled kernel counts to its caller) and by
+    function (`calls_ms`, with all that it calls), by cProfile and scaled to the median time without it (`total_ms`)."""
 
     def once() -> float:
         door.forget()
@@ -120,42 +119,14 @@ def profiled(door: Planner, document: Document, repeats: int) -> Document:
     watch.disable()
     stats: Any = pstats.Stats(watch)
     scale = 1e3 * alone / stats.total_tt
-    own = {room: scale * seconds for room, seconds in by_room(stats.stats).items()}
-    calls = {
-        f"{room}/{Path(function[0]).stem}: {function[2]}": scale * row[3]
-        for function, row in stats.stats.items()
-        if (room := room_of(function)) is not None
-    }
-    return {"total_ms": 1e3 * alone, "own_ms": own, "calls_ms": calls}
-
-
-def by_room(stats: Any) -> dict[str, float]:
-    """Own seconds by room. What is in no room gives its time to its callers, in proportion to the calls' times."""
-    rooms: dict[str, float] = defaultdict(float)
-    waiting: dict[Any, float] = defaultdict(float)
-    for function, (_, _, seconds, _, _) in stats.items():
+    own: dict[str, float] = defaultdict(float)
+    calls: dict[str, float] = {}
+    for function, (_, _, seconds, whole, _) in stats.stats.items():
         room = room_of(function)
+        own[room or LIBRARIES] += scale * seconds
         if room is not None:
-            rooms[room] += seconds
-        else:
-            waiting[function] += seconds
-    for _ in range(ROUNDS):
-        passed: dict[Any, float] = defaultdict(float)
-        for function, seconds in waiting.items():
-            callers = stats[function][4]
-            whole = sum(edge[3] for edge in callers.values())
-            if not whole > 0:
-                rooms[NOBODY] += seconds
-                continue
-            for caller, edge in callers.items():
-                room = room_of(caller)
-                if room is not None:
-                    rooms[room] += seconds * edge[3] / whole
-                else:
-                    passed[caller] += seconds * edge[3] / whole
-        waiting = passed
-    rooms[NOBODY] += sum(waiting.values())
-    return dict(rooms)
+            calls[f"{room}/{Path(function[0]).stem}: {function[2]}"] = scale * whole
+    return {"total_ms": 1e3 * alone, "own_ms": own, "calls_ms": calls}
 
 
 def room_of(function: tuple[str, int, str]) -> str | None:

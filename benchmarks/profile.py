@@ -2,7 +2,7 @@
 
 The set is planned once; the requests nearest to the median time are repeated under cProfile. cProfile slows small calls
 down more than large ones; the figures are scaled to the time without it, so shares of code with many small calls are
-somewhat too large. The time of a library counts to the room that called it, and so does that of compiled kernels.
+somewhat too large. Libraries are a room of their own; a compiled kernel counts to the room that calls it.
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ def main(
     out: Annotated[Path | None, typer.Option(help="Append the profile to this file, as a JSON line.")] = None,
 ) -> None:
     """Print where the milliseconds of the median request of a set go."""
-    refuse(name, match)
+    if (name, match) not in SETS:
+        raise typer.BadParameter(f"{name} by {match} is none of {SETS}", param_hint="SET")
     pin()
     problems = problem_set(name)
     manners = Manners(match="velocity" if match == "velocity" else "position")
@@ -57,16 +58,6 @@ def main(
         out.parent.mkdir(parents=True, exist_ok=True)
         with out.open("a", encoding="utf-8") as stream:
             stream.write(json.dumps({"profile": title, **made}) + "\n")
-
-
-def refuse(name: str, match: str) -> None:
-    """Raises `typer.BadParameter` for a set that there is not, and for a match that it has not."""
-    names = list(dict.fromkeys(known for known, _ in SETS))
-    if name not in names:
-        raise typer.BadParameter(f"{name!r} is none of {', '.join(names)}", param_hint="SET")
-    matches = [way for known, way in SETS if known == name]
-    if match not in matches:
-        raise typer.BadParameter(f"{match!r} is not {' or '.join(matches)} of {name}", param_hint="--match")
 
 
 def profiled(program: Program, problems: ProblemSet, manners: Manners, limit: int | None, repeats: int) -> Any:

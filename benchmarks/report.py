@@ -16,13 +16,14 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from benchmarks.bench import SCRIPTS
 from benchmarks.figures import FOLDER, Document, Figure, read
 from benchmarks.judged import SETS, label
 from benchmarks.machine import ROOT
 from benchmarks.plots import TITLES, draw
 
 PLOTS = ROOT / "docs" / "plots"
+SCRIPTS = ("first_answer", "durations", "demo_cycle", "session", "scaling", "legs", "service", "side_by_side")
+"""In the order in which `make bench` runs them."""
 PAGES = (ROOT / "README.md", ROOT / "docs" / "benchmarks.md")
 MARKED = re.compile(r"(<!-- benchmark: ([a-z-]+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 ORDER = f"Sets in the order {' / '.join(label(*pair) for pair in SETS)}."

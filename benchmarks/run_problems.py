@@ -21,7 +21,7 @@ from rich.table import Table
 from benchmarks.commits import ask, planning
 from benchmarks.figures import quantile
 from benchmarks.machine import ROOT
-from benchmarks.problem_set import Problem, ProblemSet, ProblemSetError, read_problem_set
+from benchmarks.problem_set import Problem, ProblemSet, read_problem_set
 from benchmarks.translation import Document, Manners, request
 
 
@@ -32,21 +32,16 @@ def main(
     stop: Annotated[
         str, typer.Option(help="first: at the first certified plan; budget: the best in the budget.")
     ] = "first",
-    match: Annotated[str, typer.Option(help="Meet a moving goal in position only, or with its velocity.")] = "position",
+    match: Annotated[str, typer.Option(help="Meet a moving goal in position, or with its velocity.")] = "position",
     limit: Annotated[int | None, typer.Option(min=1, help="Only the first problems.")] = None,
     only: Annotated[list[str] | None, typer.Option(help="Only the problem with this id; repeatable.")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the search.")] = 0,
 ) -> None:
     """Plan every problem of a set and print how it went."""
-    if stop not in ("first", "budget"):
-        raise typer.BadParameter("first or budget", param_hint="--stop")
-    if match not in ("position", "velocity"):
-        raise typer.BadParameter("position or velocity", param_hint="--match")
-    try:
-        problems = read_problem_set(file)
-        chosen = choose(problems, limit, only or [])
-    except ProblemSetError as error:
-        raise typer.BadParameter(str(error), param_hint="FILE") from error
+    problems = read_problem_set(file)
+    chosen = choose(problems, limit, only or [])
+    if stop not in ("first", "budget") or match not in ("position", "velocity"):
+        raise typer.BadParameter("--stop is first or budget, --match position or velocity")
     manners = Manners(
         budget_s, "first" if stop == "first" else "budget", "velocity" if match == "velocity" else "position", seed
     )
@@ -63,10 +58,10 @@ def main(
 
 
 def choose(problems: ProblemSet, limit: int | None, only: Sequence[str]) -> tuple[Problem, ...]:
-    """The problems to run, in the order of the file. `ProblemSetError` for an id that is not there."""
+    """The problems to run, in the order of the file. `ValueError` for an id that is not there."""
     missing = set(only) - {str(problem["id"]) for problem in problems.problems}
     if missing:
-        raise ProblemSetError(f"no problem is called {', '.join(sorted(missing))}")
+        raise ValueError(f"no problem is called {', '.join(sorted(missing))}")
     chosen = tuple(problem for problem in problems.problems if not only or problem["id"] in only)
     return chosen[:limit]
 

@@ -45,10 +45,5 @@ def every(flags: BoolArray) -> BoolArray:
     return np.asarray(reduce(np.logical_and, [flags[..., k] for k in range(flags.shape[-1])]))
 
 
-def largest(values: FloatArray) -> FloatArray:
-    """`values.max(-1)` (...), likewise, ten times as slowly; NaN where any is."""
-    return np.asarray(reduce(np.maximum, [values[..., k] for k in range(values.shape[-1])]))
-
-
 def _fits(shape: tuple[int, ...], wanted: Sequence[int | None]) -> bool:
     return len(shape) == len(wanted) and all(want in (None, have) for have, want in zip(shape, wanted, strict=True))

@@ -66,7 +66,7 @@ def _planned(scene: Scene, clock: _Clock, prover: Prover, found: Found, made: Pl
         plan=made,
         margins=margins(scene, prover, made.trajectory, of_plan),
         contacts=contacts(of_plan),
-        lower_bound_s=lower_bound(scene, found.first_ways),
+        lower_bound_s=lower_bound(scene, found.first_options),
         census=found.census.census(),
         assumptions=scene.assumptions,
         seed=scene.options.seed,

@@ -52,8 +52,11 @@ def _longest(what: str, changed: Scene, left: float) -> float:
 
 
 def _attempt(scene: Scene, budget: float) -> Found:
-    options = replace(scene.options, stop="first", budget_s=budget)
-    return searcher(replace(scene, options=options), Prover(scene), time.perf_counter()).run()
+    """The search that the changed request would cause, up to its first plan: what is found here, that request finds."""
+    changed = replace(scene, options=replace(scene.options, budget_s=budget))
+    search = searcher(changed, Prover(changed), time.perf_counter())
+    search.until_first = True
+    return search.run()
 
 
 def _reached(found: Found, what: str, value: str, step: int) -> str:

@@ -6,12 +6,11 @@ everything else is SI and in the world frame. What has no number is null. Nothin
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import fields
 from typing import Literal, cast
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.model.outcome import (
     Arrival,
@@ -125,23 +124,19 @@ def _route(route: Route) -> document.Route:
 def trajectory_document(cell: Cell, plan: Plan) -> document.Trajectory:
     """The knots in the maker's convention. Reading them back gives the planner's knots, bit by bit."""
     trajectory = plan.trajectory
+    written = as_maker(np.stack([trajectory.q, trajectory.qd, trajectory.qdd]), cell.conventions)
+    if not np.isfinite(written).all():
+        raise FaultError("a trajectory is not finite")
+    rows: list[list[list[float]]] = written.tolist()
     return {
         "joint_names": [joint.name for joint in cell.conventions],
         "joint_units": ["rad" if joint.kind == "revolute" else "m" for joint in cell.conventions],
         "time_s": trajectory.time.tolist(),
-        "position": _rows(cell, trajectory.q, "position"),
-        "velocity": _rows(cell, trajectory.qd, "velocity"),
-        "acceleration": _rows(cell, trajectory.qdd, "acceleration"),
+        "position": rows[0],
+        "velocity": rows[1],
+        "acceleration": rows[2],
         "acceleration_jumps": bool(trajectory.jumps),
     }
-
-
-def _rows(cell: Cell, values: FloatArray, what: str) -> list[list[float]]:
-    written = as_maker(values, cell.conventions)
-    if not np.isfinite(written).all():
-        raise FaultError(f"a trajectory's {what} is not finite")
-    rows: list[list[float]] = written.tolist()
-    return rows
 
 
 def certificate_document(certificate: Certificate, detail: Detail) -> document.Certificate | document.CertificateDigest:
@@ -249,7 +244,7 @@ def _refused(scene: Scene, refusal: Refusal) -> document.Refused:
         "interval_s": interval(refusal.interval),
         "unit": None if refusal.amount is None else refusal.amount.unit,
         # as the dataclass is described in the schema, and as JSON has it
-        "facts": cast(Facts, {key: _plain(value) for key, value in asdict(refusal.facts).items()}),
+        "facts": cast(Facts, {fact.name: _plain(getattr(refusal.facts, fact.name)) for fact in fields(refusal.facts)}),
         "detail": because(scene, refusal),
     }
 

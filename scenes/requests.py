@@ -23,6 +23,8 @@ from assur.scenes.text.json_text import parse_json
 from assur.scenes.units import twin_of
 
 if TYPE_CHECKING:
+    from assur.planner.checker.verdict import Finding
+    from assur.planner.model.outcome import Nearest, Plan
     from assur.planner.model.scene import Scene
     from assur.scenes.reading.cell import Cell
 
@@ -31,12 +33,15 @@ __all__ = [
     "Scenario",
     "cell_of",
     "check_document",
+    "check_plan",
     "load_robot",
     "load_scenario",
     "models",
     "parse_json",
+    "plan_cell",
     "plan_document",
     "plan_scenario",
+    "read_plan",
     "request_digest",
     "request_schema",
     "robots",
@@ -116,11 +121,17 @@ def plan_document(
     `started`: the reading of `time.perf_counter` from which the budget counts. A service gives the time at which it
     took the request up, so that building the scene counts, too; None: the budget is for the search alone.
     """
+    return plan_cell(cell_of(document, folder=folder), certificate=certificate, started=started)
+
+
+def plan_cell(
+    cell: Cell, *, certificate: Literal["full", "digest"] = "full", started: float | None = None
+) -> dict[str, Any]:
+    """The answer for a cell that has been read; as `plan_document`."""
     from assur.planner.pipeline import plan
     from assur.scenes.answer import answer_of
 
-    cell = cell_of(document, folder=folder)
-    with located(document):
+    with located(cell.document):
         outcome = plan(cell.scene, started=started)
     return dict(answer_of(cell, outcome, certificate))
 
@@ -135,14 +146,31 @@ def plan_scenario(
 
 def check_document(request: object, plan: object, *, folder: Path | None = None) -> dict[str, Any]:
     """The checker's verdict on a planned answer with a full certificate. Raises `InputError` naming the field."""
-    from assur.planner.checker import check
-    from assur.scenes.answer import NOTICE
+    cell = cell_of(request, folder=folder)
+    return check_plan(cell, *read_plan(cell, plan))
+
+
+def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...], tuple[Nearest | None] | None]:
+    """The plan in a planned answer with a full certificate, what the answer says of it that is not so, and what it says
+    of the smallest clearance (`check`).
+
+    Raises `InputError` naming the field.
+    """
     from assur.scenes.reading.plan import nearest_of, plan_of
 
-    cell = cell_of(request, folder=folder)
     answer = plain(plan)
-    made, told = plan_of(answer, cell.conventions)  # told before the checker's word, which knows no documents
-    verdict = check(cell.scene, made, nearest_of(answer))
+    return *plan_of(answer, cell.conventions), nearest_of(answer)
+
+
+def check_plan(
+    cell: Cell, made: Plan, told: tuple[Finding, ...] = (), said: tuple[Nearest | None] | None = None
+) -> dict[str, Any]:
+    """The checker's verdict on a plan that has been read, and on what is `said` of its smallest clearance. `told`:
+    findings before the checker's, who knows no documents."""
+    from assur.planner.checker import check
+    from assur.scenes.answer import NOTICE
+
+    verdict = check(cell.scene, made, said)
     findings: list[written.Finding] = [
         {
             "code": str(finding.code),
@@ -153,11 +181,11 @@ def check_document(request: object, plan: object, *, folder: Path | None = None)
         }
         for finding in (*told, *verdict.findings)
     ]
-    said: written.Verdict = {
+    found: written.Verdict = {
         "schema": "assur/1",
         "ok": verdict.ok and not told,
         "findings": findings,
         "request_digest": cell.scene.digest,
         "notice": NOTICE,
     }
-    return dict(said)
+    return dict(found)

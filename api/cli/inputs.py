@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_JSON_BYTES
@@ -13,18 +14,20 @@ from assur.scenes.faults import likeliest
 from assur.scenes.requests import (
     RobotFile,
     Scenario,
-    check_document,
+    cell_of,
     load_robot,
     load_scenario,
     models,
     parse_json,
-    plan_document,
-    plan_scenario,
+    plan_cell,
     shipped,
     shipped_robot,
     shipped_scenarios,
     unmet,
 )
+
+if TYPE_CHECKING:
+    from assur.scenes.reading.cell import Cell
 
 
 @dataclass(frozen=True)
@@ -37,16 +40,20 @@ class Target:
     folder: Path
     scenario: Scenario | None = None
 
+    @cached_property
+    def cell(self) -> Cell:
+        """The request, read, and nothing planned. Raises `InputError`, with the line in a scenario's file."""
+        with self._located():
+            return cell_of(self.request, folder=self.folder)
+
     def plan(self) -> dict[str, Any]:
         """The answer, with its certificate in full. Raises `InputError`, with the line in a scenario's file."""
-        return (
-            plan_document(self.request, folder=self.folder) if self.scenario is None else plan_scenario(self.scenario)
-        )
+        cell = self.cell
+        with self._located():
+            return plan_cell(cell)
 
-    def check(self, plan: object) -> dict[str, Any]:
-        """The checker's verdict on `plan`. Raises `InputError`."""
-        with nullcontext() if self.scenario is None else self.scenario.located():
-            return check_document(self.request, plan, folder=self.folder)
+    def _located(self) -> AbstractContextManager[None]:
+        return nullcontext() if self.scenario is None else self.scenario.located()
 
     def unmet(self, answer: dict[str, Any]) -> list[str]:
         """What of the scenario's `expect` the answer does not hold."""

@@ -7,18 +7,17 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 from fastapi import FastAPI
-from fastapi.exceptions import RequestValidationError
 from fastapi_offline import FastAPIOffline
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
 
 from assur.api.documents import problem_response
-from assur.api.problems import FieldError, Problem, printable, shown
+from assur.api.problems import Problem
 from assur.api.version import version
 from assur.api.web import openapi
 from assur.api.web.request_log import RequestLog
-from assur.api.web.routes import router
+from assur.api.web.routes import bodies, router
 from assur.api.web.service import Service
 from assur.api.web.settings import Settings
 
@@ -47,10 +46,10 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         exception_handlers={
             Problem: _on_problem,
             HTTPException: _on_http,
-            RequestValidationError: _on_parameter,
         },
     )
     app.state.service = service
+    app.include_router(bodies)
     app.include_router(router)
     app.add_middleware(RequestLog)
     described = app.openapi
@@ -74,16 +73,3 @@ async def _on_http(_: Request, error: Any) -> Response:
     headers = dict(error.headers or {})
     detail = f"Allowed here: {headers['Allow']}." if "Allow" in headers else "See /docs for what there is."
     return problem_response(Problem(kind, detail, headers=headers))
-
-
-async def _on_parameter(_: Request, error: Any) -> Response:
-    """A parameter of the address that is not allowed, without echoing what cannot be printed."""
-    found = [
-        FieldError(
-            printable(".".join(str(part) for part in e["loc"][1:])),
-            shown(e.get("input")),
-            printable(e["msg"].removeprefix("Input should be ")),
-        )
-        for e in error.errors()
-    ]
-    return problem_response(Problem("bad-input", str(found[0]), found))

@@ -104,7 +104,16 @@ PLAN_BODY = body(
         ]
     },
     {"a shipped scenario": {"scenario": "demo"}},
-)
+) | {
+    "parameters": [
+        {
+            "name": "certificate",
+            "in": "query",
+            "description": "the whole table of the proof, or its digest and size",
+            "schema": {"type": "string", "enum": ["full", "digest"], "default": "full"},
+        }
+    ]
+}
 
 CHECK_BODY = body(
     {

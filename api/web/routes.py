@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable
-from typing import Annotated
+from collections.abc import Awaitable, Callable, Coroutine
+from typing import Any, cast, get_args
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Request
+from fastapi.routing import APIRoute
 from starlette.responses import Response
 
 from assur.api.documents import json_response, to_json
@@ -24,7 +25,16 @@ from assur.scenes.schema.answer import Answer, Verdict
 BODY_PROBLEMS = ("bad-syntax", "too-slow", "too-large", "wrong-media-type", "bad-input", "quarantined", "fault")
 WORKER_PROBLEMS = ("worker-crashed", "busy", "not-ready", "worker-timeout")
 
-router = APIRouter()
+
+class Direct(APIRoute):
+    """A route whose function reads its request itself. FastAPI describes it, and does not look at each request."""
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        handler: Callable[[Request], Coroutine[Any, Any, Response]] = self.endpoint
+        return handler
+
+
+router, bodies = APIRouter(), APIRouter(route_class=Direct)
 # Routes that read files are plain functions: FastAPI runs those beside the event loop.
 
 
@@ -37,17 +47,18 @@ async def _unless_gone(request: Request, work: Awaitable[jobs.Answer]) -> Respon
     """The response to `work`, which is cancelled as soon as the client closes the connection."""
     working = asyncio.ensure_future(work)
     leaving = asyncio.ensure_future(_gone(request))
+    leaving.add_done_callback(lambda _: working.cancel())
     try:
-        await asyncio.wait({working, leaving}, return_when=asyncio.FIRST_COMPLETED)
-        if not working.done():
-            return Response(status_code=CLIENT_GONE)
-        answer = working.result()
-        request.scope[FACTS]["outcome"] = answer.outcome
-        return json_response(answer.body)
+        answer = await working
+    except asyncio.CancelledError:
+        if not leaving.done():
+            raise
+        return Response(status_code=CLIENT_GONE)
     finally:
-        working.cancel()
         leaving.cancel()
-        await asyncio.gather(working, leaving, return_exceptions=True)
+        working.cancel()
+    request.scope[FACTS]["outcome"] = answer.outcome
+    return json_response(answer.body)
 
 
 def _known(parameters: tuple[str, ...]) -> str:
@@ -74,24 +85,22 @@ async def _body(request: Request, limit: int, *parameters: str) -> bytes:
     return await read_body(request, limit, service.settings.body_s, service.readers)
 
 
-@router.post(
+@bodies.post(
     "/v1/plans",
     summary="Plan a request, or a shipped scenario",
     response_model=Answer,
     responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
     openapi_extra=PLAN_BODY,
 )
-async def plan(
-    request: Request,
-    certificate: Annotated[
-        jobs.Detail, Query(description="the whole table of the proof, or its digest and size")
-    ] = "full",
-) -> Response:
+async def plan(request: Request) -> Response:
+    certificate = request.query_params.get("certificate", "full")
+    if certificate not in get_args(jobs.Detail):
+        raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(jobs.Detail))))
     body = await _body(request, PLAN_BODY_BYTES, "certificate")
-    return await _unless_gone(request, _service(request).plan(body, certificate))
+    return await _unless_gone(request, _service(request).plan(body, cast(jobs.Detail, certificate)))
 
 
-@router.post(
+@bodies.post(
     "/v1/plans/check",
     summary="Check a plan against its request",
     response_model=Verdict,

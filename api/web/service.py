@@ -1,27 +1,33 @@
-"""What the service does with a body that has been read: parse, admit, hand to a worker, tell."""
+"""What the service does with a body that has been read: admit it, hand it to a worker, answer.
+
+A body goes to the worker as it came, and the worker's answer leaves as it comes: this process parses neither.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import hashlib
 import logging
+import re
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
 from assur.api.logs import event
-from assur.api.problems import FieldError, Problem, shown
+from assur.api.problems import Problem
 from assur.api.web.body_reader import READERS
 from assur.api.web.settings import Settings
 from assur.api.workers import jobs
 from assur.api.workers.pool import Workers
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
-from assur.scenes.requests import parse_json, shipped, stated_budgets
+from assur.scenes.requests import shipped, stated_budgets
 
 SMALL_BYTES = 32768
-"""Bodies up to this are parsed at once: it takes less than 1 ms, and the way to a thread and back half as long. Larger
-ones, and scenarios, which are files, are read beside the event loop."""
+"""Bodies up to this are looked through at once: it takes less than 1 ms, and the way to a thread and back half as long.
+Larger ones, and scenarios, which are files, are read beside the event loop."""
+STATED = re.compile(rb'"((?:explain_)?budget_m?s)"\s*:\s*(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)')
+"""A budget in the text of a request. No other field of a request is called so."""
 
 
 @dataclass
@@ -50,27 +56,33 @@ class Service:
 
     def _read(self, body: bytes, certificate: jobs.Detail) -> tuple[Any, tuple[Any, ...], str, float]:
         """What to do about `body`: job, its arguments, digest of the request, wall."""
+        document = self._budgets(body) or jobs.request_in(body)
+        if "scenario" not in document:
+            return jobs.plan, (body, certificate), _digest("request", body), self._wall(document)
+        name = _scenario_name(document)
         try:
-            document = parse_json(body)
+            wall_s = self._wall(scenario_request(name))
         except InputError as error:
-            raise Problem.of_input(error, "bad-syntax") from error
-        if not isinstance(document, dict):
-            found = FieldError("body", shown(document), 'a request, or {"scenario": NAME}')
-            raise Problem("bad-input", str(found), (found,))
-        if "scenario" in document:
-            name = _scenario_name(document)
-            try:
-                wall_s = self._wall(scenario_request(name))
-            except InputError as error:
-                raise Problem.of_input(error) from error
-            return jobs.plan_shipped, (name, certificate), _digest("scenario", name), wall_s
-        return jobs.plan, (document, certificate), _digest("request", body), self._wall(document)
+            raise Problem.of_input(error) from error
+        return jobs.plan_shipped, (name, certificate), _digest("scenario", name), wall_s
+
+    def _budgets(self, body: bytes) -> dict[str, Any] | None:
+        """A request with the budgets that stand in the text of one, which the worker validates, and nothing else.
+
+        None where only parsing can tell: a scenario may be named, a key may be escaped or given twice, or a budget is
+        above what the service gives and may be no budget, but a field in the wrong place.
+        """
+        if b'"scenario"' in body or b"\\" in body:
+            return None
+        found = STATED.findall(body)
+        request = {"options": {name.decode(): float(value) for name, value in found}}
+        twice = len(request["options"]) < len(found)
+        return None if twice or max(stated_budgets(request).values()) > self.settings.max_budget_s else request
 
     def _wall(self, document: dict[str, Any]) -> float:
         """When a worker that plans `document` is killed: after both its budgets and the grace, s.
 
-        Nothing else of a request is read here: the worker validates it. Raises the `Problem` of a request that asks
-        for more than the service gives.
+        Raises the `Problem` of a request that asks for more than the service gives.
         """
         largest = self.settings.max_budget_s
         budgets = stated_budgets(document)

@@ -6,7 +6,7 @@ import errno
 import gc
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -54,6 +54,8 @@ class Fault:
     where: tuple[str, ...]
 
 
+BOTH = 'an object with the fields "request" and "plan" and no others'
+"""What the body of a check is."""
 Reply = Answer | Problem | Fault
 
 
@@ -70,10 +72,10 @@ def warm() -> str:
     return "planned"
 
 
-def plan(document: dict[str, Any], certificate: Detail) -> Reply:
-    """The answer to the request `document`; building its scene counts in its budget, as it does in the wall's."""
+def plan(body: bytes, certificate: Detail) -> Reply:
+    """The answer to the request in `body`; reading it counts in its budget, as it does in the wall's."""
     started = time.perf_counter()
-    return _guarded(lambda: plan_document(document, certificate=certificate, started=started), "status")
+    return _guarded(lambda: plan_document(request_in(body), certificate=certificate, started=started), "status")
 
 
 def plan_shipped(name: str, certificate: Detail) -> Reply:
@@ -84,20 +86,32 @@ def plan_shipped(name: str, certificate: Detail) -> Reply:
 
 def check(body: bytes) -> Reply:
     """The checker's verdict on the plan in `body`, {"request": ..., "plan": ...}."""
+    return _guarded(lambda: check_document(**_parsed(body, BOTH, {"request", "plan"})), "ok")
+
+
+def request_in(body: bytes) -> dict[str, Any]:
+    """The document in `body`, parsed and not looked at. Raises `Problem` where there is none."""
+    return _parsed(body, 'a request, or {"scenario": NAME}')
+
+
+def _parsed(body: bytes, allowed: str, fields: Collection[str] = ()) -> dict[str, Any]:
+    """The object in `body`; with these fields and no others, if any are named. Raises `Problem`."""
     try:
         document = parse_json(body)
     except InputError as error:
-        return Problem.of_input(error, "bad-syntax")
-    if not isinstance(document, dict) or set(document) != {"request", "plan"}:
-        found = FieldError("body", shown(document), 'an object with the fields "request" and "plan" and no others')
-        return Problem("bad-input", str(found), (found,))
-    return _guarded(lambda: check_document(document["request"], document["plan"]), "ok")
+        raise Problem.of_input(error, "bad-syntax") from error
+    if not isinstance(document, dict) or (fields and document.keys() != fields):
+        found = FieldError("body", shown(document), allowed)
+        raise Problem("bad-input", str(found), (found,))
+    return document
 
 
 def _guarded(work: Callable[[], dict[str, Any]], says: str) -> Reply:
     try:
         document = work()
         return Answer(to_json(document), str(document[says]))
+    except Problem as problem:
+        return problem
     except InputError as error:
         return Problem.of_input(error)
     except MemoryError:

@@ -1,17 +1,16 @@
 """The peers as running programs in an environment of their own; one that is not to be had is missing with its reason.
 
-The environment is made once. Pip installs one requirement after the other, so that one that is not to be had leaves
-the others usable; what failed is tried again in the next run.
+The environment is made once, and pip installs what each peer needs by itself, so that one that is not to be had leaves
+the other usable; what failed is tried again in the next run.
 """
 
 from __future__ import annotations
 
 import hashlib
-import json
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -32,11 +31,9 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
     "ompl": ("numpy", "python-fcl", "ruckig", "ompl"),
     "mplib": ("numpy", "python-fcl", "toppra", "mplib"),
 }
-"""What each peer's program cannot run without."""
+"""What each peer's program cannot run without, in the versions of `requirements.txt`."""
 INSTALL_S, START_S, LIMIT_S = 600.0, 60.0, 30.0
 """Longest time to install a requirement, to start a peer, and for one answer."""
-
-Run = Callable[[Sequence[str]], int]
 
 
 @dataclass
@@ -89,16 +86,23 @@ def prepared(folder: Path = FOLDER) -> tuple[Path, dict[str, str]]:
     base = interpreter()
     if base is None:
         why = f"no Python {' or '.join(PYTHONS)} on this machine, and its wheels are for no other"
-        return python, dict.fromkeys(NEEDS, why)
+        return python, dict.fromkeys(MODULES, why)
     wanted = hashlib.sha256(REQUIREMENTS.read_bytes() + base.encode()).hexdigest()
-    if not (stamp.exists() and json.loads(stamp.read_text(encoding="utf-8")) == wanted):
+    if not (stamp.exists() and stamp.read_text(encoding="utf-8") == wanted):
         if _run([base, "-m", "venv", "--clear", str(folder)]) != 0:
-            return python, dict.fromkeys(NEEDS, f"{base} could not make a virtual environment")
-        failed = installed(python, _run)
-        if failed:
-            return python, missing(failed)
-        stamp.write_text(json.dumps(wanted), encoding="utf-8")
+            return python, dict.fromkeys(MODULES, f"{base} could not make a virtual environment")
+        missing = {peer: why for peer in MODULES if (why := installed(python, peer))}
+        if missing:
+            return python, missing
+        stamp.write_text(wanted, encoding="utf-8")
     return python, {}
+
+
+def installed(python: Path, peer: str) -> str:
+    """Why a peer's requirements could not be installed; empty if they were."""
+    pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    pip += ["--only-binary", ":all:", "--retries", "1", "--constraint", str(REQUIREMENTS), *NEEDS[peer]]
+    return "" if _run(pip) == 0 else f"pip has no wheel of one of {', '.join(NEEDS[peer])} here, or reaches no index"
 
 
 def interpreter() -> str | None:
@@ -119,29 +123,6 @@ def _run(command: Sequence[str]) -> int:
         ).returncode
     except subprocess.TimeoutExpired:
         return -1
-
-
-def requirements() -> dict[str, str]:
-    """Name → pinned requirement."""
-    lines = (line.strip() for line in REQUIREMENTS.read_text(encoding="utf-8").splitlines())
-    return {line.partition("==")[0]: line for line in lines if line and not line.startswith("#")}
-
-
-def installed(python: Path, run: Run) -> set[str]:
-    """Installs requirement by requirement; the names of those that could not be."""
-    pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-    pip += ["--only-binary", ":all:", "--retries", "1", "--constraint", str(REQUIREMENTS)]
-    return {name for name, line in requirements().items() if run([*pip, line]) != 0}
-
-
-def missing(failed: set[str]) -> dict[str, str]:
-    """Peer → why it cannot run, given what could not be installed."""
-    return {
-        peer: f"pip has no wheel of {', '.join(requirements()[name] for name in needs if name in failed)} here, or "
-        "cannot reach an index"
-        for peer, needs in NEEDS.items()
-        if failed & set(needs)
-    }
 
 
 def question(problem: Document, limits: Mapping[str, Any], budget_s: float, seed: int = 0) -> Document:

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from benchmarks.problem_set import ProblemSet, ProblemSetError, read_problem_set
+from benchmarks.problem_set import ProblemSet, read_problem_set
 from benchmarks.recheck.findings import Finding, Match, recheck
 
 CONSOLE = Console(stderr=True)
@@ -27,10 +27,7 @@ def main(
     """Recheck every answer by a second implementation of everything."""
     if match not in ("stated", "position", "velocity"):
         raise typer.BadParameter("position, velocity or stated", param_hint="--match")
-    try:
-        problems = read_problem_set(file)
-    except ProblemSetError as error:
-        raise typer.BadParameter(str(error), param_hint="FILE") from error
+    problems = read_problem_set(file)
     lines = answers.read_bytes().splitlines()
     findings, counts = recheck_lines(problems, lines, match, partial)
     report(findings, counts)

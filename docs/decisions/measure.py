@@ -33,12 +33,12 @@ from assur.planner.kernels.candidates import OPTION
 from assur.planner.legs.limits import beyond_limits
 from assur.planner.model.outcome import Planned
 from assur.planner.model.refusal import Reason, Refusal
-from assur.planner.search.beam import MOST_WAYS
-from assur.planner.search.extension import carried_gently, outline
+from assur.planner.search.extension import extended, timed
 from assur.planner.search.meeting_options import options
-from assur.planner.search.partial_plan import Outline, Sample, initial, prepared
+from assur.planner.search.partial_plan import Candidate, TimedCandidate, initial, prepared
 from assur.planner.search.population import Population
 from assur.planner.search.rough_score import CoarseScore
+from assur.planner.search.tuning import MOST_OPTIONS
 from assur.planner.search.via_batch import shape_of
 from assur.planner.timing import trajectory_of
 from assur.planner.trajectory import Trajectory
@@ -152,7 +152,7 @@ def glances(limit: int) -> None:
         for _, scene in problems(name, limit):
             prover, chain, rng = Prover(scene), initial(scene), np.random.default_rng(0)
             meeting = prepared(scene, chain, 0.0, None, tuple(range(len(scene.robot.modes))))
-            ways = () if isinstance(meeting, Refusal) else options(scene, chain, [(0.0, meeting)], MOST_WAYS)
+            ways = () if isinstance(meeting, Refusal) else options(scene, chain, [(0.0, meeting)], MOST_OPTIONS)
             if not ways:
                 continue
             population = Population(scene, chain, ways, CoarseScore(prover, chain, ways), rng, adaptive=False)
@@ -163,9 +163,9 @@ def glances(limit: int) -> None:
             really = np.zeros(DRAWN, dtype=bool)
             for i in range(DRAWN):
                 option = ways[int(prospects[i, OPTION])]
-                way = outline(scene, chain, option.meeting, Sample(0.0, option.branch, shape_of(prospects[i])), None)
-                if isinstance(way, Outline) and screen(prover, [way])[0].refusal is None:
-                    really[i] = not isinstance(carried_gently(scene, way), Refusal)
+                way = timed(scene, chain, option.meeting, Candidate(0.0, option.branch, shape_of(prospects[i])), None)
+                if isinstance(way, TimedCandidate) and screen(prover, [way])[0].refusal is None:
+                    really[i] = not isinstance(extended(scene, way), Refusal)
             cost.append((time.perf_counter() - glanced) / (glanced - began))
             drawn, free, seem = drawn + DRAWN, free + int(really.sum()), seem + int((bad == 0).sum())
             both += int((really & (bad == 0)).sum())

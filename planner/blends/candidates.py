@@ -12,11 +12,11 @@ from itertools import pairwise
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.blends.timed import BlendShape, Station
 from assur.planner.frames import all_stand
-from assur.planner.legs.blended import BlendShape, Station
 from assur.planner.model.scene import Scene
 from assur.planner.search.free_vias import free_vias
-from assur.planner.search.partial_plan import Chain
+from assur.planner.search.partial_plan import PartialPlan
 
 DIRECT = 12
 """Choices of branches, a branch a station, that are tried directly, those with the shortest ways first ..."""
@@ -36,10 +36,10 @@ WEIGHTS = (0.3, 0.5, 0.2)
 
 @dataclass(eq=False)
 class BlendSampler:
-    """Samples for one chain; `choices`: for each step of the run the stations that it may be, none of them empty."""
+    """Samples for one partial; `choices`: for each step of the run the stations that it may be, none of them empty."""
 
     scene: Scene
-    chain: Chain
+    partial: PartialPlan
     choices: tuple[tuple[Station, ...], ...]
     rng: np.random.Generator
     adaptive: bool = True
@@ -77,7 +77,7 @@ class BlendSampler:
     def _shortest(self) -> tuple[tuple[Station, ...], ...]:
         """Choices of a station each, those with the least time at full speed first, by beam."""
         velocity = self.scene.robot.limits.velocity
-        beam: list[tuple[float, tuple[Station, ...], FloatArray]] = [(0.0, (), self.chain.state.q)]
+        beam: list[tuple[float, tuple[Station, ...], FloatArray]] = [(0.0, (), self.partial.state.q)]
         for stations in self.choices:
             longer = []
             for cost, way, q in beam:
@@ -88,7 +88,7 @@ class BlendSampler:
         return tuple(way for _, way, _ in beam if way)
 
     def _poses(self, way: tuple[Station, ...]) -> list[FloatArray]:
-        return [self.chain.state.q, *map(_typical, way)]
+        return [self.partial.state.q, *map(_typical, way)]
 
     def _raised(self, way: tuple[Station, ...]) -> list[BlendShape]:
         """Up, over and down on the way to each station, as high as the lift goes, and half as high."""
@@ -150,4 +150,4 @@ class BlendSampler:
 
 def _typical(station: Station) -> FloatArray:
     """Joints (n,) at the first time at which the station may be met."""
-    return np.asarray(station.branch.q[int(np.argmax(station.branch.legal))])
+    return np.asarray(station.branch.q[0])

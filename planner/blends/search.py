@@ -5,33 +5,25 @@ How a via is blended past depends on the pose behind it, so nothing is proved of
 
 from __future__ import annotations
 
-import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 
 from assur.planner.blends.candidates import BlendSampler
-from assur.planner.blends.draft import blend_draft, run_of
+from assur.planner.blends.extension import blend_extension, run_of
+from assur.planner.blends.timed import BlendShape, Station
 from assur.planner.collision.proof import Prover
-from assur.planner.legs.blended import BlendShape, Station
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.meeting import meetings
 from assur.planner.legs.tilt import tilts
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.refusal import OF_CANDIDATES, AccelerationTime, Reason, Refusal
 from assur.planner.model.scene import Scene
-from assur.planner.search.beam import ANY_YAW, MOST_WAYS, Found, Search
+from assur.planner.search.beam import Found, Search
 from assur.planner.search.meeting_options import options
-from assur.planner.search.partial_plan import Chain, Draft, Outline
-
-
-@dataclass(eq=False)
-class _Known:
-    """A chain, kept beside its sampler: an id is unique only while its owner lives."""
-
-    chain: Chain
-    sampler: BlendSampler
+from assur.planner.search.partial_plan import Extension, PartialPlan, TimedCandidate
+from assur.planner.search.tuning import ANY_YAW, MOST_OPTIONS
 
 
 class BlendSearch(Search):
@@ -39,8 +31,7 @@ class BlendSearch(Search):
 
     def __init__(self, scene: Scene, prover: Prover, started: float, *, adaptive: bool = True) -> None:
         super().__init__(scene, prover, started, adaptive=adaptive)
-        self.known: dict[int, _Known] = {}
-        self.unproved: list[Draft] = []
+        self.known: dict[PartialPlan, BlendSampler] = {}
 
     def run(self) -> Found:
         """As `Search.run`; what was not passed is the step of the run at which most was refused."""
@@ -55,23 +46,21 @@ class BlendSearch(Search):
                 found.deepest = worst
         return found
 
-    def _explore(self, chain: Chain) -> bool:
-        if id(chain) not in self.known:
-            self.known[id(chain)] = _Known(chain, self._blend_sampler(chain))
-        sampler = self.known[id(chain)].sampler
+    def _explore(self, partial: PartialPlan) -> bool:
+        if partial not in self.known:
+            self.known[partial] = self._blend_sampler(partial)
+        sampler = self.known[partial]
         batch = sampler.batch()
-        limit = self.scene.options.max_candidates
-        if limit is not None:
-            batch = batch[: max(0, limit - self.found.census.candidates)]
-        drafts: list[Outline | Draft] = []
+        batch = batch[: int(min(len(batch), self._left()))]
+        made_: list[TimedCandidate | Extension] = []
         shapes: list[BlendShape] = []
         short: list[tuple[Refusal, AccelerationTime]] = []
         hopeless, timed = self.scene.options.acceleration_time_s is not None, False
         for shape in batch:
-            if time.perf_counter() >= self.deadline:
+            if self._late():
                 break
             self.found.census.candidates += 1
-            made = blend_draft(self.scene, chain, shape)
+            made = blend_extension(self.scene, partial, shape)
             if isinstance(made, Refusal) and isinstance(made.facts, AccelerationTime):
                 short.append((made, made.facts))
                 continue
@@ -83,7 +72,7 @@ class BlendSearch(Search):
                 continue
             timed = True
             if made.end < self._before():
-                drafts.append(made)
+                made_.append(made)
                 shapes.append(shape)
         untimed = sampler.visits == 1 and not timed
         # the least time that does for any of the direct ways, so that it is the least there is
@@ -91,8 +80,8 @@ class BlendSearch(Search):
         for refusal, facts in short:
             self.found.census.add(replace(refusal, facts=replace(facts, enough_s=min(does, default=None))))
         enough = self._enough()
-        for draft, shape in sorted(zip(drafts, shapes, strict=True), key=lambda pair: pair[0].end):
-            if enough <= 0 or time.perf_counter() >= self.deadline:
+        for draft, shape in sorted(zip(made_, shapes, strict=True), key=lambda pair: pair[0].end):
+            if enough <= 0 or self._late():
                 break
             screened, proved = self._tried(draft)
             sampler.learn(shape, screened.bad)
@@ -105,29 +94,29 @@ class BlendSearch(Search):
             sampler.ways = ()
         return bool(batch)
 
-    def _blend_sampler(self, chain: Chain) -> BlendSampler:
+    def _blend_sampler(self, partial: PartialPlan) -> BlendSampler:
         """The stations that each step of the run may be, in every turn, mode and yaw that is asked for."""
         choices = []
-        for step in run_of(self.scene, chain.step):
+        for step in run_of(self.scene, partial.step):
             stations = []
             met = []
             turns = yaw_offsets(self.scene, self.scene.task[step])
-            attitudes = tilts(self.scene, self.scene.task[step], chain.state.q)
+            attitudes = tilts(self.scene, self.scene.task[step], partial.state.q)
             yaws = turns or tuple(float(x) for x in 2 * np.pi * np.arange(ANY_YAW) / ANY_YAW)
             for turn, tilt in product(yaws, attitudes):
-                point = control_point(self.scene, step, chain.attached, turn, tilt)
-                found = meetings(self.scene, point, chain.state.time, 0.0, self._modes(chain), chain.state.q)
+                point = control_point(self.scene, step, partial.attached, turn, tilt)
+                found = meetings(self.scene, point, partial.state.time, 0.0, self._modes(partial), partial.state.q)
                 for refusal in found.refusals:
                     self.found.census.note(refusal)
                 met.append((turn, found))
                 stations += [Station(point, branch) for branch in found.branches]
-            if step == chain.step == 0:
-                self.found.first_ways = options(self.scene, chain, met, max(MOST_WAYS, len(attitudes)))
+            if step == partial.step == 0:
+                self.found.first_options = options(self.scene, partial, met, max(MOST_OPTIONS, len(attitudes)))
             if not stations:
                 self.found.deepest = max(self.found.deepest, step)
-                return BlendSampler(self.scene, chain, (), self.rng, self.adaptive)
+                return BlendSampler(self.scene, partial, (), self.rng, self.adaptive)
             choices.append(tuple(stations))
-        return BlendSampler(self.scene, chain, tuple(choices), self.rng, self.adaptive)
+        return BlendSampler(self.scene, partial, tuple(choices), self.rng, self.adaptive)
 
 
 def searcher(scene: Scene, prover: Prover, started: float, *, adaptive: bool = True) -> Search:

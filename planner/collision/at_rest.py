@@ -9,17 +9,14 @@ import numpy as np
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.collision.proof import Prover
 from assur.planner.geometry.containment import inside
-from assur.planner.kernels.proof import RESERVE_M
-from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_COLUMNS, HIT_GAP, HIT_NEED
+from assur.planner.kernels.intervals import RESERVE_M
+from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT_PAIR
 from assur.planner.kernels.solids import FIRST, SECOND
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.phases import Contacts, Phase, pair
 from assur.planner.model.refusal import Separation
 from assur.planner.model.scene import Scene
 from assur.planner.tables.bodies import Arrangement
-
-MOST_PAIRS = 16
-"""Pairs that are too near, of which the first that is not allowed to touch counts."""
 
 
 def closest(
@@ -33,8 +30,8 @@ def closest(
     """The first pair nearer than required at the phase's beginning; `among`: only these bodies of the surroundings,
     against what hangs on the flange."""
     arrangement = prover.of(phase)
-    t, q = np.array([phase.t0]), np.array(q)[None]
-    pairs = prover.near(phase, q, t)
+    stands = prover.standing(q, phase.t0)
+    pairs = prover.near(phase, stands)
     one, other = (arrangement.body[pairs[:, column].astype(np.int64)] for column in (FIRST, SECOND))
     names = [pair(arrangement.names[a], arrangement.names[b]) for a, b in zip(one, other, strict=True)]
     wanted = np.array([each not in contacts for each in names], dtype=bool)
@@ -43,14 +40,13 @@ def closest(
         wanted &= hanging[one] & named[other]
     if not wanted.any():
         return None
-    found = np.empty((MOST_PAIRS, HIT_COLUMNS))
-    _, _, count = prover.screened(arrangement, pairs[wanted], q, t, phase.t0, 1, found)
-    if not count:
+    found, _ = prover.hits(phase, stands, pairs=pairs[wanted])
+    if not len(found):
         return None
-    hit = found[0]
+    hit = found[found[:, HIT_PAIR].argmin()]
     units, gap, need = (int(hit[HIT_A]), int(hit[HIT_B])), float(hit[HIT_GAP]), float(hit[HIT_NEED]) - RESERVE_M
     first, second = (arrangement.names[arrangement.body[unit]] for unit in units)
-    touching = bool(prover.touch(arrangement, q[0], phase.t0, *units))
+    touching = bool(prover.touch(arrangement, stands, phase.t0, *units))
     apart = min(gap if touching else max(0.0, gap), need)
     return (first, second), Separation(touching=touching, gap_m=apart, required_m=need)
 
@@ -95,7 +91,7 @@ def enclosed(
         low, high = vertices.min(0), vertices.max(0)
         carrier = carriers[int(arrangement.carrier[arrangement.roots[number]])]
         origin, turn = carrier[:3], carrier[3:].reshape(3, 3)
-        pose = attached.seat(scene, world.name)[1]
+        pose = attached.pose_of(scene, world.name)[1]
         c, s = math.cos(pose.yaw), math.sin(pose.yaw)
         yaw = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         for mine, here in points:

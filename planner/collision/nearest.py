@@ -5,20 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.collision.proof import BUDGET, MANY, ROOM, STACK, Prover
-from assur.planner.kernels.nearest import (
-    LOWER,
-    NEAREST_A,
-    NEAREST_B,
-    NEAREST_T,
-    SEARCH_COLUMNS,
-    UPPER,
-    sample_distance,
-    search_nearest,
-)
+from assur.planner.collision.proof import Prover, Search
+from assur.planner.kernels.intervals import DONE, STATE_COLUMNS
+from assur.planner.kernels.nearest import LOWER, NEAREST_A, NEAREST_B, NEAREST_T, UPPER, sample_distance
 from assur.planner.kernels.planes import SIDES
-from assur.planner.kernels.proof import DONE, ITEM_COLUMNS, ITEMS_FULL, TOP
-from assur.planner.kernels.solids import FIRST, GROWTH, REQUIRED, SECOND
+from assur.planner.kernels.solids import GROWTH, REQUIRED
+from assur.planner.kernels.walk import NEAREST
 from assur.planner.model.outcome import Nearest
 from assur.planner.model.phases import Phase
 from assur.planner.trajectory import Trajectory
@@ -37,7 +29,7 @@ def nearest(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -
 
     None: there is nothing to keep apart.
     """
-    state = np.zeros(SEARCH_COLUMNS)
+    state = np.zeros(STATE_COLUMNS)
     state[LOWER] = state[UPPER] = np.inf
     where: Phase | None = None
     for phase in phases:
@@ -57,11 +49,8 @@ def nearest(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -
 def _search(prover: Prover, trajectory: Trajectory, phase: Phase, state: FloatArray) -> None:
     """Goes on with the search over one phase."""
     arrangement, spline = prover.of(phase), prover.spline(trajectory)
-    asked = prover.pairs(arrangement, phase)
-    edges = np.linspace(phase.t0, phase.t1, INSTANTS)
-    edges[-1] = phase.t1
-    within, pairs = NEARBY_M, asked.every
-    many = len(asked.mine) * len(asked.others) > MANY
+    motion, asked = prover.motion(spline), prover.pairs(arrangement, phase)
+    within, pairs, many = NEARBY_M, asked.every, asked.many
     least = prover.behind(phase, spline, asked) if many else np.zeros((0, SIDES))
     while many:
         # what planes keep further apart than `within` cannot be nearest, if anything is found that is nearer
@@ -69,35 +58,20 @@ def _search(prover: Prover, trajectory: Trajectory, phase: Phase, state: FloatAr
         others = asked.others.copy()
         others[:, REQUIRED - 1], others[:, GROWTH - 1 :] = within, 0.0
         pairs = prover.not_behind(phase, asked, others, least)
-        _sample(prover, phase, trajectory, pairs, edges, state)
+        sample_distance(motion, arrangement.cell, pairs, phase.t0, phase.t1, INSTANTS, state)
         if state[UPPER] <= within or len(pairs) == len(asked):
             break
         within *= 4
-    _sample(prover, phase, trajectory, pairs, edges, state)
+    if not many:
+        sample_distance(motion, arrangement.cell, pairs, phase.t0, phase.t1, INSTANTS, state)
     pairs = pairs[pairs[:, REQUIRED] >= 0.0]
     if not len(pairs):
         return
-    items, stack = np.zeros((ROOM + 2 * len(pairs), ITEM_COLUMNS)), np.zeros((STACK, 4))
-    items[: len(pairs), 0], items[: len(pairs), 1] = pairs[:, FIRST], pairs[:, SECOND]
-    stack[0], state[TOP] = (phase.t0, phase.t1, 0, len(pairs)), 1
+    search = Search(prover, phase, spline, pairs, np.empty((0, 0)))
+    search.state[1:] = state[1:]
     for _ in range(MOST_CALLS):
-        status = search_nearest(
-            prover.robot, prover.laws, prover.side, spline.tk, spline.c, spline.whole, spline.matrix,
-            arrangement.rows, arrangement.vertices, arrangement.still, items, stack, state, BUDGET,
-        )  # fmt: skip
-        if status == DONE:
-            return
-        if status == ITEMS_FULL:
-            items, stack = (np.concatenate([table, np.zeros_like(table)]) for table in (items, stack))
-    state[LOWER] = 0.0
-
-
-def _sample(
-    prover: Prover, phase: Phase, trajectory: Trajectory, pairs: FloatArray, t: FloatArray, state: FloatArray
-) -> None:
-    """Lowers the smallest distance found by a look at instants t (T,)."""
-    arrangement, spline = prover.of(phase), prover.spline(trajectory)
-    sample_distance(
-        prover.robot, prover.laws, prover.side, spline.tk, spline.c, arrangement.rows, arrangement.vertices,
-        arrangement.still, pairs, t, state,
-    )  # fmt: skip
+        if search.go_on(NEAREST) == DONE:
+            break
+    else:
+        search.state[LOWER] = 0.0
+    state[1:] = search.state[1:]

@@ -11,57 +11,107 @@ from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.collision.fcl_door import Collider, Posed
 from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.kernels.carriers import place_carriers
+from assur.planner.kernels.intervals import (
+    DONE,
+    FOUND,
+    ITEM_COLUMNS,
+    ITEMS_FULL,
+    RESISTED,
+    ROWS_FULL,
+    STATE_COLUMNS,
+    TOP,
+    Motion,
+)
 from assur.planner.kernels.links import POSE_COLUMNS
 from assur.planner.kernels.planes import SIDES, behind, drop_spare, not_behind
 from assur.planner.kernels.proof import (
     ALONG,
-    DONE,
-    ITEM_COLUMNS,
-    ITEMS_FULL,
     OTHER,
-    RESISTED,
     RESISTED_A,
     RESISTED_B,
     RESISTED_GAP,
     RESISTED_NEED,
     RESISTED_T,
     ROW_COLUMNS,
-    ROWS,
-    ROWS_FULL,
-    STATE_COLUMNS,
     T0,
     T1,
-    TOP,
     UNIT,
-    prove,
 )
-from assur.planner.kernels.screening import depth_at, sampled_behind, screen
-from assur.planner.kernels.solids import FIRST, PAIR_COLUMNS, SECOND, place
+from assur.planner.kernels.screening import BAD, HIT_COLUMNS, depth_at, sampled_behind
+from assur.planner.kernels.solids import FIRST, GROWTH, LATE, PAIR_COLUMNS, REQUIRED, SECOND, place
 from assur.planner.kernels.spline import spline_state
+from assur.planner.kernels.walk import PROVE, SCREEN, walk
 from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.tables.bodies import Arrangement, Bodies
 from assur.planner.tables.laws import law_tables
 from assur.planner.tables.pairs import Pairs, PairTables
-from assur.planner.tables.robot import robot_row
-from assur.planner.tables.spline import Spline, spline_table
 from assur.planner.trajectory import Trajectory
+from assur.planner.trajectory.spline import Spline, spline_table
 
 MOST_ROWS = 200_000
 """A phase that needs more rows than this is not certified: it would be neither quick nor small."""
 BUDGET = 20_000
 """Pairs and intervals that the kernel settles between two looks at the clock: some milliseconds."""
-MANY = 64
-"""Pairs of a phase from which on planes are looked for: for fewer, rows of pairs cost less."""
 PART_S = 0.08
 """Intervals over which planes are proved, s."""
 ROOM = 128
 """Rows, and open pairs, for which there is room at first; it is doubled when it runs out."""
+MOST_HITS = 64
+"""Pairs of one phase of which the deepest hit is kept."""
 STACK = 64
 """Intervals on the stack at a time: two for each halving, and no motion is halved so often."""
 ORIGIN = -1.0
 """Stands in a row for the second unit where the row is of the first alone: the origin of the world."""
+
+
+class Search:
+    """A search over the halved intervals of one phase (`kernels.walk`), which gets more room where it runs out.
+
+    `pairs` (P, PAIR_COLUMNS) are looked at, over all of the phase, and before that over other `spans` of time; `rows`
+    take what is written.
+    """
+
+    def __init__(
+        self,
+        prover: Prover,
+        phase: Phase,
+        spline: Spline,
+        pairs: FloatArray,
+        rows: FloatArray,
+        spans: tuple[tuple[float, float], ...] = (),
+    ) -> None:
+        self.prover, self.phase, self.spline, self.pairs, self.rows = prover, phase, spline, pairs, rows
+        self.cell = prover.of(phase).cell
+        self.state, self.stack = np.zeros(STATE_COLUMNS), np.zeros((STACK, 4))
+        count, many = len(pairs), 1 + len(spans)
+        self.items = np.zeros((ROOM + (many + 1) * count, ITEM_COLUMNS))
+        for k, (t0, t1) in enumerate(((phase.t0, phase.t1), *spans)):
+            mine = self.items[k * count : (k + 1) * count]
+            mine[:, :2], mine[:, 2] = pairs[:, FIRST : SECOND + 1], np.arange(count)
+            self.stack[k] = t0, t1, k * count, count
+        self.state[TOP] = many
+
+    def go_on(self, task: int, step: float = 0.0) -> int:
+        """Goes on until it is done, a pair resists, or the budget of a call is spent, and gives room for the next."""
+        prover = self.prover
+        since, latest = prover.scene.start.time, prover.scene.execution.start_tolerance_s
+        status = walk(
+            task, prover.motion(self.spline), self.cell, self.pairs, since, latest, step,
+            self.items, self.stack, self.state, self.rows, BUDGET,
+        )  # fmt: skip
+        if status == ROWS_FULL:
+            self.rows = np.concatenate([self.rows, np.empty_like(self.rows)])
+        elif status == ITEMS_FULL:
+            self.items = np.concatenate([self.items, np.zeros_like(self.items)])
+            self.stack = np.concatenate([self.stack, np.zeros_like(self.stack)])
+        return status
+
+    @property
+    def over(self) -> bool:
+        """Whether the clock, or the number of rows, ends a proof."""
+        return self.state[FOUND] > MOST_ROWS or time.perf_counter() >= self.prover.deadline
 
 
 class Prover:
@@ -71,8 +121,9 @@ class Prover:
         self.scene = scene
         self.arrangement = Bodies(scene)
         self.pairs = PairTables(scene)
-        self.robot = robot_row(scene.robot)
         self.laws, self.side = law_tables([frame.law for frame in scene.frames.values()])
+        self.carried_by = scene.robot.row, self.laws, self.side
+        """What says where the carriers are: robot, laws of frames and their side table."""
         self.deadline = math.inf
         """Reading of `time.perf_counter` at which proofs are given up: what is not proved by then is not certified."""
         self.collider = Collider()
@@ -89,34 +140,95 @@ class Prover:
             self._spline = trajectory, spline_table(trajectory, self.scene.robot.rate_matrix)
         return self._spline[1]
 
+    def standing(self, q: FloatArray, t: float) -> Spline:
+        """The arm at rest at q (n,) from time t on."""
+        still = np.zeros((2, len(q)))
+        path = Trajectory(np.array([t, t + 1.0]), np.array([q, q]), still, still)
+        return spline_table(path, self.scene.robot.rate_matrix)
+
+    def motion(self, spline: Spline) -> Motion:
+        """What moves the carriers, as kernels read it."""
+        return (*self.carried_by, spline.tk, spline.c, spline.whole, spline.matrix)
+
     def prove(self, phase: Phase, trajectory: Trajectory) -> Rows | Unproved:
         """Rows that cover every asked pair over the whole phase, or the first pair that resists."""
         arrangement = self.of(phase)
         if not phase.t1 > phase.t0:
             return Rows(arrangement, np.zeros((0, ROW_COLUMNS)))
         spline, pairs = self.spline(trajectory), self.pairs(arrangement, phase)
-        if len(pairs.mine) * len(pairs.others) > MANY:
-            planes, asked = self._planes(phase, arrangement, spline, pairs)
-        else:
-            planes, asked = np.zeros((0, ROW_COLUMNS)), pairs.every
-        found = self._settled(phase, arrangement, spline, pairs.latest, asked)
-        if isinstance(found, Unproved):
-            return found
-        return Rows(arrangement, np.concatenate([planes, found]) if len(planes) else found)
+        planes, asked = self._planes(phase, spline, pairs)
+        search = Search(self, phase, spline, asked, np.empty((ROOM + len(asked), ROW_COLUMNS)))
+        while True:
+            status = search.go_on(PROVE)
+            if status == DONE:
+                found = search.rows[: int(search.state[FOUND])].copy()
+                return Rows(arrangement, np.concatenate([planes, found]) if len(planes) else found)
+            if status == RESISTED:
+                return self._resisted(arrangement, spline, search.state)
+            if search.over:
+                return _given_up(arrangement, search)
 
-    def _planes(
-        self, phase: Phase, arrangement: Arrangement, spline: Spline, pairs: Pairs
-    ) -> tuple[FloatArray, FloatArray]:
+    def hits(
+        self, phase: Phase, spline: Spline, step: float = math.inf, pairs: FloatArray | None = None
+    ) -> tuple[FloatArray, float]:
+        """What is too near in a phase (H, HIT_COLUMNS), looked at no more finely than `step`, s: the deepest of each
+        pair; and the share of the instants that had such a hit. Pairs that may touch are left out.
+
+        `pairs` (P, PAIR_COLUMNS): only these; None: all of the phase.
+        """
+        asked = self.near(phase, spline) if pairs is None else pairs
+        asked = asked[asked[:, REQUIRED] >= 0.0]
+        # what grows counts as at the end of the phase, so that a refusal says what the whole phase asks for
+        lasts = np.maximum(phase.t1 + asked[:, LATE] - self.scene.start.time, 0.0)
+        asked[:, REQUIRED] += asked[:, GROWTH] * lasts
+        asked[:, GROWTH] = 0.0
+        # the end is an instant of its own: often what is near is nearest there
+        ends = ((phase.t1, phase.t1),) if phase.t1 > phase.t0 else ()
+        search = Search(self, phase, spline, asked, np.empty((MOST_HITS, HIT_COLUMNS)), ends)
+        while search.go_on(SCREEN, step) != DONE and not search.over:
+            pass
+        # all intervals of all lengths down to the step have an instant in their middle
+        length = phase.t1 - phase.t0
+        halvings = 0 if not length > step else math.ceil(math.log2(length / step))
+        instants = 2 ** (halvings + 1) - 1 + len(ends)
+        return search.rows[: int(search.state[FOUND])], float(search.state[BAD]) / instants
+
+    def near(self, phase: Phase, spline: Spline) -> FloatArray:
+        """The pairs (P, PAIR_COLUMNS) of a phase that are not kept apart by planes, if there are many."""
+        pairs = self.pairs(self.of(phase), phase)
+        if not pairs.many:
+            return pairs.every
+        return self.not_behind(phase, pairs, pairs.others, self.behind(phase, spline, pairs))
+
+    def behind(self, phase: Phase, spline: Spline, pairs: Pairs, edges: FloatArray | None = None) -> FloatArray:
+        """How far behind planes the robot's units are proved to stay (R, 6), interval by interval between `edges`."""
+        least = np.empty((len(pairs.mine), SIDES))
+        behind(self.motion(spline), self.of(phase).cell, pairs.mine, _parts(phase) if edges is None else edges, least)
+        return least
+
+    def not_behind(
+        self, phase: Phase, pairs: Pairs, others: FloatArray, least: FloatArray, used: FloatArray | None = None
+    ) -> FloatArray:
+        """The pairs (P, PAIR_COLUMNS) of a phase that no plane of `least` keeps as far apart as `others` says; `used`
+        (R, 6) becomes 1 for planes that are needed for the others."""
+        left = np.empty((len(pairs.mine) * len(others), PAIR_COLUMNS))
+        used = np.zeros_like(least) if used is None else used
+        boxes, since = self.of(phase).boxes, self.scene.start.time
+        many = not_behind(boxes, pairs.mine, least, others, pairs.allowed, since, phase.t1, used, left)
+        return np.concatenate([left[:many], pairs.own])
+
+    def _planes(self, phase: Phase, spline: Spline, pairs: Pairs) -> tuple[FloatArray, FloatArray]:
         """Rows of single units of the robot, and the pairs that they do not keep apart."""
+        if not pairs.many:
+            return np.zeros((0, ROW_COLUMNS)), pairs.every
         edges = _parts(phase)
-        least = self._behind(phase, spline, pairs, edges)
+        least = self.behind(phase, spline, pairs, edges)
         used = np.zeros_like(least)
-        left = self._left(phase, arrangement, pairs, pairs.others, least, used)
-        since = self.scene.start.time
-        drop_spare(arrangement.boxes, pairs.mine, least, pairs.others, since, phase.t1, used)
+        left = self.not_behind(phase, pairs, pairs.others, least, used)
+        drop_spare(self.of(phase).boxes, pairs.mine, least, pairs.others, self.scene.start.time, phase.t1, used)
         # what does not move needs no parts
         ends = edges[[0, -1]]
-        whole: BoolArray = np.all(self._behind(phase, spline, pairs, ends) >= least, axis=1)
+        whole: BoolArray = np.all(self.behind(phase, spline, pairs, ends) >= least, axis=1)
         planes = [np.zeros((0, ROW_COLUMNS))]
         for r, side in zip(*np.nonzero(used), strict=True):
             t = ends if whole[r] else edges
@@ -126,130 +238,35 @@ class Prover:
             planes.append(rows)
         return np.concatenate(planes), left
 
-    def _behind(self, phase: Phase, spline: Spline, pairs: Pairs, edges: FloatArray) -> FloatArray:
-        """How far behind planes the robot's units are proved to stay (R, 6), interval by interval between `edges`."""
-        arrangement, least = self.of(phase), np.empty((len(pairs.mine), SIDES))
-        behind(
-            self.robot, self.laws, self.side, spline.tk, spline.c, spline.whole, spline.matrix,
-            arrangement.rows, arrangement.vertices, arrangement.still, pairs.mine, edges, least,
-        )  # fmt: skip
-        return least
-
-    def _left(
-        self,
-        phase: Phase,
-        arrangement: Arrangement,
-        pairs: Pairs,
-        others: FloatArray,
-        least: FloatArray,
-        used: FloatArray,
-    ) -> FloatArray:
-        """The pairs that no plane keeps apart; `used` (R, 6) becomes 1 for planes that are needed for the others."""
-        left = np.empty((len(pairs.mine) * len(others), PAIR_COLUMNS))
-        since = self.scene.start.time
-        many = not_behind(arrangement.boxes, pairs.mine, least, others, pairs.allowed, since, phase.t1, used, left)
-        return np.concatenate([left[:many], pairs.own])
-
-    def behind(self, phase: Phase, spline: Spline, pairs: Pairs) -> FloatArray:
-        """How far behind planes the robot's units are proved to stay throughout a phase (R, 6)."""
-        return self._behind(phase, spline, pairs, _parts(phase))
-
-    def not_behind(self, phase: Phase, pairs: Pairs, others: FloatArray, least: FloatArray) -> FloatArray:
-        """The pairs (P, PAIR_COLUMNS) of a phase that no plane of `least` keeps as far apart as `others` says."""
-        return self._left(phase, self.of(phase), pairs, others, least, np.zeros_like(least))
-
-    def _settled(
-        self, phase: Phase, arrangement: Arrangement, spline: Spline, latest: float, pairs: FloatArray
-    ) -> FloatArray | Unproved:
-        """Rows (N, ROW_COLUMNS) of all pairs, or the first that resists."""
-        items, rows = np.zeros((ROOM + 2 * len(pairs), ITEM_COLUMNS)), np.empty((ROOM + len(pairs), ROW_COLUMNS))
-        items[: len(pairs), 0], items[: len(pairs), 1] = pairs[:, FIRST], pairs[:, SECOND]
-        items[: len(pairs), 2] = np.arange(len(pairs))
-        stack, state = np.zeros((STACK, 4)), np.zeros(STATE_COLUMNS)
-        stack[0], state[TOP] = (phase.t0, phase.t1, 0, len(pairs)), 1
-        while True:
-            status = prove(
-                self.robot, self.laws, self.side, spline.tk, spline.c, spline.whole, spline.matrix,
-                arrangement.rows, arrangement.vertices, arrangement.still, pairs, self.scene.start.time, latest,
-                items, stack, state, rows, BUDGET,
-            )  # fmt: skip
-            if status == DONE:
-                return rows[: int(state[ROWS])].copy()
-            if status == RESISTED:
-                return self._resisted(arrangement, spline, state)
-            if status == ROWS_FULL:
-                rows = np.concatenate([rows, np.empty_like(rows)])
-            elif status == ITEMS_FULL:
-                items, stack = (np.concatenate([table, np.zeros_like(table)]) for table in (items, stack))
-            if state[ROWS] > MOST_ROWS or time.perf_counter() >= self.deadline:
-                top = int(state[TOP]) - 1
-                open_item = items[int(stack[top, 2])]
-                state[RESISTED_A], state[RESISTED_B] = open_item[0], open_item[1]
-                state[RESISTED_T], state[RESISTED_GAP], state[RESISTED_NEED] = stack[top, :2].mean(), np.nan, np.nan
-                return self._unproved(arrangement, state, touching=False)
-
     def _resisted(self, arrangement: Arrangement, spline: Spline, state: FloatArray) -> Unproved:
         """What FCL says of the true shapes of a pair that resisted."""
         a, b, t = int(state[RESISTED_A]), int(state[RESISTED_B]), float(state[RESISTED_T])
-        q = np.empty(spline.c.shape[1])
-        spline_state(spline.tk, spline.c, t, q)
-        touching = bool(state[RESISTED_GAP] <= state[RESISTED_NEED]) and self.touch(arrangement, q, t, a, b)
-        return self._unproved(arrangement, state, touching=touching)
-
-    def _unproved(self, arrangement: Arrangement, state: FloatArray, *, touching: bool) -> Unproved:
-        units = int(state[RESISTED_A]), int(state[RESISTED_B])
-        names = (arrangement.names[arrangement.body[units[0]]], arrangement.names[arrangement.body[units[1]]])
-        of_robot = bool(arrangement.of_robot[arrangement.body[units[1]]])
-        gap, required = float(state[RESISTED_GAP]), float(state[RESISTED_NEED])
-        return Unproved(names, float(state[RESISTED_T]), gap, required, touching, of_robot)
-
-    def near(self, phase: Phase, q: FloatArray, t: FloatArray) -> FloatArray:
-        """The pairs (P, PAIR_COLUMNS) of a phase that can be too near at instants t (T,) with joints q (T, n)."""
-        arrangement = self.of(phase)
-        pairs = self.pairs(arrangement, phase)
-        if len(pairs.mine) * len(pairs.others) <= MANY:
-            return pairs.every
-        least = np.empty((len(pairs.mine), SIDES))
-        sampled_behind(
-            self.robot, self.laws, self.side, q, t, arrangement.rows, arrangement.vertices, arrangement.still,
-            pairs.mine, least,
-        )  # fmt: skip
-        return self._left(phase, arrangement, pairs, pairs.others, least, np.zeros_like(least))
-
-    def screened(
-        self,
-        arrangement: Arrangement,
-        pairs: FloatArray,
-        q: FloatArray,
-        t: FloatArray,
-        until: float,
-        enough: int,
-        hits: FloatArray,
-    ) -> tuple[int, int, int]:
-        """`kernels.screening.screen` with the tables of the scene."""
-        return screen(
-            self.robot, self.laws, self.side, q, t, arrangement.rows, arrangement.vertices, arrangement.still, pairs,
-            self.scene.start.time, until, enough, hits,
-        )  # fmt: skip
+        touching = bool(state[RESISTED_GAP] <= state[RESISTED_NEED]) and self.touch(arrangement, spline, t, a, b)
+        return _unproved(arrangement, state, touching=touching)
 
     def depth(self, phase: Phase, q: FloatArray, t: FloatArray, deepest: float) -> FloatArray:
         """By how much the worst pair is nearer than required at instants t (T,) with joints q (T, n), as a share of
         `deepest`, m (`kernels.screening.depth_at`)."""
         arrangement, found = self.of(phase), np.zeros(len(t))
-        depth_at(
-            self.robot, self.laws, self.side, q, t, arrangement.rows, arrangement.vertices, arrangement.still,
-            self.near(phase, q, t), self.scene.start.time, phase.t1, deepest, found,
-        )  # fmt: skip
+        pairs = self.pairs(arrangement, phase)
+        asked = pairs.every
+        if pairs.many:
+            least = np.empty((len(pairs.mine), SIDES))
+            sampled_behind(*self.carried_by, q, t, arrangement.cell, pairs.mine, least)
+            asked = self.not_behind(phase, pairs, pairs.others, least)
+        depth_at(*self.carried_by, q, t, arrangement.cell, asked, self.scene.start.time, phase.t1, deepest, found)
         return found
 
-    def touch(self, arrangement: Arrangement, q: FloatArray, t: float, a: int, b: int) -> bool:
-        """Whether units a and b touch at time t with joints q, by FCL."""
+    def touch(self, arrangement: Arrangement, spline: Spline, t: float, a: int, b: int) -> bool:
+        """Whether units a and b touch at time t of a motion, by FCL."""
+        q = np.empty(spline.c.shape[1])
+        spline_state(spline.tk, spline.c, t, q)
         return self.collider.touch(*self.posed(arrangement, q, t, np.array([a, b])))
 
     def carriers(self, q: FloatArray, t: float) -> FloatArray:
         """Where links and frames are at time t with joints q: (K, 12), position and rotation, row by row."""
         found = np.empty((len(self.scene.robot.links) + len(self.laws), POSE_COLUMNS))
-        place_carriers(self.robot, self.laws, self.side, np.array(q), t, found)
+        place_carriers(*self.carried_by, np.array(q), t, found)
         return found
 
     def posed(self, arrangement: Arrangement, q: FloatArray, t: float, units: IntArray) -> list[Posed]:
@@ -270,3 +287,20 @@ def _parts(phase: Phase) -> FloatArray:
     edges = np.linspace(phase.t0, phase.t1, max(1, math.ceil((phase.t1 - phase.t0) / PART_S)) + 1)
     edges[-1] = phase.t1
     return edges
+
+
+def _given_up(arrangement: Arrangement, search: Search) -> Unproved:
+    """What is still open where a proof is given up."""
+    t0, t1, first, _ = search.stack[int(search.state[TOP]) - 1]
+    state = search.state
+    state[RESISTED_A], state[RESISTED_B] = search.items[int(first), :2]
+    state[RESISTED_T], state[RESISTED_GAP], state[RESISTED_NEED] = (t0 + t1) / 2, np.nan, np.nan
+    return _unproved(arrangement, state, touching=False)
+
+
+def _unproved(arrangement: Arrangement, state: FloatArray, *, touching: bool) -> Unproved:
+    units = int(state[RESISTED_A]), int(state[RESISTED_B])
+    names = (arrangement.names[arrangement.body[units[0]]], arrangement.names[arrangement.body[units[1]]])
+    of_robot = bool(arrangement.of_robot[arrangement.body[units[1]]])
+    gap, required = float(state[RESISTED_GAP]), float(state[RESISTED_NEED])
+    return Unproved(names, float(state[RESISTED_T]), gap, required, touching, of_robot)

@@ -1,39 +1,28 @@
-"""Refuses most colliding candidates at sampled instants: a kernel finds what is too near, FCL says if it touches.
+"""Refuses most colliding candidates: a kernel finds what is too near at sampled instants, FCL says if it touches.
 
-What passes is not yet proved (design: screen, ask, prove).
+The instants are the middles of intervals that are halved down to a step, as in a proof, whose bounds leave out all
+instants at which a pair cannot be too near. What passes is not yet proved.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
-import numpy as np
-
-from assur.planner.arrays import FloatArray
 from assur.planner.collision.proof import Prover
-from assur.planner.kernels.proof import RESERVE_M
-from assur.planner.kernels.screening import (
-    HIT_A,
-    HIT_AT,
-    HIT_B,
-    HIT_COLUMNS,
-    HIT_GAP,
-    HIT_NEED,
-)
-from assur.planner.model.assembly_mode import lost_at
+from assur.planner.kernels.intervals import RESERVE_M
+from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT_T
+from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separation, Stage
+from assur.planner.trajectory import Trajectory
+from assur.planner.trajectory.spline import Spline
 
-STEP_S = 0.02
+STEP_S = 0.04
 """Sampling of candidates, s. It decides how much work a colliding candidate causes, not what is accepted."""
 MOST_BODIES = 3
 """Bodies about which FCL is asked for one candidate: one refuses it, the others are reported in the census."""
-EVERY = 1 << 30
-"""Instants with a hit after which no further ones are evaluated: none, for the census names the deepest."""
-MOST_HITS = 64
-"""Pairs of one phase of which the deepest hit is kept."""
 
 
 class Timed(Protocol):
@@ -42,8 +31,9 @@ class Timed(Protocol):
     @property
     def phases(self) -> tuple[Phase, ...]: ...
 
-    def at(self, t: FloatArray) -> FloatArray:
-        """q (T, n) at times t (T,)."""
+    @property
+    def trajectory(self) -> Trajectory:
+        """Before it and after it the arm stands still."""
         ...
 
 
@@ -64,77 +54,46 @@ def screen(prover: Prover, candidates: Sequence[Timed], step: float = STEP_S) ->
 
 @dataclass(frozen=True, slots=True)
 class _Hit:
-    """Units a and b are `gap` m apart at time t with joints q, `need` is required: the deepest with the body of b."""
+    """Units a and b are `gap` m apart at time t, `need` is required: the deepest with the body of b."""
 
     gap: float
     need: float
     a: int
     b: int
     t: float
-    q: FloatArray
     phase: Phase
 
 
 def _screened(prover: Prover, candidate: Timed, step: float) -> Screened:
-    times = [_instants(phase, step) for phase in candidate.phases]
-    every = candidate.at(np.concatenate(times))
-    lost = _lost(prover, candidate, times, every)
+    lost = _lost(prover, candidate)
     if lost is not None:
         return lost
-    evaluated = bad = first = 0
+    spline, bad, length = prover.spline(candidate.trajectory), 0.0, 0.0
     deepest: dict[str, _Hit] = {}
-    for phase, t in zip(candidate.phases, times, strict=True):
-        q, first = every[first : first + len(t)], first + len(t)
-        many, hit, rows = hits(prover, phase, q, t)
-        evaluated, bad = evaluated + many, bad + hit
-        names, body = prover.of(phase).names, prover.of(phase).body
-        for row in rows:
-            k, name = int(row[HIT_AT]), names[body[int(row[HIT_B])]]
+    for phase in candidate.phases:
+        rows, share = prover.hits(phase, spline, step)
+        # a phase of no length counts as one step
+        lasts = max(phase.t1 - phase.t0, step)
+        bad, length = bad + share * lasts, length + lasts
+        arrangement = prover.of(phase)
+        for row in rows.tolist():
+            name = arrangement.names[arrangement.body[int(row[HIT_B])]]
             if name not in deepest or row[HIT_GAP] < deepest[name].gap:
-                gap, need = float(row[HIT_GAP]), float(row[HIT_NEED])
-                deepest[name] = _Hit(gap, need, int(row[HIT_A]), int(row[HIT_B]), float(t[k]), q[k], phase)
+                deepest[name] = _Hit(row[HIT_GAP], row[HIT_NEED], int(row[HIT_A]), int(row[HIT_B]), row[HIT_T], phase)
     if not deepest:
         return Screened(None, 0.0)
     order = sorted(deepest.values(), key=lambda hit: hit.gap)[:MOST_BODIES]
-    refusals = [_refusal(prover, hit) for hit in order]
-    return Screened(refusals[0], bad / evaluated, tuple(refusals[1:]))
+    refusals = [_refusal(prover, hit, spline) for hit in order]
+    return Screened(refusals[0], bad / length, tuple(refusals[1:]))
 
 
-def _instants(phase: Phase, step: float) -> FloatArray:
-    """Sampled times of a phase, its ends among them."""
-    count = max(2, int(np.ceil((phase.t1 - phase.t0) / step)) + 1)
-    t = np.linspace(phase.t0, phase.t1, count)
-    t[-1] = phase.t1
-    return t
-
-
-def _lost(prover: Prover, candidate: Timed, times: list[FloatArray], q: FloatArray) -> Screened | None:
+def _lost(prover: Prover, candidate: Timed) -> Screened | None:
     """The refusal of a candidate that does not stay assembled on its way."""
-    if not prover.has_loop:
-        return None
-    robot = prover.scene.robot
-    kept = robot.assembled(q, q)
-    if kept.all():
-        return None
-    t = np.concatenate(times)
-    number = np.repeat(np.arange(len(times)), [len(each) for each in times])[~kept][0]
-    step = candidate.phases[int(number)].step
-    refusal = lost_at(robot, Stage.SCREENING, step, t[~kept], robot.parallel_margin(q[~kept]))
-    return Screened(refusal, float((~kept).mean()))
+    lost = leaves_assembly(prover.scene.robot, candidate.phases[0].step, candidate.trajectory)
+    return None if lost is None else Screened(replace(lost, stage=Stage.SCREENING), 1.0)
 
 
-def hits(
-    prover: Prover, phase: Phase, q: FloatArray, t: FloatArray, enough: int = EVERY
-) -> tuple[int, int, FloatArray]:
-    """What is too near at instants t (T,) with joints q (T, n): instants evaluated, those with a hit, hits."""
-    arrangement = prover.of(phase)
-    found = np.empty((MOST_HITS, HIT_COLUMNS))
-    q, t = np.ascontiguousarray(q), np.ascontiguousarray(t)
-    evaluated, bad, count = prover.screened(arrangement, prover.near(phase, q, t), q, t, phase.t1, enough, found)
-    return evaluated, bad, found[:count]
-
-
-def _refusal(prover: Prover, hit: _Hit) -> Refusal:
+def _refusal(prover: Prover, hit: _Hit, spline: Spline) -> Refusal:
     """A confirmed hit as a refusal: FCL says whether the true shapes touch."""
     arrangement, phase = prover.of(hit.phase), hit.phase
     first, second = int(arrangement.body[hit.a]), int(arrangement.body[hit.b])
@@ -143,7 +102,7 @@ def _refusal(prover: Prover, hit: _Hit) -> Refusal:
     # the standstill after the last leg belongs to the last step
     step = phase.step if phase.step >= 0 else len(prover.scene.task) - 1
     # what has a gap does not touch
-    touching = not hit.gap > 0.0 and prover.touch(arrangement, hit.q, hit.t, hit.a, hit.b)
+    touching = not hit.gap > 0.0 and prover.touch(arrangement, spline, hit.t, hit.a, hit.b)
     required = hit.need - RESERVE_M
     return Refusal(
         stage=Stage.SCREENING,

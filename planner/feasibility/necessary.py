@@ -166,7 +166,7 @@ def _point(scene: Scene, prover: Prover, point: ControlPoint, attached: Attachme
     if not point.still and not _known(scene, point.frame, t):
         return None
     fixed = isinstance(scene.frames[point.frame].law, Fixed)
-    frames = {body.name: attached.seat(scene, body.name)[0] for body in scene.bodies}
+    frames = {body.name: attached.pose_of(scene, body.name)[0] for body in scene.bodies}
     among = frozenset(
         name
         for name, frame in frames.items()

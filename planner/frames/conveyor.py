@@ -8,14 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.law import LawBounds
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.profile import Derivatives, Profile
 from assur.planner.frames.ramps import Change, ramped
 from assur.planner.frames.validity import ALWAYS, FURTHEST_S, KnownLaw, interval, number, placed
-
-ROUNDING = 1e-15
-"""|n · u| of two unit vectors is raised by this: rounding of a product of three terms, where it almost vanishes."""
 
 
 @dataclass(frozen=True)
@@ -46,19 +42,9 @@ class Conveyor(KnownLaw):
     def _motion(self, t: FloatArray, /) -> Motion:
         return travelling(self.pose, self._along, self.drive.evaluate(t))
 
-    def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
-        speed, acceleration = self.drive.fastest(t0, t1)
-        return travel_bounds(n, self._along, speed, acceleration)
-
 
 def travelling(pose: Pose, along: FloatArray, s: Derivatives) -> Motion:
     """The motion of a frame that has come from `pose` by `s` (...) metres along the unit vector `along` (3,)."""
     travel, v, a, j = (rate[..., None] * along for rate in s)
     shape = s[0].shape
     return Motion(pose.position + travel, v, a, j, np.full(shape, pose.yaw), *np.zeros((3, *shape)))
-
-
-def travel_bounds(n: FloatArray, along: FloatArray, speed: FloatArray, acceleration: FloatArray) -> LawBounds:
-    """The bounds along `n` (N, 3) of what travels along `along` with at most `speed` and `acceleration` (N,)."""
-    share = np.abs(n @ along) + ROUNDING
-    return LawBounds(share * speed, share * acceleration, *np.zeros((2, len(share))))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -10,12 +9,9 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames.law import Frame, LawBounds
+from assur.planner.frames.law import Frame
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.validity import ALWAYS, FURTHEST_S, KnownLaw, interval, number, placed
-
-ROUNDING = 1e-15
-"""|n · v| is raised by this part of |v|: rounding of a product of three terms, where it almost vanishes."""
 
 
 @dataclass(frozen=True)
@@ -31,12 +27,6 @@ class Fixed(KnownLaw):
 
     def _motion(self, t: FloatArray, /) -> Motion:
         return Motion.still(self.pose, t.shape)
-
-    def _pose(self, t: FloatArray, /) -> tuple[FloatArray, FloatArray]:
-        return np.broadcast_to(self.pose.position, (*t.shape, 3)), np.full(t.shape, self.pose.yaw)
-
-    def _bounds(self, t0: FloatArray, _t1: FloatArray, _n: FloatArray, /) -> LawBounds:
-        return LawBounds(*np.zeros((4, len(t0))))
 
 
 def all_stand(frames: Iterable[Frame]) -> bool:
@@ -72,11 +62,3 @@ class Linear(KnownLaw):
         p = still.p + (t - self.at_time)[..., None] * self._velocity
         v = still.v + self._velocity
         return Motion(p, v, still.a, still.j, still.yaw, still.yaw_d, still.yaw_dd, still.yaw_ddd)
-
-    def _pose(self, t: FloatArray, /) -> tuple[FloatArray, FloatArray]:
-        p = self.pose.position + (t - self.at_time)[:, None] * self._velocity
-        return p, np.full(t.shape, self.pose.yaw)
-
-    def _bounds(self, t0: FloatArray, _t1: FloatArray, n: FloatArray, /) -> LawBounds:
-        speed = np.abs(n @ self._velocity) + ROUNDING * math.hypot(*self.velocity)
-        return LawBounds(speed, *np.zeros((3, len(t0))))

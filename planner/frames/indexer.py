@@ -10,8 +10,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames.conveyor import travel_bounds, travelling
-from assur.planner.frames.law import LawBounds
+from assur.planner.frames.conveyor import travelling
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.profile import Profile, chained
 from assur.planner.frames.turntable import turning
@@ -21,10 +20,6 @@ Kind = Literal["turn", "travel"]
 
 STEP = (0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0)
 """Coefficients of u, u², ... u⁷ of the step's law, see `Indexer`."""
-CYCLES = 2
-"""Cycles in the profile: what begins in the first and lasts a cycle at most ends in the second."""
-RESOLUTION = 4 * np.finfo(np.float64).eps
-"""Intervals are widened by this part of the times that they were reduced from: the rounding of t modulo the period."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +55,8 @@ class Indexer(KnownLaw):
         object.__setattr__(self, "dwell_s", number(self.dwell_s, "indexer.dwell_s", 0.0, FURTHEST_S))
         object.__setattr__(self, "start", number(self.start, "indexer.start", -FURTHEST_S, FURTHEST_S))
         object.__setattr__(self, "valid", interval(self.valid, "indexer.valid"))
-        moves = [k * self.period for k in range(CYCLES)]
-        switches = [time for begin in moves for time in (begin, begin + self.move_s)]
         move = tuple(self.step * c / self.move_s ** (k + 1) for k, c in enumerate(STEP))
-        object.__setattr__(self, "_cycle", chained(switches, ((), *(CYCLES * (move, ()))), 0.0))
+        object.__setattr__(self, "_cycle", chained((0.0, self.move_s), ((), move, ()), 0.0))
         object.__setattr__(self, "_along", np.array([math.cos(self.pose.yaw), math.sin(self.pose.yaw), 0.0]))
 
     @property
@@ -76,17 +69,6 @@ class Indexer(KnownLaw):
         x, xd, xdd, xddd = self._cycle.evaluate(local)
         moved = (x + turns * self.step, xd, xdd, xddd)
         return turning(self.pose, moved) if self.kind == "turn" else travelling(self.pose, self._along, moved)
-
-    def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
-        slack = RESOLUTION * (np.maximum(np.abs(t0), np.abs(t1)) + abs(self.start))
-        _, begin = self._reduced(t0)
-        # An interval longer than a period sees all that the first whole cycle shows.
-        end = begin + np.minimum(t1 - t0, self.period)
-        speed, acceleration = self._cycle.fastest(begin - slack, end + slack)
-        if self.kind == "travel":
-            return travel_bounds(n, self._along, speed, acceleration)
-        still = np.zeros((2, len(t0)))
-        return LawBounds(still[0], still[1], speed, acceleration)
 
     def _reduced(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Number of whole cycles since `start` (...), and the time since then (...)."""

@@ -10,7 +10,6 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
-from assur.planner.frames.law import LawBounds
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.validity import ALWAYS, FURTHEST_S, SHORTEST_S, KnownLaw, interval, number, placed
 
@@ -76,40 +75,6 @@ class Keyframes(KnownLaw):
         xddd = 6.0 * c3
         rates = (x, xd, xdd, xddd)
         return Motion(*(rate[..., :3] for rate in rates), *(rate[..., 3] for rate in rates))
-
-    def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
-        # One row for each piece that an interval touches: where it begins and ends in the piece's own time.
-        first = np.clip(np.searchsorted(self._knots, t0, side="right") - 1, 0, len(self.coefficients) - 1)
-        last = np.maximum(np.searchsorted(self._knots, t1, side="left") - 1, first)
-        count = last - first + 1
-        begin = np.cumsum(count) - count
-        row = np.repeat(np.arange(len(count)), count)
-        piece = np.arange(len(row)) - begin[row] + first[row]
-        start, end = self._knots[piece], self._knots[piece + 1]
-        low, high = np.maximum(t0[row], start) - start, np.minimum(t1[row], end) - start
-
-        slopes = self.coefficients[piece, 1:]
-        along = np.einsum("rkx,rx->kr", slopes[..., :3], n[row])
-        speed, acceleration = _greatest(along, low, high, end - start)
-        rate, rate_d = _greatest(slopes[..., 3].T, low, high, end - start)
-        found = np.maximum.reduceat(np.stack([speed, acceleration, rate, rate_d]), begin, axis=1)
-        return LawBounds(*(found + self.slack[:, None]))
-
-
-def _greatest(
-    slopes: FloatArray, low: FloatArray, high: FloatArray, length: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """The greatest |c1 + 2 c2 τ + 3 c3 τ²| and |2 c2 + 6 c3 τ| over [low, high] (R,), exact; `slopes` (3, R) is c1..c3.
-
-    The first has an extremum at τ = −c2/(3 c3) as well as at the ends, the second at the ends only.
-    """
-    c1, c2, c3 = slopes
-    top = np.zeros(c2.shape)
-    # Where the extremum is outside the piece (or nowhere), any τ of the interval will do.
-    np.divide(-c2, 3.0 * c3, out=top, where=np.abs(c2) < 3.0 * np.abs(c3) * length)
-    tau = np.stack([low, high, np.clip(top, low, high)])
-    speed = np.abs(c1 + tau * (2.0 * c2 + 3.0 * tau * c3)).max(axis=0)
-    return speed, np.abs(2.0 * c2 + 6.0 * tau[:2] * c3).max(axis=0)
 
 
 def _spline(times: FloatArray, values: FloatArray, vanishing: int) -> FloatArray:

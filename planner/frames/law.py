@@ -9,22 +9,6 @@ from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
 
 
-@dataclass(frozen=True, slots=True)
-class LawBounds:
-    """Upper bounds over intervals, each (N,), never below the true maximum over the *closed* interval.
-
-    speed         |n · ṗ| of the frame's origin, m/s
-    acceleration  |n · p̈| of the frame's origin, m/s² (jumps in velocity are not allowed in any law)
-    yaw_rate      |ω|, rad/s
-    yaw_acceleration |ω̇|, rad/s²
-    """
-
-    speed: FloatArray
-    acceleration: FloatArray
-    yaw_rate: FloatArray
-    yaw_acceleration: FloatArray
-
-
 class Law(Protocol):
     """A frame's pose as a function of time, known over `valid` (seconds) and nowhere else."""
 
@@ -35,14 +19,6 @@ class Law(Protocol):
 
     def motion(self, t: FloatArray) -> Motion:
         """Pose and three derivatives at times `t` (...). Outside `valid`: NaN in every field of that row."""
-        ...
-
-    def pose_at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Position (T, 3) and yaw (T,) at times `t` (T,): the first fields of `motion`, without the derivatives."""
-        ...
-
-    def bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray) -> LawBounds:
-        """Bounds over the intervals [t0, t1] (N,) along unit vectors `n` (N, 3). Outside `valid`: inf."""
         ...
 
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.law import LawBounds
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.turntable import turning
 from assur.planner.frames.validity import ALWAYS, KnownLaw, interval, number, placed, span
@@ -43,19 +42,3 @@ class Swing(KnownLaw):
         theta = w * t + self.phase
         sine, cosine = self.amplitude * np.sin(theta), self.amplitude * np.cos(theta)
         return turning(self.pose, (sine, w * cosine, -(w**2) * sine, -(w**3) * cosine))
-
-    def _bounds(self, t0: FloatArray, t1: FloatArray, _n: FloatArray, /) -> LawBounds:
-        w = 2.0 * math.pi / self.period
-        theta0, theta1 = w * t0 + self.phase, w * t1 + self.phase
-        rate, turn = abs(self.amplitude) * w, math.pi / 2
-        still = np.zeros((2, len(t0)))
-        rates = rate * _crest(theta0, theta1), rate * w * _crest(theta0 - turn, theta1 - turn)
-        return LawBounds(still[0], still[1], *rates)
-
-
-def _crest(theta0: FloatArray, theta1: FloatArray) -> FloatArray:
-    """The greatest |cos θ| over [θ0, θ1], never below: 1 if a multiple of π lies within, and else at an end."""
-    slack = RESOLUTION * (1.0 + np.maximum(np.abs(theta0), np.abs(theta1)))
-    ends = np.maximum(np.abs(np.cos(theta0)), np.abs(np.cos(theta1)))
-    crossed = np.floor(theta1 / math.pi) >= np.ceil(theta0 / math.pi)
-    return np.where(crossed, 1.0, ends) + slack

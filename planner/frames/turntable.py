@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.law import LawBounds
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.profile import Derivatives, Profile
 from assur.planner.frames.ramps import Change, ramped
@@ -47,17 +46,6 @@ class Turntable(KnownLaw):
         found.p[..., 2] += self.rise * (t - self.at_time)
         found.v[..., 2] = self.rise
         return found
-
-    def _pose(self, t: FloatArray, /) -> tuple[FloatArray, FloatArray]:
-        if self.changes:
-            return super()._pose(t)
-        p = np.empty((*t.shape, 3))
-        p[:] = self.pose.position
-        p[:, 2] += self.rise * (t - self.at_time)
-        return p, self.pose.yaw + self.rate * (t - self.at_time)
-
-    def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
-        return LawBounds(np.abs(n[:, 2] * self.rise), np.zeros(t0.shape), *self.drive.fastest(t0, t1))
 
 
 def turning(pose: Pose, angle: Derivatives) -> Motion:

@@ -1,7 +1,7 @@
 """Where a law is known, and what its numbers may be. Nothing is ever extrapolated.
 
-Times outside a law's `valid` interval, NaN and infinite times get NaN motions and infinite bounds here, in one place,
-so that no law can forget it.
+Times outside a law's `valid` interval, NaN and infinite times get NaN motions here, in one place, so that no law can
+forget it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames.law import LawBounds
 from assur.planner.frames.motion import Motion, Pose
 
 ALWAYS = (-math.inf, math.inf)
@@ -61,7 +60,7 @@ def interval(valid: tuple[float, float], field: str) -> tuple[float, float]:
 
 
 class KnownLaw(ABC):
-    """A law that is known over `valid`: its subclasses give `_motion` and `_bounds` for known times only."""
+    """A law that is known over `valid`: its subclasses give `_motion` for known times only."""
 
     valid: tuple[float, float]
 
@@ -79,41 +78,6 @@ class KnownLaw(ABC):
             *(np.where(known, angle, math.nan) for angle in (found.yaw, found.yaw_d, found.yaw_dd, found.yaw_ddd)),
         )
 
-    def pose_at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Position (T, 3) and yaw (T,) at times `t` (T,), as `motion` has them; NaN where the time is not known."""
-        first, last = max(self.valid[0], -FURTHEST_S), min(self.valid[1], FURTHEST_S)
-        known = (first <= t) & (t <= last)
-        if known.all():
-            return self._pose(t)
-        p, yaw = self._pose(np.where(known, t, first))
-        return np.where(known[:, None], p, math.nan), np.where(known, yaw, math.nan)
-
-    def bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray) -> LawBounds:
-        """Bounds over the closed intervals [t0, t1] (N,) along unit vectors `n` (N, 3), see `LawBounds`.
-
-        inf for an interval that is not wholly known, whose ends are NaN, or that ends before it begins.
-        """
-        first, last = max(self.valid[0], -FURTHEST_S), min(self.valid[1], FURTHEST_S)
-        known = (first <= t0) & (t0 <= t1) & (t1 <= last)
-        if known.all():
-            return self._bounds(t0, t1, n)
-        found = self._bounds(np.where(known, t0, first), np.where(known, t1, first), n)
-        return LawBounds(
-            *(
-                np.where(known, bound, math.inf)
-                for bound in (found.speed, found.acceleration, found.yaw_rate, found.yaw_acceleration)
-            )
-        )
-
     @abstractmethod
     def _motion(self, t: FloatArray, /) -> Motion:
         """As `motion`; each time is finite and known."""
-
-    @abstractmethod
-    def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
-        """As `bounds`; each interval is known and t0 <= t1."""
-
-    def _pose(self, t: FloatArray, /) -> tuple[FloatArray, FloatArray]:
-        """As `pose_at`; each time is finite and known. Laws that know a shorter way than their motion take it."""
-        motion = self._motion(t)
-        return motion.p, motion.yaw

@@ -22,6 +22,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
 
@@ -85,22 +87,26 @@ def piece_hulls(knots: FloatArray, hulls: FloatArray) -> None:
                 row[15 + k] = 3 * (row[12 + k] - row[11 + k]) / h
 
 
-@kernel("void(float64[:, ::1], float64[:, :, ::1], float64[:, :, ::1])")
-def piece_coefficients(knots: FloatArray, hulls: FloatArray, coefficients: FloatArray) -> None:
-    """Fills `coefficients` (K-1, n, 6), c0..c5 of q(τ) = Σ c_i τ^i on every piece, from knots and their `piece_hulls`.
+@kernel("int64(float64[:, ::1], float64[::1], float64[:, :, ::1])")
+def piece_coefficients(knots: FloatArray, tk: FloatArray, c: FloatArray) -> int:
+    """Fills `tk` (K,) with the begins of the pieces and the end of the last, and `c` (K-1, n, 6) with c0..c5 of
+    q(τ) = Σ c_i τ^i on every piece; returns how many pieces there are: two knots at one time have none between them.
 
-    c3, c4, c5 come from the Bernstein coefficients of the jerk: q⃛ = j0 + 2(j1 − j0)s + (j0 − 2 j1 + j2)s². Pieces that
-    last no time stand still.
+    c3, c4, c5 come from the Bernstein coefficients of the jerk: q⃛ = j0 + 2(j1 − j0)s + (j0 − 2 j1 + j2)s².
     """
-    n = (knots.shape[1] - 1) // 3
+    n, pieces = c.shape[1], 0
+    hulls = np.empty((len(knots) - 1, n, HULL_COLUMNS))
+    piece_hulls(knots, hulls)
     for p in range(len(knots) - 1):
         h = knots[p + 1, TIME] - knots[p, TIME]
+        if not h > 0:
+            continue
         for i in range(n):
-            c, hull = coefficients[p, i], hulls[p, i]
-            c[0] = knots[p, FIRST + i]
-            if not h > 0:
-                c[1:6] = 0.0
-                continue
-            c[1], c[2], c[3] = hull[6], hull[11] / 2, hull[15] / 6
-            c[4] = (hull[16] - hull[15]) / (12 * h)
-            c[5] = (hull[15] - 2 * hull[16] + hull[17]) / (60 * h * h)
+            row, hull = c[pieces, i], hulls[p, i]
+            row[0], row[1], row[2], row[3] = knots[p, FIRST + i], hull[6], hull[11] / 2, hull[15] / 6
+            row[4] = (hull[16] - hull[15]) / (12 * h)
+            row[5] = (hull[15] - 2 * hull[16] + hull[17]) / (60 * h * h)
+        tk[pieces] = knots[p, TIME]
+        pieces += 1
+    tk[pieces] = knots[len(knots) - 1, TIME]
+    return pieces

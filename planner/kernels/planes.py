@@ -14,13 +14,16 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.compiled import kernel
+from assur.planner.kernels.intervals import RESERVE_M, Cell, Motion, fetch, least_alone, survey
 from assur.planner.kernels.links import BOUND_COLUMNS, POSE_COLUMNS
-from assur.planner.kernels.proof import RESERVE_M, fetch, survey, unit_bound
 from assur.planner.kernels.solids import (
+    CELL,
     CUBE,
     FIRST,
     GROWTH,
     LATE,
+    MOTION,
+    NORMAL,
     NUMBERS,
     PAIR_COLUMNS,
     REQUIRED,
@@ -41,50 +44,38 @@ def side_normal(side: int) -> tuple[float, float, float]:
     return (sign if axis == 0 else 0.0), (sign if axis == 1 else 0.0), (sign if axis == 2 else 0.0)
 
 
-@kernel(
-    f"void({ROW}, {TABLE}, {TABLE}, {ROW}, {CUBE}, {TABLE}, {TABLE}, {TABLE}, {TABLE}, {NUMBERS}, {NUMBERS},"
-    f" {ROW}, {TABLE})"
-)
-def behind(
-    robot: FloatArray,
-    laws: FloatArray,
-    side: FloatArray,
-    tk: FloatArray,
-    c: FloatArray,
-    whole: FloatArray,
-    matrix: FloatArray,
-    bodies: FloatArray,
-    vertices: FloatArray,
-    still: IntArray,
-    units: IntArray,
-    edges: FloatArray,
-    least: FloatArray,
-) -> None:
+@kernel(f"float64({TABLE}, {TABLE}, {CUBE}, int64, int64, {NORMAL})")
+def ahead(
+    bodies: FloatArray, vertices: FloatArray, placed: FloatArray, m: int, i: int, nx: float, ny: float, nz: float
+) -> float:
+    """How far the plane n·x = 0 is ahead of all points of unit i at instant m, m."""
+    along = nx * placed[m, i, 0] + ny * placed[m, i, 1] + nz * placed[m, i, 2]
+    return float(-along - support(bodies, vertices, placed, m, i, nx, ny, nz))
+
+
+@kernel(f"void({MOTION}, {CELL}, {NUMBERS}, {ROW}, {TABLE})")
+def behind(motion: Motion, cell: Cell, units: IntArray, edges: FloatArray, least: FloatArray) -> None:
     """Fills `least` (R, 6): each of `units` (R,) stays behind the plane n·x = −least of each side all along.
 
     It is proved over each of the intervals between `edges` (C2, C3), and is the smallest of them.
     """
-    n, m = c.shape[1], len(matrix)
+    bodies, vertices, still = cell
+    n, m = motion[4].shape[1], len(motion[6])
     carriers, placed = np.empty((3, len(still), POSE_COLUMNS)), np.empty((3, len(bodies), POSE_COLUMNS))
     bounds, stamp = np.zeros((len(still), BOUND_COLUMNS)), np.zeros(len(bodies), dtype=np.int64)
     q, swept = np.empty(n), np.empty((4, max(n, m)))
     least[:] = math.inf
     for part in range(len(edges) - 1):
         t0, t1 = edges[part], edges[part + 1]
-        h = t1 - t0
-        survey(robot, laws, side, tk, c, whole, matrix, t0, t1, q, swept, carriers, bounds)
+        survey(motion, t0, t1, q, swept, carriers, bounds)
         for r in range(len(units)):
             i = units[r]
             fetch(bodies, i, carriers, placed, stamp, part + 1, still)
             for k in range(SIDES):
                 nx, ny, nz = side_normal(k)
-                g0 = -(nx * placed[0, i, 0] + ny * placed[0, i, 1] + nz * placed[0, i, 2])
-                g0 -= support(bodies, vertices, placed, 0, i, nx, ny, nz)
-                g1 = -(nx * placed[2, i, 0] + ny * placed[2, i, 1] + nz * placed[2, i, 2])
-                g1 -= support(bodies, vertices, placed, 2, i, nx, ny, nz)
-                speed, acceleration = unit_bound(bodies, bounds, i, nx, ny, nz)
-                by_speed, by_acceleration = 0.5 * (g0 + g1 - speed * h), min(g0, g1) - acceleration * h * h / 8.0
-                shown = by_speed if by_speed >= by_acceleration else by_acceleration
+                g0 = ahead(bodies, vertices, placed, 0, i, nx, ny, nz)
+                g1 = ahead(bodies, vertices, placed, 2, i, nx, ny, nz)
+                shown = least_alone(bodies, bounds, i, nx, ny, nz, g0, g1, t1 - t0)
                 # what is not a number shows nothing
                 least[r, k] = min(least[r, k], shown) if shown > -math.inf else -math.inf
 

@@ -69,6 +69,10 @@ TABLE, CUBE, ROW = "float64[:, ::1]", "float64[:, :, ::1]", "float64[::1]"
 NUMBERS = "int64[::1]"
 NORMAL = "float64, float64, float64"
 """Types in the signatures of kernels."""
+CELL = f"Tuple(({TABLE}, {TABLE}, {NUMBERS}))"
+"""The units of an arrangement: `bodies`, `vertices`, and which carriers stand `still` throughout (1), (K,)."""
+MOTION = f"Tuple(({ROW}, {TABLE}, {TABLE}, {ROW}, {CUBE}, {TABLE}, {TABLE}))"
+"""What moves the carriers: `robot`, `laws` and `side` of the frames; `tk`, `c`, `whole`, `matrix` of the joints."""
 
 
 @kernel(f"void({TABLE}, int64, {TABLE}, {CUBE}, int64)")

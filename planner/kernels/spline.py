@@ -45,25 +45,47 @@ def spline_state(tk: FloatArray, c: FloatArray, t: float, q: FloatArray) -> None
 
 
 @kernel("void(float64[::1], float64[:, :, ::1], float64, float64[:, ::1])")
-def spline_motion(tk: FloatArray, c: FloatArray, t: float, state: FloatArray) -> None:
-    """Fills `state` (4, n) with q and its first three derivatives at time `t`, the later piece's at an inner knot.
-
-    Before the first knot and from the last one on the arm stands still.
-    """
-    end = tk[len(tk) - 1]
-    held = min(max(t, tk[0]), end)
+def piece_motion(tk: FloatArray, c: FloatArray, t: float, state: FloatArray) -> None:
+    """Fills `state` (4, n) with q and its first three derivatives at time `t`, the later piece's at an inner knot, the
+    first or the last state for a time before or after all."""
+    held = min(max(t, tk[0]), tk[len(tk) - 1])
     p = piece_at(tk, held)
     u = held - tk[p]
-    moving = tk[0] <= t < end
     for i in range(state.shape[1]):
         c1, c2, c3, c4, c5 = c[p, i, 1], c[p, i, 2], c[p, i, 3], c[p, i, 4], c[p, i, 5]
         state[0, i] = c[p, i, 0] + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5))))
         state[1, i] = c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))
         state[2, i] = 2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))
         state[3, i] = 6.0 * c3 + u * (24.0 * c4 + u * 60.0 * c5)
-        if not moving:
-            for order in range(1, 4):
+
+
+@kernel("void(float64[::1], float64[:, :, ::1], float64, float64[:, ::1])")
+def spline_motion(tk: FloatArray, c: FloatArray, t: float, state: FloatArray) -> None:
+    """The same for an arm that stands still before the first knot and from the last one on."""
+    piece_motion(tk, c, t, state)
+    if not tk[0] <= t < tk[len(tk) - 1]:
+        for order in range(1, 4):
+            for i in range(state.shape[1]):
                 state[order, i] = 0.0
+
+
+@kernel("void(float64[:, ::1], float64[::1], float64[:, :, ::1], float64[::1], float64[:, :, ::1])")
+def spline_states(knots: FloatArray, tk: FloatArray, c: FloatArray, t: FloatArray, found: FloatArray) -> None:
+    """Fills `found` (T, 4, n) with q and its first three derivatives at times `t` (T,); NaN for those outside.
+
+    At a knot the numbers of `knots` (K, 1 + 3n) come back.
+    """
+    n: int = c.shape[1]
+    end = tk[len(tk) - 1]
+    for k in range(len(t)):
+        if not tk[0] <= t[k] <= end:
+            found[k] = math.nan
+            continue
+        piece_motion(tk, c, t[k], found[k])
+        if t[k] == end:
+            for order in range(3):
+                for i in range(n):
+                    found[k, order, i] = knots[len(knots) - 1, 1 + order * n + i]
 
 
 @kernel("UniTuple(float64, 4)(float64, float64, float64, float64, float64, float64)")
@@ -228,3 +250,24 @@ def sweep_bounds(
     for i in range(n):
         upper[i] += abs(upper[i]) * ROUNDING + whole[pieces, 2 * m + i]
         lower[i] = -(lower[i] + abs(lower[i]) * ROUNDING + whole[pieces, 2 * m + n + i])
+
+
+@kernel(
+    "void(float64[::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1], float64[::1], float64[::1],"
+    " float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1])"
+)
+def sweeps_bounds(
+    tk: FloatArray,
+    c: FloatArray,
+    whole: FloatArray,
+    matrix: FloatArray,
+    t0: FloatArray,
+    t1: FloatArray,
+    lower: FloatArray,
+    upper: FloatArray,
+    rate: FloatArray,
+    rate_d: FloatArray,
+) -> None:
+    """`sweep_bounds` for each of the intervals `t0, t1` (N,)."""
+    for i in range(len(t0)):
+        sweep_bounds(tk, c, whole, matrix, t0[i], t1[i], lower[i], upper[i], rate[i], rate_d[i])

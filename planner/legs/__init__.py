@@ -1,1 +1,1 @@
-"""Legs: stretches of motion from a state of the arm to a control point, and along one."""
+"""Legs: legs_ of motion from a state of the arm to a control point, and along one."""

@@ -29,14 +29,14 @@ class ControlPoint:
     """The control point of step number `step`: the flange's `pose` in `frame`, `tilt` (pitch and roll of the tool at
     the point, which it keeps while it is there; None: the arm has none), and the turn of the tool that it is for.
 
-    `seat`: the pose in the frame whose way along a conveyor is measured: the part's, or the target's.
+    `target`: the pose in the frame whose way along a conveyor is measured: the part's, or the target's.
     """
 
     scene: Scene
     step: int
     frame: str
     pose: Pose
-    seat: Pose
+    target: Pose
     yaw_offset: float
     tilt: Tilt | None
     approach: float
@@ -106,7 +106,7 @@ class ControlPoint:
         law = self.scene.frames[self.frame].law
         if not isinstance(law, Conveyor | Linear):
             return None
-        return travelled(law, self.scene, self.frame, self.seat, t)
+        return travelled(law, self.scene, self.frame, self.target, t)
 
     def inside(self, window: tuple[float, float]) -> list[tuple[float, float]]:
         """When the point is in `window`, m along its conveyor, in the next `HORIZON_S`; closed intervals in order."""
@@ -180,5 +180,5 @@ def control_point(
     `tilt`."""
     what = scene.task[step]
     frame, pose = attached.flange(scene, what, yaw_offset)
-    seat, heights = attached.point(scene, what)[1], (what.approach_m, what.dwell_s, what.depart_m)
-    return ControlPoint(scene, step, frame, pose, seat, yaw_offset, tilt, *heights)
+    target, heights = attached.point(scene, what)[1], (what.approach_m, what.dwell_s, what.depart_m)
+    return ControlPoint(scene, step, frame, pose, target, yaw_offset, tilt, *heights)

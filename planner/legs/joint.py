@@ -62,8 +62,8 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """A joint leg that meets a branch at row `row` of its grid. Its last knot is at `end` to the bit, so that it and
-    the control point agree."""
+    """A joint leg that meets a branch at row `row` of its meetings. Its last knot is at `end` to the bit, as the
+    control point is."""
 
     trajectory: Trajectory
     row: int
@@ -75,10 +75,6 @@ class Reached:
     @property
     def end(self) -> float:
         return self.trajectory.end
-
-    def at(self, t: FloatArray) -> FloatArray:
-        """q (T, n) at times t, the arm standing still before the leg and after it."""
-        return self.trajectory.evaluate(np.clip(t, self.begin, self.end))
 
 
 class JointMotion:
@@ -116,9 +112,9 @@ class JointMotion:
             return self._at_any_time(begin)
         spent = sum(profile.duration for profile in self.prefix)
         # velocity limits alone say that nothing earlier can be met; Ruckig says the rest
-        least = branch.least(self.origin[0], self.pace.rates[0])
-        possible = branch.times >= begin + spent + least
-        rows, times = branch.rows[possible], branch.times[possible]
+        least = branch.velocity_times(self.origin[0], self.pace.rates[0])
+        rows = np.flatnonzero(branch.time >= begin + spent + least)
+        times = branch.time[rows]
         number, late = 0, self.shape.late
         for _ in range(TRIES):
             if not number < len(rows):
@@ -148,7 +144,7 @@ class JointMotion:
 
     def _missed(self, begin: float, ready: float, least: float) -> Refusal:
         """Why no meeting was found; `least`: s that the way to the last one takes at least, after `ready`."""
-        end, soonest = float(self.branch.times[-1]), self._shortest(self._goal(int(self.branch.rows[-1])))
+        end, soonest = float(self.branch.time[-1]), self._shortest(self._goal(len(self.branch.time) - 1))
         need = ready + (least if isinstance(soonest, TimingRefusal) else soonest)
         if not need > end:
             return unmoved(Stage.TIMING, self.step, Obstacle.NO_SUCH_DURATION, interval=(begin, end))
@@ -183,7 +179,7 @@ class JointMotion:
         shape = self.shape
         if not shape.vias:
             return None
-        goal = self.branch.q[int(self.branch.rows[0])].tolist()
+        goal = self.branch.q[0].tolist()
         stations = [self.origin[0], *(via.q.tolist() for via in shape.vias), goal]
         for i, via in enumerate(shape.vias, start=1):
             v = self._passing(stations[i - 1], stations[i], stations[i + 1], via.pace)
@@ -202,11 +198,10 @@ class JointMotion:
 
     def _at_any_time(self, begin: float) -> Reached | Refusal:
         """The way to a point that stands: the fastest."""
-        row = int(self.branch.rows[0])
-        last = self._last(self._goal(row), None)
+        last = self._last(self._goal(0), None)
         if isinstance(last, TimingRefusal):
             return unmoved(Stage.TIMING, self.step, Obstacle.NO_PROFILE)
-        return self._reached(last, begin, row, None)
+        return self._reached(last, begin, 0, None)
 
     def _reached(self, last: RawProfile, begin: float, row: int, end: float | None) -> Reached | Refusal:
         """The leg whose last part is `last`, if its spline keeps the limits; `end` None: when that ends."""

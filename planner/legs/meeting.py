@@ -11,11 +11,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assur.planner.arrays import BoolArray, FloatArray, IntArray, every
+from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.kernels.meetings import (
+    FAST,
+    LEGAL,
+    NO_BOUND,
+    NOWHERE,
+    meeting_states,
+    turn_ranges,
+    turned_states,
+)
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.legs.missed import window_is_missed
-from assur.planner.legs.singular import nearest
+from assur.planner.legs.singular import Margins, Near, nearest
 from assur.planner.model.refusal import (
     RATES,
     BeyondRange,
@@ -33,7 +42,8 @@ from assur.planner.model.refusal import (
     out_of_reach,
 )
 from assur.planner.model.scene import Scene
-from assur.planner.robots.protocol import Code, Inverse, Robot
+from assur.planner.robots.kinematics import targets_of
+from assur.planner.robots.protocol import Code, Robot
 from assur.planner.robots.turns import beyond_range
 
 GRID_S = 0.004
@@ -51,13 +61,12 @@ class Meetings:
     """All branches of a control point that are legal at some time, and why others are not."""
 
     point: ControlPoint
-    above: float
     branches: tuple[Branch, ...]
     refusals: tuple[Refusal, ...]
 
 
 def times(point: ControlPoint, earliest: float, lead: float) -> FloatArray:
-    """Grid (G,) of meeting times from `earliest` on; the glue begins `lead` seconds after a meeting."""
+    """Grid (G,) of meeting times from `earliest` on; tracking begins `lead` seconds after a meeting."""
     if _any_time(point) and point.intervals:
         return np.array([earliest])
     found = []
@@ -83,106 +92,102 @@ def meetings(
     modes: tuple[int, ...],
     near: FloatArray | None = None,
 ) -> Meetings:
-    """The branches in which `point` can be met, `point.approach` above it, from `earliest` on."""
-    robot = scene.robot
-    above = point.approach
-    t = times(point, earliest, lead)
-    if not len(t):
-        return Meetings(point, above, (), (window_is_missed(scene, point, earliest + lead),))
-    motion = point.flange(t, above)
-    if not point.matched or point.via:
-        motion = motion.at_rest()
-    branches: list[Branch] = []
-    refusals: list[Refusal] = []
-    for mode in modes:
-        found = robot.inverse(motion, mode, 2)
-        assembled = _assembled(found.code, found.qd, found.qdd)
-        if not assembled.any():
-            known = np.asarray(np.isfinite(motion.p).all(-1))
-            refusals.append(_unreachable(scene, point, found, t, robot.modes[mode], known))
-            continue
-        safe = _safe(scene, point, found) & assembled
-        if not safe.any():
-            best = nearest(robot, found, scene.options.singularity_margin, np.flatnonzero(assembled), best=True)
-            refusals.append(best.refusal(Stage.INVERSE, point.step, _span(t), mode=robot.modes[mode]))
-            continue
-        over = np.stack([np.abs(found.qd) / robot.limits.velocity, np.abs(found.qdd) / robot.limits.acceleration])
-        slow = safe & every(over.max(0) <= 1.0)
-        if not slow.any():
-            refusals.append(_too_fast(robot, point, t[safe], over[:, safe], robot.modes[mode]))
-            continue
-        safe = slow
-        here = list(_turned(robot, mode, t, found.q, found.qd, found.qdd, safe, _any_time(point), near))
-        if not here:
-            refusals.append(_beyond_limits(robot, point, t[safe], found.q[safe], lead, mode))
-        branches += here
-    return Meetings(point, above, tuple(branches), tuple(refusals))
-
-
-def _assembled(code: IntArray, qd: FloatArray, qdd: FloatArray) -> BoolArray:
-    """Rows that are assembled; a stretched arm will do where the point is met at rest and no margin is asked."""
-    return np.asarray((code == Code.ASSEMBLED) & every(np.isfinite(qd) & np.isfinite(qdd)))
-
-
-def _safe(scene: Scene, point: ControlPoint, found: Inverse) -> BoolArray:
-    """The margin is asked of points met with a matched velocity or along a Cartesian leg, and not of others."""
-    moving = point.tracks or (point.matched and not point.still and not point.via)
-    return found.keeps(scene.options.singularity_margin) if moving else np.ones(found.code.shape, dtype=bool)
-
-
-def _turned(
-    robot: Robot,
-    mode: int,
-    t: FloatArray,
-    q: FloatArray,
-    qd: FloatArray,
-    qdd: FloatArray,
-    safe: BoolArray,
-    still: bool,
-    near: FloatArray | None,
-) -> list[Branch]:
-    """The mode's branches: choices of full turns of the revolute joints that are within limits at some time.
+    """The branches in which `point` can be met, `point.approach` above it, from `earliest` on.
 
     A joint that can go round many times is offered `MOST_TURNS` either way from where it is (`near`; None: all).
     """
-    met, slack = q[safe], robot.limits.slack
-    lower, upper = robot.limits.lower - slack, robot.limits.upper + slack
-    choices = []
-    for i, joint in enumerate(robot.joints):
-        if joint.kind != "revolute":
-            choices.append([0])
-            continue
-        first = int(np.ceil((lower[i] - met[:, i].max()) / (2 * np.pi)))
-        last = int(np.floor((upper[i] - met[:, i].min()) / (2 * np.pi)))
-        if near is not None:
-            here = round((near[i] - float(met[0, i])) / (2 * np.pi))
-            first, last = max(first, here - MOST_TURNS), min(last, here + MOST_TURNS)
-        choices.append(list(range(first, last + 1)))
-    found = []
-    for turns in itertools.product(*choices):
-        turned = q + 2 * np.pi * np.array(turns)
-        legal = safe & robot.within(turned)
-        if legal.any():
-            found.append(Branch(mode, t, turned, qd, qdd, legal, still))
-    return found
+    t = times(point, earliest, lead)
+    if not len(t):
+        return Meetings(point, (), (window_is_missed(scene, point, earliest + lead),))
+    motion = point.flange(t, point.approach)
+    if not point.matched or point.via:
+        motion = motion.at_rest()
+    # a margin is required of points that are met with a matched velocity, and not of others
+    moving = point.tracks or (point.matched and not point.still and not point.via)
+    looked = _Evaluated(scene, t, targets_of(motion, 2), scene.options.singularity_margin if moving else NO_BOUND)
+    branches: list[Branch] = []
+    refusals: list[Refusal] = []
+    for mode in modes:
+        here = looked.branches(mode, near, any_time=_any_time(point))
+        branches += here
+        if not here:
+            refusals.append(_refused(scene, point, lead, mode, looked))
+    return Meetings(point, tuple(branches), tuple(refusals))
+
+
+class _Evaluated:
+    """The joint states over a grid of times (T,), s, of one mode after the other."""
+
+    def __init__(self, scene: Scene, t: FloatArray, targets: FloatArray, required: float) -> None:
+        self.robot, self.t, self.targets, self.required = scene.robot, t, targets, required
+        self.states, self.margins = np.empty((len(t), 1 + 3 * len(scene.robot.joints))), np.empty((len(t), 2))
+        self.codes, self.verdicts = np.empty((2, len(t)), dtype=np.int64)
+        self.grid_s = float((t[1:] - t[:-1]).max(initial=0.0))
+
+    def branches(self, mode: int, near: FloatArray | None, *, any_time: bool) -> list[Branch]:
+        """The mode's branches: choices of full turns of the revolute joints that are within limits at some time."""
+        robot, limits, n = self.robot, self.robot.limits, len(self.robot.joints)
+        legal = meeting_states(
+            robot.row, mode, self.targets, limits.table, self.required, self.t, self.states, self.margins, self.codes,
+            self.verdicts,
+        )  # fmt: skip
+        if not legal:
+            return []
+        turns, near = np.empty((n, 2), dtype=np.int64), np.full(n, np.nan) if near is None else np.array(near)
+        turn_ranges(self.states, self.verdicts, limits.within, robot.revolute, near, MOST_TURNS, turns)
+        found = []
+        for choice in itertools.product(*(range(first, last + 1) for first, last in turns.tolist())):
+            rows, numbers = np.empty((legal, 1 + 3 * n)), np.empty(legal, dtype=np.int64)
+            turned = np.array(choice, dtype=np.float64)
+            many = turned_states(robot.row, self.states, self.verdicts, limits.within, turned, rows, numbers)
+            if many:
+                found.append(Branch(mode, rows[:many], numbers[:many], any_time, self.grid_s))
+        return found
+
+    def joints(self, order: int) -> FloatArray:
+        """q, q̇ or q̈ (T, n)."""
+        n = len(self.robot.joints)
+        return self.states[:, 1 + order * n : 1 + (order + 1) * n]
+
+    def near(self, rows: BoolArray, required: float) -> Near:
+        """The singularity that is nearest in the best of some rows."""
+        parallel = self.margins[:, 1] if self.robot.parallel_least > 0.0 else None
+        margins = Margins(self.codes, self.margins[:, 0], parallel)
+        return nearest(self.robot, margins, required, np.flatnonzero(rows), best=True)
+
+
+def _refused(scene: Scene, point: ControlPoint, lead: float, mode: int, looked: _Evaluated) -> Refusal:
+    """Why a mode has no branch: what ends all times, or else what ends those that came furthest."""
+    robot, t, verdicts = scene.robot, looked.t, looked.verdicts
+    assembled, safe, slow = verdicts != NOWHERE, (verdicts == FAST) | (verdicts == LEGAL), verdicts == LEGAL
+    if not assembled.any():
+        known = np.asarray(np.isfinite(looked.targets[:, 0, :3]).all(-1))
+        return _unreachable(scene, point, looked, robot.modes[mode], known)
+    if not safe.any():
+        best = looked.near(assembled, scene.options.singularity_margin)
+        return best.refusal(Stage.INVERSE, point.step, _span(t), mode=robot.modes[mode])
+    if not slow.any():
+        limits = robot.limits
+        over = np.stack([np.abs(looked.joints(1)) / limits.velocity, np.abs(looked.joints(2)) / limits.acceleration])
+        return _too_fast(robot, point, t[safe], over[:, safe], robot.modes[mode])
+    return _beyond_limits(robot, point, t[slow], looked.joints(0)[slow], lead, mode)
 
 
 def _span(t: FloatArray) -> tuple[float, float]:
     return float(t[0]), float(t[-1])
 
 
-def _unreachable(
-    scene: Scene, point: ControlPoint, found: Inverse, t: FloatArray, mode: str, known: BoolArray
-) -> Refusal:
+def _unreachable(scene: Scene, point: ControlPoint, looked: _Evaluated, mode: str, known: BoolArray) -> Refusal:
+    t = looked.t
     if not known.any():
         law = scene.frames[point.frame].law
         return law_ends(Stage.INVERSE, point.step, point.frame, law.valid, float(t[0]), interval=_span(t))
-    worst = found.code[known]
+    worst = looked.codes[known]
     if (worst == Code.OUT_OF_REACH).all():
         return out_of_reach(Stage.INVERSE, point.step, interval=_span(t), facts=OutOfReach(mode=mode))
-    parallel = np.flatnonzero(found.code == Code.PARALLEL)
-    if len(parallel):
-        best = nearest(scene.robot, found, 0.0, parallel, best=True)
+    parallel = looked.codes == Code.PARALLEL
+    if parallel.any():
+        best = looked.near(parallel, 0.0)
         return best.refusal(Stage.INVERSE, point.step, _span(t), mode=mode)
     return Refusal(
         stage=Stage.INVERSE,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,7 +46,15 @@ class Near:
         )
 
 
-def nearest(robot: Robot, found: Inverse, asked: float, rows: IntArray, *, best: bool) -> Near:
+class Margins(NamedTuple):
+    """Code and margins of postures, (N,), as `Inverse` has them."""
+
+    code: IntArray
+    margin: FloatArray
+    parallel: FloatArray | None
+
+
+def nearest(robot: Robot, found: Inverse | Margins, asked: float, rows: IntArray, *, best: bool) -> Near:
     """The margin that is short by most in the row of `rows` that is best (or worst) in this; NaN is no margin.
 
     The parallel margin must be `asked` and the robot's own `parallel_least`, whichever is more.

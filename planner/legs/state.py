@@ -1,4 +1,4 @@
-"""Where the arm is, and how it moves, at one time; and knots of a stretch of motion."""
+"""Where the arm is, and how it moves, at one time; and knots of a part of a motion."""
 
 from __future__ import annotations
 
@@ -27,40 +27,71 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Knots:
-    """Knots of a stretch of motion: time (K,), q, q̇, q̈ (K, n)."""
+    """Knots of a part of a motion: a table (K, 1 + 3n) of time, q, q̇, q̈."""
 
-    time: FloatArray
-    q: FloatArray
-    qd: FloatArray
-    qdd: FloatArray
+    table: FloatArray
+
+    @property
+    def n(self) -> int:
+        return int(self.table.shape[1] - 1) // 3
+
+    @property
+    def time(self) -> FloatArray:
+        """(K,) s."""
+        return np.asarray(self.table[:, 0])
+
+    @property
+    def q(self) -> FloatArray:
+        """(K, n)."""
+        return np.asarray(self.table[:, 1 : 1 + self.n])
+
+    @property
+    def qd(self) -> FloatArray:
+        """(K, n)."""
+        return np.asarray(self.table[:, 1 + self.n : 1 + 2 * self.n])
+
+    @property
+    def qdd(self) -> FloatArray:
+        """(K, n)."""
+        return np.asarray(self.table[:, 1 + 2 * self.n :])
+
+    @property
+    def begin(self) -> float:
+        return float(self.table[0, 0])
+
+    @property
+    def end(self) -> float:
+        return float(self.table[-1, 0])
 
     @property
     def last(self) -> State:
-        return State(float(self.time[-1]), self.q[-1], self.qd[-1], self.qdd[-1])
+        row, n = self.table[-1], self.n
+        return State(float(row[0]), row[1 : 1 + n], row[1 + n : 1 + 2 * n], row[1 + 2 * n :])
 
     def then(self, other: Knots) -> Knots:
-        """This stretch and one that begins where it ends; the common knot is kept once."""
-        return Knots(
-            np.concatenate([self.time, other.time[1:]]),
-            np.concatenate([self.q, other.q[1:]]),
-            np.concatenate([self.qd, other.qd[1:]]),
-            np.concatenate([self.qdd, other.qdd[1:]]),
-        )
+        """These and those that begin where they end; the common knot is kept once."""
+        return Knots(np.concatenate([self.table, other.table[1:]]))
 
     @staticmethod
     def of(trajectory: Trajectory) -> Knots:
         """Those of a trajectory."""
-        return Knots(trajectory.time, trajectory.q, trajectory.qd, trajectory.qdd)
+        return Knots(trajectory.knots)
+
+    @staticmethod
+    def made(time: FloatArray, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> Knots:
+        """Of times (K,) and states (K, n)."""
+        return Knots(np.concatenate([time[:, None], q, qd, qdd], 1))
 
     @staticmethod
     def standing(state: State, until: float) -> Knots:
         """The arm at rest from the state's time to `until`."""
-        zero = np.zeros((2, len(state.q)))
-        return Knots(np.array([state.time, until]), np.stack([state.q, state.q]), zero, zero)
+        table = np.zeros((2, 1 + 3 * len(state.q)))
+        table[:, 0], table[:, 1 : 1 + len(state.q)] = (state.time, until), state.q
+        return Knots(table)
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class TimedLeg:
     """Knots with the kind of leg that they are and its route."""
 
     kind: LegKind

@@ -17,15 +17,15 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import like
-from assur.planner.legs.glued import PATH_M, REFINEMENTS, SPACING_S, continued
 from assur.planner.legs.limits import rates
 from assur.planner.legs.line import Along, Line, Phase, Uniform
 from assur.planner.legs.line_rates import Rates
 from assur.planner.legs.phase_law import TABLE, PhaseLaw, quickest
 from assur.planner.legs.singular import nearest
 from assur.planner.legs.spacing import spaced
-from assur.planner.legs.state import Knots, State, Stretch
+from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.legs.tilt import PATH_RAD, tilt_off
+from assur.planner.legs.tracking import PATH_M, REFINEMENTS, SPACING_S, continued
 from assur.planner.model.outcome import Course, LegKind, Route
 from assur.planner.model.refusal import (
     LawEnds,
@@ -69,20 +69,20 @@ Paced = Callable[[float], Phase | TimingRefusal]
 """A phase law `scale` times as fast."""
 
 
-def straight(scene: Scene, step: int, state: State, mode: int, left: Along, met: Along) -> Stretch | Refusal:
+def straight(scene: Scene, step: int, state: State, mode: int, left: Along, met: Along) -> TimedLeg | Refusal:
     """A straight leg from `state`, in which the flange moves as `left` says, until it moves as `met` says.
 
     The phase law is scaled until velocity, acceleration and jerk of every joint are within limits by the exact extrema
     of the spline. Refused: out of reach, too near a singularity, a joint position beyond its limit.
     """
     start = np.array([state.time])
-    leg: Stretch | Refusal | None = None
+    leg: TimedLeg | Refusal | None = None
     standing = _still(left, start) and _still(met, start)
     if standing:
         law, surely = _made_for(scene, mode, left(start), met(start))
         if law is not None:
             leg = scaled(scene, step, state, mode, left, met, _as_fast(law), CLOSE_ROUNDS)
-        if law is not None and isinstance(leg, Stretch):
+        if law is not None and isinstance(leg, TimedLeg):
             t = leg.knots.time
             told = abs(_length(t) / law.duration - 1) <= AS_TOLD
             if told and _length(t) <= surely and _still(left, t) and _still(met, t):
@@ -95,7 +95,7 @@ def straight(scene: Scene, step: int, state: State, mode: int, left: Along, met:
         law, _ = _made_for(scene, mode, left(start), met(plain.knots.time[-1:]))
         if law is not None:
             leg = scaled(scene, step, state, mode, left, met, _as_fast(law), CLOSE_ROUNDS)
-    if isinstance(leg, Stretch) and _length(leg.knots.time) < _length(plain.knots.time):
+    if isinstance(leg, TimedLeg) and _length(leg.knots.time) < _length(plain.knots.time):
         return leg
     return plain
 
@@ -143,10 +143,10 @@ def _length(t: FloatArray) -> float:
 
 def scaled(
     scene: Scene, step: int, state: State, mode: int, left: Along, met: Along, paced: Paced, closely: int
-) -> Stretch | Refusal:
+) -> TimedLeg | Refusal:
     """The leg by a phase law, as fast as keeps the limits; in so many rounds to begin with, closely so."""
     scale = 1.0
-    kept: Stretch | None = None
+    kept: TimedLeg | None = None
     for number in range(ROUNDS):
         close = number < closely
         if kept is not None and not close:
@@ -163,7 +163,7 @@ def scaled(
         ratio = max(fast.velocity, fast.acceleration**0.5, fast.jerk ** (1 / 3))
         if LOOSE <= ratio <= 1.0:
             if kept is None or spline.duration < _length(kept.knots.time):
-                kept = Stretch(LegKind.MOVE, Knots.of(spline), Route(Course.STRAIGHT))
+                kept = TimedLeg(LegKind.MOVE, Knots.of(spline), Route(Course.STRAIGHT))
             if ratio >= CLOSE:
                 break
         if not ratio > 0 or (ratio < LOOSE and scale > 1e3):

@@ -14,7 +14,7 @@ from assur.planner.model.scene import Scene, Step
 from assur.planner.robots.protocol import Robot
 
 PATH_RAD = 1e-5
-"""Between knots pitch and roll leave their path by less than this, rad; the promise of glued legs is 1e-4."""
+"""Between knots pitch and roll leave their path by less than this, rad; the promise of tracking legs is 1e-4."""
 PITCHES = 24
 """Pitches that are tried where a control point leaves the pitch free, beside the one that the arm has: every 15°."""
 SAME_RAD = 1e-9

@@ -6,47 +6,31 @@ changed its mode. Arms without a loop are not looked at.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.model.refusal import Quantity, Reason, Refusal, Singular, Stage
 from assur.planner.robots.protocol import Robot
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory.sweep import sweep
-
-COARSEST_S = 0.05
-"""Intervals with which a proof begins, s."""
-FINEST_S = 2e-5
-"""Intervals are halved no further than this, s; the checker goes further before it refuses."""
 
 
 def has_loop(robot: Robot) -> bool:
     """Whether there are joint vectors for which the robot does not assemble."""
-    everywhere = np.full((1, len(robot.joints)), np.inf)
-    return not robot.assembled(-everywhere, everywhere).all()
+    return robot.parallel_least > 0.0
 
 
 def leaves_assembly(robot: Robot, step: int, trajectory: Trajectory) -> Refusal | None:
-    """The first stretch over which the robot is not proved to stay assembled with its least parallel margin."""
+    """The first instant at which the robot is not proved to stay assembled with its least parallel margin."""
     if not has_loop(robot):
         return None
-    count = max(1, int(np.ceil(trajectory.duration / COARSEST_S)))
-    edges = np.linspace(trajectory.start, trajectory.end, count + 1)
-    edges[-1] = trajectory.end
-    t0, t1 = edges[:-1], edges[1:]
-    while len(t0):
-        swept = sweep(trajectory, t0, t1, robot.rate_matrix)
-        left = ~robot.assembled(swept.lower, swept.upper)
-        t0, t1 = t0[left], t1[left]
-        if not len(t0):
-            return None
-        middle = (t0 + t1) / 2
-        margin = robot.parallel_margin(trajectory.evaluate(middle))
-        lost = ~(margin >= robot.parallel_least) | ~(t1 - t0 > FINEST_S)
-        if lost.any():
-            return lost_at(robot, Stage.LIMITS, step, middle[lost], margin[lost])
-        t0, t1 = np.concatenate([t0, middle]), np.concatenate([middle, t1])
-    return None
+    from assur.planner.kernels.assembly import first_lost
+    from assur.planner.trajectory.spline import spline_table
+
+    spline = spline_table(trajectory, robot.rate_matrix)
+    t, margin = first_lost(robot.row, spline.tk, spline.c, spline.whole, spline.matrix)
+    return None if t == math.inf else lost_at(robot, Stage.LIMITS, step, np.array([t]), np.array([margin]))
 
 
 def lost_at(robot: Robot, stage: Stage, step: int, t: FloatArray, margin: FloatArray) -> Refusal:

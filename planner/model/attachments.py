@@ -25,7 +25,7 @@ class Attachments:
     held: Held | None = None
     placed: tuple[tuple[str, str, Pose], ...] = ()
 
-    def seat(self, scene: Scene, name: str) -> tuple[str, Pose]:
+    def pose_of(self, scene: Scene, name: str) -> tuple[str, Pose]:
         """Frame of a body of the surroundings, and its pose in it."""
         for part, frame, pose in self.placed:
             if part == name:
@@ -35,11 +35,11 @@ class Attachments:
 
     def frame(self, scene: Scene, step: Step) -> str:
         """The frame in which the control point of a step is."""
-        return self.seat(scene, step.part)[0] if isinstance(step, Pick) else step.target.frame
+        return self.pose_of(scene, step.part)[0] if isinstance(step, Pick) else step.target.frame
 
     def point(self, scene: Scene, step: Step) -> tuple[str, Pose]:
         """Frame and pose of what a step is about: of the part, for a pick or a place, else of the target."""
-        return self.seat(scene, step.part) if isinstance(step, Pick) else (step.target.frame, step.target.pose)
+        return self.pose_of(scene, step.part) if isinstance(step, Pick) else (step.target.frame, step.target.pose)
 
     def flange(self, scene: Scene, step: Step, yaw_offset: float = 0.0) -> tuple[str, Pose]:
         """Frame, and pose in it, that the flange takes when the control point of `step` is met, the tool being turned
@@ -64,10 +64,10 @@ class Attachments:
                 in_flange = scene.tool.tcp.then(_grasp(step, yaw_offset).inverse())
                 return Attachments(Held(step.part, in_flange), self.placed)
             case Place():
-                seat, start = (step.to.frame, step.to.pose), scene.index[step.part]
+                here, start = (step.to.frame, step.to.pose), scene.index[step.part]
                 others = [each for each in self.placed if each[0] != step.part]
-                back = seat == (start.frame, start.pose)
-                return Attachments(None, tuple(sorted(others if back else [*others, (step.part, *seat)], key=_name)))
+                back = here == (start.frame, start.pose)
+                return Attachments(None, tuple(sorted(others if back else [*others, (step.part, *here)], key=_name)))
             case Move() | Follow():
                 return self
 
@@ -81,5 +81,5 @@ def _grasp(step: Pick, yaw_offset: float) -> Pose:
     return Pose(yaw=yaw_offset).then(step.grasp)
 
 
-def _name(seat: tuple[str, str, Pose]) -> str:
-    return seat[0]
+def _name(placed: tuple[str, str, Pose]) -> str:
+    return placed[0]

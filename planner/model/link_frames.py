@@ -8,31 +8,19 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames.law import LawBounds
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.validity import ALWAYS, KnownLaw, interval
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.robots.protocol import Robot
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory.sweep import sweep
-
-LEVER_M = 1e9
-"""Length of the lever at which the speed of a link's points is read as its yaw rate, m: so long that the speed of the
-link's origin, some m/s, does not count beside it (1e-9 rad/s for each m/s)."""
-SIDEWAYS = (1.0, 0.0, 0.0)
-"""A horizontal direction: which one does not matter to a circle of points."""
+from assur.planner.trajectory.spline import Spline, spline_table
 
 
 @dataclass(frozen=True, eq=False)
 class TrajectoryLaw(KnownLaw):
     """The frame of link number `link` of `robot`, which follows `trajectory` and stands still before and after it.
 
-    At the first knot the motion counts, at the last one the standing.
-
-    The yaw rate of a link is bounded by means of its points (equation F6). Those at distance R to both sides of the
-    axis, at a right angle to a horizontal n, have the velocities n·ṗ ± ω R along n, so one of them |n·ẋ| >= |ω| R; in
-    the same way |n·ẍ| >= |ω̇| R. Therefore |ω| <= b(R)/R, b being the robot's bound for points within R. With a long R
-    this is sharp for ω; for ω̇ the robot's bound holds the turning too, and gives √(ω̇² + ω⁴) rather than |ω̇|.
+    At the first knot the motion counts, at the last one the standing (equation F6).
 
     Raises `InputError` for a link that the robot has not, a robot with links that tilt, a trajectory of another number
     of joints, one whose acceleration jumps, one that does not begin and end at rest, or one on which a robot with a
@@ -43,7 +31,8 @@ class TrajectoryLaw(KnownLaw):
     trajectory: Trajectory
     link: int
     valid: tuple[float, float] = ALWAYS
-    _rates: FloatArray = field(init=False, repr=False)
+    spline: Spline = field(init=False, repr=False)
+    """The trajectory as tables."""
 
     def __post_init__(self) -> None:
         links, joints = len(self.robot.links), len(self.robot.joints)
@@ -67,7 +56,7 @@ class TrajectoryLaw(KnownLaw):
             allowed = f"a motion on which {self.robot.name} stays assembled"
             raise InputError("neighbour.trajectory", f"a type 2 singularity{at}", allowed)
         object.__setattr__(self, "valid", interval(self.valid, "neighbour.valid"))
-        object.__setattr__(self, "_rates", np.asarray(self.robot.rate_matrix))
+        object.__setattr__(self, "spline", spline_table(self.trajectory, self.robot.rate_matrix))
 
     def _motion(self, t: FloatArray, /) -> Motion:
         path = self.trajectory
@@ -76,11 +65,3 @@ class TrajectoryLaw(KnownLaw):
         # At rest the first three are zero by themselves; the jerk is not, it jumps.
         moving = (path.start <= t) & (t < path.end)
         return self.robot.link_motion(self.link, q, qd, qdd, np.where(moving[..., None], qddd, 0.0))
-
-    def _bounds(self, t0: FloatArray, t1: FloatArray, n: FloatArray, /) -> LawBounds:
-        swept = sweep(self.trajectory, t0, t1, self._rates)
-        link, lever = np.full(t0.shape, self.link), np.full(t0.shape, LEVER_M)
-        none, sideways = np.zeros(t0.shape), np.tile(SIDEWAYS, (len(t0), 1))
-        speed, acceleration = self.robot.point_bounds(link, none, none, n, swept)
-        rate, rate_d = self.robot.point_bounds(link, lever, lever, sideways, swept)
-        return LawBounds(speed, acceleration, rate / LEVER_M, rate_d / LEVER_M)

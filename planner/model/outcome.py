@@ -105,12 +105,12 @@ class Missed:
 class Arrival:
     """The tool point met a control point: `pose` of the tool point in the world at `time`.
 
-    `along_m`: distance of the control point's frame along its conveyor (None: no conveyor);
-    `window_left_s`: time left in its window; `matched`: velocity matched, too. For a follow, pick or place `time` is
-    when the glue begins and `until` when it ends (attach, detach); elsewhere until = time. `yaw_offset`: by how much
-    the tool was turned about the part's vertical axis, where the part's symmetry (or a free yaw) leaves the choice.
-    `pitch`, `roll`: with which the tool met it, rad; None for an arm that has none. `missed_by`: of a via with
-    parabolic blends, whose `pose` is where the tool is at `time`, while pitch and roll are those of the pose it misses.
+    `along_m`: distance of the control point's frame along its conveyor (None: no conveyor); `window_left_s`: time left
+    in its window; `matched`: velocity matched, too. For a follow, pick or place `time` is when tracking of the point
+    begins and `until` when it ends (attach, detach); elsewhere until = time. `yaw_offset`: by how much the tool was
+    turned about the part's vertical axis, where the part's symmetry (or a free yaw) leaves the choice. `pitch`, `roll`:
+    with which the tool met it, rad; None for an arm that has none. `missed_by`: of a via with parabolic blends, whose
+    `pose` is where the tool is at `time`, while pitch and roll are those of the pose it misses.
     Raises `InputError` for what is no number of a step, no pose, no text, or not finite.
     """
 

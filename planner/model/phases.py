@@ -66,11 +66,15 @@ def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -
         here, attached = step_phases(scene, attached, legs[first:last], of_step.get(number))
         found += here
         first = last
+    return tuple(found + stay_phase(scene, legs[-1].t1, attached)) if legs else ()
+
+
+def stay_phase(scene: Scene, end: float, attached: Attachments) -> list[Phase]:
+    """The standstill for `stay_safe_s` after a motion that ends at `end`, s, if one is required."""
     stay = scene.options.stay_safe_s
-    if scene.options.end == "rest" and stay > 0 and legs:
-        end, after = legs[-1].t1, _corrected(scene, len(scene.task))
-        found.append(Phase(end, end + stay, LegKind.WAIT, -1, attached, corrected=after))
-    return tuple(found)
+    if scene.options.end != "rest" or not stay > 0:
+        return []
+    return [Phase(end, end + stay, LegKind.WAIT, -1, attached, corrected=_corrected(scene, len(scene.task)))]
 
 
 def step_phases(
@@ -130,22 +134,22 @@ def resting_on(
     at, attached = np.array(scene.start.time if time is None else time), attached or AT_START
     frames: dict[str, Pose] = {}
 
-    def where(seat: tuple[str, Pose]) -> Pose | None:
-        if seat[0] not in frames:
-            motion = scene.frames[seat[0]].law.motion(at)
+    def in_world(name: str, local: Pose) -> Pose | None:
+        if name not in frames:
+            motion = scene.frames[name].law.motion(at)
             numbers = (*motion.p.tolist(), float(motion.yaw))
             if not all(map(math.isfinite, numbers)):
-                return None  # not known then: whoever looks at the law's validity refuses
-            frames[seat[0]] = Pose(*numbers)
-        return frames[seat[0]].then(seat[1])
+                return None  # not known then: the checks of the laws' validity refuse it
+            frames[name] = Pose(*numbers)
+        return frames[name].then(local)
 
-    there = where((frame, pose))
+    there = in_world(frame, pose)
     if there is None:
         return frozenset()
     bottom, around = there.z + _extent(scene, part)[0], _radius(scene, part)
     found = set()
     for body in scene.bodies:
-        other = None if body.name == part else where(attached.seat(scene, body.name))
+        other = None if body.name == part else in_world(*attached.pose_of(scene, body.name))
         if other is None or not math.hypot(other.x - there.x, other.y - there.y) <= around + _radius(scene, body.name):
             continue
         if abs(other.z + _extent(scene, body.name)[1] - bottom) <= CONTACT_M:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 from assur.planner.arrays import FloatArray, frozen
@@ -97,7 +98,7 @@ class Clearance:
 @dataclass(frozen=True, slots=True)
 class Execution:
     """How the plan will be run: servo lag of the tool `tracking_m`, dispatch up to `start_tolerance_s` late, and
-    whether the controller shifts glued legs by the live encoder (`belt_correction`)."""
+    whether the controller shifts tracking legs by the live encoder (`belt_correction`)."""
 
     tracking_m: float = 0.0
     start_tolerance_s: float = 0.0
@@ -133,7 +134,7 @@ class Options:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A whole request, valid: robot, tool, start, frames, bodies, task, manners."""
+    """A whole request, valid: robot, tool, start, frames, bodies, task, options."""
 
     robot: Robot
     tool: Tool
@@ -183,6 +184,14 @@ class Scene:
         refuse_acceleration_time(self.options.timing, self.options.acceleration_time_s)
         if self.options.blended:
             refuse_unblendable(self.task, self.frames, moving=self.start.moving, end=self.options.end)
+
+    @cached_property
+    def ending(self) -> tuple[tuple[str, tuple[float, float]], ...]:
+        """The frames that bear a body, or will, and whose motion is not known for ever; and when it is known, s."""
+        bearing = [body.frame for body in self.bodies]
+        bearing += [step.to.frame for step in self.task if isinstance(step, Place)]
+        valid = {name: self.frames[name].law.valid for name in dict.fromkeys(bearing)}
+        return tuple((name, span) for name, span in valid.items() if span[1] != math.inf)
 
     def _check_wrist(self) -> None:
         """An arm that cannot turn its tool at will cannot lay down a part as it should lie."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
+from assur.planner.kernels.tool import least_margins
 from assur.planner.legs.tool_motion import carrying_peak, tool_peak
 from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.outcome import Contact, JointPeak, Margins
@@ -20,7 +21,7 @@ INSTANTS = 64
 def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Margins:
     """The margins of a plan. Peaks are exact extrema; clearance and tool acceleration are looked for at times."""
     peaks, (ratio, joint, kind) = _peaks(scene, trajectory)
-    q = trajectory.evaluate(np.linspace(trajectory.start, trajectory.end, INSTANTS))
+    serial, parallel = least_margins(scene.robot.row, trajectory.edges, trajectory.coefficients, INSTANTS)
     limit, held = scene.carry_acceleration, carrying_peak(scene, trajectory, phases)
     pull = held[0] if held is not None else tool_peak(scene, trajectory, trajectory.start, trajectory.end)[0]
     binds = f"{kind} of {joint} ({100 * ratio:.0f} %)"
@@ -32,8 +33,8 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         nearest=nearest(prover, trajectory, phases),
         tool_acceleration=pull,
         tool_acceleration_limit=limit,
-        singularity=float(scene.robot.margin(q).min()),
-        parallel=float(scene.robot.parallel_margin(q).min()) if has_loop(scene.robot) else None,
+        singularity=serial,
+        parallel=parallel if has_loop(scene.robot) else None,
         jerk="unbounded" if scene.options.blended else "limited",
     )
 

@@ -39,6 +39,11 @@ class Arm(ABC):
 
         return row_of(self)
 
+    @cached_property
+    def revolute(self) -> FloatArray:
+        """1 for joints (n,) that turn, 0 for those that slide; not to be written to."""
+        return np.array([float(joint.kind == "revolute") for joint in self.joints])
+
     def inverse(self, flange: Motion, mode: int, order: int = 3) -> Inverse:
         """Joint motion that gives the flange this motion (world) in working mode number `mode`: K10, K23 to K25, K35.
 

@@ -55,10 +55,9 @@ def row_of(arm: Arm) -> FloatArray:
     return row
 
 
-def inverse(arm: Arm, flange: Motion, mode: int, order: int) -> Inverse:
-    """As `Robot.inverse`; `mode` and `order` are what they may be."""
-    shape, n = flange.yaw.shape, len(arm.joints)
-    targets = np.zeros((*shape, ORDERS, COORDINATES))
+def targets_of(flange: Motion, order: int) -> FloatArray:
+    """A motion as the kernels take it, (..., 4, 6), up to a derivative; what is beyond is 0."""
+    targets = np.zeros((*flange.yaw.shape, ORDERS, COORDINATES))
     places, turns = (flange.p, flange.v, flange.a, flange.j), (flange.yaw, flange.yaw_d, flange.yaw_dd, flange.yaw_ddd)
     for k in range(order + 1):
         targets[..., k, :3], targets[..., k, 3] = places[k], turns[k]
@@ -66,9 +65,15 @@ def inverse(arm: Arm, flange: Motion, mode: int, order: int) -> Inverse:
         tilts = (flange.tilt, flange.tilt_d, flange.tilt_dd, flange.tilt_ddd)
         for k in range(order + 1):
             targets[..., k, 4:] = tilts[k]
+    return targets
+
+
+def inverse(arm: Arm, flange: Motion, mode: int, order: int) -> Inverse:
+    """As `Robot.inverse`; `mode` and `order` are what they may be."""
+    shape, n = flange.yaw.shape, len(arm.joints)
     joints, margins = np.empty((*shape, ORDERS, n)), np.empty((*shape, 2))
     codes = np.empty(shape, dtype=np.int64)
-    flat = targets.reshape(-1, ORDERS, COORDINATES)
+    flat = targets_of(flange, order).reshape(-1, ORDERS, COORDINATES)
     joint_motions(arm.row, mode, order, flat, joints.reshape(-1, ORDERS, n), margins.reshape(-1, 2), codes.reshape(-1))
     q, qd, qdd, qddd = (np.ascontiguousarray(joints[..., k, :]) for k in range(ORDERS))
     parallel = margins[..., 1] if arm.parallel_least > 0.0 else None

@@ -7,6 +7,7 @@ Everything that differs between families is behind this protocol; planner, certi
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -53,14 +54,24 @@ class Limits:
             if not (getattr(self, name) > 0).all():
                 raise InputError(f"limits.{name}", getattr(self, name).tolist(), "positive numbers")
 
-    @property
+    @cached_property
     def slack(self) -> FloatArray:
         """By how much (n,) a position may be beyond its limit: rounding, for points exactly at the end of a range."""
         return np.asarray(RANGE_SLACK * (self.upper - self.lower))
 
+    @cached_property
+    def within(self) -> FloatArray:
+        """The least and the greatest position that are accepted, (2, n), `slack` included; not to be written to."""
+        return np.array([self.lower - self.slack, self.upper + self.slack])
+
+    @cached_property
+    def table(self) -> FloatArray:
+        """All limits (5, n) as kernels take them (rows of `assur.planner.kernels.candidates`); not to be written to."""
+        return np.array([self.lower, self.upper, self.velocity, self.acceleration, self.jerk])
+
     def holds(self, q: FloatArray) -> BoolArray:
         """Whether q (..., n) keeps the position limits up to `slack`, (...); NaN does not."""
-        return every((self.lower - self.slack <= q) & (q <= self.upper + self.slack))
+        return every((self.within[0] <= q) & (q <= self.within[1]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,6 +167,11 @@ class Robot(Protocol):
     @property
     def row(self) -> FloatArray:
         """What the kernels know of it (`assur.planner.kernels.links`); not to be written to."""
+        ...
+
+    @property
+    def revolute(self) -> FloatArray:
+        """1 for joints (n,) that turn, 0 for those that slide; not to be written to."""
         ...
 
     @property

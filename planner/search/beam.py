@@ -1,11 +1,11 @@
-"""The beam: explores continuations of proved chains, step by step, until a budget is spent or a first plan found."""
+"""The search: continues proved partial plans, step by step, until a budget is spent or a first plan is found."""
 
 from __future__ import annotations
 
 import math
 import time
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import partial as bound
 from itertools import product
 
 import numpy as np
@@ -23,49 +23,40 @@ from assur.planner.model.scene import Scene
 from assur.planner.search.candidates import Sampler
 from assur.planner.search.census import Counter, refused_proof
 from assur.planner.search.completion import completed
-from assur.planner.search.extension import carried_gently, is_straight, outline, straight_draft
+from assur.planner.search.extension import extended, straight_extension, timed
 from assur.planner.search.meeting_options import Option, ahead, options
-from assur.planner.search.partial_plan import Chain, Draft, Outline, Sample, initial, prepared
+from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, initial, prepared
 from assur.planner.search.rough_score import CoarseScore
-
-BEAM = 4
-"""Chains of one length that are continued in a round."""
-KEPT = 12
-"""Chains of one length that are remembered: the beam, and those of other modes."""
-PROVED_A_BATCH = 3
-"""Candidates proved in one batch, after which the others, which end later, are left alone; 1 with `stop: first`."""
-MOST_WAYS = 12
-"""Ways to meet a control point that are kept, the quickest; one a pitch where the pitch is free."""
-ANY_YAW = 8
-"""Yaws that are tried where a control point leaves the yaw free."""
+from assur.planner.search.tuning import ANY_YAW, BEAM, KEPT_PLANS, MOST_OPTIONS, PROVED_A_BATCH
 
 
 @dataclass(eq=False)
 class Found:
-    """What the search came to: the best whole chain, when the first was found, whether the clock ended it."""
+    """What the search came to: the best whole plan, when the first was found, whether the clock ended it."""
 
-    best: Chain | None = None
+    best: PartialPlan | None = None
     plan: Plan | None = None
     first_s: float = float("nan")
     cut_by_clock: bool = False
     deepest: int = 0
-    first_ways: tuple[Option, ...] = ()
+    first_options: tuple[Option, ...] = ()
     never: Refusal | None = None
     """A necessary condition that does not hold, if that is what ended the search."""
     census: Counter = field(default_factory=Counter)
 
 
 class Search:
-    """One run over one scene. `started`: the monotonic time from which the budget counts."""
+    """One run over one scene. `started`: the reading of `time.perf_counter` from which the budget counts."""
 
     def __init__(self, scene: Scene, prover: Prover, started: float, *, adaptive: bool = True) -> None:
         self.scene, self.prover, self.adaptive = scene, prover, adaptive
         self.started, self.deadline = started, started + scene.options.budget_s
         prover.deadline = self.deadline
         self.rng = np.random.default_rng(scene.options.seed)
-        self.pool: list[list[Chain]] = [[] for _ in range(len(scene.task) + 1)]
-        self.samplers: dict[int, tuple[Chain, Sampler]] = {}
-        # the chain is kept beside its sampler: an id is unique only while its owner lives
+        self.pool: list[list[PartialPlan]] = [[] for _ in range(len(scene.task) + 1)]
+        self.samplers: dict[PartialPlan, Sampler] = {}
+        self.until_first = scene.options.stop == "first"
+        """Whether the first plan ends the search. It says nothing about how that one is found."""
         self.found = Found()
 
     def run(self) -> Found:
@@ -74,9 +65,9 @@ class Search:
         round_number = 0
         while True:
             explored = False
-            for depth in range(len(self.scene.task)):
-                for chain in self._beam(depth, 1 + round_number // 2):
-                    explored |= self._explore(chain)
+            for length in range(len(self.scene.task)):
+                for partial in self._beam(length, 1 + round_number // 2):
+                    explored |= self._explore(partial)
                     if self._over():
                         return self.found
             round_number += 1
@@ -87,106 +78,104 @@ class Search:
             if not explored:
                 return self.found
 
-    def _beam(self, depth: int, width: int) -> list[Chain]:
-        """The chains of this length to be continued: the earliest, and the earliest of each other mode."""
-        chains = sorted(self.pool[depth], key=lambda chain: chain.state.time)
-        seen: set[int] = set()
-        first = [chain for chain in chains if not (chain.mode in seen or seen.add(chain.mode))]  # type: ignore[func-returns-value]
-        rest = [chain for chain in chains if chain not in first]
-        return (first + rest)[: min(width, BEAM)]
+    def _beam(self, length: int, width: int) -> list[PartialPlan]:
+        """The partial plans of this length to be continued: the earliest, and the earliest of each other mode."""
+        every = sorted(self.pool[length], key=lambda partial: partial.state.time)
+        of_mode: dict[int, PartialPlan] = {}
+        for partial in every:
+            of_mode.setdefault(partial.mode, partial)
+        first = list(of_mode.values())
+        return (first + [partial for partial in every if partial not in first])[: min(width, BEAM)]
 
     def _over(self) -> bool:
+        if (self.until_first and self.found.best is not None) or self._left() <= 0:
+            return True
+        self.found.cut_by_clock = self._late()
+        return self.found.cut_by_clock
+
+    def _late(self) -> bool:
+        return time.perf_counter() >= self.deadline
+
+    def _left(self) -> float:
+        """How many candidates may still be tried."""
         limit = self.scene.options.max_candidates
-        if self.scene.options.stop == "first" and self.found.best is not None:
-            return True
-        if limit is not None and self.found.census.candidates >= limit:
-            return True
-        if time.perf_counter() >= self.deadline:
-            self.found.cut_by_clock = True
-            return True
-        return False
+        return math.inf if limit is None else limit - self.found.census.candidates
 
-    def _sampler(self, chain: Chain) -> Sampler:
-        if id(chain) not in self.samplers:
-            met: list[tuple[float, Meetings]] = []
-            attitudes = tilts(self.scene, self.scene.task[chain.step], chain.state.q)
-            for offset, tilt in product(self._yaws(chain), attitudes):
-                meeting = prepared(self.scene, chain, offset, tilt, self._modes(chain))
-                if isinstance(meeting, Refusal):
-                    self.found.census.note(meeting)
-                    continue
-                for refusal in meeting.refusals:
-                    self.found.census.note(refusal)
-                met.append((offset, meeting))
-            ways = options(self.scene, chain, met, max(MOST_WAYS, len(attitudes)))
-            if chain.step == 0:
-                self.found.first_ways = ways
-            sampler = Sampler(
-                self.scene, chain, ways, self.rng, partial(CoarseScore, self.prover, chain, ways), self.adaptive
-            )
-            high = sampler.too_high()
-            if high is not None:
-                self.found.census.note(high)
-                sampler.options = ()
-            self.samplers[id(chain)] = (chain, sampler)
-        return self.samplers[id(chain)][1]
-
-    def _yaws(self, chain: Chain) -> tuple[float, ...]:
-        found = yaw_offsets(self.scene, self.scene.task[chain.step])
-        if found is not None:
-            return found
-        return tuple(float(x) for x in 2 * np.pi * np.arange(ANY_YAW) / ANY_YAW)
-
-    def _modes(self, chain: Chain) -> tuple[int, ...]:
-        robot, elbow = self.scene.robot, self.scene.options.elbow
-        if elbow == "auto":
-            return tuple(range(len(robot.modes)))
-        if elbow == "keep":
-            return (chain.mode,)
-        return (robot.modes.index(elbow),)
-
-    def _explore(self, chain: Chain) -> bool:
-        """One batch of continuations; whether there was anything to try."""
-        sampler = self._sampler(chain)
+    def _explore(self, partial: PartialPlan) -> bool:
+        """Tries one batch of continuations; whether there was anything to try."""
+        if partial not in self.samplers:
+            self.samplers[partial] = self._sampler(partial)
+        sampler = self.samplers[partial]
         batch = sampler.batch(self._before())
-        limit = self.scene.options.max_candidates
-        if limit is not None:
-            batch = batch[: max(0, limit - self.found.census.candidates)]
-        ways: list[Outline | Draft] = []
-        for option, sample in batch:
-            if time.perf_counter() >= self.deadline:
+        batch = batch[: int(min(len(batch), self._left()))]
+        made: list[TimedCandidate | Extension] = []
+        for option, candidate in batch:
+            if self._late():
                 break
-            way = self._way(chain, option, sample)
-            if isinstance(way, Refusal):
-                self.found.census.add(way)
-                sampler.learn(sample, 1.0)
-            elif self._of_use(way):
-                ways.append(way)
+            motion = self._timed(partial, option, candidate)
+            if isinstance(motion, Refusal):
+                self.found.census.add(motion)
+                sampler.learn(candidate, 1.0)
+            elif self._of_use(motion):
+                made.append(motion)
         enough = self._enough()
-        for way in sorted(ways, key=lambda way: way.end):
-            if enough <= 0 or time.perf_counter() >= self.deadline:
+        for motion in sorted(made, key=lambda motion: motion.end):
+            if enough <= 0 or self._late():
                 break
-            screened, proved = self._tried(way)
+            screened, proved = self._tried(motion)
             interval = None if screened.refusal is None else screened.refusal.interval
-            at = None if interval is None else interval[0]
-            sampler.learn(way.sample, screened.bad, way.end, at)
+            sampler.learn(motion.candidate, screened.bad, motion.end, None if interval is None else interval[0])
             if proved is False and screened.refusal is None:
-                sampler.learn(way.sample, 1.0)
+                sampler.learn(motion.candidate, 1.0)
             enough -= proved is True
         return bool(batch)
 
-    def _way(self, chain: Chain, option: Option, sample: Sample) -> Outline | Draft | Refusal:
-        """A timed way to the control point."""
-        self.found.census.candidates += 1
-        if is_straight(self.scene, chain):
-            return straight_draft(self.scene, chain, option.meeting, sample)
-        return outline(self.scene, chain, option.meeting, sample, ahead(self.scene, chain, chain.state.q))
+    def _sampler(self, partial: PartialPlan) -> Sampler:
+        """What samples the continuations of a partial plan, with the options in which its next point can be met."""
+        scene, met = self.scene, list[tuple[float, Meetings]]()
+        attitudes = tilts(scene, scene.task[partial.step], partial.state.q)
+        for offset, tilt in product(self._yaws(partial), attitudes):
+            meeting = prepared(scene, partial, offset, tilt, self._modes(partial))
+            for refusal in (meeting,) if isinstance(meeting, Refusal) else meeting.refusals:
+                self.found.census.note(refusal)
+            if isinstance(meeting, Meetings):
+                met.append((offset, meeting))
+        found = options(scene, partial, met, max(MOST_OPTIONS, len(attitudes)))
+        if partial.step == 0:
+            self.found.first_options = found
+        score = bound(CoarseScore, self.prover, partial, found)
+        sampler = Sampler(scene, partial, found, self.rng, score, self.adaptive)
+        high = sampler.too_high()
+        if high is not None:
+            self.found.census.note(high)
+            sampler.options = ()
+        return sampler
 
-    def _of_use(self, way: Outline | Draft) -> bool:
-        """Whether the chain that a way leads to would be continued, or be the best plan."""
-        earlier = [chain for chain in self.pool[way.chain.step + 1] if chain.state.time <= way.end]
-        of_mode = any(chain.mode == way.sample.branch.mode for chain in earlier)
-        return way.end < self._before() and (len(earlier) < BEAM or not of_mode)
+    def _yaws(self, partial: PartialPlan) -> tuple[float, ...]:
+        found = yaw_offsets(self.scene, self.scene.task[partial.step])
+        return tuple((2 * np.pi * np.arange(ANY_YAW) / ANY_YAW).tolist()) if found is None else found
+
+    def _modes(self, partial: PartialPlan) -> tuple[int, ...]:
+        robot, elbow = self.scene.robot, self.scene.options.elbow
+        if elbow == "auto":
+            return tuple(range(len(robot.modes)))
+        return (partial.mode if elbow == "keep" else robot.modes.index(elbow),)
+
+    def _timed(
+        self, partial: PartialPlan, option: Option, candidate: Candidate
+    ) -> TimedCandidate | Extension | Refusal:
+        """A candidate, timed."""
+        self.found.census.candidates += 1
+        if self.scene.task[partial.step].leg == "cartesian":
+            return straight_extension(self.scene, partial, option.meeting, candidate)
+        behind = ahead(self.scene, partial, partial.state.q)
+        return timed(self.scene, partial, option.meeting, candidate, behind)
+
+    def _of_use(self, motion: TimedCandidate | Extension) -> bool:
+        """Whether the partial plan that a motion leads to would be continued, or be the best plan."""
+        earlier = [other for other in self.pool[motion.before.step + 1] if other.state.time <= motion.end]
+        of_mode = any(other.mode == motion.candidate.branch.mode for other in earlier)
+        return motion.end < self._before() and (len(earlier) < BEAM or not of_mode)
 
     def _before(self) -> float:
         """When the best plan so far ends, s: only what ends earlier is of interest."""
@@ -196,61 +185,61 @@ class Search:
         """Candidates of one batch after whose proof the others are left alone."""
         return 1 if self.scene.options.stop == "first" else PROVED_A_BATCH
 
-    def _tried(self, way: Outline | Draft) -> tuple[Screened, bool | None]:
+    def _tried(self, motion: TimedCandidate | Extension) -> tuple[Screened, bool | None]:
         """Screens a timed candidate and, if nothing is in its way, proves it and adds the partial plan it leads to.
 
         Also returns whether it was proved; None: it was not needed any more.
         """
-        screened = screen(self.prover, [way])[0]
+        screened = screen(self.prover, [motion])[0]
         if screened.refusal is not None:
             self.found.census.add(screened.refusal)
             for also in screened.also:
                 self.found.census.note(also)
             return screened, False
-        if not self._of_use(way):
+        if not self._of_use(motion):
             return screened, None
-        chain = self._proved(way)
-        if isinstance(chain, Refusal):
-            self.found.census.add(chain)
+        partial = self._proved(motion)
+        if isinstance(partial, Refusal):
+            self.found.census.add(partial)
             return screened, False
-        self._add(chain)
+        self._add(partial)
         return screened, True
 
-    def _proved(self, way: Outline | Draft) -> Chain | Refusal:
-        """The chain that a way leads to, with the proofs of all its phases."""
-        candidate = carried_gently(self.scene, way) if isinstance(way, Outline) else way
-        if isinstance(candidate, Refusal):
-            return candidate
-        if isinstance(way, Outline) and len(candidate.phases) > len(way.phases):
-            # only the way there has been screened, not what follows at the point
-            rest = screen(self.prover, [candidate])[0]
+    def _proved(self, motion: TimedCandidate | Extension) -> PartialPlan | Refusal:
+        """The partial plan that a motion leads to, with the proofs of all its phases."""
+        made = extended(self.scene, motion) if isinstance(motion, TimedCandidate) else motion
+        if isinstance(made, Refusal):
+            return made
+        if len(made.phases) > len(motion.phases):
+            # only the leg to the point has been screened, not what follows there
+            rest = screen(self.prover, [made])[0]
             if rest.refusal is not None:
                 for also in rest.also:
                     self.found.census.note(also)
                 return rest.refusal
         proofs: list[Rows] = []
-        for phase in candidate.phases:
-            rows = self.prover.prove(phase, candidate.trajectory)
+        for phase in made.phases:
+            rows = self.prover.prove(phase, made.trajectory)
             if isinstance(rows, Unproved):
-                return refused_proof(rows, candidate.chain.step)
+                return refused_proof(rows, made.before.step)
             proofs.append(rows)
-        return replace(candidate.after, proofs=(*candidate.chain.proofs, *proofs))
+        return replace(made.after, proofs=(*made.before.proofs, *proofs))
 
-    def _add(self, chain: Chain) -> None:
-        if time.perf_counter() >= self.deadline:
+    def _add(self, partial: PartialPlan) -> None:
+        if self._late():
             # found too late: an answer that a slower machine would not have given
             return
         best = self.found.best
-        if chain.step == len(self.scene.task) and (best is None or chain.state.time < best.state.time):
-            whole = completed(self.scene, chain)
+        if partial.step == len(self.scene.task) and (best is None or partial.state.time < best.state.time):
+            whole = completed(self.scene, partial)
             if isinstance(whole, Refusal):
                 self.found.census.add(whole)
                 return
             if best is None:
                 self.found.first_s = time.perf_counter() - self.started
-            self.found.best, self.found.plan = chain, whole
-        pool = self.pool[chain.step]
-        pool.append(chain)
+            self.found.best, self.found.plan = partial, whole
+        pool = self.pool[partial.step]
+        pool.append(partial)
         pool.sort(key=lambda each: each.state.time)
-        del pool[KEPT:]
-        self.found.deepest = max(self.found.deepest, chain.step)
+        del pool[KEPT_PLANS:]
+        self.found.deepest = max(self.found.deepest, partial.step)

@@ -18,26 +18,26 @@ from assur.planner.model.refusal import BeyondRange, JointName, Quantity, Reason
 from assur.planner.model.scene import Arch, Scene, Step
 from assur.planner.search import tuning
 from assur.planner.search.meeting_options import Option
-from assur.planner.search.partial_plan import Chain, Sample
+from assur.planner.search.partial_plan import Candidate, PartialPlan
 from assur.planner.search.population import Population, tracking_effort
 from assur.planner.search.rough_score import CoarseScore
 
 
 @dataclass(eq=False)
 class Sampler:
-    """Samples for one chain. What it learned stays with it. `score`: makes what scores many candidates at once."""
+    """Samples for one partial. What it learned stays with it. `score`: makes what scores many candidates at once."""
 
     scene: Scene
-    chain: Chain
+    partial: PartialPlan
     options: tuple[Option, ...]
     rng: np.random.Generator
     score: Callable[[], CoarseScore]
     adaptive: bool = True
     visits: int = 0
     population: Population | None = None
-    elite: list[tuple[float, float, Sample]] = field(default_factory=list)
+    elite: list[tuple[float, float, Candidate]] = field(default_factory=list)
 
-    def batch(self, before: float = np.inf) -> list[tuple[Option, Sample]]:
+    def batch(self, before: float = np.inf) -> list[tuple[Option, Candidate]]:
         """The next batch, of ways that may end before `before`, s; empty only if there is nothing left to try."""
         visit, self.visits = self.visits, self.visits + 1
         if not self.options:
@@ -49,35 +49,35 @@ class Sampler:
             return first_arches
         if self.step.leg == "cartesian":
             # a straight leg from a moving frame has nothing to choose: it has been tried
-            return [self._wait() for _ in range(tuning.BATCH)] if self.chain.state.resting else []
+            return [self._wait() for _ in range(tuning.BATCH)] if self.partial.state.resting else []
         if self.step.arch is not None:
             return [self._arch() for _ in range(tuning.BATCH)]
         if self.population is None:
-            parts = self.scene, self.chain, self.options, self.score(), self.rng
+            parts = self.scene, self.partial, self.options, self.score(), self.rng
             self.population = Population(*parts, adaptive=self.adaptive)
         found = self.population.batch(before)
         arches = max(tuning.FILLED - len(found), int(self.rng.random() < tuning.ARCHES_TOO)) if self._tops() else 0
         return found + [self._arch() for _ in range(arches)] or [self.population.anyone()]
 
-    def learn(self, sample: Sample, bad: float, end: float = math.inf, at: float | None = None) -> None:
+    def learn(self, candidate: Candidate, bad: float, end: float = math.inf, at: float | None = None) -> None:
         """`bad`: the share of a candidate's instants at which it was in the way of something; 0: it was free; 1: it was
         refused for another reason. `end`: when it ends, `at`: when something was in its way, s."""
         if not self.adaptive:
             return
         if self.population is not None:
-            self.population.learn(sample, bad, at)
-        if sample.shape.hop is not None:
-            self.elite = [each for each in self.elite if each[2] is not sample] + [(bad, end, sample)]
+            self.population.learn(candidate, bad, at)
+        if candidate.shape.hop is not None:
+            self.elite = [each for each in self.elite if each[2] is not candidate] + [(bad, end, candidate)]
             self.elite.sort(key=lambda each: each[:2])
             del self.elite[tuning.ELITE :]
 
-    def _direct(self) -> list[tuple[Option, Sample]]:
+    def _direct(self) -> list[tuple[Option, Candidate]]:
         """Directly to the option of each mode that is met first."""
         if self.step.arch is not None:
             return []
         paces = tuning.THROUGH_PACES if self.step.via else (0.0,)
         return [
-            (option, Sample(option.yaw_offset, option.branch, Shape(through=pace)))
+            (option, Candidate(option.yaw_offset, option.branch, Shape(through=pace)))
             for option in self._first_of_modes()
             for pace in paces
         ]
@@ -88,13 +88,13 @@ class Sampler:
             found.setdefault(option.branch.mode, option)
         return list(found.values())
 
-    def _arches(self) -> list[tuple[Option, Sample]]:
+    def _arches(self) -> list[tuple[Option, Candidate]]:
         tops = self._tops()
         if not tops or self.step.leg == "cartesian":
             return []
         through = tuning.THROUGH_PACES[0] if self.step.via else 0.0
         return [
-            (option, Sample(option.yaw_offset, option.branch, Shape(hop=Hop(tops[0], rise, fall), through=through)))
+            (option, Candidate(option.yaw_offset, option.branch, Shape(hop=Hop(tops[0], rise, fall), through=through)))
             for option in self._first_of_modes()[: tuning.ARCHED]
             for rise, fall in (tuning.HOPS[:1] if self.step.via else tuning.HOPS)
         ]
@@ -109,7 +109,7 @@ class Sampler:
         if arch is not None:
             asked = self._height(arch)
             return [asked] if asked <= upper else []
-        ends = [float(self.chain.state.q[lift]), *(float(o.branch.q[0, lift]) for o in self.options[:1])]
+        ends = [float(self.partial.state.q[lift]), *(float(o.branch.q[0, lift]) for o in self.options[:1])]
         return [top for top in (upper, (max(ends) + upper) / 2) if top > max(ends) + 1e-3]
 
     def too_high(self) -> Refusal | None:
@@ -121,7 +121,7 @@ class Sampler:
         return Refusal(
             stage=Stage.INVERSE,
             reason=Reason.JOINT_LIMIT,
-            step=self.chain.step,
+            step=self.partial.step,
             subject=JointName(joint),
             amount=Quantity.of(over, "m"),
             facts=BeyondRange(arch_top_m=arch.top_m),
@@ -129,28 +129,28 @@ class Sampler:
 
     def _height(self, arch: Arch) -> float:
         """The lift joint's value at the top of an arch."""
-        scene, q = self.scene, self.chain.state.q
+        scene, q = self.scene, self.partial.state.q
         flange, _ = scene.robot.forward(q)
         # the lift joint moves the flange one to one, so heights differ by a constant
         return arch.top_m - scene.tool.tcp.z - (float(flange[2]) - float(q[scene.robot.lift or 0]))
 
     @property
     def step(self) -> Step:
-        return self.scene.task[self.chain.step]
+        return self.scene.task[self.partial.step]
 
     def _may_wait(self) -> bool:
         """Whether waiting is possible and changes anything."""
-        return self.chain.state.resting and not all_stand(self.scene.frames.values())
+        return self.partial.state.resting and not all_stand(self.scene.frames.values())
 
     def _any_option(self) -> Option:
         return self.options[min(len(self.options) - 1, int(self.rng.geometric(tuning.ANY_OPTION)) - 1)]
 
-    def _wait(self) -> tuple[Option, Sample]:
+    def _wait(self) -> tuple[Option, Candidate]:
         """A straight leg after a wait."""
         option = self._any_option()
-        return option, self._sample(option, Shape(float(self.rng.exponential(tuning.WAIT_S))))
+        return option, self._candidate(option, Shape(float(self.rng.exponential(tuning.WAIT_S))))
 
-    def _arch(self) -> tuple[Option, Sample]:
+    def _arch(self) -> tuple[Option, Candidate]:
         """An arch of random height and corners, or a variation of a good one."""
         rng = self.rng
         if self.adaptive and self.elite and rng.random() < tuning.VARIED:
@@ -162,9 +162,9 @@ class Sampler:
             shape = replace(shape, through=float(rng.uniform(*tuning.THROUGH)))
         if self._may_wait() and rng.random() < tuning.ARCH_WAITS:
             shape = replace(shape, wait=float(rng.exponential(tuning.WAIT_S)))
-        return option, self._sample(option, shape)
+        return option, self._candidate(option, shape)
 
-    def _varied(self) -> tuple[Option, Sample]:
+    def _varied(self) -> tuple[Option, Candidate]:
         rng = self.rng
         *_, parent = self.elite[int(rng.integers(len(self.elite)))]
         option = next(o for o in self.options if o.branch is parent.branch)
@@ -177,6 +177,6 @@ class Sampler:
             shape = replace(shape, wait=max(0.0, shape.wait + float(rng.normal(0.0, tuning.TIME_NUDGE_S))))
         return option, replace(parent, shape=shape)
 
-    def _sample(self, option: Option, shape: Shape) -> Sample:
+    def _candidate(self, option: Option, shape: Shape) -> Candidate:
         effort, pace = tracking_effort(self.rng)
-        return Sample(option.yaw_offset, option.branch, shape, effort, pace)
+        return Candidate(option.yaw_offset, option.branch, shape, effort, pace)

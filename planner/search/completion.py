@@ -1,4 +1,4 @@
-"""Makes a plan of a whole chain and has it checked: nothing is an answer that the checker refuses."""
+"""Makes a plan of a whole partial and has it checked: nothing is an answer that the checker refuses."""
 
 from __future__ import annotations
 
@@ -8,22 +8,25 @@ from assur.planner.errors import FaultError
 from assur.planner.model.outcome import Plan
 from assur.planner.model.refusal import Reason, Refusal, Refuted, Stage
 from assur.planner.model.scene import Scene
-from assur.planner.search.partial_plan import Chain
+from assur.planner.search.partial_plan import PartialPlan
 from assur.planner.trajectory import Trajectory
 
 
-def completed(scene: Scene, chain: Chain) -> Plan | Refusal:
-    """The plan of a chain through all steps, with its certificate; a refusal where the checker does not accept it.
+def completed(scene: Scene, partial: PartialPlan) -> Plan | Refusal:
+    """The plan of a partial through all steps, with its certificate; a refusal where the checker does not accept it.
 
     That would be a defect of the planner, so it is told in the census under the stage `checker`; the tests and the
     benchmark hold that it never happens there.
     """
-    if chain.knots is None:
-        raise FaultError("a whole chain without knots")
-    knots = chain.knots
-    trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd, jumps=scene.options.blended)
-    certificate = written(scene, trajectory, chain.legs, chain.arrivals, list(chain.proofs))
-    plan = Plan(trajectory, chain.legs, chain.arrivals, certificate)
+    if partial.knots is None:
+        raise FaultError("a whole partial without knots")
+    knots = partial.knots
+    if scene.options.blended:
+        trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd, jumps=True)
+    else:
+        trajectory = Trajectory.of_knots(knots.table)
+    certificate = written(scene, trajectory, partial.legs, partial.arrivals, list(partial.proofs))
+    plan = Plan(trajectory, partial.legs, partial.arrivals, certificate)
     verdict = check(scene, plan)
     if verdict.ok:
         return plan
@@ -31,6 +34,6 @@ def completed(scene: Scene, chain: Chain) -> Plan | Refusal:
     return Refusal(
         stage=Stage.CHECKER,
         reason=Reason.NOT_CERTIFIED,
-        step=chain.step - 1,
+        step=partial.step - 1,
         facts=Refuted(code=str(first.code), what=first.what, where=first.where),
     )

@@ -1,4 +1,4 @@
-"""Continues a chain by one step: the way to its control point, the glued block there, and rest at the end."""
+"""Continues a partial plan by one step: a leg to its control point, tracking there, and rest at the end."""
 
 from __future__ import annotations
 
@@ -11,126 +11,103 @@ from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.legs.control_point import ControlPoint
-from assur.planner.legs.glued import glue
 from assur.planner.legs.joint import JointMotion
+from assur.planner.legs.limits import beyond_limits
 from assur.planner.legs.meeting import Meetings
-from assur.planner.legs.state import Knots, Stretch
+from assur.planner.legs.state import Knots, TimedLeg
 from assur.planner.legs.straight import mode_changes, straight
 from assur.planner.legs.tilt import tilt_of
-from assur.planner.model.outcome import Course, LegKind, Route
-from assur.planner.model.phases import Phase
+from assur.planner.legs.tool_motion import RESERVE, carrying_peak
+from assur.planner.legs.tracking import track
+from assur.planner.model.assembly_mode import leaves_assembly
+from assur.planner.model.outcome import Arrival, Course, Leg, LegKind, Route
+from assur.planner.model.phases import Phase, stay_phase, step_phases
 from assur.planner.model.refusal import (
     Carrying,
     Miss,
     Obstacle,
     Quantity,
+    Reason,
     Refusal,
     Stage,
     WindowMissed,
+    law_ends,
     unmoved,
     window_missed,
 )
 from assur.planner.model.scene import Scene
-from assur.planner.search.build import assembled, laws_over
-from assur.planner.search.partial_plan import Chain, Draft, Outline, Sample, paced
+from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
+from assur.planner.timing import TimingRefusal, time_joints
+from assur.planner.trajectory import Trajectory
 
-
-def outline(
-    scene: Scene, chain: Chain, meeting: Meetings, sample: Sample, ahead: FloatArray | None
-) -> Outline | Refusal:
-    """The way to the control point that `sample` describes, or why Ruckig has none."""
-    pace = paced(scene, chain, sample.shape.effort)
-    reached = JointMotion(scene, chain.step, chain.state, sample.shape, sample.branch, ahead, pace).meet()
-    if isinstance(reached, Refusal):
-        return reached
-    if not meeting.point.tracks:
-        missed = _window_refusal(meeting.point, reached.end, chain.step)
-        if missed is not None:
-            return missed
-    unknown = laws_over(scene, chain.step, reached.end)
-    if unknown is not None:
-        return unknown
-    times = chain.state.time, reached.end
-    way = Phase(*times, LegKind.MOVE, chain.step, chain.attached)
-    return Outline(chain, meeting, sample, reached, (way,), ahead)
-
-
+STILL = 1e-9
+"""A last joint rate below this is rounding, rad/s or m/s (an acceleration: a thousand times as much)."""
+WINDOW_S = 1e-12
+"""A window is kept up to this, s: rounding of times."""
 SLOWED = 4
-"""Times that a way which pulls too hard at the part is timed again."""
+"""Times that a motion which pulls too hard at the held part is timed again."""
 SLOWER = 0.93
 """... with this share of what would be just enough if accelerations scaled with the limits."""
 
 
-def carried_gently(scene: Scene, way: Outline) -> Draft | Refusal:
-    """`finished`, timed again, slower, where it pulls too hard at the part in the gripper."""
-    made, limit = finished(scene, way), scene.carry_acceleration
+def timed(
+    scene: Scene, partial: PartialPlan, meeting: Meetings, candidate: Candidate, ahead: FloatArray | None
+) -> TimedCandidate | Refusal:
+    """The joint leg to the control point that `candidate` describes, or why Ruckig has none."""
+    pace = paced(scene, partial, candidate.shape.effort)
+    reached = JointMotion(scene, partial.step, partial.state, candidate.shape, candidate.branch, ahead, pace).meet()
+    if isinstance(reached, Refusal):
+        return reached
+    if not meeting.point.tracks:
+        missed = _window_refusal(meeting.point, reached.end)
+        if missed is not None:
+            return missed
+    unknown = laws_over(scene, partial.step, reached.end)
+    if unknown is not None:
+        return unknown
+    phase = Phase(partial.state.time, reached.end, LegKind.MOVE, partial.step, partial.attached)
+    return TimedCandidate(partial, meeting, candidate, reached, (phase,), ahead)
+
+
+def extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
+    """The extension by a timed candidate, timed again, slower, where it pulls too hard at the held part."""
+    found, limit = _extended(scene, made), scene.carry_acceleration
     for _ in range(SLOWED):
-        if limit is None or not (isinstance(made, Refusal) and isinstance(made.facts, Carrying)):
+        if limit is None or not (isinstance(found, Refusal) and isinstance(found.facts, Carrying)):
             break
-        share = SLOWER * limit / made.facts.acceleration
-        shape = replace(way.sample.shape, effort=share * way.sample.shape.effort)
-        sample = replace(way.sample, shape=shape, glue_effort=share * way.sample.glue_effort)
-        again = outline(scene, way.chain, way.meeting, sample, way.ahead)
+        share, candidate = SLOWER * limit / found.facts.acceleration, made.candidate
+        shape = replace(candidate.shape, effort=share * candidate.shape.effort)
+        slower = replace(candidate, shape=shape, tracking_effort=share * candidate.tracking_effort)
+        again = timed(scene, made.before, made.meeting, slower, made.ahead)
         if isinstance(again, Refusal):
-            return made  # the carry limit is why: at its own pace there was a way
-        way, made = again, finished(scene, again)
-    return made
+            return found  # the carry limit is why: at its own pace there was a motion
+        made, found = again, _extended(scene, again)
+    return found
 
 
-def is_straight(scene: Scene, chain: Chain) -> bool:
-    """Whether the next step asks for a Cartesian leg."""
-    return scene.task[chain.step].leg == "cartesian"
+def _extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
+    shape, trajectory = made.candidate.shape, made.reached.trajectory
+    leg = TimedLeg(LegKind.ARCH if shape.hop else LegKind.MOVE, Knots.of(trajectory), shape.route)
+    return _continued(scene, made.before, made.meeting.point, made.candidate, leg, trajectory)
 
 
-def finished(scene: Scene, way: Outline) -> Draft | Refusal:
-    """The whole continuation: the way there, the glued block at the point, and rest where the task ends."""
-    shape = way.sample.shape
-    return _continued(
-        scene,
-        way.chain,
-        way.meeting.point,
-        way.sample,
-        Stretch(LegKind.ARCH if shape.hop else LegKind.MOVE, Knots.of(way.reached.trajectory), shape.route),
-    )
-
-
-def straight_draft(scene: Scene, chain: Chain, meeting: Meetings, sample: Sample) -> Draft | Refusal:
-    """The whole continuation by a Cartesian leg."""
-    point, wait, mode = meeting.point, sample.shape.wait, sample.branch.mode
+def straight_extension(
+    scene: Scene, partial: PartialPlan, meeting: Meetings, candidate: Candidate
+) -> Extension | Refusal:
+    """The extension by a straight leg."""
+    point, wait, mode = meeting.point, candidate.shape.wait, candidate.branch.mode
     key = point.yaw_offset, point.tilt, wait, mode
-    if key not in chain.lines:
-        chain.lines[key] = _line(scene, chain, point, wait, mode)
-    line = chain.lines[key]
-    if isinstance(line, Refusal):
-        return line
-    return _continued(scene, chain, meeting.point, sample, line)
+    if key not in partial.lines:
+        partial.lines[key] = _line(scene, partial, point, wait, mode)
+    line = partial.lines[key]
+    return line if isinstance(line, Refusal) else _continued(scene, partial, point, candidate, line, None)
 
 
-def _continued(scene: Scene, chain: Chain, point: ControlPoint, sample: Sample, way: Stretch) -> Draft | Refusal:
-    stretches = [way]
-    if sample.shape.wait > 0:
-        if not chain.state.resting:
-            raise FaultError("an arm in motion cannot wait")
-        waits = Knots.standing(chain.state, chain.state.time + sample.shape.wait)
-        stretches.insert(0, Stretch(LegKind.WAIT, waits, Route(Course.FOR_BODIES)))
-    begin = end = way.knots.last.time
-    if point.tracks:
-        block = glue(scene, point, way.knots.last, sample.branch.mode, sample.glue_effort)
-        if isinstance(block, Refusal):
-            return block
-        begin, end = block.begin, block.end
-        stretches += block.stretches
-    missed = _window_refusal(point, begin, chain.step)
-    if missed is not None:
-        return missed
-    return assembled(scene, chain, point, sample, stretches, begin, end)
-
-
-def _line(scene: Scene, chain: Chain, point: ControlPoint, wait: float, mode: int) -> Stretch | Refusal:
-    """A Cartesian leg to the control point, from rest or from the frame that the arm is glued to."""
-    state = chain.state if wait <= 0 else Knots.standing(chain.state, chain.state.time + wait).last
-    if chain.tracked is not None:
-        before = chain.tracked
+def _line(scene: Scene, partial: PartialPlan, point: ControlPoint, wait: float, mode: int) -> TimedLeg | Refusal:
+    """A straight leg to the control point, from rest or from the frame that the tool tracks."""
+    state = partial.state if wait <= 0 else Knots.standing(partial.state, partial.state.time + wait).last
+    if partial.tracked is not None:
+        before = partial.tracked
 
         def left(t: FloatArray) -> Motion:
             return before.flange(t, before.depart)
@@ -142,24 +119,171 @@ def _line(scene: Scene, chain: Chain, point: ControlPoint, wait: float, mode: in
             still = Motion.still(pose, np.shape(t))
             return still if tilt is None else TiltedMotion.of(still, np.array(tilt))
     else:
-        return unmoved(Stage.STRAIGHT, chain.step, Obstacle.STRAIGHT_FROM_MOTION)
+        return unmoved(Stage.STRAIGHT, partial.step, Obstacle.STRAIGHT_FROM_MOTION)
 
     def met(t: FloatArray) -> Motion:
         return point.flange(t, point.approach)
 
-    if mode != chain.mode:
-        return mode_changes(scene, chain.step, state, (chain.mode, mode), left, met)
-    return straight(scene, chain.step, state, mode, left, met)
+    if mode != partial.mode:
+        return mode_changes(scene, partial.step, state, (partial.mode, mode), left, met)
+    return straight(scene, partial.step, state, mode, left, met)
 
 
-def _window_refusal(point: ControlPoint, begin: float, step: int) -> Refusal | None:
+def _continued(
+    scene: Scene,
+    partial: PartialPlan,
+    point: ControlPoint,
+    candidate: Candidate,
+    way: TimedLeg,
+    kept: Trajectory | None,
+) -> Extension | Refusal:
+    """The extension by a leg to the control point and what follows there, to rest where the task ends. `kept`: the
+    trajectory of that leg, if it is known to keep all limits."""
+    legs, final = [way], partial.step == len(scene.task) - 1
+    if candidate.shape.wait > 0:
+        if not partial.state.resting:
+            raise FaultError("an arm in motion cannot wait")
+        standing = Knots.standing(partial.state, partial.state.time + candidate.shape.wait)
+        legs.insert(0, TimedLeg(LegKind.WAIT, standing, Route(Course.FOR_BODIES)))
+    begin = end = way.knots.end
+    if point.tracks:
+        there = track(scene, point, way.knots.last, candidate.branch.mode, candidate.tracking_effort)
+        if isinstance(there, Refusal):
+            return there
+        begin, end = there.begin, there.end
+        legs += there.legs
+    missed = _window_refusal(point, begin)
+    if missed is not None:
+        return missed
+    if final and scene.options.end == "rest" and not legs[-1].knots.last.resting:
+        stopped = _at_rest(scene, partial.step, legs, candidate.stop_pace)
+        if isinstance(stopped, Refusal):
+            return stopped
+        legs = stopped
+    knots = legs[0].knots
+    for leg in legs[1:]:
+        knots = knots.then(leg.knots)
+    late = ends_too_late(scene, partial.step, knots.end)
+    if late is not None:
+        return late
+    if kept is not None and knots.table is kept.knots:
+        trajectory = kept
+    else:
+        trajectory = Trajectory.of_knots(knots.table)
+        beyond = beyond_limits(scene, partial.step, trajectory)
+        if beyond is not None:
+            return beyond
+    lost = leaves_assembly(scene.robot, partial.step, trajectory)
+    if lost is not None:
+        return lost
+    made = tuple(Leg(leg.kind, partial.step, leg.knots.begin, leg.knots.end, leg.route) for leg in legs)
+    met = arrival(scene, point, trajectory, begin, end)
+    ours, attached = step_phases(scene, partial.attached, made, met)
+    if final:
+        ours += stay_phase(scene, trajectory.end, attached)
+    heavy = _too_hard(scene, partial.step, trajectory, tuple(ours))
+    if heavy is not None:
+        return heavy
+    after = PartialPlan(
+        step=partial.step + 1,
+        state=knots.last,
+        mode=candidate.branch.mode,
+        attached=attached,
+        legs=partial.legs + made,
+        arrivals=(*partial.arrivals, met),
+        knots=knots if partial.knots is None else partial.knots.then(knots),
+        proofs=partial.proofs,
+        tracked=point if not knots.last.resting and point.matched and not point.via else None,
+        paces=partial.paces,
+    )
+    return Extension(partial, candidate, trajectory, tuple(ours), after)
+
+
+def _window_refusal(point: ControlPoint, begin: float) -> Refusal | None:
     """Whether the arm may begin to track the point at `begin`."""
     spans = point.intervals
-    if any(low - 1e-12 <= begin <= high + 1e-12 for low, high in spans):
+    if any(low - WINDOW_S <= begin <= high + WINDOW_S for low, high in spans):
         return None
     if not spans:
         facts = WindowMissed(miss=Miss.OUTSIDE, needed_s=point.dwell)
-        return window_missed(Stage.WINDOW, step, facts, amount=Quantity.of(point.dwell, "s"))
+        return window_missed(Stage.WINDOW, point.step, facts, amount=Quantity.of(point.dwell, "s"))
     off = min(max(low - begin, begin - high) for low, high in spans)
     facts = WindowMissed(miss=Miss.OUTSIDE)
-    return window_missed(Stage.WINDOW, step, facts, amount=Quantity.of(off, "s"), interval=spans[0])
+    return window_missed(Stage.WINDOW, point.step, facts, amount=Quantity.of(off, "s"), interval=spans[0])
+
+
+def _at_rest(scene: Scene, step: int, legs: list[TimedLeg], pace: float) -> list[TimedLeg] | Refusal:
+    """The legs, at rest in the end: to the bit where only rounding keeps them from it, else by a leg of its own, for
+    what tracks a moving frame; that ends near where braking alone would."""
+    last = legs[-1].knots.last
+    if np.abs(last.qd).max() <= STILL and np.abs(last.qdd).max() <= 1e3 * STILL:
+        table = legs[-1].knots.table.copy()
+        table[-1, 1 + len(last.q) :] = 0.0
+        return [*legs[:-1], replace(legs[-1], knots=Knots(table))]
+    limits = scene.robot.limits
+    duration = pace * float(np.max(np.abs(last.qd) / limits.acceleration + 2 * limits.acceleration / limits.jerk))
+    # what an even braking over that time covers
+    target = np.clip(last.q + last.qd * duration / 2, limits.lower, limits.upper)
+    none, rates = np.zeros_like(last.q), (limits.velocity, limits.acceleration, limits.jerk)
+    found = time_joints(last.q, last.qd, last.qdd, target, none, none, *rates, begin=last.time)
+    if isinstance(found, TimingRefusal):
+        return unmoved(Stage.TIMING, step, Obstacle.NO_PROFILE)
+    return [*legs, TimedLeg(LegKind.MOVE, Knots.of(found), Route(Course.TO_REST))]
+
+
+def ends_too_late(scene: Scene, step: int, end: float) -> Refusal | None:
+    """Whether the motion ends after the latest end, or after the law of a frame that bears a body."""
+    latest = scene.options.latest_end_s
+    if latest is not None and not end <= latest:
+        facts = WindowMissed(miss=Miss.ENDS_TOO_LATE)
+        return window_missed(Stage.TIMING, step, facts, amount=Quantity.of(end - latest, "s"))
+    return laws_over(scene, step, end)
+
+
+def laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
+    """Whether the law of a frame that bears a body, or will, ends before the arm, started late, has stood still for as
+    long as is required."""
+    stay = scene.options.stay_safe_s if scene.options.end == "rest" else 0.0
+    needed = end + stay + scene.execution.start_tolerance_s
+    for name, valid in scene.ending:
+        if not needed <= valid[1]:
+            return law_ends(Stage.TIMING, step, name, valid, needed)
+    return None
+
+
+def _too_hard(scene: Scene, step: int, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Refusal | None:
+    """Whether the held part would be accelerated harder than it may be."""
+    limit = scene.carry_acceleration
+    peak = carrying_peak(scene, trajectory, phases) if limit is not None else None
+    if limit is None or peak is None or peak[0] <= limit * (1 - RESERVE):
+        return None
+    return Refusal(
+        stage=Stage.LIMITS,
+        reason=Reason.CARRY_LIMIT,
+        step=step,
+        interval=(peak[1], peak[1]),
+        amount=Quantity.of(peak[0] - limit, "m/s²"),
+        facts=Carrying(acceleration=peak[0], limit=limit),
+    )
+
+
+def arrival(scene: Scene, point: ControlPoint, trajectory: Trajectory, begin: float, end: float) -> Arrival:
+    """The arrival at a control point at `begin`, s, where the tool tracks it until `end`."""
+    p, yaw = scene.robot.forward(trajectory.evaluate(np.array(begin)))
+    pose = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)).then(scene.tool.tcp)
+    along = point.along(np.array(begin))
+    left = [high - begin for low, high in point.intervals if low - WINDOW_S <= begin <= high + WINDOW_S]
+    bounded = point.window.time is not None or point.window.along is not None
+    return Arrival(
+        step=point.step,
+        control_point=point.name,
+        time=begin,
+        until=end,
+        pose=pose,
+        matched=point.matched and not point.via,
+        yaw_offset=point.yaw_offset,
+        along_m=None if along is None else float(along),
+        window_left_s=left[0] if bounded and left else None,
+        pitch=None if point.tilt is None else point.tilt[0],
+        roll=None if point.tilt is None else point.tilt[1],
+    )

@@ -1,21 +1,19 @@
-"""A plan in the making: the legs to the first k control points, proved; and drafts of its continuation."""
+"""A plan in the making: the legs to the first k control points, proved; and candidates that continue it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-
-import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.rows import Rows
 from assur.planner.frames.tilted import Tilt
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint, control_point
-from assur.planner.legs.glued import lead_time
 from assur.planner.legs.joint import Reached, Shape
 from assur.planner.legs.meeting import Meetings, meetings
 from assur.planner.legs.pace import Pace
-from assur.planner.legs.state import Knots, State, Stretch
+from assur.planner.legs.state import Knots, State, TimedLeg
+from assur.planner.legs.tracking import lead_time
 from assur.planner.model.attachments import AT_START, Attachments
 from assur.planner.model.outcome import Arrival, Leg
 from assur.planner.model.phases import Phase
@@ -25,7 +23,7 @@ from assur.planner.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
-class Chain:
+class PartialPlan:
     """The state after the first `step` steps, and everything that led there."""
 
     step: int
@@ -39,68 +37,30 @@ class Chain:
     tracked: ControlPoint | None = None
     """The control point above which a tracking leg ended: the arm still moves with its frame."""
     paces: dict[float, Pace] = field(default_factory=dict)
-    """Of joint legs, by effort: one table for all chains of a search."""
-    lines: dict[tuple[float, Tilt | None, float, int], Stretch | Refusal] = field(default_factory=dict)
+    """Of joint legs, by effort: one table for all partial plans of a search."""
+    lines: dict[tuple[float, Tilt | None, float, int], TimedLeg | Refusal] = field(default_factory=dict)
     """Straight legs from here by yaw and tilt of the tool, wait and mode: full turns of the meeting make no other."""
 
 
 @dataclass(frozen=True, eq=False)
-class Sample:
-    """One candidate: which yaw of a symmetric part, which branch, which shape of way, how hard the glued legs go."""
+class Candidate:
+    """A motion that can be tried: with which turn of the tool and in which branch the control point is met, by which
+    shape of joint leg, and which shares of the limits tracking legs and the last leg to rest use."""
 
     yaw_offset: float
     branch: Branch
     shape: Shape
-    glue_effort: float = 1.0
+    tracking_effort: float = 1.0
     stop_pace: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Draft:
-    """A candidate continuation of a chain by one step: timed, within limits of position, not yet known to be free."""
+class TimedCandidate:
+    """A joint leg to the next control point, timed; what follows at the point is not known yet."""
 
-    chain: Chain
-    sample: Sample
-    stretches: tuple[Stretch, ...]
-    legs: tuple[Leg, ...]
-    arrival: Arrival
-    knots: Knots
-    trajectory: Trajectory
-    after: Chain
-    phases: tuple[Phase, ...]
-
-    @property
-    def end(self) -> float:
-        return float(self.knots.time[-1])
-
-    def at(self, t: FloatArray) -> FloatArray:
-        """q (T, n) at times t, the arm standing still before and after."""
-        return self.trajectory.evaluate(np.clip(t, self.trajectory.start, self.trajectory.end))
-
-
-def prepared(
-    scene: Scene, chain: Chain, yaw_offset: float, tilt: Tilt | None, modes: tuple[int, ...]
-) -> Meetings | Refusal:
-    """How the next control point can be met from this chain."""
-    point = control_point(scene, chain.step, chain.attached, yaw_offset, tilt)
-    lead = lead_time(scene, point, 1.0) if point.tracks else 0.0
-    return lead if isinstance(lead, Refusal) else meetings(scene, point, chain.state.time, lead, modes, chain.state.q)
-
-
-def paced(scene: Scene, chain: Chain, effort: float) -> Pace:
-    """The pace of joint legs of this effort; made once a search."""
-    if effort not in chain.paces:
-        chain.paces[effort] = Pace(scene.robot.limits, scene.robot.lift, effort)
-    return chain.paces[effort]
-
-
-@dataclass(frozen=True, eq=False)
-class Outline:
-    """A joint leg to the next control point, timed; only the way there is known, as a function of time."""
-
-    chain: Chain
+    before: PartialPlan
     meeting: Meetings
-    sample: Sample
+    candidate: Candidate
     reached: Reached
     phases: tuple[Phase, ...]
     ahead: FloatArray | None = None
@@ -109,13 +69,45 @@ class Outline:
     def end(self) -> float:
         return self.reached.end
 
-    def at(self, t: FloatArray) -> FloatArray:
-        """q (T, n) at times t."""
-        return self.reached.at(t)
+    @property
+    def trajectory(self) -> Trajectory:
+        """The leg; before it the arm stands still."""
+        return self.reached.trajectory
 
 
-def initial(scene: Scene) -> Chain:
-    """The chain of no steps."""
+@dataclass(frozen=True, eq=False)
+class Extension:
+    """The whole motion that continues a partial plan to its next control point, within limits; `after`: the partial
+    plan that it leads to once it is proved."""
+
+    before: PartialPlan
+    candidate: Candidate
+    trajectory: Trajectory
+    phases: tuple[Phase, ...]
+    after: PartialPlan
+
+    @property
+    def end(self) -> float:
+        return self.trajectory.end
+
+
+def initial(scene: Scene) -> PartialPlan:
+    """The partial plan of no steps."""
     start = scene.start
-    mode = int(scene.robot.mode_of(start.q))
-    return Chain(0, State(start.time, start.q, start.qd, start.qdd), mode)
+    return PartialPlan(0, State(start.time, start.q, start.qd, start.qdd), int(scene.robot.mode_of(start.q)))
+
+
+def prepared(
+    scene: Scene, partial: PartialPlan, yaw_offset: float, tilt: Tilt | None, modes: tuple[int, ...]
+) -> Meetings | Refusal:
+    """How the next control point can be met from here."""
+    point, state = control_point(scene, partial.step, partial.attached, yaw_offset, tilt), partial.state
+    lead = lead_time(scene, point, 1.0) if point.tracks else 0.0
+    return lead if isinstance(lead, Refusal) else meetings(scene, point, state.time, lead, modes, state.q)
+
+
+def paced(scene: Scene, partial: PartialPlan, effort: float) -> Pace:
+    """The pace of joint legs of this effort; made once a search."""
+    if effort not in partial.paces:
+        partial.paces[effort] = Pace(scene.robot.limits, scene.robot.lift, effort)
+    return partial.paces[effort]

@@ -13,7 +13,7 @@ from assur.planner.kernels.candidates import OPTION
 from assur.planner.model.scene import Scene
 from assur.planner.search import tuning
 from assur.planner.search.meeting_options import Option
-from assur.planner.search.partial_plan import Chain, Sample
+from assur.planner.search.partial_plan import Candidate, PartialPlan
 from assur.planner.search.rough_score import CoarseScore
 from assur.planner.search.via_batch import Freedom, shape_of
 
@@ -29,7 +29,7 @@ class Population:
     def __init__(
         self,
         scene: Scene,
-        chain: Chain,
+        partial: PartialPlan,
         options: tuple[Option, ...],
         score: CoarseScore,
         rng: np.random.Generator,
@@ -37,7 +37,7 @@ class Population:
         adaptive: bool,
     ) -> None:
         self.options, self.score, self.rng, self.adaptive = options, score, rng, adaptive
-        self.freedom = _freedom(scene, chain, options)
+        self.freedom = _freedom(scene, partial, options)
         self.shares = np.array([tuning.DIRECT if self.freedom.moving else 0.0, tuning.ONE_VIA, tuning.TWO_VIAS])
         most = tuning.MOST_ROWS // (tuning.INSTANTS * max(1, score.pairs))
         self.sizes = tuple(min(size, max(tuning.FEWEST, most)) for size in tuning.EVALUATED)
@@ -45,10 +45,10 @@ class Population:
         self.rows = self.freedom.direct()
         self.bad, self.end = score(self.rows, rng)
         self.tried: BoolArray = np.zeros(len(self.rows), dtype=bool)
-        self.number: dict[Sample, int] = {}
-        """The row of each sample that is being tried."""
+        self.number: dict[Candidate, int] = {}
+        """The row of each candidate that is being tried."""
 
-    def batch(self, before: float) -> list[tuple[Option, Sample]]:
+    def batch(self, before: float) -> list[tuple[Option, Candidate]]:
         """Scores a round of candidates and gives the best that were not tried yet and may end before `before`, s."""
         least, most = tuning.TRIED
         count = self.sizes[min(self.rounds, len(self.sizes) - 1)]
@@ -57,18 +57,18 @@ class Population:
         left = np.flatnonzero(~self.tried & (self.end < before))
         chosen = left[: max(least, min(most, self._promising(before)))].tolist()
         self.tried[chosen] = True
-        found = [(self.options[int(self.rows[i, OPTION])], self._sample(self.rows[i])) for i in chosen]
-        self.number = {sample: i for i, (_, sample) in zip(chosen, found, strict=True)}
+        found = [(self.options[int(self.rows[i, OPTION])], self._candidate(self.rows[i])) for i in chosen]
+        self.number = {candidate: i for i, (_, candidate) in zip(chosen, found, strict=True)}
         return found
 
-    def anyone(self) -> tuple[Option, Sample]:
+    def anyone(self) -> tuple[Option, Candidate]:
         """A new one, whatever its score: that nothing seems worth a try in one round ends no search."""
         row = self.freedom.drawn(self.rng, 1, self.shares)[0]
-        return self.options[int(row[OPTION])], self._sample(row)
+        return self.options[int(row[OPTION])], self._candidate(row)
 
-    def learn(self, sample: Sample, bad: float, at: float | None) -> None:
+    def learn(self, candidate: Candidate, bad: float, at: float | None) -> None:
         """What came of one that was tried: the share of its instants that were in the way of something, and when."""
-        i = self.number.get(sample)
+        i = self.number.get(candidate)
         if i is None:
             return
         if at is not None and self.bad[i] <= tuning.NEARLY_FREE:
@@ -97,20 +97,20 @@ class Population:
         self.rows = np.concatenate([self.rows, new])[order]
         self.bad, self.end, self.tried = bad[order], end[order], tried[order]
 
-    def _sample(self, row: FloatArray) -> Sample:
+    def _candidate(self, row: FloatArray) -> Candidate:
         option = self.options[int(row[OPTION])]
-        return Sample(option.yaw_offset, option.branch, shape_of(row), *tracking_effort(self.rng))
+        return Candidate(option.yaw_offset, option.branch, shape_of(row), *tracking_effort(self.rng))
 
 
-def _freedom(scene: Scene, chain: Chain, options: tuple[Option, ...]) -> Freedom:
-    step = scene.task[chain.step]
+def _freedom(scene: Scene, partial: PartialPlan, options: tuple[Option, ...]) -> Freedom:
+    step = scene.task[partial.step]
     weights = tuning.TOWARDS * np.power(1 - tuning.TOWARDS, np.arange(len(options)))
     return Freedom(
         robot=scene.robot,
-        start=chain.state.q,
-        goals=np.array([option.branch.q[int(np.argmax(option.branch.legal))] for option in options]),
+        start=partial.state.q,
+        goals=np.array([option.branch.q[0] for option in options]),
         weights=weights / weights.sum(),
-        waits=chain.state.resting,
+        waits=partial.state.resting,
         moving=not all_stand(scene.frames.values()),
         late=np.array([not option.branch.still for option in options]),
         via=step.via,

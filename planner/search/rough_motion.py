@@ -17,7 +17,7 @@ from assur.planner.kernels.candidates import (
 )
 from assur.planner.robots.protocol import Robot
 from assur.planner.search.meeting_options import Option
-from assur.planner.search.partial_plan import Chain
+from assur.planner.search.partial_plan import PartialPlan
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,16 +47,15 @@ class Rough:
 class RoughMotions:
     """Times the candidates that continue one partial plan."""
 
-    def __init__(self, robot: Robot, chain: Chain, options: tuple[Option, ...]) -> None:
-        limits, state = robot.limits, chain.state
-        self._limits = np.array([limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk])
+    def __init__(self, robot: Robot, partial: PartialPlan, options: tuple[Option, ...]) -> None:
+        self._limits, state = robot.limits.table, partial.state
         self._start, self._time = np.array([state.q, state.qd]), float(state.time)
         first, rows, meetings = 0, [], []
         for branch in (option.branch for option in options):
-            legal = branch.rows[:1] if branch.still else branch.rows
-            rows.append((first, len(legal), branch.still))
-            first += len(legal)
-            meetings.append(np.column_stack([branch.time[legal], branch.q[legal], branch.qd[legal]]))
+            some = branch.meetings[:1] if branch.still else branch.meetings
+            rows.append((first, len(some), branch.still))
+            first += len(some)
+            meetings.append(some)
         self._options, self._meetings = np.array(rows, dtype=np.float64), np.concatenate(meetings)
 
     def __call__(self, candidates: FloatArray) -> Rough:

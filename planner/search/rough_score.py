@@ -12,7 +12,7 @@ from assur.planner.collision.proof import Prover
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase
 from assur.planner.search.meeting_options import Option
-from assur.planner.search.partial_plan import Chain
+from assur.planner.search.partial_plan import PartialPlan
 from assur.planner.search.rough_motion import Rough, RoughMotions
 from assur.planner.search.tuning import APART_S, CLOSER, COARSE, DEPTH_M, INSTANTS, REMEMBERED
 
@@ -20,10 +20,10 @@ from assur.planner.search.tuning import APART_S, CLOSER, COARSE, DEPTH_M, INSTAN
 class CoarseScore:
     """Scores the candidates from one partial plan to its options."""
 
-    def __init__(self, prover: Prover, chain: Chain, options: tuple[Option, ...]) -> None:
-        self.prover, self.chain = prover, chain
-        self.rough = RoughMotions(prover.scene.robot, chain, options)
-        self.pairs = len(prover.pairs(prover.arrangement(chain.attached), self._way(chain.state.time)))
+    def __init__(self, prover: Prover, partial: PartialPlan, options: tuple[Option, ...]) -> None:
+        self.prover, self.partial = prover, partial
+        self.rough = RoughMotions(prover.scene.robot, partial, options)
+        self.pairs = len(prover.pairs(prover.arrangement(partial.attached), self._way(partial.state.time)))
         """How many pairs of bodies must be kept apart on the way."""
         self.times: list[float] = []
         """When candidates that had seemed free were in the way of something, s."""
@@ -41,7 +41,7 @@ class CoarseScore:
         All are evaluated at a few times, and the better ones at more; 1: it is not possible, and then it may end at
         infinity.
         """
-        rough, start = self.rough(candidates), self.chain.state.time
+        rough, start = self.rough(candidates), self.partial.state.time
         end, count = rough.end, len(candidates)
         score = np.where(np.isfinite(end) & (end <= self.latest), 0.0, 1.0)
         possible = np.flatnonzero(score == 0)
@@ -71,5 +71,5 @@ class CoarseScore:
 
     def _way(self, until: float) -> Phase:
         """A motion to the next control point that ends at `until`, s."""
-        chain = self.chain
-        return Phase(chain.state.time, until, LegKind.MOVE, chain.step, chain.attached)
+        partial = self.partial
+        return Phase(partial.state.time, until, LegKind.MOVE, partial.step, partial.attached)

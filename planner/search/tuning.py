@@ -89,3 +89,14 @@ ANY_OPTION = 0.45
 """An arch or a wait leads to each option this often, of those that the options before it left over."""
 EVALUATED_MEETINGS = 300
 """Meeting times, about, at which a lower bound of the duration orders the options."""
+
+BEAM = 4
+"""Partial plans of one length that are continued in a round."""
+KEPT_PLANS = 12
+"""Partial plans of one length that are remembered: the beam, and those of other modes."""
+PROVED_A_BATCH = 3
+"""Candidates proved in one batch, after which the others, which end later, are left alone; 1 with `stop: first`."""
+MOST_OPTIONS = 12
+"""Options to meet a control point that are kept, the quickest; one a pitch where the pitch is free."""
+ANY_YAW = 8
+"""Yaws that are tried where a control point leaves the yaw free."""

@@ -71,6 +71,8 @@ class Arrangement:
     """(U,) number of the piece in its body, or COVER."""
     of_robot: BoolArray = field(init=False)
     """(B,) whether a body is the robot's, its tool's, or the part that it holds."""
+    cell: tuple[FloatArray, FloatArray, IntArray] = field(init=False)
+    """The tables that kernels read: units, vertices, and which carriers stand still."""
     number: dict[str, int] = field(init=False)
     """Number of each body by its name."""
 
@@ -78,6 +80,7 @@ class Arrangement:
         for name, column in (("carrier", CARRIER), ("body", BODY), ("piece", PIECE)):
             object.__setattr__(self, name, self.rows[:, column].astype(np.int64))
         object.__setattr__(self, "of_robot", self.carrier[self.roots] < self.links)
+        object.__setattr__(self, "cell", (self.rows, self.vertices, self.still))
         object.__setattr__(self, "number", {name: k for k, name in enumerate(self.names)})
 
     def opened(self, unit: int) -> tuple[int, ...]:

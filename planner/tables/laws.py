@@ -17,8 +17,6 @@ from assur.planner.frames.profile import Profile
 from assur.planner.frames.validity import FURTHEST_S
 from assur.planner.kernels import laws as of
 from assur.planner.model.link_frames import TrajectoryLaw
-from assur.planner.tables.robot import robot_row
-from assur.planner.tables.spline import spline_table
 
 ROUNDING = 1e-13
 """Bounds are raised by this part of a law's largest speed or acceleration, for the rounding of its polynomials."""
@@ -108,12 +106,11 @@ def _keyframes(row: FloatArray, law: Keyframes, begin: int) -> FloatArray:
 
 def _neighbour(row: FloatArray, law: TrajectoryLaw, begin: int) -> FloatArray:
     """Robot, rate matrix and spline as one run of numbers (`kernels.laws.trajectory_of`)."""
-    matrix = np.asarray(law.robot.rate_matrix)
-    spline = spline_table(law.trajectory, matrix)
-    parts = (robot_row(law.robot), spline.matrix, spline.tk, spline.c, spline.whole)
+    spline = law.spline
+    parts = (law.robot.row, spline.matrix, spline.tk, spline.c, spline.whole)
     run = np.concatenate([part.ravel() for part in parts])
     row[of.KIND], row[of.LINK] = of.NEIGHBOUR, law.link
-    row[of.BEGIN], row[of.COUNT], row[of.RATES] = begin, len(spline.c), len(matrix)
+    row[of.BEGIN], row[of.COUNT], row[of.RATES] = begin, len(spline.c), len(spline.matrix)
     table = np.zeros((math.ceil(run.size / of.PIECE_COLUMNS), of.PIECE_COLUMNS))
     table.ravel()[: run.size] = run
     return table

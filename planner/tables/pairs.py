@@ -14,6 +14,9 @@ from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.tables.bodies import Arrangement
 
+MANY = 64
+"""Pairs of a phase from which on planes are looked for: for fewer, rows of pairs cost less."""
+
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
@@ -28,7 +31,11 @@ class Pairs:
     others: FloatArray
     own: FloatArray
     allowed: FloatArray
-    latest: float
+
+    @property
+    def many(self) -> bool:
+        """Whether there are so many that planes between them are worth their rows."""
+        return len(self.mine) * len(self.others) > MANY
 
     @cached_property
     def every(self) -> FloatArray:
@@ -41,11 +48,6 @@ class Pairs:
             across[(across[:, FIRST] == row[FIRST]) & (across[:, SECOND] == row[SECOND])] = row
         found[len(across) :] = self.own
         return found
-
-    @cached_property
-    def distant(self) -> FloatArray:
-        """The same without the pairs that may touch."""
-        return self.every[self.every[:, REQUIRED] != CONTACT_GAP] if len(self.allowed) else self.every
 
     def __len__(self) -> int:
         return len(self.mine) * len(self.others) + len(self.own)
@@ -86,7 +88,6 @@ class PairTables:
             others,
             np.array(own).reshape(-1, PAIR_COLUMNS),
             allowed,
-            scene.execution.start_tolerance_s,
         )
 
 

@@ -1,24 +1,15 @@
 """When joints are where: phases of constant jerk, the door to the solver that makes them, and lower bounds."""
 
-from assur.planner.timing.blend_times import TooShort, fastest, with_acceleration_time
-from assur.planner.timing.bounds import least_duration, rest_to_rest_time
 from assur.planner.timing.inputs import Numbers, TimingRefusal
-from assur.planner.timing.parabolic_blend import ParabolicBlend
 from assur.planner.timing.raw_profile import RawProfile, trajectory_of
 from assur.planner.timing.solver import SHORTEST, Solver, time_joints
 
 __all__ = [
     "SHORTEST",
     "Numbers",
-    "ParabolicBlend",
     "RawProfile",
     "Solver",
     "TimingRefusal",
-    "TooShort",
-    "fastest",
-    "least_duration",
-    "rest_to_rest_time",
     "time_joints",
     "trajectory_of",
-    "with_acceleration_time",
 ]

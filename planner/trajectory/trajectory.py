@@ -18,7 +18,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, IntArray, frozen
+from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import FaultError, InputError
 from assur.planner.trajectory.jumps import doubled
 
@@ -114,91 +114,33 @@ class Trajectory:
         return not (self.qd[-1].any() or self.qdd[-1].any())
 
     @cached_property
-    def _begins(self) -> IntArray:
-        """Numbers of the knots at which the pieces begin, (P,): all but the last, and the first of two at one time."""
-        return np.flatnonzero(self.time[1:] > self.time[:-1])
+    def _spline(self) -> tuple[FloatArray, FloatArray]:
+        from assur.planner.kernels.hermite import piece_coefficients
 
-    @cached_property
+        tk, c = np.empty(len(self.time)), np.empty((len(self.time) - 1, self.n, 6))
+        pieces = piece_coefficients(self._knots, tk, c)
+        return tk[: pieces + 1], c[:pieces]
+
+    @property
     def edges(self) -> FloatArray:
-        """Begins of the pieces and the end of the last, (P+1,) s: the times of the knots, each once."""
-        return _closed(np.append(self.time[self._begins], self.time[-1]))
+        """Begins of the pieces and the end of the last, (P+1,) s: the times of the knots, each once; P = K-1 without
+        jumps. Not to be written to."""
+        return self._spline[0]
 
-    @cached_property
+    @property
+    def coefficients(self) -> FloatArray:
+        """c0..c5 of q(τ) = Σ c_i τ^i, τ = t − t_k, on every piece: (P, n, 6). Not to be written to."""
+        return self._spline[1]
+
+    @property
     def steps(self) -> FloatArray:
-        """Lengths of the pieces, (P,) s; P = K-1 without jumps."""
-        return _closed(self.edges[1:] - self.edges[:-1])
+        """Lengths of the pieces, (P,) s."""
+        return np.asarray(np.diff(self.edges))
 
     @property
     def knots(self) -> FloatArray:
         """Times, q, q̇, q̈ side by side, (K, 1 + 3n): what kernels take. Not to be written to."""
         return self._knots
-
-    @cached_property
-    def _hulls(self) -> FloatArray:
-        """Bernstein coefficients between all knots, (K-1, n, HULL_COLUMNS)."""
-        from assur.planner.kernels.hermite import HULL_COLUMNS, piece_hulls
-
-        hulls = np.empty((len(self.time) - 1, self.n, HULL_COLUMNS))
-        piece_hulls(self._knots, hulls)
-        return hulls
-
-    @cached_property
-    def coefficients(self) -> FloatArray:
-        """c0..c5 of q(τ) = Σ c_i τ^i, τ = t − t_k, on every piece: (P, n, 6)."""
-        from assur.planner.kernels.hermite import piece_coefficients
-
-        coefficients = np.empty((len(self.time) - 1, self.n, 6))
-        piece_coefficients(self._knots, self._hulls, coefficients)
-        return _closed(coefficients[self._begins])
-
-    @cached_property
-    def _horner(self) -> tuple[FloatArray, ...]:
-        """Coefficients of q and its three derivatives, order first: (6 - derivative, P, n)."""
-        out = [np.ascontiguousarray(np.moveaxis(self.coefficients, -1, 0))]
-        for degree in (5, 4, 3):
-            out.append(out[-1][1:] * np.arange(1.0, degree + 1)[:, None, None])
-        return tuple(_closed(c) for c in out)
-
-    def bernstein(self, derivative: int) -> FloatArray:
-        """Bernstein coefficients of a derivative (0 to 3) on every piece, (P, n, 6 - derivative): its convex hull."""
-        from assur.planner.kernels.hermite import first_column
-
-        first = first_column(derivative)
-        return _closed(self._hulls[self._begins, :, first : first + 6 - derivative])
-
-    def piece(self, t: FloatArray) -> tuple[IntArray, FloatArray]:
-        """The piece that holds each time, the right one at an inner knot, and the time since its begin."""
-        index = np.minimum(np.maximum(self.edges.searchsorted(t, "right") - 1, 0), len(self.steps) - 1)
-        return index, t - self.edges[index]
-
-    def on_piece(self, index: IntArray, tau: FloatArray, derivative: int) -> FloatArray:
-        """q or a derivative (0 to 3) of pieces number `index` (...), `tau` (...) s after their begin: (..., n)."""
-        c = self._horner[derivative].take(index, 1)
-        tau = np.repeat(tau[..., None], self.n, -1)
-        value = c[-1]
-        for coefficient in c[-2::-1]:
-            value *= tau
-            value += coefficient
-        return np.asarray(value)
-
-    def states_on_piece(self, index: IntArray, tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """q, q̇, q̈ as `on_piece` gives them, in one go: Horner's scheme for a polynomial and its derivatives."""
-        c = self._horner[0].take(index, 1)
-        # Contiguous operands in place: a broadcast of tau would take three times as long.
-        tau = np.repeat(tau[..., None], self.n, -1)
-        q, v = c[5] * tau, c[5]
-        q += c[4]
-        a = v.copy()
-        for k in (3, 2, 1, 0):
-            if k < 3:
-                a *= tau
-                a += v
-            v *= tau
-            v += q
-            q *= tau
-            q += c[k]
-        a *= 2
-        return q, v, a
 
     def evaluate(self, t: FloatArray | float, derivative: int = 0) -> FloatArray:
         """q or a derivative (0 to 3) at times `t` (...): (..., n).
@@ -207,22 +149,20 @@ class Trajectory:
         where it jumps), at a knot its own numbers come back. Outside [start, end], and for a time that is NaN: NaN.
         """
         t = np.asarray(t, dtype=np.float64)
-        held = np.minimum(np.maximum(t, self.time[0]), self.time[-1])
-        value = self.on_piece(*self.piece(held), derivative)
-        last = held == self.time[-1]
-        if derivative < 3 and last.any():
-            value[last] = (self.q, self.qd, self.qdd)[derivative][-1]
-        outside = held != t
-        if outside.any():
-            value[outside] = np.nan
-        return value
+        return self._states(t.ravel())[:, derivative].reshape(*t.shape, self.n)
 
     def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """q, q̇, q̈ (T, n) at times t (T,) within [start, end]; the end state is exact."""
-        q, qd, qdd = self.states_on_piece(*self.piece(t))
-        last = t == self.time[-1]
-        q[last], qd[last], qdd[last] = self.q[-1], self.qd[-1], self.qdd[-1]
-        return q, qd, qdd
+        found = self._states(t)
+        return found[:, 0].copy(), found[:, 1].copy(), found[:, 2].copy()
+
+    def _states(self, t: FloatArray) -> FloatArray:
+        """q and its derivatives (T, 4, n) at times t (T,)."""
+        from assur.planner.kernels.spline import spline_states
+
+        found = np.empty((len(t), 4, self.n))
+        spline_states(self._knots, *self._spline, np.array(t), found)
+        return found
 
     def state(self, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """q, q̇, q̈ at one time, each (n,)."""

@@ -13,10 +13,11 @@ from assur.scenes.schema.request import OptionsDocument, RequestDocument
 
 @dataclass(frozen=True, eq=False)
 class Cell:
-    """A scene, and the maker's joint conventions in which its answer is to be written."""
+    """A scene, the maker's joint conventions for its answer, and the request as it was written."""
 
     scene: Scene
     conventions: Conventions
+    document: object
 
 
 def cell_of(document: object, request: RequestDocument) -> Cell:
@@ -64,7 +65,7 @@ def cell_of(document: object, request: RequestDocument) -> Cell:
             assumptions=(*robots.assumptions_of(document, ("robot",), request.robot), *_unused(request)),
             digest=request.digest,
         )
-    return Cell(scene, given.conventions)
+    return Cell(scene, given.conventions, document)
 
 
 MASSES = "mass_kg is not used: no torque, no payload check"

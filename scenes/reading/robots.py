@@ -22,6 +22,8 @@ from assur.scenes.reading.bodies import attached
 from assur.scenes.reading.frames import placed, pose_of
 from assur.scenes.robot_facts import assumptions
 from assur.scenes.schema.robots import (
+    LONGEST_KEPT,
+    MOST_KEPT,
     JointValues,
     LimitsDocument,
     RobotDocument,
@@ -29,11 +31,6 @@ from assur.scenes.schema.robots import (
     ToolDocument,
 )
 from assur.scenes.units import from_si, si_key, twin_of
-
-MOST_KEPT = 64
-"""So many robots are kept for further requests."""
-LONGEST_KEPT = 1 << 16
-"""Longest document of a robot that is kept, characters: one with meshes in it is not."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,18 +50,17 @@ def equipped(document: object, path: Path, item: RobotDocument) -> Equipped:
 
     Raises `DocumentError` at the field at fault.
     """
-    text = item.model_dump_json(exclude_none=True)
-    found = _kept.get(text)
+    found = _kept.get(item.text)
     if found is None:
         of = _arm(document, path, item)
         limits = _narrowed(document, (*path, "limits"), item.limits, of)
         with located(document, *path):
             made = of.robot(pose_of(item.base), limits)
         found = Equipped(made, _tool(document, (*path, "tool"), item.tool, of), of.conventions)
-        if len(text) <= LONGEST_KEPT:
+        if len(item.text) <= LONGEST_KEPT:
             if len(_kept) >= MOST_KEPT:
                 _kept.clear()
-            _kept[text] = found
+            _kept[item.text] = found
     return found
 
 

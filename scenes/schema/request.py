@@ -90,5 +90,6 @@ class RequestDocument(Document):
     @cached_property
     def digest(self) -> str:
         """SHA-256 of the canonical request as JSON without spaces, ``sha256:<64 hex digits>``."""
-        text = self.model_dump_json(by_alias=True, exclude_none=True)
+        rest = self.model_dump_json(by_alias=True, exclude_none=True, exclude={"schema_", "robot"})
+        text = f'{{"schema":"{self.schema_}","robot":{self.robot.text},{rest[1:]}'  # most requests repeat a robot
         return "sha256:" + hashlib.sha256(text.encode()).hexdigest()

@@ -6,9 +6,11 @@ A fact about an arm may be stated with its status and source (`assur.scenes.sche
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal, get_args
+import marshal
+from functools import cached_property
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
-from pydantic import Field
+from pydantic import Field, ModelWrapValidatorHandler, model_validator
 
 from assur.planner.geometry.shapes import LARGEST_M
 from assur.scenes import bounds
@@ -198,6 +200,36 @@ class RobotDocument(ArmDocument):
     tool: ToolDocument
     base: PoseDocument = PoseDocument(at_m=[0.0, 0.0, 0.0])
     limits: LimitsDocument = Field(default_factory=lambda: LimitsDocument.model_validate({}))
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _once(cls, data: Any, validated: ModelWrapValidatorHandler[Self]) -> Self:
+        """A robot that documents repeat is validated once. The same bytes of `marshal` are the same plain data."""
+        try:
+            key = marshal.dumps(data, 2)
+        except ValueError:  # no plain data
+            return validated(data)
+        found = _kept.get(key)
+        if type(found) is cls:
+            return found
+        made = validated(data)
+        if len(key) <= LONGEST_KEPT:
+            if len(_kept) >= MOST_KEPT:
+                _kept.clear()
+            _kept[key] = made
+        return made
+
+    @cached_property
+    def text(self) -> str:
+        """The robot in SI with every default written out, as JSON: two that mean the same have the same."""
+        return self.model_dump_json(by_alias=True, exclude_none=True)
+
+
+MOST_KEPT = 64
+"""So many robots are kept for further documents."""
+LONGEST_KEPT = 1 << 16
+"""Longest robot that is kept, bytes: one with meshes in it is not."""
+_kept: dict[bytes, RobotDocument] = {}
 
 
 class JointValues(ByName):

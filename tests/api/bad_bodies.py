@@ -97,5 +97,7 @@ BAD_BODIES = (
         "an explain budget above it", _request(options={"explain_budget_s": 31}), 422, "options.explain_budget_s", True
     ),
     BadBody("a budget in the twin unit", _request(options={"budget_ms": 30_500}), 422, "options.budget_ms", True),
+    BadBody("a budget in an escaped key", _with('"budget\\u005fs"', "31"), 422, "options.budget_s", True),
+    BadBody("a budget above it elsewhere", _with('"seed": 1}, "budget_s"', '99, "carry": {'), 422, "budget_s"),
     BadBody("one byte too many", _request().ljust(PLAN_BODY_BYTES + 1), 413, "body", True),
 )

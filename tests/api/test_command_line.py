@@ -375,7 +375,7 @@ def raising(error: BaseException) -> Any:
 
 
 def test_a_fault_of_ours_is_one_line_and_exit_code_three(small_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("assur.api.cli.inputs.plan_document", raising(ZeroDivisionError("what\nwas said")))
+    monkeypatch.setattr("assur.api.cli.inputs.plan_cell", raising(ZeroDivisionError("what\nwas said")))
     code, output, errors = run("plan", str(small_file))
     assert (code, output, errors.count("\n")) == (FAULT, "", 1)
     assert "ZeroDivisionError" in errors
@@ -386,7 +386,7 @@ def test_a_plan_that_its_own_checker_refuses_is_not_given(
     small_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     refused = {"ok": False, "findings": [{"what": "the gap is not there", "detail": ""}], "notice": ""}
-    monkeypatch.setattr("assur.api.cli.inputs.check_document", lambda *_, **__: refused)
+    monkeypatch.setattr("assur.scenes.requests.check_plan", lambda *_, **__: refused)
     code, output, errors = run("plan", str(small_file), "--out", str(tmp_path / "plan.json"))
     assert (code, output) == (FAULT, "")
     assert "the gap is not there" in errors
@@ -394,7 +394,7 @@ def test_a_plan_that_its_own_checker_refuses_is_not_given(
 
 
 def test_an_interrupted_command_ends_quietly(small_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("assur.api.cli.inputs.plan_document", raising(KeyboardInterrupt()))
+    monkeypatch.setattr("assur.api.cli.inputs.plan_cell", raising(KeyboardInterrupt()))
     assert run("plan", str(small_file)) == (INTERRUPTED, "", "assur: interrupted\n")
 
 
@@ -461,9 +461,25 @@ def test_text_that_is_no_json_is_told_with_line_and_column(tmp_path: Path) -> No
     )
 
 
-def test_bad_input_ends_with_two_in_a_process_of_its_own() -> None:
-    run = process("plan", "nowhere.yaml")
-    assert run.returncode == BAD_INPUT
-    assert run.stdout == b""
-    assert run.stderr.startswith(b"assur: FILE: got ")
-    assert run.stderr.count(b"\n") == 1
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("plan", "nowhere.yaml"), b"assur: FILE: got "),
+        (("plan", "bad.json"), b"assur: robot.model: got "),
+        (("plan", "bad.yaml"), b"assur: line 2: robot.model: got "),
+        (("check", "small.json", "bad.json"), b"assur: plan.robot: got "),
+        (("check", "bad.json", "bad.json"), b"assur: robot.model: got "),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
+)
+def test_bad_input_ends_with_two_and_one_line_before_anything_is_compiled(
+    tmp_path: Path, small_file: Path, arguments: tuple[str, ...], said: bytes
+) -> None:
+    bad = json.dumps({**FIRST_PLAN, "robot": {**FIRST_PLAN["robot"], "model": "no-robot"}})
+    (tmp_path / "bad.json").write_text(bad)
+    (tmp_path / "bad.yaml").write_text(f"about: bad\nrequest: {bad}\n")
+    files = (str(tmp_path / name) if "." in name else name for name in arguments)
+    run = process(*files, NUMBA_CACHE_DIR=str(tmp_path / "kernels"))
+    assert (run.returncode, run.stdout, run.stderr.count(b"\n")) == (BAD_INPUT, b"", 1)
+    assert run.stderr.startswith(said)
+    assert not (tmp_path / "kernels").exists()

@@ -10,16 +10,15 @@ import pytest
 
 from assur.scenes.requests import scene_of
 from benchmarks import figures
-from benchmarks.bench import SCRIPTS
 from benchmarks.best_known import PATH, read, worst
 from benchmarks.cells import aside, crowd
 from benchmarks.figures import Figure, figure, finish
 from benchmarks.first_answer import OURS, figures_of
 from benchmarks.judged import SETS, label, problem_set
 from benchmarks.machine import ROOT, machine
-from benchmarks.peers.running import NEEDS, peers, requirements
+from benchmarks.peers.running import NEEDS, REQUIREMENTS, peers
 from benchmarks.recheck.findings import Finding
-from benchmarks.report import BLOCKS, MARKED, PAGES, filled, results
+from benchmarks.report import BLOCKS, MARKED, PAGES, SCRIPTS, filled, results
 from benchmarks.scaling import FEW_SIZES
 from benchmarks.scaling import figures_of as scaling_figures
 from benchmarks.session import moved
@@ -138,9 +137,10 @@ def test_a_peer_that_does_not_start_or_dies_is_missing_with_its_reason_and_the_o
         assert there.ask("ompl", {"b": 2}) == {"b": 2}
     with peers(("ompl",), {"ompl": [sys.executable, "-c", "raise SystemExit(3)"]}) as there:
         assert "does not start" in there.ask("ompl", {})["reason"]
-    pinned = requirements()
-    assert all("==" in text for text in pinned.values())
-    assert set(pinned) == {name for needs in NEEDS.values() for name in needs}
+    lines = [line for line in REQUIREMENTS.read_text(encoding="utf-8").splitlines() if line and line[0] != "#"]
+    assert {line.partition("==")[0] for line in lines if "==" in line} == {
+        name for all_ in NEEDS.values() for name in all_
+    }
 
 
 def test_the_worst_share_is_of_the_largest_ratios(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -157,6 +157,10 @@ def test_the_pages_show_what_the_committed_results_say(page: Path) -> None:
     content = page.read_text(encoding="utf-8")
     assert len(MARKED.findall(content)) == content.count("<!-- benchmark: ") >= 2
     assert filled(content, results()) == content
+
+
+def test_the_report_shows_every_script_that_the_benchmark_runs() -> None:
+    assert f"SCRIPTS := {' '.join(SCRIPTS)}\n" in (ROOT / "Makefile").read_text(encoding="utf-8")
 
 
 def test_the_committed_results_are_of_whole_runs_and_records_are_of_problems_that_exist() -> None:

@@ -1,12 +1,10 @@
-"""A profile gives every millisecond of a request to a room; a measured request finds no cache filled."""
+"""A profile gives every millisecond to a room or to libraries; a measured request finds no cache filled."""
 
 from __future__ import annotations
 
 from importlib.util import find_spec
-from typing import Any
 
 import pytest
-import typer
 
 from assur.scenes import meshes, units
 from assur.scenes.requests import scene_of
@@ -14,26 +12,9 @@ from benchmarks import profile
 from benchmarks.commits import planning
 from benchmarks.judged import problem_set
 from benchmarks.machine import ROOT
-from benchmarks.planner_process import KEEP, NOBODY, by_room, planner, room_of
+from benchmarks.planner_process import KEEP, planner, room_of
 from benchmarks.problem_set import ProblemSet
 from benchmarks.translation import Manners
-
-
-def test_a_library_gives_its_time_to_the_rooms_that_call_it_in_proportion() -> None:
-    search, proof = ("/x/planner/search/beam.py", 1, "run"), ("/x/planner/collision/proof.py", 1, "prove")
-    library, deep, main = ("/numpy/core.py", 1, "sum"), ("~", 0, "<built-in sum>"), ("/x/main.py", 1, "main")
-
-    def edge(seconds: float) -> tuple[int, int, float, float]:
-        return (1, 1, 0.0, seconds)
-
-    stats: Any = {
-        main: (1, 1, 0.5, 9.5, {}),
-        search: (1, 1, 1.0, 9.0, {main: edge(9.0)}),
-        proof: (1, 1, 2.0, 5.0, {search: edge(5.0)}),
-        library: (2, 2, 2.0, 6.0, {search: edge(1.5), proof: edge(4.5)}),
-        deep: (2, 2, 4.0, 4.0, {library: edge(4.0)}),
-    }
-    assert by_room(stats) == pytest.approx({"search": 1.0 + 0.25 * 6.0, "collision": 2.0 + 0.75 * 6.0, NOBODY: 0.5})
 
 
 def test_a_room_is_the_folder_below_the_planner_or_the_module_there() -> None:
@@ -56,16 +37,6 @@ def test_the_profile_of_a_set_adds_up() -> None:
     assert sum(made["own_ms"].values()) == pytest.approx(made["total_ms"])
     assert {"search", "checker", "scenes"} <= set(made["own_ms"])
     assert "pipeline/pipeline: plan" in made["calls_ms"]
-
-
-@pytest.mark.parametrize(
-    ("name", "match", "field"),
-    [("statik", "position", "SET"), ("static", "velocity", "--match"), ("moving_goal", "speed", "--match")],
-)
-def test_a_set_or_a_match_that_there_is_not_is_refused_by_its_own_name(name: str, match: str, field: str) -> None:
-    with pytest.raises(typer.BadParameter) as refused:
-        profile.refuse(name, match)
-    assert refused.value.param_hint == field
 
 
 def test_caches_are_emptied_that_may_hold_something_of_a_request() -> None:

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from benchmarks.judged import SETS, problem_set
-from benchmarks.problem_set import ProblemSetError
 from benchmarks.recheck.__main__ import recheck_lines
 from benchmarks.run_problems import choose, run
 from benchmarks.translation import Manners, Match
@@ -45,7 +44,7 @@ def test_problems_are_chosen_by_name_and_number_in_the_order_of_the_file() -> No
     assert [problem["id"] for problem in choose(problems, None, ["A007", "A002"])] == ["A002", "A007"]
     assert len(choose(problems, 3, [])) == 3
     assert len(choose(problems, None, [])) == 100
-    with pytest.raises(ProblemSetError, match="A999"):
+    with pytest.raises(ValueError, match="A999"):
         choose(problems, None, ["A999"])
 
 

@@ -33,8 +33,8 @@ def carriers(scene: Scene, q: FloatArray, t: FloatArray) -> Carriers:
     rotation = np.zeros((len(t), links + frames, 3, 3))
     position[:, :links], rotation[:, :links] = scene.robot.placements(q)
     for k, frame in enumerate(scene.frames.values(), start=links):
-        position[:, k], yaw = frame.law.pose_at(t)
-        c, s = np.cos(yaw), np.sin(yaw)
+        motion = frame.law.motion(t)
+        position[:, k], c, s = motion.p, np.cos(motion.yaw), np.sin(motion.yaw)
         rotation[:, k, 0, 0], rotation[:, k, 0, 1] = c, -s
         rotation[:, k, 1, 0], rotation[:, k, 1, 1] = s, c
         rotation[:, k, 2, 2] = 1.0

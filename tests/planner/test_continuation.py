@@ -1,4 +1,5 @@
-"""Ways from a chain: what is kept with it is what would be made anew, and an outline goes where its draft goes."""
+"""Continuations of a partial plan: what is kept with it is what would be made anew; a timed candidate and its extension
+go the same way."""
 
 from __future__ import annotations
 
@@ -12,34 +13,45 @@ from assur.planner.legs.joint import Shape, Via
 from assur.planner.legs.meeting import Meetings
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.scene import Scene
-from assur.planner.search.extension import finished, outline, straight_draft
-from assur.planner.search.partial_plan import Chain, Draft, Outline, Sample, initial, paced, prepared
+from assur.planner.search.extension import extended, straight_extension, timed
+from assur.planner.search.partial_plan import (
+    Candidate,
+    Extension,
+    PartialPlan,
+    TimedCandidate,
+    initial,
+    paced,
+    prepared,
+)
 from tests.planner.cells import cell, go, table_to_table
+from tests.planner.second_solids import standing
 
 
-def met(scene: Scene, chain: Chain) -> Meetings:
-    found = prepared(scene, chain, 0.0, None, (chain.mode,))
+def met(scene: Scene, partial: PartialPlan) -> Meetings:
+    found = prepared(scene, partial, 0.0, None, (partial.mode,))
     assert isinstance(found, Meetings)
     return found
 
 
-def line(scene: Scene, chain: Chain, branch: int, wait: float = 0.0) -> Draft:
-    meeting = met(scene, chain)
-    sample = Sample(0.0, meeting.branches[branch], Shape(wait=wait))
-    made = straight_draft(scene, chain, meeting, sample)
-    assert isinstance(made, Draft), made
+def line(scene: Scene, partial: PartialPlan, branch: int, wait: float = 0.0) -> Extension:
+    meeting = met(scene, partial)
+    sample = Candidate(0.0, meeting.branches[branch], Shape(wait=wait))
+    made = straight_extension(scene, partial, meeting, sample)
+    assert isinstance(made, Extension), made
     return made
 
 
 def test_full_turns_of_a_meeting_share_one_straight_leg_and_a_wait_has_its_own() -> None:
     scene = cell(go(0.35, -0.2, leg="cartesian"), elbow="keep")
-    chain = initial(scene)
-    assert len(met(scene, chain).branches) > 1
-    first, second, later = line(scene, chain, 0), line(scene, chain, 1), line(scene, chain, 0, wait=0.5)
-    assert len(chain.lines) == 2
-    assert np.array_equal(first.knots.q, second.knots.q)
+    partial = initial(scene)
+    assert len(met(scene, partial).branches) > 1
+    first, second, later = line(scene, partial, 0), line(scene, partial, 1), line(scene, partial, 0, wait=0.5)
+    assert len(partial.lines) == 2
+    assert np.array_equal(first.trajectory.q, second.trajectory.q)
     anew = line(scene, initial(scene), 1)
-    assert all(np.array_equal(getattr(first.knots, x), getattr(anew.knots, x)) for x in ("time", "q", "qd", "qdd"))
+    assert all(
+        np.array_equal(getattr(first.trajectory, x), getattr(anew.trajectory, x)) for x in ("time", "q", "qd", "qdd")
+    )
     assert later.end == pytest.approx(first.end + 0.5, abs=1e-9)
 
 
@@ -55,31 +67,27 @@ SHAPES = {
 
 
 @pytest.mark.parametrize("name", sorted(SHAPES))
-def test_an_outline_is_where_its_draft_is_to_ten_micrometres_at_times_in_any_order(name: str) -> None:
+def test_a_timed_candidate_is_where_its_extension_is_to_ten_micrometres_at_times_in_any_order(name: str) -> None:
     scene = cell(go(0.35, -0.2))
-    chain, shape = initial(scene), SHAPES[name]
-    meeting = met(scene, chain)
-    way = outline(scene, chain, meeting, Sample(0.0, meeting.branches[0], shape), None)
-    assert isinstance(way, Outline), way
-    draft = finished(scene, way)
-    assert isinstance(draft, Draft), draft
+    partial, shape = initial(scene), SHAPES[name]
+    meeting = met(scene, partial)
+    way = timed(scene, partial, meeting, Candidate(0.0, meeting.branches[0], shape), None)
+    assert isinstance(way, TimedCandidate), way
+    extension = extended(scene, way)
+    assert isinstance(extension, Extension), extension
     t = np.random.default_rng(1).permutation(np.linspace(-0.1, way.end + 0.1, 200))
-    assert np.abs(way.at(t) - draft.at(t)).max() <= 1e-5
-    # asked for one by one, all together, or after others were made: the same
-    assert np.array_equal(way.at(t), np.concatenate([way.at(t[k : k + 1]) for k in range(len(t))]))
-    before = way.at(t)
-    outline(scene, chain, meeting, Sample(0.0, meeting.branches[0], Shape()), None)
-    assert np.array_equal(way.at(t), before)
-    anew = outline(scene, initial(scene), meeting, Sample(0.0, meeting.branches[0], shape), None)
-    assert isinstance(anew, Outline)
-    assert np.array_equal(anew.at(t), before)
+    before = standing(way.trajectory, t)
+    assert np.abs(before - standing(extension.trajectory, t)).max() <= 1e-5
+    anew = timed(scene, initial(scene), meeting, Candidate(0.0, meeting.branches[0], shape), None)
+    assert isinstance(anew, TimedCandidate)
+    assert np.array_equal(standing(anew.trajectory, t), before)
 
 
 def test_each_effort_has_one_pace_with_its_own_limits() -> None:
     scene = cell(go(0.35, -0.2))
-    chain = initial(scene)
-    whole, half = paced(scene, chain, 1.0), paced(scene, chain, 0.25)
-    assert paced(scene, chain, 1.0) is whole
+    partial = initial(scene)
+    whole, half = paced(scene, partial, 1.0), paced(scene, partial, 0.25)
+    assert paced(scene, partial, 1.0) is whole
     limits = scene.robot.limits
     for mine, own, power in zip(half.rates, whole.rates, (0.5, 1.0, 1.5), strict=True):
         assert mine == pytest.approx([0.25**power * x for x in own], rel=1e-12)
@@ -88,14 +96,14 @@ def test_each_effort_has_one_pace_with_its_own_limits() -> None:
 
 def test_a_way_after_a_place_says_where_the_part_rides_now_and_one_before_does_not() -> None:
     scene = table_to_table(go(0.3, 0.0))
-    chain = initial(scene)
+    partial = initial(scene)
     part, target = scene.task[1].part, scene.task[1].target
     assert part is not None
     assert target is not None
     moved = ((part, target.frame, target.pose),)
-    behind = replace(chain, step=2, attached=Attachments(None, moved))
-    for at, expected in ((replace(chain, step=2), ()), (behind, moved)):
+    behind = replace(partial, step=2, attached=Attachments(None, moved))
+    for at, expected in ((replace(partial, step=2), ()), (behind, moved)):
         meeting = met(scene, at)
-        way = outline(scene, at, meeting, Sample(0.0, meeting.branches[0], Shape()), None)
-        assert isinstance(way, Outline), way
+        way = timed(scene, at, meeting, Candidate(0.0, meeting.branches[0], Shape()), None)
+        assert isinstance(way, TimedCandidate), way
         assert way.phases[0].attached.placed == expected

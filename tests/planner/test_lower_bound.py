@@ -17,8 +17,8 @@ from assur.planner.model.outcome import Planned
 from assur.planner.model.scene import Follow, Pick, Place, Scene, Target, Tool, Window
 from assur.planner.pipeline import plan
 from assur.planner.search.lower_bound import lower_bound
-from assur.planner.timing import rest_to_rest_time
 from tests.planner.cells import CRANKED, PART, arm, at, belt_and_dial, cell, frame, go, limits, stands, table_to_table
+from tests.planner.timing.least import rest_to_rest_time
 
 DIAL = frame("dial", Turntable(Pose(0.32, 0.12), 0.8))
 BELT = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.3))

@@ -9,12 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from assur.planner.arrays import FloatArray
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
 from assur.planner.frames import Conveyor
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
-from assur.planner.legs.tool_motion import tool_motion
+from assur.planner.kernels.links import L1
+from assur.planner.kernels.tool import least_margins
+from assur.planner.kernels.tool import tool_peak as sampled_peak
+from assur.planner.legs.tool_motion import tool_peak
 from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Clearance
@@ -125,15 +129,33 @@ def test_the_tools_acceleration_is_that_of_its_point_by_differences() -> None:
     scene = cell(go(0.2, 0.0, 0.15, 0.0, "belt"), frames=(belt,), tool=CRANKED, end="moving")
     outcome = plan(scene)
     assert isinstance(outcome, Planned)
-    path = outcome.plan.trajectory
-    h = 1e-4
-    t = np.linspace(path.start + 2 * h, path.end - 2 * h, 200)
-    p = [tool_motion(scene, path, t + k * h).p for k in (-1, 0, 1)]
-    by_difference = (p[0] - 2 * p[1] + p[2]) / h**2
-    stated = tool_motion(scene, path, t).a
-    assert np.abs(by_difference - stated).max() <= 0.02 * np.abs(stated).max() + 0.1
+    path, h = outcome.plan.trajectory, 1e-4
+
+    def at(t: FloatArray) -> FloatArray:
+        p, yaw = scene.robot.forward(path.evaluate(t))
+        tcp = scene.tool.tcp
+        c, s = np.cos(yaw), np.sin(yaw)
+        offset = np.stack([c * tcp.x - s * tcp.y, s * tcp.x + c * tcp.y, np.full_like(c, tcp.z)], -1)
+        return np.asarray(p + offset)
+
+    for begin in np.linspace(path.start + 2 * h, path.end - 0.05, 40):
+        peak, when = tool_peak(scene, path, begin, begin + 0.04)
+        t = np.append(np.linspace(begin, begin + 0.04, 81), when)
+        by_difference = np.linalg.norm(at(t - h) - 2 * at(t) + at(t + h), axis=1) / h**2
+        assert by_difference[-1] == pytest.approx(peak, rel=0.02, abs=0.1)
+        assert by_difference.max() <= 1.05 * peak + 0.1
     found = margins(scene, Prover(scene), path, phases(scene, outcome.plan.legs, outcome.plan.arrivals))
-    assert found.tool_acceleration <= np.linalg.norm(stated, axis=1).max() * 1.05
+    assert found.tool_acceleration == pytest.approx(tool_peak(scene, path, path.start, path.end)[0])
+
+
+def test_a_peak_of_what_is_not_known_is_not_a_number() -> None:
+    scene = cell(go(0.35, -0.2))
+    row = scene.robot.row.copy()
+    row[L1] = np.nan
+    path = Trajectory(np.array([0.0, 1.0]), *np.zeros((3, 2, 4)))
+    peak, _ = sampled_peak(row, path.edges, path.coefficients, 0.0, 0.0, 0.0, 1.0, 9)
+    assert np.isnan(peak)
+    assert np.isnan(least_margins(scene.robot.row, path.edges, np.nan * path.coefficients, 9)[0])
 
 
 @pytest.mark.parametrize("posts", [9, 90])

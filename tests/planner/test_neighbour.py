@@ -17,6 +17,8 @@ from assur.planner.model.link_frames import TrajectoryLaw
 from assur.planner.robots.protocol import Limits
 from assur.planner.robots.scara import Scara
 from assur.planner.trajectory import Trajectory
+from tests.planner.frames.bounded import bounded
+from tests.planner.frames.bounded import rates as truth_of
 
 LIMITS = Limits(
     np.array([-2.9, -2.5, -0.2, -6.0]),
@@ -50,15 +52,13 @@ def fields(motion: Motion) -> FloatArray:
 
 
 def rates(law: Law, t: FloatArray, n: FloatArray) -> FloatArray:
-    """(4, T), in the order of `LawBounds`."""
-    motion = law.motion(t)
-    return np.abs(np.stack([motion.v @ n, motion.a @ n, motion.yaw_d, motion.yaw_dd]))
+    """(4, T), in the order of `Bounded`."""
+    return truth_of(law.motion(t), n)
 
 
 def bound(law: Law, start: float, end: float, n: FloatArray) -> FloatArray:
     """(4,)"""
-    found = law.bounds(np.array([start]), np.array([end]), n[None])
-    return np.array([found.speed[0], found.acceleration[0], found.yaw_rate[0], found.yaw_acceleration[0]])
+    return bounded(law, np.array([start]), np.array([end]), n[None]).table[:, 0]
 
 
 @pytest.mark.parametrize("link", LINKS)
@@ -114,7 +114,8 @@ def test_a_bound_is_at_least_every_sample_inside_across_and_outside_of_the_plan(
 def test_over_a_short_interval_the_bound_of_the_turning_is_sharp(link: int, start: float) -> None:
     law, along = TrajectoryLaw(ARM, plan(), link), np.array([1.0, 0.0, 0.0])
     end = start + 1e-4
-    turn, turn_d = rates(law, np.array([start, end]), along)[2:].max(axis=1)
+    motion = law.motion(np.array([start, end]))
+    turn, turn_d = np.abs(motion.yaw_d).max(), np.abs(motion.yaw_dd).max()
     found = bound(law, start, end, along)
     # Up to h²/8 of the second derivatives of both, which a sweep allows for.
     assert found[2] <= turn + 1e-4

@@ -281,10 +281,10 @@ def test_what_is_not_held_cannot_be_placed() -> None:
 def test_a_part_that_is_put_back_sits_as_at_the_start() -> None:
     pick, away = Pick("take", "red", Pose(), 0.0, 0.1, 0.0), Place("put", "red", Target("dial", Pose()), 0.0, 0.1, 0.0)
     cell = scene((pick, away))
-    seat = AT_START.seat(cell, "red")
+    seat = AT_START.pose_of(cell, "red")
     moved = AT_START.after(cell, pick).after(cell, away)
     assert (moved.held, moved.placed) == (None, (("red", "dial", Pose()),))
-    assert moved.seat(cell, "red") == ("dial", Pose())
+    assert moved.pose_of(cell, "red") == ("dial", Pose())
     back = replace(away, to=Target(*seat))
     assert moved.after(cell, replace(pick, name="again")).after(cell, back) == AT_START
 

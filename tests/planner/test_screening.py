@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assur.planner.arrays import FloatArray
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.collision.screening import screen
@@ -22,18 +21,14 @@ from assur.planner.model.scene import Clearance
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CUP, Around, amount_of, arm, block, cell, go, mesh_box, solid, stands
 from tests.planner.certificate.moving_ball import LAWS, SHAPES, encounter
-from tests.planner.second_solids import standing
 
 
 @dataclass(frozen=True)
 class Motion:
     """A trajectory in phases, as screening sees it."""
 
-    path: Trajectory
+    trajectory: Trajectory
     phases: tuple[Phase, ...]
-
-    def at(self, t: FloatArray) -> FloatArray:
-        return standing(self.path, t)
 
 
 @settings(max_examples=60)

@@ -23,10 +23,11 @@ from assur.planner.model.outcome import NotPlanned, Planned
 from assur.planner.model.refusal import Reason
 from assur.planner.model.scene import Arch, Clearance, Scene
 from assur.planner.pipeline import plan
-from assur.planner.search.beam import BEAM, Found, Search
+from assur.planner.search.beam import Found, Search
 from assur.planner.search.candidates import Sampler
-from assur.planner.search.extension import outline
-from assur.planner.search.partial_plan import Outline, Sample, initial, prepared
+from assur.planner.search.extension import timed
+from assur.planner.search.partial_plan import Candidate, TimedCandidate, initial, prepared
+from assur.planner.search.tuning import BEAM
 from tests.planner.cells import CUP, amount_of, arm, belt_and_dial, cell, go, stands, table_to_table
 
 ROOT = Path(__file__).parents[2]
@@ -196,27 +197,27 @@ def test_without_learning_nothing_is_learned_and_plans_are_found_all_the_same() 
     search = Search(scene, Prover(scene), time.perf_counter(), adaptive=False)
     found = search.run()
     assert found.best is not None
-    assert not any(_learned(sampler) for _, sampler in search.samplers.values())
+    assert not any(_learned(sampler) for sampler in search.samplers.values())
     taught = Search(scene, Prover(scene), time.perf_counter())
     taught.run()
-    assert any(_learned(sampler) for _, sampler in taught.samplers.values())
+    assert any(_learned(sampler) for sampler in taught.samplers.values())
     assert fingerprint(scene, adaptive=False) == fingerprint(scene, adaptive=False)
 
 
-def test_a_way_is_of_use_if_its_chain_would_be_continued_or_be_the_best_plan() -> None:
+def test_a_way_is_of_use_if_its_partial_plan_would_be_continued_or_be_the_best_plan() -> None:
     scene = narrow()
-    chain = initial(scene)
+    partial = initial(scene)
     search = Search(scene, Prover(scene), time.perf_counter())
-    meeting = prepared(scene, chain, 0.0, None, (0, 1))
+    meeting = prepared(scene, partial, 0.0, None, (0, 1))
     assert isinstance(meeting, Meetings)
     one, other = (next(b for b in meeting.branches if b.mode == mode) for mode in (0, 1))
-    ways = [outline(scene, chain, meeting, Sample(0.0, branch, Shape()), None) for branch in (one, other)]
+    ways = [timed(scene, partial, meeting, Candidate(0.0, branch, Shape()), None) for branch in (one, other)]
     way, second = ways
-    assert isinstance(way, Outline)
-    assert isinstance(second, Outline)
+    assert isinstance(way, TimedCandidate)
+    assert isinstance(second, TimedCandidate)
     assert search._of_use(way)
-    state = replace(chain.state, time=min(way.end, second.end) - 0.01)
-    early = [replace(chain, step=1, state=state, mode=0) for _ in range(BEAM)]
+    state = replace(partial.state, time=min(way.end, second.end) - 0.01)
+    early = [replace(partial, step=1, state=state, mode=0) for _ in range(BEAM)]
     search.pool[1] = early[1:]
     assert search._of_use(way)
     search.pool[1] = early
@@ -224,7 +225,7 @@ def test_a_way_is_of_use_if_its_chain_would_be_continued_or_be_the_best_plan() -
     assert search._of_use(second)  # the earliest of its mode is always continued
     search.pool[1] = [replace(each, state=replace(state, time=way.end + 0.01)) for each in early]
     assert search._of_use(way)
-    search.found.best = replace(chain, state=replace(state, time=way.end))
+    search.found.best = replace(partial, state=replace(state, time=way.end))
     assert not search._of_use(way)
 
 
@@ -236,13 +237,13 @@ def test_nothing_is_tried_where_no_mode_reaches_the_point() -> None:
     assert not found.cut_by_clock
 
 
-def test_the_chain_of_no_steps_is_the_start() -> None:
+def test_the_partial_plan_of_no_steps_is_the_start() -> None:
     scene = cell(go(0.35, -0.2), q=(0.3, -1.2, 0.2, 0.5), time=2.0)
-    chain = initial(scene)
-    assert chain.step == 0
-    assert chain.state.time == 2.0
-    assert np.array_equal(chain.state.q, scene.start.q)
-    assert chain.mode == int(arm().mode_of(scene.start.q))
+    partial = initial(scene)
+    assert partial.step == 0
+    assert partial.state.time == 2.0
+    assert np.array_equal(partial.state.q, scene.start.q)
+    assert partial.mode == int(arm().mode_of(scene.start.q))
 
 
 def test_an_arch_above_the_lift_is_refused_with_what_is_missing_and_not_for_want_of_time() -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gc
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -13,10 +11,8 @@ from numpy.typing import NDArray
 from assur.planner.errors import FaultError
 from assur.planner.timing import time_joints
 from assur.planner.trajectory import Trajectory
-from assur.planner.trajectory import sweep as sweeps
-from assur.planner.trajectory.sweep import sweep
 from tests.planner.timing.legs import question
-from tests.planner.trajectory.splines import splines
+from tests.planner.trajectory.splines import splines, sweep
 
 Floats = NDArray[np.float64]
 SCARA = np.array([[1.0, 0, 0, 0], [1, 1, 0, 0], [0, 0, 1, 0], [1, 1, 0, 1]])
@@ -183,18 +179,3 @@ def test_shapes_that_do_not_fit_are_a_fault() -> None:
     for t0, t1, c in ((t, np.array([1.2, 1.3]), SCARA), (t[None], t[None], SCARA), (t, t, SCARA[:, :3]), (t, t, t)):
         with pytest.raises(FaultError):
             sweep(path, t0, t1, c)
-
-
-def test_tables_are_those_of_the_rates_asked_for_and_go_with_their_trajectory() -> None:
-    path = at_rest_at_both_ends()
-    t0, t1 = np.array([path.start]), np.array([path.end])
-    for c in (SCARA, np.eye(4), 2 * SCARA, SCARA):
-        assert sweep(path, t0, t1, c).rate[0] == pytest.approx(truth(path, path.start, path.end, c)[0], rel=0.1)
-    known = len(sweeps._known)
-    changed = SCARA.copy()
-    before = sweep(path, t0, t1, changed).rate
-    changed *= 3
-    assert sweep(path, t0, t1, changed).rate == pytest.approx(3 * before, rel=1e-9)
-    del path
-    gc.collect()
-    assert len(sweeps._known) < known

@@ -99,7 +99,6 @@ def test_a_point_that_moves_is_met_where_it_is_at_the_end_of_the_motion() -> Non
             continue
         row = int(np.argmin(np.abs(branch.time - rough.end[i])))
         assert branch.time[row] == pytest.approx(rough.end[i], abs=0.01)
-        assert branch.legal[row]
         off = np.abs(rough.at(np.array([i]), rough.end[i : i + 1, None])[0, 0] - branch.q[row])
         assert (off <= 0.03 * np.abs(branch.qd[row]) + 1e-6).all()
 

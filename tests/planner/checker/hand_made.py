@@ -27,6 +27,7 @@ from assur.planner.robots.protocol import Code, Limits, RobotBody, Sweep
 from assur.planner.robots.scara import BASE, FLANGE, LINK1, LINK2, QUILL, Scara
 from assur.planner.trajectory import Trajectory
 from tests.planner.convex import reach
+from tests.planner.frames.bounded import bounded
 
 MODE = 1
 Height = Callable[[FloatArray], tuple[FloatArray, ...]]
@@ -294,7 +295,7 @@ def sides(scene: Scene, phase: Phase) -> list[Side]:
         if phase.attached.held is not None and phase.attached.held.part == item.name:
             found.append(Side(item.name, item.body, FLANGE, "", phase.attached.held.in_flange))
         else:
-            found.append(Side(item.name, item.body, -1, *phase.attached.seat(scene, item.name)))
+            found.append(Side(item.name, item.body, -1, *phase.attached.pose_of(scene, item.name)))
     return found
 
 
@@ -422,10 +423,10 @@ class PlainProver:
             r = reach(piece, side.pose.position, _turn(side.pose.yaw))
             v, acc = self.scene.robot.point_bounds(np.array([side.link]), np.array([r]), np.array([r]), n[None], sweep)
             return float(v[0]) + 1e-6, float(acc[0]) + 1e-3
-        law = self.scene.frames[side.frame].law.bounds(np.array([t0]), np.array([t1]), n[None])
+        law = bounded(self.scene.frames[side.frame].law, np.array([t0]), np.array([t1]), n[None])
         r = reach(piece, side.pose.position, _turn(side.pose.yaw)) * math.hypot(n[0], n[1])
         v = law.speed + r * law.yaw_rate
-        return float(v[0]), float((law.acceleration + r * (law.yaw_acceleration + law.yaw_rate**2))[0])
+        return float(v[0]), float((law.acceleration + r * law.turning)[0])
 
 
 def proved(scene: Scene, trajectory: Trajectory, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -> Plan:

@@ -19,6 +19,7 @@ from assur.planner.model.outcome import Certificate
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Execution, Scene
 from tests.planner.checker.hand_made import belt_case
+from tests.planner.frames.bounded import bounded
 
 UP = np.array([0.0, 0.0, 1.0])
 SIDE = np.array([0.6, 0.8, 0.0])
@@ -113,7 +114,7 @@ def test_a_late_start_asks_for_the_way_that_a_body_may_have_gone(wait: float) ->
             t = np.linspace(t0, t0 + wait, 50)
             motion = scene.frames[item.frame].law.motion(t).at(item.pose)
             seen = np.abs(motion.v @ n).max()
-            law = scene.frames[item.frame].law.bounds(t[:1], t[-1:], n[None])
+            law = bounded(scene.frames[item.frame].law, t[:1], t[-1:], n[None])
             most = float(law.speed[0] + 0.2 * law.yaw_rate[0])
             assert wait * seen - 1e-12 <= spared[0] - spared[1] <= wait * most + 1e-12
 

@@ -18,7 +18,6 @@ from assur.planner.frames import (
     Keyframes,
     Law,
     Linear,
-    Motion,
     Pose,
     Swing,
     Turntable,
@@ -119,11 +118,6 @@ def intervals(draw: st.DrawFn, case: Case) -> tuple[float, float]:
     end = draw(st.one_of(st.just(start), st.just(start + 1e-3), number(low, high), grid))
     start, end = min(start, end), max(start, end)
     return max(start, low), min(end, high)
-
-
-def rates(motion: Motion, n: FloatArray) -> FloatArray:
-    """(4, T): |n·ṗ|, |n·p̈|, |ω|, |ω̇|, in the order of `LawBounds`."""
-    return np.abs(np.stack([motion.v @ n, motion.a @ n, motion.yaw_d, motion.yaw_dd]))
 
 
 def samples(case: Case, start: float, end: float, count: int = 1500) -> FloatArray:

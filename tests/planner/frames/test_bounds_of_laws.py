@@ -18,22 +18,23 @@ from assur.planner.frames import (
     Indexer,
     Keyframes,
     Law,
-    LawBounds,
     Linear,
     Pose,
     Swing,
     Turntable,
 )
-from tests.planner.frames.laws import Case, cases, directions, intervals, rates, samples, valid_kinds
-
-
-def table(bounds: LawBounds) -> FloatArray:
-    return np.stack([bounds.speed, bounds.acceleration, bounds.yaw_rate, bounds.yaw_acceleration])
+from tests.planner.frames.bounded import bounded, rates
+from tests.planner.frames.laws import Case, cases, directions, intervals, samples, valid_kinds
 
 
 def bound(law: Law, start: float, end: float, n: FloatArray) -> FloatArray:
     """(4,)"""
-    return table(law.bounds(np.array([start]), np.array([end]), n[None]))[:, 0]
+    return bounded(law, np.array([start]), np.array([end]), n[None]).table[:, 0]
+
+
+def turned(rate: float, rate_d: float) -> list[float]:
+    """The bounds of what turns with at most this rate and this acceleration."""
+    return [rate, math.hypot(rate_d, rate**2)]
 
 
 @pytest.mark.parametrize("kind", valid_kinds)
@@ -49,20 +50,12 @@ def test_a_bound_is_at_least_every_sample_and_hardly_more_than_the_greatest(kind
     # At a jump of the acceleration the value just before belongs to the closed interval too, on either end.
     before = np.maximum(np.nextafter([start, *(s for s in case.switches if start <= s <= end)], -9), case.window[0])
     truth = np.maximum(within, rates(case.law.motion(before), n).max(axis=1))
+    moved = case.law.motion(np.append(samples(case, start, end), before))
+    truth[3] = math.hypot(np.abs(moved.yaw_dd).max(), np.abs(moved.yaw_d).max() ** 2)
+    if kind == "keyframes" and np.abs(n).max() < 1.0:
+        return  # the box of keyframes (K44) is exact along an axis only
     largest = rates(case.law.motion(samples(case, *case.window)), n).max(axis=1)
     assert (found <= truth * (1 + 1e-4) + 1e-9 * (1 + largest)).all()
-
-
-@given(st.data())
-def test_bounds_of_many_intervals_are_those_of_each(data: st.DataObject) -> None:
-    case = data.draw(cases())
-    pieces = data.draw(st.lists(intervals(case), min_size=1, max_size=12))
-    n = np.array([data.draw(directions()) for _ in pieces])
-    starts, ends = np.array(pieces).T
-    together = table(case.law.bounds(starts, ends, n))
-    alone = np.stack([bound(case.law, *piece, n[i]) for i, piece in enumerate(pieces)], axis=1)
-    # Matrix products of other sizes may round otherwise in the last place.
-    np.testing.assert_allclose(together, alone, rtol=1e-12, atol=1e-14)
 
 
 @given(st.data())
@@ -72,15 +65,12 @@ def test_the_bound_of_an_interval_is_the_greatest_of_its_parts(data: st.DataObje
     start, end = data.draw(intervals(case))
     cuts = np.linspace(start, end, 6)
     whole = bound(case.law, start, end, n)
-    parts = table(case.law.bounds(cuts[:-1], cuts[1:], np.tile(n, (5, 1)))).max(axis=1)
-    np.testing.assert_allclose(parts, whole, rtol=1e-9, atol=1e-9)
-
-
-@pytest.mark.parametrize("kind", valid_kinds)
-@given(data=st.data())
-def test_no_interval_at_all_has_no_bounds_at_all(kind: str, data: st.DataObject) -> None:
-    case = data.draw(cases((kind,)))
-    assert table(case.law.bounds(np.zeros(0), np.zeros(0), np.zeros((0, 3)))).shape == (4, 0)
+    parts = bounded(case.law, cuts[:-1], cuts[1:], np.tile(n, (5, 1))).table.max(axis=1)
+    assert (parts <= whole * (1 + 1e-9) + 1e-9).all()
+    # of what turns the greatest rate and the greatest acceleration need not be in one part, nor of a box (K44)
+    exact = [True, True, True, False]
+    if not isinstance(case.law, Keyframes) or np.abs(n).max() == 1.0:
+        np.testing.assert_allclose(parts[exact], whole[exact], rtol=1e-9, atol=1e-9)
 
 
 def test_bounds_of_constant_laws_are_exact() -> None:
@@ -88,7 +78,7 @@ def test_bounds_of_constant_laws_are_exact() -> None:
     np.testing.assert_array_equal(bound(Fixed(Pose(1, 2, 3, 4)), 0, 9, n), 0)
     np.testing.assert_allclose(bound(Linear(Pose(), (0.5, 3.0, -1.0)), 0, 9, n), [0.5, 0, 0, 0], rtol=1e-12)
     np.testing.assert_allclose(bound(Conveyor(Pose(), -0.25), 0, 9, n), [0.15, 0, 0, 0], rtol=1e-12)
-    np.testing.assert_allclose(bound(Turntable(Pose(), -2.0, 0.5), 0, 9, n), [0.4, 0, 2, 0], rtol=1e-12)
+    np.testing.assert_allclose(bound(Turntable(Pose(), -2.0, 0.5), 0, 9, n), [0.4, 0, 2, 4], rtol=1e-12)
 
 
 def test_a_vertical_normal_sees_nothing_of_a_belt() -> None:
@@ -101,14 +91,18 @@ def test_the_bound_of_a_swing_is_that_of_the_interval_and_not_of_the_whole_perio
     w = math.pi
     up = np.array([0.0, 0.0, 1.0])
     # At its end of travel (t = 0.5 s) the gate stands; in the middle (t = 1 s) it is fastest and does not accelerate.
-    np.testing.assert_allclose(bound(gate, 0.4, 0.6, up)[2:], [0.5 * w * math.cos(0.4 * w), 0.5 * w**2], rtol=1e-9)
-    np.testing.assert_allclose(bound(gate, 0.9, 1.1, up)[2:], [0.5 * w, 0.5 * w**2 * math.sin(0.9 * w)], rtol=1e-9)
+    np.testing.assert_allclose(
+        bound(gate, 0.4, 0.6, up)[2:], turned(0.5 * w * math.cos(0.4 * w), 0.5 * w**2), rtol=1e-9
+    )
+    np.testing.assert_allclose(
+        bound(gate, 0.9, 1.1, up)[2:], turned(0.5 * w, 0.5 * w**2 * math.sin(0.9 * w)), rtol=1e-9
+    )
 
 
 def test_the_bound_of_an_index_is_the_known_peak_of_its_polynomial() -> None:
     dial = Indexer(Pose(), 0.8, 0.5, 0.3)
     up = np.array([0.0, 0.0, 1.0])
-    peak = [35 / 16 * 0.8 / 0.5, 84 * math.sqrt(5) / 25 * 0.8 / 0.5**2]
+    peak = turned(35 / 16 * 0.8 / 0.5, 84 * math.sqrt(5) / 25 * 0.8 / 0.5**2)
     np.testing.assert_allclose(bound(dial, 0.0, 0.5, up)[2:], peak, rtol=1e-9)
     np.testing.assert_allclose(bound(dial, 0.31, 1000.7, up)[2:], peak, rtol=1e-9)
     assert bound(dial, 0.5, 0.8, up)[2:].max() <= 1e-9
@@ -124,7 +118,7 @@ def test_the_bound_of_an_index_holds_in_exact_arithmetic_far_from_time_zero(time
     rate_d = 420 * u**2 * (1 - u) ** 2 * (1 - 2 * u) * Fraction(0.8) / Fraction(dial.move_s) ** 2
     found = bound(dial, time, time, up)
     assert Fraction(float(found[2])) >= rate
-    assert Fraction(float(found[3])) >= abs(rate_d)
+    assert Fraction(float(found[3])) ** 2 >= rate_d**2 + rate**4
 
 
 @given(st.floats(-math.pi, math.pi))

@@ -67,15 +67,3 @@ def test_a_motion_has_the_shape_of_its_times_and_each_row_is_that_of_its_time(ca
         single = getattr(case.law.motion(np.array(t[2])), name)
         assert single.shape == tail
         np.testing.assert_array_equal(single, getattr(row, name)[2])
-
-
-@given(cases(), st.floats(-20, 20))
-def test_the_pose_alone_is_that_of_the_motion_and_not_known_where_that_is_not(case: Case, middle: float) -> None:
-    first, last = case.law.valid
-    t = np.array(
-        [middle, middle + 0.37, max(first, -30.0), min(last, 30.0), max(first, -30.0) - 1, min(last, 30.0) + 1]
-    )
-    motion = case.law.motion(t)
-    p, yaw = case.law.pose_at(t)
-    np.testing.assert_allclose(p, motion.p, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(yaw, motion.yaw, rtol=0, atol=1e-11)

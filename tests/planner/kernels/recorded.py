@@ -19,8 +19,8 @@ from assur.planner.kernels.motion import link_motions
 from assur.planner.kernels.spline import spline_motion, spline_state, sweep_bounds
 from assur.planner.model.link_frames import TrajectoryLaw
 from assur.planner.tables.laws import law_tables
-from assur.planner.tables.spline import spline_table
 from assur.planner.trajectory import Trajectory
+from assur.planner.trajectory.spline import spline_table
 from tests.planner.kernels.arms import ARMS, states
 from tests.planner.trajectory.splines import REGIMES, spline
 

@@ -81,7 +81,6 @@ def check_leg(scene: Scene, begin: State, branch: Branch, found: Reached, how: S
     assert last.time == found.end
     if not branch.still:
         assert found.end == branch.time[found.row]
-        assert branch.legal[found.row]
     for have, asked in ((last.q, branch.q), (last.qd, branch.qd), (last.qdd, branch.qdd)):
         assert np.abs(have - asked[found.row]).max() <= 1e-9
     trajectory = found.trajectory
@@ -157,12 +156,12 @@ def test_no_earlier_time_of_the_grid_could_have_been_met_directly(seed: int, law
     solver = Solver(LIMITS.velocity.tolist(), LIMITS.acceleration.tolist(), LIMITS.jerk.tolist())
     start = begin.q.tolist(), begin.qd.tolist(), begin.qdd.tolist()
     grid = float(np.diff(branch.time).max())
-    earlier = [i for i in np.flatnonzero(branch.legal) if branch.time[i] < found.end - 3.5 * grid]
+    earlier = np.flatnonzero(branch.time < found.end - 3.5 * grid).tolist()
     for i in earlier[:: max(1, len(earlier) // 40)]:
         least = solver.shortest(start, (branch.q[i].tolist(), branch.qd[i].tolist(), branch.qdd[i].tolist()))
         if isinstance(least, float) and begin.time + least <= branch.time[i]:
             # it was possible to be there sooner only if no motion of exactly that time exists (blocked)
-            only = replace(branch, legal=np.arange(len(branch.time)) == i)
+            only = replace(branch, meetings=branch.meetings[i : i + 1], numbers=branch.numbers[i : i + 1])
             exact = JointMotion(scene, 0, begin, Shape(), only).meet()
             assert isinstance(exact, Refusal), (branch.time[i], found.end)
 
@@ -210,7 +209,7 @@ def test_a_later_meeting_is_later_and_a_wait_is_waited() -> None:
     assert isinstance(waited, Reached)
     assert late.end >= first.end + 0.3
     assert waited.begin == 0.9
-    assert np.array_equal(waited.at(np.array([0.5, 0.7, 0.9])), np.tile(begin.q, (3, 1)))
+    assert np.array_equal(waited.trajectory.q[0], begin.q)
 
 
 def test_less_effort_takes_longer_and_uses_less() -> None:

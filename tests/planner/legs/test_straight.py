@@ -15,7 +15,7 @@ from assur.planner.frames import Conveyor, Fixed, Law, Turntable
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.legs.line import Along
-from assur.planner.legs.state import State, Stretch
+from assur.planner.legs.state import State, TimedLeg
 from assur.planner.legs.straight import constant_law, mode_changes, scaled, straight
 from assur.planner.model.refusal import Reason, Refusal, Singular
 from assur.planner.model.scene import Scene
@@ -43,7 +43,7 @@ def begin(scene: Scene, law: Law, pose: Pose, t: float, mode: int) -> State:
     return State(t, found.q, found.qd, found.qdd)
 
 
-def path(leg: Stretch) -> Trajectory:
+def path(leg: TimedLeg) -> Trajectory:
     return Trajectory(leg.knots.time, leg.knots.q, leg.knots.qd, leg.knots.qdd)
 
 
@@ -127,14 +127,14 @@ def still(x: float, y: float, z: float = 0.1) -> tuple[Law, Pose]:
     return Fixed(Pose(x, y, z)), Pose()
 
 
-def between(first: tuple[Law, Pose], second: tuple[Law, Pose], **options: Any) -> Stretch | Refusal:
+def between(first: tuple[Law, Pose], second: tuple[Law, Pose], **options: Any) -> TimedLeg | Refusal:
     scene = cell(go(0.3, 0.0), robot=arm(j4=12.0), **options)
     return straight(scene, 0, begin(scene, *first, 0.0, 0), 0, along(*first), along(*second))
 
 
 def test_a_leg_uses_what_the_joints_allow() -> None:
     leg = between(still(0.3, -0.2), still(0.3, 0.2))
-    assert isinstance(leg, Stretch)
+    assert isinstance(leg, TimedLeg)
     found = path(leg)
     peaks = [np.abs(np.array(found.extrema(k))).max(0) for k in (1, 2, 3)]
     used = max(
@@ -157,7 +157,7 @@ def test_a_line_past_the_folded_arm_is_refused_with_the_millimetres() -> None:
 
 def test_a_line_that_leaves_the_workspace_is_refused() -> None:
     leg = between(still(0.5, -0.28), still(0.5, 0.28), singularity_margin=0.0)
-    assert isinstance(leg, Stretch)
+    assert isinstance(leg, TimedLeg)
     gone = between(still(0.4, 0.4), still(0.75, 0.4), singularity_margin=0.0)
     assert isinstance(gone, Refusal)
     assert gone.reason is Reason.OUT_OF_REACH
@@ -200,7 +200,7 @@ def test_a_leg_to_a_point_that_stands_ends_at_rest_to_the_bit(
     scene = cell(go(0.3, 0.0), robot=arm(j4=12.0), singularity_margin=0.05)
     state = begin(scene, first, pose, 0.2, mode)
     leg = straight(scene, 0, state, mode, along(first, pose), along(*still(0.31, 0.17, 0.12)))
-    if isinstance(leg, Stretch):
+    if isinstance(leg, TimedLeg):
         assert leg.knots.last.resting
 
 
@@ -288,8 +288,8 @@ def test_no_straight_leg_is_faster_than_the_fastest_joint_move_between_its_ends(
 
 def test_the_same_leg_is_made_again_to_the_bit() -> None:
     one, other = (between(still(0.3, -0.2), still(0.45, 0.1)) for _ in range(2))
-    assert isinstance(one, Stretch)
-    assert isinstance(other, Stretch)
+    assert isinstance(one, TimedLeg)
+    assert isinstance(other, TimedLeg)
     for name in ("time", "q", "qd", "qdd"):
         assert getattr(one.knots, name).tobytes() == getattr(other.knots, name).tobytes()
 
@@ -300,7 +300,7 @@ def test_a_leg_of_no_length_is_refused_and_one_that_only_turns_is_not() -> None:
         assert isinstance(nowhere, Refusal)
         assert nowhere.reason is Reason.MOTION_LIMIT
     turned = between(still(0.3, 0.2), (Fixed(Pose(0.3, 0.2, 0.1)), Pose(yaw=1.0)))
-    assert isinstance(turned, Stretch)
+    assert isinstance(turned, TimedLeg)
     assert np.abs(np.diff(turned.knots.q[:, :3], axis=0)).max() <= 1e-12
 
 
@@ -319,8 +319,8 @@ def test_a_frame_that_stands_at_first_and_then_moves_is_followed() -> None:
     scene = cell(go(0.3, 0.0), robot=arm(j4=12.0))
     state, left = begin(scene, *still(0.3, -0.2), 0.0, 0), along(*still(0.3, -0.2))
     leg, before = straight(scene, 0, state, 0, left, met), scaled(scene, 0, state, 0, left, met, constant_law, 0)
-    assert isinstance(leg, Stretch)
-    assert isinstance(before, Stretch)
+    assert isinstance(leg, TimedLeg)
+    assert isinstance(before, TimedLeg)
     assert path(leg).duration <= path(before).duration
     end = np.array([path(leg).end])
     wanted, q, qd = met(end), path(leg).evaluate(end), path(leg).evaluate(end, 1)
@@ -349,6 +349,6 @@ def test_where_the_line_was_not_told_rightly_the_faster_leg_is_still_taken() -> 
     scene, state = cell(go(0.3, 0.0), robot=robot, q=tuple(q.tolist())), State(0.0, q, none, none)
     before = scaled(scene, 0, state, 1, left, met, constant_law, 0)
     leg = straight(scene, 0, state, 1, left, met)
-    assert isinstance(before, Stretch)
-    assert isinstance(leg, Stretch)
+    assert isinstance(before, TimedLeg)
+    assert isinstance(leg, TimedLeg)
     assert path(leg).duration <= path(before).duration

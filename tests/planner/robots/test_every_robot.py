@@ -1,4 +1,5 @@
-"""What the protocol promises of kinematics, asked of every robot of the catalogue: a new entry is asked by being there.
+"""What the protocol promises of kinematics, asked of every robot of the catalogue and of every family: a new entry is
+asked by being there.
 
 Joints turn freely here and slide within their range; states that a robot's own `within` refuses (a closed chain that
 does not assemble) are left out. Only the protocol is used, and `assur.experiments.differential`, which is made of
@@ -8,31 +9,25 @@ it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
 
 from assur.experiments.differential import determinant, inverse_jacobian, transforms
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.frames.motion import Motion, Pose
+from assur.planner.errors import FaultError
+from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.robots.protocol import Code, Limits, Robot
-from assur.scenes.catalogue import arm_named, models
+from assur.planner.robots.protocol import Code, Robot
+from tests.planner.robots.families import NAMES, STENCIL, far, flange_of, random_motion, random_q, robot_named, tilted
 
-BASE = Pose(0.4, -0.7, 0.2, 2.5)
 STATES = 10_000
 """Random states for each robot and mode."""
-FREE_RAD = 4.0
-"""Range of a revolute joint to either side: beyond π, so that a folded elbow is inside it."""
-MARGIN = 0.05
-"""Least singularity margin of a random state: what requests ask by default."""
 STEP = 1e-3
 """Of differences, rad or m: their error is of order 8 in it, so rounding (1e-16/1e-3) is what is left."""
-STENCIL = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
-"""Weights of the central first difference of order 8, over steps −4 … 4."""
 READ: dict[str, Callable[[Motion], tuple[FloatArray, ...]]] = {
     "x": lambda m: (m.p[..., 0], m.v[..., 0]),
     "y": lambda m: (m.p[..., 1], m.v[..., 1]),
@@ -44,11 +39,9 @@ READ: dict[str, Callable[[Motion], tuple[FloatArray, ...]]] = {
 """A task coordinate and its rate out of a motion of the flange. A robot with another coordinate needs a line here, and
 in `place_of`."""
 ANGLES = frozenset({"yaw", "pitch", "roll"})
-
-
-def tilted(motion: Motion) -> TiltedMotion:
-    assert isinstance(motion, TiltedMotion)
-    return motion
+ORDERS = (("p", "v", "a", "j"), ("yaw", "yaw_d", "yaw_dd", "yaw_ddd"), ("tilt", "tilt_d", "tilt_dd", "tilt_ddd"))
+"""Fields of a motion, each row from a value to its third derivative."""
+JOINTS = ("q", "qd", "qdd", "qddd")
 
 
 def place_of(robot: Robot, q: FloatArray) -> FloatArray:
@@ -63,47 +56,13 @@ def place_of(robot: Robot, q: FloatArray) -> FloatArray:
     return np.stack([found[name] for name in robot.coordinates], -1)
 
 
-@cache
-def robot_named(model: str) -> Robot:
-    """The robot of a catalogue's entry at BASE, its revolute joints free to turn."""
-    arm = arm_named(model)
-    shipped = arm.robot(BASE, arm.limits)
-    revolute = np.array([joint.kind == "revolute" for joint in shipped.joints])
-    limits = shipped.limits
-    lower, upper = np.where(revolute, -FREE_RAD, limits.lower), np.where(revolute, FREE_RAD, limits.upper)
-    return arm.robot(BASE, Limits(lower, upper, limits.velocity, limits.acceleration, limits.jerk))
-
-
-MODES = [(model, mode) for model in models() for mode in range(len(robot_named(model).modes))]
-SQUARE = {model for model in models() if len(robot_named(model).coordinates) == len(robot_named(model).joints)}
+MODES = [(name, mode) for name in NAMES for mode in range(len(robot_named(name).modes))]
+SQUARE = {name for name in NAMES if len(robot_named(name).coordinates) == len(robot_named(name).joints)}
 """Robots whose flange's motion leaves their joints no choice, and whose determinant has a sign."""
-every_robot = pytest.mark.parametrize("model", models())
-every_square_robot = pytest.mark.parametrize("model", [model for model in models() if model in SQUARE])
-every_mode = pytest.mark.parametrize(("model", "mode"), MODES)
-every_mode_of_square_robots = pytest.mark.parametrize(("model", "mode"), [row for row in MODES if row[0] in SQUARE])
-
-
-def random_q(robot: Robot, rng: np.random.Generator, size: int, mode: int | None = None) -> FloatArray:
-    """States (size, n) with the margin, in one working mode if one is asked."""
-    found = np.empty((0, len(robot.joints)))
-    for _ in range(400):
-        q = rng.uniform(robot.limits.lower, robot.limits.upper, (2 * size, len(robot.joints)))
-        good = robot.within(q) & (robot.margin(q) >= MARGIN)
-        found = np.concatenate([found, q[good if mode is None else good & (robot.mode_of(q) == mode)]])
-        if len(found) >= size:
-            return found[:size]
-    raise AssertionError(f"{robot.name} is hardly ever in mode {mode}")
-
-
-def random_motion(robot: Robot, seed: int, size: int, mode: int | None = None) -> tuple[FloatArray, ...]:
-    """q, q̇, q̈, q⃛, each (size, n)."""
-    rng = np.random.default_rng(seed)
-    q = random_q(robot, rng, size, mode)
-    return q, *(scale * rng.normal(size=q.shape) for scale in (1.0, 10.0, 100.0))
-
-
-def flange_of(robot: Robot) -> int:
-    return robot.links.index("flange")
+every_robot = pytest.mark.parametrize("name", NAMES)
+every_square_robot = pytest.mark.parametrize("name", [name for name in NAMES if name in SQUARE])
+every_mode = pytest.mark.parametrize(("name", "mode"), MODES)
+every_mode_of_square_robots = pytest.mark.parametrize(("name", "mode"), [row for row in MODES if row[0] in SQUARE])
 
 
 def rates(robot: Robot, motion: Motion) -> FloatArray:
@@ -148,57 +107,78 @@ def jacobian_error(robot: Robot, q: FloatArray) -> float:
     return float((np.abs(robot.jacobian(q) - wanted) / size).max())
 
 
+def flange_motion(robot: Robot, seed: int, size: int, mode: int) -> Motion:
+    return robot.link_motion(flange_of(robot), *random_motion(robot, seed, size, mode))
+
+
+def changed(motion: Motion, change: Callable[[str, FloatArray], FloatArray]) -> Motion:
+    """The motion with fields that `change` makes of their names and values."""
+    names = [field for orders in ORDERS for field in orders if hasattr(motion, field)]
+    made = {name: change(name, np.array(getattr(motion, name))) for name in names}
+    return replace(motion, **made)
+
+
 @every_mode
-def test_forward_of_the_inverse_is_where_the_flange_was_asked_to_be(model: str, mode: int) -> None:
-    robot = robot_named(model)
-    made = random_motion(robot, mode, STATES, mode)
-    flange = robot.link_motion(flange_of(robot), *made)
-    found = robot.inverse(flange, mode)
+def test_forward_of_the_inverse_is_where_the_flange_was_asked_to_be(name: str, mode: int) -> None:
+    robot = robot_named(name)
+    flange = flange_motion(robot, mode, STATES, mode)
+    with np.errstate(all="raise"):
+        found = robot.inverse(flange, mode)
     assert (found.code == Code.ASSEMBLED).all()
-    assert off(robot, found.q, flange).max() <= 1e-13
+    assert off(robot, found.q, flange).max() <= 1e-13 * far(robot)
     assert np.abs(found.margin - robot.margin(found.q)).max() <= 1e-12
+    assert (found.parallel is None) == (robot.parallel_least == 0.0)
+    if found.parallel is not None:
+        assert np.abs(found.parallel - robot.parallel_margin(found.q)).max() <= 1e-12
     assert (robot.mode_of(found.q) == mode).all()
+    revolute = [joint.kind == "revolute" for joint in robot.joints]
+    assert (np.abs(found.q[:, revolute]) <= np.pi).all()
 
 
 @every_mode_of_square_robots
-def test_the_inverse_of_the_flange_s_motion_is_the_motion_of_the_joints(model: str, mode: int) -> None:
-    robot = robot_named(model)
+def test_the_inverse_of_the_flange_s_motion_is_the_motion_of_the_joints(name: str, mode: int) -> None:
+    robot = robot_named(name)
     made = random_motion(robot, mode, STATES, mode)
     found = robot.inverse(robot.link_motion(flange_of(robot), *made), mode)
-    assert apart(robot, found.q, made[0]).max() <= 1e-9
+    assert apart(robot, found.q, made[0]).max() <= 1e-12 * far(robot)
+    assert np.abs(found.margin - robot.margin(made[0])).max() <= 1e-12 * far(robot)
     scale = np.linalg.norm(np.stack(made[1:]), axis=(0, 2))[:, None]
-    for got, wanted in zip((found.qd, found.qdd, found.qddd), made[1:], strict=True):
-        assert (np.abs(got - wanted) / scale).max() <= 1e-7  # errors grow as rounding over the margin's powers
+    rates = (found.qd, found.qdd, found.qddd)
+    # errors grow as rounding over the margin's powers
+    for got, wanted, most in zip(rates, made[1:], (1e-12, 1e-10, 1e-8), strict=True):
+        assert (np.abs(got - wanted) / scale).max() <= most * far(robot)
+    still = robot.link_motion(flange_of(robot), made[0], *(np.zeros_like(made[0]),) * 3)
+    assert not any(rate.any() for rate in (robot.inverse(still, mode).qd, robot.inverse(still, mode).qddd))
 
 
 @every_mode
-def test_the_velocities_of_the_dyads_are_those_of_the_inverse_jacobian(model: str, mode: int) -> None:
-    robot = robot_named(model)
-    flange = robot.link_motion(flange_of(robot), *random_motion(robot, mode, STATES, mode))
+def test_the_velocities_of_the_dyads_are_those_of_the_inverse_jacobian(name: str, mode: int) -> None:
+    robot = robot_named(name)
+    flange = flange_motion(robot, mode, STATES, mode)
     found = robot.inverse(flange, mode, 1)
     task = rates(robot, flange)
     jacobian = robot.jacobian(found.q)
     back = (jacobian @ found.qd[..., None])[..., 0]
     scale = np.linalg.norm(found.qd, axis=-1, keepdims=True) * np.linalg.norm(jacobian, axis=(1, 2))[:, None]
-    assert (np.abs(back - task) / scale).max() <= 1e-12
-    if model in SQUARE:
+    assert (np.abs(back - task) / scale).max() <= 1e-12 * far(robot)
+    if name in SQUARE:
         by_jacobian = (inverse_jacobian(robot, found.q) @ task[..., None])[..., 0]
         scale = np.linalg.norm(found.qd, axis=-1, keepdims=True)
-        assert (np.abs(by_jacobian - found.qd) / scale).max() <= 1e-10
+        assert (np.abs(by_jacobian - found.qd) / scale).max() <= 1e-10 * far(robot)
 
 
 @every_robot
-def test_the_jacobian_is_the_difference_of_the_forward_problem(model: str) -> None:
-    robot = robot_named(model)
+def test_the_jacobian_is_the_difference_of_the_forward_problem(name: str) -> None:
+    robot = robot_named(name)
     with np.errstate(all="raise"):
-        assert jacobian_error(robot, random_q(robot, np.random.default_rng(1), STATES)) <= 1e-10
+        assert jacobian_error(robot, random_q(robot, np.random.default_rng(1), STATES)) <= 1e-10 * far(robot)
 
 
 @every_robot
 def test_a_jacobian_of_which_one_entry_is_off_by_a_millionth_is_noticed(
-    model: str, monkeypatch: pytest.MonkeyPatch
+    name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    robot = robot_named(model)
+    robot = robot_named(name)
     q = random_q(robot, np.random.default_rng(1), 100)
     true = type(robot).jacobian
 
@@ -208,31 +188,33 @@ def test_a_jacobian_of_which_one_entry_is_off_by_a_millionth_is_noticed(
         return found
 
     monkeypatch.setattr(type(robot), "jacobian", off_by_a_little)
-    assert jacobian_error(robot, q) > 1e-9
+    assert jacobian_error(robot, q) > 1e-9 * far(robot)
 
 
 @every_robot
-def test_every_link_frame_moves_as_its_differences_say(model: str) -> None:
+def test_every_link_frame_moves_as_its_differences_say(name: str) -> None:
     """Positions and attitudes by `placements`, which knows no derivatives, against `link_motion`."""
-    robot = robot_named(model)
+    robot = robot_named(name)
     q, qd, qdd, qddd = random_motion(robot, 5, 1000)
     around, frames = [], []
     for k in range(-4, 5):
         t = k * STEP / 10
         moved = q + qd * t + qdd * t**2 / 2 + qddd * t**3 / 6
         state = moved, qd + qdd * t + qddd * t**2 / 2, qdd + qddd * t, qddd
-        frames.append(transforms(robot, moved))
-        around.append([robot.link_motion(link, *state) for link in range(len(robot.links))])
+        with np.errstate(all="raise"):
+            frames.append(transforms(robot, moved))
+            around.append([robot.link_motion(link, *state) for link in range(len(robot.links))])
     for link in range(len(robot.links)):
         motions = [row[link] for row in around]
-        for ladder in (("p", "v", "a", "j"), ("yaw", "yaw_d", "yaw_dd", "yaw_ddd")):
-            for below, above in pairwise(ladder):
+        for ladder in ORDERS:
+            for below, above in pairwise(ladder if hasattr(motions[4], ladder[0]) else ()):
                 rows = np.stack([getattr(m, below) for m in motions])
-                if below == "yaw":
+                if below in ("yaw", "tilt"):
                     rows = np.unwrap(rows, axis=0)
                 slope, told = np.tensordot(STENCIL, rows, 1) / (STEP / 10), getattr(motions[4], above)
-                assert (np.abs(slope - told) / np.maximum(1.0, np.abs(rows[4]) + np.abs(told))).max() <= 1e-8
-        assert np.abs(frames[4][:, link, :3, 3] - motions[4].p).max() <= 1e-13
+                error = np.abs(slope - told) / np.maximum(1.0, np.abs(rows[4]) + np.abs(told))
+                assert error.max() <= 1e-8, (link, above)
+        assert np.abs(frames[4][:, link, :3, 3] - motions[4].p).max() <= 1e-13 * far(robot)
         if link not in robot.tilting:
             c, s = np.cos(motions[4].yaw), np.sin(motions[4].yaw)
             upright = np.zeros((len(q), 3, 3))
@@ -242,18 +224,110 @@ def test_every_link_frame_moves_as_its_differences_say(model: str) -> None:
 
 
 @every_robot
-def test_the_transforms_along_the_chain_are_rigid_and_end_where_forward_says(model: str) -> None:
-    robot = robot_named(model)
+def test_the_transforms_along_the_chain_are_rigid_and_end_where_forward_says(name: str) -> None:
+    robot = robot_named(name)
     q = random_q(robot, np.random.default_rng(2), STATES)
     found = transforms(robot, q)
+    assert found.shape == (STATES, len(robot.links), 4, 4)
+    assert (found[..., 3, :] == [0.0, 0.0, 0.0, 1.0]).all()
     rotation = found[..., :3, :3]
     assert np.abs(np.swapaxes(rotation, -1, -2) @ rotation - np.eye(3)).max() <= 1e-14
     assert np.abs(np.linalg.det(rotation) - 1.0).max() <= 1e-14
     p, yaw = robot.forward(q)
     end = found[:, flange_of(robot)]
-    assert np.abs(end[:, :3, 3] - p).max() <= 1e-14
+    assert np.abs(end[:, :3, 3] - p).max() <= 1e-14 * far(robot)
     if "yaw" in robot.coordinates:
         assert angle(np.arctan2(end[:, 1, 0], end[:, 0, 0]) - yaw).max() <= 1e-13
+
+
+@every_robot
+@pytest.mark.parametrize("order", range(4))
+def test_what_is_not_asked_is_not_read_and_other_shapes_give_the_same_numbers(name: str, order: int) -> None:
+    """Neither derivatives beyond the order, which are not found, nor a yaw that the robot does not follow."""
+    robot = robot_named(name)
+    flange = flange_motion(robot, 8, 12, 0)
+    full = robot.inverse(flange, 0)
+    unread = {field for orders in ORDERS for field in orders[order + 1 :]}
+    unread |= set() if "yaw" in robot.coordinates else set(ORDERS[1])
+    blind = changed(flange, lambda field, value: value * np.nan if field in unread else value)
+    for shape in ((12,), (3, 4), (12, 1)):
+        asked = changed(blind, lambda _, value: value.reshape(*shape, *value.shape[1:]))  # noqa: B023
+        part = robot.inverse(asked, 0, order)
+        assert part.code.shape == part.margin.shape == shape
+        for k, field in enumerate(JOINTS):
+            value = getattr(part, field)
+            assert value.shape == (*shape, len(robot.joints))
+            value = value.reshape(12, -1)
+            assert np.array_equal(value, getattr(full, field)) if k <= order else np.isnan(value).all()
+    one = robot.inverse(changed(blind, lambda _, value: value[7]), 0, order)
+    assert np.array_equal(one.q, full.q[7])
+
+
+@every_robot
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_a_target_that_is_not_finite_is_refused_and_its_neighbours_are_not(name: str, bad: float) -> None:
+    robot = robot_named(name)
+    flange = flange_motion(robot, 1, 3, 0)
+    good = robot.inverse(flange, 0)
+    read = [*ORDERS[0], *(ORDERS[1] if "yaw" in robot.coordinates else ())]
+    read += ORDERS[2] if "pitch" in robot.coordinates else ()
+    for field in read:
+        for axis in np.ndindex(getattr(flange, field).shape[1:]):
+
+            def spoilt(found: str, value: FloatArray) -> FloatArray:
+                if found == field:  # noqa: B023
+                    value[(1, *axis)] = bad  # noqa: B023
+                return value
+
+            with np.errstate(all="raise"):
+                got = robot.inverse(changed(flange, spoilt), 0)
+                alone = robot.inverse(changed(changed(flange, spoilt), lambda _, value: value[1]), 0)
+            assert got.code.tolist() == [Code.ASSEMBLED, Code.OUT_OF_REACH, Code.ASSEMBLED], (field, axis)
+            assert alone.code == Code.OUT_OF_REACH
+            assert all(np.isnan(getattr(got, each)[1]).all() for each in (*JOINTS, "margin"))
+            assert got.parallel is None or np.isnan(got.parallel[1])
+            assert np.array_equal(got.q[::2], good.q[::2])
+            assert np.array_equal(got.qddd[::2], good.qddd[::2])
+
+
+@every_robot
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_joint_vectors_that_are_not_finite_give_nan_without_a_warning(name: str, bad: float) -> None:
+    robot = robot_named(name)
+    q = random_q(robot, np.random.default_rng(1), 2)
+    q[0, 1] = bad
+    flange, some = flange_of(robot), np.ones_like(q)
+    with np.errstate(all="raise"):
+        p, yaw = robot.forward(q)
+        places, rotation = robot.placements(q)
+        jacobian, moved = robot.jacobian(q), robot.link_motion(flange, q, some, some, some)
+        told = robot.margin(q), robot.singular_distance(q)
+    for x in (p, places[:, flange], rotation[:, flange], jacobian, moved.p, moved.j, *told):
+        assert np.isnan(x[0]).any()
+        assert np.isfinite(x[1]).all()
+    assert not np.isfinite(yaw[0]) or "yaw" not in robot.coordinates
+    assert robot.mode_of(q)[0] == -1
+    assert robot.within(q).tolist() == [False, True]
+
+
+@every_robot
+def test_what_is_wrong_in_a_call_is_a_fault(name: str) -> None:
+    robot = robot_named(name)
+    q = np.zeros((1, len(robot.joints)))
+    flange = flange_motion(robot, 1, 1, 0)
+    wrong: list[tuple[str, Callable[[], Any]]] = [
+        (f"mode {len(robot.modes)}", lambda: robot.inverse(flange, len(robot.modes))),
+        ("mode -1", lambda: robot.inverse(flange, -1)),
+        ("order 4", lambda: robot.inverse(flange, 0, 4)),
+        (f"link {len(robot.links)}", lambda: robot.link_motion(len(robot.links), q, q, q, q)),
+        ("link -1", lambda: robot.link_motion(-1, q, q, q, q)),
+    ]
+    if isinstance(flange, TiltedMotion):
+        upright = Motion(*(getattr(flange, field.name) for field in fields(Motion)))
+        wrong.append(("pitch and roll", lambda: robot.inverse(upright, 0)))
+    for told, call in wrong:
+        with pytest.raises(FaultError, match=told):
+            call()
 
 
 @dataclass(frozen=True)
@@ -270,13 +344,14 @@ def singular_states(robot: Robot, pairs: int = 4000) -> Singular:
     """By bisection between random states where the determinant has two signs; where it has a pole none is found."""
     rng = np.random.default_rng(3)
     low, high = (rng.uniform(robot.limits.lower, robot.limits.upper, (pairs, len(robot.joints))) for _ in range(2))
-    sign = np.sign(determinant(robot, low))
-    good = sign * np.sign(determinant(robot, high)) < 0
-    low, high, sign = low[good], high[good], sign[good]
-    for _ in range(60):
-        middle = (low + high) / 2
-        here = (np.sign(determinant(robot, middle)) == sign)[:, None]
-        low, high = np.where(here, middle, low), np.where(here, high, middle)
+    with np.errstate(invalid="ignore"):
+        sign = np.sign(determinant(robot, low))
+        good = sign * np.sign(determinant(robot, high)) < 0
+        low, high, sign = low[good], high[good], sign[good]
+        for _ in range(60):
+            middle = (low + high) / 2
+            here = (np.sign(determinant(robot, middle)) == sign)[:, None]
+            low, high = np.where(here, middle, low), np.where(here, high, middle)
     kept = robot.within(low) & np.isfinite(robot.jacobian(low)).all((1, 2))
     q = low[kept]
     left, values, right = np.linalg.svd(robot.jacobian(q))
@@ -323,8 +398,8 @@ def named_by_geometry(robot: Robot, q: FloatArray, still: FloatArray, lost: Floa
 
 
 @every_square_robot
-def test_where_the_determinant_vanishes_the_margin_does_and_the_singularity_has_its_name(model: str) -> None:
-    robot = robot_named(model)
+def test_where_the_determinant_vanishes_the_margin_does_and_the_singularity_has_its_name(name: str) -> None:
+    robot = robot_named(name)
     singular = singular_states(robot)
     assert len(singular.q) > 100
     assert robot.margin(singular.q).max() <= 1e-12
@@ -350,8 +425,8 @@ def test_where_the_determinant_vanishes_the_margin_does_and_the_singularity_has_
 
 
 @every_robot
-def test_where_the_margin_does_not_vanish_the_determinant_does_not(model: str) -> None:
-    robot = robot_named(model)
+def test_where_the_margin_does_not_vanish_the_determinant_does_not(name: str) -> None:
+    robot = robot_named(name)
     q = random_q(robot, np.random.default_rng(4), STATES)
     assert (np.abs(determinant(robot, q)) > 0.0).all()
     inverse, jacobian = inverse_jacobian(robot, q), robot.jacobian(q)

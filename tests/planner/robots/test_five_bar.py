@@ -1,31 +1,25 @@
-"""The five-bar: inverse against forward, differences and the dyads, both kinds of singularity, every refusal."""
+"""The five-bar: its closed chain, both kinds of singularity, working modes and assembly modes, its workspace.
+
+The oracles are laws of cosines and the lengths of the couplers: not the dyad's formulas.
+"""
 
 from __future__ import annotations
-
-from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from assur.experiments.five_bar_workspace import type_2_curves, workspace
-from assur.planner.arrays import FloatArray
-from assur.planner.assur.rrr import RRR
-from assur.planner.errors import FaultError, InputError
+from assur.experiments.differential import determinant
+from assur.experiments.five_bar_workspace import type_2_curves, velocity_equation, workspace
+from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.frames.motion import Motion, Pose
-from assur.planner.geometry.shapes import Body, Piece, box
-from assur.planner.robots.five_bar import DISTAL_LEFT, DISTAL_RIGHT, FLANGE, LINKS, MODES, QUILL, FiveBar
-from assur.planner.robots.protocol import Code, Limits, Robot, RobotBody
-from tests.planner.robots.five_bars import BASES, LENGTHS, five_bar, states
+from assur.planner.robots.five_bar import DISTAL_LEFT, DISTAL_RIGHT, FLANGE, MODES, QUILL, FiveBar
+from assur.planner.robots.protocol import Code
+from tests.planner.robots.families import BASE
+from tests.planner.robots.five_bars import LENGTHS, five_bar, states
 
-STENCIL = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
-"""Weights of the central first difference of order 8, over steps −4 … 4."""
-
+SIZE = 10_000
 every_mode = pytest.mark.parametrize("mode", range(4), ids=MODES)
 every_assembly = pytest.mark.parametrize("assembly", ["front", "back"])
-
-
-def rates(rng: np.random.Generator, q: FloatArray) -> tuple[FloatArray, ...]:
-    return tuple(scale * rng.normal(size=q.shape) for scale in (1.0, 10.0, 100.0))
 
 
 def at_rest(x: float, y: float, z: float = 0.2, yaw: float = 0.0) -> Motion:
@@ -36,117 +30,28 @@ def same_angle(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.asarray(np.abs(np.angle(np.exp(1j * (a - b)))))
 
 
-def test_a_five_bar_is_a_robot() -> None:
-    robot: Robot = five_bar()
-    assert robot.links == LINKS
-    assert robot.modes == ("left-left", "left-right", "right-left", "right-right")
-    assert [five_bar(axes=axes).coordinates for axes in (2, 3, 4)] == [
-        ("x", "y"),
-        ("x", "y", "z"),
-        ("x", "y", "z", "yaw"),
-    ]
-    assert [five_bar(axes=axes).lift for axes in (2, 3, 4)] == [None, 2, 2]
-    assert [joint.kind for joint in robot.joints] == ["revolute", "revolute", "prismatic", "revolute"]
-    assert five_bar(axes=3).rate_matrix.tolist() == [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]]
-    with pytest.raises(ValueError, match="read-only"):
-        robot.rate_matrix[0, 0] = 2.0
-
-
-@every_mode
-@every_assembly
-@pytest.mark.parametrize("base", BASES)
-def test_the_inverse_of_the_flange_motion_is_the_joint_motion(mode: int, assembly: str, base: Pose) -> None:
-    """10,000 states a mode, all four derivatives, and back to the place to less than a nanometre."""
-    robot, rng = five_bar("even", base=base, assembly=assembly), np.random.default_rng(mode)
-    q = states(rng, robot, mode, 10_000)
-    motion = rates(rng, q)
-    with np.errstate(all="raise"):
-        flange = robot.link_motion(FLANGE, q, *motion)
-        got = robot.inverse(flange, mode)
+@pytest.mark.parametrize(("lengths", "mode"), [("short", 0), ("short", 1), ("short", 3), ("one axis", 1)])
+def test_states_with_little_room_come_back_from_their_places_with_all_derivatives(lengths: str, mode: int) -> None:
+    robot, rng = five_bar(lengths, base=BASE), np.random.default_rng(4)
+    q = states(rng, robot, mode, 1_000)
+    motion = [scale * rng.normal(size=q.shape) for scale in (1.0, 10.0, 100.0)]
+    got = robot.inverse(robot.link_motion(FLANGE, q, *motion), mode)
     assert (got.code == Code.ASSEMBLED).all()
-    assert (robot.mode_of(q) == mode).all()
     assert same_angle(got.q, q).max() < 1e-12
-    assert np.abs(got.q[:, 2] - q[:, 2]).max() < 1e-15
-    assert got.parallel is not None
-    assert np.abs(got.parallel - robot.parallel_margin(q)).max() < 1e-12
-    assert np.abs(got.margin - robot.margin(q)).max() < 1e-12
-    position, yaw = robot.forward(got.q)
-    assert np.abs(position - flange.p).max() < 1e-9
-    assert same_angle(yaw, flange.yaw).max() < 1e-9
-    scale = np.linalg.norm(np.stack(motion), axis=(0, 2))[:, None]
     for found, made in zip((got.qd, got.qdd, got.qddd), motion, strict=True):
-        assert (np.abs(found - made) / scale).max() < 1e-9
-
-
-@pytest.mark.parametrize("lengths", sorted(LENGTHS))
-@pytest.mark.parametrize("axes", [2, 3, 4])
-def test_other_lengths_and_fewer_axes_come_back_too(lengths: str, axes: int) -> None:
-    for mode in (1,) if lengths == "one axis" else (0, 1, 3):
-        robot, rng = five_bar(lengths, axes=axes, base=BASES[1]), np.random.default_rng(axes)
-        q = states(rng, robot, mode, 1_000)
-        motion = rates(rng, q)
-        got = robot.inverse(robot.link_motion(FLANGE, q, *motion), mode)
-        assert (got.code == Code.ASSEMBLED).all()
-        assert same_angle(got.q, q).max() < 1e-12
-        for found, made in zip((got.qd, got.qdd, got.qddd), motion, strict=True):
-            assert (np.abs(found - made) / np.linalg.norm(np.stack(motion), axis=(0, 2))[:, None]).max() < 1e-9
-
-
-@every_assembly
-def test_every_link_moves_as_its_differences_say(assembly: str) -> None:
-    robot, rng, step = five_bar("odd", base=BASES[1], assembly=assembly), np.random.default_rng(5), 4e-4
-    q = states(rng, robot, 1 if assembly == "front" else 2, 200, 0.2)
-    q = q[robot.parallel_margin(q) > 0.4]
-    qd, qdd, qddd = rates(rng, q)
-    for link in range(len(LINKS)):
-        around = []
-        for k in range(-4, 5):
-            t = k * step
-            at = (
-                q + qd * t + qdd * t**2 / 2 + qddd * t**3 / 6,
-                qd + qdd * t + qddd * t**2 / 2,
-                qdd + qddd * t,
-                qddd,
-            )
-            with np.errstate(all="raise"):
-                around.append(robot.link_motion(link, *at))
-        for ladder in (("p", "v", "a", "j"), ("yaw", "yaw_d", "yaw_dd", "yaw_ddd")):
-            for below, above in pairwise(ladder):
-                values = np.stack([getattr(m, below) for m in around])
-                if below == "yaw":
-                    values = np.unwrap(values, axis=0)
-                difference = np.tensordot(STENCIL, values, 1) / step
-                exact = getattr(around[4], above)
-                assert (np.abs(difference - exact) / (1 + np.abs(exact))).max() < 1e-7
-
-
-def test_placements_forward_and_link_motion_are_one_geometry() -> None:
-    for axes in (2, 3, 4):
-        robot, rng = five_bar("odd", axes=axes, base=BASES[1]), np.random.default_rng(6)
-        q = states(rng, robot, 1, 200)
-        still = np.zeros_like(q)
-        p, rotation = robot.placements(q)
-        for link in range(len(LINKS)):
-            exact = robot.link_motion(link, q, still, still, still)
-            assert np.abs(p[:, link] - exact.p).max() < 1e-14
-            c, s = np.cos(exact.yaw), np.sin(exact.yaw)
-            assert np.abs(rotation[:, link, 0] - np.stack([c, -s, 0 * c], -1)).max() < 1e-13
-            assert np.abs(rotation[:, link, 1] - np.stack([s, c, 0 * c], -1)).max() < 1e-13
-        position, yaw = robot.forward(q)
-        assert np.abs(position - p[:, FLANGE]).max() < 1e-14
-        assert same_angle(yaw, robot.link_motion(FLANGE, q, still, still, still).yaw).max() < 1e-14
-        assert (rotation[:, QUILL] == np.eye(3)).all()
+        assert (np.abs(found - made) / np.linalg.norm(np.stack(motion), axis=(0, 2))[:, None]).max() < 1e-9
 
 
 @every_assembly
 def test_the_chain_is_closed_and_its_couplers_have_their_lengths(assembly: str) -> None:
     """Seen from the placements alone: both couplers end at the tool axis, on the side that the assembly mode says."""
-    robot = five_bar("odd", base=BASES[1], assembly=assembly)
+    robot = five_bar("odd", base=BASE, assembly=assembly)
     q = states(np.random.default_rng(7), robot, 1, 500)
     p, rotation = robot.placements(q)
     for link, length in ((DISTAL_LEFT, robot.distal[0]), (DISTAL_RIGHT, robot.distal[1])):
         ends = p[:, link, :2] + length * rotation[:, link, :2, 0]
         assert np.abs(ends - p[:, FLANGE, :2]).max() < 1e-14
+    assert (rotation[:, QUILL] == np.eye(3)).all()
     across = p[:, DISTAL_RIGHT, :2] - p[:, DISTAL_LEFT, :2]
     to_tool = p[:, FLANGE, :2] - p[:, DISTAL_LEFT, :2]
     side = across[:, 0] * to_tool[:, 1] - across[:, 1] * to_tool[:, 0]
@@ -154,38 +59,33 @@ def test_the_chain_is_closed_and_its_couplers_have_their_lengths(assembly: str) 
 
 
 @every_mode
-def test_the_jacobian_is_that_of_differences_and_of_the_dyads(mode: int) -> None:
-    robot, rng = five_bar("odd", base=BASES[1]), np.random.default_rng(mode)
-    q = states(rng, robot, mode, 300)
-    jacobian, step = robot.jacobian(q), 2e-4
-    for k in range(4):
-        e = np.zeros(4)
-        e[k] = step
-        around = [robot.forward(q + i * e) for i in range(-4, 5)]
-        position = np.tensordot(STENCIL, np.stack([p for p, _ in around]), 1) / step
-        yaw = np.tensordot(STENCIL, np.unwrap(np.stack([turn for _, turn in around]), axis=0), 1) / step
-        difference = np.concatenate([position, yaw[:, None]], -1)
-        assert (np.abs(difference - jacobian[:, :, k]) / (1 + np.abs(difference))).max() < 1e-6
-    # Direct: the dyad between the elbows. Inverse: the dyads of both sides, J⁻¹ ẋ.
-    task = rng.normal(size=(len(q), 4))
-    flange = robot.link_motion(FLANGE, q, *(np.zeros_like(q),) * 3)
-    moved = Motion(flange.p, task[:, :3], flange.a, flange.j, flange.yaw, task[:, 3], flange.yaw_dd, flange.yaw_ddd)
-    qd = robot.inverse(moved, mode, 1).qd
-    expected = np.linalg.solve(jacobian, task[:, :, None])[:, :, 0]
-    assert (np.abs(qd - expected) / (1 + np.abs(expected))).max() < 1e-9
-    again = robot.link_motion(FLANGE, q, qd, np.zeros_like(q), np.zeros_like(q))
-    assert np.abs(again.v - task[:, :3]).max() < 1e-9
-    # K36: det = −D_L D_R/D
-    s = robot.span(q)
-    loop = RRR(*robot.distal).solve(robot.sigma, (s[..., 0], s[..., 1]))
-    left = np.arctan2(loop.u[1], loop.u[0]) - q[:, 0]
-    right = np.arctan2(-loop.w[1], -loop.w[0]) - q[:, 1]
-    c1 = robot.proximal[0] * robot.distal[0] * np.sin(left)
-    c2 = robot.proximal[1] * robot.distal[1] * np.sin(right)
-    assert np.linalg.det(jacobian[:, :2, :2]) == pytest.approx(-c1 * c2 / loop.cross, rel=1e-9)
+@every_assembly
+def test_both_jacobians_hold_and_their_determinants_are_the_margins(mode: int, assembly: str) -> None:
+    """A ẋ = B q̇ for what the flange really does; det A is the parallel margin, det B both serial ones."""
+    robot, rng = five_bar("odd", assembly=assembly), np.random.default_rng(30 + mode)
+    q = states(rng, robot, mode, SIZE)
+    qd, none = rng.normal(size=q.shape), np.zeros_like(q)
+    direct, inverse = velocity_equation(robot, q)
+    flange = robot.link_motion(FLANGE, q, qd, none, none)
+    left = (direct @ flange.v[:, :2, None])[:, :, 0]
+    right = (inverse @ qd[:, :2, None])[:, :, 0]
+    assert np.abs(left - right).max() < 1e-13
+    (al, ar), (bl, br) = robot.proximal, robot.distal
+    det_a, det_b = np.linalg.det(direct), np.linalg.det(inverse)
+    assert np.abs(np.abs(det_a) / (bl * br) - robot.parallel_margin(q)).max() < 1e-12
+    assert (det_a < 0).all() if assembly == "front" else (det_a > 0).all()
+    # the sides by their angles, as the frames of the links have them
+    _, rotation = robot.placements(q)
+    sines = []
+    for k, link in ((0, DISTAL_LEFT), (1, DISTAL_RIGHT)):
+        c, s = np.cos(q[:, k]), np.sin(q[:, k])
+        sines.append(c * rotation[:, link, 1, 0] - s * rotation[:, link, 0, 0])
+    assert np.abs(det_b + al * bl * ar * br * sines[0] * sines[1]).max() < 1e-15
+    assert np.abs(np.minimum(*np.abs(sines)) - robot.margin(q)).max() < 1e-12
+    assert np.abs(determinant(robot, q) * det_a / det_b - 1).max() < 1e-9
 
 
-# Singularities, at constructed places.
+# Singularities.
 
 
 def test_type_1_at_both_ends_of_either_arms_reach() -> None:
@@ -206,15 +106,122 @@ def test_type_1_at_both_ends_of_either_arms_reach() -> None:
                     assert np.isnan(got.qd).all()
                     assert robot.margin(got.q) < 1e-6
                     assert robot.singular_distance(got.q) < 1e-12
+                    assert robot.singularity(got.q) == kind
 
 
-def test_a_stretched_left_arm_is_type_1_and_can_be_assembled() -> None:
-    robot = five_bar("even")
-    got = robot.inverse(at_rest(0.46 * np.cos(-0.3), 0.0425 + 0.46 * np.sin(-0.3)), 1)
-    assert got.code == Code.STRETCHED
-    assert got.margin == 0
-    assert got.q[0] == pytest.approx(-0.3, abs=1e-12)
-    assert robot.within(got.q)
+def sided(robot: FiveBar, q: FloatArray) -> FloatArray:
+    """The places (N, 2) of the left arm's end, whose coupler is in line with its crank by construction."""
+    return np.asarray(np.array([0.0, robot.separation / 2]) + q)
+
+
+def reached(robot: FiveBar, p: FloatArray, right_bends: BoolArray) -> tuple[FloatArray, FloatArray]:
+    """Angle (N,) of the right crank for the tool axis at p (N, 2), and of its coupler, by the law of cosines."""
+    d = p + np.array([0.0, robot.separation / 2])
+    a, b, far = robot.proximal[1], robot.distal[1], np.hypot(d[:, 0], d[:, 1])
+    with np.errstate(invalid="ignore"):
+        inner = np.arccos((a * a + far**2 - b * b) / (2 * a * far))
+    crank = np.arctan2(d[:, 1], d[:, 0]) + np.where(right_bends, -inner, inner)
+    end = d - a * np.stack([np.cos(crank), np.sin(crank)], -1)
+    return crank, np.arctan2(end[:, 1], end[:, 0])
+
+
+@pytest.mark.parametrize("kind", [Code.STRETCHED, Code.FOLDED])
+@pytest.mark.parametrize("lengths", ["even", "odd"])
+def test_a_left_arm_in_one_line_is_type_1_and_not_type_2(kind: Code, lengths: str) -> None:
+    """All around the crank axis; the right arm, and with it the angle of the couplers, by the law of cosines."""
+    robot, rng = five_bar(lengths), np.random.default_rng(int(kind))
+    theta1 = rng.uniform(-np.pi, np.pi, SIZE)
+    e = np.stack([np.cos(theta1), np.sin(theta1)], -1)
+    a, b = robot.proximal[0], robot.distal[0]
+    coupler = e if kind is Code.STRETCHED else -e
+    p = sided(robot, a * e + b * coupler)
+    motion = Motion.still(robot.base, (SIZE,))
+    motion.p[:, :2], motion.p[:, 2] = p, 0.2
+    counted = 0
+    for bends in (False, True):
+        _, other = reached(robot, p, np.full(SIZE, bends))
+        # the couplers, u to the tool axis and w from it: front has u × w < 0
+        angle = np.sin(other - np.arctan2(coupler[:, 1], coupler[:, 0]))
+        followed, beyond = angle >= robot.parallel_least + 1e-9, angle < robot.parallel_least - 1e-9
+        for mode in (0 + bends, 2 + bends):
+            found = robot.inverse(motion, mode)
+            assert (found.code[followed] == kind).all()
+            assert (found.code[beyond] == Code.PARALLEL).all()
+            assert (found.code[np.isnan(angle)] == Code.OUT_OF_REACH).all()
+            assert found.parallel is not None
+            known = np.isfinite(angle)
+            assert np.abs(found.parallel - angle)[known].max() < 1e-6
+            assert (found.margin[known] == 0).all()
+            assert np.isfinite(found.q[known]).all()
+            assert np.isnan(found.qd).all()
+            assert robot.within(found.q[followed]).all()
+            assert same_angle(found.q[known, 0], theta1[known]).max() < 1e-9
+            direct, inverse = velocity_equation(robot, found.q[followed])
+            assert np.abs(np.linalg.det(inverse)).max() < 1e-9
+            assert np.abs(np.linalg.det(direct)).min() > 0.09 * robot.distal[0] * robot.distal[1]
+            near = robot.singularity(found.q[followed])
+            right_serial = np.abs(np.sin(other - found.q[:, 1]))[followed]
+            assert (near[right_serial > 1e-3] == kind).all()
+            counted += int(followed.sum())
+    assert counted > 1_000
+
+
+@pytest.mark.parametrize(("lengths", "inside_out"), [("short", False), ("short", True), ("odd", True)])
+def test_couplers_in_one_line_are_type_2_and_not_type_1(lengths: str, *, inside_out: bool) -> None:
+    """Couplers as one bar between the elbows, of their sum or (inside out) their difference, by the law of cosines."""
+    robot, rng = five_bar(lengths), np.random.default_rng(7)
+    (al, ar), (bl, br) = robot.proximal, robot.distal
+    bar = bl - br if inside_out else bl + br
+    if bar == 0.0:
+        # Equal couplers: their elbows meet, on the line of symmetry, and the tool axis is anywhere about them.
+        theta1 = np.full(SIZE, -np.arcsin(robot.separation / 2 / al))
+        gamma = rng.uniform(-np.pi, np.pi, SIZE)
+    else:
+        theta1 = rng.uniform(-np.pi, np.pi, SIZE)
+    p1 = np.array([0.0, robot.separation / 2]) + al * np.stack([np.cos(theta1), np.sin(theta1)], -1)
+    if bar != 0.0:
+        back = np.array([0.0, -robot.separation / 2]) - p1
+        far = np.hypot(back[:, 0], back[:, 1])
+        with np.errstate(invalid="ignore"):
+            open_ = np.arccos((bar**2 + far**2 - ar**2) / (2 * abs(bar) * far))
+        gamma = np.arctan2(back[:, 1], back[:, 0]) + open_ * rng.choice([-1, 1], SIZE)
+        gamma = gamma if bar > 0 else gamma + np.pi
+    e = np.stack([np.cos(gamma), np.sin(gamma)], -1)
+    p, p2 = p1 + bl * e, p1 + bar * e
+    theta5 = np.arctan2(p2[:, 1] + robot.separation / 2, p2[:, 0])
+    last = gamma + np.pi if not inside_out else gamma
+    bend = np.sin(gamma - theta1), np.sin(last - theta5)
+    good = np.isfinite(p).all(1) & (np.abs(bend[0]) > 0.05) & (np.abs(bend[1]) > 0.05)
+    assert good.sum() > 1_000
+    modes = 2 * (bend[0] > 0) + (bend[1] > 0)
+    seen = set()
+    for mode in range(4):
+        rows = good & (modes == mode)
+        if not rows.any():
+            continue
+        seen.add(mode)
+        motion = Motion.still(robot.base, (int(rows.sum()),))
+        motion.p[:, :2], motion.p[:, 2] = p[rows], 0.2
+        found = robot.inverse(motion, mode)
+        assert (found.code == Code.PARALLEL).all()
+        assert np.abs(np.angle(np.exp(1j * (found.q[:, 0] - theta1[rows])))).max() < 1e-9
+        assert np.abs(np.angle(np.exp(1j * (found.q[:, 1] - theta5[rows])))).max() < 1e-9
+        assert found.parallel is not None
+        assert np.abs(found.parallel).max() < 1e-9
+        assert np.abs(found.margin - np.minimum(*np.abs(np.stack(bend))[:, rows])).max() < 1e-9
+        assert np.isfinite(found.qd).all()
+        assert not robot.within(found.q).any()
+        # across the couplers' line the assembly mode changes: one side is the front's, the other the back's
+        side = np.stack([-e[rows, 1], e[rows, 0]], -1) if bar != 0.0 else e[rows]
+        margins = []
+        for shift in (-1e-6, 1e-6):
+            motion.p[:, :2] = p[rows] + shift * side
+            there = robot.inverse(motion, mode, 0)
+            assert there.parallel is not None
+            assert (there.code == Code.PARALLEL).all()
+            margins.append(there.parallel)
+        assert (margins[0] * margins[1] < 0).mean() > 0.99
+    assert len(seen) > 1
 
 
 def test_type_2_between_the_assembly_modes() -> None:
@@ -297,14 +304,6 @@ def test_a_working_mode_changes_where_type_1_is_crossed_and_the_assembly_does_no
     assert robot.assembled(q[:1] * 0 + np.minimum(q[0], q[20]), np.maximum(q[:1], q[20])).all()
 
 
-def test_sigma_is_that_of_the_dyads() -> None:
-    robot, q = five_bar("odd"), states(np.random.default_rng(3), five_bar("odd"), 1, 50)
-    p, _ = robot.forward(q)
-    for k, side in enumerate((0.06, -0.06)):
-        solved = RRR(robot.proximal[k], robot.distal[k]).solve((1, -1)[k], (p[:, 0], p[:, 1] - side))
-        assert same_angle(np.arctan2(solved.u[1], solved.u[0]), q[:, k]).max() < 1e-12
-
-
 # The workspace.
 
 
@@ -326,7 +325,7 @@ def test_the_type_2_curves_are_where_couplers_are_in_line(lengths: str) -> None:
 
 
 def test_the_sampled_workspace_is_what_the_inverse_says() -> None:
-    robot = five_bar("short", base=BASES[1])
+    robot = five_bar("short", base=BASE)
     seen = workspace(robot, 0.02, 91)
     assert seen.code.shape == (4, len(seen.y), len(seen.x))
     for mode in range(4):
@@ -338,44 +337,3 @@ def test_the_sampled_workspace_is_what_the_inverse_says() -> None:
     assert np.array_equal(seen.within[0], seen.within[3][::-1])
     assert len(seen.type_1) == 4
     assert all(curve.shape == (91, 2) for curve in (*seen.type_1, *seen.type_2))
-
-
-# What is not a five-bar.
-
-
-@pytest.mark.parametrize(
-    ("field", "change"),
-    [
-        ("axes", {"axes": 5}),
-        ("assembly", {"assembly": "inside"}),
-        ("parallel_least", {"parallel_least": 0.0}),
-        ("separation", {"separation": 2.0}),
-        ("separation", {"separation": float("nan")}),
-        ("joint_names", {"joint_names": ("a", "a", "b", "c")}),
-        ("limits", {"axes": 3}),
-        ("l1", {"proximal": (0.0, 0.2)}),
-        ("self_pairs", {"self_pairs": (("base", "link1"),)}),
-        ("bodies", {"bodies": (RobotBody(Body("x", (Piece(box(1, 1, 1)),)), 7),)}),
-        ("bodies", {"bodies": (RobotBody(Body("x", (Piece(box(1, 1, 1)),)), QUILL),)}),
-    ],
-)
-def test_what_is_no_five_bar_is_refused(field: str, change: dict[str, object]) -> None:
-    wide = np.full(4, 4.0)
-    kept: dict[str, object] = {
-        "name": "x",
-        "separation": 0.085,
-        "proximal": (0.2, 0.2),
-        "distal": (0.26, 0.26),
-        "axes": 4,
-        "limits": Limits(-wide, wide, wide, wide, wide),
-    }
-    with pytest.raises(InputError, match=field):
-        FiveBar(**{**kept, **change})  # type: ignore[arg-type]
-
-
-def test_what_does_not_exist_is_a_fault() -> None:
-    robot, q = five_bar(), np.zeros((1, 4))
-    with pytest.raises(FaultError):
-        robot.inverse(at_rest(0.3, 0), 4)
-    with pytest.raises(FaultError):
-        robot.link_motion(7, q, q, q, q)

@@ -8,9 +8,10 @@ import ruckig
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assur.planner.timing import least_duration, rest_to_rest_time, time_joints
+from assur.planner.timing import time_joints
 from assur.planner.timing.inputs import TimingRefusal
 from assur.planner.trajectory import Trajectory
+from tests.planner.timing.least import least_duration, rest_to_rest_time
 from tests.planner.timing.legs import MANNERS, ROBOTS, Question, question
 
 

@@ -14,6 +14,7 @@ from assur.planner.kernels import knots
 from assur.planner.kernels.knots import DURATION, MERGE, knots_of_phases, missed_goal, shared_switches
 from assur.planner.timing import RawProfile, TimingRefusal, trajectory_of
 from tests.planner.timing.legs import MANNERS, ROBOTS, Floats, Question, question
+from tests.planner.trajectory.splines import bernstein
 
 
 def timed(seed: int, robot: str, manner: str, n: int) -> tuple[Question, RawProfile]:
@@ -69,7 +70,7 @@ def test_the_jerk_of_a_piece_is_a_mean_of_the_profiles(pair: tuple[Question, Raw
     mean = (a[1:] - a[:-1]) / path.steps[:, None]
     ends = 120 * 2 * one.jerk * MERGE / profile.duration
     rounding = 200 * 4.4e-16 * np.abs(path.q).max() / path.steps[:, None] ** 3
-    assert (np.abs(path.bernstein(3) - mean[..., None]) <= (ends + rounding + 1e-6 * one.jerk)[..., None]).all()
+    assert (np.abs(bernstein(path, 3) - mean[..., None]) <= (ends + rounding + 1e-6 * one.jerk)[..., None]).all()
 
 
 @given(PROFILES)

@@ -20,8 +20,8 @@ from assur.planner.kernels.candidates import (
     profile_at,
     stopping_distance,
 )
-from assur.planner.timing import least_duration
 from tests.planner.cells import limits
+from tests.planner.timing.least import least_duration
 
 V, A = limits().velocity, limits().acceleration
 SEEDS = st.integers(0, 10**6)

@@ -6,9 +6,25 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from assur.planner.kernels.hermite import HULL_COLUMNS, first_column, piece_hulls
+from assur.planner.robots.protocol import Sweep
 from assur.planner.trajectory import Trajectory
+from assur.planner.trajectory.spline import spline_table
 
 Floats = NDArray[np.float64]
+
+
+def bernstein(path: Trajectory, derivative: int) -> Floats:
+    """Bernstein coefficients of a derivative (0 to 3) on every piece, (P, n, 6 - derivative): its convex hull."""
+    hulls, first = np.empty((len(path.time) - 1, path.n, HULL_COLUMNS)), first_column(derivative)
+    piece_hulls(path.knots, hulls)
+    return hulls[np.diff(path.time) > 0, :, first : first + 6 - derivative]
+
+
+def sweep(path: Trajectory, t0: Floats, t1: Floats, rate_matrix: Floats) -> Sweep:
+    """What is known of the joint motion over intervals (N,)."""
+    return spline_table(path, rate_matrix).sweep(t0, t1)
+
 
 REGIMES = ("even", "random", "short pieces", "cubic", "still", "far from zero")
 """Kinds of knots: a grid, any, pieces down to 10 µs, constant jerk, all at rest, positions near 100."""

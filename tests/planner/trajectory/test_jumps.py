@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from assur.planner.blends.law import ParabolicBlend
 from assur.planner.errors import InputError
-from assur.planner.timing import ParabolicBlend
 from assur.planner.trajectory import Trajectory, check_limits, keeps_limits
 from assur.planner.trajectory.joining import joined
-from assur.planner.trajectory.sweep import sweep
+from tests.planner.trajectory.splines import sweep
 
 Floats = NDArray[np.float64]
 WIDE = np.full(2, 1e3)

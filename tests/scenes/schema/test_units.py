@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import copy
+import hashlib
+import json
 import math
 from typing import Any
 
@@ -11,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.errors import InputError
-from assur.scenes.requests import request_digest, validate
+from assur.scenes.requests import request_digest, shipped, validate
 from assur.scenes.schema.frames import ConveyorDocument
 from assur.scenes.schema.read import read
 from assur.scenes.units import SI_UNITS, TWIN_UNITS, from_si, si_key, to_si, twin_of
@@ -124,6 +126,15 @@ def test_defaults_written_out_and_keys_in_another_order_do_not_change_the_digest
     longer["frames"]["belt"]["conveyor"]["yaw_deg"] = 0
     longer["task"][2]["move"]["match"] = "velocity"
     assert request_digest(longer) == request_digest(GOOD_REQUEST)
+
+
+@pytest.mark.parametrize("name", ["demo", "two-robots", "inside-a-mesh", "shut-gate"])
+def test_a_digest_is_that_of_the_whole_request_as_json(name: str) -> None:
+    for request in (shipped(name).request, {**shipped(name).request, "frames": {}, "bodies": []}):
+        read = validate(request)
+        text = read.model_dump_json(by_alias=True, exclude_none=True)
+        assert json.loads(text) == read.canonical()
+        assert read.digest == "sha256:" + hashlib.sha256(text.encode()).hexdigest()
 
 
 @pytest.mark.parametrize(

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from assur.experiments.printed_joint_move import ParabolicBlend as Printed
+from assur.planner.blends.law import SHORTEST, ParabolicBlend
 from assur.planner.errors import InputError
-from assur.planner.timing import ParabolicBlend
-from assur.planner.timing.parabolic_blend import SHORTEST
 from assur.planner.trajectory import Trajectory
+from tests.planner.trajectory.splines import bernstein
 
 Floats = NDArray[np.float64]
 PAGE = Path(__file__).parents[3] / "docs" / "kinematics.md"
@@ -91,7 +91,7 @@ def test_the_knots_are_the_law_and_every_piece_is_a_parabola(made: ParabolicBlen
     t = np.linspace(0, made.duration, 400)[1:-1]
     for order, exact in ((0, 1e-12), (1, 1e-10)):
         assert np.abs(path.evaluate(t + begin, order) - made.evaluate(t, order)).max() <= exact
-    pull = path.bernstein(2)
+    pull = bernstein(path, 2)
     assert (pull.max(-1) - pull.min(-1)).max() <= 1e-6
     # two at a time wherever the acceleration jumps, at the ends too
     zones = len(made.poses) + int((made._straight > 1e-12).sum())
@@ -129,9 +129,9 @@ def test_what_is_no_law_is_refused(poses: Floats, segments: Floats, tau: Floats,
 
 
 def test_the_equations_that_the_code_cites_are_on_the_page() -> None:
-    folder = PAGE.parents[1] / "planner" / "timing"
+    folder = PAGE.parents[1] / "planner" / "blends"
     cited = set()
-    for name in ("parabolic_blend", "blend_times"):
+    for name in ("law", "durations"):
         cited |= set(re.findall(r"\bB\d\b", (folder / f"{name}.py").read_text(encoding="utf-8")))
     assert cited == set(re.findall(r"\((B\d)\)\s*$", PAGE.read_text(encoding="utf-8"), re.MULTILINE))
     assert len(cited) == 7

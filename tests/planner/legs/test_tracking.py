@@ -1,4 +1,4 @@
-"""Glued blocks: with the frame to a micrometre at all times, down and up along the vertical, within all limits."""
+"""Tracked blocks: with the frame to a micrometre at all times, down and up along the vertical, within all limits."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from assur.planner.frames import Conveyor, Indexer, Law, Linear, Swing, Turntabl
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.legs.control_point import ControlPoint, control_point
-from assur.planner.legs.glued import Glued, glue, lead_time
 from assur.planner.legs.state import State
+from assur.planner.legs.tracking import Tracked, lead_time, track
 from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.refusal import MotionLimit, Obstacle, Reason, Refusal
@@ -30,7 +30,7 @@ from tests.planner.cells import BARE, CRANKED, CUP, amount_of, arm, cell, frame,
 
 LIMITS = limits()
 FOLLOWED_M = 1e-6
-"""The promise of `assur.planner.legs.glued`."""
+"""The promise of `assur.planner.legs.tracking`."""
 
 
 def law(kind: str, rng: np.random.Generator) -> tuple[Law, Pose]:
@@ -67,10 +67,10 @@ def begun(scene: Scene, t: float, mode: int) -> tuple[ControlPoint, State] | Non
     return point, State(t, found.q, found.qd, found.qdd)
 
 
-def whole(block: Glued) -> Trajectory:
-    knots = block.stretches[0].knots
-    for stretch in block.stretches[1:]:
-        knots = knots.then(stretch.knots)
+def whole(block: Tracked) -> Trajectory:
+    knots = block.legs[0].knots
+    for leg in block.legs[1:]:
+        knots = knots.then(leg.knots)
     return Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
 
 
@@ -97,7 +97,7 @@ def test_a_block_stays_with_its_frame_to_a_micrometre_at_all_times(seed: int, ki
         event("out of reach")
         return
     point, state = start
-    block = glue(scene, point, state, mode, 1.0)
+    block = track(scene, point, state, mode, 1.0)
     if isinstance(block, Refusal):
         assert block.reason in (Reason.MOTION_LIMIT, Reason.NEAR_SINGULARITY, Reason.OUT_OF_REACH, Reason.JOINT_LIMIT)
         return
@@ -130,19 +130,19 @@ def test_a_block_begins_in_its_state_keeps_all_limits_and_ends_with_the_frame(se
         event("out of reach")
         return
     point, state = start
-    block = glue(scene, point, state, mode, 1.0)
+    block = track(scene, point, state, mode, 1.0)
     if isinstance(block, Refusal):
         event("refused")
         return
-    assert [s.kind for s in block.stretches] == [LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART]
+    assert [s.kind for s in block.legs] == [LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART]
     path = whole(block)
-    first = block.stretches[0].knots
+    first = block.legs[0].knots
     for have, asked in ((first.q[0], state.q), (first.qd[0], state.qd), (first.qdd[0], state.qdd)):
         assert np.array_equal(have, asked)
     assert path.start == state.time
     assert block.end - block.begin == pytest.approx(0.1, abs=1e-12)
-    assert block.stretches[1].knots.time[0] == pytest.approx(block.begin, abs=1e-12)
-    assert block.stretches[1].knots.time[-1] == pytest.approx(block.end, abs=1e-12)
+    assert block.legs[1].knots.time[0] == pytest.approx(block.begin, abs=1e-12)
+    assert block.legs[1].knots.time[-1] == pytest.approx(block.end, abs=1e-12)
     assert check_limits(
         path, LIMITS.lower - 10, LIMITS.upper + 10, LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk
     ).ok
@@ -159,8 +159,8 @@ def test_a_lead_is_the_time_of_the_way_down() -> None:
     assert start is not None
     point, state = start
     lead = lead_time(scene, point, 1.0)
-    block = glue(scene, point, state, 0, 1.0)
-    assert isinstance(block, Glued)
+    block = track(scene, point, state, 0, 1.0)
+    assert isinstance(block, Tracked)
     assert block.begin - state.time == pytest.approx(lead, abs=1e-12)
 
 
@@ -168,7 +168,7 @@ def test_a_frame_that_is_faster_than_the_arm_is_a_motion_limit() -> None:
     scene = cell_with(Turntable(Pose(0.32, 0.12, 0.06), 30.0), Pose(0.08, 0.0), CUP)
     point = control_point(scene, 0, AT_START, 0.0)
     found = scene.robot.inverse(point.flange(np.array(0.0), point.approach), 0, 2)
-    block = glue(scene, point, State(0.0, found.q, found.qd, found.qdd), 0, 1.0)
+    block = track(scene, point, State(0.0, found.q, found.qd, found.qdd), 0, 1.0)
     assert isinstance(block, Refusal)
     assert block.reason in (Reason.MOTION_LIMIT, Reason.JOINT_LIMIT)
 
@@ -178,7 +178,7 @@ def test_the_joint_that_is_too_slow_for_a_frame_is_named_with_what_it_lacks() ->
     scene = cell_with(Turntable(Pose(0.32, 0.12, 0.06), 45.0), Pose(), CUP)
     start = begun(replace(scene, robot=arm(j4=200.0)), 0.0, 0)
     assert start is not None
-    block = glue(start[0].scene, start[0], start[1], 0, 1.0)
+    block = track(start[0].scene, start[0], start[1], 0, 1.0)
     assert isinstance(block, Refusal)
     assert (block.reason, block.joint, unit_of(block)) == (Reason.MOTION_LIMIT, "theta4", "rad/s")
     assert amount_of(block) == pytest.approx(5.0, abs=1e-3)
@@ -189,7 +189,7 @@ def test_a_belt_that_leaves_the_workspace_during_the_glue_is_out_of_reach() -> N
     scene = cell_with(Conveyor(Pose(0.3, 0.4, 0.06), 0.25), Pose(), CUP, dwell=2.0)
     start = begun(scene, 0.0, 0)
     assert start is not None
-    block = glue(scene, start[0], start[1], 0, 1.0)
+    block = track(scene, start[0], start[1], 0, 1.0)
     assert isinstance(block, Refusal)
     assert block.reason is Reason.OUT_OF_REACH
 
@@ -198,14 +198,14 @@ def test_the_wrist_turns_on_and_on_with_a_dial_until_its_range_ends() -> None:
     scene = cell_with(Turntable(Pose(0.32, 0.12, 0.06), 2.0), Pose(0.0, 0.0), CUP, dwell=3.0)
     start = begun(scene, 0.0, 0)
     assert start is not None
-    block = glue(scene, start[0], start[1], 0, 1.0)
-    assert isinstance(block, Glued)
+    block = track(scene, start[0], start[1], 0, 1.0)
+    assert isinstance(block, Tracked)
     path = whole(block)
     assert abs(path.q[-1, 3] - path.q[0, 3]) > 2 * math.pi  # no jump by a turn on the way
     longer = cell_with(Turntable(Pose(0.32, 0.12, 0.06), 2.0), Pose(0.0, 0.0), CUP, dwell=12.0)
     again = begun(longer, 0.0, 0)
     assert again is not None
-    refused = glue(longer, again[0], again[1], 0, 1.0)
+    refused = track(longer, again[0], again[1], 0, 1.0)
     assert isinstance(refused, Refusal)
     assert refused.reason is Reason.JOINT_LIMIT
     assert refused.joint == "theta4"
@@ -216,7 +216,7 @@ def test_near_a_singularity_a_block_is_refused_with_the_margin_that_is_missing()
     scene = cell_with(where, Pose(), CUP, dwell=0.5, singularity_margin=0.4)
     point = control_point(scene, 0, AT_START, 0.0)
     found = scene.robot.inverse(point.flange(np.array(0.0), point.approach), 0, 2)
-    block = glue(scene, point, State(0.0, found.q, found.qd, found.qdd), 0, 1.0)
+    block = track(scene, point, State(0.0, found.q, found.qd, found.qdd), 0, 1.0)
     assert isinstance(block, Refusal)
     assert block.reason is Reason.NEAR_SINGULARITY
     assert 0 < amount_of(block) <= 0.4
@@ -259,12 +259,12 @@ def test_an_arm_without_a_lift_goes_straight_down_to_a_moving_point_and_up_again
     begin = 0.5
     found = robot.inverse(point.flange(np.array([begin]), 0.05), mode, 2)
     state = State(begin, found.q[0], found.qd[0], found.qdd[0])
-    block = glue(scene, point, state, mode, 1.0)
-    assert isinstance(block, Glued), block
-    assert [stretch.kind for stretch in block.stretches] == [LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART]
+    block = track(scene, point, state, mode, 1.0)
+    assert isinstance(block, Tracked), block
+    assert [leg.kind for leg in block.legs] == [LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART]
     assert block.end - block.begin == pytest.approx(0.2)
-    for stretch in block.stretches:
-        knots = stretch.knots
+    for leg in block.legs:
+        knots = leg.knots
         path = Trajectory(knots.time, knots.q, knots.qd, knots.qdd)
         limits = robot.limits
         report = check_limits(path, *(getattr(limits, name) for name in LIMIT_NAMES))
@@ -274,7 +274,7 @@ def test_an_arm_without_a_lift_goes_straight_down_to_a_moving_point_and_up_again
         off = position - point.flange(t).p
         assert np.abs(off[:, :2]).max() < 2 * FOLLOWED_M
         assert off[:, 2].min() > -2 * FOLLOWED_M
-        highest = {LegKind.APPROACH: 0.05, LegKind.FOLLOW: 0.0, LegKind.DEPART: 0.08}[stretch.kind]
+        highest = {LegKind.APPROACH: 0.05, LegKind.FOLLOW: 0.0, LegKind.DEPART: 0.08}[leg.kind]
         assert off[:, 2].max() == pytest.approx(highest, abs=2 * FOLLOWED_M)
 
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from assur.planner.blends.timed import Blended, BlendShape, Station, blended
 from assur.planner.errors import FaultError
-from assur.planner.legs.blended import Blended, BlendShape, Station, blended
 from assur.planner.legs.joint import Shape
-from assur.planner.legs.state import Knots, Stretch
+from assur.planner.legs.state import Knots
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.outcome import Arrival, Course, Leg, LegKind, Missed, Route
 from assur.planner.model.phases import phases
@@ -25,8 +25,8 @@ from assur.planner.model.refusal import (
     Stage,
 )
 from assur.planner.model.scene import Move, Scene
-from assur.planner.search.build import arrival, ends_too_late, laws_over
-from assur.planner.search.partial_plan import Chain, Draft, Sample
+from assur.planner.search.extension import arrival, ends_too_late
+from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan
 from assur.planner.trajectory import Trajectory, check_limits
 from assur.planner.trajectory.joining import joined
 
@@ -39,56 +39,52 @@ def run_of(scene: Scene, step: int) -> range:
     return range(step, last + 1)
 
 
-def blend_draft(scene: Scene, chain: Chain, shape: BlendShape) -> Draft | Refusal:
-    """The draft of a way through the stations of the next run of steps, within all limits but that of the jerk."""
-    if not chain.state.resting:
+def blend_extension(scene: Scene, partial: PartialPlan, shape: BlendShape) -> Extension | Refusal:
+    """The extension through the stations of the next run of steps, within all limits but that of the jerk."""
+    if not partial.state.resting:
         raise FaultError("parabolic blends begin at rest")
-    found = blended(scene, chain.step, chain.state.time, chain.state.q, shape)
+    found = blended(scene, partial.step, partial.state.time, partial.state.q, shape)
     if isinstance(found, Refusal):
         return found
-    knots = _knots(chain, found)
-    end, latest = knots.last.time, scene.options.latest_end_s
-    if latest is not None and not end <= latest:
-        return ends_too_late(chain.step, end - latest)
-    unknown = laws_over(scene, chain.step, end)
-    if unknown is not None:
-        return unknown
+    knots = _knots(partial, found)
+    late = ends_too_late(scene, partial.step, knots.end)
+    if late is not None:
+        return late
     trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd, jumps=True)
-    beyond = _beyond(scene, chain.step, trajectory) or leaves_assembly(scene.robot, chain.step, trajectory)
+    beyond = _beyond(scene, partial.step, trajectory) or leaves_assembly(scene.robot, partial.step, trajectory)
     if beyond is not None:
         return beyond
-    legs = _legs(chain, shape, found, end)
+    legs = _legs(partial, shape, found, knots.end)
     arrivals = _arrivals(scene, shape, found, trajectory)
-    after = _after(chain, shape.stations[-1], legs, arrivals, knots)
-    ours = phases(scene, after.legs, after.arrivals)[len(chain.legs) :]
+    after = _after(partial, shape.stations[-1], legs, arrivals, knots)
+    ours = phases(scene, after.legs, after.arrivals)[len(partial.legs) :]
     if after.step < len(scene.task):
         ours = ours[: len(legs)]  # the arm does not stand still here
     last = shape.stations[-1]
-    sample = Sample(last.point.yaw_offset, last.branch, Shape(wait=shape.wait))
-    stretch = Stretch(LegKind.MOVE, knots, shape.route)
-    return Draft(chain, sample, (stretch,), legs, arrivals[-1], knots, trajectory, after, ours)
+    candidate = Candidate(last.point.yaw_offset, last.branch, Shape(wait=shape.wait))
+    return Extension(partial, candidate, trajectory, ours, after)
 
 
-def _knots(chain: Chain, found: Blended) -> Knots:
+def _knots(partial: PartialPlan, found: Blended) -> Knots:
     """The knots of the motion, the wait before it included."""
     time, q, qd, qdd = found.law.knots(found.begin)
-    if found.begin > chain.state.time:
-        time, none = np.append(chain.state.time, time), np.zeros_like(q[:1])
+    if found.begin > partial.state.time:
+        time, none = np.append(partial.state.time, time), np.zeros_like(q[:1])
         q, qd, qdd = (np.concatenate([first, part]) for first, part in ((q[:1], q), (none, qd), (none, qdd)))
-    return Knots(time, q, qd, qdd)
+    return Knots.made(time, q, qd, qdd)
 
 
-def _legs(chain: Chain, shape: BlendShape, found: Blended, end: float) -> tuple[Leg, ...]:
+def _legs(partial: PartialPlan, shape: BlendShape, found: Blended, end: float) -> tuple[Leg, ...]:
     """A leg to each station, which ends when its pose is due; before the first a wait, if there is one."""
     edges = [found.begin, *found.times[:-1], end]
     legs = [
         Leg(LegKind.MOVE, station.point.step, t0, t1, Route(Course.BLENDS, len(free)))
         for station, free, t0, t1 in zip(shape.stations, shape.frees, edges[:-1], edges[1:], strict=True)
     ]
-    if found.begin > chain.state.time:
+    if found.begin > partial.state.time:
         # a wait that was sampled is for bodies; the rest is for points that are not yet there
         route = Route(Course.FOR_BODIES if shape.wait > 0 else Course.FOR_POINT)
-        legs.insert(0, Leg(LegKind.WAIT, chain.step, chain.state.time, found.begin, route))
+        legs.insert(0, Leg(LegKind.WAIT, partial.step, partial.state.time, found.begin, route))
     return tuple(legs)
 
 
@@ -106,20 +102,24 @@ def _arrivals(scene: Scene, shape: BlendShape, found: Blended, trajectory: Traje
     return tuple(made)
 
 
-def _after(chain: Chain, last: Station, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...], knots: Knots) -> Chain:
+def _after(
+    partial: PartialPlan, last: Station, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...], knots: Knots
+) -> PartialPlan:
     whole = knots
-    if chain.knots is not None:
-        before, behind = (tuple(getattr(k, name) for name in ("time", "q", "qd", "qdd")) for k in (chain.knots, knots))
-        whole = Knots(*joined(before, behind))
-    return Chain(
+    if partial.knots is not None:
+        before, behind = (
+            tuple(getattr(k, name) for name in ("time", "q", "qd", "qdd")) for k in (partial.knots, knots)
+        )
+        whole = Knots.made(*joined(before, behind))
+    return PartialPlan(
         step=last.point.step + 1,
         state=knots.last,
         mode=last.branch.mode,
-        attached=chain.attached,
-        legs=chain.legs + legs,
-        arrivals=chain.arrivals + arrivals,
+        attached=partial.attached,
+        legs=partial.legs + legs,
+        arrivals=partial.arrivals + arrivals,
         knots=whole,
-        proofs=chain.proofs,
+        proofs=partial.proofs,
     )
 
 

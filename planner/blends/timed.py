@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.blends.durations import TooShort, fastest, with_acceleration_time
+from assur.planner.blends.law import ParabolicBlend
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.model.outcome import Course, Route
@@ -33,7 +35,6 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Scene
 from assur.planner.robots.protocol import Code
-from assur.planner.timing import ParabolicBlend, TooShort, fastest, with_acceleration_time
 
 AGREES_S = 1e-12
 """Times that are put in and that come out agree to this, s: at 10 m/s a place is then known to 10 pm."""
@@ -62,10 +63,9 @@ class Station:
         found = robot.inverse(self.point.flange(np.array([t])).at_rest(), self.branch.mode, 0)
         if found.code[0] != Code.ASSEMBLED:
             return out_of_reach(Stage.TIMING, step, interval=(t, t))
-        # the turns of the branch: those of the time of its grid that is nearest
+        # the turns of the branch: those of the meeting that is nearest
         row = int(np.argmin(np.abs(self.branch.time - t)))
-        revolute = np.array([joint.kind == "revolute" for joint in robot.joints])
-        turns = np.where(revolute, np.round((self.branch.q[row] - found.q[0]) / (2 * np.pi)), 0.0)
+        turns = robot.revolute * np.round((self.branch.q[row] - found.q[0]) / (2 * np.pi))
         q = found.q[0] + 2 * np.pi * turns
         if not robot.within(q[None])[0]:
             reason = Reason.JOINT_LIMIT
@@ -76,11 +76,12 @@ class Station:
         """The first time from `t` on at which the point can be met in this branch; inf: it cannot any more."""
         if self.branch.still:
             return t
-        time, legal = self.branch.time, self.branch.legal
+        time, numbers = self.branch.time, self.branch.numbers
         k = int(np.clip(np.searchsorted(time, t, side="right") - 1, 0, len(time) - 1))
-        if time[0] <= t <= time[-1] and legal[k] and legal[min(k + 1, len(time) - 1)]:
+        behind = min(k + 1, len(time) - 1)
+        if time[0] <= t <= time[-1] and numbers[behind] - numbers[k] <= 1:
             return t
-        later = np.flatnonzero(legal & (time >= t - REACHED_S))
+        later = np.flatnonzero(time >= t - REACHED_S)
         return max(t, float(time[later[0]])) if len(later) else np.inf
 
 

@@ -1,6 +1,6 @@
 """Times of a move with parabolic blends: as short as the limits of velocity and acceleration of all joints allow.
 
-What has to hold is B4 of `assur.planner.timing.parabolic_blend`. With a given acceleration time 2τ, the same for all
+What has to hold is B4 of `assur.planner.blends.law`. With a given acceleration time 2τ, the same for all
 poses, every segment is as fast as the speeds of the joints allow,
 
     T_k = max( 2τ, max_j |P_k − P_{k-1}|_j / V_j )                                                          (B5)
@@ -30,8 +30,8 @@ from itertools import pairwise
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.blends.law import LEAST_TAU, MEETS, SHORTEST, ParabolicBlend
 from assur.planner.errors import FaultError, InputError
-from assur.planner.timing.parabolic_blend import LEAST_TAU, MEETS, SHORTEST, ParabolicBlend
 
 RESERVE = 1e-7
 """Share of the limits that is left free where they are used up by choice: what rounding of short pieces costs."""

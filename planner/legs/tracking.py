@@ -1,4 +1,4 @@
-"""Glued legs: the tool is guided along the frame of its control point - down to it, with it, and up again.
+"""Tracked legs: the tool is guided along the frame of its control point - down to it, with it, and up again.
 
 The flange's motion is the frame's own, plus a height above the point that Ruckig times; so velocity and acceleration
 match by construction and approach and retreat are straight in the frame of the part (design: Cartesian legs).
@@ -15,7 +15,7 @@ from assur.planner.legs.control_point import ControlPoint
 from assur.planner.legs.limits import rates, too_fast
 from assur.planner.legs.singular import nearest
 from assur.planner.legs.spacing import spaced
-from assur.planner.legs.state import Knots, State, Stretch
+from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.legs.tilt import PATH_RAD, tilt_off
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.refusal import (
@@ -36,7 +36,7 @@ from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory
 
 SPACING_S = 0.02
-"""Knots of a glued leg are at most this far apart to begin with, s."""
+"""Knots of a tracking leg are at most this far apart to begin with, s."""
 PATH_M = 1e-6
 """Between knots the flange leaves its path by less than this, m; the promise is 10 µm."""
 REFINEMENTS = 6
@@ -48,17 +48,17 @@ WITHOUT_LIFT = (0.5, 5.0, 250.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Glued:
-    """The stretches of one glued block, and the span [begin, end] in which the tool is at the point itself."""
+class Tracked:
+    """The tracking legs of one step, and the span [begin, end] in which the tool is at the point itself."""
 
-    stretches: tuple[Stretch, ...]
+    legs: tuple[TimedLeg, ...]
     begin: float
     end: float
 
 
 @dataclass(frozen=True, slots=True)
 class _Heights:
-    """Height above the point over the block: down, at the point, up; each part may be missing."""
+    """Height above the point over all of them: down, at the point, up; each part may be missing."""
 
     begin: float
     down: Trajectory | None
@@ -109,8 +109,8 @@ def lead_time(scene: Scene, point: ControlPoint, effort: float) -> float | Refus
     return profile.duration if profile else 0.0
 
 
-def glue(scene: Scene, point: ControlPoint, state: State, mode: int, effort: float) -> Glued | Refusal:
-    """The glued block that begins in `state`, which must be that of the flange `point.approach` above the point."""
+def track(scene: Scene, point: ControlPoint, state: State, mode: int, effort: float) -> Tracked | Refusal:
+    """The tracking legs that begin in `state`, which must be that of the flange `point.approach` above the point."""
     for _ in range(ROUNDS):
         down = _way(scene, point, point.approach, 0.0, effort)
         up = _way(scene, point, 0.0, point.depart, effort)
@@ -120,8 +120,8 @@ def glue(scene: Scene, point: ControlPoint, state: State, mode: int, effort: flo
             return up
         heights = _Heights(state.time, down, point.dwell, up)
         if not heights.end > heights.begin:
-            touch = Knots(np.array([state.time]), state.q[None], state.qd[None], state.qdd[None])
-            return Glued((Stretch(LegKind.FOLLOW, touch),), state.time, state.time)
+            touch = Knots.made(np.array([state.time]), state.q[None], state.qd[None], state.qdd[None])
+            return Tracked((TimedLeg(LegKind.FOLLOW, touch),), state.time, state.time)
         spline = _spline(scene, point, state, mode, heights)
         if isinstance(spline, Refusal):
             return spline
@@ -169,7 +169,7 @@ def _spline(scene: Scene, point: ControlPoint, state: State, mode: int, heights:
         found = joint_states(scene, point, state, mode, heights, t)
         if isinstance(found, Refusal):
             return found
-        middle, trajectory = (t[1:] + t[:-1]) / 2, Trajectory(found.time, found.q, found.qd, found.qdd)
+        middle, trajectory = (t[1:] + t[:-1]) / 2, Trajectory.of_knots(found.table)
         held = point.tilt is None or tilt_off(robot, trajectory.evaluate(middle), point.flange(middle)) <= PATH_RAD
         if held and _off_path(robot, trajectory, point, heights, middle) <= PATH_M:
             return trajectory
@@ -217,7 +217,7 @@ def joint_states(
         # at rest to the bit, not to 1e-17: what follows may wait here
         rest = (t >= heights.end) | ((t >= heights.met) & (t <= heights.left))
         qd[rest] = qdd[rest] = 0.0
-    return Knots(t, q, qd, qdd)
+    return Knots.made(t, q, qd, qdd)
 
 
 def continued(robot: Robot, q: FloatArray, first: FloatArray) -> FloatArray:
@@ -248,17 +248,17 @@ def _off_path(robot: Robot, trajectory: Trajectory, point: ControlPoint, heights
     return float(np.sqrt(((position - path) ** 2).sum(-1)).max())
 
 
-def _cut(heights: _Heights, knots: Knots) -> Glued:
-    """The block as legs."""
+def _cut(heights: _Heights, knots: Knots) -> Tracked:
+    """The motion as legs."""
     marks = [
         (LegKind.APPROACH, heights.begin, heights.met),
         (LegKind.FOLLOW, heights.met, heights.left),
         (LegKind.DEPART, heights.left, heights.end),
     ]
-    stretches = []
+    legs = []
     for kind, t0, t1 in marks:
         # a follow of no length still says when the part is taken or let go
         if t1 > t0 or kind is LegKind.FOLLOW:
             rows = (knots.time >= t0 - 1e-12) & (knots.time <= t1 + 1e-12)
-            stretches.append(Stretch(kind, Knots(knots.time[rows], knots.q[rows], knots.qd[rows], knots.qdd[rows])))
-    return Glued(tuple(stretches), heights.met, heights.left)
+            legs.append(TimedLeg(kind, Knots(knots.table[rows])))
+    return Tracked(tuple(legs), heights.met, heights.left)

@@ -28,6 +28,7 @@ from assur.planner.pipeline import plan
 from assur.planner.robots.protocol import Code
 from assur.planner.robots.scara import FLANGE, LINK1
 from tests.planner.cells import CUP, PART, Around, Swing, amount_of, arm, at, cell, frame, go, solid, stands, unit_of
+from tests.planner.trajectory.splines import bernstein
 
 DIAL = frame("dial", Turntable(Pose(0.32, 0.12), 0.8))
 BELT = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.2))
@@ -174,7 +175,7 @@ def test_stops_are_met_exactly_at_rest_and_vias_are_missed_by_what_is_said(name:
 def test_an_acceleration_time_that_is_given_is_that_of_every_blend() -> None:
     scene, outcome = planned("given time")
     path = outcome.plan.trajectory
-    pull = np.abs(path.bernstein(2)).max((1, 2)) > 1e-6
+    pull = np.abs(bernstein(path, 2)).max((1, 2)) > 1e-6
     assert path.steps[pull].tolist() == pytest.approx([0.25] * int(pull.sum()))
     assert pull.sum() == 3
     assert scene.options.acceleration_time_s == 0.25

@@ -10,10 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from assur.planner.blends.durations import RESERVE, TOLD_S, TooShort, fastest, with_acceleration_time
+from assur.planner.blends.law import ParabolicBlend
 from assur.planner.errors import InputError
-from assur.planner.timing import ParabolicBlend, TooShort, fastest, least_duration, with_acceleration_time
-from assur.planner.timing.blend_times import RESERVE, TOLD_S
 from assur.planner.trajectory import Trajectory, check_limits
+from tests.planner.timing.least import least_duration
 
 Floats = NDArray[np.float64]
 LOWER, UPPER = np.array([-2.3, -2.6, 0.05, -6.3]), np.array([2.3, 2.6, 0.25, 6.3])

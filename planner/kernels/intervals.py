@@ -1,0 +1,177 @@
+"""What all searches over halved intervals of time share: motion over an interval, a stack of intervals, open pairs.
+
+Where the carriers are, and how fast they can move, is computed once an interval and shared by all pairs that are still
+open. The state of a search is in arrays of the caller, so that it can be left off and taken up again: `items` (M, 6),
+open pairs of units, a, b, number of the pair, and a normal to try first (0, 0, 0: none); `stack` (S, 4), intervals
+still to do, t0, t1, first item, number of items; `state` (STATE_COLUMNS,).
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.compiled import kernel
+from assur.planner.kernels.carriers import carrier_bounds, place_carriers, point_bound
+from assur.planner.kernels.solids import (
+    CARRIER,
+    CUBE,
+    DISTANCE,
+    GROWTH,
+    LATE,
+    MOTION,
+    NORMAL,
+    NUMBERS,
+    OPENED,
+    PIECES,
+    RADIUS,
+    REACH,
+    REQUIRED,
+    ROW,
+    TABLE,
+    place,
+)
+from assur.planner.kernels.spline import spline_state, sweep_bounds
+
+Cell: TypeAlias = tuple[FloatArray, FloatArray, IntArray]
+"""`bodies`, `vertices`, `still`."""
+Motion: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""`robot`, `laws`, `side`, `tk`, `c`, `whole`, `matrix`."""
+
+ITEM_COLUMNS = 6
+TOP, FOUND = 0, 1
+"""In `state`: how many intervals are on the stack, and how many rows were written."""
+STATE_COLUMNS = 7
+DONE, RESISTED, ROWS_FULL, ITEMS_FULL, WORK_SPENT = range(5)
+"""How a search was left."""
+
+RESERVE_M = 1e-6
+"""The reserve of a proof, kept above every required distance, m: the checker has bounds of its own and asks for less
+(1 nm); rounding of poses and gaps is about 1e-15 m a term in cells of a few metres."""
+FINEST_S = 2e-5
+"""Intervals are halved no further than this, s: what is not proved by then is not certified."""
+KEPT_STILL = 1 << 60
+"""Number of the interval for which a unit that stands still was placed: it is placed once."""
+
+
+@kernel(f"void({MOTION}, float64, float64, {ROW}, {TABLE}, {CUBE}, {TABLE})")
+def survey(
+    motion: Motion, t0: float, t1: float, q: FloatArray, swept: FloatArray, carriers: FloatArray, bounds: FloatArray
+) -> None:
+    """Fills `carriers` (3, K, 12) at both ends and in the middle of [t0, t1], and `bounds` of
+    their motion over it (K, BOUND_COLUMNS).
+
+    `q` (n,) and `swept` (4, max(n, m)) are room to work in.
+    """
+    robot, laws, side, tk, c, whole, matrix = motion
+    n, m = c.shape[1], len(matrix)
+    for moment in range(3):
+        t = t0 if moment == 0 else (0.5 * (t0 + t1) if moment == 1 else t1)
+        spline_state(tk, c, t, q)
+        place_carriers(robot, laws, side, q, t, carriers[moment])
+    lower, upper, rate, rate_d = swept[0, :n], swept[1, :n], swept[2, :m], swept[3, :m]
+    sweep_bounds(tk, c, whole, matrix, t0, t1, lower, upper, rate, rate_d)
+    carrier_bounds(robot, laws, side, t0, t1, lower, upper, rate, rate_d, bounds)
+
+
+@kernel(f"void({TABLE}, int64, {CUBE}, {CUBE}, {NUMBERS}, int64, {NUMBERS})")
+def fetch(
+    bodies: FloatArray,
+    i: int,
+    carriers: FloatArray,
+    placed: FloatArray,
+    stamp: IntArray,
+    number: int,
+    still: IntArray,
+) -> None:
+    """Places unit i at the instants of `carriers` of interval number `number`, unless it has been."""
+    if stamp[i] < number:
+        for moment in range(len(carriers)):
+            place(bodies, i, carriers[moment], placed, moment)
+        stamp[i] = KEPT_STILL if still[int(bodies[i, CARRIER])] else number
+
+
+@kernel(f"UniTuple(float64, 2)({TABLE}, {TABLE}, int64, {NORMAL})")
+def unit_bound(bodies: FloatArray, bounds: FloatArray, i: int, nx: float, ny: float, nz: float) -> tuple[float, float]:
+    """Bounds of |n·ẋ| and |n·ẍ| over an interval, for all points x of unit i."""
+    return point_bound(bounds, int(bodies[i, CARRIER]), bodies[i, REACH], bodies[i, DISTANCE], nx, ny, nz)
+
+
+@kernel("float64(float64, float64, float64, float64, float64)")
+def between(g0: float, g1: float, speed: float, acceleration: float, h: float) -> float:
+    """The least value over an interval of length h, from those at its ends and bounds of its rates (C2, C3)."""
+    by_speed = 0.5 * (g0 + g1 - speed * h)
+    by_acceleration = min(g0, g1) - acceleration * h * h / 8.0
+    return by_speed if by_speed >= by_acceleration else by_acceleration
+
+
+@kernel(f"float64({TABLE}, {TABLE}, int64, {NORMAL}, float64, float64, float64)")
+def least_alone(
+    bodies: FloatArray, bounds: FloatArray, i: int, nx: float, ny: float, nz: float, g0: float, g1: float, h: float
+) -> float:
+    """How far a plane across n is ahead of unit i at least over an interval, from what it is at both ends."""
+    speed, acceleration = unit_bound(bodies, bounds, i, nx, ny, nz)
+    return between(g0, g1, speed, acceleration, h)
+
+
+@kernel(f"float64({TABLE}, {TABLE}, int64, int64, {NORMAL}, float64, float64, float64)")
+def least_gap(
+    bodies: FloatArray,
+    bounds: FloatArray,
+    a: int,
+    b: int,
+    nx: float,
+    ny: float,
+    nz: float,
+    g0: float,
+    g1: float,
+    h: float,
+) -> float:
+    """A lower bound of the gap of units a and b along n over an interval, from those at its ends."""
+    speed_a, acceleration_a = unit_bound(bodies, bounds, a, nx, ny, nz)
+    speed_b, acceleration_b = unit_bound(bodies, bounds, b, nx, ny, nz)
+    return between(g0, g1, speed_a + speed_b, acceleration_a + acceleration_b, h)
+
+
+@kernel(f"float64({TABLE}, int64, float64, float64)")
+def needed(pairs: FloatArray, p: int, since: float, t1: float) -> float:
+    """The gap, m, that a row of pair p up to t1 must show, but for what a late start adds (C4, C5)."""
+    return float(pairs[p, REQUIRED] + pairs[p, GROWTH] * max(t1 + pairs[p, LATE] - since, 0.0) + RESERVE_M)
+
+
+@kernel(f"int64({TABLE}, {TABLE}, int64, int64)")
+def open_box(bodies: FloatArray, items: FloatArray, i: int, end: int) -> int:
+    """Writes item i, with the larger of its bounding boxes replaced by the pieces in it, behind item `end` - 1.
+
+    Returns the new end, or -1 if there is no room.
+    """
+    a, b = int(items[i, 0]), int(items[i, 1])
+    first = bodies[a, PIECES] > 0.0 and not (bodies[b, PIECES] > 0.0 and bodies[b, RADIUS] > bodies[a, RADIUS])
+    opened = a if first else b
+    count, piece = int(bodies[opened, PIECES]), int(bodies[opened, OPENED])
+    if end + count > len(items):
+        return -1
+    for k in range(count):
+        items[end + k, 0] = piece + k if first else a
+        items[end + k, 1] = b if first else piece + k
+        for column in range(2, ITEM_COLUMNS):
+            items[end + k, column] = items[i, column]
+    return end + count
+
+
+@kernel(f"void({TABLE}, int64, int64, int64)")
+def move_items(items: FloatArray, source: int, target: int, count: int) -> None:
+    """Copies `count` items to a place that is not behind them, or does not overlap them."""
+    if source == target:
+        return
+    for k in range(count):
+        for column in range(ITEM_COLUMNS):
+            items[target + k, column] = items[source + k, column]
+
+
+@kernel(f"void({TABLE}, {ROW}, float64, float64, int64, int64)")
+def push(stack: FloatArray, state: FloatArray, t0: float, t1: float, first: int, count: int) -> None:
+    """Puts an interval and its items on the stack."""
+    top = int(state[TOP])
+    stack[top, 0], stack[top, 1], stack[top, 2], stack[top, 3] = t0, t1, first, count
+    state[TOP] = top + 1
