@@ -12,6 +12,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.jets import TABLES
+from assur.planner.checker.legs import TIME_S
 from assur.planner.checker.motion import LINKS, Tables, all_jets, carry
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.separation import (
@@ -85,9 +86,10 @@ def _body(apart: Apart, solid: float) -> int:
 
 def _distance(apart: Apart, phase: int, claim: Nearest) -> float:
     """The distance of the pair that is named, at the time, if that is in this phase and the pair may not touch there,
-    m; else inf."""
+    m; else inf. Where a phase ends is known up to `TIME_S`."""
     table, number, at = apart.table, apart.table.number, apart.phases[phase]
-    if not (at.kind == claim.phase and at.t0 <= claim.time <= at.t1 and all(name in number for name in claim.bodies)):
+    then = at.t0 - TIME_S <= claim.time <= at.t1 + TIME_S
+    if not (then and at.kind == claim.phase and all(name in number for name in claim.bodies)):
         return math.inf
     a, b = (number[name] for name in claim.bodies)
     if not apart.required(phase, a, b):
