@@ -107,10 +107,10 @@ def enclosed(
 
 def _reference_points(prover: Prover, arrangement: Arrangement, q: FloatArray, t: float, body: int) -> FloatArray:
     """A point (m, 3) inside each convex piece of a body, world."""
-    units = np.array(arrangement.pieces[body])
+    units = np.array(arrangement.pieces(body))
     points = []
     for unit, posed in zip(units, prover.posed(arrangement, q, t, units), strict=True):
-        corners = getattr(arrangement.shapes[unit], "vertices", None)
+        corners = getattr(arrangement.shape(unit), "vertices", None)
         middle = np.zeros(3) if corners is None else corners.mean(0)
         points.append(posed.position + posed.axes @ middle)
     return np.array(points)

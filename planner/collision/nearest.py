@@ -61,7 +61,7 @@ def _search(prover: Prover, trajectory: Trajectory, phase: Phase, state: FloatAr
         sample_distance(motion, arrangement.cell, pairs, phase.t0, phase.t1, INSTANTS, state)
         if state[UPPER] <= within or len(pairs) == len(asked):
             break
-        within *= 4
+        within *= 2
     if not many:
         sample_distance(motion, arrangement.cell, pairs, phase.t0, phase.t1, INSTANTS, state)
     pairs = pairs[pairs[:, REQUIRED] >= 0.0]

@@ -38,8 +38,9 @@ from assur.planner.kernels.proof import (
     UNIT,
 )
 from assur.planner.kernels.screening import BAD, HIT_COLUMNS, depth_at, sampled_behind
-from assur.planner.kernels.solids import FIRST, GROWTH, LATE, PAIR_COLUMNS, REQUIRED, SECOND, place
+from assur.planner.kernels.solids import BODY, FIRST, GROWTH, LATE, PAIR_COLUMNS, REQUIRED, SECOND
 from assur.planner.kernels.spline import spline_state
+from assur.planner.kernels.units import pose_shapes
 from assur.planner.kernels.walk import PROVE, SCREEN, walk
 from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.phases import Phase
@@ -270,16 +271,16 @@ class Prover:
         return found
 
     def posed(self, arrangement: Arrangement, q: FloatArray, t: float, units: IntArray) -> list[Posed]:
-        """The shapes of units (N,) where they are at time t with joints q."""
-        carriers = self.carriers(q, t)
-        placed = np.empty((1, len(arrangement.rows), POSE_COLUMNS))
-        found = []
-        for i in units.tolist():
-            place(arrangement.rows, i, carriers, placed, 0)
-            axes = placed[0, i, 3:].reshape(3, 3)
-            position = placed[0, i, :3] - axes @ arrangement.offset[i]
-            found.append(Posed(arrangement.names[arrangement.body[i]], arrangement.shapes[i], position, axes))
-        return found
+        """The shapes of units (N,), which are pieces, where they are at time t with joints q."""
+        rows, own = arrangement.rows, arrangement.bodies.own
+        carriers = np.empty((len(arrangement.bodies.still), POSE_COLUMNS))
+        placed = np.empty((1, len(rows), POSE_COLUMNS))
+        pose_shapes(*self.carried_by, np.array(q), t, rows, own, units, carriers, placed)
+        names, body = arrangement.names, rows[units, BODY].astype(np.int64).tolist()
+        return [
+            Posed(names[b], arrangement.shape(i), placed[0, i, :3], placed[0, i, 3:].reshape(3, 3))
+            for i, b in zip(units.tolist(), body, strict=True)
+        ]
 
 
 def _parts(phase: Phase) -> FloatArray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.kernels.proof import ALONG, OTHER, T0, T1, UNIT
+from assur.planner.kernels.solids import BODY, PIECE
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Arrival, Certificate, Leg, covered
 from assur.planner.model.scene import Scene
@@ -55,27 +56,28 @@ def written(
     scene: Scene, trajectory: Trajectory, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...], proofs: list[Rows]
 ) -> Certificate:
     """The certificate of a whole plan from the rows of its phases."""
-    number: dict[str, int] = {}
-
-    def bodies(rows: Rows, unit: IntArray) -> IntArray:
-        """Numbers of the names of bodies, in the order in which they are first needed; of no body -1."""
-        mine, which = np.unique(np.where(unit < 0, -1, rows.arrangement.body[unit]), return_inverse=True)
-        of = [-1 if body < 0 else number.setdefault(rows.arrangement.names[body], len(number)) for body in mine]
-        return np.array(of, dtype=np.int64)[which]
-
-    def pieces(rows: Rows, unit: IntArray) -> IntArray:
-        return np.where(unit < 0, -1, rows.arrangement.piece[unit])
-
-    units = [(rows, rows.first, rows.second) for rows in proofs]
-    table = np.concatenate([rows.table for rows in proofs])
+    table, of_units = np.concatenate([rows.table for rows in proofs]), []
+    for rows in proofs:
+        units = rows.table[:, UNIT : OTHER + 1].astype(np.int64)
+        found = rows.arrangement.rows[:, BODY : PIECE + 1][units]
+        found[units < 0] = -1
+        of_units.append(found)
+    # (N, 2, 2): body and piece, of the first unit and of the second
+    columns = np.concatenate(of_units).astype(np.int64)
+    # only the bodies that are needed are named; the last entry is that of no body, -1
+    names = proofs[0].arrangement.names
+    needed = np.zeros(len(names) + 1, dtype=np.int64)
+    needed[columns[:, :, 0]] = 1
+    number = np.cumsum(needed) - 1
+    number[-1] = -1
     certificate = Certificate(
-        first=np.concatenate([bodies(rows, first) for rows, first, _ in units]),
-        second=np.concatenate([bodies(rows, second) for rows, _, second in units]),
-        names=tuple(number),
+        first=number[columns[:, 0, 0]],
+        second=number[columns[:, 1, 0]],
+        names=tuple(name for name, used in zip(names, needed.tolist(), strict=False) if used),
         t0=table[:, T0].copy(),
         t1=table[:, T1].copy(),
-        first_piece=np.concatenate([pieces(rows, first) for rows, first, _ in units]),
-        second_piece=np.concatenate([pieces(rows, second) for rows, _, second in units]),
+        first_piece=columns[:, 0, 1].copy(),
+        second_piece=columns[:, 1, 1].copy(),
         normal=table[:, ALONG : ALONG + 3].copy(),
         covers=covered(blended=scene.options.blended),
     )

@@ -195,7 +195,7 @@ def _whatever_the_yaw(scene: Scene, prover: Prover, refusal: Refusal, attached: 
     """Whether turning the tool about its axis changes nothing for the body that is in the way."""
     tcp = scene.tool.tcp
     arrangement = prover.arrangement(attached)
-    units = np.array(arrangement.pieces[arrangement.number[refusal.bodies[0]]])
+    units = np.array(arrangement.pieces(arrangement.number[refusal.bodies[0]]))
     on_quill = scene.robot.links[arrangement.carrier[units[0]]] == "quill"
     return tcp.x == 0.0 and tcp.y == 0.0 and (on_quill or bool((arrangement.rows[units, REACH] == 0.0).all()))
 

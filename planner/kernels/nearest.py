@@ -61,6 +61,7 @@ def bounded(
     a, b, h = int(items[i, 0]), int(items[i, 1]), t1 - t0
     nx, ny, nz = items[i, 3], items[i, 4], items[i, 5]
     enough, best = state[UPPER] - WITHIN_M, -math.inf
+    several = bodies[a, PIECES] > 0.0 or bodies[b, PIECES] > 0.0
     for attempt in range(3):
         if attempt == 0:
             if nx == 0.0 and ny == 0.0 and nz == 0.0:
@@ -68,6 +69,9 @@ def bounded(
         elif attempt == 1:
             _, nx, ny, nz = likely(bodies, vertices, placed, 1, a, b, math.inf)
         else:
+            # where another normal keeps them apart in the middle it is the interval that is too long
+            if not several and gap(bodies, vertices, placed, 1, a, b, nx, ny, nz) >= enough:
+                break
             _, nx, ny, nz, above = separate(bodies, vertices, placed, 1, a, b, math.inf, points, work)
             if above < state[UPPER] and bodies[a, PIECES] == 0.0 and bodies[b, PIECES] == 0.0:
                 state[UPPER], state[NEAREST_T], state[NEAREST_A], state[NEAREST_B] = above, 0.5 * (t0 + t1), a, b
@@ -79,7 +83,6 @@ def bounded(
         if best >= enough:
             break
     items[i, 3], items[i, 4], items[i, 5] = nx, ny, nz
-    several = bodies[a, PIECES] > 0.0 or bodies[b, PIECES] > 0.0
     if best >= enough or not (several or h > FINEST_S):
         if not best >= state[LOWER]:
             state[LOWER] = best

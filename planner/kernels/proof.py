@@ -21,6 +21,8 @@ T0, T1, UNIT, OTHER, ALONG = range(5)
 """Columns of a row: interval, s, two units, and a normal (3) from the first to the second."""
 ROW_COLUMNS = 7
 
+NARROW_M = 1e-3
+"""What is less than this above the gap needed is worth a search for a better normal, m."""
 PROVED, OPEN, HALVE, TOO_NEAR = range(4)
 """What became of one item on one interval."""
 
@@ -54,7 +56,7 @@ def shown(
 
 
 @kernel(
-    f"int64({TABLE}, {TABLE}, {CUBE}, {TABLE}, {TABLE}, {TABLE}, float64, float64, float64, boolean, {TABLE}, int64,"
+    f"int64({TABLE}, {TABLE}, {CUBE}, {TABLE}, {TABLE}, {TABLE}, float64, float64, float64, {TABLE}, int64,"
     f" {TABLE}, {TABLE}, {ROW})"
 )
 def settle(
@@ -67,7 +69,6 @@ def settle(
     since: float,
     t0: float,
     t1: float,
-    quickly: bool,
     items: FloatArray,
     i: int,
     points: FloatArray,
@@ -77,7 +78,7 @@ def settle(
     """What becomes of item i on [t0, t1]; the item takes the normal that proves it, or the best in the middle.
 
     Normals are tried in this order: that of the longer interval, the vertical, the best of the likely ones, and that of
-    GJK; `quickly`: the last only where the others do not keep the pair apart in the middle. `found` (2,) is the best
+    GJK, the last only where the others keep the pair hardly apart in the middle. `found` (2,) is the best
     gap there, NaN where nothing is known, and the one needed.
     """
     a, b, p = int(items[i, 0]), int(items[i, 1]), int(items[i, 2])
@@ -96,11 +97,10 @@ def settle(
         elif attempt == 2:
             other, mx, my, mz = likely(bodies, vertices, placed, 1, a, b, math.inf)
         else:
-            if quickly and best > need:
+            # where there is room in the middle it is the interval that is too long
+            if best > need + NARROW_M:
                 break
-            other, mx, my, mz, _ = separate(
-                bodies, vertices, placed, 1, a, b, need if quickly else math.inf, points, work
-            )
+            other, mx, my, mz, _ = separate(bodies, vertices, placed, 1, a, b, math.inf, points, work)
         if not (other > best or other > need):
             continue
         if other > best:

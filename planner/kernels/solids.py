@@ -182,6 +182,8 @@ def likely(
             nx, ny, nz = placed[m, b, k + 1], placed[m, b, k + 4], placed[m, b, k + 7]
         else:
             nx, ny, nz = placed[m, a, k - 2], placed[m, a, k + 1], placed[m, a, k + 4]
+        if k > 1 and nx == 0.0 and ny == 0.0:
+            continue  # the vertical was tried
         along = nx * dx + ny * dy + nz * dz
         found = (
             abs(along)

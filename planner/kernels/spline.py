@@ -119,10 +119,17 @@ def combined(c: FloatArray, p: int, matrix: FloatArray, row: int) -> tuple[float
     return g1, g2, g3, g4, g5
 
 
-@kernel("void(float64[::1], float64[:, :, ::1], float64[:, ::1], boolean, boolean, float64[:, ::1])")
-def piece_bounds(
-    tk: FloatArray, c: FloatArray, matrix: FloatArray, rests_before: bool, rests_after: bool, whole: FloatArray
-) -> None:
+@kernel("boolean(float64[:, ::1], int64)")
+def rests(knots: FloatArray, k: int) -> bool:
+    """Whether velocity and acceleration of knot number k are exactly zero."""
+    still = True
+    for column in range(1 + (knots.shape[1] - 1) // 3, knots.shape[1]):
+        still = still and knots[k, column] == 0.0
+    return still
+
+
+@kernel("void(float64[:, ::1], float64[::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1])")
+def piece_bounds(knots: FloatArray, tk: FloatArray, c: FloatArray, matrix: FloatArray, whole: FloatArray) -> None:
     """Fills `whole` (P + 1, 2k), k = 2m + 2n columns for C q̇ (m), C q̈ (m), q (n) and −q (n), each bounded from above.
 
     Row p: the largest value of each column on piece p, and then, over 8, the largest magnitude of its second
@@ -167,8 +174,8 @@ def piece_bounds(
             whole[pieces, m + j] += share * whole[pieces, k + 2 * m + n + i]
     for j in range(k, 2 * k):
         whole[pieces, j] = 0.0
-    whole[pieces, k] = 1.0 if rests_before else 0.0
-    whole[pieces, k + 1] = 1.0 if rests_after else 0.0
+    whole[pieces, k] = 1.0 if rests(knots, 0) else 0.0
+    whole[pieces, k + 1] = 1.0 if rests(knots, len(knots) - 1) else 0.0
 
 
 @kernel("float64(float64[:, ::1], int64, int64, int64, float64, float64)")
@@ -250,24 +257,3 @@ def sweep_bounds(
     for i in range(n):
         upper[i] += abs(upper[i]) * ROUNDING + whole[pieces, 2 * m + i]
         lower[i] = -(lower[i] + abs(lower[i]) * ROUNDING + whole[pieces, 2 * m + n + i])
-
-
-@kernel(
-    "void(float64[::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1], float64[::1], float64[::1],"
-    " float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1])"
-)
-def sweeps_bounds(
-    tk: FloatArray,
-    c: FloatArray,
-    whole: FloatArray,
-    matrix: FloatArray,
-    t0: FloatArray,
-    t1: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
-    rate: FloatArray,
-    rate_d: FloatArray,
-) -> None:
-    """`sweep_bounds` for each of the intervals `t0, t1` (N,)."""
-    for i in range(len(t0)):
-        sweep_bounds(tk, c, whole, matrix, t0[i], t1[i], lower[i], upper[i], rate[i], rate_d[i])

@@ -116,7 +116,7 @@ def walk(
                     verdict = bounded(bodies, vertices, placed, bounds, t0, t1, items, i, points, work, state)
                 else:
                     verdict = settle(
-                        bodies, vertices, placed, bounds, late_bounds, pairs, since, t0, t1, task == SCREEN, items, i,
+                        bodies, vertices, placed, bounds, late_bounds, pairs, since, t0, t1, items, i,
                         points, work, found,
                     )  # fmt: skip
                 if verdict == PROVED:

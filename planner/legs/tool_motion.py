@@ -15,10 +15,10 @@ RESERVE = 0.02
 """Share of the carry limit that is left for what lies between samples; the checker bounds it there."""
 
 
-def tool_peak(scene: Scene, trajectory: Trajectory, t0: float, t1: float) -> tuple[float, float]:
-    """Largest acceleration, m/s², of the tool point over [t0, t1], within the trajectory, by samples of `STEP_S`, and
-    when."""
-    many, tcp = max(2, math.ceil((t1 - t0) / STEP_S) + 1), scene.tool.tcp
+def tool_peak(scene: Scene, trajectory: Trajectory, t0: float, t1: float, step: float = STEP_S) -> tuple[float, float]:
+    """Largest acceleration, m/s², of the tool point over [t0, t1], within the trajectory, by samples every `step` s,
+    and when."""
+    many, tcp = max(2, math.ceil((t1 - t0) / step) + 1), scene.tool.tcp
     return sampled_peak(scene.robot.row, trajectory.edges, trajectory.coefficients, tcp.x, tcp.y, t0, t1, many)
 
 

@@ -14,6 +14,8 @@ from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 
+STEP_S = 0.004
+"""Sampling of the tool's acceleration where nothing is carried, s."""
 INSTANTS = 64
 """Times at which the margin to a singularity is looked for."""
 
@@ -23,7 +25,7 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     peaks, (ratio, joint, kind) = _peaks(scene, trajectory)
     serial, parallel = least_margins(scene.robot.row, trajectory.edges, trajectory.coefficients, INSTANTS)
     limit, held = scene.carry_acceleration, carrying_peak(scene, trajectory, phases)
-    pull = held[0] if held is not None else tool_peak(scene, trajectory, trajectory.start, trajectory.end)[0]
+    pull = held[0] if held is not None else tool_peak(scene, trajectory, trajectory.start, trajectory.end, STEP_S)[0]
     binds = f"{kind} of {joint} ({100 * ratio:.0f} %)"
     if held is not None and limit is not None and held[0] / limit > ratio:
         binds = f"acceleration of the carried part ({100 * held[0] / limit:.0f} %)"

@@ -8,36 +8,18 @@ those of `assur.planner.kernels.solids`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.frames import Fixed
+from assur.planner.frames import Fixed, Law
 from assur.planner.frames.motion import Pose
-from assur.planner.geometry.extents import extents_of
 from assur.planner.geometry.shapes import Hull, Primitive
-from assur.planner.geometry.units import COVER, Units, units
-from assur.planner.kernels.solids import (
-    BALL,
-    BODY,
-    CARRIER,
-    CENTRE,
-    COLUMNS,
-    DISC,
-    DISTANCE,
-    HALF,
-    OPENED,
-    PIECE,
-    PIECES,
-    RADIUS,
-    REACH,
-    ROTATION,
-    VERTEX,
-    VERTICES,
-)
-from assur.planner.model.attachments import Attachments
+from assur.planner.kernels.solids import BODY, CARRIER, COLUMNS, COVER, PIECE, PIECES
+from assur.planner.kernels.units import OFFSET, OWN_COLUMNS, seat_bodies, seat_units, write_units
+from assur.planner.model.attachments import AT_START, Attachments
 from assur.planner.model.scene import Scene
 
 __all__ = ["COVER", "Arrangement", "Bodies"]
@@ -47,175 +29,139 @@ __all__ = ["COVER", "Arrangement", "Bodies"]
 class Arrangement:
     """The units (U,) of a cell while parts are carried by certain links and frames.
 
-    `rows` (U, COLUMNS) and `vertices` (V, 3) are the tables of the kernels; `boxes` (U, 6) are the least and greatest
-    coordinates of what stands still, in the world, NaN for what does not. `roots` (B,): for each body the unit that
-    stands for all of it. `pieces`: for each body the units of its convex pieces. `offset` (U, 3): where the centre of a
-    unit is in the axes of its shape. `still` (K,): 1 for carriers that stand still for ever.
+    `rows` (U, COLUMNS) are the table of the kernels; `boxes` (U, 6) are the least and greatest coordinates of what
+    stands still, in the world, NaN for what does not.
     """
 
-    names: tuple[str, ...]
-    links: int
+    bodies: Bodies
     rows: FloatArray
-    vertices: FloatArray
     boxes: FloatArray
-    roots: IntArray
-    pieces: tuple[tuple[int, ...], ...]
-    shapes: tuple[Primitive | Hull, ...]
-    offset: FloatArray
-    still: IntArray
-    carrier: IntArray = field(init=False)
-    """(U,) number of the carrier of each unit."""
-    body: IntArray = field(init=False)
-    """(U,) number of the body of each unit."""
-    piece: IntArray = field(init=False)
-    """(U,) number of the piece in its body, or COVER."""
-    of_robot: BoolArray = field(init=False)
-    """(B,) whether a body is the robot's, its tool's, or the part that it holds."""
-    cell: tuple[FloatArray, FloatArray, IntArray] = field(init=False)
-    """The tables that kernels read: units, vertices, and which carriers stand still."""
-    number: dict[str, int] = field(init=False)
-    """Number of each body by its name."""
 
-    def __post_init__(self) -> None:
-        for name, column in (("carrier", CARRIER), ("body", BODY), ("piece", PIECE)):
-            object.__setattr__(self, name, self.rows[:, column].astype(np.int64))
-        object.__setattr__(self, "of_robot", self.carrier[self.roots] < self.links)
-        object.__setattr__(self, "cell", (self.rows, self.vertices, self.still))
-        object.__setattr__(self, "number", {name: k for k, name in enumerate(self.names)})
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the bodies (B,)."""
+        return self.bodies.names
 
-    def opened(self, unit: int) -> tuple[int, ...]:
-        """The pieces that a bounding box stands for, or the unit itself."""
-        return self.pieces[int(self.body[unit])] if self.piece[unit] == COVER else (unit,)
+    @property
+    def number(self) -> dict[str, int]:
+        """Number of each body by its name."""
+        return self.bodies.number
+
+    @property
+    def links(self) -> int:
+        """How many carriers are links."""
+        return self.bodies.links
+
+    @property
+    def roots(self) -> IntArray:
+        """(B,) for each body the unit that stands for all of it."""
+        return self.bodies.roots
+
+    @property
+    def cell(self) -> tuple[FloatArray, FloatArray, IntArray]:
+        """What kernels read: units, vertices, and which carriers stand still for ever (1), (K,)."""
+        return self.rows, self.bodies.vertices, self.bodies.still
+
+    @cached_property
+    def carrier(self) -> IntArray:
+        """(U,) number of the carrier of each unit."""
+        return self.rows[:, CARRIER].astype(np.int64)
+
+    @cached_property
+    def body(self) -> IntArray:
+        """(U,) number of the body of each unit."""
+        return self.rows[:, BODY].astype(np.int64)
+
+    @cached_property
+    def piece(self) -> IntArray:
+        """(U,) number of the piece in its body, or COVER."""
+        return self.rows[:, PIECE].astype(np.int64)
+
+    @cached_property
+    def of_robot(self) -> BoolArray:
+        """(B,) whether a body is the robot's, its tool's, or the part that it holds."""
+        return np.asarray(self.rows[self.roots, CARRIER] < self.links)
+
+    def pieces(self, body: int) -> range:
+        """The units of the convex pieces of a body."""
+        root = int(self.roots[body])
+        count = int(self.rows[root, PIECES])
+        return range(root + 1, root + 1 + count) if count else range(root, root + 1)
+
+    def shape(self, unit: int) -> Primitive | Hull:
+        """The shape of a piece."""
+        table, body = self.bodies.pieces, int(self.rows[unit, BODY])
+        return table.shapes[int(table.first[body]) + int(self.rows[unit, PIECE])]
+
+    def offset(self, unit: int) -> FloatArray:
+        """(3,) where the centre of a unit is in the axes of its shape."""
+        return self.bodies.own[unit, OFFSET : OFFSET + 3]
 
 
 class Bodies:
     """The bodies of a scene, and the arrangements that were asked for."""
 
     def __init__(self, scene: Scene) -> None:
-        robot, links = scene.robot, len(scene.robot.links)
-        self._links, self._flange = links, robot.links.index("flange")
-        self._frames = {name: links + k for k, name in enumerate(scene.frames)}
-        own = [each.body.name for each in robot.bodies] + [body.name for body in scene.tool.bodies]
-        self._names = (*own, *scene.index)
-        self._number = {name: k for k, name in enumerate(self._names)}
-        carrier = [each.link for each in robot.bodies] + [self._flange] * len(scene.tool.bodies)
-        carriers = np.array(carrier + [self._frames[each.frame] for each in scene.bodies], dtype=np.int64)
-        poses = np.zeros((len(carriers), 4))
-        poses[len(own) :] = np.array([_numbers(each.pose) for each in scene.bodies]).reshape(-1, 4)
-        self._units = units(scene.pieces)
-        self._body = np.repeat(np.arange(len(self._names)), self._units.count)
-        self._still = np.array([0] * links + [_stands(frame.law) for frame in scene.frames.values()], dtype=np.int64)
-        self._place = np.zeros((len(self._still), 4))
-        for name, k in self._frames.items():
-            law = scene.frames[name].law
-            if self._still[k] and isinstance(law, Fixed):
-                self._place[k] = _numbers(law.pose)
-        self._write_shapes()
-        every = np.arange(len(self._body))
-        self._put(self.rows, self.boxes, every, carriers[self._body], poses[self._body])
-        self._made: dict[Attachments, Arrangement] = {}
+        robot, table, tool = scene.robot, scene.pieces, scene.tool.bodies
+        self.links, self._flange = len(robot.links), robot.links.index("flange")
+        self._frames = {name: self.links + k for k, name in enumerate(scene.frames)}
+        self.names = (*(each.body.name for each in robot.bodies), *(body.name for body in tool), *scene.index)
+        self.number = {name: k for k, name in enumerate(self.names)}
+        self.pieces = table
+        carriers = [each.link for each in robot.bodies] + [self._flange] * len(tool)
+        poses = [(0.0, 0.0, 0.0, 0.0)] * len(carriers)
+        frames = self._frames
+        for body in scene.bodies:
+            pose = body.pose
+            carriers.append(frames[body.frame])
+            poses.append((pose.x, pose.y, pose.z, pose.yaw))
+        places = [NOWHERE] * self.links + [_place(frame.law) for frame in scene.frames.values()]
+        self.still = np.array([int(place is not NOWHERE) for place in places], dtype=np.int64)
+        self._places = np.array(places)
+        self.vertices = np.concatenate([np.zeros((0, 3)), *(hull.vertices for hull in table.hulls)])
+        begins = np.cumsum([0, *(len(hull.vertices) for hull in table.hulls)])
+        many, core = len(table.shapes) + len(self.names), np.empty((len(table.shapes), 5))
+        core[:, :3], core[:, 3], core[:, 4] = table.half, table.disc, table.ball
+        rows, own, self.roots = np.zeros((many, COLUMNS)), np.zeros((many, OWN_COLUMNS)), np.empty_like(table.count)
+        place, turn = np.array(table.position), np.array(table.rotation)
+        units = write_units(
+            np.array(table.count), place, turn, core, np.array(table.hull), begins, self.vertices, rows, own, self.roots
+        )
+        rows, self.own, boxes = rows[:units], own[:units], np.empty((units, 6))
+        numbers = np.array(poses).reshape(-1, 4)
+        seat_bodies(
+            self.own, self.vertices, self.roots, np.array(carriers, dtype=np.int64), numbers, self._places, rows, boxes
+        )
+        self._made = {AT_START: Arrangement(self, rows, boxes)}
 
     def __call__(self, attached: Attachments) -> Arrangement:
         """The arrangement in which the held part is carried by the flange and each placed part by its frame."""
-        if attached not in self._made:
-            moved = [(part, self._frames[frame], pose) for part, frame, pose in attached.placed]
-            if attached.held is not None:
-                moved.append((attached.held.part, self._flange, attached.held.in_flange))
-            self._made[attached] = self._arranged(moved)
-        return self._made[attached]
+        found = self._made.get(attached)
+        if found is None:
+            found = self._made[attached] = self._arranged(attached)
+        return found
 
-    def _arranged(self, moved: Iterable[tuple[str, int, Pose]]) -> Arrangement:
-        rows, boxes = self.rows, self.boxes
-        if moved:
-            rows, boxes = rows.copy(), boxes.copy()
+    def _arranged(self, attached: Attachments) -> Arrangement:
+        start = self._made[AT_START]
+        rows, boxes = start.rows.copy(), start.boxes.copy()
+        moved = [(part, self._frames[frame], pose) for part, frame, pose in attached.placed]
+        if attached.held is not None:
+            moved.append((attached.held.part, self._flange, attached.held.in_flange))
         for part, carrier, pose in moved:
-            mine = np.flatnonzero(self._body == self._number[part])
-            self._put(rows, boxes, mine, np.full(len(mine), carrier), np.tile(_numbers(pose), (len(mine), 1)))
-        return Arrangement(
-            self._names,
-            self._links,
-            rows,
-            self.vertices,
-            boxes,
-            self._units.first,
-            self._pieces,
-            self._units.shapes,
-            self._offset,
-            self._still,
-        )
-
-    def _write_shapes(self) -> None:
-        """The columns that do not depend on where a body is, and the table of vertices."""
-        table: Units = self._units
-        count = len(self._body)
-        self.rows, self.boxes = np.zeros((count, COLUMNS)), np.full((count, 6), np.nan)
-        self._offset = np.zeros((count, 3))
-        self.rows[:, BODY], self.rows[:, PIECE] = self._body, table.piece
-        self.rows[:, HALF : HALF + 3], self.rows[:, DISC], self.rows[:, BALL] = table.half, table.disc, table.ball
-        across = np.hypot(table.half[:, 0], table.half[:, 1]) + table.disc
-        self.rows[:, RADIUS] = np.hypot(across, table.half[:, 2]) + table.ball
-        vertices, self._corners, first = [np.zeros((0, 3))], {}, 0
-        for k in np.flatnonzero([isinstance(shape, Hull) for shape in table.shapes]):
-            corners = table.shapes[k].vertices  # type: ignore[union-attr]
-            low, high = corners.min(0), corners.max(0)
-            # about the middle of the box around it: a hull's own origin may be anywhere
-            self._offset[k] = (low + high) / 2
-            mine = corners - self._offset[k]
-            self._corners[int(k)] = mine
-            self.rows[k, HALF : HALF + 3] = (high - low) / 2
-            self.rows[k, RADIUS] = np.sqrt((mine * mine).sum(1)).max()
-            self.rows[k, VERTEX], self.rows[k, VERTICES] = first, len(mine)
-            vertices.append(mine)
-            first += len(mine)
-        self.vertices = np.concatenate(vertices)
-        covers = np.flatnonzero(table.piece[table.first] == COVER)
-        roots, whole = table.first[covers], table.count[covers] - 1
-        self.rows[roots, OPENED], self.rows[roots, PIECES] = roots + 1, whole
-        begins = (table.first + (table.piece[table.first] == COVER)).tolist()
-        ends = (table.first + table.count).tolist()
-        self._pieces = tuple(tuple(range(begin, end)) for begin, end in zip(begins, ends, strict=True))
-
-    def _put(self, rows: FloatArray, boxes: FloatArray, which: IntArray, carrier: IntArray, pose: FloatArray) -> None:
-        """Writes where the units `which` (N,) are: at `pose` (N, 4) of their bodies on `carrier` (N,)."""
-        table = self._units
-        turn = _turns(pose[:, 3])
-        inside = table.position[which] + (table.rotation[which] @ self._offset[which][:, :, None])[:, :, 0]
-        centre = pose[:, :3] + (turn @ inside[:, :, None])[:, :, 0]
-        axes = turn @ table.rotation[which]
-        rows[which, CARRIER] = carrier
-        rows[which, CENTRE : CENTRE + 3], rows[which, ROTATION : ROTATION + 9] = centre, axes.reshape(-1, 9)
-        corners = {n: self._corners[k] for n, k in enumerate(which.tolist()) if k in self._corners}
-        half = table.half[which]
-        rows[which, REACH], rows[which, DISTANCE] = extents_of(
-            half, table.disc[which], table.ball[which], corners, centre, axes
-        )
-        boxes[which] = np.nan
-        here = np.flatnonzero(self._still[carrier] == 1)
-        if len(here):
-            stand = self._place[carrier[here]]
-            turn = _turns(stand[:, 3])
-            middle = stand[:, :3] + (turn @ centre[here][:, :, None])[:, :, 0]
-            axes = turn @ axes[here]
-            across = np.hypot(axes[..., 0], axes[..., 1]) * table.disc[which[here]][:, None]
-            box = rows[which[here], HALF : HALF + 3]
-            size = (np.abs(axes) @ box[:, :, None])[:, :, 0] + across + table.ball[which[here]][:, None]
-            boxes[which[here], :3], boxes[which[here], 3:] = middle - size, middle + size
+            units = start.pieces(self.number[part])
+            root, end = int(self.roots[self.number[part]]), units.stop
+            seat_units(self.own, self.vertices, root, end, carrier, np.array(_numbers(pose)), self._places, rows, boxes)
+        return Arrangement(self, rows, boxes)
 
 
-def _stands(law: object) -> int:
-    """1 for the law of a frame that stands still and is known for ever."""
-    return int(isinstance(law, Fixed) and law.valid == (-np.inf, np.inf))
+NOWHERE = (np.nan, np.nan, np.nan, np.nan)
+"""The place of a carrier that does not stand still."""
+
+
+def _place(law: Law) -> tuple[float, float, float, float]:
+    """Where a frame stands that stands still and is known for ever."""
+    return _numbers(law.pose) if isinstance(law, Fixed) and law.valid == (-np.inf, np.inf) else NOWHERE
 
 
 def _numbers(pose: Pose) -> tuple[float, float, float, float]:
     return pose.x, pose.y, pose.z, pose.yaw
-
-
-def _turns(yaw: FloatArray) -> FloatArray:
-    """Rotations (N, 3, 3) about the vertical."""
-    found = np.zeros((len(yaw), 3, 3))
-    found[:, 0, 0] = found[:, 1, 1] = np.cos(yaw)
-    found[:, 1, 0] = np.sin(yaw)
-    found[:, 0, 1] = -found[:, 1, 0]
-    found[:, 2, 2] = 1.0
-    return found

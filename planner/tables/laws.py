@@ -48,7 +48,7 @@ def _fill(row: FloatArray, law: Law, begin: int) -> FloatArray | None:
         case Linear():
             row[of.KIND], row[of.AT] = of.LINEAR, law.at_time
             _pose(row, law.pose)
-            row[[of.VX, of.VY, of.VZ]] = law.velocity
+            row[of.VX : of.VZ + 1] = law.velocity
             return None
         case Conveyor():
             row[of.KIND] = of.TRAVEL
@@ -61,12 +61,12 @@ def _fill(row: FloatArray, law: Law, begin: int) -> FloatArray | None:
         case Indexer():
             row[of.KIND], row[of.DRIVE] = of.TURN if law.kind == "turn" else of.TRAVEL, of.INDEX
             _pose(row, law.pose)
-            row[[of.STEP, of.MOVE_S, of.PERIOD_S, of.START]] = law.step, law.move_s, law.period, law.start
+            row[of.STEP : of.START + 1] = law.step, law.move_s, law.period, law.start
             return None
         case Swing():
             row[of.KIND], row[of.DRIVE] = of.TURN, of.SWING
             _pose(row, law.pose)
-            row[[of.AMPLITUDE, of.OMEGA, of.PHASE]] = law.amplitude, 2.0 * math.pi / law.period, law.phase
+            row[of.AMPLITUDE : of.PHASE + 1] = law.amplitude, 2.0 * math.pi / law.period, law.phase
             return None
         case Keyframes():
             return _keyframes(row, law, begin)
@@ -76,8 +76,7 @@ def _fill(row: FloatArray, law: Law, begin: int) -> FloatArray | None:
 
 
 def _pose(row: FloatArray, pose: Pose) -> None:
-    row[[of.X, of.Y, of.Z, of.YAW]] = pose.x, pose.y, pose.z, pose.yaw
-    row[of.COS], row[of.SIN] = math.cos(pose.yaw), math.sin(pose.yaw)
+    row[of.X : of.SIN + 1] = pose.x, pose.y, pose.z, pose.yaw, math.cos(pose.yaw), math.sin(pose.yaw)
 
 
 def _ramps(row: FloatArray, profile: Profile, begin: int) -> FloatArray:

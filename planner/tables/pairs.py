@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.kernels.solids import FIRST, PAIR_COLUMNS, REQUIRED, SECOND
+from assur.planner.kernels.solids import CARRIER, FIRST, PAIR_COLUMNS, REQUIRED, SECOND
 from assur.planner.model.clearance import CONTACT_GAP, clearance, drift
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
@@ -58,6 +60,9 @@ class PairTables:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
+        number = scene.robot.links.index
+        self._wanted = {frozenset(map(number, pair)) for pair in scene.robot.self_pairs}
+        """Pairs of links between which bodies are required to stay apart."""
         self._made: dict[tuple[object, ...], Pairs] = {}
 
     def __call__(self, arrangement: Arrangement, phase: Phase) -> Pairs:
@@ -68,42 +73,29 @@ class PairTables:
         return self._made[key]
 
     def _pairs(self, arrangement: Arrangement, phase: Phase) -> Pairs:
-        scene, links = self.scene, arrangement.links
-        mine, around = arrangement.roots[arrangement.of_robot], arrangement.roots[~arrangement.of_robot]
-        asked = clearance(scene, phase)
-        by_frame = np.zeros((len(scene.frames), 3))
-        for k, name in enumerate(scene.frames):
-            known, growth = drift(scene, phase, name)
-            by_frame[k] = asked + scene.execution.tracking_m + known, growth, scene.execution.start_tolerance_s
+        scene, roots, of_robot = self.scene, arrangement.roots, arrangement.of_robot
+        mine, around = roots[of_robot], roots[~of_robot]
+        carrier = arrangement.rows[roots, CARRIER].astype(np.int64)
+        asked, late = clearance(scene, phase), scene.execution.start_tolerance_s
+        drifts = [drift(scene, phase, name) for name in scene.frames]
+        by_frame = np.array([(asked + scene.execution.tracking_m + known, growth, late) for known, growth in drifts])
         others = np.empty((len(around), PAIR_COLUMNS - 1))
-        others[:, 0], others[:, REQUIRED - 1 :] = around, by_frame[arrangement.carrier[around] - links]
+        others[:, 0], others[:, REQUIRED - 1 :] = around, by_frame[carrier[~of_robot] - arrangement.links]
         allowed = _allowed(arrangement, phase)
-        contacts = {frozenset(row[:REQUIRED].astype(int).tolist()) for row in allowed}
+        contacts = {frozenset(row[:2]) for row in allowed}
         own = [
             (a, b, CONTACT_GAP if frozenset((a, b)) in contacts else asked, 0.0, 0.0)
-            for a, b in _within_robot(scene, arrangement, mine)
+            for (a, on), (b, other) in combinations(zip(mine.tolist(), carrier[of_robot].tolist(), strict=True), 2)
+            if on != other and frozenset((on, other)) in self._wanted
         ]
-        return Pairs(
-            mine,
-            others,
-            np.array(own).reshape(-1, PAIR_COLUMNS),
-            allowed,
-        )
+        return Pairs(mine, others, _table(own), _table(allowed))
 
 
-def _within_robot(scene: Scene, arrangement: Arrangement, mine: IntArray) -> list[tuple[int, int]]:
-    """Units of the robot that are asked to stay apart: those on links between which `self_pairs` ask for it."""
-    name, wanted = scene.robot.links, {frozenset(links) for links in scene.robot.self_pairs}
-    carrier = arrangement.carrier
-    return [
-        (int(a), int(b))
-        for i, a in enumerate(mine)
-        for b in mine[i + 1 :]
-        if carrier[a] != carrier[b] and frozenset((name[carrier[a]], name[carrier[b]])) in wanted
-    ]
+def _table(pairs: Sequence[tuple[float, ...]]) -> FloatArray:
+    return np.array(pairs, dtype=np.float64).reshape(-1, PAIR_COLUMNS)
 
 
-def _allowed(arrangement: Arrangement, phase: Phase) -> FloatArray:
+def _allowed(arrangement: Arrangement, phase: Phase) -> list[tuple[float, float, float, float, float]]:
     """The pairs of a phase that may touch, the robot's unit first."""
     found = []
     for names in sorted(phase.contacts):
@@ -111,5 +103,5 @@ def _allowed(arrangement: Arrangement, phase: Phase) -> FloatArray:
             one, other = (arrangement.number[name] for name in names)
             if arrangement.of_robot[other]:
                 one, other = other, one
-            found.append((arrangement.roots[one], arrangement.roots[other], CONTACT_GAP, 0.0, 0.0))
-    return np.array(found, dtype=np.float64).reshape(-1, PAIR_COLUMNS)
+            found.append((float(arrangement.roots[one]), float(arrangement.roots[other]), CONTACT_GAP, 0.0, 0.0))
+    return found

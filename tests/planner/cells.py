@@ -235,7 +235,7 @@ def placed(pieces: list[tuple[Piece, Piece]]) -> tuple[Placed, Placed]:
     arrangement = Bodies(scene)(AT_START)
     where = carriers(scene, np.zeros((1, 4)), np.zeros(1))
     # a hull has a bounding box of its own: the unit of the piece itself is the last one
-    units: IntArray = np.array([arrangement.pieces[k][-1] for k in range(len(bodies))], dtype=np.int64)
+    units: IntArray = np.array([arrangement.pieces(k)[-1] for k in range(len(bodies))], dtype=np.int64)
     row = np.zeros(len(pieces), dtype=np.int64)
     return place(arrangement, where, row, units[::2]), place(arrangement, where, row, units[1::2])
 

@@ -14,9 +14,11 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from assur.planner.arrays import FloatArray
-from assur.planner.geometry.extents import extents
-from assur.planner.geometry.shapes import Hull, Piece, Primitive, box, capsule, cylinder, sphere
-from tests.planner.cells import block, rotation
+from assur.planner.geometry.shapes import Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
+from assur.planner.kernels.solids import DISTANCE, REACH
+from assur.planner.model.attachments import AT_START
+from assur.planner.tables.bodies import Bodies
+from tests.planner.cells import Around, arm, block, cell, go, rotation
 
 KINDS = ("box", "sphere", "cylinder", "capsule", "hull")
 
@@ -207,14 +209,22 @@ def nearer(a: Piece, b: Piece, left: float) -> Piece:
 
 def reach(piece: Piece, position: FloatArray, rotation: FloatArray) -> float:
     """How far, m, a piece's points are from the z axis of the frame in which its body is at this pose."""
-    return float(_extents(piece, position, rotation)[0][0])
+    return _extents(piece, position, rotation)[0]
 
 
 def distance_from_origin(piece: Piece, position: FloatArray, rotation: FloatArray) -> float:
     """How far, m, they are from that frame's origin."""
-    return float(_extents(piece, position, rotation)[1][0])
+    return _extents(piece, position, rotation)[1]
 
 
-def _extents(piece: Piece, position: FloatArray, rotation: FloatArray) -> tuple[FloatArray, FloatArray]:
-    centre, axes = position + rotation @ piece.position, rotation @ piece.rotation
-    return extents((piece.shape,), centre[None], axes[None])
+def _extents(piece: Piece, position: FloatArray, rotation: FloatArray) -> tuple[float, float]:
+    turned = Piece(piece.shape, position + rotation @ piece.position, rotation @ piece.rotation)
+    row = unit_rows([turned])[0]
+    return float(row[REACH]), float(row[DISTANCE])
+
+
+def unit_rows(pieces: list[Piece]) -> FloatArray:
+    """The rows of the units of pieces, each of a body of its own that stands in the world."""
+    bodies = tuple(Around(Body(f"body {k}", (piece,))) for k, piece in enumerate(pieces))
+    arrangement = Bodies(cell(go(0.3, 0.0), bodies=bodies, robot=arm(bare=True)))(AT_START)
+    return arrangement.rows[[arrangement.pieces(arrangement.number[body.body.name])[-1] for body in bodies]]

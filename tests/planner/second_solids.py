@@ -58,9 +58,9 @@ class Placed:
     def points(self, row: int) -> FloatArray:
         """Points (m, 3) of which the unit in a row is the hull, grown by its disc and its ball."""
         unit = int(self.unit[row])
-        shape, axes = self.arrangement.shapes[unit], self.axes[row]
+        shape, axes = self.arrangement.shape(unit), self.axes[row]
         if isinstance(shape, Hull):
-            local = shape.vertices - self.arrangement.offset[unit]
+            local = shape.vertices - self.arrangement.offset(unit)
         else:
             signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
             local = signs * np.array(shape.half)
@@ -71,9 +71,9 @@ class Placed:
         """The shape in a row, for FCL."""
         unit = int(self.unit[row])
         with np.errstate(invalid="ignore"):  # some poses are none on purpose
-            position = self.centre[row] - self.axes[row] @ self.arrangement.offset[unit]
+            position = self.centre[row] - self.axes[row] @ self.arrangement.offset(unit)
         name = self.arrangement.names[self.arrangement.body[unit]]
-        return Posed(name, self.arrangement.shapes[unit], position, self.axes[row])
+        return Posed(name, self.arrangement.shape(unit), position, self.axes[row])
 
 
 def place(arrangement: Arrangement, where: Carriers, row: IntArray, unit: IntArray) -> Placed:
@@ -90,7 +90,7 @@ def support(placed: Placed, n: FloatArray) -> FloatArray:
     """max over the unit of n·(x - centre), (r, N), for directions n (r, N, 3)."""
     found = np.empty(n.shape[:2])
     for row, unit in enumerate(placed.unit):
-        shape = placed.arrangement.shapes[int(unit)]
+        shape = placed.arrangement.shape(int(unit))
         points = placed.points(row) - placed.centre[row]
         found[row] = (n[row] @ points.T).max(-1)
         if not isinstance(shape, Hull):
@@ -111,7 +111,7 @@ def tables(a: Placed, b: Placed, row: int) -> tuple[FloatArray, FloatArray, Floa
     placed = np.full((1, len(a.arrangement.rows), 12), np.nan)
     for each in (a, b):
         placed[0, each.unit[row], :3], placed[0, each.unit[row], 3:] = each.centre[row], each.axes[row].ravel()
-    return a.arrangement.rows, a.arrangement.vertices, placed, int(a.unit[row]), int(b.unit[row])
+    return a.arrangement.rows, a.arrangement.bodies.vertices, placed, int(a.unit[row]), int(b.unit[row])
 
 
 def kernel_gaps(a: Placed, b: Placed, n: FloatArray) -> FloatArray:

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assur.planner.geometry.extents import extents
 from assur.planner.geometry.shapes import AXES, Hull, Piece, Primitive, box, capsule, cylinder, sphere, support
-from tests.planner.convex import distance_from_origin, reach
+from assur.planner.kernels.solids import DISTANCE, REACH
+from tests.planner.convex import distance_from_origin, reach, unit_rows
 from tests.planner.test_shapes import KINDS, TETRAHEDRON, TRIANGLES, primitives, rotations
 
 
@@ -48,7 +48,8 @@ def test_many_solids_have_the_extents_that_each_has_alone(kinds: list[str], data
     shapes = [Hull(TETRAHEDRON, TRIANGLES) if kind == "hull" else data.draw(primitives(kind)) for kind in kinds]
     centre = np.array([data.draw(st.tuples(*3 * [st.sampled_from([0.0, 0.3, -1.0])])) for _ in kinds])
     axes = np.array([data.draw(rotations()) for _ in kinds])
-    reaches, distances = extents(shapes, centre, axes)
+    rows = unit_rows([Piece(shape, c, a) for shape, c, a in zip(shapes, centre, axes, strict=True)])
+    reaches, distances = rows[:, REACH], rows[:, DISTANCE]
     for k, shape in enumerate(shapes):
         piece = Piece(shape, centre[k], axes[k])
         assert reaches[k] == reach(piece, np.zeros(3), np.eye(3))
@@ -65,8 +66,3 @@ def test_no_support_plane_is_farther_from_the_origin_than_the_distance(kind: str
     n = np.concatenate([n / np.linalg.norm(n, axis=1, keepdims=True), np.eye(3), -np.eye(3)])
     own = shape.ball if kind == "sphere" and isinstance(shape, Primitive) else 0.0  # a ball counts as its centre
     assert max(support(piece, direction) for direction in n) <= found + own + 1e-12
-
-
-def test_nothing_has_no_extents() -> None:
-    reaches, distances = extents([], np.zeros((0, 3)), np.zeros((0, 3, 3)))
-    assert len(reaches) == len(distances) == 0

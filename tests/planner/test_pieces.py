@@ -7,7 +7,9 @@ import pytest
 
 from assur.planner.geometry.pieces import pieces
 from assur.planner.geometry.shapes import Hull, Primitive, box, cylinder, sphere
-from assur.planner.geometry.units import COVER, units
+from assur.planner.kernels.solids import HALF
+from assur.planner.model.attachments import AT_START
+from assur.planner.tables.bodies import COVER, Bodies
 from tests.planner.cells import CUP, Around, arm, block, cell, go, mesh_box, solid, stands
 
 
@@ -40,22 +42,24 @@ def test_the_table_of_a_scene_has_the_pieces_of_arm_tool_and_surroundings_in_ord
         table.half[0] = 1.0
 
 
-def test_no_bodies_have_no_pieces_and_no_units() -> None:
+def test_no_bodies_have_no_pieces() -> None:
     table = pieces([])
     assert table.position.shape == (0, 3)
     assert table.rotation.shape == (0, 3, 3)
-    assert len(units(table).piece) == 0
 
 
 def test_units_are_primitives_themselves_and_boxes_before_everything_else() -> None:
     bodies = [solid("post", cylinder(0.1, 0.2)), mesh_box("bin", 0.2, 0.2, 0.1), solid("cube", box(0.1, 0.1, 0.1))]
-    table = pieces(bodies)
-    found = units(table)
     many = len(bodies[1].pieces)
-    assert found.piece.tolist() == [0, COVER, *range(many), 0]
-    assert found.first.tolist() == [0, 1, many + 2]
-    assert found.shapes[0] is bodies[0].pieces[0].shape
+    scene = cell(go(0.3, 0.0), bodies=tuple(Around(body) for body in bodies), robot=arm(bare=True))
+    found = Bodies(scene)(AT_START)
+    post, bin_, cube = (found.number[body.name] for body in bodies)
+    first = int(found.roots[post])
+    assert found.piece[first:].tolist() == [0, COVER, *range(many), 0]
+    assert found.roots[post:].tolist() == [first, first + 1, first + many + 2]
+    assert found.shape(first) is bodies[0].pieces[0].shape
     # box and pieces of the bin, then the cube: nothing of one is given to another
-    assert found.shapes[2 : many + 2] == tuple(piece.shape for piece in bodies[1].pieces)
-    assert found.half[-1].tolist() == [0.05, 0.05, 0.05]
-    assert np.abs(found.half[1] - [0.1, 0.1, 0.05]).max() <= 2e-9
+    assert [found.shape(unit) for unit in found.pieces(bin_)] == [piece.shape for piece in bodies[1].pieces]
+    half = found.rows[:, HALF : HALF + 3]
+    assert half[int(found.roots[cube])].tolist() == [0.05, 0.05, 0.05]
+    assert np.abs(half[int(found.roots[bin_])] - [0.1, 0.1, 0.05]).max() <= 2e-9

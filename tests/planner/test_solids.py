@@ -13,8 +13,7 @@ from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.frames import Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece, box, corners, cylinder, sphere, support
-from assur.planner.geometry.units import bounding_box
-from assur.planner.kernels.solids import CENTRE, FIRST, REACH, ROTATION, SECOND
+from assur.planner.kernels.solids import CENTRE, FIRST, HALF, REACH, ROTATION, SECOND
 from assur.planner.model.attachments import AT_START, Attachments, Held
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase
@@ -58,13 +57,17 @@ def scene_of_all() -> Scene:
 
 @given(st.lists(st.one_of(grid_aligned(), anywhere()), min_size=1, max_size=4), st.integers(0, 10**6))
 def test_a_bounding_box_holds_all_pieces_and_little_more(pieces: list[Piece], seed: int) -> None:
-    found = bounding_box(Body("body", tuple(pieces)))
+    body = Body("body", (*pieces, pieces[0]))  # one primitive alone has no box
+    solids = Bodies(cell(go(0.3, 0.0), bodies=(Around(body),), robot=arm(bare=True)))(AT_START)
+    root = int(solids.roots[solids.number["body"]])
+    half, middle = solids.rows[root, HALF : HALF + 3], centre(solids, root)
+    assert np.array_equal(axes(solids, root), np.eye(3))
     n = np.random.default_rng(seed).normal(size=(50, 3))
     for direction in (*np.eye(3), *-np.eye(3), *n):
         highest = max(support(piece, direction) for piece in pieces)
-        assert highest <= support(found, direction) + 1e-12
+        assert highest <= middle @ direction + half @ np.abs(direction) + 1e-12
     for axis in (*np.eye(3), *-np.eye(3)):
-        assert support(found, axis) - max(support(piece, axis) for piece in pieces) <= 2e-9
+        assert middle @ axis + half @ np.abs(axis) - max(support(piece, axis) for piece in pieces) <= 2e-9
 
 
 def test_a_primitive_is_one_unit_and_everything_else_has_its_box_first() -> None:
@@ -81,8 +84,8 @@ def test_a_primitive_is_one_unit_and_everything_else_has_its_box_first() -> None
         root = solids.roots[number]
         assert solids.names[solids.body[root]] == name
         assert solids.piece[root] == units[name][0]
-        assert [int(solids.piece[i]) for i in solids.pieces[number]] == [p for p in units[name] if p != COVER]
-        assert all(solids.body[i] == number for i in solids.pieces[number])
+        assert [int(solids.piece[i]) for i in solids.pieces(number)] == [p for p in units[name] if p != COVER]
+        assert all(solids.body[i] == number for i in solids.pieces(number))
 
 
 def test_units_ride_on_the_carriers_of_their_bodies() -> None:
@@ -101,8 +104,8 @@ def test_units_ride_on_the_carriers_of_their_bodies() -> None:
     assert np.allclose(where.position[0, dial], turned.position, atol=1e-15)
     assert np.allclose(where.rotation[0, dial][:2, 0], [np.cos(0.7), np.sin(0.7)], atol=1e-15)
     # a place in the world by another way: pose in pose
-    unit = solids.pieces[solids.number["wedge"]][0]
-    origin = centre(solids, unit) - axes(solids, unit) @ solids.offset[unit]
+    unit = solids.pieces(solids.number["wedge"])[0]
+    origin = centre(solids, unit) - axes(solids, unit) @ solids.offset(unit)
     there = where.position[0, dial] + where.rotation[0, dial] @ origin
     assert np.allclose(there, turned.then(Pose(0.1, 0.0, 0.0, 1.0)).position, atol=1e-15)
 
@@ -179,9 +182,10 @@ def test_no_point_of_a_unit_is_further_from_its_carriers_axis_than_its_reach(pie
     solids = Bodies(scene)(AT_START)
     rng = np.random.default_rng(seed)
     for unit in range(len(solids.body)):
-        shape = solids.shapes[unit]
+        sides = 2 * solids.rows[unit, HALF : HALF + 3]
+        shape = box(*sides.tolist()) if solids.piece[unit] == COVER else solids.shape(unit)
         grown = 0.0 if isinstance(shape, Hull) else shape.disc + shape.ball
-        origin, turn = centre(solids, unit) - axes(solids, unit) @ solids.offset[unit], axes(solids, unit)
+        origin, turn = centre(solids, unit) - axes(solids, unit) @ solids.offset(unit), axes(solids, unit)
         points = origin + corners(shape) @ turn.T
         furthest = float(np.hypot(points[:, 0], points[:, 1]).max()) + grown
         assert furthest <= solids.rows[unit, REACH] + 1e-12 or not solids.rows[unit, REACH]

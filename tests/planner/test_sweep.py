@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from assur.planner.errors import FaultError
 from assur.planner.timing import time_joints
 from assur.planner.trajectory import Trajectory
+from assur.planner.trajectory.spline import spline_table
 from tests.planner.timing.legs import question
 from tests.planner.trajectory.splines import splines, sweep
 
@@ -110,20 +111,6 @@ def test_a_point_in_time_is_bounded_by_its_values() -> None:
     assert found.upper == pytest.approx(path.evaluate(t), abs=1e-11)
 
 
-def test_many_intervals_at_once_are_each_by_itself() -> None:
-    path = joint_legs(2)
-    t0, t1 = intervals(path, np.random.default_rng(0), 200)
-    whole = sweep(path, t0, t1, SCARA)
-    for k in range(0, 200, 7):
-        alone = sweep(path, t0[k : k + 1], t1[k : k + 1], SCARA)
-        for name in ("lower", "upper", "rate", "rate_d"):
-            # Sums in another order round differently.
-            assert getattr(whole, name)[k] == pytest.approx(getattr(alone, name)[0], rel=1e-13, abs=1e-13)
-    none = sweep(path, t0[:0], t1[:0], SCARA)
-    assert none.rate.shape == (0, 4)
-    assert none.lower.shape == (0, 4)
-
-
 def at_rest_at_both_ends() -> Trajectory:
     asked = question(np.random.default_rng(5), "real", "rest", least=0.1)
     path = time_joints(*asked.args, begin=1.0)
@@ -168,14 +155,15 @@ def test_an_arm_in_motion_at_an_end_is_not_known_beyond_it(end: int, what: str) 
 
 
 @pytest.mark.parametrize(("t0", "t1"), [(1.2, 1.1), (np.nan, 1.1), (1.1, np.nan), (np.inf, -np.inf)])
-def test_an_interval_that_is_none_is_a_fault(t0: float, t1: float) -> None:
-    path = at_rest_at_both_ends()
-    with pytest.raises(FaultError, match="interval"):
-        sweep(path, np.array([1.1, t0]), np.array([1.2, t1]), SCARA)
+def test_over_an_interval_that_is_none_nothing_is_known(t0: float, t1: float) -> None:
+    found = sweep(at_rest_at_both_ends(), np.array([t0]), np.array([t1]), SCARA)
+    assert (found.rate == np.inf).all()
+    assert (found.rate_d == np.inf).all()
+    assert (found.lower == -np.inf).all()
+    assert (found.upper == np.inf).all()
 
 
-def test_shapes_that_do_not_fit_are_a_fault() -> None:
-    path, t = at_rest_at_both_ends(), np.array([1.1])
-    for t0, t1, c in ((t, np.array([1.2, 1.3]), SCARA), (t[None], t[None], SCARA), (t, t, SCARA[:, :3]), (t, t, t)):
+def test_rates_of_another_number_of_joints_are_a_fault() -> None:
+    for c in (SCARA[:, :3], np.ones(4)):
         with pytest.raises(FaultError):
-            sweep(path, t0, t1, c)
+            spline_table(at_rest_at_both_ends(), c)

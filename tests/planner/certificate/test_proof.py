@@ -46,8 +46,8 @@ def covered(rows: Rows, phase: Phase, scene: Scene) -> bool:
                 asked.append((a, b))
     for a, b in asked:
         of_pair = (solids.body[rows.first] == a) & (solids.body[rows.second] == b)
-        for x in solids.pieces[a]:
-            for y in solids.pieces[b]:
+        for x in solids.pieces(a):
+            for y in solids.pieces(b):
                 for_x = (rows.first == x) | (solids.piece[rows.first] == COVER)
                 for_y = (rows.second == y) | (solids.piece[rows.second] == COVER)
                 spans = sorted(zip(t_0[of_pair & for_x & for_y], t_1[of_pair & for_x & for_y], strict=True))
@@ -305,8 +305,8 @@ def test_an_arm_that_fcl_sees_touching_a_mesh_is_never_certified(seed: int) -> N
     pairs = [
         (x, y)
         for i in range(len(a))
-        for x in solids.pieces[solids.body[a[i]]]
-        for y in solids.pieces[solids.body[b[i]]]
+        for x in solids.pieces(solids.body[a[i]])
+        for y in solids.pieces(solids.body[b[i]])
     ]
     for x_, y_ in pairs:
         units += [(x_, y_)] * len(t)

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from assur.planner.kernels.hermite import HULL_COLUMNS, first_column, piece_hulls
+from assur.planner.kernels.spline import sweep_bounds
 from assur.planner.robots.protocol import Sweep
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import spline_table
@@ -22,8 +23,13 @@ def bernstein(path: Trajectory, derivative: int) -> Floats:
 
 
 def sweep(path: Trajectory, t0: Floats, t1: Floats, rate_matrix: Floats) -> Sweep:
-    """What is known of the joint motion over intervals (N,)."""
-    return spline_table(path, rate_matrix).sweep(t0, t1)
+    """What is known of the joint motion over intervals (N,), by the kernel."""
+    table = spline_table(path, rate_matrix)
+    found = Sweep(*np.empty((2, len(t0), path.n)), *np.empty((2, len(t0), len(rate_matrix))))
+    for i in range(len(t0)):
+        each = found.lower[i], found.upper[i], found.rate[i], found.rate_d[i]
+        sweep_bounds(table.tk, table.c, table.whole, table.matrix, t0[i], t1[i], *each)
+    return found
 
 
 REGIMES = ("even", "random", "short pieces", "cubic", "still", "far from zero")
