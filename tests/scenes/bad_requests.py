@@ -426,12 +426,7 @@ BAD_REQUESTS: tuple[Bad, ...] = (
         "asset that is not shipped", put(*PART, "shape", "mesh", "asset", value="teapot"), "bodies[1].shape.mesh.asset"
     ),
     Bad("asset by path", put(*PART, "shape", "mesh", "asset", value="../assets/bracket"), "bodies[1].shape.mesh.asset"),
-    Bad(
-        "robot by file",
-        put("robot", value={**BY_FILE, "file": "arm.yaml"}),
-        "robot.file",
-        "a request never names a file",
-    ),
+    Bad("robot by file", put("robot", value={**BY_FILE, "file": "arm.yaml"}), "robot.file"),
     Bad("robot by a path", put("robot", value=BY_FILE), "robot.file"),
     Bad("model by path", put("robot", "model", value="../robots/lab-scara"), "robot.model"),
     Bad(

@@ -210,6 +210,8 @@ def test_a_neighbour_may_be_in_a_file_too(tmp_path: Path) -> None:
 
 def test_a_robot_is_in_a_file_or_named_or_written_out(tmp_path: Path) -> None:
     written(tmp_path)
+    with pytest.raises(InputError, match=r"^robot\.file.*a request never names a file"):
+        cell_of(request())
     for more in ({"model": "fanuc-sr-3ia"}, {"scara": inline()["robot"]["scara"]}):
         with pytest.raises(InputError, match="exactly one of model, file, scara"):
             cell_of(request(**more), folder=tmp_path)
