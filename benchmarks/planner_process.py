@@ -103,7 +103,7 @@ def timed(door: Planner, document: Document) -> Document:
 
 
 def profiled(door: Planner, document: Document, repeats: int) -> Document:
-    """Milliseconds a request by room (`own_ms`, with library functions and kernels that it calls itself) and by function
+    """Milliseconds a request by room (`own_ms`, with library functions and kernels it calls itself) and by function
     (`calls_ms`, with all that it calls), by cProfile and scaled to the median time without it (`total_ms`)."""
 
     def once(watch: cProfile.Profile | None = None) -> float:
