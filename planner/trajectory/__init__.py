@@ -8,7 +8,6 @@ from assur.planner.trajectory.limits import (
     accepted_bands,
     check_limits,
     keeps_bands,
-    keeps_limits,
 )
 from assur.planner.trajectory.trajectory import Trajectory
 
@@ -21,5 +20,4 @@ __all__ = [
     "accepted_bands",
     "check_limits",
     "keeps_bands",
-    "keeps_limits",
 ]

@@ -80,19 +80,6 @@ def keeps_bands(trajectory: Trajectory, bands: FloatArray) -> bool:
     return first_beyond(trajectory.knots, bands) == NONE
 
 
-def keeps_limits(
-    trajectory: Trajectory,
-    lower: FloatArray,
-    upper: FloatArray,
-    velocity: FloatArray,
-    acceleration: FloatArray,
-    jerk: FloatArray | None,
-) -> bool:
-    """Whether all limits are kept; what `check_limits(...).ok` says."""
-    _accept(trajectory, lower, upper, velocity, acceleration, jerk)
-    return keeps_bands(trajectory, accepted_bands(lower, upper, velocity, acceleration, jerk))
-
-
 def check_limits(
     trajectory: Trajectory,
     lower: FloatArray,

@@ -8,8 +8,9 @@ import ruckig
 
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.timing.inputs import Allowed, lowered_limits
-from assur.planner.trajectory import Trajectory, keeps_limits
+from assur.planner.trajectory import Trajectory
 from tests.planner.timing.legs import MANNERS, ROBOTS, Question, numbers, question
+from tests.planner.trajectory.splines import keeps_limits
 
 WIDE = 1e3
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from assur.planner.kernels.hermite import HULL_COLUMNS, first_column, piece_hulls
 from assur.planner.kernels.spline import sweep_bounds
 from assur.planner.robots.protocol import Sweep
-from assur.planner.trajectory import Trajectory
+from assur.planner.trajectory import Trajectory, accepted_bands, keeps_bands
 from assur.planner.trajectory.spline import spline_table
 
 Floats = NDArray[np.float64]
@@ -20,6 +20,11 @@ def bernstein(path: Trajectory, derivative: int) -> Floats:
     hulls, first = np.empty((len(path.time) - 1, path.n, HULL_COLUMNS)), first_column(derivative)
     piece_hulls(path.knots, hulls)
     return hulls[np.diff(path.time) > 0, :, first : first + 6 - derivative]
+
+
+def keeps_limits(path: Trajectory, *limits: Floats | None) -> bool:
+    """Whether a path keeps all limits: lower, upper, velocity, acceleration, jerk."""
+    return keeps_bands(path, accepted_bands(*limits))  # type: ignore[arg-type]
 
 
 def sweep(path: Trajectory, t0: Floats, t1: Floats, rate_matrix: Floats) -> Sweep:

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from assur.planner.blends.law import ParabolicBlend
 from assur.planner.errors import InputError
-from assur.planner.trajectory import Trajectory, check_limits, keeps_limits
+from assur.planner.trajectory import Trajectory, check_limits
 from assur.planner.trajectory.joining import joined
-from tests.planner.trajectory.splines import sweep
+from tests.planner.trajectory.splines import keeps_limits, sweep
 
 Floats = NDArray[np.float64]
 WIDE = np.full(2, 1e3)

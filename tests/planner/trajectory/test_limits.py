@@ -14,9 +14,8 @@ from assur.planner.trajectory import (
     LIMIT_TOLERANCE,
     Trajectory,
     check_limits,
-    keeps_limits,
 )
-from tests.planner.trajectory.splines import Floats, spline, splines
+from tests.planner.trajectory.splines import Floats, keeps_limits, spline, splines
 
 KINDS = ("position", "velocity", "acceleration", "jerk")
 
@@ -106,13 +105,12 @@ def test_the_quick_answer_is_the_full_one(path: Trajectory, factor: float, kind:
 )
 def test_limits_that_are_none_are_refused(which: int, value: float) -> None:
     path = moving(0)
-    for check in (check_limits, keeps_limits):
-        limits = snug(path)
-        limits[which] = np.array([1e3, 1e3, value]) if which else np.array([-1e3, -1e3, 1e3 * value])
-        with pytest.raises(InputError):
-            check(path, *limits)
-        with pytest.raises(InputError):
-            check(path, *(limit[:2] for limit in snug(path)))
+    limits = snug(path)
+    limits[which] = np.array([1e3, 1e3, value]) if which else np.array([-1e3, -1e3, 1e3 * value])
+    with pytest.raises(InputError):
+        check_limits(path, *limits)
+    with pytest.raises(InputError):
+        check_limits(path, *(limit[:2] for limit in snug(path)))
 
 
 def test_no_jerk_is_kept_by_a_trajectory_that_jumps() -> None:
