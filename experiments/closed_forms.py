@@ -11,9 +11,9 @@ import numpy as np
 from assur.experiments.differential import determinant
 from assur.experiments.printed_forms import Frames, jacobian
 from assur.planner.arrays import FloatArray
-from assur.planner.assur.codes import Code
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion
+from assur.planner.robots.codes import Code
 from assur.planner.robots.planar import principal
 from assur.planner.robots.protocol import Robot
 

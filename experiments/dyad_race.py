@@ -11,8 +11,8 @@ import numpy as np
 
 from assur.experiments import dyad_forms as forms
 from assur.experiments import printed_rrr as printed
+from assur.experiments.dyad import RRR
 from assur.planner.arrays import FloatArray
-from assur.planner.assur.rrr import RRR
 
 L1, L2, SIGMA = printed.L_AB, printed.L_BC, 1
 """The dyad of the source's SCARA, m, in assembly mode 1."""

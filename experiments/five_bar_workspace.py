@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from assur.experiments.dyad import LEFT, RIGHT, RRR
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.assur.rrr import LEFT, RIGHT, RRR
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.geometry.shapes import SMALLEST_M
 from assur.planner.robots.five_bar import FiveBar

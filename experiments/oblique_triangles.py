@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from assur.experiments import printed_triangles as printed
+from assur.experiments.dyad import LEFT, RRR
 from assur.experiments.experiment import Drawing, Result, paragraphs
 from assur.experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, RED
 from assur.planner.arrays import FloatArray
-from assur.planner.assur.codes import Code
-from assur.planner.assur.rrr import LEFT, RRR
+from assur.planner.robots.codes import Code
 from assur.planner.robots.planar import principal
 
 HEIGHT, LINK1, LINK2 = 0.300, 0.250, 0.160

@@ -15,12 +15,12 @@ from assur.experiments import printed_rrr as printed
 from assur.experiments.experiment import Drawing, Result, paragraphs
 from assur.experiments.figures import BLUE, INK, RED
 from assur.planner.arrays import FloatArray
-from assur.planner.assur.codes import Code
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion
 from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.scene import Scene
 from assur.planner.pipeline import plan
+from assur.planner.robots.codes import Code
 from assur.scenes.requests import scene_of
 
 LASTS_S, BEGINS_S = 8.0, 1.0

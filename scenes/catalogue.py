@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import FaultError, InputError
 from assur.scenes.bounds import MAX_YAML_BYTES
-from assur.scenes.faults import DocumentError, dotted, likeliest
+from assur.scenes.faults import DocumentError, dotted, likeliest, located, within
 from assur.scenes.files import below, with_meshes
 from assur.scenes.robot_facts import assumptions, listed
 from assur.scenes.schema.read import read
@@ -38,7 +38,8 @@ class RobotFile:
         """The arm for the planner. Raises `DocumentError` at the field that has no meaning."""
         from assur.scenes.reading.arms import built
 
-        return built(self.document, (self.family,), self.family, self.arm)
+        with located(self.document), within(self.family):
+            return built(self.family, self.arm)
 
     @cached_property
     def assumptions(self) -> tuple[str, ...]:

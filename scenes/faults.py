@@ -7,7 +7,7 @@ SI names; here it becomes the path with the keys as they were written (`speed_mm
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from assur.planner.errors import InputError
 from assur.scenes.units import any_unit, twin_of
@@ -97,25 +97,56 @@ def likeliest(value: str, names: Iterable[str]) -> str:
     return ", ".join(listed) + (f"; did you mean {plain[close[0]]}?" if close else "")
 
 
-class located:
-    """Whatever a constructor of the planner refuses inside becomes a fault of the field at `path` (or below it)."""
+class Refused(Exception):
+    """What is wrong with a part of a document: `path` below that part by SI names, and what is allowed, or what says so
+    of the key and the value as they were written. `field`: how the planner calls what one of its constructors refuses.
 
-    def __init__(self, document: object, *path: str | int) -> None:
-        self._document, self._path = document, path
+    Whoever reads a part knows neither the document nor where it is: `within` says that, and `located` makes the fault.
+    """
+
+    def __init__(self, allowed: str | Callable[[str, object], str], *path: str | int, field: str = "") -> None:
+        super().__init__(allowed, path, field)
+        self.allowed, self.path, self.field = allowed, path, field
+
+    def fault(self, document: object) -> DocumentError:
+        """The fault in the document of which this is about a part."""
+        path = _follow(document, self.path, self.field) if self.field else self.path
+        if isinstance(self.allowed, str):
+            return fault(document, path, self.allowed)
+        written, value = as_written(document, path)
+        return DocumentError(dotted(written), value, self.allowed(str(written[-1]), value))
+
+
+class within:
+    """Whatever is refused inside is refused at `path`, or below it."""
+
+    def __init__(self, *path: str | int) -> None:
+        self._path = path
 
     def __enter__(self) -> None:
         pass
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, Refused):
+            error.path = self._path + error.path
+        elif isinstance(error, InputError) and not isinstance(error, DocumentError):
+            raise Refused(error.allowed, *self._path, field=error.field) from error
+
+
+class located:
+    """Whatever is refused inside becomes a fault of `document`."""
+
+    def __init__(self, document: object) -> None:
+        self._document = document
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, Refused):
+            raise error.fault(self._document) from error
         if isinstance(error, InputError) and not isinstance(error, DocumentError):
-            raise below(self._document, self._path, error) from error
-
-
-def below(document: object, path: Path, error: InputError) -> DocumentError:
-    """The fault at `path`, or at the field below it that a constructor of the planner has refused."""
-    if isinstance(error, DocumentError):
-        return error
-    return fault(document, _follow(document, path, error.field), error.allowed)
+            raise Refused(error.allowed, field=error.field).fault(self._document) from error
 
 
 def _follow(document: object, path: Path, field: str) -> Path:

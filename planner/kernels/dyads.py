@@ -34,7 +34,7 @@ RIGHT = -1
 """σ of assembly mode 2: C to the right of A→B, θ₂ > 0."""
 
 ASSEMBLED, OUT_OF_REACH, STRETCHED, FOLDED, INDETERMINATE, ALIGNED, PARALLEL = range(7)
-"""How a solution came out: numbers of `assur.planner.assur.codes.Code`."""
+"""How a solution came out: numbers of `assur.planner.robots.codes.Code`."""
 
 ROUNDING = 1e-12
 """How far |d| may be from l₁ + l₂ or |l₁ − l₂| and still count as equal, as a share of l₁ + l₂ (no unit).
@@ -186,10 +186,3 @@ def rrr_rows(l1: float, l2: float, sigma: float, d: FloatArray, order: int, out:
     """`rrr` for each of `d` (N, 4, 2), into `out` (N, 12) and `codes` (N,)."""
     for i in range(len(d)):
         codes[i] = rrr(l1, l2, sigma, d[i], order, out[i])
-
-
-@kernel("void(float64, float64, float64[:, :, ::1], int64, float64[:, ::1], int64[::1])")
-def rpr_rows(least: float, sign: float, d: FloatArray, order: int, out: FloatArray, codes: IntArray) -> None:
-    """`rpr` for each of `d` (N, 4, 2), into `out` (N, 8) and `codes` (N,)."""
-    for i in range(len(d)):
-        codes[i] = rpr(least, sign, d[i], order, out[i])

@@ -13,10 +13,10 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray, every, frozen
-from assur.planner.assur.codes import Code
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.geometry.shapes import Body
+from assur.planner.robots.codes import Code
 
 __all__ = ["Code", "Inverse", "Joint", "Limits", "Pitching", "Robot", "RobotBody", "Sweep"]
 

@@ -21,7 +21,7 @@ from assur.planner.robots.polar_arm import PolarArm
 from assur.planner.robots.protocol import Limits, Robot, RobotBody
 from assur.planner.robots.scara import Scara
 from assur.scenes.conventions import Conventions, JointConvention, JointKind, places
-from assur.scenes.faults import Path, fault, located
+from assur.scenes.faults import Refused, within
 from assur.scenes.reading.bodies import attached
 from assur.scenes.robot_facts import unnamed
 from assur.scenes.schema.robots import (
@@ -94,19 +94,20 @@ class BuiltArm:
         return self.make(limits=limits, base=base.then(Pose(z=self.zero_m)))
 
 
-def built(document: object, path: Path, family: Family, arm: Arm) -> BuiltArm:
-    """The arm that stands at `path` of a document. Raises `DocumentError` at the field at fault."""
+def built(family: Family, arm: Arm) -> BuiltArm:
+    """The arm of a document. Raises `Refused` at the field at fault."""
     joints = arm.joints
     kinds = KINDS[arm.axis_order if isinstance(arm, ScaraDocument) else family][: len(joints)]
     for i, (joint, kind) in enumerate(zip(joints, kinds, strict=True)):
-        _check_joint(document, (*path, "joints", i), joint, kind, [other.name for other in joints[:i]], family)
+        with within("joints", i):
+            _check_joint(joint, kind, [other.name for other in joints[:i]], family)
     lift_second = isinstance(arm, ScaraDocument) and arm.axis_order == "rprr"
     own = LIFT_SECOND[: len(joints)] if lift_second else (None,) * len(joints)
     conventions = tuple(
         JointConvention(joint.name, kind, joint.sign, place)
         for joint, kind, place in zip(joints, kinds, own, strict=True)
     )
-    with located(document, *path, "joints"):
+    with within("joints"):
         limits = _limits(joints, conventions)
     zero = 0.0
     if family in WITH_QUILL and "prismatic" in kinds:
@@ -119,8 +120,8 @@ def built(document: object, path: Path, family: Family, arm: Arm) -> BuiltArm:
     make = _maker(
         arm,
         name=name,
-        bodies=_bodies(document, path, family, arm, zero, z_down),
-        self_pairs=_pairs(document, path, family, arm),
+        bodies=_bodies(family, arm, zero, z_down),
+        self_pairs=_pairs(family, arm),
         joint_names=tuple(conventions[int(i)].name for i in order),
     )
     return BuiltArm(name, conventions, limits, zero, z_down, make)
@@ -192,46 +193,42 @@ def turned_over(body: Body) -> Body:
     return Body(body.name, pieces, surface)
 
 
-def _bodies(document: object, path: Path, family: Family, arm: Arm, zero: float, z_down: bool) -> tuple[RobotBody, ...]:
-    path = (*path, "bodies", "value") if isinstance(arm.bodies, Stated) else (*path, "bodies")
+def _bodies(family: Family, arm: Arm, zero: float, z_down: bool) -> tuple[RobotBody, ...]:
     bodies: list[LinkBody] = value_of(arm.bodies)
     found = []
     for i, given in enumerate(bodies):
-        if given.link not in LINKS[family]:
-            raise fault(document, (*path, i, "link"), f"one of {', '.join(LINKS[family])}")
-        body = attached(document, (*path, i), given, 0.0 if given.link in AT_FLANGE else zero)
-        if z_down and given.link == "flange":
-            body = turned_over(body)
-        if given.link == "quill" and not all(upright(piece) for piece in body.pieces):
-            allowed = "an upright cylinder, capsule or sphere about the quill's axis"
-            raise fault(document, (*path, i, "shape"), allowed)
-        found.append(RobotBody(body, LINKS[family].index(given.link)))
+        with within("bodies", *(["value"] if isinstance(arm.bodies, Stated) else []), i):
+            if given.link not in LINKS[family]:
+                raise Refused(f"one of {', '.join(LINKS[family])}", "link")
+            body = attached(given, 0.0 if given.link in AT_FLANGE else zero)
+            if z_down and given.link == "flange":
+                body = turned_over(body)
+            if given.link == "quill" and not all(upright(piece) for piece in body.pieces):
+                raise Refused("an upright cylinder, capsule or sphere about the quill's axis", "shape")
+            found.append(RobotBody(body, LINKS[family].index(given.link)))
     return tuple(found)
 
 
-def _pairs(document: object, path: Path, family: Family, arm: Arm) -> tuple[tuple[str, str], ...]:
+def _pairs(family: Family, arm: Arm) -> tuple[tuple[str, str], ...]:
     for i, pair in enumerate(arm.self_pairs):
         if not set(pair) <= set(LINKS[family]):
-            raise fault(document, (*path, "self_pairs", i), f"two of {', '.join(LINKS[family])}")
+            raise Refused(f"two of {', '.join(LINKS[family])}", "self_pairs", i)
         if pair[0] == pair[1]:
-            allowed = "two links that differ: what is on one link keeps its place there"
-            raise fault(document, (*path, "self_pairs", i), allowed)
+            raise Refused("two links that differ: what is on one link keeps its place there", "self_pairs", i)
     return tuple((pair[0], pair[1]) for pair in arm.self_pairs)
 
 
-def _check_joint(
-    document: object, path: Path, joint: JointDocument, kind: JointKind, taken: list[str], family: Family
-) -> None:
+def _check_joint(joint: JointDocument, kind: JointKind, taken: list[str], family: Family) -> None:
     if joint.name in taken:
-        raise fault(document, (*path, "name"), "a name that no other joint has")
+        raise Refused("a name that no other joint has", "name")
     wrong, right = ("_m", "_rad") if kind == "revolute" else ("_rad", "_m")
     for stem, rate in (("range", ""), ("velocity", "_s"), ("acceleration", "_s2"), ("jerk", "_s3")):
         if getattr(joint, stem + wrong + rate) is not None:
             allowed = f"{stem}{right}{rate}: joint {len(taken) + 1} of {CALLED[family]} is {kind}"
-            raise fault(document, (*path, stem + wrong + rate), allowed)
+            raise Refused(allowed, stem + wrong + rate)
     if joint.zero_m is not None and (kind == "revolute" or family not in WITH_QUILL):
-        raise fault(document, (*path, "zero_m"), "a zero height for a joint that lifts a quill only")
+        raise Refused("a zero height for a joint that lifts a quill only", "zero_m")
     lower, upper = _range(joint)
     if not lower < upper:
         stated = isinstance(joint.range_rad or joint.range_m, Stated)
-        raise fault(document, (*path, "range" + right, *(["value"] if stated else [])), "two ends, the lower first")
+        raise Refused("two ends, the lower first", "range" + right, *(["value"] if stated else []))

@@ -7,77 +7,80 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from assur.planner.errors import InputError
+from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
 from assur.planner.model.scene import WORLD, WorldBody
-from assur.scenes.faults import DocumentError, Path, as_written, below, dotted, fault
+from assur.scenes.faults import DocumentError, Refused, as_written, dotted, fault, within
 from assur.scenes.reading.frames import placed
 from assur.scenes.schema.shapes import AttachedBody, BodyDocument, MeshDocument, PlaceInCell, ShapeDocument
 from assur.scenes.schema.task import TargetDocument
 
 
-def solid(document: object, path: Path, name: str, shape: ShapeDocument) -> Body:
-    """The body in its own frame. Raises `DocumentError` at the field below `path` that the solid refuses."""
+def solid(name: str, shape: ShapeDocument) -> Body:
+    """The body in its own frame. Raises `Refused` at the field of the shape that it refuses."""
     if shape.mesh is not None:
-        return _mesh(document, (*path, "mesh"), name, shape.mesh)
-    return Body(name, (_piece(document, path, shape),))
+        with within("mesh"):
+            return _mesh(name, shape.mesh)
+    return Body(name, (_piece(shape),))
 
 
-def _piece(document: object, path: Path, shape: ShapeDocument) -> Piece:
-    kind = ""
-    try:
-        if shape.box is not None:
-            kind = "box"
+def _piece(shape: ShapeDocument) -> Piece:
+    if shape.box is not None:
+        with within("box"):
             return Piece(box(*shape.box.size_m))
-        if shape.sphere is not None:
-            kind = "sphere"
+    if shape.sphere is not None:
+        with within("sphere"):
             return Piece(sphere(shape.sphere.radius_m))
-        if shape.cylinder is not None:
-            kind = "cylinder"
+    if shape.cylinder is not None:
+        with within("cylinder"):
             primitive = cylinder(shape.cylinder.radius_m, shape.cylinder.height_m)
-            return Piece(primitive, rotation=AXES[shape.cylinder.axis])
-        if shape.capsule is not None:
-            kind = "capsule"
+        return Piece(primitive, rotation=AXES[shape.cylinder.axis])
+    if shape.capsule is not None:
+        with within("capsule"):
             primitive = capsule(shape.capsule.radius_m, shape.capsule.length_m)
-            return Piece(primitive, rotation=AXES[shape.capsule.axis])
-    except InputError as error:
-        raise below(document, (*path, kind), error) from error
-    raise fault(document, path, "exactly one of box, sphere, cylinder, capsule, mesh")
+        return Piece(primitive, rotation=AXES[shape.capsule.axis])
+    raise FaultError("a shape of no kind passed its model")
 
 
-def _mesh(document: object, path: Path, name: str, mesh: MeshDocument) -> Body:
+def _mesh(name: str, mesh: MeshDocument) -> Body:
     from assur.scenes.meshes import covered
 
     if mesh.file is not None:
-        raise fault(document, (*path, "file"), "an asset's name or inline data: a request never names a file")
+        raise Refused("an asset's name or inline data: a request never names a file", "file")
     if mesh.data is not None and mesh.format is None:
-        raise fault(document, (*path, "format"), "stl, obj, ply or glb, which must be given with data")
+        raise Refused("stl, obj, ply or glb, which must be given with data", "format")
     try:
         cover = covered(mesh)
     except InputError as error:
-        raise _of_mesh(document, path, mesh, error) from error
+        raise MeshRefused(mesh.unit, error) from error
     return Body(name, cover.pieces, cover.surface)
 
 
-def _of_mesh(document: object, path: Path, mesh: MeshDocument, error: InputError) -> DocumentError:
-    """The fault at the field as written: what is wrong inside the data of a `file` is the file's."""
-    key = error.field.removeprefix("mesh.")
-    _, written = as_written(document, path)
-    by_file = isinstance(written, dict) and "file" in written
-    if key == "unit":
-        size = f"in {mesh.unit} this mesh is {error.value}; is the unit right?"
-        return fault(document, (*path, key), f"a unit that gives {error.allowed}: {size}")
-    if by_file and key in ("data", "format"):
-        return fault(document, (*path, "file"), f"{error.allowed}; there is: {error.value}")
-    if key == "data":
-        return DocumentError(dotted((*path, key)), error.value, error.allowed)
-    return fault(document, (*path, key), error.allowed)
+class MeshRefused(Refused):
+    """A mesh that is refused. What is wrong inside the data of a `file` is the file's fault."""
+
+    def __init__(self, unit: str, error: InputError) -> None:
+        key = error.field.removeprefix("mesh.")
+        size = f"a unit that gives {error.allowed}: in {unit} this mesh is {error.value}; is the unit right?"
+        super().__init__(size if key == "unit" else error.allowed, key)
+        self._error = error
+
+    def fault(self, document: object) -> DocumentError:
+        """The fault at the field as it was written."""
+        *above, key = self.path
+        _, mesh = as_written(document, above)
+        if isinstance(mesh, dict) and "file" in mesh and key in ("data", "format"):
+            return fault(document, (*above, "file"), f"{self._error.allowed}; there is: {self._error.value}")
+        if key == "data":  # what is wrong in it is told, not the whole of it
+            return DocumentError(dotted(self.path), self._error.value, self._error.allowed)
+        return super().fault(document)
 
 
-def attached(document: object, path: Path, item: AttachedBody, lower_m: float = 0.0) -> Body:
+def attached(item: AttachedBody, lower_m: float = 0.0) -> Body:
     """A body at its pose in its carrier's frame, `lower_m` lower: its pieces and surface moved there."""
-    body = solid(document, (*path, "shape"), item.name, item.shape)
+    with within("shape"):
+        body = solid(item.name, item.shape)
     at = np.array(item.at_m) - [0.0, 0.0, lower_m]
     if item.yaw_rad == 0.0 and body.surface is None:
         return Body(item.name, tuple(Piece(p.shape, at + p.position, p.rotation) for p in body.pieces))
@@ -101,40 +104,29 @@ Places = dict[str, tuple[str, Pose]]
 """Where each body of the cell sits: frame, and pose in it."""
 
 
-def world_bodies(
-    document: object, bodies: Sequence[BodyDocument], frames: Sequence[str], places: Places
-) -> list[WorldBody]:
-    """The bodies of the surroundings, in order; `places` (which may hold a neighbour's already) is filled with them."""
-    found = []
-    for i, item in enumerate(bodies):
-        path: Path = ("bodies", i)
-        if item.name in places:
-            raise fault(document, (*path, "name"), "a name that no other body has")
-        frame, pose = resolve(document, (*path, "pose"), item.pose, item.pose.yaw_rad, frames, places)
-        body = solid(document, (*path, "shape"), item.name, item.shape)
-        places[item.name] = (frame, pose)
-        found.append(WorldBody(body, frame, pose, item.mass_kg, item.yaw_symmetry))
-    return found
+def world_body(item: BodyDocument, frames: Sequence[str], places: Places) -> WorldBody:
+    """A body of the surroundings; it is added to `places`, which holds those that were named before."""
+    if item.name in places:
+        raise Refused("a name that no other body has", "name")
+    with within("pose"):
+        frame, pose = resolve(item.pose, item.pose.yaw_rad, frames, places)
+    with within("shape"):
+        body = solid(item.name, item.shape)
+    places[item.name] = (frame, pose)
+    return WorldBody(body, frame, pose, item.mass_kg, item.yaw_symmetry)
 
 
-def resolve(
-    document: object,
-    path: Path,
-    place: PlaceInCell | TargetDocument,
-    yaw: float,
-    frames: Sequence[str],
-    places: Places,
-) -> tuple[str, Pose]:
+def resolve(place: PlaceInCell | TargetDocument, yaw: float, frames: Sequence[str], places: Places) -> tuple[str, Pose]:
     """Frame and pose of a place that may be relative to a body (one that was named before)."""
     pose = placed(place.at_m, yaw)
     if place.body is not None:
         if place.body not in places:
-            raise fault(document, (*path, "body"), f"a body that is named before: {choices(places, place.body)}")
+            raise Refused(f"a body that is named before: {choices(places, place.body)}", "body")
         frame, carrier = places[place.body]
         return frame, carrier.then(pose)
     frame = WORLD if place.frame is None else place.frame
     if frame not in frames:
-        raise fault(document, (*path, "frame"), f"one of {choices(frames, frame)}")
+        raise Refused(f"one of {choices(frames, frame)}", "frame")
     return frame, pose
 
 

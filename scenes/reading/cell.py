@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from assur.planner.model.scene import Clearance, Execution, Options, Pick, Scene, Step
 from assur.scenes.conventions import Conventions
-from assur.scenes.faults import fault, located
+from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading import bodies, frames, neighbours, robots, task
 from assur.scenes.schema.request import OptionsDocument, RequestDocument
 
@@ -26,45 +26,54 @@ def cell_of(document: object, request: RequestDocument) -> Cell:
     Raises `DocumentError` for what has no meaning: unknown names, wider limits, joints left out, a mesh that is open.
     Not checked here: whether anything can be planned.
     """
-    given = robots.equipped(document, ("robot",), request.robot)
+    with located(document):
+        return _cell_of(document, request)
+
+
+def _cell_of(document: object, request: RequestDocument) -> Cell:
+    with within("robot"):
+        given = robots.equipped(request.robot)
     robot, tool = given.robot, given.tool
-    start = robots.start(document, request.start, given.conventions, robot.limits)
-    robots.refuse_open_chain(document, robot, start)
-    known = frames.frames_of(document, request.frames)
+    with within("start"):
+        start = robots.start(request.start, given.conventions, robot.limits)
+        robots.refuse_open_chain(robot, start)
+    with within("frames"):
+        known = frames.frames_of(request.frames)
     places: bodies.Places = {}
     own = [body.body.name for body in robot.bodies] + [body.name for body in tool.bodies]
     for i, body in enumerate(request.robot.tool.bodies):
         if own.count(body.name) > 1:
-            raise fault(document, ("robot", "tool", "bodies", i, "name"), "a name that no other body has")
+            raise Refused("a name that no other body has", "robot", "tool", "bodies", i, "name")
     surroundings = []
     for i, item in enumerate(request.neighbours):
-        if item.name in {other.name for other in request.neighbours[:i]}:
-            raise fault(document, ("neighbours", i, "name"), "a name that no other neighbour has")
-        surroundings += neighbours.add_neighbour(document, ("neighbours", i), item, known, places)
-    taken = set(own)
+        with within("neighbours", i):
+            if item.name in {other.name for other in request.neighbours[:i]}:
+                raise Refused("a name that no other neighbour has", "name")
+            surroundings += neighbours.add_neighbour(item, known, places)
+    taken, frame_names = set(own), list(known)
     for i, named in enumerate(request.bodies):
-        if named.name in taken:
-            raise fault(document, ("bodies", i, "name"), "a name that no body of the robot or its tool has")
-    surroundings += bodies.world_bodies(document, request.bodies, list(known), places)
-    steps = task.steps_of(document, request.task, known, places, robot.coordinates)
-    _check_riders(document, request, steps)
+        with within("bodies", i):
+            if named.name in taken:
+                raise Refused("a name that no body of the robot or its tool has", "name")
+            surroundings.append(bodies.world_body(named, frame_names, places))
+    steps = task.steps_of(request.task, known, places, robot.coordinates)
+    _check_riders(request, steps)
     carry = None if request.carry is None else request.carry.acceleration_m_s2
-    with located(document):
-        scene = Scene(
-            robot=robot,
-            tool=tool,
-            start=start,
-            frames=known,
-            bodies=tuple(surroundings),
-            task=steps,
-            options=_options(document, request.options, robot.modes),
-            execution=Execution(
-                request.execution.tracking_m, request.execution.start_tolerance_s, request.execution.belt_correction
-            ),
-            carry_acceleration=carry,
-            assumptions=(*robots.assumptions_of(document, ("robot",), request.robot), *_unused(request)),
-            digest=request.digest,
-        )
+    scene = Scene(
+        robot=robot,
+        tool=tool,
+        start=start,
+        frames=known,
+        bodies=tuple(surroundings),
+        task=steps,
+        options=_options(request.options, robot.modes),
+        execution=Execution(
+            request.execution.tracking_m, request.execution.start_tolerance_s, request.execution.belt_correction
+        ),
+        carry_acceleration=carry,
+        assumptions=(*robots.assumptions_of(document, request.robot), *_unused(request)),
+        digest=request.digest,
+    )
     return Cell(scene, given.conventions, document)
 
 
@@ -79,17 +88,17 @@ def _unused(request: RequestDocument) -> tuple[str, ...]:
     return (MASSES,) if any(masses) else ()
 
 
-def _check_riders(document: object, request: RequestDocument, steps: tuple[Step, ...]) -> None:
+def _check_riders(request: RequestDocument, steps: tuple[Step, ...]) -> None:
     """A body whose place is told by a part would stay behind when that part is picked up."""
     picked = {step.part for step in steps if isinstance(step, Pick)}
     for i, body in enumerate(request.bodies):
         if body.pose.body in picked:
-            raise fault(document, ("bodies", i, "pose", "body"), "a body that no step picks")
+            raise Refused("a body that no step picks", "bodies", i, "pose", "body")
 
 
-def _options(document: object, item: OptionsDocument, modes: tuple[str, ...]) -> Options:
+def _options(item: OptionsDocument, modes: tuple[str, ...]) -> Options:
     if item.elbow not in ("keep", "auto", *modes):
-        raise fault(document, ("options", "elbow"), f"one of keep, auto, {', '.join(modes)}")
+        raise Refused(f"one of keep, auto, {', '.join(modes)}", "options", "elbow")
     return Options(
         seed=item.seed,
         budget_s=item.budget_s,

@@ -22,7 +22,7 @@ from assur.planner.frames import (
     Uncertainty,
 )
 from assur.planner.model.scene import WORLD
-from assur.scenes.faults import fault, located
+from assur.scenes.faults import Refused, within
 from assur.scenes.schema.frames import (
     ConveyorDocument,
     FixedDocument,
@@ -95,27 +95,28 @@ LAWS: dict[str, Callable[[Any, Valid], Law]] = {
 """Key of a frame's law in a document → the law."""
 
 
-def frames_of(document: object, frames: Mapping[str, FrameDocument]) -> dict[str, Frame]:
-    """The frames by name, `world` among them. Raises `DocumentError` at the field that a law refuses."""
+def frames_of(frames: Mapping[str, FrameDocument]) -> dict[str, Frame]:
+    """The frames by name, `world` among them. Raises `Refused` at the field that a law refuses."""
     found = {WORLD: Frame(WORLD, Fixed(Pose()))}
     for name, item in frames.items():
-        if name == WORLD:
-            raise fault(document, ("frames", name), f"another name: {WORLD} is the frame that does not move")
-        found[name] = _frame(document, name, item)
+        with within(name):
+            if name == WORLD:
+                raise Refused(f"another name: {WORLD} is the frame that does not move")
+            found[name] = _frame(name, item)
     return found
 
 
-def _frame(document: object, name: str, item: FrameDocument) -> Frame:
+def _frame(name: str, item: FrameDocument) -> Frame:
     valid = ALWAYS
     if item.valid_s is not None:
         valid = (item.valid_s[0], item.valid_s[1])
         if not valid[0] < valid[1]:
-            raise fault(document, ("frames", name, "valid_s"), "two times, the first before the second")
+            raise Refused("two times, the first before the second", "valid_s")
     for key, law in LAWS.items():
         spelt = getattr(item, key)
         if spelt is not None:
-            with located(document, "frames", name, key):
+            with within(key):
                 known = law(spelt, valid)
-            with located(document, "frames", name, "uncertainty"):
+            with within("uncertainty"):
                 return Frame(name, known, Uncertainty(item.uncertainty.position_m, item.uncertainty.speed_m_s))
     raise FaultError(f"frame {name} without a law passed its model")

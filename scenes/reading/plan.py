@@ -8,13 +8,13 @@ from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Missed, Plan, Route
 from assur.scenes.conventions import Conventions, converted
-from assur.scenes.faults import Path, fault
+from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading.frames import placed
 from assur.scenes.reading.neighbours import trajectory_of
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.read import read_normal
 
-PLAN: Path = ("plan",)
+PLAN = "plan"
 """Where the plan is in what is checked: {request, plan}."""
 
 
@@ -34,33 +34,35 @@ def plan_of(plan: object, conventions: Conventions) -> tuple[Plan, tuple[Finding
 
     Not checked: whether anything else in it is true; that is the checker's. Raises `DocumentError` below "plan".
     """
-    root = {"plan": plan}
-    if isinstance(plan, dict):
-        if plan.get("status") == "not_planned":
-            raise fault(root, (*PLAN, "status"), REFUSAL)
-        certificate = plan.get("certificate")
-        if isinstance(certificate, dict) and set(certificate) == CERTIFICATE_DIGEST:
-            raise fault(root, (*PLAN, "certificate"), "the certificate in full, as certificate=full gives it")
-        plan = {key: value for key, value in plan.items() if key not in NOT_CHECKED}
-    item: document.CheckedPlan = read_normal(document.CheckedPlan, plan, plan, PLAN)
-    _hold_to_robot(root, item, conventions)
-    made = Plan(
-        trajectory=trajectory_of(root, (*PLAN, "trajectory"), item["trajectory"], conventions),
-        legs=tuple(
-            Leg(LegKind(leg["kind"]), leg["step"], leg["from_s"], leg["to_s"], _route(leg.get("route")))
-            for leg in item["legs"]
-        ),
-        arrivals=tuple(_arrival(root, i, arrival, conventions) for i, arrival in enumerate(item["arrivals"])),
-        certificate=_certificate(root, item["certificate"]),
+    with located({PLAN: plan}), within(PLAN):
+        if isinstance(plan, dict):
+            if plan.get("status") == "not_planned":
+                raise Refused(REFUSAL, "status")
+            certificate = plan.get("certificate")
+            if isinstance(certificate, dict) and set(certificate) == CERTIFICATE_DIGEST:
+                raise Refused("the certificate in full, as certificate=full gives it", "certificate")
+            plan = {key: value for key, value in plan.items() if key not in NOT_CHECKED}
+        item: document.CheckedPlan = read_normal(document.CheckedPlan, plan, plan, (PLAN,))
+        return _made(item, conventions), _untrue(item)
+
+
+def _made(item: document.CheckedPlan, conventions: Conventions) -> Plan:
+    _hold_to_robot(item, conventions)
+    with within("trajectory"):
+        trajectory = trajectory_of(item["trajectory"], conventions)
+    legs = tuple(
+        Leg(LegKind(leg["kind"]), leg["step"], leg["from_s"], leg["to_s"], _route(leg.get("route")))
+        for leg in item["legs"]
     )
-    return made, _untrue(item)
+    arrivals = tuple(_arrival(i, arrival, conventions) for i, arrival in enumerate(item["arrivals"]))
+    return Plan(trajectory, legs, arrivals, _certificate(item["certificate"]))
 
 
 def _route(item: document.Route | None) -> Route | None:
     return None if item is None else Route(item["course"], item["vias"], item["after_wait"], item["later"])
 
 
-def _arrival(root: object, i: int, item: document.Arrival, conventions: Conventions) -> Arrival:
+def _arrival(i: int, item: document.Arrival, conventions: Conventions) -> Arrival:
     return Arrival(
         step=item["step"],
         control_point=item["control_point"],
@@ -73,24 +75,23 @@ def _arrival(root: object, i: int, item: document.Arrival, conventions: Conventi
         window_left_s=item["window_left_s"],
         pitch=item.get("pitch_rad"),
         roll=item.get("roll_rad"),
-        missed_by=_missed(root, i, item.get("missed_by"), conventions),
+        missed_by=_missed(i, item.get("missed_by"), conventions),
     )
 
 
-def _hold_to_robot(root: object, item: document.CheckedPlan, conventions: Conventions) -> None:
-    """Raises `DocumentError` for a plan of other joints than the request's robot has."""
+def _hold_to_robot(item: document.CheckedPlan, conventions: Conventions) -> None:
+    """Raises `Refused` for a plan of other joints than the request's robot has."""
     names = [joint.name for joint in conventions]
     if item["trajectory"]["joint_names"] != names:
         allowed = f"{', '.join(names)}; this plan belongs to another request, for another robot"
-        raise fault(root, (*PLAN, "trajectory", "joint_names"), allowed)
+        raise Refused(allowed, "trajectory", "joint_names")
 
 
-def _missed(root: object, i: int, item: document.Missed | None, conventions: Conventions) -> Missed | None:
+def _missed(i: int, item: document.Missed | None, conventions: Conventions) -> Missed | None:
     if item is None:
         return None
     if len(item["joints"]) != len(conventions):
-        path = (*PLAN, "arrivals", i, "missed_by", "joints")
-        raise fault(root, path, f"{len(conventions)} numbers, one for each joint")
+        raise Refused(f"{len(conventions)} numbers, one for each joint", "arrivals", i, "missed_by", "joints")
     joints = converted(np.array(item["joints"], dtype=np.float64), conventions)
     return Missed(tuple(joints.tolist()), item["distance_m"])
 
@@ -113,10 +114,10 @@ def _untrue(item: document.CheckedPlan) -> tuple[Finding, ...]:
     return tuple(found)
 
 
-def _certificate(root: object, item: document.Certificate) -> Certificate:
+def _certificate(item: document.Certificate) -> Certificate:
     for key, column in item.items():
         if key not in CERTIFICATE_DIGEST | {"names"} and len(column) != item["rows"]:  # type: ignore[arg-type]
-            raise fault(root, (*PLAN, "certificate", key), f"{item['rows']} rows, as many as it says")
+            raise Refused(f"{item['rows']} rows, as many as it says", "certificate", key)
     return Certificate(
         names=tuple(item["names"]),
         digest=item["digest"],

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from assur.planner.errors import FaultError
 from assur.planner.frames import Conveyor, Frame, Linear
 from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Step, Target, Window
-from assur.scenes.faults import Path, as_written, fault
+from assur.scenes.faults import Refused, within
 from assur.scenes.reading.bodies import Places, choices, resolve
 from assur.scenes.reading.frames import placed
 from assur.scenes.schema.task import (
@@ -26,10 +26,8 @@ NO_YAW = "no yaw: the robot has no wrist"
 class _Task:
     """Reads the steps in order, and knows what the gripper holds in between."""
 
-    def __init__(
-        self, document: object, frames: dict[str, Frame], places: Places, coordinates: tuple[str, ...]
-    ) -> None:
-        self.document, self.frames, self.places = document, frames, places
+    def __init__(self, frames: dict[str, Frame], places: Places, coordinates: tuple[str, ...]) -> None:
+        self.frames, self.places = frames, places
         self.has_yaw, self.has_tilt = "yaw" in coordinates, "pitch" in coordinates
         self.no_yaw = "no yaw: the tool's heading follows from the position" if self.has_tilt else NO_YAW
         self.held: str | None = None
@@ -39,33 +37,32 @@ class _Task:
         for key in ("move", "follow", "pick", "place"):
             spelt = getattr(item, key)
             if spelt is not None:
-                path: Path = ("task", number, key)
-                name = spelt.name or f"{key}-{number + 1}"
-                if name in self.names:
-                    raise fault(self.document, (*path, "name"), "a name that no other step has")
-                self.names.add(name)
-                made: Step = getattr(self, f"_{key}")(path, name, spelt)
-                return made
+                with within("task", number, key):
+                    name = spelt.name or f"{key}-{number + 1}"
+                    if name in self.names:
+                        raise Refused("a name that no other step has", "name")
+                    self.names.add(name)
+                    made: Step = getattr(self, f"_{key}")(name, spelt)
+                    return made
         raise FaultError(f"step {number} without a kind passed its model")
 
-    def _move(self, path: Path, name: str, item: MoveDocument) -> Step:
-        target = self._target((*path, "to"), item.to, free=True)
+    def _move(self, name: str, item: MoveDocument) -> Step:
+        target = self._target(item.to, free=True)
         arch = None if item.arch is None else Arch(item.arch.top_m)
-        return Move(name, target, item.match, item.via, arch, self._window(path, item, target.frame), item.leg)
+        return Move(name, target, item.match, item.via, arch, self._window(item, target.frame), item.leg)
 
-    def _follow(self, path: Path, name: str, item: FollowDocument) -> Step:
-        target = self._target((*path, "to"), item.to)
-        return Follow(name, target, item.duration_s, self._window(path, item, target.frame))
+    def _follow(self, name: str, item: FollowDocument) -> Step:
+        target = self._target(item.to)
+        return Follow(name, target, item.duration_s, self._window(item, target.frame))
 
-    def _pick(self, path: Path, name: str, item: PickDocument) -> Step:
+    def _pick(self, name: str, item: PickDocument) -> Step:
         if item.part not in self.places:
-            raise fault(self.document, (*path, "part"), f"the name of a body: {choices(self.places, item.part)}")
+            raise Refused(f"the name of a body: {choices(self.places, item.part)}", "part")
         if self.held is not None:
-            raise fault(self.document, (*path, "part"), f"a pick after {self.held} is placed")
+            raise Refused(f"a pick after {self.held} is placed", "part")
         if not self.has_yaw and item.grasp_yaw_rad != 0.0:
-            raise fault(self.document, (*path, "grasp_yaw_rad"), self.no_yaw)
+            raise Refused(self.no_yaw, "grasp_yaw_rad")
         self.held = item.part
-        window = self._window(path, item, self.places[item.part][0])
         return Pick(
             name,
             item.part,
@@ -74,14 +71,14 @@ class _Task:
             item.dwell_s,
             item.depart.m,
             item.match,
-            window,
-            self._contacts(path, item.part, item.contact_with),
+            self._window(item, self.places[item.part][0]),
+            self._contacts(item.part, item.contact_with),
         )
 
-    def _place(self, path: Path, name: str, item: PlaceDocument) -> Step:
+    def _place(self, name: str, item: PlaceDocument) -> Step:
         if item.part != self.held:
-            raise fault(self.document, (*path, "part"), f"the part that is held then: {self.held or 'none'}")
-        target = self._target((*path, "to"), item.to)
+            raise Refused(f"the part that is held then: {self.held or 'none'}", "part")
+        target = self._target(item.to, part=True)
         self.held = None
         self.places[item.part] = (target.frame, target.pose)
         return Place(
@@ -92,54 +89,48 @@ class _Task:
             item.dwell_s,
             item.depart.m,
             item.match,
-            self._window(path, item, target.frame),
-            self._contacts(path, item.part, item.contact_with),
+            self._window(item, target.frame),
+            self._contacts(item.part, item.contact_with),
         )
 
-    def _target(self, path: Path, item: TargetDocument, free: bool = False) -> Target:
-        """`free`: whether a target that says nothing of the yaw leaves it free."""
-        if item.yaw_rad is not None and not self.has_yaw:
-            raise fault(self.document, (*path, "yaw_rad"), self.no_yaw)
-        for key in ("pitch_rad", "roll_rad"):
-            if key in item.model_fields_set and not self.has_tilt:
-                what = key.removesuffix("_rad")
-                raise fault(self.document, (*path, key), f"no {what}: only arms with five axes have one")
-        if item.yaw_free and not self.has_yaw:
-            raise fault(self.document, (*path, "yaw_free"), self.no_yaw)
-        if item.yaw_free and path[2] == "place":
-            raise fault(self.document, (*path, "yaw_free"), "a yaw_rad: a part is placed as it has to lie")
-        silent = item.yaw_rad is None and not item.yaw_free
-        if silent and self.has_yaw and not free:
-            raise fault(self.document, (*path, "yaw_rad"), "yaw_rad or yaw_deg, which must be given")
-        yaw_free = item.yaw_free or (silent and (free or not self.has_yaw))
-        if item.body is not None and item.body == self.held:
-            raise fault(self.document, (*path, "body"), "a body that is not in the gripper")
-        frame, pose = resolve(self.document, path, item, item.yaw_rad or 0.0, list(self.frames), self.places)
-        return Target(frame, pose, yaw_free, _asked(item.pitch_rad), _asked(item.roll_rad))
+    def _target(self, item: TargetDocument, free: bool = False, part: bool = False) -> Target:
+        """`free`: whether a target that says nothing of the yaw leaves it free; `part`: whether a part is put there."""
+        with within("to"):
+            if item.yaw_rad is not None and not self.has_yaw:
+                raise Refused(self.no_yaw, "yaw_rad")
+            for key in ("pitch_rad", "roll_rad"):
+                if key in item.model_fields_set and not self.has_tilt:
+                    raise Refused(f"no {key.removesuffix('_rad')}: only arms with five axes have one", key)
+            if item.yaw_free and not self.has_yaw:
+                raise Refused(self.no_yaw, "yaw_free")
+            if item.yaw_free and part:
+                raise Refused("a yaw_rad: a part is placed as it has to lie", "yaw_free")
+            silent = item.yaw_rad is None and not item.yaw_free
+            if silent and self.has_yaw and not free:
+                raise Refused("yaw_rad or yaw_deg, which must be given", "yaw_rad")
+            yaw_free = item.yaw_free or (silent and (free or not self.has_yaw))
+            if item.body is not None and item.body == self.held:
+                raise Refused("a body that is not in the gripper", "body")
+            frame, pose = resolve(item, item.yaw_rad or 0.0, list(self.frames), self.places)
+            return Target(frame, pose, yaw_free, _asked(item.pitch_rad), _asked(item.roll_rad))
 
-    def _window(self, path: Path, item: WindowedStep, frame: str) -> Window:
+    def _window(self, item: WindowedStep, frame: str) -> Window:
         for key, ends in (("window_s", item.window_s), ("window_m", item.window_m)):
             if ends is not None and not ends[0] < ends[1]:
-                raise fault(
-                    self.document,
-                    (*path, key),
-                    f"two ends, the first below the second{_reversed(self.document, (*path, key))}",
-                )
+                raise Refused(_reversed, key)
         if item.window_m is not None and not isinstance(self.frames[frame].law, Conveyor | Linear):
-            raise fault(self.document, (*path, "window_m"), f"window_s: {frame} is no conveyor to measure along")
+            raise Refused(f"window_s: {frame} is no conveyor to measure along", "window_m")
         time = None if item.window_s is None else (item.window_s[0], item.window_s[1])
         along = None if item.window_m is None else (item.window_m[0], item.window_m[1])
         return Window(time, along)
 
-    def _contacts(self, path: Path, part: str, names: Sequence[str] | None) -> tuple[str, ...] | None:
+    def _contacts(self, part: str, names: Sequence[str] | None) -> tuple[str, ...] | None:
         if names is None:
             return None
         for i, name in enumerate(names):
             if name not in self.places or name == part:
                 there = choices([place for place in self.places if place != part], name)
-                raise fault(
-                    self.document, (*path, "contact_with", i), f"the name of a body that is not the part: {there}"
-                )
+                raise Refused(f"the name of a body that is not the part: {there}", "contact_with", i)
         return tuple(names)
 
 
@@ -148,22 +139,18 @@ def _asked(angle: float | str | None) -> float | None:
     return angle if isinstance(angle, float) else None
 
 
-def _reversed(document: object, path: Path) -> str:
-    """The two ends as they were written, in words."""
-    _, ends = as_written(document, path)
-    return f"; {ends[0]} is not below {ends[1]}" if isinstance(ends, list) and len(ends) == 2 else ""
+def _reversed(_: str, ends: object) -> str:
+    """What is allowed in place of two ends as they were written."""
+    told = f"; {ends[0]} is not below {ends[1]}" if isinstance(ends, list) and len(ends) == 2 else ""
+    return "two ends, the first below the second" + told
 
 
 def steps_of(
-    document: object,
-    task: Sequence[StepDocument],
-    frames: dict[str, Frame],
-    places: Places,
-    coordinates: tuple[str, ...],
+    task: Sequence[StepDocument], frames: dict[str, Frame], places: Places, coordinates: tuple[str, ...]
 ) -> tuple[Step, ...]:
     """The steps, in order, for a robot with these coordinates.
 
-    Raises `DocumentError` where a step asks for what is not there, or not in the gripper.
+    Raises `Refused` where a step asks for what is not there, or not in the gripper.
     """
-    reader = _Task(document, frames, dict(places), coordinates)
+    reader = _Task(frames, dict(places), coordinates)
     return tuple(reader.step(i, item) for i, item in enumerate(task))

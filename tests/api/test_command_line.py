@@ -182,24 +182,6 @@ def test_a_bare_request_in_yaml_is_told_where_to_put_it(tmp_path: Path) -> None:
     assert run("plan", str(file))[0] == RIGHT
 
 
-def test_a_start_out_of_its_range_is_bad_input(tmp_path: Path) -> None:
-    file = tmp_path / "low.json"
-    joints = {**FIRST_PLAN["start"]["joints"], "j3_mm": 30}
-    file.write_text(json.dumps({**FIRST_PLAN, "start": {"joints": joints}}))
-    code, output, errors = run("plan", str(file))
-    assert (code, output) == (BAD_INPUT, "")
-    assert errors == "assur: start.joints.j3_mm: got 30; allowed: 133 to 333\n"
-
-
-def test_a_window_that_is_reversed_is_shown(tmp_path: Path) -> None:
-    file = tmp_path / "reversed.json"
-    step = {"move": {"to": {"at_m": [0.4, 0, 0.25]}, "window_s": [3, 1.5]}}
-    file.write_text(json.dumps({**FIRST_PLAN, "task": [step]}))
-    code, _, errors = run("plan", str(file))
-    assert code == BAD_INPUT
-    assert "got [3, 1.5]" in errors
-
-
 def test_amounts_have_sensible_digits() -> None:
     assert number_format.amount(1.27e-9, "m") == "less than 0.001 mm"
     assert number_format.amount(5.06, "s") == "5.06 s"
@@ -436,19 +418,13 @@ def test_the_version_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     assert run("--version") == (RIGHT, "assur 1.2.3\n", "")
 
 
-def test_a_misspelt_scenario_or_robot_is_answered_with_the_one_that_was_meant(tmp_path: Path) -> None:
+def test_a_misspelt_scenario_is_answered_with_the_one_that_was_meant() -> None:
     code, _, errors = run("plan", "demoo")
     assert code == BAD_INPUT
     assert errors.endswith("; did you mean demo?\n")
     code, _, errors = run("plan", "qqqq")
     assert code == BAD_INPUT
     assert "did you mean" not in errors
-    file = tmp_path / "misspelt.json"
-    file.write_text(json.dumps({**FIRST_PLAN, "robot": {**FIRST_PLAN["robot"], "model": "fanuc-sr-3a"}}))
-    code, _, errors = run("plan", str(file))
-    assert code == BAD_INPUT
-    assert errors.startswith('assur: robot.model: got "fanuc-sr-3a"; allowed: one of ')
-    assert errors.endswith("; did you mean fanuc-sr-3ia?\n")
 
 
 def test_text_that_is_no_json_is_told_with_line_and_column(tmp_path: Path) -> None:

@@ -9,8 +9,8 @@ import pytest
 
 from assur.experiments import dyad_forms as forms
 from assur.experiments import dyad_race as race
+from assur.experiments.dyad import RRR
 from assur.planner.arrays import FloatArray
-from assur.planner.assur.rrr import RRR
 from tests.experiments.results import result
 
 DYADS = race.dyads(500)

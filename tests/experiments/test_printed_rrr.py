@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from assur.experiments import printed_rrr as printed
+from assur.experiments.dyad import LEFT, RIGHT, RRR
 from assur.experiments.printed_rrr import Point
 from assur.planner.arrays import FloatArray
-from assur.planner.assur.codes import Code
-from assur.planner.assur.rrr import LEFT, RIGHT, RRR
 from assur.planner.frames.motion import Motion
+from assur.planner.robots.codes import Code
 from assur.planner.robots.protocol import Limits
 from assur.planner.robots.scara import Scara
 

@@ -41,7 +41,7 @@ def laws() -> list[Law]:
         Indexer(Pose(0.0, 0.0, 0.0, 0.4), 0.2, 0.3, 0.0, "travel", 0.1),
         Swing(Pose(), 0.9, 0.7, 0.3),
         Keyframes([0.0, 0.3, 0.9], (Pose(), Pose(0.1, 0.2, 0.0, 0.4), Pose(0.3))),
-        TrajectoryLaw(ARMS["scara 4 True 1"], Trajectory(time, q, still, still), 2),
+        TrajectoryLaw(ARMS["scara whose arms rise"], Trajectory(time, q, still, still), 2),
     ]
 
 

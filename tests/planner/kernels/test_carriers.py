@@ -127,7 +127,7 @@ def test_nothing_is_extrapolated(interval: tuple[float, float]) -> None:
 def neighbours() -> list[tuple[Robot, Trajectory]]:
     """Upright arms with a plan from rest to rest that keeps the loop assembled."""
     time, found = np.array([1.0, 1.4, 1.7, 2.5]), []
-    for name in ("scara 4 True 1", "scara 3 False 0", "five-bar 4 1"):
+    for name in ("scara whose arms rise", "far three-axis scara", "five-bar"):
         robot = ARMS[name]
         n, rng = len(robot.joints), np.random.default_rng(5)
         q = np.array([0.6, -0.6, 0.2, 0.3])[:n] + rng.uniform(-0.2, 0.2, (4, n))

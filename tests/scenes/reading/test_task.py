@@ -100,14 +100,6 @@ def test_a_part_may_be_picked_again_where_it_was_placed() -> None:
     assert caught.value.field == "task[2].pick.window_mm"
 
 
-def test_a_target_on_the_part_in_the_gripper_is_refused() -> None:
-    move = {"move": {"to": {"body": "part", "at_mm": [0, 0, 50]}}}
-    scene(move)
-    with pytest.raises(InputError) as caught:
-        scene(GOOD_REQUEST["task"][0], move)
-    assert caught.value.field == "task[1].move.to.body"
-
-
 def test_options_execution_and_carry() -> None:
     found = scene(
         options={

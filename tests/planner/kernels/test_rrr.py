@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from assur.experiments import dyad
+from assur.experiments.dyad import LEFT, RIGHT, RRR, Assembly, Planar
 from assur.planner.arrays import FloatArray
-from assur.planner.assur import rrr
-from assur.planner.assur.codes import Code
-from assur.planner.assur.rrr import LEFT, RIGHT, RRR, Assembly, Planar
 from assur.planner.errors import FaultError, InputError
+from assur.planner.robots.codes import Code
 
 MODES = [LEFT, RIGHT]
 COUNT = 10_000
@@ -243,6 +243,6 @@ def test_what_is_wrong_in_the_call_itself_is_a_fault() -> None:
 
 
 def test_the_examples_in_the_docstrings_run() -> None:
-    result = doctest.testmod(rrr)
+    result = doctest.testmod(dyad)
     assert result.attempted > 0
     assert result.failed == 0

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from assur.experiments.dyad import LEFT, RIGHT, ROUNDING, RRR, Assembly, Planar
 from assur.planner.arrays import FloatArray
-from assur.planner.assur.codes import Code
-from assur.planner.assur.rrr import LEFT, RIGHT, ROUNDING, RRR, Assembly, Planar
+from assur.planner.robots.codes import Code
 
 MODES = [LEFT, RIGHT]
 

@@ -1,4 +1,4 @@
-"""The RRR dyad in arrays: two links and three parallel revolute joints, equations K1 to K8 of docs/kinematics.md.
+"""The planner's RRR dyad over arrays: two links and three parallel revolute joints, K1 to K8 of docs/kinematics.md.
 
 Link 1 runs from A to C, link 2 from C to B; A and B are given with their motion, C is sought. Everything is in one
 plane and only differences count: u = C − A, w = B − C, d = B − A = u + w. The equations stand in
@@ -16,7 +16,7 @@ from assur.planner.errors import FaultError, InputError
 from assur.planner.geometry.shapes import LARGEST_M, SMALLEST_M
 from assur.planner.kernels.dyads import LEFT, RATES, RIGHT, ROUNDING, RRR_COLUMNS, rrr_rows
 
-__all__ = ["LEFT", "RIGHT", "ROUNDING", "RRR", "Assembly", "Planar", "stacked"]
+__all__ = ["LEFT", "RIGHT", "ROUNDING", "RRR", "Assembly", "Planar"]
 
 Planar = tuple[FloatArray, FloatArray]
 """x and y of vectors, each (...)."""
