@@ -8,8 +8,6 @@ the caller (`assur.planner.kernels.intervals`).
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from assur.planner.arrays import FloatArray
@@ -139,8 +137,8 @@ def walk(
                     else:
                         end = opened
                 else:
-                    # of what is not known a proof says so
-                    hit = verdict == TOO_NEAR and task == SCREEN and not math.isnan(found[0])
+                    # of what is not known, or within the reserve, a proof says so
+                    hit = verdict == TOO_NEAR and task == SCREEN and found[0] <= found[1] - RESERVE_M
                     if proving and not hit and (verdict == TOO_NEAR or (h > 0.0 and not h > FINEST_S)):
                         state[RESISTED_A], state[RESISTED_B], state[RESISTED_T] = a, b, middle
                         state[RESISTED_GAP], state[RESISTED_NEED] = found[0], found[1] - RESERVE_M
