@@ -1,10 +1,11 @@
-"""Homogeneous transforms along the chain, the inverse Jacobian and the determinant, for any robot of the protocol."""
+"""Homogeneous transforms along the chain, the Jacobian, its inverse and determinant, for any robot of the protocol."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.robots.protocol import Robot
 
 LEAST_MARGIN = 1e-12
@@ -22,12 +23,25 @@ def transforms(robot: Robot, q: FloatArray) -> FloatArray:
     return found
 
 
+def jacobian(robot: Robot, q: FloatArray) -> FloatArray:
+    """(..., len(coordinates), n): rates of the task coordinates per joint rate, which are linear in them; NaN where the
+    arm does not assemble with rates (K11, K26, K27, K36, H5)."""
+    n = q.shape[-1]
+    each = np.broadcast_to(np.eye(n), (*q.shape[:-1], n, n))
+    rest = np.zeros_like(each)
+    flange = robot.link_motion(len(robot.links) - 1, np.broadcast_to(q[..., None, :], each.shape), each, rest, rest)
+    rates = {"x": flange.v[..., 0], "y": flange.v[..., 1], "z": flange.v[..., 2], "yaw": flange.yaw_d}
+    if isinstance(flange, TiltedMotion):
+        rates |= {"pitch": flange.tilt_d[..., 0], "roll": flange.tilt_d[..., 1]}
+    return np.stack([rates[name] for name in robot.coordinates], -2)
+
+
 def determinant(robot: Robot, q: FloatArray) -> FloatArray:
     """det J (...) for q (..., n); of a J that is not square, √det(J Jᵀ). Zero at singular positions (K11, K26, K27)."""
-    jacobian = robot.jacobian(q)
-    if jacobian.shape[-1] == jacobian.shape[-2]:
-        return np.asarray(np.linalg.det(jacobian))
-    square = np.linalg.det(jacobian @ np.swapaxes(jacobian, -1, -2))
+    found = jacobian(robot, q)
+    if found.shape[-1] == found.shape[-2]:
+        return np.asarray(np.linalg.det(found))
+    square = np.linalg.det(found @ np.swapaxes(found, -1, -2))
     return np.asarray(np.sqrt(np.maximum(square, 0.0)))
 
 
@@ -39,11 +53,11 @@ def inverse_jacobian(robot: Robot, q: FloatArray) -> FloatArray:
     (J Jᵀ)⁻¹). Singular is what the robot's margin says: rows with a margin of 0 (`LEAST_MARGIN`), where the plain
     inverse would fail.
     """
-    jacobian = robot.jacobian(q)
-    good = np.isfinite(jacobian).all((-1, -2)) & (robot.margin(q) > LEAST_MARGIN) & (determinant(robot, q) != 0.0)
-    found = np.full((*jacobian.shape[:-2], jacobian.shape[-1], jacobian.shape[-2]), np.nan)
-    regular = jacobian[good]
+    direct = jacobian(robot, q)
+    good = np.isfinite(direct).all((-1, -2)) & (robot.margin(q) > LEAST_MARGIN) & (determinant(robot, q) != 0.0)
+    found = np.full((*direct.shape[:-2], direct.shape[-1], direct.shape[-2]), np.nan)
+    regular = direct[good]
     turned = np.swapaxes(regular, -1, -2)
-    square = jacobian.shape[-1] == jacobian.shape[-2]
+    square = direct.shape[-1] == direct.shape[-2]
     found[good] = np.linalg.inv(regular) if square else turned @ np.linalg.inv(regular @ turned)
     return found

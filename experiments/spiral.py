@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from assur.experiments import printed_rrr as printed
+from assur.experiments.differential import jacobian
 from assur.experiments.experiment import Drawing, Result, paragraphs
 from assur.experiments.figures import BLUE, INK, RED
 from assur.planner.arrays import FloatArray
@@ -90,7 +91,7 @@ def run() -> Result:
     planned = np.stack([trajectory.evaluate(late, k) for k in range(3)])
     tip, _ = scene.robot.forward(planned[0])
     off = np.linalg.norm(tip - p, axis=-1)
-    speed = np.einsum("tij,tj->ti", scene.robot.jacobian(planned[0]), planned[1])
+    speed = np.einsum("tij,tj->ti", jacobian(scene.robot, planned[0]), planned[1])
     difference = np.abs(as_printed(planned) - ours).max(1)
     numbers: dict[str, Any] = {
         "samples": len(t),

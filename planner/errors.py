@@ -33,7 +33,3 @@ class InputError(AssurError):
 
 class FaultError(AssurError):
     """Ours: an invariant of the planner does not hold."""
-
-
-class LibraryFault(FaultError):
-    """A native library answered something that its contract excludes."""

@@ -12,9 +12,6 @@ from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.turntable import turning
 from assur.planner.frames.validity import ALWAYS, KnownLaw, interval, number, placed, span
 
-RESOLUTION = 8 * np.finfo(np.float64).eps
-"""|cos| and |sin| are raised by this part of 1 + their argument: the rounding of the phase."""
-
 
 @dataclass(frozen=True)
 class Swing(KnownLaw):

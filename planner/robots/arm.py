@@ -87,13 +87,6 @@ class Arm(ABC):
 
         return placements(self, q)
 
-    def jacobian(self, q: FloatArray) -> FloatArray:
-        """(..., len(coordinates), n): rates of the task coordinates per joint rate; NaN where the arm does not assemble
-        with rates (K11, K26, K27, K36, H5)."""
-        from assur.planner.robots.kinematics import jacobian
-
-        return jacobian(self, q)
-
     def _posture(self, q: FloatArray) -> FloatArray:
         from assur.planner.robots.kinematics import postures
 

@@ -99,16 +99,6 @@ def motion_of(table: FloatArray, tilted: bool) -> Motion:
     return TiltedMotion.of(motion, *(table[..., k, 4:] for k in range(ORDERS))) if tilted else motion
 
 
-def jacobian(arm: Arm, q: FloatArray) -> FloatArray:
-    """(..., len(coordinates), n): the flange's velocity for each joint at unit rate, which is linear in the rates."""
-    n = len(arm.joints)
-    columns = ["xyz".index(name) if name in "xyz" else 3 + ("yaw", "pitch", "roll").index(name)
-               for name in arm.coordinates]  # fmt: skip
-    rates = np.broadcast_to(np.eye(n), (*q.shape[:-1], n, n))
-    each = moved(arm, len(arm.links) - 1, np.broadcast_to(q[..., None, :], rates.shape), rates)
-    return np.ascontiguousarray(np.swapaxes(each[..., 1, columns], -1, -2))
-
-
 def placements(arm: Arm, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Link frames in the world for q (..., n): positions (..., L, 3) and rotations (..., L, 3, 3)."""
     shape = (*q.shape[:-1], len(arm.links))

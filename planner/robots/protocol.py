@@ -201,10 +201,6 @@ class Robot(Protocol):
         """Link frames in the world: positions (..., L, 3) and rotations (..., L, 3, 3)."""
         ...
 
-    def jacobian(self, q: FloatArray) -> FloatArray:
-        """(..., len(coordinates), n): rates of the task coordinates per joint rate."""
-        ...
-
     def margin(self, q: FloatArray) -> FloatArray:
         """Singularity margin (...), from 0 (singular) to 1."""
         ...

@@ -23,7 +23,7 @@ def bernstein(path: Trajectory, derivative: int) -> Floats:
 
 
 def keeps_limits(path: Trajectory, *limits: Floats | None) -> bool:
-    """Whether a path keeps all limits: lower, upper, velocity, acceleration, jerk."""
+    """Whether a motion stays within what its limits allow, as candidates are asked."""
     return keeps_bands(path, accepted_bands(*limits))  # type: ignore[arg-type]
 
 
