@@ -24,7 +24,7 @@ from assur.scenes.units import twin_of
 
 if TYPE_CHECKING:
     from assur.planner.checker.verdict import Finding
-    from assur.planner.model.outcome import Plan
+    from assur.planner.model.outcome import Nearest, Plan
     from assur.planner.model.scene import Scene
     from assur.scenes.reading.cell import Cell
 
@@ -150,23 +150,27 @@ def check_document(request: object, plan: object, *, folder: Path | None = None)
     return check_plan(cell, *read_plan(cell, plan))
 
 
-def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...]]:
-    """The plan in a planned answer with a full certificate, and what the answer says of it that is not so.
+def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...], tuple[Nearest | None] | None]:
+    """The plan in a planned answer with a full certificate, what the answer says of it that is not so, and what it says
+    of the smallest clearance (`check`).
 
     Raises `InputError` naming the field.
     """
-    from assur.scenes.reading.plan import plan_of
+    from assur.scenes.reading.plan import nearest_of, plan_of
 
-    return plan_of(plain(plan), cell.conventions)
+    answer = plain(plan)
+    return *plan_of(answer, cell.conventions), nearest_of(answer)
 
 
-def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = ()) -> dict[str, Any]:
-    """The checker's verdict on a plan that has been read. `told`: findings before the checker's, who knows no
-    documents."""
+def check_plan(
+    cell: Cell, made: Plan, told: tuple[Finding, ...] = (), said: tuple[Nearest | None] | None = None
+) -> dict[str, Any]:
+    """The checker's verdict on a plan that has been read, and on what is `said` of its smallest clearance. `told`:
+    findings before the checker's, who knows no documents."""
     from assur.planner.checker import check
     from assur.scenes.answer import NOTICE
 
-    verdict = check(cell.scene, made)
+    verdict = check(cell.scene, made, said)
     findings: list[written.Finding] = [
         {
             "code": str(finding.code),
@@ -177,11 +181,11 @@ def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = ()) -> dict[s
         }
         for finding in (*told, *verdict.findings)
     ]
-    said: written.Verdict = {
+    found: written.Verdict = {
         "schema": "assur/1",
         "ok": verdict.ok and not told,
         "findings": findings,
         "request_digest": cell.scene.digest,
         "notice": NOTICE,
     }
-    return dict(said)
+    return dict(found)

@@ -19,11 +19,11 @@ from assur.planner.checker.motion import (
     FIRST_KNOT,
     FIVE_AXIS,
     FIVE_BAR,
-    JETS,
     LAST_KNOT,
-    MOST_LINKS,
+    LINKS,
     SCARA,
     Tables,
+    all_jets,
     carry,
     elbows,
     jet_of,
@@ -77,13 +77,12 @@ def write(e: FloatArray, k: int, jet: Jet) -> None:
         e[k, i] = jet[i]
 
 
-@kernel(f"boolean(int64, {F1}, float64, float64, int64, {TABLES}, {F3}, {F2}, {F2})")
+@kernel(f"boolean(int64, {F1}, float64, float64, {TABLES}, {F3}, {F2}, {F2})")
 def quantities(
     kind: int,
     asked: FloatArray,
     t0: float,
     t1: float,
-    count: int,
     tables: Tables,
     jets: FloatArray,
     q: FloatArray,
@@ -92,8 +91,8 @@ def quantities(
     """Jets of what is looked at over [t0, t1] into the rows of e: x, y, z, cosine and sine of the heading of the tool
     less those of its control point (CARRY: of the tool alone; ALONG: the way, ASSEMBLED: the squared margin, as x), and
     pitch and roll of a hand. False: not known."""
-    arm, on, work = tables[0][0], int(asked[FRAME]), np.empty((4, 6))
-    joints(tables[1], int(arm[FIRST_KNOT]), int(arm[LAST_KNOT]), int(arm[AXIS_COUNT]), t0, t1, work, q)
+    arm, on = tables[0][0], int(asked[FRAME])
+    joints(tables[1], int(arm[FIRST_KNOT]), int(arm[LAST_KNOT]), int(arm[AXIS_COUNT]), t0, t1, q)
     if kind == ASSEMBLED:
         write(e, 0, elbows(arm, q)[3])
         return True
@@ -102,16 +101,16 @@ def quantities(
         write(e, ROLLS, jet_of(q, 4))
     if kind == STRAIGHT:
         return True
-    if kind != CARRY and not carry(on, count, t0, t1, tables, jets):
+    if kind != CARRY and not carry(on, t0, t1, tables, jets):
         return False
     goal = point(jets, on, asked[POINT], asked[POINT + 1], asked[POINT + 2], asked[POINT + 3])
     if kind == ALONG:
         x, y, z = scaled(asked[TCP], goal[0]), scaled(asked[TCP + 1], goal[1]), scaled(asked[TCP + 2], goal[2])
         write(e, 0, plus(plus(x, y), z))
         return True
-    if not carry(0, count, t0, t1, tables, jets):
+    if not carry(0, t0, t1, tables, jets):
         return False
-    tool = point(jets, count - 1, asked[TCP], asked[TCP + 1], asked[TCP + 2], asked[TCP + 3])
+    tool = point(jets, int(arm[LINKS]) - 1, asked[TCP], asked[TCP + 1], asked[TCP + 2], asked[TCP + 3])
     for k in range(5):
         write(e, k, plus(tool[k], scaled(0.0 if kind == CARRY else -1.0, goal[k])))
     return True
@@ -170,19 +169,18 @@ def bounded(kind: int, asked: FloatArray, e: FloatArray, h: float, found: FloatA
         found[4] += bend * max(most[PITCHES], most[ROLLS])
 
 
-@kernel(f"void(int64, {F1}, float64, float64, int64, {TABLES}, {F1})")
+@kernel(f"void(int64, {F1}, float64, float64, {TABLES}, {F1})")
 def keeps(
     kind: int,
     asked: FloatArray,
     t0: float,
     t1: float,
-    count: int,
     tables: Tables,
     found: FloatArray,
 ) -> None:
-    """Whether nothing that is asked is exceeded over [t0, t1]; `count`: links of the arm. `found` (4,) has 0 if so, 1
+    """Whether nothing that is asked is exceeded over [t0, t1]. `found` (4,) has 0 if so, 1
     if it is and 2 if that could not be decided; then which quantity, by how much, and when."""
-    jets, q, e = np.zeros((count + len(tables[2]) + MOST_LINKS, JETS, 6)), np.zeros((8, 6)), np.zeros((7, 6))
+    jets, q, e = all_jets(tables), np.zeros((8, 6)), np.zeros((7, 6))
     stack, ends, bound = np.empty((64, 2)), np.empty(5), np.empty(5)
     hand = int(tables[0][0, FAMILY]) == FIVE_AXIS
     stack[0, 0], stack[0, 1], top = t0, t1, 1
@@ -197,12 +195,12 @@ def keeps(
         for t in (a, b):
             if ends.max() <= 0.0:
                 when = t  # nothing is exceeded before
-            if quantities(kind, asked, t, t, count, tables, jets, q, e):
+            if quantities(kind, asked, t, t, tables, jets, q, e):
                 taken(kind, asked, hand, e, ends)
             else:
                 ends[0] = np.inf
         bound[:] = ends
-        if quantities(kind, asked, a, b, count, tables, jets, q, e):
+        if quantities(kind, asked, a, b, tables, jets, q, e):
             bounded(kind, asked, e, b - a, bound)
         else:
             bound[0] = np.inf
@@ -225,26 +223,26 @@ def keeps(
     found[0], found[3] = 2.0, t0
 
 
-@kernel(f"boolean(int64, {F1}, float64, int64, {TABLES}, {F1})")
-def state(
-    c: int,
-    pose: FloatArray,
-    t: float,
-    count: int,
-    tables: Tables,
-    found: FloatArray,
-) -> bool:
-    """Of a frame at `pose` (4,) in carrier c at time t, into `found` (8,): position, yaw, and their rates. False: not
-    known. On a link that tilts the yaw is the heading of the arm."""
-    jets = np.zeros((count + len(tables[2]) + MOST_LINKS, JETS, 6))
-    if not carry(c, count, t, t, tables, jets):
-        return False
-    x, y, z, cosine, sine = point(jets, c, pose[0], pose[1], pose[2], pose[3])
-    family = int(tables[0][0, FAMILY])
-    if c < count and family != SCARA and family != FIVE_BAR:
-        _, _, _, cosine, sine = point(jets, 1, 0.0, 0.0, 0.0, pose[3])
-    for k, jet in enumerate((x, y, z)):
-        found[k], found[4 + k] = jet[0], jet[2]
-    found[3] = math.atan2(sine[0], cosine[0])
-    found[7] = cosine[0] * sine[2] - sine[0] * cosine[2]
-    return True
+@kernel(f"void({F2}, {TABLES}, {F2})")
+def states(where: FloatArray, tables: Tables, found: FloatArray) -> None:
+    """Of frames at poses in carriers at times, `where` (N, 6): carrier, x, y, z, yaw, time, into `found` (N, 13):
+    position, yaw, their rates; pitch and roll of the hand of an arm with five axes (H2), their rates; and the speed of
+    the fastest joint. NaN where it is not known. On a link that tilts the yaw is the heading of the arm."""
+    jets, q = all_jets(tables), np.zeros((8, 6))
+    arm = tables[0][0]
+    for i in range(len(where)):
+        c, t, own = int(where[i, 0]), where[i, 5], found[i]
+        own[:] = np.nan
+        joints(tables[1], int(arm[FIRST_KNOT]), int(arm[LAST_KNOT]), int(arm[AXIS_COUNT]), t, t, q)
+        for k in range(2):
+            own[8 + 2 * k], own[9 + 2 * k] = q[1, 2 * k] + q[2, 2 * k] + q[3, 2 * k], q[4, 2 * k]
+        own[12] = np.abs(q[: int(arm[AXIS_COUNT]), 2]).max()
+        if not carry(c, t, t, tables, jets):
+            continue
+        x, y, z, cosine, sine = point(jets, c, where[i, 1], where[i, 2], where[i, 3], where[i, 4])
+        if c < int(arm[LINKS]) and int(arm[FAMILY]) != SCARA and int(arm[FAMILY]) != FIVE_BAR:
+            _, _, _, cosine, sine = point(jets, 1, 0.0, 0.0, 0.0, where[i, 4])
+        for k, jet in enumerate((x, y, z)):
+            own[k], own[4 + k] = jet[0], jet[2]
+        own[3] = math.atan2(sine[0], cosine[0])
+        own[7] = cosine[0] * sine[2] - sine[0] * cosine[2]

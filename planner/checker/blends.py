@@ -19,8 +19,8 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.along import MEET_M
 from assur.planner.checker.legs import TIME_S
-from assur.planner.checker.meeting import MEET_RAD, distance, tilted
-from assur.planner.checker.spline import controls
+from assur.planner.checker.meeting import MEET_RAD, tilted
+from assur.planner.checker.spline import JOINT, ROOM
 from assur.planner.checker.targets import Target, asks_passing
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
@@ -40,14 +40,9 @@ class _Pieces:
     """Of each piece (P,): begin, length, velocities (P, n, 5) and accelerations (P, n, 4) by their control values."""
 
     def __init__(self, world: World) -> None:
-        table, knots = world.tables[1], world.knots
+        knots, n = world.knots, world.knots.n
         first = np.flatnonzero(knots.time[1:] > knots.time[:-1])
-        n, work = knots.q.shape[1], np.zeros((4, 6))
-        every = np.empty((len(first), n, 4, 6))
-        for k, i in enumerate(first):
-            for j in range(n):
-                controls(table, int(i), j, work)
-                every[k, j] = work
+        every = world.tables[1][first, 1 : 1 + n * JOINT].reshape(len(first), n, JOINT // ROOM, ROOM)
         self.begin, self.length = knots.time[first], knots.time[first + 1] - knots.time[first]
         self.place, self.velocity, self.pull = every[:, :, 0], every[:, :, 1, :5], every[:, :, 2, :4]
         # what some units in the last place of positions do to the acceleration
@@ -113,14 +108,14 @@ def _missed(world: World, pieces: _Pieces, arrival: Arrival, target: Target) -> 
     q = world.joints(arrival.time, arrival.time)[:, 0]
     past = _standing(world, q - miss)
     tool, here = past.tool(past.start), world.tool(arrival.time)
-    goal = world.state(world.frame[target.frame], target.tool, arrival.time)
-    hold(distance(tool.p, goal.p), MEET_M, "m", f"what is blended past is not {name}")
+    (goal,) = world.states([(world.frame[target.frame], target.tool, arrival.time)])
+    hold(math.dist(tool.p, goal.p), MEET_M, "m", f"what is blended past is not {name}")
     turned = abs(math.remainder(tool.yaw - goal.yaw, math.tau)) if target.turns else 0.0
     hold(turned, MEET_RAD, "rad", f"what is blended past is turned against {name}")
-    findings += tilted([past.tilt(past.start)[:2]] if target.tilt is not None else [], arrival, target)
+    findings += tilted([(tool.pitch, tool.roll)] if target.tilt is not None else [], arrival, target)
     off = float(np.abs(np.array(claimed.joints) - miss).max())
     hold(off, MISSED, "rad or m", f"a joint misses {name} by another amount")
-    off = abs(claimed.distance_m - distance(here.p, goal.p))
+    off = abs(claimed.distance_m - math.dist(here.p, goal.p))
     hold(off, MEET_M, "m", f"the tool misses {name} by another distance")
     return findings
 

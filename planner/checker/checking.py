@@ -5,21 +5,25 @@ It trusts request and facts (shapes, numbers of robots and laws), and nobody who
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from assur.planner.checker.blends import blends
 from assur.planner.checker.enclosure import enclosed
 from assur.planner.checker.legs import ends, order
 from assur.planner.checker.meeting import meetings
+from assur.planner.checker.nearest import WITHIN_M, nearest
 from assur.planner.checker.rows import Apart
-from assur.planner.checker.solids import Solids, solids
+from assur.planner.checker.solids import CARRIER, Solids, solids
 from assur.planner.checker.spline import excesses
 from assur.planner.checker.targets import targets
 from assur.planner.checker.tracking import arches, assembled, carried, straight, tracked
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.checker.world import World
+from assur.planner.frames import ALWAYS
 from assur.planner.model.digest import digest
-from assur.planner.model.outcome import Plan, covered
+from assur.planner.model.outcome import Nearest, Plan, covered
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Scene
 
@@ -27,8 +31,10 @@ KINDS = ("position", "velocity", "acceleration", "jerk")
 
 
 @np.errstate(all="ignore")
-def check(scene: Scene, plan: Plan) -> Verdict:
+def check(scene: Scene, plan: Plan, said: tuple[Nearest | None] | None = None) -> Verdict:
     """Whether `plan` does what `scene` asks and is proved to, from both alone (docs/guarantees.md).
+
+    `said`: what is claimed of the smallest clearance, (None,) being that there is nothing to keep apart; None: nothing.
 
     A plan of another task or robot gets findings, not exceptions. Not checked: that the plan is good; that a Cartesian
     leg is straight (that pitch and roll go along with it is); the working mode and the singularity margin, which are
@@ -58,8 +64,11 @@ def check(scene: Scene, plan: Plan) -> Verdict:
     of_plan = phases(scene, plan.legs, plan.arrivals)
     findings += carried(world, of_plan)
     table = solids(scene, of_plan)
-    apart = Apart(scene, of_plan, table, world.tables, certificate)
-    return Verdict.of(findings + _known(scene, table, of_plan) + apart.found() + enclosed(world, apart))
+    apart = Apart.of(scene, of_plan, table, world.tables)
+    claimed = -math.inf if said is None else math.inf if said[0] is None else said[0].gap_m - WITHIN_M
+    apart_findings, against = apart.found(certificate, claimed)
+    findings += _known(scene, table, of_plan) + apart_findings + enclosed(world, apart)
+    return Verdict.of(findings if said is None else findings + nearest(apart, said[0], against))
 
 
 def _strange(scene: Scene, plan: Plan) -> list[Finding]:
@@ -93,13 +102,13 @@ def limits(world: World, *, blended: bool) -> list[Finding]:
     """
     robot = world.scene.robot
     given, n = robot.limits, len(robot.joints)
-    half, middle = (given.upper - given.lower) / 2, (given.upper + given.lower) / 2
-    worst, when = np.zeros((4, n)), np.zeros((4, n))
-    allowed = np.stack([middle, half, given.velocity, given.acceleration, given.jerk])
-    own = world.tables[1][: len(world.knots.time)]
-    excesses(own, n, allowed, 3 if blended else 4, worst, when)
+    worst, when, allowed = np.zeros((4, n)), np.zeros((4, n)), np.empty((5, n))
+    allowed[0], allowed[1] = (given.upper + given.lower) / 2, (given.upper - given.lower) / 2
+    allowed[2], allowed[3], allowed[4] = given.velocity, given.acceleration, given.jerk
     findings: list[Finding] = []
-    for kind, joint in () if (worst <= 0.0).all() else np.argwhere(~(worst <= 0.0)):
+    if excesses(world.tables[1][: len(world.knots.time)], n, allowed, 3 if blended else 4, worst, when):
+        return findings
+    for kind, joint in np.argwhere(~(worst <= 0.0)):
         what = f"{robot.joints[joint].name} breaks its {KINDS[kind]} limit"
         unit = ("rad" if robot.joints[joint].kind == "revolute" else "m") + ("", "/s", "/s²", "/s³")[kind]
         findings.append(Finding(Code.LIMIT, what, float(worst[kind, joint]), unit, f"{when[kind, joint]:.6g} s"))
@@ -109,10 +118,13 @@ def limits(world: World, *, blended: bool) -> list[Finding]:
 def _known(scene: Scene, table: Solids, of_plan: tuple[Phase, ...]) -> list[Finding]:
     """Every frame that bears a body or guides the tool must be known for as long as it does."""
     findings, late = [], scene.execution.start_tolerance_s
+    carriers = table.seats[table.seat, CARRIER]
     for k, (name, frame) in enumerate(scene.frames.items(), start=table.links):
         first, last = frame.law.valid
+        if (first, last) == ALWAYS:
+            continue
         for i, phase in enumerate(of_plan):
-            needed = (table.carrier[table.seat[i]] == k).any() or phase.tracked == name
+            needed = phase.tracked == name or (carriers[i] == k).any()
             if needed and not (first <= phase.t0 and phase.t1 + late <= last):
                 missing = max(first - phase.t0, phase.t1 + late - last)
                 what = f"the motion of {name} is not known long enough"

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.checker.rows import Apart, asked_pairs
-from assur.planner.checker.separation import CENTRE, HALF, TURN, VERTEX, VERTICES
+from assur.planner.checker.rows import Apart
+from assur.planner.checker.solids import CARRIER, CENTRE, FIRST, HALF, TURN, VERTEX, VERTICES
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
 from assur.planner.geometry.containment import inside
@@ -23,15 +23,15 @@ def enclosed(world: World, apart: Apart) -> list[Finding]:
     hollow = [i for i, body in enumerate(table.bodies) if body.surface is not None]
     if not hollow:
         return []
-    asked = asked_pairs(world.scene, table) & ~apart.contact
-    asked |= np.swapaxes(asked, 1, 2)
-    findings, before = [], np.zeros(asked.shape[1:], dtype=np.bool_)
+    many = len(table.bodies)
+    findings, before = [], np.zeros((len(hollow), many), dtype=np.bool_)
     for i, phase in enumerate(apart.phases):
         if phase.t1 > phase.t0:
-            new, before = asked[i] & ~before, asked[i]
-            for shell in hollow:
-                if new[shell].any():
-                    findings += _inside(world, apart, i, shell, new[shell])
+            now = np.array([[apart.required(i, shell, body) for body in range(many)] for shell in hollow])
+            for shell, new in zip(hollow, now & ~before, strict=True):
+                if new.any():
+                    findings += _inside(world, apart, i, shell, new)
+            before = now
     return findings
 
 
@@ -41,14 +41,15 @@ def _inside(world: World, apart: Apart, number: int, shell: int, new: BoolArray)
     surface, seat, findings = table.bodies[shell].surface, int(table.seat[number, shell]), []
     if surface is None:
         return []
-    p, turn = world.place(int(table.carrier[seat]), t)
+    p, turn = world.place(int(table.seats[seat, CARRIER]), t)
     x, y, z, yaw = table.offset[seat]
     c, s = np.cos(yaw), np.sin(yaw)
     own = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     for body in np.flatnonzero(new):
         on = int(table.seat[number, body])
-        rows = table.table[table.first[on] : table.first[on] + table.count[body]]
-        at, turned = world.place(int(table.carrier[on]), t)
+        first = int(table.seats[on, FIRST])
+        rows = table.table[first : first + table.count[body]]
+        at, turned = world.place(int(table.seats[on, CARRIER]), t)
         points = at + np.array([_point(row, table.vertices) for row in rows]) @ turned.T
         local = ((points - p) @ turn - (x, y, z)) @ own
         # What is outside its box is outside the surface; NaN is not outside.

@@ -20,7 +20,8 @@ Jet = tuple[float, float, float, float, float, float]
 JET = "UniTuple(float64, 6)"
 RANGE = "UniTuple(float64, 2)"
 F1, F2, F3 = "float64[::1]", "float64[:, ::1]", "float64[:, :, ::1]"
-TABLES = f"UniTuple({F2}, 4)"
+TABLES = f"UniTuple({F2}, 6)"
+VECTOR = "UniTuple(float64, 3)"
 TURN = 2.0 * math.pi
 
 

@@ -7,17 +7,16 @@ indexer (F3), splines through keyframes (F5), all by their control values (V1).
 from __future__ import annotations
 
 import math
-from math import comb
+from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
 from assur.planner.checker import motion
-from assur.planner.checker.motion import DEGREE, FRAME, NEIGHBOUR, POLYNOMIAL, SWING, Tables
-from assur.planner.checker.spline import table
+from assur.planner.checker.motion import CONTROL, FRAME, NEIGHBOUR, PIECE, POLYNOMIAL, SWING, WIDTH, Tables
+from assur.planner.checker.spline import COLUMNS, curve
 from assur.planner.errors import FaultError
-from assur.planner.frames import Conveyor, Fixed, Indexer, Keyframes, Law, Linear, Pose, Swing, Turntable
+from assur.planner.frames import Conveyor, Fixed, Indexer, Keyframes, Law, Linear, Swing, Turntable
 from assur.planner.frames.ramps import Change
 from assur.planner.model.scene import Scene
 from assur.planner.robots.elbow_arm import ElbowArm
@@ -28,8 +27,10 @@ from assur.planner.robots.protocol import Robot
 from assur.planner.robots.scara import Scara
 from assur.planner.trajectory import Trajectory
 
-Piece = tuple[float, float, list[list[float]]]
-"""Begin, end, and for x, y, z, yaw the coefficients of the powers of the time since the begin."""
+Way = tuple[float, float, Sequence[float]]
+"""Begin, end, and the coefficients of the powers of the time since the begin."""
+Piece = tuple[float, float, Sequence[Sequence[float]]]
+"""The same of x, y, z and yaw."""
 FORMULAS = (Conveyor, Fixed, Indexer, Keyframes, Linear, Swing, Turntable)
 
 
@@ -44,24 +45,33 @@ class Neighbour(Protocol):
 
 
 def tables(scene: Scene, trajectory: Trajectory, until: float) -> Tables:
-    """The tables of a scene and a plan's trajectory; laws of frames up to the time `until`."""
+    """The tables of a scene and a plan's trajectory, without solids; laws of frames up to the time `until`."""
     moved: list[tuple[Robot, Trajectory]] = [(scene.robot, trajectory)]
-    frames = np.zeros((len(scene.frames), FRAME))
-    pieces: list[Piece] = []
+    frames, found = np.zeros((len(scene.frames), FRAME)), list[Piece]()
     for row, frame in zip(frames, scene.frames.values(), strict=True):
         law = frame.law
         if not isinstance(law, FORMULAS) and isinstance(law, Neighbour):
-            row[:] = NEIGHBOUR, *law.valid, len(moved), law.link, 0.0, 0.0
+            row[:] = NEIGHBOUR, *law.valid, len(moved), law.link, np.nan, 0.0, 0.0
             moved.append((law.robot, law.trajectory))
             continue
         own = _pieces(law, trajectory.start, until)
         swings = (SWING, law.pose.yaw, law.amplitude) if isinstance(law, Swing) else (POLYNOMIAL, 0.0, 0.0)
-        row[:] = swings[0], *law.valid, len(pieces), len(own), *swings[1:]
-        pieces += own
-    knots = [table(path.time, path.q, path.qd, path.qdd) for _, path in moved]
-    ends = np.cumsum([len(rows) for rows in knots])
-    arms = [_arm(robot, end - len(rows), end - 1) for (robot, _), rows, end in zip(moved, knots, ends, strict=True)]
-    return np.array(arms), np.concatenate(knots), frames, _controls(pieces)
+        degree = max(len(powers) for _, _, coordinates in own for powers in coordinates) - 1
+        row[:] = swings[0], *law.valid, len(found), len(own), degree, *swings[1:]
+        found += own
+    pieces = np.zeros((len(found), PIECE))
+    for row, (begin, end, coordinates) in zip(pieces, found, strict=True):
+        row[:CONTROL] = begin, end
+        for k, powers in enumerate(coordinates):
+            row[CONTROL + k * WIDTH : CONTROL + k * WIDTH + len(powers)] = powers
+    motion.control(frames, pieces)
+    curves = np.zeros((sum(len(path.time) for _, path in moved), COLUMNS))
+    arms, at = [], 0
+    for robot, path in moved:
+        curve(np.array(path.knots, order="C"), path.n, at, curves)
+        arms.append(_arm(robot, at, at + len(path.time) - 1))
+        at += len(path.time)
+    return np.array(arms), curves, frames, pieces, np.zeros((0, 1)), np.zeros((0, 3))
 
 
 def _arm(robot: Robot, first: int, last: int) -> list[float]:
@@ -81,56 +91,49 @@ def _arm(robot: Robot, first: int, last: int) -> list[float]:
     else:
         raise FaultError(f"the checker does not know the kinematics of {robot.name}")
     base = robot.base
-    row = [
-        float(family),
-        float(len(robot.joints)),
-        float(first),
-        float(last),
-        base.x,
-        base.y,
-        base.z,
-        base.yaw,
-        *numbers,
-    ]
-    return row + [0.0] * (motion.ARM - len(row))
+    own = [family, len(robot.joints), first, last, base.x, base.y, base.z, base.yaw, len(robot.links), *numbers]
+    return own + [0.0] * (motion.ARM - len(own))
 
 
 def _pieces(law: Law, start: float, until: float) -> list[Piece]:
     """The pieces of a law over [start, until] at least, or as far as it is known."""
-    if isinstance(law, Keyframes):
+    # not isinstance: the bases of laws make that slow
+    if type(law) is Keyframes:
         return _keyframes(law)
     pose = law.pose  # type: ignore[attr-defined]
-    along = (math.cos(pose.yaw), math.sin(pose.yaw), 0.0, 0.0)
-    if isinstance(law, Fixed):
-        return [_moved(pose, along, start, until, [0.0])]
-    if isinstance(law, Swing):
+    x, y, z, yaw = pose.x, pose.y, pose.z, pose.yaw
+    if type(law) is Fixed:
+        return [(start, until, ((x,), (y,), (z,), (yaw,)))]
+    if type(law) is Swing:
         w = 2.0 * math.pi / law.period
-        return [(start, until, [[pose.x], [pose.y], [pose.z], [w * start + law.phase, w]])]
-    if isinstance(law, Linear):
+        return [(start, until, ((x,), (y,), (z,), (w * start + law.phase, w)))]
+    if type(law) is Linear:
+        u, v, w = law.velocity
         gone = start - law.at_time
-        return [_moved(pose, (*law.velocity, 0.0), start, until, [gone, 1.0])]
-    if isinstance(law, Indexer):
-        turn = (0.0, 0.0, 0.0, 1.0) if law.kind == "turn" else along
-        return [_moved(pose, turn, *piece) for piece in _indexed(law, start, until)]
-    if isinstance(law, Turntable):
-        found = [_moved(pose, (0, 0, 0, 1), *p) for p in _ramped(law.rate, law.changes, law.at_time, start, until)]
-        for begin, _, coordinates in found:
-            coordinates[2] = [pose.z + law.rise * (begin - law.at_time), law.rise]
-        return found
-    if isinstance(law, Conveyor):
-        return [_moved(pose, along, *p) for p in _ramped(law.speed, law.changes, law.at_time, start, until)]
-    raise FaultError(f"the checker does not know the law {type(law).__name__}")
+        return [(start, until, ((x + u * gone, u), (y + v * gone, v), (z + w * gone, w), (yaw,)))]
+    if type(law) is Turntable:
+        ways = _ramped(law.rate, law.changes, law.at_time, start, until)
+        rise = law.rise
+        return [
+            (begin, end, ((x,), (y,), (z + rise * (begin - law.at_time), rise), (yaw + s[0], *s[1:])))
+            for begin, end, s in ways
+        ]
+    if type(law) is Conveyor:
+        ways = _ramped(law.speed, law.changes, law.at_time, start, until)
+    elif type(law) is Indexer:
+        ways = _indexed(law, start, until)
+        if law.kind == "turn":
+            return [(begin, end, ((x,), (y,), (z,), (yaw + s[0], *s[1:]))) for begin, end, s in ways]
+    else:
+        raise FaultError(f"the checker does not know the law {type(law).__name__}")
+    c, s_ = math.cos(yaw), math.sin(yaw)
+    return [
+        (begin, end, ((x + c * s[0], *(c * a for a in s[1:])), (y + s_ * s[0], *(s_ * a for a in s[1:])), (z,), (yaw,)))
+        for begin, end, s in ways
+    ]
 
 
-def _moved(pose: Pose, along: tuple[float, ...], begin: float, end: float, s: list[float]) -> Piece:
-    """What has gone s from `pose`, in coordinates by the shares `along`."""
-    at = (pose.x, pose.y, pose.z, pose.yaw)
-    return begin, end, [[one + k * s[0], *(k * c for c in s[1:])] for one, k in zip(at, along, strict=True)]
-
-
-def _ramped(
-    speed: float, changes: tuple[Change, ...], at_time: float, start: float, until: float
-) -> list[tuple[float, float, list[float]]]:
+def _ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: float, until: float) -> list[Way]:
     """The travel with changes of speed (R1), 0 at `at_time`: begin, end and coefficients of each piece."""
     edges: list[tuple[float, float, float, float]] = [(-math.inf, speed, 0.0, 0.0)]
     for change in changes:
@@ -148,7 +151,7 @@ def _ramped(
             edges.append((time, change.speed, 0.0, 0.0))
         speed = change.speed
     anchor = edges[1][0] if len(edges) > 1 else at_time
-    gone, found = 0.0, []
+    gone, found = 0.0, list[Way]()
     for k, (time, v, a, j) in enumerate(edges):
         begin, end = (anchor if k == 0 else time), (edges[k + 1][0] if k + 1 < len(edges) else math.inf)
         if k == 0 or end == math.inf:
@@ -165,9 +168,9 @@ def _ramped(
     return [(begin, end, [c[0] - zero, *c[1:]]) for begin, end, c in found if end > begin]
 
 
-def _indexed(law: Indexer, start: float, until: float) -> list[tuple[float, float, list[float]]]:
+def _indexed(law: Indexer, start: float, until: float) -> list[Way]:
     """The moves and dwells of an indexer (F3), from the cycle before the start."""
-    found = []
+    found = list[Way]()
     period = law.move_s + law.dwell_s
     for cycle in range(math.floor((start - law.start) / period) - 1, math.floor((until - law.start) / period) + 2):
         begin = law.start + cycle * period
@@ -200,16 +203,3 @@ def _keyframes(law: Keyframes) -> list[Piece]:
         b = (v[i] + v[i + 1] - 2.0 * d[i]) / h[i] ** 2
         found.append((float(t[i]), float(t[i + 1]), np.stack([x[i], v[i], a, b], -1).tolist()))
     return found
-
-
-def _controls(pieces: list[Piece]) -> FloatArray:
-    """The table of pieces: control values from coefficients, b_i = Σ_m C(i, m) / C(DEGREE, m) a_m h^m."""
-    powers = np.zeros((len(pieces), 4, DEGREE + 1))
-    for rows, (begin, end, coordinates) in zip(powers, pieces, strict=True):
-        for row, given in zip(rows, coordinates, strict=True):
-            row[: len(given)] = [a * (end - begin) ** m for m, a in enumerate(given)]
-    ends = np.array([piece[:2] for piece in pieces]).reshape(-1, 2)
-    return np.concatenate([ends, (powers @ _BERNSTEIN.T).reshape(len(pieces), -1)], axis=1)
-
-
-_BERNSTEIN = np.array([[comb(i, m) / comb(DEGREE, m) for m in range(DEGREE + 1)] for i in range(DEGREE + 1)])

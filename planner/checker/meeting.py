@@ -5,9 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
-from assur.planner.arrays import FloatArray
 from assur.planner.checker import along
 from assur.planner.checker.along import MEET_M
 from assur.planner.checker.legs import TIME_S
@@ -63,7 +60,7 @@ def _times(legs: tuple[Leg, ...], number: int) -> list[tuple[float, float]]:
 
 
 def _met(world: World, arrival: Arrival, target: Target) -> list[Finding]:
-    """At both ends of a dwell the tool is at its control point; at its begin it has what velocity is asked."""
+    """At both ends of a dwell the tool is at its control point; at its begin it has what velocity is required."""
     step, findings = target.step, []
     where = f"{arrival.time:.6g} s"
 
@@ -71,31 +68,31 @@ def _met(world: World, arrival: Arrival, target: Target) -> list[Finding]:
         if not off <= allowed:
             findings.append(Finding(code, what, off, unit, where))
 
-    missed = world.scene.options.blended and asks_passing(step)  # checker.blends says by how much
-    frame = world.frame[target.frame]
-    times = () if missed else (arrival.time, arrival.until)
-    if not missed:
-        findings += tilted([world.tilt(t)[:2] for t in times] if target.tilt is not None else [], arrival, target)
-    for t in times:
-        tool, goal = world.tool(t), world.state(frame, target.tool, t)
-        hold(Code.ARRIVAL, distance(tool.p, goal.p), MEET_M, "m", f"the tool is not at {step.name}")
-        turned = abs(math.remainder(tool.yaw - goal.yaw, math.tau)) if target.turns else 0.0
-        hold(Code.ARRIVAL, turned, MEET_RAD, "rad", f"the tool is turned against {step.name}")
-    tool, goal = world.tool(arrival.time), world.state(frame, target.tool, arrival.time)
-    off = max(distance(tool.p, arrival.pose.position), abs(math.remainder(tool.yaw - arrival.pose.yaw, math.tau)))
+    frame, tcp = world.frame[target.frame], world.scene.tool.tcp
+    tool, goal, left, behind = world.states(
+        [(c, pose, t) for t in (arrival.time, arrival.until) for c, pose in ((world.flange, tcp), (frame, target.tool))]
+    )
+    if not (world.scene.options.blended and asks_passing(step)):  # checker.blends says by how much those are missed
+        hands = ((tool.pitch, tool.roll), (left.pitch, left.roll))
+        findings += tilted(hands if target.tilt is not None else (), arrival, target)
+        for here, there in ((tool, goal), (left, behind)):
+            hold(Code.ARRIVAL, math.dist(here.p, there.p), MEET_M, "m", f"the tool is not at {step.name}")
+            turned = abs(math.remainder(here.yaw - there.yaw, math.tau)) if target.turns else 0.0
+            hold(Code.ARRIVAL, turned, MEET_RAD, "rad", f"the tool is turned against {step.name}")
+    said = arrival.pose
+    off = max(math.dist(tool.p, (said.x, said.y, said.z)), abs(math.remainder(tool.yaw - said.yaw, math.tau)))
     hold(Code.ARRIVAL, off, MEET_M, "m or rad", f"the arrival at {step.name} says another pose")
     if asks_velocity(step) and not arrival.matched:
         findings.append(Finding(Code.MATCH, f"the velocity of {step.name} is asked to be matched", where=where))
     if arrival.matched or asks_velocity(step):
-        hold(Code.MATCH, distance(tool.v, goal.v), MEET_M_S, "m/s", f"the tool has not the velocity of {step.name}")
+        hold(Code.MATCH, math.dist(tool.v, goal.v), MEET_M_S, "m/s", f"the tool has not the velocity of {step.name}")
         spin = abs(tool.yaw_d - goal.yaw_d) if target.turns else 0.0
         hold(Code.MATCH, spin, MEET_RAD_S, "rad/s", f"the tool has not the yaw rate of {step.name}")
         if target.tilt is not None:
-            fast = max(map(abs, world.tilt(arrival.time)[2:]))
+            fast = max(abs(tool.pitch_d), abs(tool.roll_d))
             hold(Code.MATCH, fast, MEET_RAD_S, "rad/s", f"the tool tilts or rolls when it meets {step.name}")
     if asks_rest(step):
-        fast = float(np.abs(world.joints(arrival.time, arrival.time)[:, 2]).max())
-        hold(Code.MATCH, fast, MEET_RAD_S, "1/s", f"the arm does not stand when it meets {step.name}")
+        hold(Code.MATCH, tool.fastest, MEET_RAD_S, "1/s", f"the arm does not stand when it meets {step.name}")
     return findings
 
 
@@ -134,17 +131,19 @@ def _in_window(world: World, arrival: Arrival, target: Target) -> list[Finding]:
             findings.append(Finding(Code.WINDOW, f"{name} has a window in metres, and is not on a conveyor"))
         return findings
     yaw = law.pose.yaw
-    way = np.array((math.cos(yaw), math.sin(yaw), 0.0) if isinstance(law, Conveyor) else law.velocity)
-    u = way / math.hypot(*way) if way.any() else np.array([1.0, 0.0, 0.0])
-    frame, zero = world.frame[target.frame], float(law.pose.position @ u)
+    way = (math.cos(yaw), math.sin(yaw), 0.0) if isinstance(law, Conveyor) else law.velocity
+    length = math.hypot(*way)
+    u = tuple(share / length for share in way) if length > 0.0 else (1.0, 0.0, 0.0)
+    frame, zero = world.frame[target.frame], _along(law.pose.position.tolist(), u)
     if arrival.along_m is not None:
-        off = abs(arrival.along_m + zero - float(world.state(frame, target.point, arrival.time).p @ u))
+        (point,) = world.states([(frame, target.point, arrival.time)])
+        off = abs(arrival.along_m + zero - _along(point.p, u))
         if not off <= MEET_M:
             findings.append(Finding(Code.ARRIVAL, f"{name} is not that far along its conveyor", off, "m"))
     if window.along is not None:
         low, high = window.along
         asked = [(along.FRAME, frame), (along.FOLLOWS, zero + low), (along.HEIGHT, zero + high)]
-        asked += [(along.TCP + k, float(u[k])) for k in range(3)] + posed(target.point)
+        asked += [(along.TCP + k, u[k]) for k in range(3)] + posed(target.point)
         excess = world.keeps(along.ALONG, asked, arrival.time, arrival.until)
         if excess is not None:
             where, amount = f"{excess.time:.6g} s", excess.amount + MEET_M
@@ -157,6 +156,5 @@ def posed(pose: object) -> list[tuple[int, float]]:
     return [(along.POINT + k, getattr(pose, name)) for k, name in enumerate(("x", "y", "z", "yaw"))]
 
 
-def distance(one: FloatArray, other: FloatArray) -> float:
-    """Of two points, or two velocities (3,)."""
-    return float(np.sqrt(((one - other) ** 2).sum()))
+def _along(point: Sequence[float], u: Sequence[float]) -> float:
+    return sum(one * other for one, other in zip(point, u, strict=True))

@@ -32,21 +32,23 @@ from assur.planner.compiled import kernel
 JETS = 12
 """Rows of a carrier: x, y, z, then the columns of its rotation."""
 SCARA, ELBOW, POLAR, FIVE_AXIS, FIVE_BAR = range(5)
-FAMILY, AXIS_COUNT, FIRST_KNOT, LAST_KNOT, BASE, NUMBERS, ARM = 0, 1, 2, 3, 4, 8, 16
-"""Columns of an arm: its family, number of joints, knots, pose of its base (x, y, z, yaw), and the family's numbers:
-SCARA l1, l2, whether the lift carries the arms; ELBOW height, l1, l2; POLAR height; FIVE_AXIS height, l1, l2, l3;
-FIVE_BAR separation, left and right crank, left and right coupler, sign of the assembly mode; how many columns."""
+FAMILY, AXIS_COUNT, FIRST_KNOT, LAST_KNOT, BASE, LINKS, NUMBERS, ARM = 0, 1, 2, 3, 4, 8, 9, 16
+"""Columns of an arm: its family, number of joints, knots, pose of its base (x, y, z, yaw), number of links, and the
+family's numbers: SCARA l1, l2, whether the lift carries the arms; ELBOW height, l1, l2; POLAR height; FIVE_AXIS height,
+l1, l2, l3; FIVE_BAR separation, left and right crank, left and right coupler, sign of the assembly mode; how many."""
 POLYNOMIAL, SWING, NEIGHBOUR = range(3)
-KIND, SINCE, UNTIL, FIRST, COUNT, MEAN, AMPLITUDE, FRAME = range(8)
-"""Columns of a frame: its kind, when its law is known, first row and number of its pieces; how many columns. SWING:
-the yaw is MEAN + AMPLITUDE times the sine of the yaw of its pieces. NEIGHBOUR: FIRST is the row of its arm, COUNT the
-number of its link."""
-DEGREE = 7
-BEGIN, END, CONTROL = 0, 1, 2
-"""Columns of a piece of a law: [begin, end], and from CONTROL on DEGREE + 1 control values each of x, y, z and yaw."""
+KIND, SINCE, UNTIL, FIRST, COUNT, DEGREE, MEAN, AMPLITUDE, FRAME = range(9)
+"""Columns of a frame: its kind, when its law is known, first row and number of its pieces, and their degree (0: it
+stands still); how many columns. SWING: the yaw is MEAN + AMPLITUDE times the sine of the yaw of its pieces. NEIGHBOUR:
+FIRST is the row of its arm, COUNT the number of its link, DEGREE none."""
+MOST_DEGREE = 7
+BEGIN, END, CONTROL, WIDTH, PIECE = 0, 1, 2, MOST_DEGREE + 1, 2 + 4 * (MOST_DEGREE + 1)
+"""Columns of a piece of a law: [begin, end], and from CONTROL on WIDTH columns each for the control values of x, y, z
+and yaw; how many columns."""
 MOST_LINKS = 8
-Tables = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-"""Arms (the own one first), knots of all trajectories, frames, and pieces of their laws."""
+Tables = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""Arms (the own one first), curves of all trajectories, frames, and pieces of their laws; solids, and vertices of hulls
+(`assur.planner.checker.solids`)."""
 
 
 @kernel(f"{JET}({F2}, int64)")
@@ -196,41 +198,55 @@ def links(arm: FloatArray, q: FloatArray, jets: FloatArray, c: int) -> bool:
     return True
 
 
-@kernel(f"void({F2}, int64, float64, float64, {F2}, {F2})")
-def polynomial(pieces: FloatArray, i: int, t0: float, t1: float, c: FloatArray, found: FloatArray) -> None:
-    """Widens the jets (4, 6) of x, y, z and yaw by a piece of a law over its part of [t0, t1]; c (4, 8): work."""
-    h = pieces[i, END] - pieces[i, BEGIN]
-    s0 = min(max((t0 - pieces[i, BEGIN]) / h, 0.0), 1.0)
-    s1 = min(max((t1 - pieces[i, BEGIN]) / h, s0), 1.0)
-    for k in range(4):
-        for m in range(DEGREE + 1):
-            c[0, m] = pieces[i, CONTROL + k * (DEGREE + 1) + m]
-        for order in range(3):
-            degree = DEGREE - order
-            for m in range(degree + 1):
-                if order > 0:
-                    c[order, m] = (degree + 1) * (c[order - 1, m + 1] - c[order - 1, m]) / h
-                c[3, m] = c[order, m]
-            cut(c[3], degree, s0, s1)
-            widen(c[3], degree, found[k], order)
+@kernel(f"void({F2}, {F2})")
+def control(frames: FloatArray, pieces: FloatArray) -> None:
+    """Control values of pieces in place of the coefficients a_m of the powers of the time since the begin of each:
+    b_i = Σ_m C(i, m) / C(degree, m) a_m h^m."""
+    for f in range(len(frames)):
+        own = int(frames[f, KIND]) != NEIGHBOUR
+        first, count, degree = int(frames[f, FIRST]), int(frames[f, COUNT]), int(frames[f, DEGREE]) if own else 0
+        for i in range(first, first + count if own else first):
+            h = pieces[i, END] - pieces[i, BEGIN]
+            for k in range(4):
+                b, share = pieces[i, CONTROL + k * WIDTH : CONTROL + (k + 1) * WIDTH], 1.0
+                for m in range(1, degree + 1):
+                    share *= h * m / (degree + 1 - m)
+                    b[m] *= share
+                for r in range(degree):
+                    for m in range(degree, r, -1):
+                        b[m] += b[m - 1]
 
 
 @kernel(f"boolean({F1}, float64, float64, {F2}, {F3}, int64)")
 def fixed_law(frame: FloatArray, t0: float, t1: float, pieces: FloatArray, jets: FloatArray, c: int) -> bool:
     """`carry` of a frame whose law is a formula."""
-    found, work, first = np.empty((4, 6)), np.empty((4, DEGREE + 1)), int(frame[FIRST])
+    found, work, rate, first = np.empty((4, 6)), np.empty(WIDTH), np.empty(WIDTH), int(frame[FIRST])
+    degree, last = int(frame[DEGREE]), first + int(frame[COUNT]) - 1
     for k in range(4):
         for order in range(3):
             found[k, 2 * order], found[k, 2 * order + 1] = np.inf, -np.inf
-    i, last = first, first + int(frame[COUNT]) - 1
     if not (pieces[first, BEGIN] <= t0 and t1 <= pieces[last, END]):
         return False
+    i = first
     while i < last and not t0 < pieces[i, END]:
         i += 1
-    polynomial(pieces, i, t0, t1, work, found)
-    while i < last and pieces[i, END] < t1:
+    while i <= last:
+        h = pieces[i, END] - pieces[i, BEGIN]
+        s0 = min(max((t0 - pieces[i, BEGIN]) / h, 0.0), 1.0)
+        s1 = min(max((t1 - pieces[i, BEGIN]) / h, s0), 1.0)
+        for k in range(4):
+            for m in range(degree + 1):
+                rate[m] = pieces[i, CONTROL + k * WIDTH + m]
+            for order in range(3):
+                left = max(degree - order, 0)
+                for m in range(left + 1):
+                    work[m] = rate[m]
+                    rate[m] = left * (rate[m + 1] - rate[m]) / h if m < left else 0.0
+                cut(work, left, s0, s1)
+                widen(work, left, found, k, order)
+        if t1 <= pieces[i, END]:
+            break
         i += 1
-        polynomial(pieces, i, t0, t1, work, found)
     yaw = jet_of(found, 3)
     if int(frame[KIND]) == SWING:
         yaw = plus(constant(frame[MEAN]), scaled(frame[AMPLITUDE], turned(yaw)[1]))
@@ -239,15 +255,21 @@ def fixed_law(frame: FloatArray, t0: float, t1: float, pieces: FloatArray, jets:
     return True
 
 
-@kernel(f"boolean(int64, int64, float64, float64, {TABLES}, {F3})")
-def carry(c: int, count: int, t0: float, t1: float, tables: Tables, jets: FloatArray) -> bool:
-    """Jets over [t0, t1] of carrier c: a link of the arm, of `count`, and then of all of them, or a frame behind.
+@kernel(f"{F3}({TABLES})")
+def all_jets(tables: Tables) -> FloatArray:
+    """Room for the jets of all carriers, and of the links of a neighbour's arm behind them."""
+    return np.zeros((int(tables[0][0, LINKS]) + len(tables[2]) + MOST_LINKS, JETS, 6))
 
-    `jets` has MOST_LINKS rows more than there are carriers. False: not known, or not assembled, throughout.
+
+@kernel(f"boolean(int64, float64, float64, {TABLES}, {F3})")
+def carry(c: int, t0: float, t1: float, tables: Tables, jets: FloatArray) -> bool:
+    """Jets over [t0, t1] of carrier c: a link of the arm, and then of all of them, or a frame behind those.
+
+    `jets`: as `all_jets` has them. False: not known, or not assembled, throughout.
     """
-    arms, knots, frames, pieces = tables
-    q, work = np.empty((8, 6)), np.empty((4, DEGREE + 1))
-    arm, at, frame = 0, 0, c - count
+    arms, curves, frames, pieces, _, _ = tables
+    q = np.empty((8, 6))
+    arm, at, frame = 0, 0, c - int(arms[0, LINKS])
     if frame >= 0:
         if not (frames[frame, SINCE] <= t0 and t0 <= t1 and t1 <= frames[frame, UNTIL]):
             return False
@@ -255,7 +277,7 @@ def carry(c: int, count: int, t0: float, t1: float, tables: Tables, jets: FloatA
             return fixed_law(frames[frame], t0, t1, pieces, jets, c)
         arm, at = int(frames[frame, FIRST]), len(jets) - MOST_LINKS
     row = arms[arm]
-    joints(knots, int(row[FIRST_KNOT]), int(row[LAST_KNOT]), int(row[AXIS_COUNT]), t0, t1, work, q)
+    joints(curves, int(row[FIRST_KNOT]), int(row[LAST_KNOT]), int(row[AXIS_COUNT]), t0, t1, q)
     if not links(row, q, jets, at):
         return False
     if frame >= 0:

@@ -1,4 +1,4 @@
-"""Whether a row of the certificate keeps two solids apart (equations C1, C3, C4 in docs/guarantees.md).
+"""Whether two solids stay apart over an interval of time (equations C1, C3, C4 in docs/guarantees.md).
 
 For points x of the one and y of the other f(t) = n·(y - x) leaves its chord downwards by at most M h²/8 with M >= f''.
 Terms of a support function that do not change as a solid turns (a ball; the disc of a solid of revolution that stands
@@ -8,7 +8,12 @@ a box, vertices, a disc that lies. With c, d the centres and r_x, r_y the distan
     M = max n·(d'' - c'') + |n| (r_x |R_x''| + r_y |R_y''|)                                                   (C7)
 
 where |R''| is the length of the second derivatives of the axes' coordinates; on an upright carrier one axis, its
-horizontal coordinates and the horizontal part of n are enough. An interval that this does not do for is halved.
+horizontal coordinates and the horizontal part of n are enough. An interval that this does not do for is halved, with
+all that is open in it: what moves is computed once for all pairs.
+
+Two things are asked of a pair: that the normal of its row proves the distance required, and that some normal proves the
+clearance which the answer claims. For the second the normal is that of the shortest way between both at the middle of
+the interval; it is a hint, and need not be exact.
 """
 
 from __future__ import annotations
@@ -18,145 +23,273 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.jets import F1, F2, F3, TABLES, product, size
-from assur.planner.checker.motion import JETS, MOST_LINKS, Tables, carry
+from assur.planner.checker.jets import F1, F2, F3, TABLES, VECTOR
+from assur.planner.checker.motion import DEGREE, KIND, LINKS, POLYNOMIAL, SINCE, UNTIL, Tables, carry
+from assur.planner.checker.solids import BALL, Vector, farthest, moving
 from assur.planner.compiled import kernel
 
-CENTRE, TURN, HALF, DISC, BALL, VERTEX, VERTICES, ARM_FLAT, ARM, SOLID = 0, 3, 12, 15, 16, 17, 18, 19, 20, 21
-"""Columns of a solid, in its carrier: centre, axes (columns one after the other), half sizes of the box, disc across
-the z axis, ball (S1), first row and number of the vertices of a hull; how far points that count are from the vertical
-through its centre, and from its centre; how many columns."""
-T0, T1, ONE, ONE_ON, OTHER, OTHER_ON, NORMAL, NEED, DRIFT, LATE, ROW = 0, 1, 2, 3, 4, 5, 6, 9, 10, 11, 12
-"""Columns of a row: its interval; solid and carrier of both (-1: the origin of the world); normal; the distance that is
-required, what is added to it for each second, and the dispatch that may be late (C5); how many columns."""
+ROW, ONE, ONE_ON, OTHER, OTHER_ON, PIECES, OTHERS, NORMAL, NEED, DRIFT, LATE, PROVE, CLAIM, HINT, ITEM = (
+    0, 1, 2, 3, 4, 5, 6, 7, 10, 11, 12, 13, 14, 15, 18,
+)  # fmt: skip
+"""Columns of a pair that is open: row of the certificate (-1: none); solid and carrier of both (-1: the origin of the
+world); how many pieces stand before each in the table, if it is the box of a body (0: it is no box, or of one piece);
+normal; the distance required, what is added to it for each second, and the dispatch that may be late (C5); whether the
+row, and whether the claim, is still to be proved; a normal that was good for the claim; how many columns."""
+CLAIMED, REACHED, WHEN, PAIR_ONE, PAIR_OTHER, WORK, WRONG, STATE = range(8)
+"""Numbers of a proof: the clearance claimed (-inf: none); what stands against it: a smaller distance that is reached
+(inf: none; NaN: it could not be shown not to be), when, and of which solids; how much was
+looked at; rows that mean or prove nothing; how many."""
 SLACK_M = 1e-9
 """Taken off each gap, m, for its rounding: some twenty terms of a few metres, each rounded to 1e-15 m."""
-HALVINGS = 10
-"""How often an interval may be halved: most rows need none or one, a wide interval of a five-bar up to six."""
-FINER = 2
-"""How often the interval of a row of one body alone is halved: what will be required of it is not known yet."""
+HALVINGS, FINER, DEEPEST = 10, 2, 24
+"""How often an interval may be halved for a row: most need none or one, a wide interval of a five-bar up to six; how
+often that of a row of one body alone is: what will be required of it is not known yet; and for the claim."""
 MOST = 4_000_000
-"""Parts of intervals in one check, after which rows are refused: some 10 s."""
+"""Pairs in parts of intervals in one check, after which all is refused: some seconds."""
+NEAR_M, STEPS = 1e-6, 32
+"""A distance at an instant is known well enough to this, m; and steps after which its search ends in any case."""
+OPEN, HOLDS, FAILS, BOXES = range(4)
+OVER, BEGIN, END, LATER, MIDDLE, PLACES = range(6)
+"""For what the jets of all carriers are kept: an interval, its ends (the one that is behind may change places with the
+one before), the interval with a late dispatch, the middle; how many."""
+F4 = "float64[:, :, :, ::1]"
+"""Jets (PLACES, carriers + MOST_LINKS, JETS, 6)."""
 
 
-@kernel(f"float64({F1}, {F3}, int64, {F2}, float64, float64, float64)")
-def support(
-    solid: FloatArray, jets: FloatArray, c: int, vertices: FloatArray, nx: float, ny: float, nz: float
-) -> float:
-    """max of n·x over a solid on carrier c, where the jets, of an instant, have it (S1)."""
-    local = (
-        nx * jets[c, 3, 0] + ny * jets[c, 4, 0] + nz * jets[c, 5, 0],
-        nx * jets[c, 6, 0] + ny * jets[c, 7, 0] + nz * jets[c, 8, 0],
-        nx * jets[c, 9, 0] + ny * jets[c, 10, 0] + nz * jets[c, 11, 0],
-    )
-    found: float = nx * jets[c, 0, 0] + ny * jets[c, 1, 0] + nz * jets[c, 2, 0]
-    u, v, w = 0.0, 0.0, 0.0
-    for k in range(3):
-        found += local[k] * solid[CENTRE + k]
-        u += local[k] * solid[TURN + k]
-        v += local[k] * solid[TURN + 3 + k]
-        w += local[k] * solid[TURN + 6 + k]
-    found += abs(u) * solid[HALF] + abs(v) * solid[HALF + 1] + abs(w) * solid[HALF + 2]
-    found += solid[DISC] * math.sqrt(u * u + v * v) + solid[BALL] * math.sqrt(u * u + v * v + w * w)
-    first, most = int(solid[VERTEX]), -math.inf
-    for i in range(first, first + int(solid[VERTICES])):
-        most = max(most, u * vertices[i, 0] + v * vertices[i, 1] + w * vertices[i, 2])
-    return found + most if solid[VERTICES] > 0.0 else found
+Work = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+"""Jets; for which time they are known (PLACES, carriers, 3): begin, end, and whether they are; room for items that are
+open (.., ITEM), and for intervals (.., 5)."""
+WORK_ROOM = f"Tuple(({F4}, {F3}, {F2}, {F2}))"
 
 
-@kernel(f"UniTuple(float64, 3)({F1}, {F3}, int64, boolean, int64, float64, float64, float64)")
-def moving(
-    solid: FloatArray, jets: FloatArray, c: int, tilts: bool, order: int, nx: float, ny: float, nz: float
-) -> tuple[float, float, float]:
-    """Bounds of n·c of a solid's centre c, differentiated `order` times, and how far that of its points may be off."""
-    low, high = 0.0, 0.0
-    for k in range(3):
-        n = nx if k == 0 else (ny if k == 1 else nz)
-        for axis in range(4):
-            jet = jets[c, 3 * axis + k]
-            share = n if axis == 0 else n * solid[CENTRE + axis - 1]
-            bounds = product(share, share, jet[2 * order], jet[2 * order + 1])
-            low += bounds[0]
-            high += bounds[1]
-    if tilts:
-        return low, high, solid[ARM] * size(jets, c, 3, JETS, order)
-    return low, high, solid[ARM_FLAT] * math.sqrt(nx * nx + ny * ny) * size(jets, c, 3, 5, order)
+@kernel(f"{VECTOR}({F1}, int64)")
+def vector(row: FloatArray, at: int) -> Vector:
+    """Three numbers of a row."""
+    return row[at], row[at + 1], row[at + 2]
 
 
-@kernel(f"boolean(int64, int64, float64, float64, {TABLES}, {F3}, {F2})")
-def carried(c: int, count: int, t0: float, t1: float, tables: Tables, jets: FloatArray, known: FloatArray) -> bool:
-    """`carry`, which is not done again for the same interval: `known` (carriers, 3) has those of the jets and whether
-    they are known. The links of the arm, of `count`, are known together."""
+@kernel(f"boolean(int64, int64, float64, float64, {TABLES}, {F4}, {F3})")
+def carried(place: int, c: int, t0: float, t1: float, tables: Tables, jets: FloatArray, known: FloatArray) -> bool:
+    """`carry`, which is not done again for the same interval, nor for what stands still. The links of the arm are known
+    together; the origin (-1) always is."""
+    if c < 0:
+        return True
+    count, stands = int(tables[0][0, LINKS]), False
     k = 0 if c < count else c
-    if not (known[k, 0] == t0 and known[k, 1] == t1):
-        known[k, 2] = 1.0 if carry(k, count, t0, t1, tables, jets) else 0.0
-        known[k, 0], known[k, 1] = t0, t1
-    return bool(known[k, 2] > 0.0)
+    now = known[place, k]
+    if c >= count:
+        frame = tables[2][c - count]
+        stands = frame[KIND] == POLYNOMIAL and frame[DEGREE] == 0.0 and frame[SINCE] <= t0 and t1 <= frame[UNTIL]
+    if not (now[0] == t0 and now[1] == t1) and not (stands and now[2] > 0.0):
+        now[2] = 1.0 if carry(k, t0, t1, tables, jets[place]) else 0.0
+        now[0], now[1] = t0, t1
+    return bool(now[2] > 0.0)
 
 
-@kernel(f"void({F2}, int64, {F1}, {F2}, {F2}, {TABLES}, {F1})")
-def spare(
-    rows: FloatArray,
-    count: int,
-    tilts: FloatArray,
-    solids: FloatArray,
-    vertices: FloatArray,
-    tables: Tables,
-    found: FloatArray,
-) -> None:
-    """By how much, m, each row (N, ROW) proves more than is required, into `found`; less than 0 or NaN: it does not.
+@kernel(f"float64({TABLES}, {F3}, int64, int64, {VECTOR})")
+def support(tables: Tables, jets: FloatArray, solid: int, c: int, n: Vector) -> float:
+    """max of n·x over a solid on carrier c at the instant of the jets."""
+    x = farthest(tables[4][solid], jets, c, tables[5], n, 1.0)
+    return n[0] * x[0] + n[1] * x[1] + n[2] * x[2]
 
-    `tilts` (carriers,): whether they tilt. Of a row of one body alone, it is the distance that it proves.
+
+@kernel(f"float64({TABLES}, {F3}, {F1}, {VECTOR})")
+def gap(tables: Tables, jets: FloatArray, item: FloatArray, n: Vector) -> float:
+    """The support gap (C1) of a pair at the instant of the jets."""
+    found = -support(tables, jets, int(item[ONE]), int(item[ONE_ON]), n)
+    if item[OTHER] >= 0.0:
+        found -= support(tables, jets, int(item[OTHER]), int(item[OTHER_ON]), (-n[0], -n[1], -n[2]))
+    return found
+
+
+@kernel(f"UniTuple(float64, 2)({TABLES}, {F4}, {F1}, float64, {VECTOR})")
+def least(tables: Tables, jets: FloatArray, item: FloatArray, h: float, n: Vector) -> tuple[float, float]:
+    """The least gap of a pair at the ends of an interval of length h, and by how much it falls below over it (C3)."""
+    a = moving(tables[4][int(item[ONE])], jets[OVER], int(item[ONE_ON]), 2, n)
+    bend = a[2] - a[0]
+    if item[OTHER] >= 0.0:
+        b = moving(tables[4][int(item[OTHER])], jets[OVER], int(item[OTHER_ON]), 2, n)
+        bend += b[1] + b[2]
+    ends = min(gap(tables, jets[BEGIN], item, n), gap(tables, jets[END], item, n))
+    return ends - SLACK_M, max(bend, 0.0) * h * h / 8.0
+
+
+@kernel(f"int64({F2}, int64)")
+def nearest_face(points: FloatArray, many: int) -> int:
+    """Of a point, or of the segment or triangle of it and one or two others of `points` (5, 3), that comes nearest to
+    the origin: its corners are moved to the front, and the place of the origin on it into row 4; how many corners.
+
+    The points are rows 0 to `many` - 1, and the last one is a corner in any case.
     """
-    carriers, work = len(tilts), 0
-    shape = (carriers + MOST_LINKS, JETS, 6)
-    over, begin, end, later = np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape)
-    known = np.full((4, carriers, 3), np.nan)
-    stack = np.empty((HALVINGS + 2, 3))
-    for i in range(len(rows)):
-        one, other = int(rows[i, ONE]), int(rows[i, OTHER])
-        on, beside = int(rows[i, ONE_ON]), int(rows[i, OTHER_ON])
-        nx, ny, nz = rows[i, NORMAL], rows[i, NORMAL + 1], rows[i, NORMAL + 2]
-        pair, late = other >= 0, rows[i, LATE]
-        found[i] = np.inf
-        stack[0, 0], stack[0, 1], stack[0, 2], top = rows[i, T0], rows[i, T1], 0.0, 1
-        while top > 0 and (found[i] >= 0.0 or (found[i] > -np.inf and not pair)):
-            top -= 1
-            work += 1
-            t0, t1, depth = stack[top, 0], stack[top, 1], stack[top, 2]
-            g0, g1, need, high = np.nan, np.nan, rows[i, NEED] + SLACK_M, np.inf
-            ok = work <= MOST
-            for c in (on, beside):
-                if ok and c >= 0:
-                    ok = carried(c, count, t0, t1, tables, over, known[0])
-                    ok = ok and carried(c, count, t0, t0, tables, begin, known[1])
-                    ok = ok and carried(c, count, t1, t1, tables, end, known[2])
-            if ok:
-                g0 = -support(solids[one], begin, on, vertices, nx, ny, nz)
-                g1 = -support(solids[one], end, on, vertices, nx, ny, nz)
-                a = moving(solids[one], over, on, tilts[on] > 0.0, 2, nx, ny, nz)
-                high = a[2] - a[0]
-                if pair:
-                    g0 -= support(solids[other], begin, beside, vertices, -nx, -ny, -nz)
-                    g1 -= support(solids[other], end, beside, vertices, -nx, -ny, -nz)
-                    b = moving(solids[other], over, beside, tilts[beside] > 0.0, 2, nx, ny, nz)
-                    high += b[1] + b[2]
-                    world = beside if on < count else on
-                    if late > 0.0 and world >= count:
-                        ok = carried(world, count, t0, t1 + late, tables, later, known[3])
-                        solid = solids[other] if on < count else solids[one]
-                        v = moving(solid, later, world, False, 1, nx, ny, nz)
-                        need += late * (max(abs(v[0]), abs(v[1])) + v[2])
-                    need += rows[i, DRIFT] * (t1 + late)
-            taken = min(g0, g1) - need
-            bound = taken - max(high, 0.0) * (t1 - t0) * (t1 - t0) / 8.0
-            if not (ok and bound > -np.inf):
-                bound = -np.inf  # a closed chain may be known to assemble over halves of what is too wide
-            done = bound >= 0.0 or taken < 0.0 if pair else bound > -np.inf and depth >= FINER
-            if done or depth >= HALVINGS:
-                found[i] = min(found[i], bound)
+    last = many - 1
+    x, y, z = points[last, 0], points[last, 1], points[last, 2]
+    best, one, other = x * x + y * y + z * z, -1, -1
+    points[4, 0], points[4, 1], points[4, 2] = x, y, z
+    for i in range(last):
+        ax, ay, az = points[i, 0] - x, points[i, 1] - y, points[i, 2] - z
+        size = ax * ax + ay * ay + az * az
+        t = -(x * ax + y * ay + z * az) / size if size > 0.0 else 0.0
+        px, py, pz = x + t * ax, y + t * ay, z + t * az
+        if 0.0 < t <= 1.0 and px * px + py * py + pz * pz < best:
+            best, one, other = px * px + py * py + pz * pz, i, -1
+            points[4, 0], points[4, 1], points[4, 2] = px, py, pz
+        for j in range(i):
+            bx, by, bz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
+            cx, cy, cz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+            size = cx * cx + cy * cy + cz * cz
+            if not size > 0.0:
                 continue
-            middle = (t0 + t1) / 2.0
-            stack[top, 0], stack[top, 1], stack[top, 2] = t0, middle, depth + 1.0
-            stack[top + 1, 0], stack[top + 1, 1], stack[top + 1, 2] = middle, t1, depth + 1.0
+            t = (cx * x + cy * y + cz * z) / size
+            px, py, pz = t * cx, t * cy, t * cz
+            ux, uy, uz = px - x, py - y, pz - z
+            r = ((uy * bz - uz * by) * cx + (uz * bx - ux * bz) * cy + (ux * by - uy * bx) * cz) / size
+            s = ((ay * uz - az * uy) * cx + (az * ux - ax * uz) * cy + (ax * uy - ay * ux) * cz) / size
+            if r >= 0.0 and s >= 0.0 and r + s <= 1.0 and px * px + py * py + pz * pz < best:
+                best, one, other = px * px + py * py + pz * pz, i, j
+                points[4, 0], points[4, 1], points[4, 2] = px, py, pz
+    kept = 0
+    for i in range(last):
+        if i in (one, other):
+            points[kept] = points[i]
+            kept += 1
+    points[kept] = points[last]
+    return kept + 1
+
+
+@kernel(f"UniTuple(float64, 2)({TABLES}, {F3}, {F1}, float64)")
+def distance(tables: Tables, jets: FloatArray, item: FloatArray, claimed: float) -> tuple[float, float]:
+    """Of a pair at the instant of the jets, from below and from above; the normal goes into HINT of the item.
+
+    The origin's way to the differences of their points, step by step to the one that is farthest against it. It ends as
+    soon as the lower value exceeds what is claimed by most of what it can, or the upper one falls short of it.
+    """
+    one, other, on, beside = int(item[ONE]), int(item[OTHER]), int(item[ONE_ON]), int(item[OTHER_ON])
+    balls, points = tables[4][one, BALL] + tables[4][other, BALL], np.empty((5, 3))
+    n, many, low, high = vector(item, HINT), 0, -math.inf, math.inf
+    for _ in range(STEPS):
+        a = farthest(tables[4][one], jets, on, tables[5], n, 0.0)
+        b = farthest(tables[4][other], jets, beside, tables[5], (-n[0], -n[1], -n[2]), 0.0)
+        apart = n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2]) - balls
+        if apart > low:
+            low, item[HINT], item[HINT + 1], item[HINT + 2] = apart, n[0], n[1], n[2]
+        if not (high - low > NEAR_M and high >= claimed and low - claimed < 0.75 * (high - claimed)):
+            break
+        for k in range(3):
+            points[many, k] = b[k] - a[k]
+        many = nearest_face(points, many + 1)
+        size = math.sqrt(points[4, 0] ** 2 + points[4, 1] ** 2 + points[4, 2] ** 2)
+        if not (size > 0.0 and size - balls < high):
+            high = min(high, max(size - balls, 0.0))
+            break
+        high = size - balls
+        n = (points[4, 0] / size, points[4, 1] / size, points[4, 2] / size)
+    return low, high
+
+
+@kernel(f"int64({TABLES}, {F4}, {F1}, float64, float64, {F1})")
+def claim_of(tables: Tables, jets: FloatArray, item: FloatArray, h: float, t: float, state: FloatArray) -> int:
+    """Whether a pair is proved to keep the clearance claimed over an interval, with t in its middle: HOLDS, or is OPEN,
+    or FAILS at t, which goes into the state. Of BOXES that come too near the pieces are to be looked at."""
+    low, sag = least(tables, jets, item, h, vector(item, HINT))
+    if low - sag >= state[CLAIMED]:
+        return HOLDS
+    high = distance(tables, jets[MIDDLE], item, state[CLAIMED])[1]
+    if high < state[CLAIMED]:
+        if item[PIECES] > 0.0 or item[OTHERS] > 0.0:
+            return BOXES
+        state[REACHED], state[WHEN], state[PAIR_ONE], state[PAIR_OTHER] = high, t, item[ONE], item[OTHER]
+        return FAILS
+    low, sag = least(tables, jets, item, h, vector(item, HINT))
+    return HOLDS if low - sag >= state[CLAIMED] else OPEN
+
+
+@kernel(f"int64({F2}, int64, int64)")
+def opened(items: FloatArray, i: int, at: int) -> int:
+    """Puts the pairs of pieces of a pair of boxes, number i, behind row `at` - 1; how many, or -1: no room for them."""
+    ones, others = max(1, int(items[i, PIECES])), max(1, int(items[i, OTHERS]))
+    if at + ones * others > len(items):
+        return -1
+    for j in range(ones):
+        for k in range(others):
+            item = items[at + j * others + k]
+            item[:] = items[i]
+            item[ONE] += j - items[i, PIECES]
+            item[OTHER] += k - items[i, OTHERS]
+            item[ROW], item[PIECES], item[OTHERS], item[PROVE] = -1.0, 0.0, 0.0, 0.0
+    return ones * others
+
+
+@kernel(f"boolean(float64, float64, int64, {TABLES}, {WORK_ROOM}, {F1}, {F1})")
+def descend(t0: float, t1: float, many: int, tables: Tables, work: Work, spared: FloatArray, state: FloatArray) -> bool:
+    """By how much, m, rows prove more than is required over [t0, t1], into `spared` where that is less than what is
+    there (less than 0, or NaN: they do not); and whether pairs keep the clearance claimed, into `state`.
+
+    What is open are the first `many` items. Of a row of one body alone, what it proves is the distance. False: no room
+    for the items.
+    """
+    jets, known, items, stack = work
+    stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3], stack[0, 4], top = t0, t1, 0.0, many, 0.0, 1
+    while top > 0:
+        top -= 1
+        t0, t1, depth = stack[top, 0], stack[top, 1], stack[top, 4]
+        first, end, left = int(stack[top, 2]), int(stack[top, 2] + stack[top, 3]), 0
+        h, middle, begin = t1 - t0, (t0 + t1) / 2.0, BEGIN
+        if known[BEGIN, 0, 0] != t0 and (known[END, 0, 0] == t0 or known[BEGIN, 0, 0] == t1):
+            begin = END  # what was the end of another interval is the begin of this one, or the other way round
+        for i in range(first, end):
+            item, row = items[i], int(items[i, ROW])
+            pair, prove = item[OTHER] >= 0.0, item[PROVE] > 0.0
+            prove = prove and (spared[row] >= 0.0 or (not pair and spared[row] > -math.inf))
+            claim = item[CLAIM] > 0.0 and state[REACHED] == math.inf
+            if not (prove or claim):
+                continue
+            state[WORK] += 1.0
+            ok, low, sag = state[WORK] <= MOST, -math.inf, 0.0
+            for c in (int(item[ONE_ON]), int(item[OTHER_ON])):
+                ok = ok and carried(OVER, c, t0, t1, tables, jets, known)
+                ok = ok and carried(begin, c, t0, t0, tables, jets, known)
+                ok = ok and carried(BEGIN + END - begin, c, t1, t1, tables, jets, known)
+            if ok and row >= 0:
+                low, sag = least(tables, jets, item, h, vector(item, NORMAL))
+                claim = claim and not low - sag >= state[CLAIMED]
+            if prove:
+                late, world = item[LATE], max(int(item[ONE_ON]), int(item[OTHER_ON]))
+                need = item[NEED] + item[DRIFT] * (t1 + late)
+                if ok and late > 0.0:
+                    ok = carried(LATER, world, t0, t1 + late, tables, jets, known)
+                    solid = tables[4][int(item[OTHER] if int(item[OTHER_ON]) == world else item[ONE])]
+                    v = moving(solid, jets[LATER], world, 1, vector(item, NORMAL))
+                    need += late * (max(abs(v[0]), abs(v[1])) + v[2])
+                taken, bound = low - need, low - need - sag
+                if not (ok and bound > -math.inf):
+                    bound = -math.inf  # a closed chain may be known to assemble over halves of what is too wide
+                done = bound >= 0.0 or (ok and taken < 0.0) if pair else bound > -math.inf and depth >= FINER
+                if done or depth >= HALVINGS:
+                    spared[row], prove = min(spared[row], bound), False
+            said = OPEN
+            if claim and not prove:
+                for c in (int(item[ONE_ON]), int(item[OTHER_ON])):
+                    ok = ok and carried(MIDDLE, c, middle, middle, tables, jets, known)
+                if ok:
+                    said = claim_of(tables, jets, item, h, middle, state)
+                claim = said in (OPEN, BOXES)
+                if claim and depth >= DEEPEST:
+                    state[REACHED], state[WHEN] = math.nan, t0
+                    state[PAIR_ONE], state[PAIR_OTHER], claim = item[ONE], item[OTHER], False
+            if not (prove or claim):
+                continue
+            more = 1 if end + left < len(items) else -1
+            if said == BOXES:
+                more = opened(items, i, end + left)
+            elif more > 0:
+                items[end + left] = item
+                items[end + left, PROVE], items[end + left, CLAIM] = (1.0 if prove else 0.0), (1.0 if claim else 0.0)
+            if more < 0:
+                return False
+            left += more
+        if left > 0:
+            for k, (a, b) in enumerate(((middle, t1), (t0, middle))):
+                stack[top + k, 0], stack[top + k, 1], stack[top + k, 2] = a, b, end
+                stack[top + k, 3], stack[top + k, 4] = left, depth + 1.0
             top += 2
+    return True

@@ -46,7 +46,8 @@ def tracked(world: World, legs: tuple[Leg, ...], found: tuple[Target, ...]) -> l
             findings.append(Finding(Code.GLUE, what, excess.amount, unit, f"{excess.time:.6g} s"))
         if not follows:
             outer = leg.t0 if leg.kind is LegKind.APPROACH else leg.t1
-            missing = height - float((world.tool(outer).p - world.state(frame, target.tool, outer).p)[2])
+            tool, point = world.states([(world.flange, world.scene.tool.tcp, outer), (frame, target.tool, outer)])
+            missing = height - (tool.z - point.z)
             if not missing <= GLUE_M:
                 findings.append(Finding(Code.GLUE, f"{name} is shorter than asked", missing, "m", f"{outer:.6g} s"))
     return findings
@@ -61,10 +62,10 @@ def arches(world: World, legs: tuple[Leg, ...]) -> list[Finding]:
             continue
         low, high, top, at = spans[0].t0, spans[-1].t1, -math.inf, spans[0].t0
         for _ in range(ROUNDS):
-            t = np.linspace(low, high, INSTANTS + 1)
-            z = [float(world.tool(float(x)).p[2]) for x in t]
+            t = np.linspace(low, high, INSTANTS + 1).tolist()
+            z = [state.z for state in world.states([(world.flange, world.scene.tool.tcp, x) for x in t])]
             k = int(np.argmax(z))
-            top, at, low, high = z[k], float(t[k]), float(t[max(0, k - 1)]), float(t[min(INSTANTS, k + 1)])
+            top, at, low, high = z[k], t[k], t[max(0, k - 1)], t[min(INSTANTS, k + 1)]
         missing = step.arch.top_m - top
         if not missing <= MEET_M:
             findings.append(Finding(Code.ARCH, f"the arch to {step.name} is too low", missing, "m", f"{at:.6g} s"))
@@ -85,7 +86,7 @@ def straight(world: World, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...])
         if not (isinstance(step, Move) and step.leg == "cartesian" and own):
             continue
         t0, t1 = own[0].t0, own[-1].t1
-        begin, halfway, end = (world.tilt(t)[:2] for t in (t0, (t0 + t1) / 2, t1))
+        begin, halfway, end = ((tool.pitch, tool.roll) for tool in map(world.tool, (t0, (t0 + t1) / 2, t1)))
         asked = []
         for k in range(2):
             way, gone = math.remainder(end[k] - begin[k], math.tau), math.remainder(halfway[k] - begin[k], math.tau)

@@ -34,6 +34,8 @@ class Code(StrEnum):
     """Rows that do not amount to the required distance."""
     COVER = "COVER"
     CONTAINMENT = "CONTAINMENT"
+    NEAREST = "NEAREST"
+    """The smallest clearance is not what the answer says."""
 
 
 @dataclass(frozen=True, slots=True)

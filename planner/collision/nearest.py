@@ -43,7 +43,8 @@ def nearest(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -
     first, second = (arrangement.names[arrangement.body[int(state[k])]] for k in (NEAREST_A, NEAREST_B))
     upper = float(state[UPPER])
     lower = max(0.0, min(float(state[LOWER]), upper))
-    return Nearest(lower, float(state[NEAREST_T]), (first, second), where.kind, upper)
+    time = min(max(float(state[NEAREST_T]), where.t0), where.t1)  # instants are sums, which round
+    return Nearest(lower, time, (first, second), where.kind, upper)
 
 
 def _search(prover: Prover, trajectory: Trajectory, phase: Phase, state: FloatArray) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.verdict import Code, Finding
-from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Missed, Plan, Route
+from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Missed, Nearest, Plan, Route
 from assur.scenes.conventions import Conventions, converted
 from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading.frames import placed
@@ -24,7 +24,7 @@ REFUSAL = "planned; this answer is a refusal: its status is not_planned, so ther
 
 
 NOT_CHECKED = document.PlannedAnswer.__annotations__.keys() - document.CheckedPlan.__annotations__.keys()
-"""Fields of an answer that the checker does not look at: they may be left out, and hold anything."""
+"""Fields of an answer that are no part of its plan: they may be left out, and hold anything (but `margins.nearest`)."""
 CERTIFICATE_DIGEST = frozenset(document.CertificateDigest.__annotations__)
 """Fields of a certificate that is not in full."""
 
@@ -56,6 +56,20 @@ def _made(item: document.CheckedPlan, conventions: Conventions) -> Plan:
     )
     arrivals = tuple(_arrival(i, arrival, conventions) for i, arrival in enumerate(item["arrivals"]))
     return Plan(trajectory, legs, arrivals, _certificate(item["certificate"]))
+
+
+def nearest_of(plan: object) -> tuple[Nearest | None] | None:
+    """What a planned answer says of the smallest clearance, (None,) being that there is nothing to keep apart; None:
+    nothing. Raises `DocumentError` below "plan"."""
+    margins = plan.get("margins") if isinstance(plan, dict) else None
+    if not isinstance(margins, dict) or "nearest" not in margins:
+        return None
+    given = margins["nearest"]
+    if given is None:
+        return (None,)
+    item: document.Nearest = read_normal(document.Nearest, given, given, (*PLAN, "margins", "nearest"))
+    one, other = item["bodies"]
+    return (Nearest(item["gap_m"], item["time_s"], (one, other), item["phase"], item["gap_m"]),)
 
 
 def _route(item: document.Route | None) -> Route | None:

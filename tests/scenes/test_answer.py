@@ -191,6 +191,23 @@ def test_what_the_checker_does_not_look_at_may_be_left_out_or_hold_anything(key:
     assert check_document(GOOD_REQUEST, answer)["ok"] is True
 
 
+@pytest.mark.parametrize(
+    "change", [{"gap_m": 1e-3}, {"gap_m": -1e-3}, {"time_s": 1e6}, {"bodies": ["cup", "nothing"]}, {"phase": "ARCH"}]
+)
+def test_a_smallest_clearance_that_is_not_so_is_refused(change: dict[str, Any]) -> None:
+    answer = through_json(answer_of(*good()))
+    nearest = answer["margins"]["nearest"]
+    wrong = {key: nearest[key] + by if isinstance(by, float) else by for key, by in change.items()}
+    for said in ({**nearest, **wrong}, None):
+        answer["margins"]["nearest"] = said
+        assert {finding["code"] for finding in check_document(GOOD_REQUEST, answer)["findings"]} == {"NEAREST"}
+    answer["margins"] = {}
+    assert check_document(GOOD_REQUEST, answer)["ok"] is True
+    answer["margins"]["nearest"] = {"gap_m": "wide"}
+    with pytest.raises(InputError, match="nearest"):
+        check_document(GOOD_REQUEST, answer)
+
+
 def test_an_answer_is_plain_json_and_its_plan_is_the_same_plan_again() -> None:
     cell, outcome = good()
     assert isinstance(outcome, Planned)

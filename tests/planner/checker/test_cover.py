@@ -6,8 +6,10 @@ import numpy as np
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from assur.planner.checker.rows import asked_pairs, covered
+from assur.planner.checker.cover import COLUMNS, OTHER_PIECE, PIECE, T0, T1, hole
+from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import solids
+from assur.planner.checker.world import World
 from assur.planner.model.phases import phases
 from tests.planner.checker.hand_made import belt_case, crossing_case
 
@@ -27,14 +29,16 @@ pieces = st.tuples(st.integers(-1, 2), st.integers(-1, 1))
 
 def holes(given_rows: list[tuple[int, tuple[int, int], tuple[int, int]]], counts: tuple[int, int]) -> list[float]:
     """What the checker finds of three pairs of bodies of so many pieces: NaN for a pair that is covered."""
-    given_rows = sorted(given_rows, key=lambda row: (row[0], row[2][0]))
-    keys = np.array([key for key, _, _ in given_rows])
-    of = np.array([piece for _, piece, _ in given_rows], dtype=np.int64).reshape(-1, 2)
-    times = np.array([ends for _, _, ends in given_rows], dtype=np.float64).reshape(-1, 2)
-    spans = np.stack([np.searchsorted(keys, np.arange(3), side) for side in ("left", "right")], -1)
-    found = np.full(3, np.nan)
-    covered(np.tile([0.0, LENGTH], (3, 1)), np.tile(np.array(counts), (3, 1)), spans, times, of, found)
-    return [float(x) for x in found]
+    found = []
+    for key in range(3):
+        own = sorted((row for row in given_rows if row[0] == key), key=lambda row: row[2][0])
+        table, chain = np.zeros((len(own), COLUMNS)), np.zeros((len(own), 2), dtype=np.int64)
+        for i, (_, of, ends) in enumerate(own):
+            turned = i % 2  # every other row names the pair the other way round
+            table[i, T0], table[i, T1], chain[i] = *ends, (i + 1 if i + 1 < len(own) else -1, turned)
+            table[i, PIECE + 2 * turned], table[i, OTHER_PIECE - 2 * turned] = of
+        found.append(float(hole(table, 0 if own else -1, chain, *counts, 0.0, float(LENGTH))))
+    return found
 
 
 @given(rows)
@@ -73,7 +77,7 @@ def test_the_asked_pairs_of_a_phase_are_the_robot_against_the_rest_and_its_self_
         wanted_links = {frozenset(links) for links in scene.robot.self_pairs}
         link = {item.body.name: scene.robot.links[item.link] for item in scene.robot.bodies}
         link |= {body.name: "flange" for body in scene.tool.bodies}
-        asked = asked_pairs(scene, table)
+        apart = Apart.of(scene, of_plan, table, World(scene, plan).tables)
         for i, phase in enumerate(of_plan):
             mine = dict(link)
             if phase.attached.held is not None:
@@ -81,5 +85,6 @@ def test_the_asked_pairs_of_a_phase_are_the_robot_against_the_rest_and_its_self_
             for a, one in enumerate(names):
                 for b, other in enumerate(names):
                     both = one in mine and other in mine and frozenset((mine[one], mine[other])) in wanted_links
-                    wanted = a < b and (both or (one in mine) != (other in mine))
-                    assert asked[i, a, b] == wanted, (i, one, other)
+                    wanted = a != b and (both or (one in mine) != (other in mine))
+                    contact = tuple(sorted((one, other))) in phase.contacts
+                    assert apart.required(i, a, b) == (wanted and not contact), (i, one, other)

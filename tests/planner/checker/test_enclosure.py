@@ -41,8 +41,7 @@ def shell(name: str, half: float, *, hollow: bool = True) -> Body:
 
 def found(scene: Scene, plan: Plan) -> list[str]:
     of_plan, world = phases(scene, plan.legs, plan.arrivals), World(scene, plan)
-    apart = Apart(scene, of_plan, solids(scene, of_plan), world.tables, plan.certificate)
-    findings = enclosed(world, apart)
+    findings = enclosed(world, Apart.of(scene, of_plan, solids(scene, of_plan), world.tables))
     assert {finding.code for finding in findings} <= {Code.CONTAINMENT}
     return [finding.what for finding in findings]
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.checker import Code, check
+from assur.planner.checker.cover import SPARED
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import solids
 from assur.planner.checker.world import World
@@ -85,11 +86,9 @@ def test_what_each_row_of_a_body_alone_proves_is_true_at_all_times_that_are_look
     scene, made = ring()
     c = made.certificate
     of_plan = phases(scene, made.legs, made.arrivals)
-    apart = Apart(scene, of_plan, solids(scene, of_plan), World(scene, made).tables, c)
-    which = np.flatnonzero(alone(made))
-    phase = np.array([max(i for i, p in enumerate(of_plan) if p.t0 <= t) for t in c.t0[which]])
-    one = np.array([apart.table.number[c.names[body]] for body in c.first[which]])
-    for row, least in zip(which, apart.spare(which, phase, one, np.full(len(which), -1)), strict=True):
+    verdicts = Apart.of(scene, of_plan, solids(scene, of_plan), World(scene, made).tables).judged(c)[0]
+    for row in np.flatnonzero(alone(made)):
+        least = verdicts[row, SPARED]
         found = -reach(scene, made, int(row), np.linspace(c.t0[row], c.t1[row], 41))
         assert found.min() - 0.1 <= least <= found.min()
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray
 from assur.planner.checker import jets
 from assur.planner.checker.laws import tables
-from assur.planner.checker.motion import JETS, MOST_LINKS, Tables, carry
+from assur.planner.checker.motion import Tables, all_jets, carry
 from assur.planner.frames import Change, Conveyor, Fixed, Indexer, Keyframes, Law, Linear, Pose, Swing, Turntable
 from assur.planner.model.link_frames import TrajectoryLaw
 from assur.planner.model.scene import Scene
@@ -64,8 +64,8 @@ def wandering(scene: Scene, seed: int) -> Trajectory:
 
 def carried(found: Tables, links: int, c: int, t0: float, t1: float) -> FloatArray | None:
     """The jets (JETS, 6) of a carrier over [t0, t1]."""
-    rows = np.full((links + len(found[2]) + MOST_LINKS, JETS, 6), np.nan)
-    known = carry(c if c >= links else 0, links, t0, t1, found, rows)
+    rows = all_jets(found) * np.nan
+    known = carry(c if c >= links else 0, t0, t1, found, rows)
     return rows[c] if known else None
 
 

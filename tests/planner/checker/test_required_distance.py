@@ -9,11 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from assur.planner.checker.cover import SPARED, VERDICT, resolve
 from assur.planner.checker.rows import Apart
-from assur.planner.checker.separation import DRIFT, LATE, NEED, spare
+from assur.planner.checker.separation import DRIFT, ITEM, LATE, NEED
 from assur.planner.checker.solids import solids
 from assur.planner.checker.world import World
 from assur.planner.frames.law import Uncertainty
+from assur.planner.model.outcome import Certificate
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Execution, Scene
 from tests.planner.checker.hand_made import belt_case
@@ -67,22 +69,32 @@ def test_the_required_distance_is_what_the_guarantees_say(seed: int, corrected: 
     }
     scene = replace(scene, frames=unsure, execution=Execution(float(rng.choice([0.0, 2e-3])), wait, corrected))
     of_plan = phases(scene, plan.legs, plan.arrivals)
-    apart = Apart(scene, of_plan, solids(scene, of_plan), World(scene, plan).tables, plan.certificate)
-    many = len(apart.table.bodies)
-    one, other = (grid.ravel() for grid in np.meshgrid(np.arange(many), np.arange(many)))
-    one, other = one[one != other], other[one != other]
+    apart = Apart.of(scene, of_plan, solids(scene, of_plan), World(scene, plan).tables)
+    names = [body.name for body in apart.table.bodies]
     for k, phase in enumerate(of_plan):
-        rows = apart.asked(np.zeros(len(one), dtype=np.int64), np.full(len(one), k), one, other)
-        found = rows[:, NEED] + rows[:, DRIFT] * (phase.t1 + wait)
-        for i in range(len(one)):
-            a, b = (apart.table.bodies[body[i]].name for body in (one, other))
-            wanted = read(scene, phase, a, b, phase.t1)
-            if wanted is None:
-                assert found[i] == -np.inf or found[i] == -1e-4
-            else:
-                assert found[i] == pytest.approx(wanted, abs=1e-12)
-                robots = apart.table.of_robot[k, one[i]] and apart.table.of_robot[k, other[i]]
-                assert rows[i, LATE] == (0.0 if robots or wanted < 0 else wait)
+        for one in names:
+            for other in names:
+                if one == other:
+                    continue
+                item = resolved(apart, one, other, phase.t0, phase.t1)
+                if phase.t0 == phase.t1:
+                    continue
+                found = item[NEED] + item[DRIFT] * (phase.t1 + wait)
+                wanted = read(scene, phase, one, other, phase.t1)
+                if wanted is None:
+                    assert found == -np.inf or found == -1e-4
+                else:
+                    assert found == pytest.approx(wanted, abs=1e-12)
+                    robots = all(apart.table.of_robot[k, apart.table.number[name]] for name in (one, other))
+                    assert item[LATE] == (0.0 if robots or wanted < 0 else wait)
+
+
+def resolved(apart: Apart, one: str, other: str, t0: float, t1: float, n: np.ndarray = UP) -> np.ndarray:
+    """A row of two boxes as the checker sees it."""
+    row, item = np.array([t0, t1, 0.0, -1.0, 1.0, -1.0, *n]), np.zeros(ITEM)
+    numbers = np.array([apart.table.number[name] for name in (one, other)])
+    assert resolve(apart.cell, apart.marks, numbers, row, item, np.zeros(VERDICT))
+    return item
 
 
 @pytest.mark.parametrize("wait", [0.01, 0.05])
@@ -93,32 +105,22 @@ def test_a_late_start_asks_for_the_way_that_a_body_may_have_gone(wait: float) ->
     of_plan = phases(scene, plan.legs, plan.arrivals)
     i = next(i for i, p in enumerate(of_plan) if p.attached.held is None and p.t1 > p.t0)
     late = replace(scene, execution=Execution(start_tolerance_s=wait))
-    aparts = [Apart(s, of_plan, solids(s, of_plan), World(s, plan).tables, plan.certificate) for s in (scene, late)]
-    table, c = aparts[0].table, plan.certificate
-    one = np.array([table.number["cup"]] * 4)
-    other = np.array([table.number[name] for name in ("neighbour", "plate", "peg", "bed")])
-    row = int(np.flatnonzero((c.t0 >= of_plan[i].t0) & (c.first_piece <= 0) & (c.second_piece <= 0))[0])
+    aparts = [Apart.of(s, of_plan, solids(s, of_plan), World(s, plan).tables) for s in (scene, late)]
+    t0 = of_plan[i].t0
     for n in (UP, SIDE, np.array([1.0, 0.0, 0.0])):
-        normal, t0 = c.normal.copy(), c.t0.copy()
-        normal[row], t1 = n, t0.copy()
-        at = replace(c, normal=normal, t1=t1)
-        found = []
-        for apart in aparts:
-            apart.rows = at
-            found.append(apart.asked(np.full(4, row), np.full(4, i), one, other))
-        spared = [_spare(apart, rows) for apart, rows in zip(aparts, found, strict=True)]
-        for k, name in enumerate(("neighbour", "plate", "peg", "bed")):
+        for name in ("neighbour", "plate", "peg", "bed"):
+            spared = [proves(apart, "cup", name, t0, n) for apart in aparts]
             item = scene.index[name]
-            t = np.linspace(t0[row], t0[row] + wait, 50)
+            t = np.linspace(t0, t0 + wait, 50)
             motion = scene.frames[item.frame].law.motion(t).at(item.pose)
             seen = np.abs(motion.v @ n).max()
             law = bounded(scene.frames[item.frame].law, t[:1], t[-1:], n[None])
             most = float(law.speed[0] + 0.2 * law.yaw_rate[0])
-            assert wait * seen - 1e-12 <= spared[0][k] - spared[1][k] <= wait * most + 1e-12
+            assert wait * seen - 1e-12 <= spared[0] - spared[1] <= wait * most + 1e-12
 
 
-def _spare(apart: Apart, rows: np.ndarray) -> np.ndarray:
-    """What rows prove beyond what is required; far apart or through each other, for these are of one instant."""
-    found, table = np.zeros(len(rows)), apart.table
-    spare(rows, table.links, table.tilts, table.table, table.vertices, apart.tables, found)
-    return found
+def proves(apart: Apart, one: str, other: str, t: float, n: np.ndarray) -> float:
+    """What a row of an instant proves beyond what is required; the bodies may be far apart or through each other."""
+    at, zero, one_, box = np.array([t]), np.array([0]), np.array([1]), np.array([-1])
+    c = Certificate((one, other), at, at, zero, box, one_, box, n[None].copy())
+    return float(apart.judged(c)[0][0, SPARED])

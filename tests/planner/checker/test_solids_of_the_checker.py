@@ -12,8 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.motion import JETS
-from assur.planner.checker.separation import ARM, ARM_FLAT, CENTRE, HALF, TURN, support
-from assur.planner.checker.solids import solids
+from assur.planner.checker.solids import ARM, ARM_FLAT, CENTRE, FIRST, HALF, TURN, farthest, solids
 from assur.planner.geometry.shapes import AXES, Body, Hull, Piece, Primitive, box, capsule, cylinder, sphere
 from assur.planner.geometry.shapes import support as support_of
 from assur.planner.model.phases import phases
@@ -59,7 +58,8 @@ def rows_of(name: str, yaw: float = 0.0) -> FloatArray:
     """The solids of a body, its box behind its pieces, in the body's axes turned by `yaw`."""
     body = TABLE.number[name]
     seat = int(TABLE.seat[0, body])
-    found = TABLE.table[TABLE.first[seat] : TABLE.first[seat] + TABLE.count[body] + 1].copy()
+    first = TABLE.seats[seat, FIRST]
+    found = TABLE.table[first : first + TABLE.count[body] + 1].copy()
     turn = turned(yaw - float(TABLE.offset[seat, 3]))
     found[:, CENTRE:TURN] = (found[:, CENTRE:TURN] - TABLE.offset[seat, :3]) @ turn.T
     found[:, TURN:HALF] = (found[:, TURN:HALF].reshape(-1, 3, 3) @ turn.T).reshape(-1, 9)
@@ -67,7 +67,7 @@ def rows_of(name: str, yaw: float = 0.0) -> FloatArray:
 
 
 def reach_along(row: FloatArray, n: FloatArray) -> float:
-    return support(row, STANDS, 0, TABLE.vertices, float(n[0]), float(n[1]), float(n[2]))
+    return float(n @ farthest(row, STANDS, 0, TABLE.vertices, (float(n[0]), float(n[1]), float(n[2])), 1.0))
 
 
 def points(piece: Piece, rng: np.random.Generator) -> FloatArray:
@@ -140,7 +140,7 @@ def test_a_seat_puts_a_body_at_its_pose() -> None:
     table = solids(scene, phases(scene, crossing_case()[1].legs, ()))
     seat = int(table.seat[0, table.number["carton"]])
     for k, piece in enumerate(item.body.pieces):
-        row = table.table[table.first[seat] + k]
+        row = table.table[table.seats[seat, FIRST] + k]
         at = item.pose.position + turned(item.pose.yaw) @ piece.position
         assert row[CENTRE:TURN] == pytest.approx(at, abs=1e-15)
         assert np.abs(row[TURN:HALF].reshape(3, 3).T - turned(item.pose.yaw) @ piece.rotation).max() <= 1e-15

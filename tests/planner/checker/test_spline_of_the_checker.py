@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from assur.planner.arrays import FloatArray
 from assur.planner.checker import Code
 from assur.planner.checker.checking import limits
-from assur.planner.checker.spline import JERK, RATE, cut, joints, table
+from assur.planner.checker.spline import COLUMNS, JERK, RATE, curve, cut, joints
 from assur.planner.checker.world import World
 from assur.planner.robots.protocol import Limits
 from assur.planner.trajectory import Trajectory, check_limits
@@ -34,8 +34,9 @@ def motion(seed: int, knots: int, shortest: float) -> Trajectory:
 
 def over(line: Trajectory, t0: float, t1: float) -> FloatArray:
     """Bounds (4, 6) of q, q̇ and q̈ over [t0, t1]."""
-    found = np.zeros((8, 6))
-    joints(table(line.time, line.q, line.qd, line.qdd), 0, len(line.time) - 1, line.n, t0, t1, np.empty((4, 6)), found)
+    rows, found = np.zeros((len(line.time), COLUMNS)), np.zeros((8, 6))
+    curve(line.knots, line.n, 0, rows)
+    joints(rows, 0, len(line.time) - 1, line.n, t0, t1, found)
     return found[: line.n]
 
 

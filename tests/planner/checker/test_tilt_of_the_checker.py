@@ -59,9 +59,9 @@ def test_the_pitch_and_roll_that_are_read_are_what_the_hand_was_given() -> None:
     for t in np.linspace(plan.trajectory.start, plan.trajectory.end, 200)[:-1]:
         motion = robot.link_motion(5, *(plan.trajectory.evaluate(np.array(t), order) for order in range(4)))
         assert isinstance(motion, TiltedMotion)
-        read = world.tilt(float(t))
-        assert np.abs(np.remainder(read[:2] - motion.tilt + math.pi, math.tau) - math.pi).max() < 1e-12
-        assert np.abs(read[2:] - motion.tilt_d).max() < 1e-12
+        read = world.tool(float(t))
+        assert np.abs(np.remainder((read.pitch, read.roll) - motion.tilt + math.pi, math.tau) - math.pi).max() < 1e-12
+        assert np.abs((read.pitch_d, read.roll_d) - motion.tilt_d).max() < 1e-12
 
 
 @pytest.mark.parametrize("asked", [True, False])

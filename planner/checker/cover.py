@@ -1,0 +1,335 @@
+"""Whether the rows of a certificate keep every pair that is required apart over the whole of every phase.
+
+Times are compared as they are: a row may begin where another ends, and not an ulp later.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.checker.jets import F1, F2, F3, TABLES, VECTOR
+from assur.planner.checker.motion import DEGREE, JETS, KIND, MOST_LINKS, POLYNOMIAL, SINCE, UNTIL, Tables
+from assur.planner.checker.separation import (
+    BEGIN,
+    CLAIM,
+    CLAIMED,
+    DEEPEST,
+    DRIFT,
+    F4,
+    HINT,
+    ITEM,
+    LATE,
+    NEED,
+    NORMAL,
+    ONE,
+    ONE_ON,
+    OTHER,
+    OTHER_ON,
+    OTHERS,
+    PIECES,
+    PLACES,
+    PROVE,
+    REACHED,
+    ROW,
+    SLACK_M,
+    WRONG,
+    carried,
+    descend,
+    support,
+    vector,
+)  # fmt: skip
+from assur.planner.checker.solids import CARRIER, FIRST, I2, Vector
+from assur.planner.compiled import kernel
+from assur.planner.model.phases import CONTACT_M
+
+UNIT_NORMAL = 1e-12
+"""| |n| - 1 | of a normal at most: a normalised vector is off by 2e-16; in a cell of 50 m this is 0.05 nm of gap."""
+T0, T1, NAME, PIECE, OTHER_NAME, OTHER_PIECE, N, COLUMNS = 0, 1, 2, 3, 4, 5, 6, 9
+"""Columns of a row of the certificate: its interval; number of the name, and of the piece, of both bodies (-1: none,
+and the box of the body); normal; how many columns."""
+UNKNOWN, OUTSIDE, JUDGED = range(3)
+STATUS, SPARED, AWAY, VERDICT = range(4)
+"""Columns of what is found of a row: UNKNOWN (it names what does not exist), OUTSIDE (of any phase) or JUDGED; what it
+proves beyond what is required, m; by how much the length of its normal is not 1; how many columns."""
+MANY, HOLE, BODY, BODY_OTHER, HOLES = range(5)
+"""Columns of what is not covered in a phase: number of pairs; when the first hole begins and of which bodies it is."""
+CONTACT, BEHIND, FAR = 1, 2, 4
+"""Marks of a pair in a phase: it may touch; a plane keeps it apart; and as far as is claimed."""
+I1, I3 = "int64[::1]", "int64[:, :, ::1]"
+CELL = f"Tuple(({I2}, {I2}, {I2}, {I1}, {I1}, {I2}, {F2}, {F2}, {F2}, float64))"
+"""`Cell` for the compiler."""
+Cell = tuple[IntArray, IntArray, IntArray, IntArray, IntArray, IntArray, FloatArray, FloatArray, FloatArray, float]
+"""Seats of bodies in each phase (P, B), seats (S, 3), self-pairs of links (L, L), pieces of bodies (B,), numbers of
+bodies that are the robot's in any phase (B,) and those bodies behind each other (1, U); begin and end of phases (P, 2),
+distance required (P, F + 1) and its growth (P, F) for bodies on frames, the last column for the robot itself; how late
+the dispatch may be."""
+
+
+@kernel(f"boolean({CELL}, int64, int64, int64)")
+def required(cell: Cell, p: int, a: int, b: int) -> bool:
+    """Whether two bodies must stay apart in phase p."""
+    seat, seats, wanted = cell[0], cell[1], cell[2]
+    on, beside, links = seats[seat[p, a], CARRIER], seats[seat[p, b], CARRIER], len(wanted)
+    if on < links and beside < links:
+        return bool(wanted[on, beside] > 0)
+    return bool(on < links or beside < links)
+
+
+@kernel(f"UniTuple(int64, 2)({I1}, int64, int64)")
+def ordered(mine: IntArray, a: int, b: int) -> tuple[int, int]:
+    """Two bodies, one of them the robot's in some phase, in the one order in which a pair of them is kept."""
+    low, high = min(a, b), max(a, b)
+    return (low, high) if mine[low] >= 0 else (high, low)
+
+
+@kernel(f"int64({F2}, float64)")
+def phase_of(spans: FloatArray, t: float) -> int:
+    """The last phase that begins at t or before."""
+    found = -1
+    for p in range(len(spans)):
+        if spans[p, 0] <= t:
+            found = p
+    return found
+
+
+@kernel(f"void({CELL}, int64, int64, int64, {F1}, int64)")
+def sit_down(cell: Cell, p: int, body: int, piece: int, item: FloatArray, side: int) -> None:
+    """Where a piece of a body (-1: its box) is in phase p, as one side of an item."""
+    seat, seats, count = cell[0], cell[1], cell[3]
+    s, box = seat[p, body], piece < 0
+    item[ONE + 2 * side] = seats[s, FIRST] + (count[body] if box else piece)
+    item[ONE_ON + 2 * side] = seats[s, CARRIER]
+    item[PIECES + side] = count[body] if box else 0.0
+
+
+@kernel(f"boolean({CELL}, {I3}, {I1}, {F1}, {F1}, {F1})")
+def resolve(
+    cell: Cell, marks: IntArray, known: IntArray, row: FloatArray, item: FloatArray, verdict: FloatArray
+) -> bool:
+    """The pair of a row as an item of a proof (`separation.ITEM`), with what is required of it (C5); False: it names
+    what does not exist or is not inside one phase."""
+    _, _, wanted, count, mine, _, spans, need, drift, late = cell
+    alone = row[OTHER_NAME] == -1.0 and row[OTHER_PIECE] == -1.0
+    bodies, verdict[STATUS] = (-1, -1), UNKNOWN
+    for side in range(1 if alone else 2):
+        name, piece = row[NAME + 2 * side], row[PIECE + 2 * side]
+        body = known[int(name)] if 0.0 <= name < len(known) else -1
+        if body < 0 or not -1.0 <= piece < count[body] or (alone and not piece < (1 if count[body] == 1 else 0)):
+            return False
+        bodies = (body, -1) if side == 0 else (bodies[0], body)
+    if bodies[0] == bodies[1]:
+        return False
+    verdict[STATUS], p = OUTSIDE, -1
+    for i in range(len(spans)):
+        if spans[i, 0] <= row[T0]:
+            p = i
+    if not (p >= 0 and row[T0] <= row[T1] <= spans[p, 1]):
+        return False
+    verdict[STATUS] = JUDGED
+    sit_down(cell, p, bodies[0], int(row[PIECE]), item, 0)
+    item[OTHER], item[OTHER_ON], item[OTHERS] = -1.0, -1.0, 0.0
+    item[PROVE], item[CLAIM], item[NEED], item[DRIFT], item[LATE] = 1.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(3):
+        item[NORMAL + k] = item[HINT + k] = row[N + k]
+    if alone:
+        return True
+    sit_down(cell, p, bodies[1], int(row[OTHER_PIECE]), item, 1)
+    world = int(max(item[ONE_ON], item[OTHER_ON])) - len(wanted)
+    if min(item[ONE_ON], item[OTHER_ON]) >= len(wanted):
+        item[NEED] = -np.inf  # pairs of the surroundings are nobody's concern: no distance is required of them
+        return True
+    a, b = ordered(mine, bodies[0], bodies[1])
+    if marks[p, mine[a], b] & CONTACT:
+        item[NEED] = -CONTACT_M
+        return True
+    item[NEED], item[CLAIM] = need[p, max(world, -1)], (1.0 if required(cell, p, a, b) else 0.0)
+    if world < 0:
+        item[NEED] = need[p, len(drift[p])]
+    else:
+        item[DRIFT], item[LATE] = drift[p, world], late
+    return True
+
+
+@kernel(f"boolean({F1})")
+def good(verdict: FloatArray) -> bool:
+    """Whether a row of two bodies proves what is required."""
+    return bool(verdict[STATUS] == JUDGED and verdict[AWAY] <= UNIT_NORMAL and verdict[SPARED] >= 0.0)
+
+
+@kernel(f"boolean({F1})")
+def good_alone(verdict: FloatArray) -> bool:
+    """Whether a row of one body alone proves anything."""
+    return bool(verdict[STATUS] == JUDGED and verdict[AWAY] <= UNIT_NORMAL and verdict[SPARED] > -math.inf)
+
+
+@kernel(f"void({CELL}, {I3}, int64, int64, {VECTOR}, float64, {TABLES}, {F4}, {F3}, float64)")
+def put_behind(
+    cell: Cell, marks: IntArray, p: int, one: int, n: Vector, stays: float, tables: Tables, jets: FloatArray,
+    known: FloatArray, claimed: float,
+) -> None:  # fmt: skip
+    """Marks the bodies that stand still throughout phase p, before the plane n·x = -stays that body `one` of the robot
+    stays behind, at the distance required (C6)."""
+    seat, seats, wanted, pieces, mine, _, spans, need, drift, late = cell
+    count = len(wanted)
+    for b in range(len(pieces)):
+        c = seats[seat[p, b], CARRIER]
+        if c < count:
+            continue
+        frame = tables[2][c - count]
+        still = frame[KIND] == POLYNOMIAL and frame[DEGREE] == 0.0
+        if not (still and frame[SINCE] <= spans[p, 0] and spans[p, 1] <= frame[UNTIL]):
+            continue
+        if not carried(BEGIN, c, spans[p, 0], spans[p, 0], tables, jets, known):
+            continue
+        whole = seats[seat[p, b], FIRST] + (0 if pieces[b] == 1 else pieces[b])
+        apart = stays - support(tables, jets[BEGIN], whole, c, (-n[0], -n[1], -n[2])) - SLACK_M
+        least = need[p, c - count] + drift[p, c - count] * (spans[p, 1] + late)
+        first, second = ordered(mine, one, b)
+        touches = marks[p, mine[first], second] & CONTACT
+        if apart >= (-CONTACT_M if touches else least):
+            marks[p, mine[first], second] |= BEHIND | (FAR if apart >= claimed or touches else 0)
+
+
+@kernel(f"void({F2}, {I1}, {I1}, {CELL}, {I3}, {TABLES}, {F4}, {F3}, {F2}, float64)")
+def _planes(
+    rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, tables: Tables, jets: FloatArray,
+    known: FloatArray, verdicts: FloatArray, claimed: float,
+) -> None:  # fmt: skip
+    """Rows of one phase, body of the robot and normal, to the bit, count together, each beginning where the one before
+    ends; if they do not last the whole phase, they count for nothing."""
+    seat, seats, wanted, _, _, _, spans, _, _, _ = cell
+    for i in range(len(order)):
+        first = order[i]
+        if rows[first, OTHER_NAME] >= 0.0 or not good_alone(verdicts[first]):
+            continue
+        p, body = phase_of(spans, rows[first, T0]), numbers[int(rows[first, NAME])]
+        if rows[first, T0] != spans[p, 0] or seats[seat[p, body], CARRIER] >= len(wanted):
+            continue
+        stays, reached = verdicts[first, SPARED], rows[first, T1]
+        for k in range(i + 1, len(order)):
+            r = order[k]
+            if rows[r, T0] > reached or reached == spans[p, 1]:
+                break
+            same = rows[r, T0] == reached and rows[r, OTHER_NAME] < 0.0 and rows[r, NAME] == rows[first, NAME]
+            for axis in range(3):
+                same = same and rows[r, N + axis] == rows[first, N + axis]
+            if same and good_alone(verdicts[r]):
+                stays, reached = min(stays, verdicts[r, SPARED]), rows[r, T1]
+        if reached == spans[p, 1]:
+            put_behind(cell, marks, p, body, vector(rows[first], N), stays, tables, jets, known, claimed)
+
+
+@kernel(f"float64({F2}, int64, {I2}, int64, int64, float64, float64)")
+def hole(rows: FloatArray, first: int, chain: IntArray, one: int, other: int, begin: float, end: float) -> float:
+    """When a pair of bodies of `one` and `other` pieces is first not covered over [begin, end]; NaN: never.
+
+    Its rows are number `first`, then the one that `chain` (.., 2) has for it, and so on up to -1, in the order of their
+    begins; the second column is 1 for rows that name the pair the other way round.
+    """
+    whole, split, r = begin, False, first
+    while r >= 0:
+        a, b = rows[r, PIECE + 2 * chain[r, 1]], rows[r, OTHER_PIECE - 2 * chain[r, 1]]
+        both = (a < 0.0 or one == 1) and (b < 0.0 or other == 1)
+        split = split or not both
+        if both and rows[r, T0] <= whole:
+            whole = max(whole, rows[r, T1])
+        r = chain[r, 0]
+    if whole >= end:
+        return math.nan
+    if not split:
+        return whole
+    reached, r = np.full((one, other), begin), first
+    while r >= 0:
+        a, b = int(rows[r, PIECE + 2 * chain[r, 1]]), int(rows[r, OTHER_PIECE - 2 * chain[r, 1]])
+        for j in range(0 if a < 0 else a, one if a < 0 else a + 1):
+            for k in range(0 if b < 0 else b, other if b < 0 else b + 1):
+                if rows[r, T0] <= reached[j, k]:
+                    reached[j, k] = max(reached[j, k], rows[r, T1])
+        r = chain[r, 0]
+    return math.nan if reached.min() >= end else reached.min()
+
+
+@kernel(f"void({F2}, {I1}, {I1}, {CELL}, {I3}, {F2}, {F2})")
+def _cover(
+    rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, verdicts: FloatArray,
+    holes: FloatArray,
+) -> None:  # fmt: skip
+    """What is not covered in each phase."""
+    _, _, _, count, mine, robots, spans, _, _, _ = cell
+    # rows of a pair are chained in the order of their begins; 0 is none, so that what is not touched costs nothing
+    head, chain = np.zeros(marks.shape, dtype=np.int64), np.zeros((len(rows), 2), dtype=np.int64)
+    for i in range(len(order) - 1, -1, -1):
+        r = order[i]
+        if rows[r, OTHER_NAME] < 0.0 or not good(verdicts[r]):
+            continue
+        one, other = numbers[int(rows[r, NAME])], numbers[int(rows[r, OTHER_NAME])]
+        p, pair = phase_of(spans, rows[r, T0]), ordered(mine, one, other)
+        if mine[pair[0]] >= 0:
+            chain[r, 0], chain[r, 1] = head[p, mine[pair[0]], pair[1]] - 1, int(pair[0] != one)
+            head[p, mine[pair[0]], pair[1]] = r + 1
+    for p in range(len(spans)):
+        holes[p, MANY], holes[p, HOLE] = 0.0, np.inf
+        for u in range(robots.shape[1] if spans[p, 1] > spans[p, 0] else 0):
+            a = robots[0, u]
+            for b in range(len(count)):
+                if b == a or marks[p, u, b] & BEHIND or ordered(mine, a, b)[0] != a or not required(cell, p, a, b):
+                    continue
+                found = hole(rows, head[p, u, b] - 1, chain, count[a], count[b], spans[p, 0], spans[p, 1])
+                if not math.isnan(found):
+                    holes[p, MANY] += 1.0
+                    if found < holes[p, HOLE]:
+                        holes[p, HOLE], holes[p, BODY], holes[p, BODY_OTHER] = found, a, b
+
+
+@kernel(f"boolean({F2}, {I1}, {I1}, {CELL}, {I3}, {TABLES}, int64, {F2}, {F2}, {F1})")
+def judge(
+    rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, tables: Tables, room: int,
+    verdicts: FloatArray, holes: FloatArray, state: FloatArray,
+) -> bool:  # fmt: skip
+    """Judges the rows of a certificate (M, COLUMNS), in their `order` of begin and end, their names having `numbers`;
+    then what they do not cover; and, of all pairs that may not touch, the clearance that is claimed in `state`.
+
+    Fills `verdicts` (M, VERDICT) and `holes` (P, HOLES). `room`: for items of a proof; False: it was not enough.
+    """
+    _, _, wanted, count, _, robots, spans, _, _, _ = cell
+    jets = np.empty((PLACES, len(wanted) + len(tables[2]) + MOST_LINKS, JETS, 6))
+    known = np.full((PLACES, len(wanted) + len(tables[2]), 3), np.nan)
+    items, spared, many = np.empty((room, ITEM)), np.full(len(rows), np.inf), 0
+    work = (jets, known, items, np.empty((2 * DEEPEST + 4, 5)))
+    for i in range(len(order)):
+        r, last = order[i], i + 1 == len(order)
+        if many >= room:
+            return False
+        verdicts[r, AWAY] = abs(math.sqrt(rows[r, N] ** 2 + rows[r, N + 1] ** 2 + rows[r, N + 2] ** 2) - 1.0)
+        if resolve(cell, marks, numbers, rows[r], items[many], verdicts[r]):
+            items[many, ROW] = r
+            many += 1
+        # rows of one interval are looked at together
+        if many > 0 and (last or rows[r, T0] != rows[order[i + 1], T0] or rows[r, T1] != rows[order[i + 1], T1]):
+            if not descend(rows[r, T0], rows[r, T1], many, tables, work, spared, state):
+                return False
+            many = 0
+    for r in range(len(rows)):
+        verdicts[r, SPARED] = spared[r]
+        alone = rows[r, OTHER_NAME] < 0.0
+        state[WRONG] += 0.0 if (good_alone(verdicts[r]) if alone else good(verdicts[r])) else 1.0
+    _planes(rows, order, numbers, cell, marks, tables, jets, known, verdicts, state[CLAIMED])
+    for p in range(len(spans)):
+        many = 0
+        for u in range(robots.shape[1] if state[REACHED] == math.inf and spans[p, 1] > spans[p, 0] else 0):
+            for b in range(len(count)):
+                if marks[p, u, b] & (BEHIND | FAR) == BEHIND:
+                    if many >= room:
+                        return False
+                    for side, body in ((0, robots[0, u]), (1, b)):
+                        sit_down(cell, p, body, -1, items[many], side)
+                    items[many, ROW], items[many, PROVE], items[many, CLAIM] = -1.0, 0.0, 1.0
+                    items[many, HINT], items[many, HINT + 1], items[many, HINT + 2] = 0.0, 0.0, 1.0
+                    many += 1
+        if many > 0 and not descend(spans[p, 0], spans[p, 1], many, tables, work, spared, state):
+            return False
+    _cover(rows, order, numbers, cell, marks, verdicts, holes)
+    return True
