@@ -16,6 +16,7 @@ import pstats
 import sys
 import time
 from collections import defaultdict
+from contextlib import nullcontext
 from functools import _lru_cache_wrapper
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -26,7 +27,7 @@ KEEP = ("units", "catalogue", "scenarios")
 """Modules of scenes whose caches hold nothing of a request: spelling of keys, shipped robots and scenarios."""
 PACKAGES = ("planner", "scenes")
 LIBRARIES = "libraries"
-"""What a profile calls the time of functions that are in none of our rooms."""
+"""What a profile calls the time of functions of libraries that other such functions call."""
 
 
 class Planner(NamedTuple):
@@ -102,30 +103,33 @@ def timed(door: Planner, document: Document) -> Document:
 
 
 def profiled(door: Planner, document: Document, repeats: int) -> Document:
-    """Milliseconds a request by room (`own_ms`, without what it calls; a compiled kernel counts to its caller) and by
-    function (`calls_ms`, with all that it calls), by cProfile and scaled to the median time without it (`total_ms`)."""
+    """Milliseconds a request by room (`own_ms`, with library functions and kernels it calls itself) and by function
+    (`calls_ms`, with all that it calls), by cProfile and scaled to the median time without it (`total_ms`)."""
 
-    def once() -> float:
+    def once(watch: cProfile.Profile | None = None) -> float:
         door.forget()
-        began = time.perf_counter()
-        door.plan(door.scene_of(document))
-        return time.perf_counter() - began
+        with watch or nullcontext():
+            began = time.perf_counter()
+            door.plan(door.scene_of(document))
+            return time.perf_counter() - began
 
     alone = sorted(once() for _ in range(repeats))[repeats // 2]
     watch = cProfile.Profile()
-    watch.enable()
     for _ in range(repeats):
-        once()
-    watch.disable()
+        once(watch)
     stats: Any = pstats.Stats(watch)
     scale = 1e3 * alone / stats.total_tt
     own: dict[str, float] = defaultdict(float)
     calls: dict[str, float] = {}
-    for function, (_, _, seconds, whole, _) in stats.stats.items():
+    for function, (_, _, seconds, whole, callers) in stats.stats.items():
         room = room_of(function)
-        own[room or LIBRARIES] += scale * seconds
         if room is not None:
+            own[room] += scale * seconds
             calls[f"{room}/{Path(function[0]).stem}: {function[2]}"] = scale * whole
+            continue
+        for caller, edge in callers.items():
+            own[room_of(caller) or LIBRARIES] += scale * edge[2]
+        own[LIBRARIES] += scale * (seconds - sum(edge[2] for edge in callers.values()))
     return {"total_ms": 1e3 * alone, "own_ms": own, "calls_ms": calls}
 
 

@@ -2,7 +2,8 @@
 
 The set is planned once; the requests nearest to the median time are repeated under cProfile. cProfile slows small calls
 down more than large ones; the figures are scaled to the time without it, so shares of code with many small calls are
-somewhat too large. Libraries are a room of their own; a compiled kernel counts to the room that calls it.
+somewhat too large. A library function, or a compiled kernel, counts to the room that calls it; what libraries do
+inside counts to them.
 """
 
 from __future__ import annotations
@@ -48,7 +49,10 @@ def main(
         made = profiled(program, problems, manners, limit, repeats)
     title = f"{label(name, match)}, {commit or 'working tree'}"
     console = Console()
-    for key, what in (("own_ms", "room, libraries included"), ("calls_ms", "function, with all that it calls")):
+    for key, what in (
+        ("own_ms", "room, with what it calls of libraries"),
+        ("calls_ms", "function, with all that it calls"),
+    ):
         table = Table(what, "ms", title=title)
         for row, value in made[key].items():
             table.add_row(row, f"{value:.2f}")
