@@ -67,7 +67,7 @@ def nearest_of(plan: object) -> tuple[Nearest | None] | None:
     given = margins["nearest"]
     if given is None:
         return (None,)
-    item: document.Nearest = read_normal(document.Nearest, given, given, (*PLAN, "margins", "nearest"))
+    item: document.Nearest = read_normal(document.Nearest, given, given, (PLAN, "margins", "nearest"))
     one, other = item["bodies"]
     return (Nearest(item["gap_m"], item["time_s"], (one, other), item["phase"], item["gap_m"]),)
 

@@ -146,6 +146,7 @@ BOX = {"name": "extra", "shape": {"box": {"size_mm": [10, 10, 10]}}, "pose": {"a
 OPEN_STL = (
     b"solid x\n" + b"facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\nendfacet\n" * 4
 )
+BY_FILE = {"file": "/etc/passwd", "tool": {"tcp_mm": [0, 0, 0]}}
 JOINT = {"name": "a", "range_deg": [-90, 90], "velocity_deg_s": 100, "acceleration_deg_s2": 1000, "jerk_deg_s3": 10000}
 LIFT = {"name": "c", "range_mm": [0, 100], "velocity_mm_s": 100, "acceleration_mm_s2": 1000, "jerk_mm_s3": 10000}
 
@@ -425,8 +426,8 @@ BAD_REQUESTS: tuple[Bad, ...] = (
         "asset that is not shipped", put(*PART, "shape", "mesh", "asset", value="teapot"), "bodies[1].shape.mesh.asset"
     ),
     Bad("asset by path", put(*PART, "shape", "mesh", "asset", value="../assets/bracket"), "bodies[1].shape.mesh.asset"),
-    Bad("robot by file", put("robot", value={"file": "arm.yaml", "tool": {"tcp_mm": [0, 0, 0]}}), "robot.file"),
-    Bad("robot by a path", put("robot", value={"file": "/etc/passwd", "tool": {"tcp_mm": [0, 0, 0]}}), "robot.file"),
+    Bad("robot by file", put("robot", value={**BY_FILE, "file": "arm.yaml"}), "robot.file"),
+    Bad("robot by a path", put("robot", value=BY_FILE), "robot.file"),
     Bad("model by path", put("robot", "model", value="../robots/lab-scara"), "robot.model"),
     Bad(
         "mesh by file",

@@ -204,7 +204,7 @@ def test_a_smallest_clearance_that_is_not_so_is_refused(change: dict[str, Any]) 
     answer["margins"] = {}
     assert check_document(GOOD_REQUEST, answer)["ok"] is True
     answer["margins"]["nearest"] = {"gap_m": "wide"}
-    with pytest.raises(InputError, match="nearest"):
+    with pytest.raises(InputError, match=r"^plan\.margins\.nearest\.[a-z_]+: "):
         check_document(GOOD_REQUEST, answer)
 
 

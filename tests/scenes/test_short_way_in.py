@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -80,12 +78,3 @@ def test_a_name_that_is_no_scenario_is_refused() -> None:
 def test_a_file_that_is_not_there_is_said_to_be_missing(name: str, tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         load(tmp_path / name)
-
-
-def test_loading_needs_no_native_library() -> None:
-    probe = (
-        "import sys\nfrom scenes import check, load, plan\nload('demo')\n"
-        "print([name for name in ('fcl', 'ruckig', 'trimesh', 'scipy') if name in sys.modules])"
-    )
-    ran = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
-    assert ran.stdout.strip() == "[]"
