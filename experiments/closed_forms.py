@@ -15,7 +15,7 @@ from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion
 from assur.planner.robots.codes import Code
 from assur.planner.robots.planar import principal
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 
 CLEAR = 0.05
 """Margin from which errors are told as they are: what requests ask by default."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 
 LEAST_MARGIN = 1e-12
 """A margin up to this, no unit, is 0: that of a closed chain comes out of a triangle, and rounds to some 1e-16."""

@@ -23,8 +23,8 @@ from assur.experiments.five_bar_workspace import Workspace, workspace
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Pose
+from assur.planner.robots.facts import Code
 from assur.planner.robots.five_bar import MODES, FiveBar
-from assur.planner.robots.protocol import Code
 from assur.scenes.catalogue import arm_named
 from assur.scenes.reading.plan import plan_of
 from assur.scenes.requests import cell_of, plan_document, shipped

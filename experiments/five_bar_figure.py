@@ -9,8 +9,8 @@ from assur.experiments.figures import BLUE, GREEN, INK, PURPLE, RED
 from assur.experiments.five_bar_places import Paths, elbows, on_curve, standing
 from assur.experiments.five_bar_workspace import Workspace
 from assur.planner.arrays import FloatArray
+from assur.planner.robots.facts import Code
 from assur.planner.robots.five_bar import MODES, FiveBar
-from assur.planner.robots.protocol import Code
 
 SIZE = (7.2, 4.6)
 """Inches."""

@@ -24,7 +24,7 @@ from assur.experiments.line_requests import FASTEST_DEG_S, HALF, LINK, SPEED, de
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion
 from assur.planner.model.refusal import Reason
-from assur.planner.robots.protocol import Limits
+from assur.planner.robots.facts import Limits
 from assur.planner.robots.scara import Scara
 
 UNEQUAL = (0.225, 0.175)

@@ -34,7 +34,7 @@ from assur.planner.model.refusal import (
     window_missed,
 )
 from assur.planner.model.scene import Scene
-from assur.planner.robots.protocol import Code
+from assur.planner.robots.facts import Code
 
 AGREES_S = 1e-12
 """Times that are put in and that come out agree to this, s: at 10 m/s a place is then known to 10 pm."""

@@ -23,7 +23,7 @@ from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.polar_arm import PolarArm
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
 from assur.planner.trajectory import Trajectory
 

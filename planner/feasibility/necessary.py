@@ -32,7 +32,7 @@ from assur.planner.model.refusal import (
     of_joint,
 )
 from assur.planner.model.scene import Pick, Scene
-from assur.planner.robots.protocol import Code
+from assur.planner.robots.facts import Code
 
 START_RATIO = 1e-9
 """A start velocity or acceleration may exceed its limit by this share: rounding of unit conversions."""

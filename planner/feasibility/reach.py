@@ -18,7 +18,8 @@ from assur.planner.model.refusal import (
     out_of_reach,
 )
 from assur.planner.model.scene import Scene
-from assur.planner.robots.protocol import Code, Pitching
+from assur.planner.robots.facts import Code
+from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.turns import beyond_range, equivalents
 
 EDGE_M = 1e-9
@@ -49,7 +50,7 @@ def _amount(refusal: Refusal) -> float:
 
 def beyond_every_pitch(scene: Scene, point: ControlPoint) -> Refusal | None:
     """Why `point` is met at no pitch of the tool, joint limits left aside; None: it is, or moves, or is not known."""
-    if not point.still or not isinstance(scene.robot, Pitching):
+    if not point.still or not isinstance(scene.robot, FiveAxisArm):
         return None
     short = float(scene.robot.out_of_reach(point.flange(np.array([scene.start.time])).p)[0])
     if not short > EDGE_M:

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.laws import bound_frame, place_frame
 from assur.planner.kernels.links import (
     ACCELERATION,
-    BOUND_COLUMNS,
     LINKS,
     V_ANY,
     V_ANY_FAR,
@@ -110,25 +107,3 @@ def point_bound(
     flat = math.sqrt(square) if square > LEAST_SQUARE else math.hypot(nx, ny)
     speed = _along(bounds, k, 0, reach, distance, nx, ny, nz, flat)
     return speed, _along(bounds, k, ACCELERATION, reach, distance, nx, ny, nz, flat)
-
-
-@kernel(
-    "void(float64[::1], int64[::1], float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1],"
-    " float64[:, ::1], float64[:, ::1])"
-)
-def points_of_links(
-    robot: FloatArray,
-    links: IntArray,
-    points: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
-    rate: FloatArray,
-    rate_d: FloatArray,
-    found: FloatArray,
-) -> None:
-    """`point_bound` for N points: `points` (N, 5) are reach, distance and n, `found` (N, 2) speed and acceleration."""
-    bounds = np.empty((int(robot[LINKS]), BOUND_COLUMNS))
-    for i in range(len(points)):
-        bound_links(robot, lower[i], upper[i], rate[i], rate_d[i], bounds)
-        reach, distance, nx, ny, nz = points[i, 0], points[i, 1], points[i, 2], points[i, 3], points[i, 4]
-        found[i, 0], found[i, 1] = point_bound(bounds, links[i], reach, distance, nx, ny, nz)

@@ -8,7 +8,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.kernels.meetings import least_durations, velocity_times
-from assur.planner.robots.protocol import Limits
+from assur.planner.robots.facts import Limits
 
 
 @dataclass(frozen=True, eq=False)

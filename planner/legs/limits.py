@@ -20,7 +20,7 @@ from assur.planner.model.refusal import (
     of_joint,
 )
 from assur.planner.model.scene import Scene
-from assur.planner.robots.protocol import Limits
+from assur.planner.robots.facts import Limits
 from assur.planner.trajectory import LimitCheck, LimitReport, Trajectory, accepted_bands, check_limits, keeps_bands
 
 

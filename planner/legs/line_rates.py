@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.robots.protocol import Limits
+from assur.planner.robots.facts import Limits
 
 FLAT = 1e-12
 """Relative to the largest rate: below, a root has its slope taken here, where it would be infinite."""

@@ -42,8 +42,9 @@ from assur.planner.model.refusal import (
     out_of_reach,
 )
 from assur.planner.model.scene import Scene
+from assur.planner.robots.facts import Code
 from assur.planner.robots.kinematics import targets_of
-from assur.planner.robots.protocol import Code, Robot
+from assur.planner.robots.robot import Robot
 from assur.planner.robots.turns import beyond_range
 
 GRID_S = 0.004

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from assur.planner.errors import FaultError
-from assur.planner.robots.protocol import Limits
+from assur.planner.robots.facts import Limits
 from assur.planner.timing import Numbers, Solver
 
 

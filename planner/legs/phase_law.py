@@ -13,7 +13,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.legs.line_rates import FLAT, Rates, Seen
-from assur.planner.robots.protocol import Limits
+from assur.planner.robots.facts import Limits
 
 PIECES = 12
 """Parts of a law. Over Ruckig's joint move (median, lines of the benchmark) 8 reach 1.11, 12 reach 1.05, 24 reach 1.02;

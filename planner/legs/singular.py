@@ -9,7 +9,8 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.model.refusal import Quantity, Reason, Refusal, Singular, Stage, finite
-from assur.planner.robots.protocol import Code, Inverse, Robot
+from assur.planner.robots.facts import Code, Inverse
+from assur.planner.robots.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,7 +40,7 @@ from assur.planner.model.refusal import (
     unmoved,
 )
 from assur.planner.model.scene import Scene
-from assur.planner.robots.protocol import Code, Inverse
+from assur.planner.robots.facts import Code, Inverse
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory
 

@@ -11,7 +11,7 @@ from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import Tilt, TiltedMotion
 from assur.planner.model.scene import Scene, Step
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 
 PATH_RAD = 1e-5
 """Between knots pitch and roll leave their path by less than this, rad; the promise of tracking legs is 1e-4."""

@@ -31,7 +31,8 @@ from assur.planner.model.refusal import (
     unmoved,
 )
 from assur.planner.model.scene import Scene
-from assur.planner.robots.protocol import Code, Robot
+from assur.planner.robots.facts import Code
+from assur.planner.robots.robot import Robot
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory
 

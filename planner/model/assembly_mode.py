@@ -12,7 +12,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.model.refusal import Quantity, Reason, Refusal, Singular, Stage
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 
 

@@ -11,7 +11,7 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.validity import ALWAYS, KnownLaw, interval
 from assur.planner.model.assembly_mode import leaves_assembly
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import Spline, spline_table
 

@@ -16,7 +16,7 @@ from assur.planner.geometry.pieces import Pieces, pieces
 from assur.planner.geometry.shapes import Body
 from assur.planner.model.blendable import refuse_acceleration_time, refuse_unblendable
 from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Window
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 
 __all__ = [
     "WORLD",

@@ -26,7 +26,7 @@ _RATES = frozen(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FiveAxisArm(ElbowArm):
-    """A five-axis arm; implements `assur.planner.robots.protocol.Robot` and `assur.planner.robots.protocol.Pitching`.
+    """A five-axis arm; its hand has a pitch and a roll.
 
     `link2` to `link3` as in an elbow arm; `link4` is the hand, its frame at the pitch axis; `flange` is at the tool
     point, `l3` (m) from there along the hand, and rolls about it. Modes are named by the elbow and by the side on which

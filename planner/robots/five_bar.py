@@ -25,9 +25,9 @@ import numpy as np
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
-from assur.planner.robots.arm import Arm
-from assur.planner.robots.protocol import Joint, Limits, RobotBody
+from assur.planner.robots.facts import Joint, Limits, RobotBody
 from assur.planner.robots.riders import check_lengths, check_riders, joints_of
+from assur.planner.robots.robot import Robot
 
 LINKS = ("base", "proximal-left", "distal-left", "proximal-right", "distal-right", "quill", "flange")
 BASE, PROXIMAL_LEFT, DISTAL_LEFT, PROXIMAL_RIGHT, DISTAL_RIGHT, QUILL, FLANGE = range(7)
@@ -41,9 +41,12 @@ PARALLEL_LEAST = 0.1
 a play in a joint acts ten times as strong along the tool's worst direction as at a right angle."""
 
 
+_RATES = frozen(np.eye(4), (4, 4), "rate_matrix")
+
+
 @dataclass(frozen=True, eq=False)
-class FiveBar(Arm):
-    """A five-bar arm; implements `assur.planner.robots.protocol.Robot`.
+class FiveBar(Robot):
+    """A five-bar arm; implements `assur.planner.robots.robot.Robot`.
 
     Link frames: `base` at the base origin, midway between the crank axes; `proximal-left` and `proximal-right` at the
     crank axes, turned by φ1 and φ5; `distal-left` and `distal-right` at the elbows, turned by φ2 and φ3, all at the
@@ -72,7 +75,7 @@ class FiveBar(Arm):
     tilting: frozenset[int] = field(default=frozenset(), init=False, repr=False)
     coordinates: tuple[str, ...] = field(init=False, repr=False)
     joints: tuple[Joint, ...] = field(init=False, repr=False)
-    rate_matrix: FloatArray = field(init=False, repr=False)
+    lift: int | None = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         if self.axes not in (2, 3, 4):
@@ -92,7 +95,7 @@ class FiveBar(Arm):
             ("joint_names", names),
             ("joints", joints_of(names, kinds, self.limits)),
             ("coordinates", ("x", "y", "z", "yaw")[: self.axes]),
-            ("rate_matrix", frozen(np.eye(4)[:, : self.axes], (4, self.axes), "rate_matrix")),
+            ("lift", 2 if self.axes > 2 else None),
         ):
             object.__setattr__(self, key, value)
 
@@ -103,8 +106,9 @@ class FiveBar(Arm):
         return "five-bar", lengths, numbers
 
     @property
-    def lift(self) -> int | None:
-        return 2 if self.axes > 2 else None
+    def rate_matrix(self) -> FloatArray:
+        """(4, n): the joint rates themselves."""
+        return _RATES[:, : self.axes]
 
     @property
     def sigma(self) -> int:

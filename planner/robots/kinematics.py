@@ -1,4 +1,4 @@
-"""Kinematics of any arm in arrays, by the kernels: what `assur.planner.robots.arm` answers with.
+"""Kinematics of any arm in arrays, by the kernels: what `assur.planner.robots.robot` answers with.
 
 The web process loads robots and must not load numba, so this module is imported where it is first needed.
 """
@@ -10,18 +10,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.kernels import inverse as kernels
 from assur.planner.kernels import links as of
-from assur.planner.kernels.carriers import points_of_links
 from assur.planner.kernels.inverse import POSTURE_COLUMNS, joint_motions
 from assur.planner.kernels.motion import COORDINATES, ORDERS, link_motions
-from assur.planner.robots.protocol import Inverse, Sweep
+from assur.planner.robots.facts import Inverse
 
 if TYPE_CHECKING:
-    from assur.planner.robots.arm import Arm
+    from assur.planner.robots.robot import Robot
 
 FAMILIES = {
     "scara": of.SCARA,
@@ -41,7 +40,7 @@ PLACES = (
 """Where an arm's further numbers stand in its row."""
 
 
-def row_of(arm: Arm) -> FloatArray:
+def row_of(arm: Robot) -> FloatArray:
     """The arm as a row of numbers (`ROBOT_COLUMNS`,), SI units."""
     row = np.zeros(of.ROBOT_COLUMNS)
     family, lengths, numbers = arm.facts
@@ -68,7 +67,7 @@ def targets_of(flange: Motion, order: int) -> FloatArray:
     return targets
 
 
-def inverse(arm: Arm, flange: Motion, mode: int, order: int) -> Inverse:
+def inverse(arm: Robot, flange: Motion, mode: int, order: int) -> Inverse:
     """As `Robot.inverse`; `mode` and `order` are what they may be."""
     shape, n = flange.yaw.shape, len(arm.joints)
     joints, margins = np.empty((*shape, ORDERS, n)), np.empty((*shape, 2))
@@ -80,7 +79,7 @@ def inverse(arm: Arm, flange: Motion, mode: int, order: int) -> Inverse:
     return Inverse(q, qd, qdd, qddd, codes, margins[..., 0], parallel)
 
 
-def moved(arm: Arm, link: int, *orders: FloatArray) -> FloatArray:
+def moved(arm: Robot, link: int, *orders: FloatArray) -> FloatArray:
     """Motion (..., 4, 6) of a link for q and up to three derivatives (..., n), those not given being 0."""
     joints = np.zeros((*orders[0].shape[:-1], ORDERS, len(arm.joints)))
     for k, each in enumerate(orders):
@@ -99,7 +98,7 @@ def motion_of(table: FloatArray, tilted: bool) -> Motion:
     return TiltedMotion.of(motion, *(table[..., k, 4:] for k in range(ORDERS))) if tilted else motion
 
 
-def placements(arm: Arm, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+def placements(arm: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Link frames in the world for q (..., n): positions (..., L, 3) and rotations (..., L, 3, 3)."""
     shape = (*q.shape[:-1], len(arm.links))
     placed = np.empty((*shape, of.POSE_COLUMNS))
@@ -108,7 +107,7 @@ def placements(arm: Arm, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     return placed[..., :3].copy(), placed[..., 3:].reshape(*shape, 3, 3)
 
 
-def postures(arm: Arm, q: FloatArray) -> FloatArray:
+def postures(arm: Robot, q: FloatArray) -> FloatArray:
     """(..., 5): columns of `assur.planner.kernels.inverse`."""
     out = np.empty((*q.shape[:-1], POSTURE_COLUMNS))
     flat = np.array(q, dtype=np.float64).reshape(-1, len(arm.joints))
@@ -116,22 +115,8 @@ def postures(arm: Arm, q: FloatArray) -> FloatArray:
     return out
 
 
-def assembled(arm: Arm, lower: FloatArray, upper: FloatArray) -> BoolArray:
+def assembled(arm: Robot, lower: FloatArray, upper: FloatArray) -> BoolArray:
     """Whether (N,) the loop is proved to assemble over the ranges (N, n), K39."""
     proved = np.empty(len(lower), dtype=np.bool_)
     of.ranges_assembled(arm.row, np.array(lower, dtype=np.float64), np.array(upper, dtype=np.float64), proved)
     return proved
-
-
-def point_bounds(
-    arm: Arm, link: IntArray, reach: FloatArray, distance: FloatArray, n: FloatArray, sweep: Sweep
-) -> tuple[FloatArray, FloatArray]:
-    """As `Robot.point_bounds`; the links are there."""
-    found, links = np.empty((len(link), 2)), np.array(link, dtype=np.int64)
-    tilting = np.isin(links, list(arm.tilting))
-    points = np.column_stack([np.where(tilting, 0.0, reach), np.where(tilting, distance, 0.0), n])
-    lower, upper, rate, rate_d = (
-        np.array(each, dtype=np.float64) for each in (sweep.lower, sweep.upper, sweep.rate, sweep.rate_d)
-    )
-    points_of_links(arm.row, links, points, lower, upper, rate, rate_d, found)
-    return found[:, 0].copy(), found[:, 1].copy()

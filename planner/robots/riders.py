@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from assur.planner.errors import InputError
 from assur.planner.geometry.shapes import LARGEST_M, SMALLEST_M
+from assur.planner.robots.facts import Joint, Limits, RobotBody
 from assur.planner.robots.planar import upright
-from assur.planner.robots.protocol import Joint, Limits, RobotBody
 
 
 def joints_of(names: tuple[str, ...], kinds: tuple[str, ...], limits: Limits) -> tuple[Joint, ...]:

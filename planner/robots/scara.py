@@ -16,9 +16,9 @@ from dataclasses import dataclass, field
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
-from assur.planner.robots.arm import Arm
-from assur.planner.robots.protocol import Joint, Limits, RobotBody
+from assur.planner.robots.facts import Joint, Limits, RobotBody
 from assur.planner.robots.riders import check_lengths, check_riders, joints_of
+from assur.planner.robots.robot import Robot
 
 LINKS = ("base", "link1", "link2", "quill", "flange")
 BASE, LINK1, LINK2, QUILL, FLANGE = range(5)
@@ -28,8 +28,8 @@ _RATES = frozen([[1, 0, 0, 0], [1, 1, 0, 0], [0, 0, 1, 0], [1, 1, 0, 1]], (4, 4)
 
 
 @dataclass(frozen=True, eq=False)
-class Scara(Arm):
-    """A SCARA arm; implements `assur.planner.robots.protocol.Robot`.
+class Scara(Robot):
+    """A SCARA arm; implements `assur.planner.robots.robot.Robot`.
 
     Link frames: `base` at the base origin; `link1` at the shoulder axis, turned by φ1; `link2` at the elbow axis,
     turned by φ2, both at the height of the base origin; `quill` at the flange, never turned (world axes), for solids

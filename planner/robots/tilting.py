@@ -17,9 +17,9 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
-from assur.planner.robots.arm import Arm
-from assur.planner.robots.protocol import Joint, Limits, RobotBody
+from assur.planner.robots.facts import Joint, Limits, RobotBody
 from assur.planner.robots.riders import check_riders, joints_of
+from assur.planner.robots.robot import Robot
 
 LINKS = ("base", "link1", "link2", "link3", "flange")
 BASE, LINK1, LINK2, LINK3, FLANGE = range(5)
@@ -27,7 +27,7 @@ TILTING = frozenset((LINK2, LINK3, FLANGE))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class TiltingArm(Arm):
+class TiltingArm(Robot):
     """The facts that elbow, polar and five-axis arm share.
 
     Link frames: `base` at the base origin; `link1` at the shoulder, turned by φ1, upright; `link2` at the shoulder and

@@ -10,7 +10,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.robots.planar import TURN
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 
 MOST_TURNS = 64
 """No joint of a robot turns more often between its stops (no unit): above it a unit was probably mistaken."""

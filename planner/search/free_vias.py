@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 from assur.planner.search import tuning
 
 

@@ -15,7 +15,7 @@ from assur.planner.kernels.candidates import (
     rough_motions,
     rough_positions,
 )
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 from assur.planner.search.meeting_options import Option
 from assur.planner.search.partial_plan import PartialPlan
 

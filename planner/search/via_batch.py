@@ -23,7 +23,7 @@ from assur.planner.kernels.candidates import (
     WAIT,
 )
 from assur.planner.legs.joint import Shape, Via
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 from assur.planner.search import tuning
 from assur.planner.search.free_vias import free_vias
 

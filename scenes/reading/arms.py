@@ -14,11 +14,12 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece
 from assur.planner.robots import five_axis_arm, five_bar, scara, tilting
 from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.robots.facts import Limits, RobotBody
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.planar import upright
 from assur.planner.robots.polar_arm import PolarArm
-from assur.planner.robots.protocol import Limits, Robot, RobotBody
+from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
 from assur.scenes.conventions import Conventions, JointConvention, JointKind, places
 from assur.scenes.faults import Refused, within

@@ -11,8 +11,9 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
 from assur.planner.model.scene import Start, Tool
+from assur.planner.robots.facts import Limits
 from assur.planner.robots.five_bar import FiveBar
-from assur.planner.robots.protocol import Limits, Robot
+from assur.planner.robots.robot import Robot
 from assur.scenes.bounds import FAR_M
 from assur.scenes.catalogue import arm_named, shipped_robot
 from assur.scenes.conventions import Conventions, JointConvention, converted, places

@@ -31,7 +31,8 @@ from assur.planner.model.scene import (
     Tool,
 )
 from assur.planner.model.scene import WorldBody as Around
-from assur.planner.robots.protocol import Limits, Robot, RobotBody
+from assur.planner.robots.facts import Limits, RobotBody
+from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import BASE, LINK1, LINK2, QUILL, Scara
 from assur.planner.tables.bodies import Bodies
 from tests.planner.second_solids import Placed, carriers, place

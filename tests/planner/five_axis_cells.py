@@ -10,8 +10,8 @@ import numpy as np
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.model.scene import Follow, Move, Scene, Step, Target
+from assur.planner.robots.facts import Limits, RobotBody
 from assur.planner.robots.five_axis_arm import FLANGE, LINK4, FiveAxisArm
-from assur.planner.robots.protocol import Limits, RobotBody
 from assur.planner.robots.tilting import LINK2, LINK3
 from tests.planner.cells import cell, solid
 

@@ -14,7 +14,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.frames import Law, Motion, Pose
 from assur.planner.model.link_frames import TrajectoryLaw
-from assur.planner.robots.protocol import Limits
+from assur.planner.robots.facts import Limits
 from assur.planner.robots.scara import Scara
 from assur.planner.trajectory import Trajectory
 from tests.planner.frames.bounded import bounded

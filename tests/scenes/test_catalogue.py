@@ -20,7 +20,7 @@ from assur.planner.geometry.shapes import Piece, Primitive
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.polar_arm import PolarArm
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
 from assur.scenes.catalogue import FOLDER, arm_named, load_robot, models, robots, shipped_robot
 from assur.scenes.conventions import JointConvention, as_maker, converted

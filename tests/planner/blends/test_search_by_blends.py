@@ -25,7 +25,7 @@ from assur.planner.model.outcome import Course, NotPlanned, Outcome, Planned, Ro
 from assur.planner.model.refusal import AccelerationTime, Reason
 from assur.planner.model.scene import Arch, Follow, Options, Pick, Place, Scene, Start, Step, Target, Window
 from assur.planner.pipeline import plan
-from assur.planner.robots.protocol import Code
+from assur.planner.robots.facts import Code
 from assur.planner.robots.scara import FLANGE, LINK1
 from tests.planner.cells import CUP, PART, Around, Swing, amount_of, arm, at, cell, frame, go, solid, stands, unit_of
 from tests.planner.trajectory.splines import bernstein

@@ -23,11 +23,12 @@ from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Plan
 from assur.planner.model.phases import CONTACT_M, Phase, phases
 from assur.planner.model.scene import Clearance, Move, Options, Pick, Place, Scene, Start, Target, Tool, WorldBody
-from assur.planner.robots.protocol import Code, Limits, RobotBody, Sweep
+from assur.planner.robots.facts import Code, Limits, RobotBody
 from assur.planner.robots.scara import BASE, FLANGE, LINK1, LINK2, QUILL, Scara
 from assur.planner.trajectory import Trajectory
 from tests.planner.convex import reach
 from tests.planner.frames.bounded import bounded
+from tests.planner.robots.point_bounds import Sweep, point_bounds
 
 MODE = 1
 Height = Callable[[FloatArray], tuple[FloatArray, ...]]
@@ -421,7 +422,7 @@ class PlainProver:
                 rate, rate_d = rate * 0, rate_d * 0
             sweep = Sweep(q.min(0)[None], q.max(0)[None], rate[None], rate_d[None])
             r = reach(piece, side.pose.position, _turn(side.pose.yaw))
-            v, acc = self.scene.robot.point_bounds(np.array([side.link]), np.array([r]), np.array([r]), n[None], sweep)
+            v, acc = point_bounds(self.scene.robot, np.array([side.link]), np.array([r]), np.array([r]), n[None], sweep)
             return float(v[0]) + 1e-6, float(acc[0]) + 1e-3
         law = bounded(self.scene.frames[side.frame].law, np.array([t0]), np.array([t1]), n[None])
         r = reach(piece, side.pose.position, _turn(side.pose.yaw)) * math.hypot(n[0], n[1])

@@ -14,7 +14,7 @@ from assur.planner.checker import Code
 from assur.planner.checker.checking import limits
 from assur.planner.checker.spline import COLUMNS, JERK, RATE, curve, cut, joints
 from assur.planner.checker.world import World
-from assur.planner.robots.protocol import Limits
+from assur.planner.robots.facts import Limits
 from assur.planner.trajectory import Trajectory, check_limits
 from tests.planner.checker.hand_made import crossing_case
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 from tests.planner.robots.families import MADE, elbow, five_axis, polar, scara
 from tests.planner.robots.five_bars import five_bar
 

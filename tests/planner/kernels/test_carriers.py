@@ -17,12 +17,13 @@ from assur.planner.kernels.laws import bound_frame, place_frame
 from assur.planner.kernels.links import BOUND_COLUMNS
 from assur.planner.kernels.spline import spline_motion, spline_state, sweep_bounds
 from assur.planner.model.link_frames import TrajectoryLaw
-from assur.planner.robots.protocol import Robot, Sweep
+from assur.planner.robots.robot import Robot
 from assur.planner.tables.laws import law_tables
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import spline_table
 from tests.planner.frames.laws import Case, cases, directions, intervals, samples
 from tests.planner.kernels.arms import ARMS, states
+from tests.planner.robots.point_bounds import Sweep
 from tests.planner.trajectory.splines import bernstein, splines
 
 CLOSE = 1e-12

@@ -19,7 +19,7 @@ from assur.planner.legs.state import State, TimedLeg
 from assur.planner.legs.straight import constant_law, mode_changes, scaled, straight
 from assur.planner.model.refusal import Reason, Refusal, Singular
 from assur.planner.model.scene import Scene
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory, check_limits
 from assur.scenes.catalogue import arm_named
 from benchmarks.legs import fastest_joint_move

@@ -23,8 +23,9 @@ from assur.planner.model.outcome import LegKind
 from assur.planner.model.refusal import MotionLimit, Obstacle, Reason, Refusal
 from assur.planner.model.scene import Follow, Pick, Scene, Start, Target, Tool
 from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.robots.facts import Code, Limits
 from assur.planner.robots.polar_arm import PolarArm
-from assur.planner.robots.protocol import Code, Limits, Robot
+from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory, check_limits
 from tests.planner.cells import BARE, CRANKED, CUP, amount_of, arm, cell, frame, limits, stands, unit_of
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
+from assur.planner.robots.facts import Limits
 from assur.planner.robots.five_bar import FiveBar
-from assur.planner.robots.protocol import Limits
 
 BASES = (Pose(), Pose(0.4, -0.7, 0.2, 2.5))
 LENGTHS = {

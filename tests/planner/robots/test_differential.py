@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from assur.experiments.differential import determinant, inverse_jacobian, jacobian
-from assur.planner.robots.protocol import Robot
+from assur.planner.robots.robot import Robot
 from tests.planner.robots.families import elbow, five_axis, polar, random_q, scara
 
 

@@ -21,7 +21,8 @@ from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.robots.protocol import Code, Robot
+from assur.planner.robots.facts import Code
+from assur.planner.robots.robot import Robot
 from tests.planner.robots.families import NAMES, STENCIL, far, flange_of, random_motion, random_q, robot_named, tilted
 
 STATES = 10_000

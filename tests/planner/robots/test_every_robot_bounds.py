@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
-from assur.planner.errors import FaultError
-from assur.planner.robots.protocol import Robot, Sweep
+from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import BASE, FLANGE, LINK1, LINK2, LINKS, QUILL
 from tests.planner.robots.families import MADE, NAMES, STENCIL, elbow, five_axis, polar, random_q, robot_named, scara
 from tests.planner.robots.five_bars import LENGTHS, five_bar, states
+from tests.planner.robots.point_bounds import Sweep, point_bounds
 
 SECOND = np.array([-1 / 560, 8 / 315, -1 / 5, 8 / 5, -205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560])
 """Weights of the central second difference."""
@@ -68,7 +68,7 @@ def test_the_bounds_are_never_below_the_truth_anywhere_in_the_range(name: str, l
     sweep, links = of_rates(robot, lower, upper, qd, qdd), np.full(size, link)
     for n in (rng.normal(size=(size, 3)), np.tile(UP, (size, 1)), v, a):
         unit = n / np.maximum(np.linalg.norm(n, axis=1, keepdims=True), 1e-300)
-        speed, acceleration = robot.point_bounds(links, reach, distance, unit, sweep)
+        speed, acceleration = point_bounds(robot, links, reach, distance, unit, sweep)
         assert np.isfinite(speed[known]).all()
         assert (np.abs((unit * v).sum(1))[known] <= (speed * (1 + 1e-11) + off[0])[known]).all()
         assert (np.abs((unit * a).sum(1))[known] <= (acceleration * (1 + 1e-11) + off[1])[known]).all()
@@ -88,21 +88,12 @@ def test_what_is_not_known_is_bounded_by_infinity_without_a_warning(name: str, b
             cases = [(Sweep(q, q, unknown.rate, unknown.rate_d), size, size), (unknown, size, size)]
             cases += [] if quill else [(fine, bad * size, bad * size), (fine, -size, -size)]
             for sweep, reach, distance in cases:
-                bounds = robot.point_bounds(np.array([link]), reach, distance, n, sweep)
+                bounds = point_bounds(robot, np.array([link]), reach, distance, n, sweep)
                 assert all((bound == np.inf).all() for bound in bounds), (link, sweep, reach)
     with np.errstate(all="raise"):
         wide = np.full(q.shape, np.inf)
         assert robot.assembled(-wide, wide).all() == (robot.parallel_least == 0.0)
         assert not robot.assembled(bad * q, bad * q).any() or robot.parallel_least == 0.0
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_link_that_does_not_exist_is_a_fault(name: str) -> None:
-    robot = robot_named(name)
-    q, one = np.ones((1, len(robot.joints))), np.ones(1)
-    for link in (-1, len(robot.links)):
-        with pytest.raises(FaultError, match="no such link"):
-            robot.point_bounds(np.array([link]), one, one, UP, of_rates(robot, q, q, q, q))
 
 
 # Arms whose links stay upright
@@ -115,7 +106,7 @@ def test_along_the_vertical_only_what_the_lift_carries_has_a_speed(
 ) -> None:
     robot, up = scara(axes, arms_rise=arms_rise), np.tile(-UP, (5, 1))
     sweep = Sweep(np.zeros((5, axes)), np.zeros((5, axes)), np.full((5, 4), 3.0), np.full((5, 4), 7.0))
-    speed, acceleration = robot.point_bounds(np.arange(5), np.full(5, 0.3), np.full(5, np.nan), up, sweep)
+    speed, acceleration = point_bounds(robot, np.arange(5), np.full(5, 0.3), np.full(5, np.nan), up, sweep)
     assert speed.tolist() == [3 * x for x in rising]
     assert acceleration.tolist() == [7 * x for x in rising]
 
@@ -127,7 +118,7 @@ def test_the_bounds_are_the_formulas_of_the_page(link: int, tilt: float, reach: 
     rate, rate_d = np.array(rates[:4]), np.array(rates[4:])
     n = np.array([[np.sin(tilt) * 0.6, np.sin(tilt) * 0.8, np.cos(tilt)]])
     sweep = Sweep(np.zeros((1, 4)), np.zeros((1, 4)), rate[None], rate_d[None])
-    speed, acceleration = robot.point_bounds(np.array([link]), np.array([reach]), np.array([np.nan]), n, sweep)
+    speed, acceleration = point_bounds(robot, np.array([link]), np.array([reach]), np.array([np.nan]), n, sweep)
     arms = {
         BASE: [],
         LINK1: [(reach, 0)],
@@ -158,8 +149,8 @@ def test_the_bounds_are_reached_by_a_stretched_arm_that_turns_as_one(link: int) 
     both = radius * np.hypot(5.0, 2.0**2)
     along = radius * (-5.0 * tangent - 2.0**2 * radial) / both
     sweep = of_rates(robot, q, q, qd, qdd)
-    speed, _ = robot.point_bounds(np.array([link]), np.full(1, 0.1), np.full(1, np.nan), tangent, sweep)
-    _, acceleration = robot.point_bounds(np.array([link]), np.full(1, 0.1), np.full(1, np.nan), along, sweep)
+    speed, _ = point_bounds(robot, np.array([link]), np.full(1, 0.1), np.full(1, np.nan), tangent, sweep)
+    _, acceleration = point_bounds(robot, np.array([link]), np.full(1, 0.1), np.full(1, np.nan), along, sweep)
     assert speed[0] == pytest.approx(2.0 * radius, rel=1e-12)
     assert acceleration[0] == pytest.approx(both, rel=1e-12)
 
@@ -178,7 +169,7 @@ def test_the_bound_of_speed_is_reached_by_a_stretched_arm_that_only_tilts(robot:
     for link in sorted(robot.tilting):
         tip = position[0, link] + 0.1 * rotation[0, link, :, 0] - position[0, min(robot.tilting)]
         sweep, size = of_rates(robot, q, q, rate, 0 * rate), np.full(1, 0.1)
-        speed, acceleration = robot.point_bounds(np.array([link]), size, size, UP, sweep)
+        speed, acceleration = point_bounds(robot, np.array([link]), size, size, UP, sweep)
         assert speed[0] == pytest.approx(2.0 * np.linalg.norm(tip), rel=1e-5)
         assert acceleration[0] == pytest.approx(4.0 * np.linalg.norm(tip), rel=1e-5)
 
@@ -187,7 +178,7 @@ def test_the_bound_of_speed_is_reached_by_a_stretched_arm_that_only_tilts(robot:
 def test_the_base_stands_and_the_turret_does_not_tilt(robot: Robot) -> None:
     q, n = np.ones((4, len(robot.joints))), np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]] * 2)
     sweep = Sweep(q, q, np.ones((4, len(robot.rate_matrix))), np.ones((4, len(robot.rate_matrix))))
-    speed, _ = robot.point_bounds(np.array([0, 0, 1, 1]), np.full(4, 0.2), np.full(4, 9.0), n, sweep)
+    speed, _ = point_bounds(robot, np.array([0, 0, 1, 1]), np.full(4, 0.2), np.full(4, 9.0), n, sweep)
     assert speed.tolist() == [0.0, 0.0, 0.2, 0.0]
 
 
@@ -195,7 +186,7 @@ def test_a_flange_that_only_rolls_moves_the_points_off_its_axis_and_nothing_else
     robot, tenth = five_axis(), np.full(1, 0.1)
     q, rate = np.zeros((1, 5)), np.array([[0.0, 0.0, 0.0, 0.0, 2.0]])
     for link, name in enumerate(robot.links):
-        bounds = robot.point_bounds(np.array([link]), tenth, tenth, UP, of_rates(robot, q, q, rate, 0 * rate))
+        bounds = point_bounds(robot, np.array([link]), tenth, tenth, UP, of_rates(robot, q, q, rate, 0 * rate))
         assert np.ravel(bounds) == pytest.approx([0.2, 0.4] if name == "flange" else [0.0, 0.0], abs=1e-15)
 
 
@@ -235,8 +226,8 @@ def test_what_is_not_proved_is_bounded_by_infinity_except_where_couplers_do_not_
     sweep, along = Sweep(q, q, np.ones((1, 4)), np.ones((1, 4))), np.array([[0.6, 0.0, 0.8]])
     for link in range(len(robot.links)):
         with np.errstate(all="raise"):
-            speed, acceleration = robot.point_bounds(np.array([link]), tenth, tenth, along, sweep)
-            up, _ = robot.point_bounds(np.array([link]), tenth, tenth, UP, sweep)
+            speed, acceleration = point_bounds(robot, np.array([link]), tenth, tenth, along, sweep)
+            up, _ = point_bounds(robot, np.array([link]), tenth, tenth, UP, sweep)
         assert (speed[0] == np.inf) == (acceleration[0] == np.inf) == (link not in (0, 1, 3))
         assert up[0] == (1.0 if link >= 5 else 0.0)
 
@@ -244,5 +235,5 @@ def test_what_is_not_proved_is_bounded_by_infinity_except_where_couplers_do_not_
 def test_a_crank_that_turns_alone_is_bounded_sharply() -> None:
     robot, q, fifth = five_bar(), np.array([[0.5, -0.5, 0.2, 0.0]]), np.full(1, 0.2)
     rate, ahead = np.array([[2.0, 0.0, 0.0, 0.0]]), np.array([[1.0, 0.0, 0.0]])
-    found = robot.point_bounds(np.array([1]), fifth, fifth, ahead, Sweep(q, q, rate, 5 * rate))
+    found = point_bounds(robot, np.array([1]), fifth, fifth, ahead, Sweep(q, q, rate, 5 * rate))
     assert np.ravel(found) == pytest.approx([0.4, 0.2 * np.hypot(10, 4)], rel=1e-14)

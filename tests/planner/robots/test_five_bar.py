@@ -12,8 +12,8 @@ from assur.experiments.differential import determinant
 from assur.experiments.five_bar_workspace import type_2_curves, velocity_equation, workspace
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.frames.motion import Motion, Pose
+from assur.planner.robots.facts import Code
 from assur.planner.robots.five_bar import DISTAL_LEFT, DISTAL_RIGHT, FLANGE, MODES, QUILL, FiveBar
-from assur.planner.robots.protocol import Code
 from tests.planner.robots.families import BASE
 from tests.planner.robots.five_bars import LENGTHS, five_bar, states
 

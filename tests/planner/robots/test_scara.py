@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion, Pose
-from assur.planner.robots.protocol import Code, Limits
+from assur.planner.robots.facts import Code, Limits
 from assur.planner.robots.scara import FLANGE, Scara
 from tests.planner.robots.families import BASE, scara
 

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from assur.experiments.differential import determinant, jacobian
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.robots.facts import Code
 from assur.planner.robots.polar_arm import PolarArm
-from assur.planner.robots.protocol import Code, Robot
+from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
 from tests.planner.robots.families import BASE, FAR, elbow, far, five_axis, polar, random_q, scara
 

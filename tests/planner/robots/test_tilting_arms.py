@@ -10,9 +10,9 @@ from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.robots.facts import Code
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.polar_arm import PolarArm
-from assur.planner.robots.protocol import Code
 from tests.planner.robots.families import (
     BASE,
     FAR,

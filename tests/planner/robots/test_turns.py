@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from assur.planner.errors import InputError
 from assur.planner.robots import planar, turns
-from assur.planner.robots.protocol import Limits, Robot
+from assur.planner.robots.facts import Limits
+from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
 from assur.planner.robots.turns import beyond_range, equivalents
 

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from assur.planner.kernels.hermite import HULL_COLUMNS, first_column, piece_hulls
 from assur.planner.kernels.spline import sweep_bounds
-from assur.planner.robots.protocol import Sweep
 from assur.planner.trajectory import Trajectory, accepted_bands, keeps_bands
 from assur.planner.trajectory.spline import spline_table
+from tests.planner.robots.point_bounds import Sweep
 
 Floats = NDArray[np.float64]
 

@@ -1,4 +1,7 @@
-"""What every arm answers, whatever its family, from the row of numbers that its family gives it."""
+"""What every robot answers, whatever its family, from the row of numbers that its family gives it.
+
+Planner, certificate and checker know no more of a robot than this.
+"""
 
 from __future__ import annotations
 
@@ -11,21 +14,37 @@ from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
-from assur.planner.robots.protocol import Inverse, Joint, Limits, Sweep
+from assur.planner.robots.facts import Inverse, Joint, Limits, RobotBody
 
 
-class Arm(ABC):
-    """Kinematics of an arm whose family is known to the kernels; a family gives the facts below."""
+class Robot(ABC):
+    """A robot arm with n joints and L link frames; a family gives the facts below. World frame everywhere."""
 
+    name: str
+    joints: tuple[Joint, ...]
     limits: Limits
     base: Pose
-    joints: tuple[Joint, ...]
-    links: tuple[str, ...]
-    tilting: frozenset[int]
     coordinates: tuple[str, ...]
+    """Task coordinates it can follow, out of x, y, z, yaw, pitch, roll (a three-axis SCARA has no yaw of its own; pitch
+    and roll come together, and the flange of such an arm moves as a `TiltedMotion`)."""
     modes: tuple[str, ...]
+    """Working modes; for a SCARA ("left", "right")."""
+    links: tuple[str, ...]
+    """Names of the link frames, on which bodies are. "flange" is one of them: it carries tool and part."""
+    tilting: frozenset[int]
+    """Numbers of the links that do not stay upright: their attitude is more than the yaw of their motion."""
+    bodies: tuple[RobotBody, ...]
+    self_pairs: tuple[tuple[str, str], ...]
+    """Names of links between which self-collision is asked: bodies on the one against bodies on the other."""
+    lift: int | None
+    """The joint that moves the flange along the vertical and does nothing else, if there is one."""
     parallel_least: float
     """The parallel margin below which the arm may never be; 0 without a loop."""
+
+    @property
+    @abstractmethod
+    def rate_matrix(self) -> FloatArray:
+        """(m, n): the combinations of joint rates that bound point speeds (SCARA: q1, q1+q2, q3, q1+q2+q4)."""
 
     @property
     @abstractmethod
@@ -131,18 +150,3 @@ class Arm(ABC):
             return kept
         flat = q.reshape(-1, q.shape[-1])
         return np.asarray(kept & self.assembled(flat, flat).reshape(q.shape[:-1]))
-
-    def point_bounds(
-        self, link: IntArray, reach: FloatArray, distance: FloatArray, n: FloatArray, sweep: Sweep, /
-    ) -> tuple[FloatArray, FloatArray]:
-        """Upper bounds (N,) of |n·ẋ| and |n·ẍ| over N intervals for the points of a link (K43).
-
-        Infinite for what is not a number, a negative reach or distance, and where a loop is not proved to assemble, but
-        for links and directions to which the couplers' motion does not matter. Raises `FaultError` for a link that does
-        not exist.
-        """
-        from assur.planner.robots.kinematics import point_bounds
-
-        if not ((link >= 0) & (link < len(self.links))).all():
-            raise FaultError(f"{type(self).__name__}.point_bounds: no such link")
-        return point_bounds(self, link, reach, distance, n, sweep)
