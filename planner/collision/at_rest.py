@@ -40,7 +40,7 @@ def closest(
         wanted &= hanging[one] & named[other]
     if not wanted.any():
         return None
-    found, _ = prover.hits(phase, stands, pairs=pairs[wanted])
+    found = prover.hits(phase, stands, pairs[wanted]).too_near
     if not len(found):
         return None
     hit = found[found[:, HIT_PAIR].argmin()]

@@ -68,7 +68,7 @@ def _search(prover: Prover, trajectory: Trajectory, phase: Phase, state: FloatAr
     pairs = pairs[pairs[:, REQUIRED] >= 0.0]
     if not len(pairs):
         return
-    search = Search(prover, phase, spline, pairs, np.empty((0, 0)))
+    search = Search(prover, phase, spline, pairs)
     search.state[1:] = state[1:]
     for _ in range(MOST_CALLS):
         if search.go_on(NEAREST) == DONE:

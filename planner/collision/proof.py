@@ -37,7 +37,7 @@ from assur.planner.kernels.proof import (
     T1,
     UNIT,
 )
-from assur.planner.kernels.screening import BAD, HIT_COLUMNS, depth_at, sampled_behind
+from assur.planner.kernels.screening import BAD, HIT_COLUMNS, HITS, depth_at, sampled_behind
 from assur.planner.kernels.solids import BODY, FIRST, GROWTH, LATE, PAIR_COLUMNS, REQUIRED, SECOND
 from assur.planner.kernels.spline import spline_state
 from assur.planner.kernels.units import pose_shapes
@@ -70,8 +70,8 @@ ORIGIN = -1.0
 class Search:
     """A search over the halved intervals of one phase (`kernels.walk`), which gets more room where it runs out.
 
-    `pairs` (P, PAIR_COLUMNS) are looked at, over all of the phase, and before that over other `spans` of time; `rows`
-    take what is written.
+    `pairs` (P, PAIR_COLUMNS) are evaluated, over all of the phase, and before that over other `spans` of time; `rows`
+    and `hits` take what is written, `most_hits` at most.
     """
 
     def __init__(
@@ -80,11 +80,11 @@ class Search:
         phase: Phase,
         spline: Spline,
         pairs: FloatArray,
-        rows: FloatArray,
         spans: tuple[tuple[float, float], ...] = (),
+        most_hits: int = 0,
     ) -> None:
-        self.prover, self.phase, self.spline, self.pairs, self.rows = prover, phase, spline, pairs, rows
-        self.cell = prover.of(phase).cell
+        self.prover, self.spline, self.pairs, self.cell = prover, spline, pairs, prover.of(phase).cell
+        self.rows, self.hits = np.empty((ROOM + len(pairs), ROW_COLUMNS)), np.empty((most_hits, HIT_COLUMNS))
         self.state, self.stack = np.zeros(STATE_COLUMNS), np.zeros((STACK, 4))
         count, many = len(pairs), 1 + len(spans)
         self.items = np.zeros((ROOM + (many + 1) * count, ITEM_COLUMNS))
@@ -92,7 +92,7 @@ class Search:
             mine = self.items[k * count : (k + 1) * count]
             mine[:, :2], mine[:, 2] = pairs[:, FIRST : SECOND + 1], np.arange(count)
             self.stack[k] = t0, t1, k * count, count
-        self.state[TOP] = many
+        self.state[TOP], self.done = many, False
 
     def go_on(self, task: int, step: float = 0.0) -> int:
         """Goes on until it is done, a pair resists, or the budget of a call is spent, and gives room for the next."""
@@ -100,14 +100,25 @@ class Search:
         since, latest = prover.scene.start.time, prover.scene.execution.start_tolerance_s
         status = walk(
             task, prover.motion(self.spline), self.cell, self.pairs, since, latest, step,
-            self.items, self.stack, self.state, self.rows, BUDGET,
+            self.items, self.stack, self.state, self.rows, self.hits, BUDGET,
         )  # fmt: skip
         if status == ROWS_FULL:
             self.rows = np.concatenate([self.rows, np.empty_like(self.rows)])
         elif status == ITEMS_FULL:
             self.items = np.concatenate([self.items, np.zeros_like(self.items)])
             self.stack = np.concatenate([self.stack, np.zeros_like(self.stack)])
+        self.done = status == DONE
         return status
+
+    @property
+    def proved(self) -> FloatArray:
+        """The rows (N, ROW_COLUMNS) that were written."""
+        return self.rows[: int(self.state[FOUND])].copy()
+
+    @property
+    def too_near(self) -> FloatArray:
+        """The hits (H, HIT_COLUMNS): the deepest of each pair."""
+        return self.hits[: int(self.state[HITS])]
 
     @property
     def over(self) -> bool:
@@ -130,6 +141,8 @@ class Prover:
         self.collider = Collider()
         self.has_loop = has_loop(scene.robot)
         self._spline: tuple[Trajectory, Spline] | None = None
+        self._rows: dict[Phase, FloatArray] = {}
+        """Rows that screening found for phases of that trajectory."""
 
     def of(self, phase: Phase) -> Arrangement:
         """The arrangement of a phase."""
@@ -138,7 +151,7 @@ class Prover:
     def spline(self, trajectory: Trajectory) -> Spline:
         """The tables of a trajectory; those of the last one are kept, for its phases are proved one after the other."""
         if self._spline is None or self._spline[0] is not trajectory:
-            self._spline = trajectory, spline_table(trajectory, self.scene.robot.rate_matrix)
+            self._spline, self._rows = (trajectory, spline_table(trajectory, self.scene.robot.rate_matrix)), {}
         return self._spline[1]
 
     def standing(self, q: FloatArray, t: float) -> Spline:
@@ -157,42 +170,49 @@ class Prover:
         if not phase.t1 > phase.t0:
             return Rows(arrangement, np.zeros((0, ROW_COLUMNS)))
         spline, pairs = self.spline(trajectory), self.pairs(arrangement, phase)
-        planes, asked = self._planes(phase, spline, pairs)
-        search = Search(self, phase, spline, asked, np.empty((ROOM + len(asked), ROW_COLUMNS)))
+        known = self._rows.get(phase)
+        if known is None:
+            known, asked = self._planes(phase, spline, pairs)
+        else:
+            asked = pairs.every[pairs.every[:, REQUIRED] < 0.0]
+        if not len(asked):
+            return Rows(arrangement, known)
+        search = Search(self, phase, spline, asked)
         while True:
             status = search.go_on(PROVE)
             if status == DONE:
-                found = search.rows[: int(search.state[FOUND])].copy()
-                return Rows(arrangement, np.concatenate([planes, found]) if len(planes) else found)
+                return Rows(arrangement, np.concatenate([known, search.proved]) if len(known) else search.proved)
             if status == RESISTED:
                 return self._resisted(arrangement, spline, search.state)
             if search.over:
                 return _given_up(arrangement, search)
 
-    def hits(
-        self, phase: Phase, spline: Spline, step: float = math.inf, pairs: FloatArray | None = None
-    ) -> tuple[FloatArray, float]:
-        """What is too near in a phase (H, HIT_COLUMNS), looked at no more finely than `step`, s: the deepest of each
-        pair; and the share of the instants that had such a hit. Pairs that may touch are left out.
+    def screened(self, phase: Phase, trajectory: Trajectory, step: float) -> tuple[FloatArray, float]:
+        """What is too near in a phase of a trajectory (H, HIT_COLUMNS), and the share of instants at which anything is.
+        Where nothing is, the rows that show it are kept for `prove`."""
+        spline = self.spline(trajectory)
+        search = self.hits(phase, spline, self.near(phase, spline), step)
+        if search.done and not len(search.too_near) and not self.pairs(self.of(phase), phase).many:
+            self._rows[phase] = search.proved
+        # all intervals of all lengths down to the step have an instant in their middle; the end is one more
+        length = phase.t1 - phase.t0
+        halvings = 0 if not length > step else math.ceil(math.log2(length / step))
+        return search.too_near, float(search.state[BAD]) / (2 ** (halvings + 1) - (length == 0.0))
 
-        `pairs` (P, PAIR_COLUMNS): only these; None: all of the phase.
-        """
-        asked = self.near(phase, spline) if pairs is None else pairs
-        asked = asked[asked[:, REQUIRED] >= 0.0]
+    def hits(self, phase: Phase, spline: Spline, pairs: FloatArray, step: float = math.inf) -> Search:
+        """A search for what is too near in a phase out of some pairs (P, PAIR_COLUMNS), looked at no more finely than
+        `step`, s, once there is a hit. Pairs that may touch are left out."""
+        asked = pairs[pairs[:, REQUIRED] >= 0.0]
         # what grows counts as at the end of the phase, so that a refusal says what the whole phase asks for
         lasts = np.maximum(phase.t1 + asked[:, LATE] - self.scene.start.time, 0.0)
         asked[:, REQUIRED] += asked[:, GROWTH] * lasts
         asked[:, GROWTH] = 0.0
         # the end is an instant of its own: often what is near is nearest there
         ends = ((phase.t1, phase.t1),) if phase.t1 > phase.t0 else ()
-        search = Search(self, phase, spline, asked, np.empty((MOST_HITS, HIT_COLUMNS)), ends)
-        while search.go_on(SCREEN, step) != DONE and not search.over:
+        search = Search(self, phase, spline, asked, ends, MOST_HITS)
+        while search.go_on(SCREEN, step) not in (DONE, RESISTED) and not search.over:
             pass
-        # all intervals of all lengths down to the step have an instant in their middle
-        length = phase.t1 - phase.t0
-        halvings = 0 if not length > step else math.ceil(math.log2(length / step))
-        instants = 2 ** (halvings + 1) - 1 + len(ends)
-        return search.rows[: int(search.state[FOUND])], float(search.state[BAD]) / instants
+        return search
 
     def near(self, phase: Phase, spline: Spline) -> FloatArray:
         """The pairs (P, PAIR_COLUMNS) of a phase that are not kept apart by planes, if there are many."""

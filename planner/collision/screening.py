@@ -71,7 +71,7 @@ def _screened(prover: Prover, candidate: Timed, step: float) -> Screened:
     spline, bad, length = prover.spline(candidate.trajectory), 0.0, 0.0
     deepest: dict[str, _Hit] = {}
     for phase in candidate.phases:
-        rows, share = prover.hits(phase, spline, step)
+        rows, share = prover.screened(phase, candidate.trajectory, step)
         # a phase of no length counts as one step
         lasts = max(phase.t1 - phase.t0, step)
         bad, length = bad + share * lasts, length + lasts

@@ -41,7 +41,7 @@ Motion: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatA
 ITEM_COLUMNS = 6
 TOP, FOUND = 0, 1
 """In `state`: how many intervals are on the stack, and how many rows were written."""
-STATE_COLUMNS = 7
+STATE_COLUMNS = 9
 DONE, RESISTED, ROWS_FULL, ITEMS_FULL, WORK_SPENT = range(5)
 """How a search was left."""
 

@@ -13,7 +13,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.carriers import place_carriers
-from assur.planner.kernels.intervals import FOUND, Cell, fetch, needed
+from assur.planner.kernels.intervals import Cell, fetch, needed
 from assur.planner.kernels.links import POSE_COLUMNS
 from assur.planner.kernels.planes import SIDES, side_normal
 from assur.planner.kernels.solids import (
@@ -34,8 +34,8 @@ from assur.planner.kernels.solids import (
 HIT_A, HIT_B, HIT_T, HIT_GAP, HIT_NEED, HIT_PAIR = range(6)
 """Columns of a hit: two units (pieces), the instant, s, the gap, the gap needed, m, the number of the pair."""
 HIT_COLUMNS = 6
-BAD = 2
-"""In `state`: how many instants had a hit."""
+HITS, BAD = 7, 8
+"""In `state`: how many hits are kept, and how many instants had one."""
 
 
 @kernel(f"void({TABLE}, {ROW}, {TABLE}, int64, float64, {ROW})")
@@ -44,7 +44,7 @@ def note_hit(hits: FloatArray, state: FloatArray, items: FloatArray, i: int, t: 
 
     `found` (2,): its gap and the one needed.
     """
-    count, pair = int(state[FOUND]), items[i, 2]
+    count, pair = int(state[HITS]), items[i, 2]
     for k in range(count):
         if hits[k, HIT_PAIR] == pair:
             if hits[k, HIT_GAP] - hits[k, HIT_NEED] <= found[0] - found[1]:
@@ -55,7 +55,7 @@ def note_hit(hits: FloatArray, state: FloatArray, items: FloatArray, i: int, t: 
         return
     hits[count, HIT_A], hits[count, HIT_B], hits[count, HIT_T] = items[i, 0], items[i, 1], t
     hits[count, HIT_GAP], hits[count, HIT_NEED], hits[count, HIT_PAIR] = found[0], found[1], pair
-    state[FOUND] = max(state[FOUND], count + 1.0)
+    state[HITS] = max(state[HITS], count + 1.0)
 
 
 @kernel(f"void({ROW}, {TABLE}, {TABLE}, {TABLE}, {ROW}, {CELL}, {TABLE}, float64, float64, float64, {ROW})")

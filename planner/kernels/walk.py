@@ -1,13 +1,12 @@
 """One loop over halved intervals, depth first, for three questions about all pairs of a phase.
 
 `PROVE`: do they stay apart at every instant? Every pair that is proved on an interval writes a row; the first that
-resists ends the search. `SCREEN`: which of them come too near, looked at no more finely than some step? `NEAREST`: what
-is the smallest distance? The state of a search is in arrays of the caller (`assur.planner.kernels.intervals`).
+resists ends the search. `SCREEN`: the same until a pair is too near at an instant, and from then on: which of them are,
+looked at no more finely than some step? `NEAREST`: what is the smallest distance? The state of a search is in arrays of
+the caller (`assur.planner.kernels.intervals`).
 """
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 
@@ -57,7 +56,10 @@ PROVE, SCREEN, NEAREST = range(3)
 """What a search is for."""
 
 
-@kernel(f"int64(int64, {MOTION}, {CELL}, {TABLE}, float64, float64, float64, {TABLE}, {TABLE}, {ROW}, {TABLE}, int64)")
+@kernel(
+    f"int64(int64, {MOTION}, {CELL}, {TABLE}, float64, float64, float64, {TABLE}, {TABLE}, {ROW}, {TABLE}, {TABLE},"
+    f" int64)"
+)
 def walk(
     task: int,
     motion: Motion,
@@ -70,14 +72,15 @@ def walk(
     stack: FloatArray,
     state: FloatArray,
     rows: FloatArray,
+    hits: FloatArray,
     budget: int,
 ) -> int:
     """Goes on with a search until it is done, a pair resists, or rows, items or work run out.
 
     `since`: the time from which a growth counts; `latest`: by how much the robot may start late at most, s; `step`:
-    intervals that are no longer are not halved, s. `rows` take what is written: proved rows, or hits. `budget`: after
-    how many items no interval is begun. Unless it is done or a pair resists, the state is such that the call can be
-    repeated with more room.
+    intervals that are no longer are not halved once there is a hit, s. `rows` take what is proved, `hits` what is too
+    near. `budget`: after how many items no interval is begun. Unless it is done or a pair resists, the state is such
+    that the call can be repeated with more room.
     """
     robot, laws, side, _, c, _, matrix = motion
     bodies, vertices, still = cell
@@ -102,10 +105,11 @@ def walk(
         if latest > 0.0 and task != NEAREST:
             lower, upper, rate, rate_d = swept[0, :n], swept[1, :n], swept[2, :m], swept[3, :m]
             carrier_bounds(robot, laws, side, t0, t1 + latest, lower, upper, rate, rate_d, late_bounds)
-        end, left, i, free = first + count, 0, first, True
+        end, left, i, free, h = first + count, 0, first, True, t1 - t0
         while i < end:
             r, status = int(state[FOUND]), DONE
-            if task == PROVE and r >= len(rows):
+            proving = task == PROVE or (task == SCREEN and free and state[BAD] == 0.0)
+            if proving and r >= len(rows):
                 status = ROWS_FULL
             else:
                 budget -= 1
@@ -116,11 +120,12 @@ def walk(
                     verdict = bounded(bodies, vertices, placed, bounds, t0, t1, items, i, points, work, state)
                 else:
                     verdict = settle(
-                        bodies, vertices, placed, bounds, late_bounds, pairs, since, t0, t1, items, i,
-                        points, work, found,
+                        bodies, vertices, placed, bounds, late_bounds, pairs, since, t0, t1, items, i, points, work,
+                        found,
                     )  # fmt: skip
                 if verdict == PROVED:
-                    if task == PROVE:
+                    # an instant is no interval
+                    if proving and h > 0.0:
                         rows[r, T0], rows[r, T1], rows[r, UNIT], rows[r, OTHER] = t0, t1, a, b
                         for k in range(3):
                             rows[r, ALONG + k] = items[i, 3 + k]
@@ -131,16 +136,17 @@ def walk(
                         status = ITEMS_FULL
                     else:
                         end = opened
-                elif task == PROVE and (verdict == TOO_NEAR or not t1 - t0 > FINEST_S):
-                    state[RESISTED_A], state[RESISTED_B], state[RESISTED_T] = a, b, middle
-                    state[RESISTED_GAP], state[RESISTED_NEED] = found[0], found[1] - RESERVE_M
-                    return RESISTED
                 else:
-                    # of what is not known the proof says so
-                    if verdict == TOO_NEAR and not math.isnan(found[0]):
+                    # of what is not known, or within the reserve, a proof says so
+                    hit = verdict == TOO_NEAR and task == SCREEN and found[0] <= found[1] - RESERVE_M
+                    if proving and not hit and (verdict == TOO_NEAR or (h > 0.0 and not h > FINEST_S)):
+                        state[RESISTED_A], state[RESISTED_B], state[RESISTED_T] = a, b, middle
+                        state[RESISTED_GAP], state[RESISTED_NEED] = found[0], found[1] - RESERVE_M
+                        return RESISTED
+                    if hit:
                         free = False
-                        note_hit(rows, state, items, i, middle, found)
-                    if task != SCREEN or t1 - t0 > step:
+                        note_hit(hits, state, items, i, middle, found)
+                    if h > step or (h > 0.0 and (proving or task == NEAREST)):
                         move_items(items, i, first + left, 1)
                         left += 1
             if status != DONE:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -133,3 +133,46 @@ def test_a_collision_while_the_arm_stands_at_the_end_belongs_to_the_last_step() 
     found = screen(prover, [still(HERE, step=-1, kind=LegKind.WAIT)])[0].refusal
     assert found is not None
     assert found.step == 1
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 10**6), st.sampled_from(SHAPES), st.sampled_from(LAWS), st.integers(1, 3))
+def test_what_screening_shows_is_what_a_proof_shows(seed: int, kind: str, how: str, pieces: int) -> None:
+    case = encounter(seed, kind, how, pieces)
+    scene = case.scene(max(0.002, case.nearest()[0] - 0.0033), clearance=Clearance(0.003, 0.0))
+    prover, phase = Prover(scene), case.phase()
+    alone = Prover(scene).prove(phase, case.path)
+    found = screen(prover, [Motion(case.path, (phase,))])[0]
+    assert (found.refusal is None) >= isinstance(alone, Rows)
+    both = prover.prove(phase, case.path)
+    assert isinstance(both, Rows) == isinstance(alone, Rows)
+    if isinstance(both, Rows) and isinstance(alone, Rows):
+        assert np.array_equal(both.table, alone.table)
+
+
+def test_what_was_screened_shows_nothing_of_another_motion_or_of_another_phase() -> None:
+    p, _ = arm().forward(np.array(HERE))
+    post = stands("post", box(0.05, 0.05, 0.6), float(p[0]), float(p[1]), 0.2)
+    prover = Prover(cell(go(0.3, 0.0), bodies=(post,), tool=CUP, clearance=Clearance(0.001, 0.6)))
+    there, here = still(THERE), still(HERE)
+    assert screen(prover, [there])[0].refusal is None
+    assert isinstance(prover.prove(here.phases[0], here.trajectory), Unproved)
+    assert screen(prover, [there])[0].refusal is None
+    assert isinstance(prover.prove(replace(there.phases[0], kind=LegKind.FOLLOW), there.trajectory), Unproved)
+    assert isinstance(prover.prove(there.phases[0], there.trajectory), Rows)
+
+
+def test_pairs_that_may_touch_are_proved_after_screening() -> None:
+    p, _ = arm().forward(np.array(HERE))
+    for depth, proved in ((0.0, True), (0.001, False)):
+        plate = stands("plate", box(0.1, 0.1, 0.02), float(p[0]), float(p[1]), 0.2 - 0.06 - 0.01 + depth)
+        prover = Prover(cell(go(0.3, 0.0), bodies=(plate,), tool=CUP, clearance=Clearance(0.002, 0.002)))
+        way = still(HERE, contacts=frozenset({("cup", "plate")}))
+        assert screen(prover, [way])[0].refusal is None
+        found = prover.prove(way.phases[0], way.trajectory)
+        assert isinstance(found, Rows) == proved
+        if isinstance(found, Rows):
+            solids = found.arrangement
+            names = {(solids.names[solids.body[a]], solids.names[solids.body[b]]) for a, b in
+                     zip(found.first, found.second, strict=True)}  # fmt: skip
+            assert {("cup", "plate"), ("quill", "plate")} <= names
