@@ -43,10 +43,13 @@ class Document(BaseModel):
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         schema = handler(source)
-        groups = cls.exactly_one or cls.at_most_one
-        if not groups or schema["type"] == "function-before":  # a model that is a field of another comes guarded
-            return schema
-        return no_info_before_validator_function(cls._keep_groups, schema)
+        model: Any = schema
+        while model["type"] != "model":
+            model = model["schema"]
+        # inside, as pydantic's own do: around the model it would run twice; a field of another model comes guarded
+        if (cls.exactly_one or cls.at_most_one) and model["schema"]["type"] != "function-before":
+            model["schema"] = no_info_before_validator_function(cls._keep_groups, model["schema"])
+        return schema
 
     @classmethod
     def _keep_groups(cls, data: Any) -> Any:
