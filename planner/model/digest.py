@@ -3,29 +3,24 @@
 It guards against mistakes (a certificate of another plan, a file cut short), not against malice: anyone can compute it
 again, so the checker trusts nothing because of it.
 
-Canonical form: every item is its tag and its length before its bytes, so no two lists of items have the same bytes.
-Numbers are float64 or int64, little-endian, −0 as 0; text is UTF-8; what is absent is a tag of its own.
+What is hashed: the length of a text, the text, and the numbers of the knots and of the certificate. The text is JSON
+and says all that is no column, and how long the columns are, so no two plans have the same bytes. Columns are float64
+or int64, little-endian; −0 counts as 0.
 """
 
 from __future__ import annotations
 
 import hashlib
-import struct
-from collections.abc import Iterator
+import json
 from typing import Any
 
 import numpy as np
 
-from assur.planner.model.outcome import INDICES, Arrival, Certificate, Leg, Route
+from assur.planner.model.outcome import INDICES, Arrival, Certificate, Leg
 from assur.planner.trajectory import Trajectory
 
-FORMAT = "assur-plan-4"
-"""Changes whenever the meaning of a column, or the order of the items below, does."""
-
-REALS = ("t0", "t1", "normal")
-
-
-_WHOLE, _REAL = struct.Struct("<q").pack, struct.Struct("<d").pack
+FORMAT = "assur-plan-5"
+"""Changes whenever the meaning of a column, or the order of what follows, does."""
 
 
 def digest(
@@ -39,50 +34,47 @@ def digest(
 
     The certificate's own `digest` does not count. Not looked at: whether any of it is true.
     """
-    items = _items(scene_digest, trajectory, legs, arrivals, certificate)
-    return hashlib.sha256(b"".join(map(_canonical, items))).hexdigest()
+    knots = np.column_stack([trajectory.time, trajectory.q, trajectory.qd, trajectory.qdd])
+    rows = np.column_stack([certificate.t0, certificate.t1, certificate.normal])
+    indices = np.column_stack([getattr(certificate, name) for name in INDICES])
+    text = json.dumps(
+        [
+            FORMAT,
+            scene_digest,
+            bool(trajectory.jumps),
+            certificate.covers,
+            certificate.names,
+            [_leg(leg) for leg in legs],
+            [_arrival(arrival) for arrival in arrivals],
+            knots.shape,
+            rows.shape,
+        ]
+    ).encode()
+    found = hashlib.sha256(len(text).to_bytes(8, "little") + text)
+    for table, kind in ((knots, "<f8"), (rows, "<f8"), (indices, "<i8")):
+        found.update(np.ascontiguousarray(table + 0, dtype=kind).tobytes())
+    return found.hexdigest()
 
 
-def _items(
-    scene_digest: str,
-    trajectory: Trajectory,
-    legs: tuple[Leg, ...],
-    arrivals: tuple[Arrival, ...],
-    certificate: Certificate,
-) -> Iterator[Any]:
-    yield from (FORMAT, scene_digest, len(legs), len(arrivals), len(certificate.names))
-    yield from (np.asarray(getattr(trajectory, name), dtype="<f8") for name in ("time", "q", "qd", "qdd"))
-    yield from (bool(trajectory.jumps), len(certificate.covers), *certificate.covers)
-    for leg in legs:
-        yield from (str(leg.kind), int(leg.step), float(leg.t0), float(leg.t1), *_route(leg.route))
-    for arrival in arrivals:
-        yield from (int(arrival.step), arrival.control_point, float(arrival.time), float(arrival.until))
-        yield from (float(value) for value in (arrival.pose.x, arrival.pose.y, arrival.pose.z, arrival.pose.yaw))
-        yield from (bool(arrival.matched), float(arrival.yaw_offset), arrival.along_m, arrival.window_left_s)
-        yield from (arrival.pitch, arrival.roll)
-        missed = arrival.missed_by
-        yield None if missed is None else np.array([*missed.joints, missed.distance_m], dtype="<f8")
-    yield from certificate.names
-    yield from (np.asarray(getattr(certificate, name), dtype="<f8") for name in REALS)
-    yield from (np.asarray(getattr(certificate, name), dtype="<i8") for name in INDICES)
+def _leg(leg: Leg) -> list[Any]:
+    route = leg.route
+    way = None if route is None else [route.course, int(route.vias), bool(route.after_wait), bool(route.later)]
+    return [leg.kind, int(leg.step), *_numbers(leg.t0, leg.t1), way]
 
 
-def _route(route: Route | None) -> tuple[Any, ...]:
-    return (None,) if route is None else (str(route.course), int(route.vias), route.after_wait, route.later)
+def _arrival(arrival: Arrival) -> list[Any]:
+    pose, missed = arrival.pose, arrival.missed_by
+    known = (arrival.along_m, arrival.window_left_s, arrival.pitch, arrival.roll)
+    return [
+        int(arrival.step),
+        arrival.control_point,
+        bool(arrival.matched),
+        *_numbers(arrival.time, arrival.until, pose.x, pose.y, pose.z, pose.yaw, arrival.yaw_offset),
+        *(None if value is None else float(value) + 0.0 for value in known),
+        None if missed is None else _numbers(*missed.joints, missed.distance_m),
+    ]
 
 
-def _canonical(item: Any) -> bytes:
-    if isinstance(item, float):
-        return b"f" + _REAL(item + 0.0)
-    if item is None:
-        return b"-"
-    if isinstance(item, str):
-        text = item.encode(errors="surrogatepass")
-        return b"s" + _WHOLE(len(text)) + text
-    if isinstance(item, int):
-        return b"i" + _WHOLE(item)
-    if isinstance(item, np.ndarray):
-        shape = struct.pack(f"<{item.ndim + 1}q", item.ndim, *item.shape)
-        kind, numbers = str(item.dtype.kind), bytes((item + 0).astype(item.dtype, copy=False).tobytes())
-        return kind.encode() + shape + numbers
-    return b"f" + _REAL(float(item) + 0.0)
+def _numbers(*values: float) -> list[float]:
+    """Python's own floats, −0 as 0: their shortest texts are different if the numbers are."""
+    return [float(value) + 0.0 for value in values]
