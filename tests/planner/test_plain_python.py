@@ -46,7 +46,7 @@ class Recorder:
         self.open = False
         before = copy.deepcopy(arguments)
         result = self.kernel(*arguments)
-        self.calls.append((before, result, copy.deepcopy(arguments)))
+        self.calls.append((before, copy.deepcopy(result), copy.deepcopy(arguments)))
         return result
 
 
