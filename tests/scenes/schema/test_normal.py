@@ -148,7 +148,7 @@ def test_names_that_the_document_gives_are_no_quantities() -> None:
     }
 
 
-@pytest.mark.parametrize("alien", [slice(7), object(), b"7", (7,), {7}, bytearray(b"7")], ids=repr)
+@pytest.mark.parametrize("alien", [slice(7), object(), b"7", (7,), {7}, bytearray(b"7")], ids=type)
 def test_what_is_no_plain_data_is_refused_inside_a_robot_too(alien: object) -> None:
     for tool in (alien, {"tcp_mm": alien}):
         request = {**GOOD_REQUEST, "robot": {**GOOD_REQUEST["robot"], "tool": tool}}
