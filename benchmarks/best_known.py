@@ -23,7 +23,7 @@ from benchmarks.figures import FOLDER
 from benchmarks.figures import read as read_result
 from benchmarks.judged import SETS, judged, label, problem_set
 from benchmarks.machine import ROOT, commit, sources
-from benchmarks.translation import Manners, request
+from benchmarks.translation import Terms, request
 
 PATH = ROOT / "benchmarks" / "best_known.json"
 SCHEMA = "assur-best-known/1"
@@ -151,7 +151,7 @@ def main(
             item = f"{name}/{match}/{problem['id']}/{seed}"
             if item not in done:
                 problems = problem_set(name)
-                answer = ask(program, request(problem, problems.limits, Manners(budget_s, "budget", match, seed)))
+                answer = ask(program, request(problem, problems.limits, Terms(budget_s, "budget", match, seed)))
                 done[item] = {"item": item, **judged(problems, problem, answer, match)}
                 stream.write(json.dumps(done[item], allow_nan=False) + "\n")
                 stream.flush()

@@ -14,7 +14,7 @@ from pathlib import Path
 from benchmarks.dialogue import Document, Program
 from benchmarks.machine import ROOT
 from benchmarks.problem_set import ProblemSet
-from benchmarks.translation import Manners, request, unrelated_problem
+from benchmarks.translation import Terms, request, unrelated_problem
 
 PROGRAM = Path(__file__).with_name("planner_process.py")
 START_S = 300.0
@@ -47,7 +47,7 @@ def planning(folder: Path, problems: ProblemSet) -> Iterator[Program]:
         for seed in WARM_UP_SEEDS:
             for match in ("position", "velocity"):
                 problem = unrelated_problem(seed, moving_goal=seed % 2 == 0)
-                ask(program, request(problem, problems.limits, Manners(match=match)))
+                ask(program, request(problem, problems.limits, Terms(match=match)))
         yield program
 
 

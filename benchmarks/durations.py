@@ -20,7 +20,7 @@ from benchmarks.figures import Document, Figure, Records, figure, finish, quanti
 from benchmarks.first_answer import refusals
 from benchmarks.judged import SETS, judged, label, problem_set
 from benchmarks.machine import ROOT, pin
-from benchmarks.translation import Manners, request
+from benchmarks.translation import Terms, request
 
 BARS: Mapping[float, tuple[float, float]] = {0.02: (1.05, 1.5), 0.2: (1.005, 1.15)}
 """Budget in seconds → bar of the median and of 95 %."""
@@ -42,7 +42,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="A sample of the pr
         with planning(ROOT, problems) as program:
             asked = [(budget, problem) for budget, every in budgets.items() for problem in problems.problems[::every]]
             for budget, problem in track(asked, title, console=Console(stderr=True)):
-                document = request(problem, problems.limits, Manners(budget, "budget", match))
+                document = request(problem, problems.limits, Terms(budget, "budget", match))
                 answer = judged(problems, problem, ask(program, document), match)
                 records[f"{budget:g}/{title}/{problem['id']}"] = answer
                 new = merged(new, found(title, {problem["id"]: answer}, f"assur, {budget:g} s, seed 0"))[0]

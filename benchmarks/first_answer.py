@@ -19,7 +19,7 @@ from benchmarks.commits import ask, planning, sources
 from benchmarks.figures import Document, Figure, Records, figure, finish, quantile
 from benchmarks.judged import SETS, judged, label, problem_set
 from benchmarks.machine import ROOT, pin
-from benchmarks.translation import Manners, request
+from benchmarks.translation import Terms, request
 
 BUDGET_S = 1.0
 SEEDS = 3
@@ -45,7 +45,7 @@ def main(
                 programs[beside] = stack.enter_context(planning(stack.enter_context(sources(beside)), problems))
             asked = [(seed, problem) for seed in range(seeds) for problem in problems.problems[:: parameters["every"]]]
             for i, (seed, problem) in enumerate(track(asked, label(name, match), console=console)):
-                document = request(problem, problems.limits, Manners(BUDGET_S, "first", match, seed))
+                document = request(problem, problems.limits, Terms(BUDGET_S, "first", match, seed))
                 for by in list(programs) if i % 2 else reversed(programs):
                     answer = judged(problems, problem, ask(programs[by], document), match)
                     records[f"{by}/{label(name, match)}/{seed}/{problem['id']}"] = answer

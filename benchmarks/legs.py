@@ -23,7 +23,7 @@ from benchmarks.machine import ROOT, pin
 from benchmarks.peers.arm import along
 from benchmarks.recheck.arm import tool
 from benchmarks.recheck.spline import Spline
-from benchmarks.translation import Manners, request
+from benchmarks.translation import Terms, request
 
 LEGS, SAMPLE, SEED = 200, 20, 20_240
 BUDGET_S = 0.2
@@ -48,7 +48,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="A few legs.")] = F
             start, end = ends(number, problems.limits)
             q = along(start, end, (0.0, 0.0), SIGN, CHECKED)
             problem = {"id": number, "start": q[0].tolist(), "goal": {"pos": end, "yaw": 0.0}, "obstacles": []}
-            document = request(problem, problems.limits, Manners(BUDGET_S, "budget"))
+            document = request(problem, problems.limits, Terms(BUDGET_S, "budget"))
             document["task"][0]["move"]["leg"] = "cartesian"
             document["options"]["elbow"] = "keep"
             answer = ask(program, document)

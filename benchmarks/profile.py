@@ -23,7 +23,7 @@ from benchmarks.dialogue import Program
 from benchmarks.judged import SETS, label, problem_set
 from benchmarks.machine import pin
 from benchmarks.problem_set import ProblemSet
-from benchmarks.translation import Manners, request
+from benchmarks.translation import Terms, request
 
 MIDDLE = 5
 """Requests about the median that are profiled."""
@@ -44,7 +44,7 @@ def main(
         raise typer.BadParameter(f"{name} by {match} is none of {SETS}", param_hint="SET")
     pin()
     problems = problem_set(name)
-    manners = Manners(match="velocity" if match == "velocity" else "position")
+    manners = Terms(match="velocity" if match == "velocity" else "position")
     with sources(commit) as folder, planning(folder, problems) as program:
         made = profiled(program, problems, manners, limit, repeats)
     title = f"{label(name, match)}, {commit or 'working tree'}"
@@ -64,7 +64,7 @@ def main(
             stream.write(json.dumps({"profile": title, **made}) + "\n")
 
 
-def profiled(program: Program, problems: ProblemSet, manners: Manners, limit: int | None, repeats: int) -> Any:
+def profiled(program: Program, problems: ProblemSet, manners: Terms, limit: int | None, repeats: int) -> Any:
     """Mean profile of the requests nearest to the median; `RuntimeError` if no problem of the set is solved."""
     requests = {str(p["id"]): request(p, problems.limits, manners) for p in problems.problems[:limit]}
     answers = {problem: ask(program, document) for problem, document in requests.items()}

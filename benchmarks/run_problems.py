@@ -22,7 +22,7 @@ from benchmarks.commits import ask, planning
 from benchmarks.figures import quantile
 from benchmarks.machine import ROOT
 from benchmarks.problem_set import Problem, ProblemSet, read_problem_set
-from benchmarks.translation import Document, Manners, request
+from benchmarks.translation import Document, Terms, request
 
 
 def main(
@@ -42,7 +42,7 @@ def main(
     chosen = choose(problems, limit, only or [])
     if stop not in ("first", "budget") or match not in ("position", "velocity"):
         raise typer.BadParameter("--stop is first or budget, --match position or velocity")
-    manners = Manners(
+    manners = Terms(
         budget_s, "first" if stop == "first" else "budget", "velocity" if match == "velocity" else "position", seed
     )
     lines = []
@@ -66,7 +66,7 @@ def choose(problems: ProblemSet, limit: int | None, only: Sequence[str]) -> tupl
     return chosen[:limit]
 
 
-def run(problems: ProblemSet, chosen: Sequence[Problem], manners: Manners) -> Iterator[Document]:
+def run(problems: ProblemSet, chosen: Sequence[Problem], manners: Terms) -> Iterator[Document]:
     """The line of each chosen problem, as soon as it is known. A fault in one is written into its line."""
     with planning(ROOT, problems) as program:
         for problem in chosen:

@@ -21,7 +21,7 @@ from benchmarks.figures import Document, Figure, Records, figure, finish
 from benchmarks.first_answer import refusals
 from benchmarks.judged import judged, problem_set
 from benchmarks.machine import ROOT, pin
-from benchmarks.translation import Manners, request
+from benchmarks.translation import Terms, request
 
 SIZES = {"distant": (10, 30, 100, 300, 1000), "aside": (10, 1000)}
 FEW_SIZES = {"distant": (10, 1000), "aside": (10, 1000)}
@@ -41,7 +41,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few sizes and cell
         for kind, cell, i in track(asked, "scaling", console=Console(stderr=True)):
             for size in sizes[kind]:
                 problem = crowd(cell, size) if kind == "distant" else aside(cell, size)
-                document = request(problem, problems.limits, Manners(BUDGET_S))
+                document = request(problem, problems.limits, Terms(BUDGET_S))
                 record = judged(problems, problem, ask(program, document), "position")
                 if record["status"] != "planned":  # all of these have a plan
                     record["findings"].append(f"not planned: {record['reason']}")

@@ -29,7 +29,7 @@ from assur.scenes import check
 from benchmarks.figures import Document, figure, finish, quantile
 from benchmarks.judged import judged, problem_set
 from benchmarks.machine import ROOT
-from benchmarks.translation import Manners, request, unrelated_problem
+from benchmarks.translation import Terms, request, unrelated_problem
 
 TRIPS, FEW_TRIPS = 60, 12
 BUDGET_S = 5.0
@@ -48,9 +48,9 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few round trips.")
     with served() as port:
         connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
         for i in range(WARM):
-            trip(connection, request(unrelated_problem(i, False), problems.limits, Manners()), "full")
+            trip(connection, request(unrelated_problem(i, False), problems.limits, Terms()), "full")
         for problem in track(solvable, "service", console=Console(stderr=True)):
-            document = request(problem, problems.limits, Manners(BUDGET_S, "first"))
+            document = request(problem, problems.limits, Terms(BUDGET_S, "first"))
             digest_s, short = trip(connection, document, "digest")
             full_s, whole = trip(connection, document, "full")
             record = {"status": whole["status"], "findings": []}

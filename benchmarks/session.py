@@ -20,7 +20,7 @@ from benchmarks.figures import Document, figure, finish, quantile
 from benchmarks.judged import problem_set
 from benchmarks.machine import pin
 from benchmarks.recheck.spline import Spline
-from benchmarks.translation import Manners, request
+from benchmarks.translation import Terms, request
 
 PERIOD_S = 0.02
 """Between plans."""
@@ -42,7 +42,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few motions.")] = 
     random = np.random.default_rng(1)
     records: dict[str, Document] = {}
     for problem in track(easy, "session", console=Console(stderr=True)):
-        document = request(problem, problems.limits, Manners(1.0, "first"))
+        document = request(problem, problems.limits, Terms(1.0, "first"))
         answer = plan(document, certificate="digest")
         for now in PERIOD_S * np.arange(1, MOST + 1):
             if answer["status"] != "planned" or answer["trajectory"]["time_s"][-1] - now < LAST_S:

@@ -23,7 +23,7 @@ from benchmarks.machine import ROOT, pin
 from benchmarks.peers.running import peers, question
 from benchmarks.problem_set import Problem, ProblemSet
 from benchmarks.recheck.findings import Finding, recheck
-from benchmarks.translation import Manners, request, unrelated_problem
+from benchmarks.translation import Terms, request, unrelated_problem
 
 BUDGET_S = 1.0
 SAMPLE = 10
@@ -45,7 +45,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Every tenth proble
             for name in TITLES:
                 others.ask(name, question(standing, problems.limits, BUDGET_S))
         for problem in track(problems.problems[:: parameters["every"]], "peers", console=Console(stderr=True)):
-            document = request(problem, problems.limits, Manners(BUDGET_S, "first"))
+            document = request(problem, problems.limits, Terms(BUDGET_S, "first"))
             records[f"{OURS}/{problem['id']}"] = judged(problems, problem, ask(program, document), "position")
             for name, title in TITLES.items():
                 answer = others.ask(name, question(problem, problems.limits, BUDGET_S))

@@ -31,7 +31,7 @@ with itself, which these limits do not allow."""
 
 
 @dataclass(frozen=True, slots=True)
-class Manners:
+class Terms:
     """How a problem is to be solved."""
 
     budget_s: float = 1.0
@@ -40,7 +40,7 @@ class Manners:
     seed: int = 0
 
 
-def request(problem: Problem, limits: Mapping[str, tuple[float, ...]], manners: Manners) -> Document:
+def request(problem: Problem, limits: Mapping[str, tuple[float, ...]], manners: Terms) -> Document:
     """The request that asks for a motion from the problem's start to its goal among its obstacles."""
     q1, q2, z, q4 = problem["start"]
     frames: dict[str, Document] = {}

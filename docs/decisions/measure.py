@@ -43,7 +43,7 @@ from assur.planner.search.via_batch import shape_of
 from assur.planner.timing import trajectory_of
 from assur.planner.trajectory import Trajectory
 from assur.scenes.requests import scene_of
-from benchmarks.translation import Manners, request
+from benchmarks.translation import Terms, request
 
 ROOT = Path(__file__).parents[2]
 SETS = ("static", "moving_bodies", "moving_goal")
@@ -58,7 +58,7 @@ def problems(name: str, limit: int, match: str = "position") -> Iterator[tuple[s
     """The first problems of a set as scenes, at the clearance of the benchmark, 0."""
     found = json.loads((ROOT / "benchmarks" / "problems" / f"{name}.json").read_text(encoding="utf-8"))
     limits = {key: tuple(value) for key, value in found.items() if key in ("qmin", "qmax", "vmax", "amax", "jmax")}
-    manners = Manners(PATIENT_S, "first", "velocity" if match == "velocity" else "position")
+    manners = Terms(PATIENT_S, "first", "velocity" if match == "velocity" else "position")
     for problem in found["problems"][:limit]:
         document = request(problem, limits, manners)
         document["options"]["max_candidates"] = CANDIDATES

@@ -3,15 +3,14 @@
 It guards against mistakes (a certificate of another plan, a file cut short), not against malice: anyone can compute it
 again, so the checker trusts nothing because of it.
 
-What is hashed: the length of a text, the text, and the numbers of the knots and of the certificate. The text is JSON
-and says all that is no column, and how long the columns are, so no two plans have the same bytes. Columns are float64
-or int64, little-endian; −0 counts as 0.
+What is hashed: the length of a text, the text, and the numbers of the knots and of the certificate. The text is what
+Python's `ascii` writes for nested lists of texts, numbers, truth values and None. It says all that is no column, and how
+long the columns are, so no two plans have the same bytes. Columns are float64 or int64, little-endian; −0 counts as 0.
 """
 
 from __future__ import annotations
 
 import hashlib
-import json
 from typing import Any
 
 import numpy as np
@@ -37,13 +36,13 @@ def digest(
     knots = np.column_stack([trajectory.time, trajectory.q, trajectory.qd, trajectory.qdd])
     rows = np.column_stack([certificate.t0, certificate.t1, certificate.normal])
     indices = np.column_stack([getattr(certificate, name) for name in INDICES])
-    text = json.dumps(
+    text = ascii(
         [
             FORMAT,
-            scene_digest,
+            str(scene_digest),
             bool(trajectory.jumps),
-            certificate.covers,
-            certificate.names,
+            list(map(str, certificate.covers)),
+            list(map(str, certificate.names)),
             [_leg(leg) for leg in legs],
             [_arrival(arrival) for arrival in arrivals],
             knots.shape,
@@ -58,8 +57,8 @@ def digest(
 
 def _leg(leg: Leg) -> list[Any]:
     route = leg.route
-    way = None if route is None else [route.course, int(route.vias), bool(route.after_wait), bool(route.later)]
-    return [leg.kind, int(leg.step), *_numbers(leg.t0, leg.t1), way]
+    way = None if route is None else [str(route.course), int(route.vias), bool(route.after_wait), bool(route.later)]
+    return [str(leg.kind), int(leg.step), *_numbers(leg.t0, leg.t1), way]
 
 
 def _arrival(arrival: Arrival) -> list[Any]:
@@ -67,7 +66,7 @@ def _arrival(arrival: Arrival) -> list[Any]:
     known = (arrival.along_m, arrival.window_left_s, arrival.pitch, arrival.roll)
     return [
         int(arrival.step),
-        arrival.control_point,
+        str(arrival.control_point),
         bool(arrival.matched),
         *_numbers(arrival.time, arrival.until, pose.x, pose.y, pose.z, pose.yaw, arrival.yaw_offset),
         *(None if value is None else float(value) + 0.0 for value in known),

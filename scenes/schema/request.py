@@ -59,7 +59,7 @@ class CarryDocument(Document):
 
 
 class RequestDocument(Document):
-    """Robot, cell, task and manners. The service refuses any other field."""
+    """Robot, cell, task and options. The service refuses any other field."""
 
     schema_: Literal["assur/1"] = Field(alias="schema")
     robot: RobotDocument

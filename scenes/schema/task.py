@@ -1,4 +1,4 @@
-"""The task of a request: control points with manners, one key a step."""
+"""The task of a request: control points and how each is met, one key a step."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class MoveDocument(WindowedStep):
 
 
 class FollowDocument(WindowedStep):
-    """Meet a pose with its velocity and stay glued to it."""
+    """Meet a pose with its velocity and track it."""
 
     to: TargetDocument
     duration_s: Duration

@@ -23,7 +23,7 @@ from benchmarks.scaling import FEW_SIZES
 from benchmarks.scaling import figures_of as scaling_figures
 from benchmarks.session import moved
 from benchmarks.side_by_side import fatal
-from benchmarks.translation import Manners, request
+from benchmarks.translation import Terms, request
 
 
 def line(wall_s: float = 0.002, **more: Any) -> dict[str, Any]:
@@ -97,7 +97,7 @@ def test_a_smaller_cell_is_part_of_a_larger_one(make: Any) -> None:
 
 def test_a_session_goes_on_from_where_the_arm_and_its_goal_are() -> None:
     problems = problem_set("moving_goal")
-    document = request(problems.problems[0], problems.limits, Manners())
+    document = request(problems.problems[0], problems.limits, Terms())
     rows = np.random.default_rng(1).uniform(-0.1, 0.1, (3, 3, 4)) + np.array([0.0, 0.5, 0.15, 0.0])
     knots = {
         "time_s": [0.0, 0.2, 0.5],

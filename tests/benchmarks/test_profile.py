@@ -14,7 +14,7 @@ from benchmarks.judged import problem_set
 from benchmarks.machine import ROOT
 from benchmarks.planner_process import KEEP, planner, room_of
 from benchmarks.problem_set import ProblemSet
-from benchmarks.translation import Manners
+from benchmarks.translation import Terms
 
 
 def test_a_room_is_the_folder_below_the_planner_or_the_module_there() -> None:
@@ -30,9 +30,9 @@ def test_the_profile_of_a_set_adds_up() -> None:
     small = ProblemSet("x", static.limits, easy)
     buried = {**easy[0], "obstacles": [{"type": "box", "size": [3.0, 3.0, 3.0], "pos": [0, 0, 0], "yaw": 0.0}]}
     with planning(ROOT, static) as program:
-        made = profile.profiled(program, small, Manners(budget_s=60.0), None, 2)
+        made = profile.profiled(program, small, Terms(budget_s=60.0), None, 2)
         with pytest.raises(RuntimeError, match="no problem was solved"):
-            profile.profiled(program, ProblemSet("x", static.limits, (buried,)), Manners(), None, 1)
+            profile.profiled(program, ProblemSet("x", static.limits, (buried,)), Terms(), None, 1)
     assert sorted(made["problems"]) == sorted(str(problem["id"]) for problem in easy)
     assert sum(made["own_ms"].values()) == pytest.approx(made["total_ms"])
     assert {"search", "checker", "scenes"} <= set(made["own_ms"])

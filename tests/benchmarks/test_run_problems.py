@@ -12,7 +12,7 @@ import pytest
 from benchmarks.judged import SETS, problem_set
 from benchmarks.recheck.__main__ import recheck_lines
 from benchmarks.run_problems import choose, run
-from benchmarks.translation import Manners, Match
+from benchmarks.translation import Match, Terms
 
 ROOT = Path(__file__).parents[2]
 PATIENT_S = 60.0
@@ -22,7 +22,7 @@ PATIENT_S = 60.0
 def test_easy_problems_are_solved_and_withstand_the_recheck(name: str, match: Match) -> None:
     problems = problem_set(name)
     easy = [problem for problem in problems.problems if problem["direct"]][:3]
-    lines = list(run(problems, easy, Manners(PATIENT_S, match=match)))
+    lines = list(run(problems, easy, Terms(PATIENT_S, match=match)))
     assert [(line["status"], line["checked"], line["match"]) for line in lines] == [("planned", True, match)] * 3
     assert all(0 < line["build_s"] < line["proved_s"] <= line["wall_s"] for line in lines)
     assert recheck_lines(problems, [json.dumps(line).encode() for line in lines], partial=True)[0] == []
@@ -32,7 +32,7 @@ def test_a_problem_that_cannot_even_be_asked_gets_a_line_that_the_recheck_refuse
     problems = problem_set("static")
     first = problems.problems[0]
     broken = ({**first, "start": [9.0, 0.0, 0.1, 0.0]}, {**first, "obstacles": [{"type": "cone"}]})
-    lines = list(run(problems, broken, Manners()))
+    lines = list(run(problems, broken, Terms()))
     assert [line["status"] for line in lines] == ["error", "error"]
     assert "cone" in lines[1]["reason"]
     findings, _ = recheck_lines(problems, [json.dumps(lines[1]).encode()], partial=True)

@@ -13,15 +13,15 @@ from assur.scenes.requests import scene_of
 from benchmarks.problem_set import Problem, ProblemSet, read_problem_set
 from benchmarks.recheck.arm import placed_bodies, tool
 from benchmarks.recheck.surroundings import goal_at, placed_obstacles
-from benchmarks.translation import LATEST_END_S, Manners, request, unrelated_problem
+from benchmarks.translation import LATEST_END_S, Terms, request, unrelated_problem
 
 FOLDER = Path(__file__).parents[2] / "benchmarks" / "problems"
 SETS = {path.stem: read_problem_set(path) for path in sorted(FOLDER.glob("*.json"))}
 SAME_M = 1e-12
 
 
-def _scene(problems: ProblemSet, problem: Problem, manners: Manners | None = None) -> Scene:
-    return scene_of(request(problem, problems.limits, manners or Manners()))
+def _scene(problems: ProblemSet, problem: Problem, manners: Terms | None = None) -> Scene:
+    return scene_of(request(problem, problems.limits, manners or Terms()))
 
 
 def _samples(problems: ProblemSet) -> list[Problem]:
@@ -100,7 +100,7 @@ def test_limits_start_and_goal_are_those_of_the_file(problems: ProblemSet) -> No
 
 def test_the_manners_of_the_benchmark_are_asked_for() -> None:
     problems = SETS["moving_goal"]
-    options = _scene(problems, problems.problems[0], Manners(0.7, "budget", "velocity", 3)).options
+    options = _scene(problems, problems.problems[0], Terms(0.7, "budget", "velocity", 3)).options
     assert (options.budget_s, options.stop, options.seed, options.end) == (0.7, "budget", 3, "moving")
     assert (options.clearance.travel_m, options.clearance.near_m, options.singularity_margin) == (0.0, 0.0, 0.0)
     assert (options.elbow, options.stay_safe_s, options.latest_end_s) == ("auto", 0.0, LATEST_END_S)
@@ -114,12 +114,12 @@ def test_a_problem_of_another_kind_is_refused_by_name() -> None:
     problem = unrelated_problem(1, moving_goal=False)
     problem["obstacles"][0] = {"type": "cone", "pos": [0.0, 0.0, 0.0], "yaw": 0.0}
     with pytest.raises(ValueError, match="obstacle-0: unknown type 'cone'"):
-        request(problem, SETS["static"].limits, Manners())
+        request(problem, SETS["static"].limits, Terms())
 
 
 def test_the_catalogue_knows_the_same_robot() -> None:
     problems = SETS["static"]
-    document = request(problems.problems[0], problems.limits, Manners())
+    document = request(problems.problems[0], problems.limits, Terms())
     inline = scene_of(document).robot
     named = scene_of({**document, "robot": {"model": "benchmark-scara", "tool": {"tcp_m": [0.0, 0.0, 0.0]}}}).robot
     assert isinstance(inline, Scara)

@@ -86,9 +86,9 @@ def at(x: float, y: float, z: float = 0.1, yaw: float = 0.0, frame: str = "world
 
 
 def go(
-    x: float, y: float, z: float = 0.1, yaw: float = 0.0, frame: str = "world", name: str = "goal", **manners: Any
+    x: float, y: float, z: float = 0.1, yaw: float = 0.0, frame: str = "world", name: str = "goal", **options: Any
 ) -> Move:
-    return Move(name, at(x, y, z, yaw, frame), **manners)
+    return Move(name, at(x, y, z, yaw, frame), **options)
 
 
 def frame(name: str, law: Law, position: float = 0.0, speed: float = 0.0) -> Frame:
@@ -126,7 +126,7 @@ def cell(
     """A scene; without other `options` the first plan of at most 400 candidates, in any working mode."""
     none = (0.0,) * len(q)
     start = Start(time, np.array(q), np.array(qd or none), np.array(qdd or none))
-    manners: dict[str, Any] = {
+    chosen: dict[str, Any] = {
         "seed": 1,
         "budget_s": 60.0,
         "max_candidates": 400,
@@ -142,7 +142,7 @@ def cell(
         laws,
         bodies,
         task,
-        Options(**manners),
+        Options(**chosen),
         execution,
         carry,
     )

@@ -48,8 +48,8 @@ def aim(
     return Target(frame, Pose(x, y, z), False, pitch, roll)
 
 
-def goes(target: Target, name: str = "goal", **manners: Any) -> Move:
-    return Move(name, target, **manners)
+def goes(target: Target, name: str = "goal", **options: Any) -> Move:
+    return Move(name, target, **options)
 
 
 def follows(target: Target, duration: float = 0.2, name: str = "follow") -> Follow:

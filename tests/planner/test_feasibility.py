@@ -126,10 +126,10 @@ SHAPES: dict[str, Shape] = {
 
 
 @pytest.mark.parametrize("kind", sorted(SHAPES))
-@pytest.mark.parametrize("glued", [False, True])
-def test_a_point_in_what_stands_around_it_is_refused(kind: str, glued: bool) -> None:
+@pytest.mark.parametrize("tracking", [False, True])
+def test_a_point_in_what_stands_around_it_is_refused(kind: str, tracking: bool) -> None:
     body = stands("thing", SHAPES[kind], 0.35, -0.2, 0.15)
-    step = Follow("f", at(0.35, -0.2), 0.1) if glued else go(0.35, -0.2)
+    step = Follow("f", at(0.35, -0.2), 0.1) if tracking else go(0.35, -0.2)
     refusal = found(cell(step, bodies=(body,), tool=CUP))
     assert refusal is not None
     assert refusal.reason is Reason.CONTROL_POINT_IN_COLLISION

@@ -359,9 +359,9 @@ def test_a_window_in_seconds_is_kept_by_points_that_stand_and_points_that_move()
 
 def test_pick_and_place_have_their_legs_contacts_and_dwells() -> None:
     outcome = planned(belt_and_dial(go(0.35, 0.0, 0.12)))
-    glued = [LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART]
+    tracking = [LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART]
     for step in (0, 1):
-        assert [leg.kind for leg in outcome.plan.legs if leg.step == step][-3:] == glued
+        assert [leg.kind for leg in outcome.plan.legs if leg.step == step][-3:] == tracking
     follows = [leg for leg in outcome.plan.legs if leg.kind is LegKind.FOLLOW]
     assert [leg.t1 - leg.t0 for leg in follows] == pytest.approx([0.08, 0.06], abs=1e-9)
     allowed = {contact.bodies for contact in outcome.contacts}

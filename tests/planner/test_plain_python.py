@@ -20,7 +20,7 @@ from assur.planner import compiled
 from assur.scenes.kernels import load
 from assur.scenes.requests import check_document, plan_document, shipped
 from benchmarks.problem_set import read_problem_set
-from benchmarks.translation import Manners, request
+from benchmarks.translation import Terms, request
 
 ROOT = Path(__file__).parents[2]
 
@@ -147,7 +147,7 @@ def problems(count: int) -> dict[str, dict[str, Any]]:
     for name in ("static", "moving_bodies", "moving_goal"):
         chosen = read_problem_set(PROBLEMS / f"{name}.json")
         for problem in chosen.problems[:count]:
-            asked = request(problem, chosen.limits, Manners(budget_s=60.0, match="velocity"))
+            asked = request(problem, chosen.limits, Terms(budget_s=60.0, match="velocity"))
             asked["options"] |= {"max_candidates": CANDIDATES}
             found[problem["id"]] = asked
     return found

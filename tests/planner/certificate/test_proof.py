@@ -269,7 +269,7 @@ def test_belt_correction_leaves_nothing_towards_the_same_belt_and_counts_towards
     fixed = cell(go(0.3, 0.0)).frames["world"].law
     belt = Frame("belt", fixed, Uncertainty(0.004, 0.0))
     shift = Execution(belt_correction=True)
-    for on, glued, beside, need in (
+    for on, tracked, corrected, need in (
         ("belt", None, (), 0.004),
         ("belt", "belt", (), 0.0),
         ("world", "belt", (), 0.004),
@@ -279,8 +279,8 @@ def test_belt_correction_leaves_nothing_towards_the_same_belt_and_counts_towards
     ):
         for gap, may in ((need + 1e-4, True), (need - 1e-4, False)):
             scene, phase, path = standing_beside(gap, on=on, frames=(belt,), execution=shift)
-            found = Prover(scene).prove(replace(phase, tracked=glued, corrected=beside), path)
-            assert isinstance(found, Rows) == may, (on, glued, beside, gap)
+            found = Prover(scene).prove(replace(phase, tracked=tracked, corrected=corrected), path)
+            assert isinstance(found, Rows) == may, (on, tracked, corrected, gap)
 
 
 @settings(max_examples=12)

@@ -198,7 +198,7 @@ def test_a_last_leg_may_come_to_rest() -> None:
     assert Code.LEGS in {finding.code for finding in check(twice, plan).findings}
 
 
-def test_a_way_down_is_a_glued_leg_also_without_a_dwell() -> None:
+def test_a_way_down_is_a_tracking_leg_also_without_a_dwell() -> None:
     """A pick that takes no time still has a FOLLOW, of no length: the part changes hands there."""
     scene = belt_to_dial()
     pick, *rest = scene.task

@@ -125,7 +125,7 @@ def test_the_flange_puts_the_tool_point_over_the_moving_target(yaw: float, t: fl
     assert math.remainder(tool.yaw - wanted.yaw, 2 * math.pi) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_a_pick_knows_its_manners() -> None:
+def test_a_pick_knows_how_it_is_met() -> None:
     scene = table_to_table()
     found = control_point(scene, 0, AT_START, 0.0)
     assert (found.approach, found.dwell, found.depart) == (0.03, 0.05, 0.04)

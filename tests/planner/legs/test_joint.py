@@ -35,10 +35,10 @@ LAWS: dict[str, Law] = {
 }
 
 
-def scene_on(law: Law, **manners: Any) -> Scene:
+def scene_on(law: Law, **options: Any) -> Scene:
     where = Pose(0.08, 0.0, 0.02, 0.4) if not isinstance(law, Conveyor) else Pose(0.0, 0.0, 0.02, 0.4)
     return cell(
-        go(where.x, where.y, where.z, where.yaw, "moving", **manners),
+        go(where.x, where.y, where.z, where.yaw, "moving", **options),
         frames=(frame("moving", law),),
     )
 

@@ -109,8 +109,8 @@ def test_a_block_stays_with_its_frame_to_a_micrometre_at_all_times(seed: int, ki
     across = np.hypot(at[:, 0] - grasp.x, at[:, 1] - grasp.y)
     assert across.max() <= FOLLOWED_M
     assert np.abs(np.sin((yaw - grasp.yaw) / 2)).max() * 2 <= 1e-5
-    glued = (t >= block.begin) & (t <= block.end)
-    assert np.abs(at[glued, 2] - grasp.z).max(initial=0.0) <= FOLLOWED_M
+    tracking = (t >= block.begin) & (t <= block.end)
+    assert np.abs(at[tracking, 2] - grasp.z).max(initial=0.0) <= FOLLOWED_M
     height = at[:, 2] - grasp.z
     assert height.min() >= -FOLLOWED_M
     assert height[0] == pytest.approx(0.03, abs=1e-6)
