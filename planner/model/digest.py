@@ -4,8 +4,8 @@ It guards against mistakes (a certificate of another plan, a file cut short), no
 again, so the checker trusts nothing because of it.
 
 What is hashed: the length of a text, the text, and the numbers of the knots and of the certificate. The text is what
-Python's `ascii` writes for nested lists of texts, numbers, truth values and None. It says all that is no column, and how
-long the columns are, so no two plans have the same bytes. Columns are float64 or int64, little-endian; −0 counts as 0.
+`ascii` writes for nested lists of texts, numbers, truth values and None. It says all that is no column, and how long
+the columns are, so no two plans have the same bytes. Columns are float64 or int64, little-endian; −0 counts as 0.
 """
 
 from __future__ import annotations
