@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
+from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Motion, Pose
 
@@ -64,14 +64,17 @@ class KnownLaw(ABC):
 
     valid: tuple[float, float]
 
+    def knows(self, t: FloatArray) -> BoolArray:
+        """Whether the law is known at times `t` (...), s; NaN is no time."""
+        return np.asarray((max(self.valid[0], -FURTHEST_S) <= t) & (t <= min(self.valid[1], FURTHEST_S)))
+
     def motion(self, t: FloatArray) -> Motion:
         """Pose and three derivatives at times `t` (...), s; NaN in each row whose time is not known."""
         t = np.asarray(t, dtype=np.float64)
-        first, last = max(self.valid[0], -FURTHEST_S), min(self.valid[1], FURTHEST_S)
-        known = (first <= t) & (t <= last)
+        known = self.knows(t)
         if known.all():
             return self._motion(t)
-        found = self._motion(np.where(known, t, first))
+        found = self._motion(np.where(known, t, max(self.valid[0], -FURTHEST_S)))
         row = known[..., None]
         return Motion(
             *(np.where(row, vector, math.nan) for vector in (found.p, found.v, found.a, found.j)),

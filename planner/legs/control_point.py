@@ -106,7 +106,7 @@ class ControlPoint:
         law = self.scene.frames[self.frame].law
         if not isinstance(law, Conveyor | Linear):
             return None
-        return travelled(law, self.scene, self.frame, self.target, t)
+        return travelled(law, self.target, t)
 
     def inside(self, window: tuple[float, float]) -> list[tuple[float, float]]:
         """When the point is in `window`, m along its conveyor, in the next `HORIZON_S`; closed intervals in order."""
@@ -159,18 +159,19 @@ class ControlPoint:
         return inner
 
 
-def travelled(law: Conveyor | Linear, scene: Scene, frame: str, point: Pose, t: FloatArray) -> FloatArray:
-    """Way (...) m of a point that is fixed in the frame, along the law's direction of travel, from the law's pose."""
+def travelled(law: Conveyor | Linear, point: Pose, t: FloatArray) -> FloatArray:
+    """Way (...) m of a point that is fixed in the frame, along the law's direction of travel, from the law's pose; NaN
+    where the law is not known. Neither frame turns, so the point's own part of the way is constant."""
     t = np.asarray(t, dtype=np.float64)
-    position = scene.frames[frame].law.motion(t).at(point).p - law.pose.position
+    known = law.knows(t)
+    held = np.where(known, t, law.at_time)
     if isinstance(law, Conveyor):
-        direction = np.array([math.cos(law.pose.yaw), math.sin(law.pose.yaw), 0.0])
-    else:
-        velocity = np.array(law.velocity, dtype=np.float64)
-        length = float(np.sqrt(velocity @ velocity))
-        direction = velocity / length if length > 0 else np.array([1.0, 0.0, 0.0])
-    way: FloatArray = position @ direction
-    return way
+        return np.where(known, law.drive.evaluate(held)[0] + point.x, math.nan)
+    speed = math.hypot(*law.velocity)
+    direction = [part / speed for part in law.velocity] if speed > 0 else [1.0, 0.0, 0.0]
+    own = Pose(yaw=law.pose.yaw).then(point)
+    offset = own.x * direction[0] + own.y * direction[1] + own.z * direction[2]
+    return np.where(known, speed * (held - law.at_time) + offset, math.nan)
 
 
 def control_point(
