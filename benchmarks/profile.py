@@ -44,9 +44,9 @@ def main(
         raise typer.BadParameter(f"{name} by {match} is none of {SETS}", param_hint="SET")
     pin()
     problems = problem_set(name)
-    manners = Terms(match="velocity" if match == "velocity" else "position")
+    terms = Terms(match="velocity" if match == "velocity" else "position")
     with sources(commit) as folder, planning(folder, problems) as program:
-        made = profiled(program, problems, manners, limit, repeats)
+        made = profiled(program, problems, terms, limit, repeats)
     title = f"{label(name, match)}, {commit or 'working tree'}"
     console = Console()
     for key, what in (
@@ -64,9 +64,9 @@ def main(
             stream.write(json.dumps({"profile": title, **made}) + "\n")
 
 
-def profiled(program: Program, problems: ProblemSet, manners: Terms, limit: int | None, repeats: int) -> Any:
+def profiled(program: Program, problems: ProblemSet, terms: Terms, limit: int | None, repeats: int) -> Any:
     """Mean profile of the requests nearest to the median; `RuntimeError` if no problem of the set is solved."""
-    requests = {str(p["id"]): request(p, problems.limits, manners) for p in problems.problems[:limit]}
+    requests = {str(p["id"]): request(p, problems.limits, terms) for p in problems.problems[:limit]}
     answers = {problem: ask(program, document) for problem, document in requests.items()}
     times = {problem: answer["wall_s"] for problem, answer in answers.items() if answer["status"] == "planned"}
     if not times:

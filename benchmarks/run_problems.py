@@ -42,14 +42,14 @@ def main(
     chosen = choose(problems, limit, only or [])
     if stop not in ("first", "budget") or match not in ("position", "velocity"):
         raise typer.BadParameter("--stop is first or budget, --match position or velocity")
-    manners = Terms(
+    terms = Terms(
         budget_s, "first" if stop == "first" else "budget", "velocity" if match == "velocity" else "position", seed
     )
     lines = []
     out.parent.mkdir(parents=True, exist_ok=True)
     with out.open("w", encoding="utf-8") as stream:
         for line in track(
-            run(problems, chosen, manners), "planning", len(chosen), console=Console(stderr=True), transient=True
+            run(problems, chosen, terms), "planning", len(chosen), console=Console(stderr=True), transient=True
         ):
             stream.write(json.dumps(line, allow_nan=False) + "\n")
             stream.flush()
@@ -66,15 +66,15 @@ def choose(problems: ProblemSet, limit: int | None, only: Sequence[str]) -> tupl
     return chosen[:limit]
 
 
-def run(problems: ProblemSet, chosen: Sequence[Problem], manners: Terms) -> Iterator[Document]:
+def run(problems: ProblemSet, chosen: Sequence[Problem], terms: Terms) -> Iterator[Document]:
     """The line of each chosen problem, as soon as it is known. A fault in one is written into its line."""
     with planning(ROOT, problems) as program:
         for problem in chosen:
             try:
-                answer = ask(program, request(problem, problems.limits, manners))
+                answer = ask(program, request(problem, problems.limits, terms))
             except ValueError as error:
                 answer = {"status": "error", "reason": str(error)}
-            yield {"id": problem["id"], "match": manners.match, **answer}
+            yield {"id": problem["id"], "match": terms.match, **answer}
 
 
 def summary(name: str, lines: Sequence[Document]) -> Table:

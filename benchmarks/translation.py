@@ -40,7 +40,7 @@ class Terms:
     seed: int = 0
 
 
-def request(problem: Problem, limits: Mapping[str, tuple[float, ...]], manners: Terms) -> Document:
+def request(problem: Problem, limits: Mapping[str, tuple[float, ...]], terms: Terms) -> Document:
     """The request that asks for a motion from the problem's start to its goal among its obstacles."""
     q1, q2, z, q4 = problem["start"]
     frames: dict[str, Document] = {}
@@ -62,15 +62,15 @@ def request(problem: Problem, limits: Mapping[str, tuple[float, ...]], manners: 
         "start": {"joints": {"q1_rad": q1, "q2_rad": q2, "z_m": z, "q4_rad": q4}},
         "frames": frames,
         "bodies": bodies,
-        "task": [{"move": {"to": to, "match": manners.match}}],
+        "task": [{"move": {"to": to, "match": terms.match}}],
         "options": {
-            "seed": manners.seed,
-            "budget_s": manners.budget_s,
-            "stop": manners.stop,
+            "seed": terms.seed,
+            "budget_s": terms.budget_s,
+            "stop": terms.stop,
             "clearance_m": {"travel": 0.0, "near": 0.0},
             "singularity_margin": 0.0,
             "elbow": "auto",
-            "end": "moving" if manners.match == "velocity" and "v" in goal else "rest",
+            "end": "moving" if terms.match == "velocity" and "v" in goal else "rest",
             "stay_safe_s": 0.0,
             "latest_end_s": LATEST_END_S,
         },

@@ -51,8 +51,8 @@ def request(h_mm: float, kind: str) -> dict[str, Any]:
         return document
     took = 2 * HALF / SPEED
     document["frames"] = {"belt": {"conveyor": {"at_mm": begin, "speed_mm_s": 1e3 * SPEED, "at_s": 2}}}
-    glued = {"to": {"frame": "belt", "at_mm": [0, 0, 0]}, "duration_s": took}
-    document["task"] = [{"follow": {**glued, "window_s": [2, 2 + took + 1e-3]}}]
+    tracking = {"to": {"frame": "belt", "at_mm": [0, 0, 0]}, "duration_s": took}
+    document["task"] = [{"follow": {**tracking, "window_s": [2, 2 + took + 1e-3]}}]
     return document
 
 

@@ -58,9 +58,9 @@ def problems(name: str, limit: int, match: str = "position") -> Iterator[tuple[s
     """The first problems of a set as scenes, at the clearance of the benchmark, 0."""
     found = json.loads((ROOT / "benchmarks" / "problems" / f"{name}.json").read_text(encoding="utf-8"))
     limits = {key: tuple(value) for key, value in found.items() if key in ("qmin", "qmax", "vmax", "amax", "jmax")}
-    manners = Terms(PATIENT_S, "first", "velocity" if match == "velocity" else "position")
+    terms = Terms(PATIENT_S, "first", "velocity" if match == "velocity" else "position")
     for problem in found["problems"][:limit]:
-        document = request(problem, limits, manners)
+        document = request(problem, limits, terms)
         document["options"]["max_candidates"] = CANDIDATES
         yield problem["id"], scene_of(document)
 

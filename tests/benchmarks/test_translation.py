@@ -20,8 +20,8 @@ SETS = {path.stem: read_problem_set(path) for path in sorted(FOLDER.glob("*.json
 SAME_M = 1e-12
 
 
-def _scene(problems: ProblemSet, problem: Problem, manners: Terms | None = None) -> Scene:
-    return scene_of(request(problem, problems.limits, manners or Terms()))
+def _scene(problems: ProblemSet, problem: Problem, terms: Terms | None = None) -> Scene:
+    return scene_of(request(problem, problems.limits, terms or Terms()))
 
 
 def _samples(problems: ProblemSet) -> list[Problem]:

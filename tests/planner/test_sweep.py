@@ -41,8 +41,8 @@ def joint_legs(seed: int) -> Trajectory:
     """Three legs of a robot of four joints in one go: fast, and with long cruises."""
     rng = np.random.default_rng(seed)
     whole: Trajectory | None = None
-    for manner in ("moving", "rest", "moving"):
-        asked = question(rng, "real", manner, least=0.1)
+    for kind in ("moving", "rest", "moving"):
+        asked = question(rng, "real", kind, least=0.1)
         first = time_joints(asked.q0, 0 * asked.q0, 0 * asked.q0, *asked.args[3:], begin=0.5)
         assert isinstance(first, Trajectory)
         if whole is None:

@@ -153,8 +153,8 @@ def test_one_row_may_do_for_many_and_no_row_for_what_it_does_not_part() -> None:
     assert kept == {True, False}
 
 
-def test_an_added_exemption_is_found() -> None:
-    """Contacts follow from the legs alone; an approach that is said to begin earlier would exempt more."""
+def test_an_added_contact_is_found() -> None:
+    """Contacts follow from the legs alone; an approach that is said to begin earlier would allow more contacts."""
     scene, plan = belt_case()
     approach = next(i for i, leg in enumerate(plan.legs) if leg.step == 1 and leg.kind is LegKind.APPROACH)
     early = plan.legs[approach].t0 - 0.1
@@ -337,7 +337,7 @@ def test_a_turn_that_the_part_does_not_allow_is_found() -> None:
 
 @pytest.mark.parametrize("window", [Window(time=(0.0, 0.75)), Window(time=(0.71, 2.0)), Window(along=(-0.2, -0.025))])
 def test_a_missed_window_is_found(window: Window) -> None:
-    """The glue lasts from 0.7 to 0.8 s; the part is then 0.03 to 0.02 m before the conveyor's pose."""
+    """Tracking lasts from 0.7 to 0.8 s; the part is then 0.03 to 0.02 m before the conveyor's pose."""
     scene, plan = belt_case()
     assert codes(check(asking(scene, 0, window=window), plan)) == {Code.WINDOW}
 

@@ -67,7 +67,7 @@ def numbers(rows: tuple[Floats, Floats, Floats]) -> Numbers:
 RH6 = (np.array([6.98, 11.69, 2.4, 43.6]), np.array([125.64, 210.42, 43.02, 785.34]))
 """Velocity and acceleration of a real SCARA, rad and m."""
 ROBOTS = ("real", "problems", "soft", "sharp")
-MANNERS = ("rest", "moving", "at the limit", "accelerating")
+KINDS = ("rest", "moving", "at the limit", "accelerating")
 
 
 def limits(rng: np.random.Generator, robot: str, n: int) -> tuple[Floats, Floats, Floats]:
@@ -83,7 +83,7 @@ def limits(rng: np.random.Generator, robot: str, n: int) -> tuple[Floats, Floats
     return rng.uniform(0.5, 10, n), acceleration, acceleration / rng.uniform(0.005, 0.05, n)
 
 
-def question(rng: np.random.Generator, robot: str, manner: str, n: int = 4, least: float = 1e-6) -> Question:
+def question(rng: np.random.Generator, robot: str, kind: str, n: int = 4, least: float = 1e-6) -> Question:
     """A legal question; some joint moves by `least` at least, sizes spread over all orders up to 3."""
     v, a, j = limits(rng, robot, n)
     zero = np.zeros(n)
@@ -91,11 +91,11 @@ def question(rng: np.random.Generator, robot: str, manner: str, n: int = 4, leas
     way[rng.integers(n)] *= max(1.0, least / np.abs(way).max())
     way[0] = np.sign(way[0]) * max(abs(way[0]), least)
     states = [zero, zero, zero, zero]
-    if manner == "moving":
+    if kind == "moving":
         states = [rng.uniform(-0.9, 0.9, n) * v, zero, rng.uniform(-0.9, 0.9, n) * v, zero]
-    if manner == "at the limit":
+    if kind == "at the limit":
         states = [rng.choice([-1, -0.9995, 0, 0.9995, 1], n) * v, zero, rng.choice([-1, 0, 0.9999, 1], n) * v, zero]
-    if manner == "accelerating":
+    if kind == "accelerating":
         while True:
             v0, v1 = rng.uniform(-0.9, 0.9, (2, n)) * v
             a0, a1 = rng.uniform(-1, 1, (2, n)) * a

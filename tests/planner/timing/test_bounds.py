@@ -12,7 +12,7 @@ from assur.planner.timing import time_joints
 from assur.planner.timing.inputs import TimingRefusal
 from assur.planner.trajectory import Trajectory
 from tests.planner.timing.least import least_duration, rest_to_rest_time
-from tests.planner.timing.legs import MANNERS, ROBOTS, Question, question
+from tests.planner.timing.legs import KINDS, ROBOTS, Question, question
 
 
 def true_minimum(asked: Question) -> float:
@@ -53,22 +53,22 @@ def test_the_closed_form_has_no_seams() -> None:
     assert rest_to_rest_time(-3.0, 1.0, 1.0, 1.0) == rest_to_rest_time(3.0, 1.0, 1.0, 1.0)
 
 
-@pytest.mark.parametrize("manner", MANNERS)
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_no_bound_is_above_the_solvers_minimum_at_the_whole_limits(manner: str, robot: str) -> None:
+def test_no_bound_is_above_the_solvers_minimum_at_the_whole_limits(kind: str, robot: str) -> None:
     rng, shares = np.random.default_rng(3), []
     for _ in range(250):
-        asked = question(rng, robot, manner, n=int(rng.integers(1, 5)))
+        asked = question(rng, robot, kind, n=int(rng.integers(1, 5)))
         bound, minimum = float(least_duration(*asked.args)), true_minimum(asked)
         # Below the solver's own precision of 1e-8 in position there is nothing to compare.
         assert 0 < bound <= minimum * (1 + 1e-9) + 1e-9
         shares.append(bound / minimum)
-    assert np.median(shares) > (0.99 if manner == "rest" else 0.6)
+    assert np.median(shares) > (0.99 if kind == "rest" else 0.6)
 
 
-@given(st.integers(0, 10**6), st.sampled_from(ROBOTS), st.sampled_from(MANNERS))
-def test_no_bound_is_above_what_we_time(seed: int, robot: str, manner: str) -> None:
-    asked = question(np.random.default_rng(seed), robot, manner)
+@given(st.integers(0, 10**6), st.sampled_from(ROBOTS), st.sampled_from(KINDS))
+def test_no_bound_is_above_what_we_time(seed: int, robot: str, kind: str) -> None:
+    asked = question(np.random.default_rng(seed), robot, kind)
     shortest, profile = asked.solver.shortest(*asked.states), time_joints(*asked.args)
     assert isinstance(profile, Trajectory)
     assert not isinstance(shortest, TimingRefusal)

@@ -13,18 +13,18 @@ from assur.planner.errors import FaultError
 from assur.planner.kernels import knots
 from assur.planner.kernels.knots import DURATION, MERGE, knots_of_phases, missed_goal, shared_switches
 from assur.planner.timing import RawProfile, TimingRefusal, trajectory_of
-from tests.planner.timing.legs import MANNERS, ROBOTS, Floats, Question, question
+from tests.planner.timing.legs import KINDS, ROBOTS, Floats, Question, question
 from tests.planner.trajectory.splines import bernstein
 
 
-def timed(seed: int, robot: str, manner: str, n: int) -> tuple[Question, RawProfile]:
-    one = question(np.random.default_rng(seed), robot, manner, n, least=1e-3)
+def timed(seed: int, robot: str, kind: str, n: int) -> tuple[Question, RawProfile]:
+    one = question(np.random.default_rng(seed), robot, kind, n, least=1e-3)
     found = one.solver.raw_profile(*one.states)
     assert not isinstance(found, TimingRefusal)
     return one, found
 
 
-PROFILES = st.builds(timed, st.integers(0, 10**6), st.sampled_from(ROBOTS), st.sampled_from(MANNERS), st.integers(1, 5))
+PROFILES = st.builds(timed, st.integers(0, 10**6), st.sampled_from(ROBOTS), st.sampled_from(KINDS), st.integers(1, 5))
 
 
 def own(profile: RawProfile, t: Floats) -> tuple[Floats, Floats, Floats]:

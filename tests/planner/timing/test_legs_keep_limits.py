@@ -9,7 +9,7 @@ import ruckig
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.timing.inputs import Allowed, lowered_limits
 from assur.planner.trajectory import Trajectory
-from tests.planner.timing.legs import MANNERS, ROBOTS, Question, numbers, question
+from tests.planner.timing.legs import KINDS, ROBOTS, Question, numbers, question
 from tests.planner.trajectory.splines import keeps_limits
 
 WIDE = 1e3
@@ -30,11 +30,11 @@ def kept(path: Trajectory, asked: Question) -> bool:
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-@pytest.mark.parametrize("manner", MANNERS)
-def test_hardly_a_leg_breaks_a_limit(robot: str, manner: str) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_hardly_a_leg_breaks_a_limit(robot: str, kind: str) -> None:
     """Moves from 1 µm up. 6 of 24,000 did when this was written: they are refused."""
     rng = np.random.default_rng(7)
-    asked = [question(rng, robot, manner) for _ in range(300)]
+    asked = [question(rng, robot, kind) for _ in range(300)]
     assert sum(not kept(timed(one, begin=rng.uniform(0, 5)), one) for one in asked) <= 3
 
 
@@ -42,7 +42,7 @@ def test_hardly_a_leg_breaks_a_limit(robot: str, manner: str) -> None:
 def test_hardly_a_leg_of_a_given_duration_breaks_a_limit(robot: str) -> None:
     rng, blocked, broken = np.random.default_rng(8), 0, 0
     for k in range(300):
-        asked = question(rng, robot, MANNERS[k % 4])
+        asked = question(rng, robot, KINDS[k % 4])
         wanted = timed(asked).duration * rng.choice([1.0, 1.0 + 1e-6, rng.uniform(1, 2)])
         begin = rng.uniform(0, 5)
         path = timed_or_refused(asked, wanted, begin)
@@ -56,23 +56,23 @@ def test_hardly_a_leg_of_a_given_duration_breaks_a_limit(robot: str) -> None:
     assert broken <= 3
 
 
-@pytest.mark.parametrize("manner", MANNERS)
-def test_knots_begin_and_end_in_the_states_asked_for_to_the_bit(manner: str) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_knots_begin_and_end_in_the_states_asked_for_to_the_bit(kind: str) -> None:
     rng = np.random.default_rng(9)
     for _ in range(60):
-        asked = question(rng, "sharp", manner)
+        asked = question(rng, "sharp", kind)
         path = timed(asked, begin=1.25)
         assert path.start == 1.25
         for k, states in ((0, (asked.q0, asked.v0, asked.a0)), (-1, (asked.q1, asked.v1, asked.a1))):
             assert all(map(np.array_equal, (path.q[k], path.qd[k], path.qdd[k]), states))
 
 
-@pytest.mark.parametrize("manner", MANNERS)
-def test_the_spline_repeats_the_solvers_cubics(manner: str) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_spline_repeats_the_solvers_cubics(kind: str) -> None:
     """To rounding where no switches share a knot, and to 50 µrad where they do."""
     rng, worst = np.random.default_rng(10), []
     for _ in range(120):
-        asked = question(rng, "problems", manner, least=1e-2)
+        asked = question(rng, "problems", kind, least=1e-2)
         profile = timed(asked)
         solver, given, found = ruckig.Ruckig(4), ruckig.InputParameter(4), ruckig.Trajectory(4)
         for name, value in zip(("position", "velocity", "acceleration"), asked.start, strict=True):
@@ -100,7 +100,7 @@ def test_a_solver_that_is_asked_again_answers_like_a_new_one_whatever_it_was_ask
     """Each question between a refused one, one of a given duration, and other states under the same limits."""
     rng = np.random.default_rng(12)
     for k in range(60):
-        one = question(rng, ROBOTS[k % 4], MANNERS[k // 4 % 4], n=1 + k % 5)
+        one = question(rng, ROBOTS[k % 4], KINDS[k // 4 % 4], n=1 + k % 5)
         states, solver = one.states, one.solver
         far = tuple(row.tolist() for row in (one.q1 + 1.0, 0.3 * one.velocity, 0.1 * one.acceleration))
         for _ in range(2):
@@ -117,8 +117,8 @@ def test_a_solver_that_is_asked_again_answers_like_a_new_one_whatever_it_was_ask
 
 def test_a_raw_profile_keeps_its_motion_when_its_solver_is_asked_again() -> None:
     rng = np.random.default_rng(13)
-    for manner in MANNERS:
-        one = question(rng, "problems", manner, least=0.1)
+    for kind in KINDS:
+        one = question(rng, "problems", kind, least=0.1)
         solver, (start, goal) = one.solver, one.states
         first = solver.raw_profile(start, goal)
         assert not isinstance(first, TimingRefusal)
@@ -129,7 +129,7 @@ def test_a_raw_profile_keeps_its_motion_when_its_solver_is_asked_again() -> None
 
 def test_the_same_question_gets_the_same_bytes_whatever_was_asked_before() -> None:
     rng = np.random.default_rng(11)
-    asked = [question(rng, ROBOTS[k % 4], MANNERS[k // 4 % 4], n=1 + k % 5) for k in range(60)]
+    asked = [question(rng, ROBOTS[k % 4], KINDS[k // 4 % 4], n=1 + k % 5) for k in range(60)]
     first = [timed(one, begin=0.3) for one in asked]
     order = rng.permutation(60)
     for k in order:

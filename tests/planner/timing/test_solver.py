@@ -15,7 +15,7 @@ from assur.planner.errors import FaultError, InputError
 from assur.planner.timing import Solver, TimingRefusal, time_joints
 from assur.planner.timing.solver import LONGEST, SHORTEST
 from assur.planner.trajectory import Trajectory, check_limits
-from tests.planner.timing.legs import MANNERS, ROBOTS, question
+from tests.planner.timing.legs import KINDS, ROBOTS, question
 
 ZERO, ONE = np.zeros(2), np.ones(2)
 PLAIN: dict[str, Any] = {
@@ -270,11 +270,11 @@ def test_tiny_moves_take_a_millisecond_at_least_and_keep_their_limits(way: float
     assert (high <= profile.q.max(0) + 1e-12).all()
 
 
-@given(st.integers(0, 10**6), st.sampled_from(ROBOTS), st.sampled_from(MANNERS), st.integers(1, 5))
+@given(st.integers(0, 10**6), st.sampled_from(ROBOTS), st.sampled_from(KINDS), st.integers(1, 5))
 def test_the_shortest_duration_is_that_of_the_profile_and_can_be_asked_for(
-    seed: int, robot: str, manner: str, n: int
+    seed: int, robot: str, kind: str, n: int
 ) -> None:
-    asked = question(np.random.default_rng(seed), robot, manner, n)
+    asked = question(np.random.default_rng(seed), robot, kind, n)
     profile, least = time_joints(*asked.args), asked.solver.shortest(*asked.states)
     assert isinstance(profile, Trajectory)
     assert isinstance(least, float)
