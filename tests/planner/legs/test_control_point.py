@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from assur.planner.errors import InputError
 from assur.planner.frames import Change, Conveyor, Fixed, Law, Linear, Turntable
 from assur.planner.frames.motion import Pose
-from assur.planner.legs.control_point import ControlPoint, control_point
+from assur.planner.legs.control_point import ControlPoint, control_point, travelled
 from assur.planner.model.attachments import AT_START
 from assur.planner.model.scene import Follow, Window
 from tests.planner.cells import CRANKED, at, cell, frame, go, table_to_table
@@ -132,3 +132,19 @@ def test_a_pick_knows_how_it_is_met() -> None:
     assert found.tracks
     assert found.still
     assert found.name == "pick"
+
+
+def test_the_way_along_a_belt_is_that_of_the_point_itself_wherever_it_sits_in_its_frame() -> None:
+    """Against the frame's own motion, for points beside the origin of a frame that is turned."""
+    seat = Pose(0.03, -0.02, 0.01, 0.4)
+    laws = (
+        Conveyor(Pose(0.1, 0.2, 0.0, 0.7), 0.25, at_time=0.5),
+        Linear(Pose(0.1, 0.2, 0.0, 0.7), (0.1, -0.2, 0.05), 0.5),
+    )
+    t = np.linspace(-1.0, 2.0, 7)
+    for law in laws:
+        moved = law.motion(t).at(seat).p - law.pose.position
+        direction = law.motion(t).v[0]
+        assert travelled(law, seat, t) == pytest.approx(moved @ (direction / np.linalg.norm(direction)), abs=1e-12)
+    known = Linear(Pose(), (0.1, 0.0, 0.0), 0.0, (0.0, 1.0))
+    assert np.isnan(travelled(known, seat, np.array([-0.1, 0.5, 1.1, np.nan]))).tolist() == [True, False, True, True]
