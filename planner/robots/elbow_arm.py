@@ -21,7 +21,7 @@ _RATES = frozen([[1, 0, 0], [0, 1, 0], [0, 1, 1]], (3, 3), "rate_matrix")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ElbowArm(TiltingArm):
-    """An elbow arm; implements `assur.planner.robots.robot.Robot`.
+    """An elbow arm.
 
     `link2` is the upper arm, its frame at the shoulder; `link3` the forearm, its frame at the elbow; `flange` is at the
     forearm's end and tilts with it. `l1`, `l2`: lengths of upper arm and forearm, m. The rest: `TiltingArm`.

@@ -46,7 +46,7 @@ _RATES = frozen(np.eye(4), (4, 4), "rate_matrix")
 
 @dataclass(frozen=True, eq=False)
 class FiveBar(Robot):
-    """A five-bar arm; implements `assur.planner.robots.robot.Robot`.
+    """A five-bar arm.
 
     Link frames: `base` at the base origin, midway between the crank axes; `proximal-left` and `proximal-right` at the
     crank axes, turned by φ1 and φ5; `distal-left` and `distal-right` at the elbows, turned by φ2 and φ3, all at the

@@ -24,7 +24,7 @@ _RATES = frozen(np.eye(3), (3, 3), "rate_matrix")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PolarArm(TiltingArm):
-    """A polar arm; implements `assur.planner.robots.robot.Robot`.
+    """A polar arm.
 
     `link2` is the guide that tilts, its frame at the shoulder; `link3` the ram that slides in it, its frame at the
     flange; `flange` likewise. Raises `InputError` unless the ram's shortest length is at least 10 µm: at zero the arm

@@ -29,7 +29,7 @@ _RATES = frozen([[1, 0, 0, 0], [1, 1, 0, 0], [0, 0, 1, 0], [1, 1, 0, 1]], (4, 4)
 
 @dataclass(frozen=True, eq=False)
 class Scara(Robot):
-    """A SCARA arm; implements `assur.planner.robots.robot.Robot`.
+    """A SCARA arm.
 
     Link frames: `base` at the base origin; `link1` at the shoulder axis, turned by φ1; `link2` at the elbow axis,
     turned by φ2, both at the height of the base origin; `quill` at the flange, never turned (world axes), for solids

@@ -1,4 +1,4 @@
-"""A glance alone ends no search: where nothing that it sees seems worth a try, one way is tried all the same."""
+"""The coarse score alone ends no search: where nothing seems worth a try to it, one candidate is tried all the same."""
 
 from __future__ import annotations
 
