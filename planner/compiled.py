@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -19,6 +20,7 @@ from assur.planner.kernel_cache import WHOLE, digest, folder
 
 F = TypeVar("F", bound=Callable[..., object])
 
+_numba: Any = partial(numba.njit, cache=True, nogil=True, error_model="python", boundscheck=True)
 KERNELS: dict[str, Any] = {}
 """Every kernel that was defined in this process, by module and name."""
 
@@ -52,8 +54,12 @@ class KernelFolder:
         return str(self._line)
 
 
-def kernel(signature: str) -> Callable[[F], F]:
+def kernel(signature: str, *, allocates: bool = False) -> Callable[[F], F]:
     """Compiles a function for one signature, such as ``"float64(float64[:, ::1], int64)"``, when it is defined.
+
+    `allocates`: whether it makes arrays of its own. One that does not is compiled without numba's memory management,
+    which otherwise counts the users of every table at every call: 5 to 6 times the time of a short kernel. One that
+    makes an array without saying so raises `numba.core.errors.NumbaError`.
 
     An index beyond the end raises `IndexError` (a negative one counts from the end, as in Python: test it yourself); a
     division by zero raises `ZeroDivisionError`; an argument of another type, a read-only array among them, raises
@@ -67,7 +73,7 @@ def kernel(signature: str) -> Callable[[F], F]:
         before = settings.CACHE_LOCATOR_CLASSES
         settings.CACHE_LOCATOR_CLASSES = f"{__name__}.{KernelFolder.__name__}"
         try:
-            made: Any = numba.njit(signature, cache=True, nogil=True, error_model="python", boundscheck=True)(function)
+            made: Any = _numba(signature, _nrt=allocates)(function)
         except OSError as error:
             raise FaultError(
                 f"kernel {name} is not compiled, and {folder()} cannot be written ({error.strerror}): "

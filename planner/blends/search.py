@@ -23,6 +23,7 @@ from assur.planner.model.scene import Scene
 from assur.planner.search.beam import Found, Search
 from assur.planner.search.meeting_options import options
 from assur.planner.search.partial_plan import Extension, PartialPlan, TimedCandidate
+from assur.planner.search.rough_score import score_of
 from assur.planner.search.tuning import ANY_YAW, MOST_OPTIONS
 
 
@@ -84,7 +85,7 @@ class BlendSearch(Search):
             if enough <= 0 or self._late():
                 break
             screened, proved = self._tried(draft)
-            sampler.learn(shape, screened.bad)
+            sampler.learn(shape, score_of(screened.refusal))
             if proved is False:
                 sampler.block(shape)
             enough -= proved is True

@@ -116,7 +116,7 @@ def quantities(
     return True
 
 
-@kernel(f"void(int64, {F1}, boolean, {F2}, {F1})")
+@kernel(f"void(int64, {F1}, boolean, {F2}, {F1})", allocates=True)
 def taken(kind: int, asked: FloatArray, hand: bool, e: FloatArray, found: FloatArray) -> None:
     """By how much quantities of an instant exceed what is allowed, into `found` (5,) where it is more than is there."""
     now = np.full(5, -np.inf)
@@ -147,7 +147,7 @@ def taken(kind: int, asked: FloatArray, hand: bool, e: FloatArray, found: FloatA
             found[k] = now[k]
 
 
-@kernel(f"void(int64, {F1}, {F2}, float64, {F1})")
+@kernel(f"void(int64, {F1}, {F2}, float64, {F1})", allocates=True)
 def bounded(kind: int, asked: FloatArray, e: FloatArray, h: float, found: FloatArray) -> None:
     """What ends of an interval of length h exceed, in `found` (5,), becomes a bound for all of it, from its jets."""
     bend, most = h * h / 8.0, np.empty(7)
@@ -169,7 +169,7 @@ def bounded(kind: int, asked: FloatArray, e: FloatArray, h: float, found: FloatA
         found[4] += bend * max(most[PITCHES], most[ROLLS])
 
 
-@kernel(f"void(int64, {F1}, float64, float64, {TABLES}, {F1})")
+@kernel(f"void(int64, {F1}, float64, float64, {TABLES}, {F1})", allocates=True)
 def keeps(
     kind: int,
     asked: FloatArray,
@@ -223,7 +223,7 @@ def keeps(
     found[0], found[3] = 2.0, t0
 
 
-@kernel(f"void({F2}, {TABLES}, {F2})")
+@kernel(f"void({F2}, {TABLES}, {F2})", allocates=True)
 def states(where: FloatArray, tables: Tables, found: FloatArray) -> None:
     """Of frames at poses in carriers at times, `where` (N, 6): carrier, x, y, z, yaw, time, into `found` (N, 13):
     position, yaw, their rates; pitch and roll of the hand of an arm with five axes (H2), their rates; and the speed of

@@ -222,7 +222,7 @@ def _planes(
             put_behind(cell, marks, p, body, vector(rows[first], N), stays, tables, jets, known, claimed)
 
 
-@kernel(f"float64({F2}, int64, {I2}, int64, int64, float64, float64)")
+@kernel(f"float64({F2}, int64, {I2}, int64, int64, float64, float64)", allocates=True)
 def hole(rows: FloatArray, first: int, chain: IntArray, one: int, other: int, begin: float, end: float) -> float:
     """When a pair of bodies of `one` and `other` pieces is first not covered over [begin, end]; NaN: never.
 
@@ -252,7 +252,7 @@ def hole(rows: FloatArray, first: int, chain: IntArray, one: int, other: int, be
     return math.nan if reached.min() >= end else reached.min()
 
 
-@kernel(f"void({F2}, {I1}, {I1}, {CELL}, {I3}, {F2}, {F2})")
+@kernel(f"void({F2}, {I1}, {I1}, {CELL}, {I3}, {F2}, {F2})", allocates=True)
 def _cover(
     rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, verdicts: FloatArray,
     holes: FloatArray,
@@ -284,7 +284,7 @@ def _cover(
                         holes[p, HOLE], holes[p, BODY], holes[p, BODY_OTHER] = found, a, b
 
 
-@kernel(f"boolean({F2}, {I1}, {I1}, {CELL}, {I3}, {TABLES}, int64, {F2}, {F2}, {F1})")
+@kernel(f"boolean({F2}, {I1}, {I1}, {CELL}, {I3}, {TABLES}, int64, {F2}, {F2}, {F1})", allocates=True)
 def judge(
     rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, tables: Tables, room: int,
     verdicts: FloatArray, holes: FloatArray, state: FloatArray,

@@ -217,7 +217,7 @@ def control(frames: FloatArray, pieces: FloatArray) -> None:
                         b[m] += b[m - 1]
 
 
-@kernel(f"boolean({F1}, float64, float64, {F2}, {F3}, int64)")
+@kernel(f"boolean({F1}, float64, float64, {F2}, {F3}, int64)", allocates=True)
 def fixed_law(frame: FloatArray, t0: float, t1: float, pieces: FloatArray, jets: FloatArray, c: int) -> bool:
     """`carry` of a frame whose law is a formula."""
     found, work, rate, first = np.empty((4, 6)), np.empty(WIDTH), np.empty(WIDTH), int(frame[FIRST])
@@ -255,13 +255,13 @@ def fixed_law(frame: FloatArray, t0: float, t1: float, pieces: FloatArray, jets:
     return True
 
 
-@kernel(f"{F3}({TABLES})")
+@kernel(f"{F3}({TABLES})", allocates=True)
 def all_jets(tables: Tables) -> FloatArray:
     """Room for the jets of all carriers, and of the links of a neighbour's arm behind them."""
     return np.zeros((int(tables[0][0, LINKS]) + len(tables[2]) + MOST_LINKS, JETS, 6))
 
 
-@kernel(f"boolean(int64, float64, float64, {TABLES}, {F3})")
+@kernel(f"boolean(int64, float64, float64, {TABLES}, {F3})", allocates=True)
 def carry(c: int, t0: float, t1: float, tables: Tables, jets: FloatArray) -> bool:
     """Jets over [t0, t1] of carrier c: a link of the arm, and then of all of them, or a frame behind those.
 

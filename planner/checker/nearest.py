@@ -38,7 +38,7 @@ WITHIN_M = 5e-5
 pairs keep what is claimed less this; and the pair that is named, when it is said, is not farther apart than with it."""
 
 
-@kernel(f"float64({I2}, float64, {TABLES}, float64)")
+@kernel(f"float64({I2}, float64, {TABLES}, float64)", allocates=True)
 def pair_distance(pair: IntArray, t: float, tables: Tables, claimed: float) -> float:
     """The distance, m, of two bodies at an instant: an upper value of it. `pair` (2, 3): their first pieces, how many,
     and their carriers. `claimed`: what it is compared with. NaN where it is not known."""

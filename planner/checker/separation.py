@@ -114,7 +114,7 @@ def least(tables: Tables, jets: FloatArray, item: FloatArray, h: float, n: Vecto
     return ends - SLACK_M, max(bend, 0.0) * h * h / 8.0
 
 
-@kernel(f"int64({F2}, int64)")
+@kernel(f"int64({F2}, int64)", allocates=True)
 def nearest_face(points: FloatArray, many: int) -> int:
     """Of a point, or of the segment or triangle of it and one or two others of `points` (5, 3), that comes nearest to
     the origin: its corners are moved to the front, and the place of the origin on it into row 4; how many corners.
@@ -156,7 +156,7 @@ def nearest_face(points: FloatArray, many: int) -> int:
     return kept + 1
 
 
-@kernel(f"UniTuple(float64, 2)({TABLES}, {F3}, {F1}, float64)")
+@kernel(f"UniTuple(float64, 2)({TABLES}, {F3}, {F1}, float64)", allocates=True)
 def distance(tables: Tables, jets: FloatArray, item: FloatArray, claimed: float) -> tuple[float, float]:
     """Of a pair at the instant of the jets, from below and from above; the normal goes into HINT of the item.
 
@@ -203,7 +203,7 @@ def claim_of(tables: Tables, jets: FloatArray, item: FloatArray, h: float, t: fl
     return HOLDS if low - sag >= state[CLAIMED] else OPEN
 
 
-@kernel(f"int64({F2}, int64, int64)")
+@kernel(f"int64({F2}, int64, int64)", allocates=True)
 def opened(items: FloatArray, i: int, at: int) -> int:
     """Puts the pairs of pieces of a pair of boxes, number i, behind row `at` - 1; how many, or -1: no room for them."""
     ones, others = max(1, int(items[i, PIECES])), max(1, int(items[i, OTHERS]))
@@ -219,7 +219,7 @@ def opened(items: FloatArray, i: int, at: int) -> int:
     return ones * others
 
 
-@kernel(f"boolean(float64, float64, int64, {TABLES}, {WORK_ROOM}, {F1}, {F1})")
+@kernel(f"boolean(float64, float64, int64, {TABLES}, {WORK_ROOM}, {F1}, {F1})", allocates=True)
 def descend(t0: float, t1: float, many: int, tables: Tables, work: Work, spared: FloatArray, state: FloatArray) -> bool:
     """By how much, m, rows prove more than is required over [t0, t1], into `spared` where that is less than what is
     there (less than 0, or NaN: they do not); and whether pairs keep the clearance claimed, into `state`.

@@ -135,7 +135,7 @@ def _extend(solid: FloatArray, vertices: FloatArray, low: FloatArray, high: Floa
     solid[ARM_FLAT], solid[ARM] = flat + (solid[DISC] if lies else 0.0), arm + solid[DISC]
 
 
-@kernel(f"void({F2}, int64[::1], int64[::1], {I2}, {F2}, {F2}, {F2})")
+@kernel(f"void({F2}, int64[::1], int64[::1], {I2}, {F2}, {F2}, {F2})", allocates=True)
 def place(
     raw: FloatArray,
     first: IntArray,

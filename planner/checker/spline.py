@@ -77,7 +77,7 @@ def widen(c: FloatArray, degree: int, jets: FloatArray, j: int, order: int) -> N
     jets[j, 2 * order], jets[j, 2 * order + 1] = low, high
 
 
-@kernel(f"void({F2}, int64, int64, int64, float64, float64, {F2})")
+@kernel(f"void({F2}, int64, int64, int64, float64, float64, {F2})", allocates=True)
 def joints(rows: FloatArray, first: int, last: int, n: int, t0: float, t1: float, found: FloatArray) -> None:
     """Jets (n, 6) over [t0, t1] of the joints of a trajectory, whose curve is rows first to last.
 
@@ -120,7 +120,7 @@ def joints(rows: FloatArray, first: int, last: int, n: int, t0: float, t1: float
         i += 1
 
 
-@kernel(f"boolean({F2}, int64, {F2}, int64, {F2}, {F2})")
+@kernel(f"boolean({F2}, int64, {F2}, int64, {F2}, {F2})", allocates=True)
 def excesses(rows: FloatArray, n: int, limits: FloatArray, kinds: int, worst: FloatArray, when: FloatArray) -> bool:
     """Whether each joint keeps its limits at every instant, and by how much it exceeds them, (4, n), s (4, n).
 

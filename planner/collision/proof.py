@@ -14,6 +14,7 @@ from assur.planner.kernels.carriers import place_carriers
 from assur.planner.kernels.intervals import (
     DONE,
     FOUND,
+    HIT,
     ITEM_COLUMNS,
     ITEMS_FULL,
     RESISTED,
@@ -37,7 +38,7 @@ from assur.planner.kernels.proof import (
     T1,
     UNIT,
 )
-from assur.planner.kernels.screening import BAD, HIT_COLUMNS, HITS, depth_at, sampled_behind
+from assur.planner.kernels.screening import HIT_COLUMNS, HITS, depths, sampled_behind
 from assur.planner.kernels.solids import BODY, FIRST, GROWTH, LATE, PAIR_COLUMNS, REQUIRED, SECOND
 from assur.planner.kernels.spline import spline_state
 from assur.planner.kernels.units import pose_shapes
@@ -94,12 +95,12 @@ class Search:
             self.stack[k] = t0, t1, k * count, count
         self.state[TOP], self.done = many, False
 
-    def go_on(self, task: int, step: float = 0.0) -> int:
+    def go_on(self, task: int) -> int:
         """Goes on until it is done, a pair resists, or the budget of a call is spent, and gives room for the next."""
         prover = self.prover
         since, latest = prover.scene.start.time, prover.scene.execution.start_tolerance_s
         status = walk(
-            task, prover.motion(self.spline), self.cell, self.pairs, since, latest, step,
+            task, prover.motion(self.spline), self.cell, self.pairs, since, latest,
             self.items, self.stack, self.state, self.rows, self.hits, BUDGET,
         )  # fmt: skip
         if status == ROWS_FULL:
@@ -187,21 +188,18 @@ class Prover:
             if search.over:
                 return _given_up(arrangement, search)
 
-    def screened(self, phase: Phase, trajectory: Trajectory, step: float) -> tuple[FloatArray, float]:
-        """What is too near in a phase of a trajectory (H, HIT_COLUMNS), and the share of instants at which anything is.
-        Where nothing is, the rows that show it are kept for `prove`."""
+    def screened(self, phase: Phase, trajectory: Trajectory) -> FloatArray:
+        """What is too near at an instant of a phase of a trajectory (H, HIT_COLUMNS), the deepest of each pair; none:
+        nothing ever is. Then the rows that show it are kept for `prove`."""
         spline = self.spline(trajectory)
-        search = self.hits(phase, spline, self.near(phase, spline), step)
-        if search.done and not len(search.too_near) and not self.pairs(self.of(phase), phase).many:
+        search = self.hits(phase, spline, self.near(phase, spline))
+        if search.done and not self.pairs(self.of(phase), phase).many:
             self._rows[phase] = search.proved
-        # all intervals of all lengths down to the step have an instant in their middle; the end is one more
-        length = phase.t1 - phase.t0
-        halvings = 0 if not length > step else math.ceil(math.log2(length / step))
-        return search.too_near, float(search.state[BAD]) / (2 ** (halvings + 1) - (length == 0.0))
+        return search.too_near
 
-    def hits(self, phase: Phase, spline: Spline, pairs: FloatArray, step: float = math.inf) -> Search:
-        """A search for what is too near in a phase out of some pairs (P, PAIR_COLUMNS), looked at no more finely than
-        `step`, s, once there is a hit. Pairs that may touch are left out."""
+    def hits(self, phase: Phase, spline: Spline, pairs: FloatArray) -> Search:
+        """A search for an instant of a phase at which some of `pairs` (P, PAIR_COLUMNS) are too near. Pairs that may
+        touch are left out."""
         asked = pairs[pairs[:, REQUIRED] >= 0.0]
         # what grows counts as at the end of the phase, so that a refusal says what the whole phase asks for
         lasts = np.maximum(phase.t1 + asked[:, LATE] - self.scene.start.time, 0.0)
@@ -210,7 +208,7 @@ class Prover:
         # the end is an instant of its own: often what is near is nearest there
         ends = ((phase.t1, phase.t1),) if phase.t1 > phase.t0 else ()
         search = Search(self, phase, spline, asked, ends, MOST_HITS)
-        while search.go_on(SCREEN, step) not in (DONE, RESISTED) and not search.over:
+        while search.go_on(SCREEN) not in (DONE, HIT, RESISTED) and not search.over:
             pass
         return search
 
@@ -265,17 +263,21 @@ class Prover:
         touching = bool(state[RESISTED_GAP] <= state[RESISTED_NEED]) and self.touch(arrangement, spline, t, a, b)
         return _unproved(arrangement, state, touching=touching)
 
-    def depth(self, phase: Phase, q: FloatArray, t: FloatArray, deepest: float) -> FloatArray:
-        """By how much the worst pair is nearer than required at instants t (T,) with joints q (T, n), as a share of
-        `deepest`, m (`kernels.screening.depth_at`)."""
-        arrangement, found = self.of(phase), np.zeros(len(t))
+    def depths(self, phase: Phase, q: FloatArray, t: FloatArray, deepest: float, most: float) -> FloatArray:
+        """How deep (W,) motions are in something at instants `t` (W, T) with joints `q` (W, T, n), up to about `most`
+        (`kernels.screening.depths`)."""
+        arrangement, found = self.of(phase), np.empty(len(t))
         pairs = self.pairs(arrangement, phase)
         asked = pairs.every
         if pairs.many:
             least = np.empty((len(pairs.mine), SIDES))
-            sampled_behind(*self.carried_by, q, t, arrangement.cell, pairs.mine, least)
+            flat = q.reshape(-1, q.shape[-1]), t.reshape(-1)
+            sampled_behind(*self.carried_by, *flat, arrangement.cell, pairs.mine, least)
             asked = self.not_behind(phase, pairs, pairs.others, least)
-        depth_at(*self.carried_by, q, t, arrangement.cell, asked, self.scene.start.time, phase.t1, deepest, found)
+        depths(
+            *self.carried_by, self.scene.robot.limits.table, q, t, arrangement.cell, asked, self.scene.start.time,
+            phase.t1, deepest, most, found,
+        )  # fmt: skip
         return found
 
     def touch(self, arrangement: Arrangement, spline: Spline, t: float, a: int, b: int) -> bool:

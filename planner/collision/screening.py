@@ -1,7 +1,7 @@
-"""Refuses most colliding candidates: a kernel finds what is too near at sampled instants, FCL says if it touches.
+"""Refuses colliding candidates: a kernel finds an instant at which something is too near, FCL says if it touches.
 
-The instants are the middles of intervals that are halved down to a step, as in a proof, whose bounds leave out all
-instants at which a pair cannot be too near. What passes is not yet proved.
+The instants are the middles of intervals that are halved, as in a proof, whose bounds leave out all instants at which a
+pair cannot be too near. What passes is not yet proved.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
+from assur.planner.arrays import FloatArray
 from assur.planner.collision.proof import Prover
 from assur.planner.kernels.intervals import RESERVE_M
 from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT_T
@@ -19,8 +20,6 @@ from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separ
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import Spline
 
-STEP_S = 0.04
-"""Sampling of candidates, s. It decides how much work a colliding candidate causes, not what is accepted."""
 MOST_BODIES = 3
 """Bodies about which FCL is asked for one candidate: one refuses it, the others are reported in the census."""
 
@@ -39,17 +38,16 @@ class Timed(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Screened:
-    """What became of a candidate: None, or why it is refused; and the share of samples at which it was in the way."""
+    """What became of a candidate: None, or why it is refused."""
 
     refusal: Refusal | None
-    bad: float
     also: tuple[Refusal, ...] = ()
-    """The deepest confirmed encounters with other bodies of the surroundings."""
+    """With other bodies of the surroundings at that instant."""
 
 
-def screen(prover: Prover, candidates: Sequence[Timed], step: float = STEP_S) -> list[Screened]:
+def screen(prover: Prover, candidates: Sequence[Timed]) -> list[Screened]:
     """One `Screened` for each candidate, in order."""
-    return [_screened(prover, candidate, step) for candidate in candidates]
+    return [_screened(prover, candidate) for candidate in candidates]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,33 +62,27 @@ class _Hit:
     phase: Phase
 
 
-def _screened(prover: Prover, candidate: Timed, step: float) -> Screened:
-    lost = _lost(prover, candidate)
+def _screened(prover: Prover, candidate: Timed) -> Screened:
+    lost = leaves_assembly(prover.scene.robot, candidate.phases[0].step, candidate.trajectory)
     if lost is not None:
-        return lost
-    spline, bad, length = prover.spline(candidate.trajectory), 0.0, 0.0
-    deepest: dict[str, _Hit] = {}
+        return Screened(replace(lost, stage=Stage.SCREENING))
     for phase in candidate.phases:
-        rows, share = prover.screened(phase, candidate.trajectory, step)
-        # a phase of no length counts as one step
-        lasts = max(phase.t1 - phase.t0, step)
-        bad, length = bad + share * lasts, length + lasts
-        arrangement = prover.of(phase)
-        for row in rows.tolist():
-            name = arrangement.names[arrangement.body[int(row[HIT_B])]]
-            if name not in deepest or row[HIT_GAP] < deepest[name].gap:
-                deepest[name] = _Hit(row[HIT_GAP], row[HIT_NEED], int(row[HIT_A]), int(row[HIT_B]), row[HIT_T], phase)
-    if not deepest:
-        return Screened(None, 0.0)
+        hits = prover.screened(phase, candidate.trajectory)
+        if len(hits):
+            return _refused(prover, phase, prover.spline(candidate.trajectory), hits)
+    return Screened(None)
+
+
+def _refused(prover: Prover, phase: Phase, spline: Spline, hits: FloatArray) -> Screened:
+    """The refusal for hits (H, HIT_COLUMNS) at an instant: the deepest with each body of the surroundings."""
+    arrangement, deepest = prover.of(phase), dict[str, _Hit]()
+    for row in hits.tolist():
+        name = arrangement.names[arrangement.body[int(row[HIT_B])]]
+        if name not in deepest or row[HIT_GAP] < deepest[name].gap:
+            deepest[name] = _Hit(row[HIT_GAP], row[HIT_NEED], int(row[HIT_A]), int(row[HIT_B]), row[HIT_T], phase)
     order = sorted(deepest.values(), key=lambda hit: hit.gap)[:MOST_BODIES]
     refusals = [_refusal(prover, hit, spline) for hit in order]
-    return Screened(refusals[0], bad / length, tuple(refusals[1:]))
-
-
-def _lost(prover: Prover, candidate: Timed) -> Screened | None:
-    """The refusal of a candidate that does not stay assembled on its way."""
-    lost = leaves_assembly(prover.scene.robot, candidate.phases[0].step, candidate.trajectory)
-    return None if lost is None else Screened(replace(lost, stage=Stage.SCREENING), 1.0)
+    return Screened(refusals[0], tuple(refusals[1:]))
 
 
 def _refusal(prover: Prover, hit: _Hit, spline: Spline) -> Refusal:

@@ -19,7 +19,10 @@ STACK = 64
 """Intervals on the stack at a time: one for each halving, and no motion is halved so often."""
 
 
-@kernel("UniTuple(float64, 2)(float64[::1], float64[::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1])")
+@kernel(
+    "UniTuple(float64, 2)(float64[::1], float64[::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1])",
+    allocates=True,
+)
 def first_lost(
     robot: FloatArray, tk: FloatArray, c: FloatArray, whole: FloatArray, matrix: FloatArray
 ) -> tuple[float, float]:

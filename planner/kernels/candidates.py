@@ -153,7 +153,8 @@ def _longest(
 
 @kernel(
     "void(float64[:, ::1], float64[:, ::1], float64, float64[:, ::1], float64[:, ::1], float64[:, ::1],"
-    " float64[:, ::1])"
+    " float64[:, ::1])",
+    allocates=True,
 )
 def rough_motions(
     candidates: FloatArray,

@@ -87,7 +87,7 @@ def piece_hulls(knots: FloatArray, hulls: FloatArray) -> None:
                 row[15 + k] = 3 * (row[12 + k] - row[11 + k]) / h
 
 
-@kernel("int64(float64[:, ::1], float64[::1], float64[:, :, ::1])")
+@kernel("int64(float64[:, ::1], float64[::1], float64[:, :, ::1])", allocates=True)
 def piece_coefficients(knots: FloatArray, tk: FloatArray, c: FloatArray) -> int:
     """Fills `tk` (K,) with the begins of the pieces and the end of the last, and `c` (K-1, n, 6) with c0..c5 of
     q(τ) = Σ c_i τ^i on every piece; returns how many pieces there are: two knots at one time have none between them.

@@ -41,8 +41,8 @@ Motion: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatA
 ITEM_COLUMNS = 6
 TOP, FOUND = 0, 1
 """In `state`: how many intervals are on the stack, and how many rows were written."""
-STATE_COLUMNS = 9
-DONE, RESISTED, ROWS_FULL, ITEMS_FULL, WORK_SPENT = range(5)
+STATE_COLUMNS = 8
+DONE, HIT, RESISTED, ROWS_FULL, ITEMS_FULL, WORK_SPENT = range(6)
 """How a search was left."""
 
 RESERVE_M = 1e-6

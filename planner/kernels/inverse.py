@@ -300,7 +300,10 @@ def joint_states(
     return code
 
 
-@kernel("void(float64[::1], int64, int64, float64[:, :, ::1], float64[:, :, ::1], float64[:, ::1], int64[::1])")
+@kernel(
+    "void(float64[::1], int64, int64, float64[:, :, ::1], float64[:, :, ::1], float64[:, ::1], int64[::1])",
+    allocates=True,
+)
 def joint_motions(
     robot: FloatArray,
     mode: int,
@@ -381,7 +384,7 @@ def posture(robot: FloatArray, q: FloatArray, out: FloatArray, work: FloatArray)
     out[DISTANCE] = min(out[DISTANCE], abs(rho))
 
 
-@kernel("void(float64[::1], float64[:, ::1], float64[:, ::1])")
+@kernel("void(float64[::1], float64[:, ::1], float64[:, ::1])", allocates=True)
 def postures(robot: FloatArray, q: FloatArray, out: FloatArray) -> None:
     """`posture` for each row of q (N, n), into `out` (N, 5)."""
     work = np.empty((WORK_ROWS, RRR_COLUMNS))

@@ -72,7 +72,7 @@ def missed_goal(
     return worst
 
 
-@kernel("int64(float64[:, :, ::1], float64, float64[::1])")
+@kernel("int64(float64[:, :, ::1], float64, float64[::1])", allocates=True)
 def shared_switches(phases: FloatArray, duration: float, times: FloatArray) -> int:
     """Writes the times of the knots of one leg, from 0 to `duration`, to `times`, and gives their number.
 
@@ -128,7 +128,7 @@ def _sum_up(knots: FloatArray, first: int, last: int, joint: int, start: FloatAr
         knots[k, q] = knots[k - 1, q] + h * (speed + h * (2 * before + now) / 6)
 
 
-@kernel("float64[:, ::1](float64[::1], float64[:, :, ::1], float64[:, :, :, ::1])")
+@kernel("float64[:, ::1](float64[::1], float64[:, :, ::1], float64[:, :, :, ::1])", allocates=True)
 def knots_of_phases(begins: FloatArray, states: FloatArray, phases: FloatArray) -> FloatArray:
     """Knots (K, 1 + 3n) of L legs in a row: time, q, q̇, q̈ (equations T4, T5).
 

@@ -199,7 +199,7 @@ def trajectory_of(law: FloatArray, pieces: FloatArray) -> tuple[int, int, int, i
     return robot, matrix, times, coefficients, coefficients + count * n * 6, count, n, m
 
 
-@kernel("void(float64[::1], float64[:, ::1], float64, float64[:, ::1], int64)")
+@kernel("void(float64[::1], float64[:, ::1], float64, float64[:, ::1], int64)", allocates=True)
 def _place_neighbour(law: FloatArray, pieces: FloatArray, t: float, placed: FloatArray, k: int) -> None:
     """F6: the link where the neighbour's spline has it."""
     robot, matrix, times, coefficients, whole, count, n, _ = trajectory_of(law, pieces)
@@ -277,7 +277,7 @@ def _bound_keyframes(law: FloatArray, pieces: FloatArray, t0: float, t1: float, 
     bounds[k, V_ANY], bounds[k, ACCELERATION + V_ANY] = law[SLACK], law[SLACK + 1]
 
 
-@kernel("void(float64[::1], float64[:, ::1], float64, float64, float64[:, ::1], int64)")
+@kernel("void(float64[::1], float64[:, ::1], float64, float64, float64[:, ::1], int64)", allocates=True)
 def _bound_neighbour(law: FloatArray, pieces: FloatArray, t0: float, t1: float, bounds: FloatArray, k: int) -> None:
     """F6: what is known of the link of that arm holds for the frame, which is the link's."""
     robot, matrix, times, coefficients, whole, count, n, m = trajectory_of(law, pieces)

@@ -72,7 +72,7 @@ def _largest(hulls: FloatArray, derivative: int, joint: int, sign: float, stack:
     return max(bound, taken)
 
 
-@kernel("void(float64[:, ::1], float64[:, :, ::1])")
+@kernel("void(float64[:, ::1], float64[:, :, ::1])", allocates=True)
 def spline_extremes(knots: FloatArray, found: FloatArray) -> None:
     """Fills `found` (4, 2, n): lowest and highest value of q and its derivatives over the spline of knots (K, 1 + 3n).
 
@@ -88,7 +88,7 @@ def spline_extremes(knots: FloatArray, found: FloatArray) -> None:
             found[derivative, HIGHEST, joint] = _largest(hulls, derivative, joint, 1.0, stack)
 
 
-@kernel("int64(float64[:, ::1], float64[:, :, ::1])")
+@kernel("int64(float64[:, ::1], float64[:, :, ::1])", allocates=True)
 def first_beyond(knots: FloatArray, bands: FloatArray) -> int:
     """The first limit that the spline of knots (K, 1 + 3n) does not surely keep: `kind` n + joint, or `NONE`.
 

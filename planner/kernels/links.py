@@ -105,7 +105,7 @@ def close_loop(robot: FloatArray, theta1: float, theta5: float, work: FloatArray
     return rrr(robot[L2], robot[L4], robot[SIGMA], work, 0, work[SOLVED])
 
 
-@kernel("void(float64[::1], float64[::1], float64[:, ::1])")
+@kernel("void(float64[::1], float64[::1], float64[:, ::1])", allocates=True)
 def _place_five_bar(robot: FloatArray, q: FloatArray, placed: FloatArray) -> None:
     """K34; NaN beyond the cranks where the loop does not assemble."""
     work = np.empty((SOLVED + 1, RRR_COLUMNS))

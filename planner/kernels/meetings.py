@@ -29,7 +29,8 @@ exceed the truth."""
 
 @kernel(
     "int64(float64[::1], int64, float64[:, :, ::1], float64[:, ::1], float64, float64[::1], float64[:, ::1],"
-    " float64[:, ::1], int64[::1], int64[::1])"
+    " float64[:, ::1], int64[::1], int64[::1])",
+    allocates=True,
 )
 def meeting_states(
     robot: FloatArray,
@@ -105,7 +106,10 @@ def turn_ranges(
         turns[j, 0], turns[j, 1] = int(least), int(last)
 
 
-@kernel("int64(float64[::1], float64[:, ::1], int64[::1], float64[:, ::1], float64[::1], float64[:, ::1], int64[::1])")
+@kernel(
+    "int64(float64[::1], float64[:, ::1], int64[::1], float64[:, ::1], float64[::1], float64[:, ::1], int64[::1])",
+    allocates=True,
+)
 def turned_states(
     robot: FloatArray,
     states: FloatArray,

@@ -175,7 +175,7 @@ def link_motion(robot: FloatArray, link: int, joints: FloatArray, out: FloatArra
         _move_tilting(robot, link, joints, out, work)
 
 
-@kernel("void(float64[::1], int64, float64[:, :, ::1], float64[:, :, ::1])")
+@kernel("void(float64[::1], int64, float64[:, :, ::1], float64[:, :, ::1])", allocates=True)
 def link_motions(robot: FloatArray, link: int, joints: FloatArray, out: FloatArray) -> None:
     """`link_motion` for each row of `joints` (N, 4, n), into `out` (N, 4, 6)."""
     work = np.empty((WORK_ROWS, RRR_COLUMNS))

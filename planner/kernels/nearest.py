@@ -92,7 +92,7 @@ def bounded(
     return HALVE
 
 
-@kernel(f"void({MOTION}, {CELL}, {TABLE}, float64, float64, int64, {ROW})")
+@kernel(f"void({MOTION}, {CELL}, {TABLE}, float64, float64, int64, {ROW})", allocates=True)
 def sample_distance(
     motion: Motion, cell: Cell, pairs: FloatArray, t0: float, t1: float, many: int, state: FloatArray
 ) -> None:

@@ -53,7 +53,7 @@ def ahead(
     return float(-along - support(bodies, vertices, placed, m, i, nx, ny, nz))
 
 
-@kernel(f"void({MOTION}, {CELL}, {NUMBERS}, {ROW}, {TABLE})")
+@kernel(f"void({MOTION}, {CELL}, {NUMBERS}, {ROW}, {TABLE})", allocates=True)
 def behind(motion: Motion, cell: Cell, units: IntArray, edges: FloatArray, least: FloatArray) -> None:
     """Fills `least` (R, 6): each of `units` (R,) stays behind the plane n·x = −least of each side all along.
 
@@ -80,7 +80,7 @@ def behind(motion: Motion, cell: Cell, units: IntArray, edges: FloatArray, least
                 least[r, k] = min(least[r, k], shown) if shown > -math.inf else -math.inf
 
 
-@kernel(f"int64({TABLE}, {NUMBERS}, {TABLE}, {TABLE}, {TABLE}, float64, float64, {TABLE}, {TABLE})")
+@kernel(f"int64({TABLE}, {NUMBERS}, {TABLE}, {TABLE}, {TABLE}, float64, float64, {TABLE}, {TABLE})", allocates=True)
 def not_behind(
     boxes: FloatArray,
     units: IntArray,

@@ -1,4 +1,4 @@
-"""What is too near at sampled instants: hits of a search over intervals, and the score of rough motions.
+"""What is too near at an instant: hits of a search over intervals, and the score of rough motions.
 
 What passes is not proved. Which pairs have to be evaluated at all is found first, from boxes about all sampled places
 of each unit (`sampled_behind`, and then `planes.not_behind`), if there are many.
@@ -14,10 +14,12 @@ from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.carriers import place_carriers
 from assur.planner.kernels.intervals import Cell, fetch, needed
-from assur.planner.kernels.links import POSE_COLUMNS
+from assur.planner.kernels.laws import place_frame
+from assur.planner.kernels.links import LINKS, POSE_COLUMNS, assembled, place_links
 from assur.planner.kernels.planes import SIDES, side_normal
 from assur.planner.kernels.solids import (
     CELL,
+    CUBE,
     FIRST,
     NUMBERS,
     REQUIRED,
@@ -34,8 +36,8 @@ from assur.planner.kernels.solids import (
 HIT_A, HIT_B, HIT_T, HIT_GAP, HIT_NEED, HIT_PAIR = range(6)
 """Columns of a hit: two units (pieces), the instant, s, the gap, the gap needed, m, the number of the pair."""
 HIT_COLUMNS = 6
-HITS, BAD = 7, 8
-"""In `state`: how many hits are kept, and how many instants had one."""
+HITS = 7
+"""In `state`: how many hits are kept."""
 
 
 @kernel(f"void({TABLE}, {ROW}, {TABLE}, int64, float64, {ROW})")
@@ -58,11 +60,16 @@ def note_hit(hits: FloatArray, state: FloatArray, items: FloatArray, i: int, t: 
     state[HITS] = max(state[HITS], count + 1.0)
 
 
-@kernel(f"void({ROW}, {TABLE}, {TABLE}, {TABLE}, {ROW}, {CELL}, {TABLE}, float64, float64, float64, {ROW})")
-def depth_at(
+@kernel(
+    f"void({ROW}, {TABLE}, {TABLE}, {TABLE}, {CUBE}, {TABLE}, {CELL}, {TABLE}, float64, float64, float64, float64,"
+    f" {ROW})",
+    allocates=True,
+)
+def depths(
     robot: FloatArray,
     laws: FloatArray,
     side: FloatArray,
+    limits: FloatArray,
     q: FloatArray,
     t: FloatArray,
     cell: Cell,
@@ -70,43 +77,65 @@ def depth_at(
     since: float,
     until: float,
     deepest: float,
+    most: float,
     depth: FloatArray,
 ) -> None:
-    """Adds to `depth` (N,) by how much the worst pair is nearer than required at instants `t` (N,) with joints `q`.
+    """Fills `depth` (W,) with the sum, over instants `t` (W, T) with joints `q` (W, T, n), of how much nearer than
+    required some pair is: a share of `deepest`, m, and 1 at most.
 
-    It is a share of `deepest`, m, and 1 at most. Only the likely normals are tried, and bodies of several pieces count
-    as their bounding boxes: a score, not a verdict.
+    At each instant the first pair that is found too near counts. A motion whose sum exceeds `most` is given up there.
+    Only the likely normals are tried, and bodies of several pieces count as their bounding boxes: a score, not a
+    verdict. `limits` (≥ 2, n): the lower and the upper ends of the joints; beyond them an instant counts as 1.
     """
     bodies, vertices, still = cell
+    links, n = int(robot[LINKS]), q.shape[2]
     carriers, placed = np.empty((1, len(still), POSE_COLUMNS)), np.empty((1, len(bodies), POSE_COLUMNS))
     stamp, normals = np.zeros(len(bodies), dtype=np.int64), np.zeros((len(pairs), 3))
-    for i in range(len(t)):
-        place_carriers(robot, laws, side, q[i], t[i], carriers[0])
-        worst = 0.0
-        for p in range(len(pairs)):
-            if pairs[p, REQUIRED] < 0.0:
-                continue
-            a, b, need = int(pairs[p, FIRST]), int(pairs[p, SECOND]), needed(pairs, p, since, until)
-            fetch(bodies, a, carriers, placed, stamp, i + 1, still)
-            fetch(bodies, b, carriers, placed, stamp, i + 1, still)
-            nx, ny, nz = normals[p, 0], normals[p, 1], normals[p, 2]
-            if (nx != 0.0 or ny != 0.0 or nz != 0.0) and gap(bodies, vertices, placed, 0, a, b, nx, ny, nz) > need:
-                continue
-            if spheres_apart(bodies, placed, 0, a, b, need):
-                continue
-            found, nx, ny, nz = likely(bodies, vertices, placed, 0, a, b, need)
-            if found > need:
-                normals[p, 0], normals[p, 1], normals[p, 2] = nx, ny, nz
-            else:
-                # what is not known counts as deep
-                worst = max(worst, need - found) if found > -math.inf else deepest
-                if not worst < deepest:
-                    worst = deepest
+    needs = np.empty(len(pairs))
+    for p in range(len(pairs)):
+        needs[p] = needed(pairs, p, since, until)
+    number, met = 0, 0
+    for w in range(len(q)):
+        depth[w] = 0.0
+        for i in range(q.shape[1]):
+            within = True
+            for j in range(n):
+                within = within and limits[0, j] <= q[w, i, j] <= limits[1, j]
+            if not within or not assembled(robot, q[w, i], q[w, i]):
+                depth[w] += 1.0
+                if depth[w] > most:
                     break
-        depth[i] += worst / deepest
+                continue
+            number += 1
+            place_links(robot, q[w, i], carriers[0])
+            for f in range(len(laws)):
+                if number == 1 or not still[links + f]:
+                    place_frame(laws[f], side, t[w, i], carriers[0], links + f)
+            # what was met last is likely to be met again
+            for k in range(-1, len(pairs)):
+                p = k if k >= 0 else met
+                if p >= len(pairs) or pairs[p, REQUIRED] < 0.0:
+                    continue
+                a, b, need = int(pairs[p, FIRST]), int(pairs[p, SECOND]), needs[p]
+                fetch(bodies, a, carriers, placed, stamp, number, still)
+                fetch(bodies, b, carriers, placed, stamp, number, still)
+                if spheres_apart(bodies, placed, 0, a, b, need):
+                    continue
+                nx, ny, nz = normals[p, 0], normals[p, 1], normals[p, 2]
+                if (nx != 0.0 or ny != 0.0 or nz != 0.0) and gap(bodies, vertices, placed, 0, a, b, nx, ny, nz) > need:
+                    continue
+                found, nx, ny, nz = likely(bodies, vertices, placed, 0, a, b, need)
+                if not found > need:
+                    # what is not known counts as deep
+                    depth[w] += min(1.0, (need - found) / deepest) if found > -math.inf else 1.0
+                    met = p
+                    break
+                normals[p, 0], normals[p, 1], normals[p, 2] = nx, ny, nz
+            if depth[w] > most:
+                break
 
 
-@kernel(f"void({ROW}, {TABLE}, {TABLE}, {TABLE}, {ROW}, {CELL}, {NUMBERS}, {TABLE})")
+@kernel(f"void({ROW}, {TABLE}, {TABLE}, {TABLE}, {ROW}, {CELL}, {NUMBERS}, {TABLE})", allocates=True)
 def sampled_behind(
     robot: FloatArray,
     laws: FloatArray,

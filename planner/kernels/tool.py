@@ -16,7 +16,8 @@ from assur.planner.kernels.spline import piece_motion
 
 
 @kernel(
-    "UniTuple(float64, 2)(float64[::1], float64[::1], float64[:, :, ::1], float64, float64, float64, float64, int64)"
+    "UniTuple(float64, 2)(float64[::1], float64[::1], float64[:, :, ::1], float64, float64, float64, float64, int64)",
+    allocates=True,
 )
 def tool_peak(
     robot: FloatArray, tk: FloatArray, c: FloatArray, x: float, y: float, t0: float, t1: float, many: int
@@ -44,7 +45,7 @@ def tool_peak(
     return best, at
 
 
-@kernel("UniTuple(float64, 2)(float64[::1], float64[::1], float64[:, :, ::1], int64)")
+@kernel("UniTuple(float64, 2)(float64[::1], float64[::1], float64[:, :, ::1], int64)", allocates=True)
 def least_margins(robot: FloatArray, tk: FloatArray, c: FloatArray, many: int) -> tuple[float, float]:
     """Least margin to a singularity, and to a type 2 singularity, at `many` > 1 instants of a spline; NaN if any is."""
     out, work = np.empty(POSTURE_COLUMNS), np.empty((WORK_ROWS, RRR_COLUMNS))

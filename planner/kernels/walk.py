@@ -1,8 +1,8 @@
 """One loop over halved intervals, depth first, for three questions about all pairs of a phase.
 
 `PROVE`: do they stay apart at every instant? Every pair that is proved on an interval writes a row; the first that
-resists ends the search. `SCREEN`: the same until a pair is too near at an instant, and from then on: which of them are,
-looked at no more finely than some step? `NEAREST`: what is the smallest distance? The state of a search is in arrays of
+resists ends the search. `SCREEN`: the same, and an instant at which pairs are too near ends the search: all of them
+are told. `NEAREST`: what is the smallest distance? The state of a search is in arrays of
 the caller (`assur.planner.kernels.intervals`).
 """
 
@@ -17,6 +17,7 @@ from assur.planner.kernels.intervals import (
     DONE,
     FINEST_S,
     FOUND,
+    HIT,
     ITEMS_FULL,
     RESERVE_M,
     RESISTED,
@@ -49,7 +50,7 @@ from assur.planner.kernels.proof import (
     UNIT,
     settle,
 )
-from assur.planner.kernels.screening import BAD, note_hit
+from assur.planner.kernels.screening import HITS, note_hit
 from assur.planner.kernels.solids import CELL, MOTION, ROW, TABLE
 
 PROVE, SCREEN, NEAREST = range(3)
@@ -57,8 +58,8 @@ PROVE, SCREEN, NEAREST = range(3)
 
 
 @kernel(
-    f"int64(int64, {MOTION}, {CELL}, {TABLE}, float64, float64, float64, {TABLE}, {TABLE}, {ROW}, {TABLE}, {TABLE},"
-    f" int64)"
+    f"int64(int64, {MOTION}, {CELL}, {TABLE}, float64, float64, {TABLE}, {TABLE}, {ROW}, {TABLE}, {TABLE}, int64)",
+    allocates=True,
 )
 def walk(
     task: int,
@@ -67,7 +68,6 @@ def walk(
     pairs: FloatArray,
     since: float,
     latest: float,
-    step: float,
     items: FloatArray,
     stack: FloatArray,
     state: FloatArray,
@@ -75,12 +75,11 @@ def walk(
     hits: FloatArray,
     budget: int,
 ) -> int:
-    """Goes on with a search until it is done, a pair resists, or rows, items or work run out.
+    """Goes on with a search until it is done, pairs are too near, one resists, or rows, items or work run out.
 
-    `since`: the time from which a growth counts; `latest`: by how much the robot may start late at most, s; `step`:
-    intervals that are no longer are not halved once there is a hit, s. `rows` take what is proved, `hits` what is too
-    near. `budget`: after how many items no interval is begun. Unless it is done or a pair resists, the state is such
-    that the call can be repeated with more room.
+    `since`: the time from which a growth counts; `latest`: by how much the robot may start late at most, s. `rows` take
+    what is proved, `hits` what is too near. `budget`: after how many items no interval is begun. If rows, items or work
+    run out, the state is such that the call can be repeated with more room.
     """
     robot, laws, side, _, c, _, matrix = motion
     bodies, vertices, still = cell
@@ -105,10 +104,10 @@ def walk(
         if latest > 0.0 and task != NEAREST:
             lower, upper, rate, rate_d = swept[0, :n], swept[1, :n], swept[2, :m], swept[3, :m]
             carrier_bounds(robot, laws, side, t0, t1 + latest, lower, upper, rate, rate_d, late_bounds)
-        end, left, i, free, h = first + count, 0, first, True, t1 - t0
+        end, left, i, free, h = first + count, 0, first, state[HITS] == 0.0, t1 - t0
         while i < end:
             r, status = int(state[FOUND]), DONE
-            proving = task == PROVE or (task == SCREEN and free and state[BAD] == 0.0)
+            proving = task == PROVE or (task == SCREEN and free)
             if proving and r >= len(rows):
                 status = ROWS_FULL
             else:
@@ -146,7 +145,7 @@ def walk(
                     if hit:
                         free = False
                         note_hit(hits, state, items, i, middle, found)
-                    if h > step or (h > 0.0 and (proving or task == NEAREST)):
+                    if h > 0.0 and (proving or task == NEAREST):
                         move_items(items, i, first + left, 1)
                         left += 1
             if status != DONE:
@@ -155,7 +154,7 @@ def walk(
                 return status
             i += 1
         if not free:
-            state[BAD] += 1.0
+            return HIT
         if left > 0:
             if first + 2 * left > len(items):
                 push(stack, state, t0, t1, first, left)

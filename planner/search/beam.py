@@ -26,7 +26,7 @@ from assur.planner.search.completion import completed
 from assur.planner.search.extension import extended, straight_extension, timed
 from assur.planner.search.meeting_options import Option, ahead, options
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, initial, prepared
-from assur.planner.search.rough_score import CoarseScore
+from assur.planner.search.rough_score import CoarseScore, score_of
 from assur.planner.search.tuning import ANY_YAW, BEAM, KEPT_PLANS, MOST_OPTIONS, PROVED_A_BATCH
 
 
@@ -123,9 +123,10 @@ class Search:
             if enough <= 0 or self._late():
                 break
             screened, proved = self._tried(motion)
-            interval = None if screened.refusal is None else screened.refusal.interval
-            sampler.learn(motion.candidate, screened.bad, motion.end, None if interval is None else interval[0])
-            if proved is False and screened.refusal is None:
+            refusal = screened.refusal
+            at = None if refusal is None or refusal.interval is None else refusal.interval[0]
+            sampler.learn(motion.candidate, score_of(refusal), motion.end, at)
+            if proved is False and refusal is None:
                 sampler.learn(motion.candidate, 1.0)
             enough -= proved is True
         return bool(batch)

@@ -7,14 +7,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, IntArray
+from assur.planner.arrays import FloatArray
 from assur.planner.collision.proof import Prover
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase
+from assur.planner.model.refusal import Refusal, Separation
 from assur.planner.search.meeting_options import Option
 from assur.planner.search.partial_plan import PartialPlan
-from assur.planner.search.rough_motion import Rough, RoughMotions
-from assur.planner.search.tuning import APART_S, CLOSER, COARSE, DEPTH_M, INSTANTS, REMEMBERED
+from assur.planner.search.rough_motion import RoughMotions
+from assur.planner.search.tuning import APART_S, DEPTH_M, GIVEN_UP, INSTANTS, REMEMBERED
+
+_SPREAD = (7 * np.arange(INSTANTS) + INSTANTS - 1) % INSTANTS
+"""The instants of a rough motion in an order in which those that follow each other are far apart; the end first."""
 
 
 class CoarseScore:
@@ -38,38 +42,33 @@ class CoarseScore:
     def __call__(self, candidates: FloatArray, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
         """For each row of candidates (N,) how much it is in the way of something, 0: free as far as is known; its end.
 
-        All are evaluated at a few times, and the better ones at more; 1: it is not possible, and then it may end at
-        infinity.
+        1: it is not possible, and then it may end at infinity. What is much in the way is not evaluated to its end.
         """
         rough, start = self.rough(candidates), self.partial.state.time
-        end, count = rough.end, len(candidates)
-        score = np.where(np.isfinite(end) & (end <= self.latest), 0.0, 1.0)
-        possible = np.flatnonzero(score == 0)
+        end, score = rough.end, np.ones(len(candidates))
+        possible = np.flatnonzero(np.isfinite(end) & (end <= self.latest))
+        if not len(possible):
+            return score, end
         # each candidate at other times: what passes between the instants of one is seen at those of its likes
-        share = (np.arange(INSTANTS) + rng.random((count, 1))) / INSTANTS
-        times = start + (np.where(score == 0, end, start) - start)[:, None] * share
-        coarse = np.arange(INSTANTS) % COARSE == 0
-        known = np.broadcast_to(np.array(self.times), (count, len(self.times)))
-        first = np.concatenate([times[:, coarse], np.where(known < end[:, None], known, start)], -1)
-        score[possible] = self._depth(rough, possible, first[possible]) / INSTANTS
-        order = possible[np.lexsort((end[possible], score[possible]))]
-        closer, rest = np.split(order, [max(1, count // CLOSER)])
-        score[closer] += self._depth(rough, closer, times[closer][:, ~coarse]) / INSTANTS
-        score[rest] += 0.5 / INSTANTS  # not known to be free
-        return np.minimum(score, 1.0), end
-
-    def _depth(self, rough: Rough, which: IntArray, t: FloatArray) -> FloatArray:
-        """How deep (W,) some motions are in something at times t (W, T), in `DEPTH_M`, 1 at most for each time."""
-        if not t.size:
-            return np.zeros(len(which))
-        robot = self.prover.scene.robot
-        q, times = rough.at(which, t).reshape(-1, len(robot.joints)), t.reshape(-1)
-        depth = np.ones(len(times))
-        possible = np.flatnonzero(robot.within(q) & robot.assembled(q, q))
-        depth[possible] = self.prover.depth(self._way(float(t.max())), q[possible], times[possible], DEPTH_M)
-        return np.asarray(depth.reshape(t.shape).sum(-1))
+        share = (_SPREAD + rng.random((len(possible), 1))) / INSTANTS
+        last = end[possible, None]
+        known = np.broadcast_to(np.array(self.times), (len(possible), len(self.times)))
+        times = np.concatenate([np.where(known < last, known, start), start + (last - start) * share], axis=1)
+        q = rough.at(possible, times)
+        depth = self.prover.depths(self._way(float(times.max())), q, times, DEPTH_M, GIVEN_UP)
+        score[possible] = np.minimum(depth / INSTANTS, 1.0)
+        return score, end
 
     def _way(self, until: float) -> Phase:
         """A motion to the next control point that ends at `until`, s."""
         partial = self.partial
         return Phase(partial.state.time, until, LegKind.MOVE, partial.step, partial.attached)
+
+
+def score_of(refusal: Refusal | None) -> float:
+    """The score of a candidate that was screened: how deep it is in something where it was refused for that."""
+    if refusal is None:
+        return 0.0
+    if not isinstance(refusal.facts, Separation) or refusal.amount is None:
+        return 1.0
+    return min(1.0, refusal.amount.value / DEPTH_M)

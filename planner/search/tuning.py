@@ -58,10 +58,8 @@ NEARLY_FREE = 0.06
 
 INSTANTS = 24
 """Times at which a rough motion is evaluated."""
-COARSE = 3
-"""Every third of them comes first ..."""
-CLOSER = 3
-"""... and only the best third of the candidates is evaluated at the others."""
+GIVEN_UP = 3.0
+"""A candidate that is in the way of something at more of them, or about as many, is not evaluated at the others."""
 REMEMBERED = 6
 """Times at which candidates that had seemed free were found not to be; they are evaluated as well ..."""
 APART_S = 0.01

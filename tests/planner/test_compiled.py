@@ -7,8 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
+from numba.core.errors import NumbaError
 
 from assur.planner import compiled
 from assur.planner.errors import FaultError
@@ -67,6 +69,24 @@ def test_a_kernel_refuses_what_plain_python_refuses_and_another_type() -> None:
     with pytest.raises(TypeError):
         part(x, 1)
     del compiled.KERNELS[f"{__name__}.part"]
+
+
+def test_a_kernel_that_makes_arrays_has_to_say_so_and_no_other_manages_memory() -> None:
+    def made(x: np.ndarray) -> float:
+        return float(np.empty(len(x)).size)
+
+    def last(x: np.ndarray) -> float:
+        y = x[1:]
+        return float(y[len(y) - 1])
+
+    with pytest.raises(NumbaError):
+        compiled.kernel("float64(float64[::1])")(made)
+    assert compiled.kernel("float64(float64[::1])", allocates=True)(made)(np.zeros(3)) == 3.0
+    lean, counting = compiled.kernel("float64(float64[::1])")(last), numba.njit("float64(float64[::1])")(last)
+    counts = ["NRT_incref" in code for made in (lean, counting) for code in made.inspect_llvm().values()]  # type: ignore[attr-defined]
+    assert counts == [False, True]
+    for name in ("made", "last"):
+        del compiled.KERNELS[f"{__name__}.{name}"]
 
 
 def test_what_was_compiled_once_is_found_by_the_next_process(program: str, tmp_path: Path) -> None:
