@@ -15,8 +15,8 @@ from assur.planner.arrays import FloatArray
 from assur.planner.blends.timed import BlendShape, Station
 from assur.planner.frames import all_stand
 from assur.planner.model.scene import Scene
-from assur.planner.search.free_vias import free_vias
 from assur.planner.search.partial_plan import PartialPlan
+from assur.planner.search.via_batch import free_vias
 
 DIRECT = 12
 """Choices of branches, a branch a station, that are tried directly, those with the shortest ways first ..."""
@@ -119,7 +119,7 @@ class BlendSampler:
         frees = []
         for one, other in pairwise(poses):
             count = int(rng.choice(COUNTS, p=WEIGHTS)) if self.blocked else 0
-            frees.append(tuple(free_vias(rng, self.scene.robot, one, other[None], count)[0]))
+            frees.append(free_vias(rng, self.scene.robot, one, other, count))
         wait = float(rng.exponential(0.35)) if self.moving() and rng.random() < 0.4 else 0.0
         return BlendShape(way, tuple(frees), wait, float(rng.choice([1.0, 1.0, 0.7, 0.4])))
 
@@ -139,8 +139,8 @@ class BlendSampler:
             # a way that was nearly free is led around at one place
             poses = self._poses(parent.stations)
             k = int(rng.integers(len(frees)))
-            via = free_vias(rng, self.scene.robot, poses[k], poses[k + 1][None], 1)[0, 0]
-            frees = (*frees[:k], (via,), *frees[k + 1 :])
+            via = free_vias(rng, self.scene.robot, poses[k], poses[k + 1], 1)
+            frees = (*frees[:k], via, *frees[k + 1 :])
         return replace(parent, frees=frees, wait=wait)
 
     def moving(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial as bound
 from itertools import product
@@ -108,6 +109,24 @@ class Search:
         sampler = self.samplers[partial]
         batch = sampler.batch(self._before())
         batch = batch[: int(min(len(batch), self._left()))]
+        enough = self._enough()
+        for motion in self._in_order(partial, sampler, batch):
+            screened, proved = self._tried(motion)
+            refusal = screened.refusal
+            at = None if refusal is None or refusal.interval is None else refusal.interval[0]
+            sampler.learn(motion.candidate, score_of(refusal), motion.end, at)
+            if proved is False and refusal is None:
+                sampler.learn(motion.candidate, 1.0)
+            enough -= proved is True
+            if enough <= 0 or self._late():
+                break
+        return bool(batch)
+
+    def _in_order(
+        self, partial: PartialPlan, sampler: Sampler, batch: list[tuple[Option, Candidate]]
+    ) -> Iterator[TimedCandidate | Extension]:
+        """The motions of a batch, the quickest first: each is timed when it is asked for, if a score says how long
+        it takes, and else all are timed at once."""
         made: list[TimedCandidate | Extension] = []
         for option, candidate in batch:
             if self._late():
@@ -117,19 +136,11 @@ class Search:
                 self.found.census.add(motion)
                 sampler.learn(candidate, 1.0)
             elif self._of_use(motion):
-                made.append(motion)
-        enough = self._enough()
-        for motion in sorted(made, key=lambda motion: motion.end):
-            if enough <= 0 or self._late():
-                break
-            screened, proved = self._tried(motion)
-            refusal = screened.refusal
-            at = None if refusal is None or refusal.interval is None else refusal.interval[0]
-            sampler.learn(motion.candidate, score_of(refusal), motion.end, at)
-            if proved is False and refusal is None:
-                sampler.learn(motion.candidate, 1.0)
-            enough -= proved is True
-        return bool(batch)
+                if sampler.scored(candidate):
+                    yield motion
+                else:
+                    made.append(motion)
+        yield from sorted(made, key=lambda motion: motion.end)
 
     def _sampler(self, partial: PartialPlan) -> Sampler:
         """What samples the continuations of a partial plan, with the options in which its next point can be met."""

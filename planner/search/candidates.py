@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from assur.planner.frames import all_stand
+from assur.planner.kernels.drawing import FASTEST_THROUGH, NUDGED_TIME, SLOWEST_THROUGH, TIME_NUDGE_S, WAIT_S
 from assur.planner.legs.arched import Hop
 from assur.planner.legs.joint import Shape
 from assur.planner.model.refusal import BeyondRange, JointName, Quantity, Reason, Refusal, Stage
@@ -58,6 +59,10 @@ class Sampler:
         found = self.population.batch(before)
         arches = max(tuning.FILLED - len(found), int(self.rng.random() < tuning.ARCHES_TOO)) if self._tops() else 0
         return found + [self._arch() for _ in range(arches)] or [self.population.anyone()]
+
+    def scored(self, candidate: Candidate) -> bool:
+        """Whether a candidate of the last batch has a score: those that have come quickest first."""
+        return self.population is not None and candidate in self.population.number
 
     def learn(self, candidate: Candidate, bad: float, end: float = math.inf, at: float | None = None) -> None:
         """`bad`: the share of a candidate's instants at which it was in the way of something; 0: it was free; 1: it was
@@ -148,7 +153,7 @@ class Sampler:
     def _wait(self) -> tuple[Option, Candidate]:
         """A straight leg after a wait."""
         option = self._any_option()
-        return option, self._candidate(option, Shape(float(self.rng.exponential(tuning.WAIT_S))))
+        return option, self._candidate(option, Shape(float(self.rng.exponential(WAIT_S))))
 
     def _arch(self) -> tuple[Option, Candidate]:
         """An arch of random height and corners, or a variation of a good one."""
@@ -159,9 +164,9 @@ class Sampler:
         top = float(rng.uniform(min(tops), max(tops))) if rng.random() < 0.5 else max(tops)
         shape = Shape(hop=Hop(top, float(rng.random()), float(rng.random())))
         if self.step.via:
-            shape = replace(shape, through=float(rng.uniform(*tuning.THROUGH)))
+            shape = replace(shape, through=float(rng.uniform(SLOWEST_THROUGH, FASTEST_THROUGH)))
         if self._may_wait() and rng.random() < tuning.ARCH_WAITS:
-            shape = replace(shape, wait=float(rng.exponential(tuning.WAIT_S)))
+            shape = replace(shape, wait=float(rng.exponential(WAIT_S)))
         return option, self._candidate(option, shape)
 
     def _varied(self) -> tuple[Option, Candidate]:
@@ -173,8 +178,8 @@ class Sampler:
             corners = np.array([hop.rise, hop.fall]) + rng.normal(0.0, tuning.CORNER_NUDGE, 2)
             rise, fall = np.clip(corners, 0.0, 1.0)
             shape = replace(shape, hop=Hop(hop.top, float(rise), float(fall)))
-        if self._may_wait() and rng.random() < tuning.NUDGED_TIME:
-            shape = replace(shape, wait=max(0.0, shape.wait + float(rng.normal(0.0, tuning.TIME_NUDGE_S))))
+        if self._may_wait() and rng.random() < NUDGED_TIME:
+            shape = replace(shape, wait=max(0.0, shape.wait + float(rng.normal(0.0, TIME_NUDGE_S))))
         return option, replace(parent, shape=shape)
 
     def _candidate(self, option: Option, shape: Shape) -> Candidate:

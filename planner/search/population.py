@@ -20,7 +20,8 @@ from assur.planner.search.via_batch import Freedom, shape_of
 
 def tracking_effort(rng: np.random.Generator) -> tuple[float, float]:
     """How hard tracking legs go, and how gently the arm comes to rest in the end."""
-    return float(rng.choice(tuning.TRACKING_EFFORTS)), float(rng.uniform(1.0, 2.0))
+    effort, stop = rng.random(2).tolist()
+    return tuning.TRACKING_EFFORTS[int(effort * len(tuning.TRACKING_EFFORTS))], 1.0 + stop
 
 
 class Population:
@@ -55,7 +56,8 @@ class Population:
         # where most of what seems free is refused for what the score does not see, scoring more does not help
         self._add(self._new(count if self._promising(before) < most else tuning.FEWEST))
         left = np.flatnonzero(~self.tried & (self.end < before))
-        chosen = left[: max(least, min(most, self._promising(before)))].tolist()
+        chosen = left[: max(least, min(most, self._promising(before)))]
+        chosen = chosen[np.argsort(self.end[chosen], kind="stable")].tolist()
         self.tried[chosen] = True
         found = [(self.options[int(self.rows[i, OPTION])], self._candidate(self.rows[i])) for i in chosen]
         self.number = {candidate: i for i, (_, candidate) in zip(chosen, found, strict=True)}

@@ -2,42 +2,14 @@
 
 from __future__ import annotations
 
-VIA_PACES = (0.0, 0.4, 0.8, 1.2)
-"""Paces at which a free via is flown by."""
-EFFORTS = (1.0, 1.0, 0.7, 0.4)
-"""Shares of the limits of acceleration that are used by joint legs among moving bodies."""
 TRACKING_EFFORTS = (1.0, 1.0, 0.7, 0.4)
 """Shares of the limits that tracking legs at a point use."""
 THROUGH_PACES = (0.7, 0.0)
 """Paces at which a via control point is passed in the first batch."""
-THROUGH = (0.2, 1.0)
-"""... and the range of those that are drawn."""
-WAIT_S, LATE_S = 0.5, 0.3
-"""Means of waits and of delays behind the earliest meeting, s."""
-WAIT_TOO, LATE_TOO = 0.3, 0.3
-"""How often a candidate through vias waits as well, and how often one comes late."""
 DIRECT, ONE_VIA, TWO_VIAS = 0.5, 1.6, 1.6
 """Weights of candidates without, with one and with two vias. Without one there must be a wait, or a later meeting."""
 TOWARDS = 0.45
 """Share of candidates that lead to the first option, of the rest that lead to the second, and so on."""
-
-VIA_KINDS = (0.3, 0.4, 0.3)
-"""Shares of vias near the straight joint motion, anywhere, and with a folded arm."""
-SPREAD = 0.2
-"""Spread of vias near the straight joint motion, in ranges of the joints."""
-FOLDED = 0.3
-"""A folded joint is this far from an end of its range at most, in ranges."""
-ABOVE, BELOW_TOP = 0.7, 0.6
-"""How often the lift joint stays above both ends, and how often it is not at its very top."""
-
-NUDGES = (0.03, 0.08)
-"""Spread of a varied via, in ranges of the joints."""
-PACE_NUDGE, TIME_NUDGE_S = 0.2, 0.1
-"""Spread of a varied pace, and of a varied wait or delay, s."""
-NUDGED_TIME = 0.5
-"""How often the wait, and how often the delay, of a varied candidate changes."""
-GAINS_A_VIA = 0.6
-"""How often a varied candidate without vias gets one: a direct motion that is nearly free may need it."""
 
 EVALUATED = (64, 96, 128)
 """Candidates that are scored in the first rounds from a partial plan, and in all later ones: the first react sooner."""

@@ -7,10 +7,11 @@ their coarse score (`rough_score`) tells which are worth it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
 from assur.planner.kernels.candidates import (
     EFFORT,
     FIRST_VIA,
@@ -22,10 +23,45 @@ from assur.planner.kernels.candidates import (
     VIAS,
     WAIT,
 )
+from assur.planner.kernels.drawing import (
+    CHANCES,
+    CLEARS,
+    EARLIEST,
+    LATEST,
+    LIFTS,
+    NUDGED,
+    TURNS,
+    VARIED_CHANCES,
+    VARIED_NORMALS,
+    VIA_CHANCES,
+    draw,
+    free_via,
+    vary,
+)
 from assur.planner.legs.joint import Shape, Via
 from assur.planner.robots.robot import Robot
-from assur.planner.search import tuning
-from assur.planner.search.free_vias import free_vias
+
+
+def roles(robot: Robot) -> IntArray:
+    """What each joint (n,) does in a free via: the wrist only turns with the way, the lift has a rule of its own."""
+    found = np.full(len(robot.joints), TURNS)
+    found[:NUDGED] = CLEARS
+    if robot.lift is not None:
+        found[robot.lift] = LIFTS
+    return found
+
+
+def free_vias(
+    rng: np.random.Generator, robot: Robot, start: FloatArray, goal: FloatArray, count: int
+) -> tuple[FloatArray, ...]:
+    """`count` joint positions (n,), within limits, on a way from `start` (n,) to `goal` (n,)."""
+    n, found = len(start), np.empty((count, len(start)))
+    shares = np.sort(rng.uniform(EARLIEST, LATEST, count))
+    chances, normals = rng.random((count, VIA_CHANCES + n)), rng.standard_normal((count, n))
+    begin, end = np.array(start), np.array(goal)
+    for k in range(count):
+        free_via(robot.limits.table, roles(robot), begin, end, shares[k], chances[k], normals[k], found[k])
+    return tuple(found)
 
 
 def shape_of(row: FloatArray) -> Shape:
@@ -52,18 +88,11 @@ class Freedom:
 
     def drawn(self, rng: np.random.Generator, count: int, shares: FloatArray) -> FloatArray:
         """`count` new ones; `shares`: weights of direct ones (if they may wait or be late), and of one and two vias."""
-        rows = self._rows(count)
-        option = rng.choice(len(self.goals), size=count, p=self.weights)
-        vias = rng.choice(len(shares), size=count, p=shares / shares.sum())
-        rows[:, OPTION], rows[:, VIAS] = option, vias
-        wait, waits_too = rng.exponential(tuning.WAIT_S, count), rng.random(count) < tuning.WAIT_TOO
-        rows[:, WAIT] = wait * (self.waits & self.moving & ((vias == 0) | waits_too))
-        late, late_too = rng.exponential(tuning.LATE_S, count), rng.random(count) < tuning.LATE_TOO
-        rows[:, LATE] = late * (self.late[option] & late_too)
-        rows[:, EFFORT] = rng.choice(tuning.EFFORTS, count) if self.moving else 1.0
-        rows[:, THROUGH] = rng.uniform(*tuning.THROUGH, count) * self.via
-        rows[:, FIRST_VIA:] = free_vias(rng, self.robot, self.start, self.goals[option], MOST_VIAS).reshape(count, -1)
-        rows[:, PACES:FIRST_VIA] = rng.choice(tuning.VIA_PACES, (count, MOST_VIAS))
+        rows, n = self._rows(count), len(self.start)
+        chances = rng.random((count, CHANCES + MOST_VIAS * (VIA_CHANCES + n)))
+        normals = rng.standard_normal((count, MOST_VIAS * n))
+        of_vias = np.cumsum(shares / shares.sum())
+        draw(*self._tables, of_vias, self.waits, self.moving, self.via, chances, normals, rows)
         return rows
 
     def direct(self) -> FloatArray:
@@ -75,24 +104,19 @@ class Freedom:
 
     def varied(self, rng: np.random.Generator, parents: FloatArray) -> FloatArray:
         """One child of each."""
-        limits, count, rows = self.robot.limits, len(parents), parents.copy()
-        spread = rng.choice(tuning.NUDGES, count)[:, None, None] * (limits.upper - limits.lower)
-        spread[..., 3:] = 0.0
-        via = parents[:, FIRST_VIA:].reshape(count, MOST_VIAS, -1)
-        via = np.clip(via + rng.normal(0.0, 1.0, via.shape) * spread, limits.lower, limits.upper)
-        rows[:, FIRST_VIA:] = via.reshape(count, -1)
-        pace = parents[:, PACES:FIRST_VIA]
-        rows[:, PACES:FIRST_VIA] = np.maximum(0.0, pace + rng.normal(0.0, tuning.PACE_NUDGE, pace.shape))
-        times = [(LATE, self.late[parents[:, OPTION].astype(int)])]
-        if self.waits and self.moving:
-            times.insert(0, (WAIT, np.ones(count, dtype=bool)))
-        for column, possible in times:
-            nudged = possible & (rng.random(count) < tuning.NUDGED_TIME)
-            other = np.maximum(0.0, rows[:, column] + rng.normal(0.0, tuning.TIME_NUDGE_S, count))
-            rows[:, column] = np.where(nudged, other, rows[:, column])
-        gains = (parents[:, VIAS] == 0) & (rng.random(count) < tuning.GAINS_A_VIA)
-        rows[gains, VIAS] = 1
+        count, rows = len(parents), np.empty_like(parents)
+        chances = rng.random((count, VARIED_CHANCES))
+        normals = rng.standard_normal((count, VARIED_NORMALS + MOST_VIAS * len(self.start)))
+        limits, late = self._tables[0], self._tables[4]
+        vary(limits, late, self.waits and self.moving, parents, chances, normals, rows)
         return rows
+
+    @cached_property
+    def _tables(self) -> tuple[FloatArray, IntArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+        """What `draw` takes, from limits to options."""
+        late = self.late.astype(np.float64)
+        weights = np.cumsum(self.weights)
+        return self.robot.limits.table, roles(self.robot), np.array(self.start), np.array(self.goals), late, weights
 
     def _rows(self, count: int) -> FloatArray:
         return np.zeros((count, FIRST_VIA + MOST_VIAS * len(self.start)))
