@@ -164,7 +164,7 @@ def glances(limit: int) -> None:
             for i in range(DRAWN):
                 option = ways[int(prospects[i, OPTION])]
                 way = timed(scene, chain, option.meeting, Candidate(0.0, option.branch, shape_of(prospects[i])), None)
-                if isinstance(way, TimedCandidate) and screen(prover, [way])[0].refusal is None:
+                if isinstance(way, TimedCandidate) and screen(prover, way).refusal is None:
                     really[i] = not isinstance(extended(scene, way), Refusal)
             cost.append((time.perf_counter() - glanced) / (glanced - began))
             drawn, free, seem = drawn + DRAWN, free + int(really.sum()), seem + int((bad == 0).sum())

@@ -284,6 +284,10 @@ class Prover:
         """Whether units a and b touch at time t of a motion, by FCL."""
         q = np.empty(spline.c.shape[1])
         spline_state(spline.tk, spline.c, t, q)
+        return self.touching(arrangement, q, t, a, b)
+
+    def touching(self, arrangement: Arrangement, q: FloatArray, t: float, a: int, b: int) -> bool:
+        """Whether units a and b touch at time t with joints q (n,), by FCL."""
         return self.collider.touch(*self.posed(arrangement, q, t, np.array([a, b])))
 
     def carriers(self, q: FloatArray, t: float) -> FloatArray:

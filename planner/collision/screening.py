@@ -1,19 +1,24 @@
-"""Refuses colliding candidates: a kernel finds an instant at which something is too near, FCL says if it touches.
+"""Refuses colliding candidates: a kernel finds an instant at which something is too near.
 
 The instants are the middles of intervals that are halved, as in a proof, whose bounds leave out all instants at which a
-pair cannot be too near. What passes is not yet proved.
+pair cannot be too near. What passes is not yet proved. FCL is asked whether true shapes touch where that is told.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
+from operator import itemgetter
 from typing import Protocol
+
+import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.proof import Prover
 from assur.planner.kernels.intervals import RESERVE_M
 from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT_T
+from assur.planner.kernels.spline import spline_state
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separation, Stage
@@ -21,7 +26,7 @@ from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import Spline
 
 MOST_BODIES = 3
-"""Bodies about which FCL is asked for one candidate: one refuses it, the others are reported in the census."""
+"""Bodies that are told for one candidate: one refuses it, the others are reported in the census."""
 
 
 class Timed(Protocol):
@@ -37,71 +42,74 @@ class Timed(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Screened:
-    """What became of a candidate: None, or why it is refused."""
+class Encounter:
+    """Why a candidate is refused: with one body, at one instant. `refusal` takes what is not shown to be apart for a
+    touch; `confirmed` asks FCL about the true shapes, which takes longer than all the rest of a screening."""
 
-    refusal: Refusal | None
-    also: tuple[Refusal, ...] = ()
-    """With other bodies of the surroundings at that instant."""
+    refusal: Refusal
+    touches: Callable[[], bool] | None = None
+    """Asks FCL; None: there is nothing to ask."""
 
-
-def screen(prover: Prover, candidates: Sequence[Timed]) -> list[Screened]:
-    """One `Screened` for each candidate, in order."""
-    return [_screened(prover, candidate) for candidate in candidates]
+    def confirmed(self) -> Refusal:
+        """The refusal, which says whether the true shapes touch."""
+        facts = self.refusal.facts
+        if self.touches is None or not isinstance(facts, Separation):
+            return self.refusal
+        return replace(self.refusal, facts=replace(facts, touching=self.touches()))
 
 
 @dataclass(frozen=True, slots=True)
-class _Hit:
-    """Units a and b are `gap` m apart at time t, `need` is required: the deepest with the body of b."""
+class Screened:
+    """What became of a candidate: the encounters at the instant for which it is refused, the deepest first; or none."""
 
-    gap: float
-    need: float
-    a: int
-    b: int
-    t: float
-    phase: Phase
+    encounters: tuple[Encounter, ...] = ()
+
+    @property
+    def refusal(self) -> Refusal | None:
+        """Why it is refused, as the search sees it."""
+        return self.encounters[0].refusal if self.encounters else None
 
 
-def _screened(prover: Prover, candidate: Timed) -> Screened:
+def screen(prover: Prover, candidate: Timed) -> Screened:
+    """What is in the way of a candidate."""
     lost = leaves_assembly(prover.scene.robot, candidate.phases[0].step, candidate.trajectory)
     if lost is not None:
-        return Screened(replace(lost, stage=Stage.SCREENING))
+        return Screened((Encounter(replace(lost, stage=Stage.SCREENING)),))
     for phase in candidate.phases:
         hits = prover.screened(phase, candidate.trajectory)
         if len(hits):
             return _refused(prover, phase, prover.spline(candidate.trajectory), hits)
-    return Screened(None)
+    return Screened()
 
 
 def _refused(prover: Prover, phase: Phase, spline: Spline, hits: FloatArray) -> Screened:
-    """The refusal for hits (H, HIT_COLUMNS) at an instant: the deepest with each body of the surroundings."""
-    arrangement, deepest = prover.of(phase), dict[str, _Hit]()
+    """Hits (H, HIT_COLUMNS) at an instant: the deepest with each body of the surroundings."""
+    body, deepest = prover.of(phase).body, dict[int, list[float]]()
     for row in hits.tolist():
-        name = arrangement.names[arrangement.body[int(row[HIT_B])]]
-        if name not in deepest or row[HIT_GAP] < deepest[name].gap:
-            deepest[name] = _Hit(row[HIT_GAP], row[HIT_NEED], int(row[HIT_A]), int(row[HIT_B]), row[HIT_T], phase)
-    order = sorted(deepest.values(), key=lambda hit: hit.gap)[:MOST_BODIES]
-    refusals = [_refusal(prover, hit, spline) for hit in order]
-    return Screened(refusals[0], tuple(refusals[1:]))
+        other = int(body[int(row[HIT_B])])
+        if other not in deepest or row[HIT_GAP] < deepest[other][HIT_GAP]:
+            deepest[other] = row
+    order = sorted(deepest.values(), key=itemgetter(HIT_GAP))[:MOST_BODIES]
+    q = np.empty(spline.c.shape[1])
+    spline_state(spline.tk, spline.c, order[0][HIT_T], q)
+    return Screened(tuple(_encounter(prover, phase, row, q) for row in order))
 
 
-def _refusal(prover: Prover, hit: _Hit, spline: Spline) -> Refusal:
-    """A confirmed hit as a refusal: FCL says whether the true shapes touch."""
-    arrangement, phase = prover.of(hit.phase), hit.phase
-    first, second = int(arrangement.body[hit.a]), int(arrangement.body[hit.b])
-    names = (arrangement.names[first], arrangement.names[second])
-    reason = Reason.SELF_COLLISION if arrangement.of_robot[second] else Reason.BODY_COLLISION
+def _encounter(prover: Prover, phase: Phase, hit: list[float], q: FloatArray) -> Encounter:
+    """A hit with one body, joints at q (n,)."""
+    arrangement, units, t = prover.of(phase), (int(hit[HIT_A]), int(hit[HIT_B])), hit[HIT_T]
+    first, second = (int(arrangement.body[unit]) for unit in units)
     # the standstill after the last leg belongs to the last step
     step = phase.step if phase.step >= 0 else len(prover.scene.task) - 1
-    # what has a gap does not touch
-    touching = not hit.gap > 0.0 and prover.touch(arrangement, spline, hit.t, hit.a, hit.b)
-    required = hit.need - RESERVE_M
-    return Refusal(
+    gap, required = hit[HIT_GAP], hit[HIT_NEED] - RESERVE_M
+    refusal = Refusal(
         stage=Stage.SCREENING,
-        reason=reason,
+        reason=Reason.SELF_COLLISION if arrangement.of_robot[second] else Reason.BODY_COLLISION,
         step=step,
-        subject=Bodies(names),
-        interval=(hit.t, hit.t),
-        amount=Quantity.of(max(0.0, required - hit.gap), "m"),
-        facts=Separation(touching=touching, gap_m=hit.gap, required_m=required),
+        subject=Bodies((arrangement.names[first], arrangement.names[second])),
+        interval=(t, t),
+        amount=Quantity.of(max(0.0, required - gap), "m"),
+        facts=Separation(touching=not gap > 0.0, gap_m=gap, required_m=required),
     )
+    # what has a gap does not touch
+    return Encounter(refusal, None if gap > 0.0 else partial(prover.touching, arrangement, q, t, *units))

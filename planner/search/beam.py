@@ -13,7 +13,7 @@ import numpy as np
 
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
-from assur.planner.collision.screening import Screened, screen
+from assur.planner.collision.screening import Encounter, Screened, screen
 from assur.planner.feasibility.necessary import points_impossible
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
@@ -202,38 +202,34 @@ class Search:
 
         Also returns whether it was proved; None: it was not needed any more.
         """
-        screened = screen(self.prover, [motion])[0]
-        if screened.refusal is not None:
-            self.found.census.add(screened.refusal)
-            for also in screened.also:
-                self.found.census.note(also)
+        screened = screen(self.prover, motion)
+        if screened.encounters:
+            self.found.census.add_all(screened.encounters)
             return screened, False
         if not self._of_use(motion):
             return screened, None
         partial = self._proved(motion)
-        if isinstance(partial, Refusal):
-            self.found.census.add(partial)
+        if not isinstance(partial, PartialPlan):
+            self.found.census.add_all(partial)
             return screened, False
         self._add(partial)
         return screened, True
 
-    def _proved(self, motion: TimedCandidate | Extension) -> PartialPlan | Refusal:
-        """The partial plan that a motion leads to, with the proofs of all its phases."""
+    def _proved(self, motion: TimedCandidate | Extension) -> PartialPlan | tuple[Encounter, ...]:
+        """The partial plan that a motion leads to, with the proofs of all its phases; or why there is none."""
         made = extended(self.scene, motion) if isinstance(motion, TimedCandidate) else motion
         if isinstance(made, Refusal):
-            return made
+            return (Encounter(made),)
         if len(made.phases) > len(motion.phases):
             # only the leg to the point has been screened, not what follows there
-            rest = screen(self.prover, [made])[0]
-            if rest.refusal is not None:
-                for also in rest.also:
-                    self.found.census.note(also)
-                return rest.refusal
+            rest = screen(self.prover, made)
+            if rest.encounters:
+                return rest.encounters
         proofs: list[Rows] = []
         for phase in made.phases:
             rows = self.prover.prove(phase, made.trajectory)
             if isinstance(rows, Unproved):
-                return refused_proof(rows, made.before.step)
+                return (Encounter(refused_proof(rows, made.before.step)),)
             proofs.append(rows)
         return replace(made.after, proofs=(*made.before.proofs, *proofs))
 

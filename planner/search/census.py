@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from assur.planner.collision.rows import Unproved
+from assur.planner.collision.screening import Encounter
 from assur.planner.model.outcome import Census, CensusLine
 from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separation, Stage, Subject, Unit, finite
 
@@ -18,17 +20,26 @@ class Counter:
 
     candidates: int = 0
     refused: int = 0
-    _groups: dict[_Kind, list[Refusal]] = field(default_factory=dict)
+    _groups: dict[_Kind, list[Encounter]] = field(default_factory=dict)
 
     def add(self, refusal: Refusal) -> None:
+        self.add_all((Encounter(refusal),))
+
+    def add_all(self, encounters: Sequence[Encounter]) -> None:
+        """Records one refused candidate and with what it met; those that are told are confirmed by then."""
         self.refused += 1
-        self.note(refusal)
+        for encounter in encounters:
+            self._put(encounter)
 
     def note(self, refusal: Refusal) -> None:
         """Records a refusal that was not of a candidate (a working mode without a solution, say)."""
+        self._put(Encounter(refusal))
+
+    def _put(self, encounter: Encounter) -> None:
+        refusal = encounter.refusal
         unit = None if refusal.amount is None else refusal.amount.unit
         key = (refusal.stage, refusal.reason, refusal.step, refusal.subject, unit)
-        self._groups.setdefault(key, []).append(refusal)
+        self._groups.setdefault(key, []).append(encounter)
 
     def census(self) -> Census:
         lines = [_line(group) for group in self._groups.values()]
@@ -36,12 +47,17 @@ class Counter:
         return Census(self.candidates, self.refused, tuple(lines))
 
 
-def _line(group: list[Refusal]) -> CensusLine:
-    amounts = [r.amount.value for r in group if r.amount is not None]
-    spans = [r.interval for r in group if r.interval is not None]
+def _line(group: list[Encounter]) -> CensusLine:
+    amounts = [r.amount.value for r in (each.refusal for each in group) if r.amount is not None]
+    spans = [each.refusal.interval for each in group if each.refusal.interval is not None]
     interval = (min(a for a, _ in spans), max(b for _, b in spans)) if spans else None
-    mildest = min(group, key=lambda r: math.inf if r.amount is None else r.amount.value)
+    mildest = min(group, key=_amount).confirmed()
     return CensusLine(replace(mildest, interval=interval), len(group), max(amounts, default=None))
+
+
+def _amount(encounter: Encounter) -> float:
+    amount = encounter.refusal.amount
+    return math.inf if amount is None else amount.value
 
 
 def refused_proof(unproved: Unproved, step: int) -> Refusal:

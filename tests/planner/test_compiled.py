@@ -70,21 +70,19 @@ def test_a_kernel_refuses_what_plain_python_refuses_and_another_type() -> None:
     del compiled.KERNELS[f"{__name__}.part"]
 
 
-def test_a_kernel_that_makes_arrays_has_to_say_so_and_no_other_manages_memory(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setenv(VARIABLE, str(tmp_path))
+def test_a_kernel_that_makes_arrays_has_to_say_so_and_most_make_none() -> None:
+    def silent(x: np.ndarray) -> float:
+        return float(np.empty(len(x)).size)
 
-    def made(x: np.ndarray) -> float:
+    def said(x: np.ndarray) -> float:
         return float(np.empty(len(x)).size)
 
     with pytest.raises(NumbaError):
-        compiled.kernel("float64(float64[::1])")(made)
-    assert compiled.kernel("float64(float64[::1])", allocates=True)(made)(np.zeros(3)) == 3.0
-    del compiled.KERNELS[f"{__name__}.made"]
+        compiled.kernel("float64(float64[::1])")(silent)
+    assert compiled.kernel("float64(float64[::1])", allocates=True)(said)(np.zeros(3)) == 3.0
+    del compiled.KERNELS[f"{__name__}.said"]
     load()
-    lean = [made for made in compiled.KERNELS.values() if not made.targetoptions["_nrt"]]
-    assert len(lean) > len(compiled.KERNELS) / 2
+    assert sum(not made.targetoptions["_nrt"] for made in compiled.KERNELS.values()) > 0.7 * len(compiled.KERNELS)
 
 
 def test_what_was_compiled_once_is_found_by_the_next_process(program: str, tmp_path: Path) -> None:

@@ -8,12 +8,14 @@ from __future__ import annotations
 import copy
 import itertools
 import math
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 
+from assur.planner.collision.screening import Encounter
 from assur.planner.model.refusal import Reason, Refusal, Separation
 from assur.planner.pipeline import plan
 from assur.planner.search.census import Counter
@@ -268,13 +270,13 @@ class TestDenseFlow:
         by one."""
         lines = answer(name)["census"]["lines"]
         refusals: list[Refusal] = []
-        note = Counter.note
+        add_all = Counter.add_all
 
-        def recorded(self: Counter, refusal: Refusal) -> None:
-            refusals.append(refusal)
-            note(self, refusal)
+        def recorded(self: Counter, encounters: Sequence[Encounter]) -> None:
+            refusals.extend(encounter.refusal for encounter in encounters)
+            add_all(self, encounters)
 
-        monkeypatch.setattr(Counter, "note", recorded)
+        monkeypatch.setattr(Counter, "add_all", recorded)
         plan(scene_of(scenario(name).request))
         neighbours = ("finger-back", "behind"), ("finger-front", "before")
         for bodies in neighbours:
