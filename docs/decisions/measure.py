@@ -2,7 +2,7 @@
 
 grid      grids of meeting times against one of 1 ms
 knots     motions that were timed, what that and their knots cost, and how many splines break a limit
-glances   ways that seem free to a glance, how many of them are, and what a glance costs beside timing and screening
+scores    candidates that seem free by their coarse score, how many of them are, and what a score costs beside the rest
 
 Each part runs the planner as it is, and beside it the planner with the one choice undone. Counts are the same on every
 machine as long as no clock ends a search; times are not.
@@ -144,9 +144,11 @@ def knots(limit: int) -> None:
     OUT.print(made)
 
 
-def glances(limit: int) -> None:
-    """Decision 0012: the first ways that are drawn from the start of each problem, all of them timed and screened."""
-    made = table("set", "drawn", "free", "seem free", "of these free", "free but seem not", "a way, glance : the rest")
+def scores(limit: int) -> None:
+    """Decision 0012: the first candidates that are drawn for each problem, all of them timed and screened."""
+    made = table(
+        "set", "drawn", "free", "seem free", "of these free", "free but seem not", "a candidate, score : the rest"
+    )
     for name in SETS:
         free, seem, both, drawn, cost = 0, 0, 0, 0, []
         for _, scene in problems(name, limit):
@@ -156,17 +158,17 @@ def glances(limit: int) -> None:
             if not ways:
                 continue
             population = Population(scene, chain, ways, CoarseScore(prover, chain, ways), rng, adaptive=False)
-            prospects = population.freedom.drawn(rng, DRAWN, population.shares)
+            rows = population.freedom.drawn(rng, DRAWN, population.shares)
             began = time.perf_counter()
-            bad, _ = population.score(prospects, rng)
-            glanced = time.perf_counter()
+            bad, _ = population.score(rows, rng)
+            scored = time.perf_counter()
             really = np.zeros(DRAWN, dtype=bool)
             for i in range(DRAWN):
-                option = ways[int(prospects[i, OPTION])]
-                way = timed(scene, chain, option.meeting, Candidate(0.0, option.branch, shape_of(prospects[i])), None)
+                option = ways[int(rows[i, OPTION])]
+                way = timed(scene, chain, option.meeting, Candidate(0.0, option.branch, shape_of(rows[i])), None)
                 if isinstance(way, TimedCandidate) and screen(prover, way).refusal is None:
                     really[i] = not isinstance(extended(scene, way), Refusal)
-            cost.append((time.perf_counter() - glanced) / (glanced - began))
+            cost.append((time.perf_counter() - scored) / (scored - began))
             drawn, free, seem = drawn + DRAWN, free + int(really.sum()), seem + int((bad == 0).sum())
             both += int((really & (bad == 0)).sum())
         shares = (f"{100 * share:.0f} %" for share in (free / drawn, seem / drawn, both / max(1, seem)))
@@ -175,8 +177,8 @@ def glances(limit: int) -> None:
 
 
 DRAWN = 96
-"""Ways that are drawn of each problem."""
-WHAT = {"grid": grid, "knots": knots, "glances": glances}
+"""Candidates that are drawn of each problem."""
+WHAT = {"grid": grid, "knots": knots, "scores": scores}
 
 
 def main(

@@ -42,7 +42,7 @@ limit. STRAIGHT: from (PITCH, ROLL) by the two numbers behind them. ALONG: the p
 direction, FOLLOWS and HEIGHT the window's ends, all against the origin of the world."""
 PITCHES, ROLLS = 5, 6
 """Rows of pitch and roll among the quantities looked at."""
-GLUE_M, GLUE_RAD, STRAIGHT_RAD, MEET_M, CARRY_SHARE = 1e-5, 1e-4, 1e-4, 1e-6, 1e-6
+TRACKED_M, TRACKED_RAD, STRAIGHT_RAD, MEET_M, CARRY_SHARE = 1e-5, 1e-4, 1e-4, 1e-6, 1e-6
 """m, rad, rad, m and relative: what the tool may be off while it tracks (the promise of tracking legs; 0.1 mrad moves
 the rim of a part of 200 mm by 10 µm), along a straight leg, and of a window (half of what who measures may find); and
 what anyone may find over the limit of acceleration, an estimate of a grip."""
@@ -135,13 +135,13 @@ def taken(kind: int, asked: FloatArray, hand: bool, e: FloatArray, found: FloatA
     elif kind == ALONG:
         now[0], now[1] = asked[FOLLOWS] - e[0, 0] - MEET_M, e[0, 0] - asked[HEIGHT] - MEET_M
     else:
-        now[0] = math.sqrt(e[0, 0] ** 2 + e[1, 0] ** 2 + asked[FOLLOWS] * e[2, 0] ** 2) - GLUE_M
-        now[1], now[2] = -e[2, 0] - GLUE_M, e[2, 0] - asked[HEIGHT] - GLUE_M
+        now[0] = math.sqrt(e[0, 0] ** 2 + e[1, 0] ** 2 + asked[FOLLOWS] * e[2, 0] ** 2) - TRACKED_M
+        now[1], now[2] = -e[2, 0] - TRACKED_M, e[2, 0] - asked[HEIGHT] - TRACKED_M
         if asked[TURNS] > 0.0:
-            now[3] = math.sqrt(e[3, 0] ** 2 + e[4, 0] ** 2) - GLUE_RAD
+            now[3] = math.sqrt(e[3, 0] ** 2 + e[4, 0] ** 2) - TRACKED_RAD
         if hand:
             pitch, roll = abs(wrapped(e[PITCHES, 0] - asked[PITCH])), abs(wrapped(e[ROLLS, 0] - asked[ROLL]))
-            now[4] = (roll if pitch <= roll else pitch) - GLUE_RAD
+            now[4] = (roll if pitch <= roll else pitch) - TRACKED_RAD
     for k in range(5):
         if not now[k] <= found[k]:
             found[k] = now[k]

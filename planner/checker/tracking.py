@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from assur.planner.checker import along
-from assur.planner.checker.along import GLUE_M, MEET_M
+from assur.planner.checker.along import MEET_M, TRACKED_M
 from assur.planner.checker.legs import TIME_S
 from assur.planner.checker.meeting import posed
 from assur.planner.checker.targets import Target
@@ -43,13 +43,13 @@ def tracked(world: World, legs: tuple[Leg, ...], found: tuple[Target, ...]) -> l
             unit = "rad" if excess.column >= 3 else "m"
             what = f"the tool {WHAT[excess.column]} in {name}"
             what += "" if excess.decided else " (or could not be shown not to)"
-            findings.append(Finding(Code.GLUE, what, excess.amount, unit, f"{excess.time:.6g} s"))
+            findings.append(Finding(Code.TRACKING, what, excess.amount, unit, f"{excess.time:.6g} s"))
         if not follows:
             outer = leg.t0 if leg.kind is LegKind.APPROACH else leg.t1
             tool, point = world.states([(world.flange, world.scene.tool.tcp, outer), (frame, target.tool, outer)])
             missing = height - (tool.z - point.z)
-            if not missing <= GLUE_M:
-                findings.append(Finding(Code.GLUE, f"{name} is shorter than asked", missing, "m", f"{outer:.6g} s"))
+            if not missing <= TRACKED_M:
+                findings.append(Finding(Code.TRACKING, f"{name} is shorter than asked", missing, "m", f"{outer:.6g} s"))
     return findings
 
 
@@ -96,7 +96,7 @@ def straight(world: World, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...])
         excess = world.keeps(along.STRAIGHT, asked, t0, t1)
         if excess is not None:
             what = f"the hand leaves the way between pitch and roll at the ends of the straight leg to {step.name}"
-            findings.append(Finding(Code.GLUE, what, excess.amount, "rad", f"{excess.time:.6g} s"))
+            findings.append(Finding(Code.TRACKING, what, excess.amount, "rad", f"{excess.time:.6g} s"))
     return findings
 
 

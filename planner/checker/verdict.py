@@ -20,7 +20,7 @@ class Code(StrEnum):
     """A closed chain is not proved to keep its assembly mode."""
     ARRIVAL = "ARRIVAL"
     MATCH = "MATCH"
-    GLUE = "GLUE"
+    TRACKING = "TRACKING"
     WINDOW = "WINDOW"
     ARCH = "ARCH"
     CARRY = "CARRY"

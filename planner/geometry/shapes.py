@@ -11,6 +11,7 @@ box: h; sphere: rb; capsule along z: hz, rb; cylinder along z: hz, rd. A convex 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from operator import le
 
 import numpy as np
@@ -167,6 +168,17 @@ class Body:
                 raise InputError(f"body {self.name}", (vertices.shape, faces.shape), "a surface of (m, 3) and (f, 3)")
             if vertices.flags.writeable or faces.flags.writeable:
                 raise InputError(f"body {self.name}", "writable arrays", "a surface of read-only arrays")
+
+    @cached_property
+    def radius(self) -> float:
+        """Horizontal distance, m, of its points from its own origin at most."""
+        return max(radius(piece) for piece in self.pieces)
+
+    @cached_property
+    def heights(self) -> tuple[float, float]:
+        """Its lowest and its highest z, m."""
+        up: FloatArray = np.array([0.0, 0.0, 1.0])
+        return -max(support(piece, -up) for piece in self.pieces), max(support(piece, up) for piece in self.pieces)
 
 
 def support(piece: Piece, n: FloatArray) -> float:

@@ -19,9 +19,10 @@ from assur.planner.model.scene import Scene, Step, Window
 HORIZON_S = 60.0
 """Windows along a conveyor are looked for this long after the start, s."""
 WINDOW_STEP_S = 0.005
-"""Sampling of a control point's way along its conveyor, s; ends are then found by bisection."""
-BISECTIONS = 40
-"""A step of the grid, halved as often, is below what doubles know of a time."""
+"""Sampling of a control point's way along its conveyor, s. Ends are then found by parting a step of it, and the part
+with the end again."""
+PARTS, ROUNDS = 64, 7
+"""A step of the grid, parted as often, is below what doubles know of a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,19 +130,17 @@ class ControlPoint:
         return way
 
     def _passed(self, before: float, after: float, window: tuple[float, float]) -> float:
-        """A time inside the window, which is passed between the two."""
-        middle = sum(window) / 2
-        low = float(np.sign(self._along(before) - middle))
-        for _ in range(BISECTIONS):
-            t = (before + after) / 2
-            if window[0] <= self._along(t) <= window[1]:
-                return t
-            before, after = (t, after) if low * (self._along(t) - middle) > 0 else (before, t)
+        """A time inside the window, which is passed between the two; if no double is in it, one beside it."""
+        for _ in range(ROUNDS):
+            times = np.linspace(before, after, PARTS + 1)
+            way = self._ways(times, window)
+            inside = (way >= window[0]) & (way <= window[1])
+            if inside.any():
+                return float(times[inside.argmax()])
+            side = np.sign(way - window[0])
+            last = int(np.flatnonzero(side[1:] * side[0] < 0)[0])
+            before, after = float(times[last]), float(times[last + 1])
         return before
-
-    def _along(self, t: float) -> float:
-        way = self.along(np.array(t))
-        return math.nan if way is None else float(way)
 
     def _edge(self, grid: FloatArray, index: int, side: int, window: tuple[float, float]) -> float:
         """The last time inside the window between grid point `index`, inside, and its neighbour at `side`, outside."""
@@ -149,13 +148,13 @@ class ControlPoint:
         if not 0 <= neighbour < len(grid):
             return inner
         outer = float(grid[neighbour])
-        for _ in range(BISECTIONS):
-            middle = (inner + outer) / 2
-            way = self.along(np.array(middle))
-            if way is not None and window[0] <= float(way) <= window[1]:
-                inner = middle
-            else:
-                outer = middle
+        for _ in range(ROUNDS):
+            times = np.linspace(inner, outer, PARTS + 1)
+            way = self._ways(times, window)
+            outside = ~((way >= window[0]) & (way <= window[1]))
+            outside[0], outside[-1] = False, True
+            first = int(outside.argmax())
+            inner, outer = float(times[first - 1]), float(times[first])
         return inner
 
 

@@ -12,9 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
-from assur.planner.geometry.shapes import radius, support
 from assur.planner.model.attachments import AT_START, Attachments
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind
 from assur.planner.model.scene import Pick, Scene, Step
@@ -146,27 +144,16 @@ def resting_on(
     there = in_world(frame, pose)
     if there is None:
         return frozenset()
-    bottom, around = there.z + _extent(scene, part)[0], _radius(scene, part)
+    part_body = scene.index[part].body
+    bottom, around = there.z + part_body.heights[0], part_body.radius
     found = set()
     for body in scene.bodies:
         other = None if body.name == part else in_world(*attached.pose_of(scene, body.name))
-        if other is None or not math.hypot(other.x - there.x, other.y - there.y) <= around + _radius(scene, body.name):
+        if other is None or not math.hypot(other.x - there.x, other.y - there.y) <= around + body.body.radius:
             continue
-        if abs(other.z + _extent(scene, body.name)[1] - bottom) <= CONTACT_M:
+        if abs(other.z + body.body.heights[1] - bottom) <= CONTACT_M:
             found.add(body.name)
     return frozenset(found)
-
-
-def _radius(scene: Scene, name: str) -> float:
-    """Horizontal distance, m, of a body's points from its own origin at most."""
-    return max(radius(piece) for piece in scene.index[name].body.pieces)
-
-
-def _extent(scene: Scene, name: str) -> tuple[float, float]:
-    """Lowest and highest z of a body in its own frame, m."""
-    up: FloatArray = np.array([0.0, 0.0, 1.0])
-    pieces = scene.index[name].body.pieces
-    return -max(support(piece, -up) for piece in pieces), max(support(piece, up) for piece in pieces)
 
 
 def _corrected(scene: Scene, number: int) -> tuple[str, ...]:

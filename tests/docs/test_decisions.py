@@ -22,10 +22,10 @@ def measure() -> dict[str, Any]:
 
 def test_the_commands_that_are_shown_are_the_parts_of_the_program(measure: dict[str, Any]) -> None:
     shown = [command.line for command in commands(INDEX)]
-    assert shown == [f"python docs/decisions/measure.py {part}" for part in measure["WHAT"]]
+    assert shown == [f"python -m docs.decisions.measure {part}" for part in measure["WHAT"]]
 
 
-@pytest.mark.parametrize("part", ["grid", "knots", "glances"])
+@pytest.mark.parametrize("part", ["grid", "knots", "scores"])
 def test_every_part_measures_something(part: str, measure: dict[str, Any]) -> None:
     console: Console = measure["OUT"]
     with console.capture() as printed:

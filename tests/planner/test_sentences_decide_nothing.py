@@ -22,7 +22,7 @@ from assur.scenes import answer as answers
 from assur.scenes.requests import check_document, plan_document, shipped, shipped_scenarios
 from tests.planner.test_pipeline import PROVED, REASONS
 
-NONSENSE = "the arm comes, 2 vias: the glue takes latest_end_s too close above the point"
+NONSENSE = "the arm comes, 2 vias: tracking takes latest_end_s too close above the point"
 """Words on which decisions once depended."""
 MOST = 12
 """Candidates of a shipped scenario: enough for refusals, few enough for all scenarios twice."""

@@ -161,7 +161,7 @@ def test_an_added_contact_is_found() -> None:
     legs = list(plan.legs)
     legs[approach - 1] = replace(legs[approach - 1], t1=early)
     legs[approach] = replace(legs[approach], t0=early)
-    assert codes(check(scene, proved(scene, plan.trajectory, tuple(legs), plan.arrivals))) == {Code.GLUE}
+    assert codes(check(scene, proved(scene, plan.trajectory, tuple(legs), plan.arrivals))) == {Code.TRACKING}
 
 
 def test_a_leg_called_follow_for_its_smaller_clearance_is_found() -> None:
@@ -371,14 +371,14 @@ def test_a_tool_that_leaves_its_belt_by_twenty_micrometres_is_found() -> None:
         q = plan.trajectory.q.copy()
         q[inside, 0] += bump
         found = codes(check(scene, sealed(scene, with_knots(plan, q=q))))
-        assert (Code.GLUE in found) == wanted
+        assert (Code.TRACKING in found) == wanted
 
 
 def test_an_approach_that_is_shorter_than_asked_is_found() -> None:
     scene, plan = belt_case()
     for name in ("approach_m", "depart_m"):
         longer = getattr(scene.task[0], name) + 1e-4
-        assert Code.GLUE in codes(check(asking(scene, 0, **{name: longer}), plan))
+        assert Code.TRACKING in codes(check(asking(scene, 0, **{name: longer}), plan))
 
 
 def test_a_row_across_two_phases_is_found() -> None:

@@ -34,11 +34,11 @@ def allowed(found: ControlPoint, t: float) -> bool:
 BELT = Conveyor(Pose(-0.3, 0.4, 0.05, 0.3), 0.25)
 
 
-def test_without_a_window_the_glue_may_begin_from_the_start_on() -> None:
+def test_without_a_window_tracking_may_begin_from_the_start_on() -> None:
     assert point(BELT, start=0.7).intervals == [(0.7, math.inf)]
 
 
-def test_a_window_in_seconds_holds_the_whole_glue() -> None:
+def test_a_window_in_seconds_holds_all_of_the_tracking() -> None:
     assert point(BELT, Window(time=(1.0, 2.0)), 0.3).intervals == [(1.0, 1.7)]
     assert point(BELT, Window(time=(1.0, 2.0)), 1.0).intervals == [(1.0, 1.0)]
     assert point(BELT, Window(time=(1.0, 2.0)), 1.01).intervals == []

@@ -186,7 +186,7 @@ def test_the_joint_that_is_too_slow_for_a_frame_is_named_with_what_it_lacks() ->
     assert block.facts == MotionLimit(obstacle=Obstacle.FRAME_TOO_FAST, rate="velocity", frame="moving")
 
 
-def test_a_belt_that_leaves_the_workspace_during_the_glue_is_out_of_reach() -> None:
+def test_a_belt_that_leaves_the_workspace_during_tracking_is_out_of_reach() -> None:
     scene = cell_with(Conveyor(Pose(0.3, 0.4, 0.06), 0.25), Pose(), CUP, dwell=2.0)
     start = begun(scene, 0.0, 0)
     assert start is not None

@@ -27,7 +27,7 @@ PLANNED = ("belt-to-belt", "standard-cycle", "fast-belt", "dense-flow", "full-di
 REFUSED = ("fast-belt-long-follow", "dense-flow-uncorrected", "dense-flow-uncertain")
 MET_M, MET_M_S = 2e-6, 5e-6
 """Of a meeting: 2 µm (and 2 µrad), 5 µm/s (and 5 µrad/s)."""
-GLUED_M = 1e-5
+TRACKED_M = 1e-5
 """What a follow may be off, m."""
 
 
@@ -60,7 +60,7 @@ def belt_point(
 def assert_rides(at: Motion, step: int, place: tuple[Array, Array], t: Array) -> None:
     """The tool is at the point of a belt, with its velocity and without turning: at the ends and in between."""
     where, velocity = place
-    assert np.abs(at.tool(t)[:, :3] - where).max() < GLUED_M
+    assert np.abs(at.tool(t)[:, :3] - where).max() < TRACKED_M
     ends = at.rate(t[[0, -1]])
     assert np.abs(at.tool(t[[0, -1]])[:, :3] - where[[0, -1]]).max() < MET_M
     assert np.abs(ends[:, :3] - velocity).max() < MET_M_S
@@ -335,8 +335,8 @@ class TestFullDial:
         out = np.stack([np.cos(self.angle(t)), np.sin(self.angle(t))], axis=-1)
         across = np.stack([-out[:, 1], out[:, 0]], axis=-1)
         tool, rate = at.tool(t), at.rate(t)
-        assert np.abs(tool[:, :2] - self.centre - 0.15 * out).max() < GLUED_M
-        assert np.abs(tool[:, 2] - 0.108).max() < GLUED_M  # 60 + 28 and the grasp's 20 mm
+        assert np.abs(tool[:, :2] - self.centre - 0.15 * out).max() < TRACKED_M
+        assert np.abs(tool[:, 2] - 0.108).max() < TRACKED_M  # 60 + 28 and the grasp's 20 mm
         for end in (0, -1):
             assert np.abs(tool[end, :2] - self.centre - 0.15 * out[end]).max() < MET_M
             assert np.abs(rate[end, :2] - 0.15 * self.rate * across[end]).max() < MET_M_S

@@ -33,7 +33,7 @@ from assur.planner.search.rough_score import CoarseScore
 from assur.planner.search.tuning import APART_S, NEARLY_FREE, REMEMBERED
 from assur.planner.search.via_batch import Freedom, shape_of
 from tests.planner.cells import Around, arm, belt_and_dial, cell, go, solid, stands
-from tests.planner.test_search import narrow
+from tests.planner.search.test_search import narrow
 
 
 def asked(scene: Scene) -> tuple[Prover, tuple[Option, ...], Population]:

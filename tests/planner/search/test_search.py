@@ -30,7 +30,7 @@ from assur.planner.search.partial_plan import Candidate, TimedCandidate, initial
 from assur.planner.search.tuning import BEAM
 from tests.planner.cells import CUP, amount_of, arm, belt_and_dial, cell, go, stands, table_to_table
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 def narrow(**options: Any) -> Scene:
@@ -75,7 +75,7 @@ def test_the_same_request_gives_the_same_bytes_twice(name: str) -> None:
 
 def test_a_fresh_process_gives_the_same_bytes_whatever_its_hashes_are() -> None:
     code = (
-        "from tests.planner.test_search import CASES, fingerprint\n"
+        "from tests.planner.search.test_search import CASES, fingerprint\n"
         "print('\\n'.join(fingerprint(CASES[name]()) for name in sorted(CASES)))"
     )
     found = set()
