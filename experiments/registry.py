@@ -19,7 +19,7 @@ class Entry:
 
     @property
     def module(self) -> str:
-        return f"experiments.{self.name.replace('-', '_')}"
+        return f"{__package__}.{self.name.replace('-', '_')}"
 
     def run(self) -> Result:
         """Run it; modules are imported one by one, so that one experiment costs what it needs."""

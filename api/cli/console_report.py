@@ -149,14 +149,15 @@ def census(document: dict[str, Any], *, planned: bool) -> Iterator[Table | str]:
     lines = [line for line in document["lines"] if line["stage"] not in BEFORE]
     before = [line for line in document["lines"] if line["stage"] in BEFORE]
     several = sum(line["count"] for line in lines) > refused
-    note = "; a candidate may be refused for several bodies" if several else ""
-    yield f"{document['candidates']} candidates, {refused} refused{note}"
+    note = "; a candidate may be refused for several bodies" if several and refused else ""
+    count = document["candidates"]
+    yield f"{count} {'candidate' if count == 1 else 'candidates'}, {refused} refused{note}"
     others = document["candidates"] - refused
     if others > 0 and not planned:
-        yield f"the other {others} were not refused: each leads a part of the way, or was set aside for a quicker one"
+        yield f"not refused: {others}, which lead a part of the way, or were set aside for a quicker one"
     yield from _kinds(lines)
     if before:
-        yield "times and poses at which the points could be met, examined before any candidate:"
+        yield "why control points cannot be met at some times or poses, found before any candidate:"
         yield from _kinds(before)
 
 
@@ -169,7 +170,7 @@ def _kinds(lines: list[dict[str, Any]]) -> Iterator[Table | str]:
         span = (
             ""
             if interval is None or None in interval
-            else " and ".join(dict.fromkeys(f"{instant:.3f}" for instant in interval))
+            else " and ".join(dict.fromkeys(f"{instant:.3f}" for instant in sorted(interval)))
         )
         least, most = amount(line["least"], line["unit"]), amount(line["most"], line["unit"])
         by = least if least == most else f"{least} to {most}"

@@ -128,6 +128,6 @@ def _known(scene: Scene, table: Solids, of_plan: tuple[Phase, ...]) -> list[Find
             if needed and not (first <= phase.t0 and phase.t1 + late <= last):
                 missing = max(first - phase.t0, phase.t1 + late - last)
                 what = f"the motion of {name} is not known long enough"
-                findings.append(Finding(Code.LAW_ENDS, what, missing, "s", f"{phase.kind} of step {phase.step}"))
+                findings.append(Finding(Code.LAW_ENDS, what, missing, "s", f"{phase.kind}, {phase.t0:.6g} s"))
                 break
     return findings

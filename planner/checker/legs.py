@@ -103,11 +103,11 @@ def _of_step(step: Step, number: int, own: tuple[Leg, ...], *, last: bool) -> li
     word = "".join(LETTERS[leg.kind] for leg in own)
     if not re.fullmatch(pattern(step, last=last), word):
         kinds = ", ".join(leg.kind for leg in own) or "none"
-        return [Finding(Code.LEGS, f"step {number} ({step.name}) cannot have the legs {kinds}")]
+        return [Finding(Code.LEGS, f"{step.name} cannot have the legs {kinds}")]
     findings = []
     for leg in own:
         if leg.kind is LegKind.FOLLOW:
             off = abs(leg.t1 - leg.t0 - dwell(step))
             if not off <= TIME_S:
-                findings.append(Finding(Code.LEGS, f"step {number} ({step.name}) follows for another time", off, "s"))
+                findings.append(Finding(Code.LEGS, f"{step.name} follows for another time", off, "s"))
     return findings

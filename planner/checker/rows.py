@@ -88,7 +88,7 @@ class Apart:
         for phase, (many, hole, *pair) in zip(self.phases, holes.tolist(), strict=True):
             if many > 0:
                 names = " and ".join(self.table.bodies[int(body)].name for body in sorted(pair))
-                where = f"{phase.kind} of step {phase.step}, {hole:.6g} s"
+                where = f"{phase.kind}, {hole:.6g} s"
                 findings.append(Finding(Code.COVER, f"no row keeps {names} apart", many, "pairs", where))
         return findings
 

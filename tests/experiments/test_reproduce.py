@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -159,3 +160,8 @@ def test_nothing_but_a_figure_loads_matplotlib(program: str) -> None:
     ran = subprocess.run([sys.executable, "-c", report], cwd=ROOT, capture_output=True, text=True, check=False)
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout.strip() == "False"
+
+
+def test_experiments_are_found_by_the_name_under_which_they_are_installed() -> None:
+    assert all(find_spec(entry.module) is not None for entry in ENTRIES)
+    assert {entry.module.rsplit(".", 1)[0] for entry in ENTRIES} == {"assur.experiments"}
