@@ -134,8 +134,9 @@ def _not_planned(
         relaxation, tried, spent = relax(
             scene, min(deepest, len(scene.task) - 1), _blocker(scene, census, deepest), deadline
         )
+    ended = Reason.TIMED_OUT if cut or not census.candidates else Reason.COUNT_SPENT
     return NotPlanned(
-        reason=Reason.TIMED_OUT if refusal is None else refusal.reason,
+        reason=ended if refusal is None else refusal.reason,
         proved=proved,
         sentence=sentence(scene, refusal, line, census, cut=cut),
         refusal=refusal,

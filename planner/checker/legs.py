@@ -68,7 +68,7 @@ def order(world: World, legs: tuple[Leg, ...]) -> list[Finding]:
         return [*findings, Finding(Code.LEGS, "legs must come in the order of the steps")]
     for number, step in enumerate(task):
         own = tuple(leg for leg in legs if leg.step == number)
-        findings += _of_step(step, number, own, last=number == len(task) - 1)
+        findings += _of_step(step, own, last=number == len(task) - 1)
     if findings:
         return findings
     for leg in legs:
@@ -99,7 +99,7 @@ def dwell(step: Step) -> float:
     return step.dwell_s if isinstance(step, Pick | Place) else 0.0
 
 
-def _of_step(step: Step, number: int, own: tuple[Leg, ...], *, last: bool) -> list[Finding]:
+def _of_step(step: Step, own: tuple[Leg, ...], *, last: bool) -> list[Finding]:
     word = "".join(LETTERS[leg.kind] for leg in own)
     if not re.fullmatch(pattern(step, last=last), word):
         kinds = ", ".join(leg.kind for leg in own) or "none"

@@ -41,7 +41,7 @@ CLAIMED, REACHED, WHEN, PAIR_ONE, PAIR_OTHER, WORK, WRONG, STATE = range(8)
 looked at; rows that mean or prove nothing; how many."""
 SLACK_M = 1e-9
 """Taken off each gap, m, for its rounding: some twenty terms of a few metres, each rounded to 1e-15 m."""
-HALVINGS, FINER, DEEPEST = 10, 2, 24
+HALVINGS, FINER, DEEPEST = 10, 3, 24
 """How often an interval may be halved for a row: most need none or one, a wide interval of a five-bar up to six; how
 often that of a row of one body alone is: what will be required of it is not known yet; and for the claim."""
 MOST = 4_000_000

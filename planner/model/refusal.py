@@ -29,6 +29,7 @@ class Reason(StrEnum):
     LAW_ENDS = "LAW_ENDS"
     NOT_CERTIFIED = "NOT_CERTIFIED"
     TIMED_OUT = "TIMED_OUT"
+    COUNT_SPENT = "COUNT_SPENT"
 
 
 class Stage(StrEnum):
@@ -97,11 +98,9 @@ class Quantity:
 
 def of_joint(kind: str, value: float, order: int = 0) -> Quantity | None:
     """A position (order 0), velocity, acceleration or jerk (3) of a joint of this kind, "revolute" or "prismatic"."""
-    units: tuple[tuple[Unit, ...], tuple[Unit, ...]] = (
-        ("rad", "rad/s", "rad/s²", "rad/s³"),
-        ("m", "m/s", "m/s²", "m/s³"),
-    )
-    return Quantity.of(value, units[kind != "revolute"][order])
+    angular: tuple[Unit, ...] = ("rad", "rad/s", "rad/s²", "rad/s³")
+    linear: tuple[Unit, ...] = ("m", "m/s", "m/s²", "m/s³")
+    return Quantity.of(value, (angular if kind == "revolute" else linear)[order])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -32,7 +32,7 @@ def sentence(scene: Scene, refusal: Refusal | None, line: CensusLine | None, cen
     if refusal is None:
         if census.candidates:
             return (
-                f"No plan was found among {census.candidates} candidates; "
+                f"No plan was found among {census.candidates} candidate{'s' * (census.candidates > 1)}; "
                 "the search ended before it reached the last step."
             )
         return f"No plan was found in {budget}; nothing was tried."

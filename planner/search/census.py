@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -15,12 +14,40 @@ _Kind = tuple[Stage, Reason, int, Subject | None, Unit | None]
 
 
 @dataclass(eq=False)
+class _Group:
+    """Refusals of one kind: how many, the mildest of them, the largest amount, and from when to when they are."""
+
+    mildest: Encounter
+    count: int = 0
+    most: float | None = None
+    span: tuple[float, float] | None = None
+
+    def take(self, encounter: Encounter) -> None:
+        """Counts one more."""
+        self.count += 1
+        refusal, mildest = encounter.refusal, self.mildest.refusal
+        if refusal.interval is not None:
+            low, high = refusal.interval if self.span is None else self.span
+            self.span = min(low, refusal.interval[0]), max(high, refusal.interval[1])
+        if refusal.amount is None:
+            return
+        amount = refusal.amount.value
+        self.most = amount if self.most is None else max(self.most, amount)
+        if mildest.amount is None or amount < mildest.amount.value:
+            self.mildest = encounter
+
+    def line(self) -> CensusLine:
+        """The line of the census; FCL is asked about the mildest."""
+        return CensusLine(replace(self.mildest.confirmed(), interval=self.span), self.count, self.most)
+
+
+@dataclass(eq=False)
 class Counter:
     """Collects refusals of one planning run."""
 
     candidates: int = 0
     refused: int = 0
-    _groups: dict[_Kind, list[Encounter]] = field(default_factory=dict)
+    _groups: dict[_Kind, _Group] = field(default_factory=dict)
 
     def add(self, refusal: Refusal) -> None:
         self.add_all((Encounter(refusal),))
@@ -39,25 +66,14 @@ class Counter:
         refusal = encounter.refusal
         unit = None if refusal.amount is None else refusal.amount.unit
         key = (refusal.stage, refusal.reason, refusal.step, refusal.subject, unit)
-        self._groups.setdefault(key, []).append(encounter)
+        if key not in self._groups:
+            self._groups[key] = _Group(encounter)
+        self._groups[key].take(encounter)
 
     def census(self) -> Census:
-        lines = [_line(group) for group in self._groups.values()]
+        lines = [group.line() for group in self._groups.values()]
         lines.sort(key=lambda line: (-line.count, line.refusal.stage, line.refusal.reason, str(line.refusal.subject)))
         return Census(self.candidates, self.refused, tuple(lines))
-
-
-def _line(group: list[Encounter]) -> CensusLine:
-    amounts = [r.amount.value for r in (each.refusal for each in group) if r.amount is not None]
-    spans = [each.refusal.interval for each in group if each.refusal.interval is not None]
-    interval = (min(a for a, _ in spans), max(b for _, b in spans)) if spans else None
-    mildest = min(group, key=_amount).confirmed()
-    return CensusLine(replace(mildest, interval=interval), len(group), max(amounts, default=None))
-
-
-def _amount(encounter: Encounter) -> float:
-    amount = encounter.refusal.amount
-    return math.inf if amount is None else amount.value
 
 
 def refused_proof(unproved: Unproved, step: int) -> Refusal:

@@ -142,6 +142,11 @@ REASONS: dict[Reason, tuple[Callable[[], Scene], bool, str]] = {
         "gate",
     ),
     Reason.TIMED_OUT: (lambda: cell(go(0.35, 0.2), budget_s=1e-9), False, "nothing was tried"),
+    Reason.COUNT_SPENT: (
+        lambda: cell(go(0.35, 0.2), go(0.3, -0.2, name="there"), max_candidates=1),
+        False,
+        "No plan was found among 1 candidate; the search ended before it reached the last step.",
+    ),
 }
 NOT_BY_CONSTRUCTION = {Reason.NOT_CERTIFIED}
 """What FCL and GJK accept, the prover proves: a scene that shows this reason would show a defect."""
@@ -154,7 +159,7 @@ def test_each_reason_is_given_where_it_is_the_reason(reason: Reason) -> None:
     assert outcome.reason is reason, outcome.sentence
     assert outcome.proved is proved
     assert words in outcome.sentence
-    if reason is not Reason.TIMED_OUT:
+    if reason not in (Reason.TIMED_OUT, Reason.COUNT_SPENT):
         assert outcome.refusal is not None
         assert outcome.refusal.reason is reason
 

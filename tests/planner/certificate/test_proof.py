@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,11 +20,14 @@ from assur.planner.frames import Frame, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, box, cylinder, sphere
 from assur.planner.kernels.proof import ALONG, T0, T1
-from assur.planner.model.outcome import LegKind
+from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.phases import CONTACT_M, Phase
+from assur.planner.model.refusal import Stage
 from assur.planner.model.scene import Clearance, Execution, Scene, Tool
+from assur.planner.pipeline import plan
 from assur.planner.tables.bodies import COVER
 from assur.planner.trajectory import Trajectory
+from assur.scenes.requests import scene_of
 from tests.planner.cells import CUP, Around, arm, cell, go, mesh_box, solid, stands
 from tests.planner.certificate.moving_ball import LAWS, SHAPES, Encounter, encounter, motion, true_gap
 from tests.planner.second_solids import carriers, place
@@ -342,3 +347,11 @@ def test_unknown_laws_are_never_certified() -> None:
     assert isinstance(Prover(known.scene(0.01)).prove(known.phase(), case.path), Rows)
     unknown = Encounter(case.path, far, (short,))
     assert isinstance(Prover(unknown.scene(0.01)).prove(unknown.phase(), case.path), Unproved)
+
+
+def test_what_is_proved_by_planes_keeps_what_the_checker_may_miss_of_them() -> None:
+    """A held part passes 8.09 mm above a cylinder, 8 mm are asked: this was proved by planes, and then refused."""
+    request = json.loads(Path(__file__).with_name("close_to_a_plane.json").read_text(encoding="utf-8"))
+    outcome = plan(scene_of(request))
+    assert isinstance(outcome, Planned)
+    assert not any(line.refusal.stage is Stage.CHECKER for line in outcome.census.lines)
