@@ -11,10 +11,11 @@ from dataclasses import dataclass
 from assur.planner.blends.search import searcher
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.necessary import start_collides, start_impossible
+from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.legs.tilt import pitch_free
 from assur.planner.model.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Relaxation
 from assur.planner.model.phases import phases, yaw_offsets
-from assur.planner.model.refusal import FOR_ALL_TIMES, OF_CANDIDATES, LawEnds, Reason, Refusal, Stage, WindowMissed
+from assur.planner.model.refusal import OF_CANDIDATES, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene
 from assur.planner.relaxation import relax, worth_trying
 from assur.planner.report.margins import contacts, margins
@@ -101,10 +102,7 @@ def leading(census: Census, deepest: int) -> CensusLine | None:
 def for_all_times(scene: Scene, refusal: Refusal) -> bool:
     """Whether a refusal before any candidate holds for all times: it does not depend on how the arm came here."""
     if refusal.stage is Stage.WINDOW:
-        # how early the arm can come depends on how it comes; that a window is over or too short does not
-        return isinstance(refusal.facts, LawEnds) or (
-            isinstance(refusal.facts, WindowMissed) and refusal.facts.miss in FOR_ALL_TIMES
-        )
+        return holds_for_all_times(refusal)
     if yaw_offsets(scene, scene.task[refusal.step]) is None or pitch_free(scene, scene.task[refusal.step]):
         return False  # some yaws, or pitches, were tried, not all
     if refusal.reason is Reason.NEAR_SINGULARITY and not (refusal.amount is not None and refusal.amount.value > 0):

@@ -10,6 +10,7 @@ from assur.planner.feasibility.reach import beyond_every_pitch, out_of_range, wh
 from assur.planner.frames import Fixed
 from assur.planner.kernels.solids import REACH
 from assur.planner.legs.control_point import ControlPoint, control_point
+from assur.planner.legs.missed import never_in_window
 from assur.planner.legs.tilt import pitch_free, roll_free, tilts
 from assur.planner.model.assembly_mode import lost_at
 from assur.planner.model.attachments import AT_START, Attachments
@@ -34,6 +35,8 @@ from assur.planner.model.refusal import (
 from assur.planner.model.scene import Pick, Scene
 from assur.planner.robots.facts import Code
 
+MOST_WAYS = 64
+"""Ways in which parts may sit in the gripper and where they were put down that are looked at, all together."""
 START_RATIO = 1e-9
 """A start velocity or acceleration may exceed its limit by this share: rounding of unit conversions."""
 
@@ -55,31 +58,40 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
     colliding = start_collides(scene, prover)
     if colliding is not None:
         return colliding
-    attached = AT_START
+    # all ways in which parts may sit by then; `turned`: the part is held in some yaw or other
+    ways: tuple[Attachments, ...] = (AT_START,)
+    turned = False
     for number, step in enumerate(scene.task):
         offsets, tilt = yaw_offsets(scene, step), tilts(scene, step, scene.start.q)[0]
         if pitch_free(scene, step):
-            never = beyond_every_pitch(scene, control_point(scene, number, attached, 0.0, tilt))
+            never = beyond_every_pitch(scene, control_point(scene, number, ways[0], 0.0, tilt))
             if never is not None:
                 return never
             continue  # some pitch reaches it; which of them are free of bodies is a matter of search
-        turns = offsets if offsets is not None else (0.0,)
-        beyond = [out_of_range(scene, control_point(scene, number, attached, turn, tilt)) for turn in turns]
-        if all(r is not None and (offsets is not None or whatever_the_yaw(scene, r)) for r in beyond):
+        any_yaw = turned or offsets is None
+        points = [
+            (attached, control_point(scene, number, attached, turn, tilt))
+            for attached in ways
+            for turn in ((0.0,) if offsets is None else offsets)
+        ]
+        late = [never_in_window(scene, point) for _, point in points]
+        if all(r is not None for r in late):
+            return late[0]
+        beyond = [out_of_range(scene, point) for _, point in points]
+        if all(r is not None and (not any_yaw or whatever_the_yaw(scene, r)) for r in beyond):
             return beyond[0]
         if roll_free(scene, step):
             continue  # at another roll a body on the flange may be elsewhere
         if scene.options.blended and step.via:
             continue  # its pose is missed: that it collides there proves nothing
-        found = [
-            _point(scene, prover, control_point(scene, number, attached, o, tilt), attached)
-            for o in (offsets if offsets is not None else (0.0,))
-        ]
-        if all(r is not None and (offsets is not None or _whatever_the_yaw(scene, prover, r, attached)) for r in found):
-            return found[0]
-        if isinstance(step, Pick) and offsets != (0.0,):
-            return None  # how the part sits in the gripper from here on is a choice
-        attached = attached.after(scene, step)
+        found = [(_point(scene, prover, point, attached), attached) for attached, point in points]
+        if all(r is not None and (not any_yaw or _whatever_the_yaw(scene, prover, r, held)) for r, held in found):
+            return found[0][0]
+        ways = tuple(dict.fromkeys(attached.after(scene, step, point.yaw_offset) for attached, point in points))
+        if len(ways) > MOST_WAYS:
+            return None
+        if step.part is not None:
+            turned = offsets is None and isinstance(step, Pick)
     return None
 
 

@@ -102,6 +102,18 @@ class ControlPoint:
             found = [(max(a, c), min(b, d)) for a, b in found for c, d in inside]
         return [(a, b - self.dwell) for a, b in found if b - self.dwell >= a]
 
+    @property
+    def outside_for_good(self) -> bool:
+        """Whether it stays outside its window along a conveyor after the time that is searched: its law is over then,
+        or does not change any more and leads away from the window, or nowhere."""
+        law, window, until = self.scene.frames[self.frame].law, self.window.along, self.scene.start.time + HORIZON_S
+        if window is None or law.valid[1] <= until:
+            return True
+        if isinstance(law, Conveyor) and len(law.drive.switches) and law.drive.switches[-1] > until:
+            return False
+        last, later = self._ways(np.array([until, min(until + 1.0, law.valid[1])]), window).tolist()
+        return bool((last > window[1] and later >= last) or (last < window[0] and later <= last))
+
     def along(self, t: FloatArray) -> FloatArray | None:
         """Metres (...) of the control point along its conveyor from the conveyor's given pose; None: no conveyor."""
         law = self.scene.frames[self.frame].law

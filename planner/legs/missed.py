@@ -9,7 +9,17 @@ import numpy as np
 
 from assur.planner.errors import FaultError
 from assur.planner.legs.control_point import HORIZON_S, ControlPoint
-from assur.planner.model.refusal import Miss, Quantity, Refusal, Stage, WindowMissed, law_ends, window_missed
+from assur.planner.model.refusal import (
+    FOR_ALL_TIMES,
+    LawEnds,
+    Miss,
+    Quantity,
+    Refusal,
+    Stage,
+    WindowMissed,
+    law_ends,
+    window_missed,
+)
 from assur.planner.model.scene import Scene
 
 
@@ -26,7 +36,10 @@ def window_is_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refu
             return window_missed(Stage.WINDOW, point.step, facts, amount=amount)
         low, high = max(whole, key=lambda span: span[1] - span[0])
         short, belt = point.dwell - (high - low), _belt(point, high, high + point.dwell - (high - low))
-        facts = WindowMissed(miss=Miss.TOO_SHORT, open_s=high - low, needed_s=point.dwell, belt_m=belt)
+        searched = None if point.outside_for_good else HORIZON_S
+        facts = WindowMissed(
+            miss=Miss.TOO_SHORT, open_s=high - low, needed_s=point.dwell, belt_m=belt, searched_s=searched
+        )
         return window_missed(Stage.WINDOW, point.step, facts, amount=Quantity.of(short, "s"), interval=(low, high))
     low, high = intervals[-1]
     latest = scene.options.latest_end_s
@@ -36,6 +49,25 @@ def window_is_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refu
     facts = WindowMissed(miss=miss, belt_m=_belt(point, high, earliest))
     late = Quantity.of(earliest - high, "s")
     return window_missed(Stage.WINDOW, point.step, facts, amount=late, interval=(low, high))
+
+
+def never_in_window(scene: Scene, point: ControlPoint) -> Refusal | None:
+    """Why the window of a point is missed whenever the arm comes; None: it is open for long enough at some time, or
+    nobody knows."""
+    if point.intervals:
+        return None
+    refusal = window_is_missed(scene, point, scene.start.time)
+    return refusal if holds_for_all_times(refusal) else None
+
+
+def holds_for_all_times(refusal: Refusal) -> bool:
+    """Whether the miss of a window does not depend on when, or whether, the arm comes."""
+    # how early the arm can come depends on how it comes; that a window is over or too short does not
+    return isinstance(refusal.facts, LawEnds) or (
+        isinstance(refusal.facts, WindowMissed)
+        and refusal.facts.miss in FOR_ALL_TIMES
+        and refusal.facts.searched_s is None
+    )
 
 
 def _never_open(scene: Scene, point: ControlPoint) -> tuple[Quantity | None, WindowMissed]:
@@ -75,8 +107,7 @@ def _never_inside(point: ControlPoint, window: tuple[float, float]) -> tuple[Qua
     low, high = window
     if way is None or not np.isfinite(way).all():
         return None, WindowMissed(miss=Miss.NOT_INSIDE_WHILE_KNOWN)
-    leaving = way[-1] >= way[-2] if way[-1] > high else way[-1] <= way[-2]
-    if not leaving:
+    if not point.outside_for_good:
         return None, WindowMissed(miss=Miss.NOT_INSIDE_SOON, searched_s=HORIZON_S)
     return Quantity.of(float(np.maximum(low - way, way - high).min()), "m"), WindowMissed(miss=Miss.NEVER_INSIDE)
 

@@ -246,8 +246,9 @@ def _window_missed(scene: Scene, refusal: Refusal, facts: WindowMissed, short: s
         case Miss.TOO_SHORT:
             what = "part" if isinstance(step, Pick | Place) else "point"
             needed, is_open = amount(facts.needed_s, "s"), amount(facts.open_s, "s")
+            when = "" if facts.searched_s is None else f" in the next {facts.searched_s:g} s"
             return (
-                f"the {what} must be tracked for {needed}, but its window is open for only {is_open} "
+                f"the {what} must be tracked for {needed}, but its window is open for only {is_open}{when} "
                 f"({short} short{belt})"
             )
         case Miss.OVER_BEFORE_START:

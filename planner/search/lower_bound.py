@@ -17,13 +17,13 @@ from assur.planner.search.meeting_options import Option
 def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
     """Seconds from the start to the end of the task: the way to the first control point, then ways and dwells.
 
-    `first`: the ways to the first control point, whose lower bounds hold for every mode, turn and meeting time looked
-    at, whose spacing is taken off. Later ways are bounded by velocity alone, and only between points that stand still
-    and have one yaw.
+    `first`: the ways to the first control point, whose lower bounds hold for every mode, turn and meeting time if the
+    point stands still; if it moves, its way counts as nothing. Later ways are bounded by velocity alone, and only
+    between points that stand still and have one yaw.
     """
     attached = AT_START
     free = yaw_offsets(scene, scene.task[0]) is None or _tilt_free(scene, scene.task[0], moving=scene.start.moving)
-    total = min((_first(option, free=free) for option in first), default=0.0)
+    total = min((_first(scene, option, free=free) for option in first), default=0.0)
     before: list[FloatArray] = []
     turned = False
     for number, step in enumerate(scene.task):
@@ -37,8 +37,7 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
             if point.still and known and not (isinstance(step, Place) and turned):
                 here += _positions(scene, point)
         if before and here:
-            velocity = scene.robot.limits.velocity
-            total += min(float(np.max(np.abs(a - b) / velocity)) for a in before for b in here)
+            total += min(_velocity_time(scene, a, b) for a in before for b in here)
         before = here
         if isinstance(step, Pick):
             # in which of several turns the part is held is not known: nor where it is put down from
@@ -47,12 +46,22 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
     return total
 
 
-def _first(option: Option, *, free: bool) -> float:
-    """The lower bound of one way to the first control point; none for a via, which may be passed at any speed, and
-    where the yaw or the pitch is `free`, for not all were looked at."""
-    if option.meeting.point.via or free or not np.isfinite(option.least):
+def _first(scene: Scene, option: Option, *, free: bool) -> float:
+    """The lower bound of one way to the first control point; none for a via, which may be passed at any speed, where
+    the yaw or the pitch is `free`, for not all were looked at, and for a point that moves: it may be met between two
+    times that were looked at, sooner than at either."""
+    point = option.meeting.point
+    if point.via or free or not point.still or not np.isfinite(option.least):
         return 0.0
+    if point.tracks and point.approach > 0.0:
+        # the arm need not stop above the point, where the option is met
+        return min((_velocity_time(scene, scene.start.q, q) for q in _positions(scene, point)), default=0.0)
     return max(0.0, option.least - option.grain)
+
+
+def _velocity_time(scene: Scene, one: FloatArray, other: FloatArray) -> float:
+    """Seconds from one joint position to another by the velocity limits alone."""
+    return float(np.max(np.abs(one - other) / scene.robot.limits.velocity))
 
 
 def _tilt_free(scene: Scene, step: Step, *, moving: bool) -> bool:

@@ -12,11 +12,15 @@ from hypothesis import strategies as st
 
 from assur.planner.frames import Conveyor, Turntable
 from assur.planner.frames.motion import Pose
+from assur.planner.legs.meeting import Meetings
 from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import Planned
 from assur.planner.model.scene import Follow, Pick, Place, Scene, Target, Tool, Window
 from assur.planner.pipeline import plan
 from assur.planner.search.lower_bound import lower_bound
+from assur.planner.search.meeting_options import options
+from assur.planner.search.partial_plan import initial, prepared
+from assur.scenes.requests import scene_of
 from tests.planner.cells import CRANKED, PART, arm, at, belt_and_dial, cell, frame, go, limits, stands, table_to_table
 from tests.planner.timing.least import rest_to_rest_time
 
@@ -106,3 +110,38 @@ def test_a_turn_of_a_symmetric_part_that_needs_no_way_at_all_is_not_ruled_out() 
     assert lower_bound(scene, ()) <= 0.1 + 1e-12  # the dwells alone
     once = replace(scene, bodies=(replace(part, yaw_symmetry=1),))
     assert lower_bound(once, ()) > 0.1 + 0.005
+
+
+def test_a_point_that_comes_by_between_two_times_of_the_grid_is_not_ruled_out() -> None:
+    """A point on a dial that turns once in 0.67 s: by the times of the grid it could be met in 0.42 s at best."""
+    point = {"frame": "dial", "at_m": [0.2346856663440896, 0, 0.1], "yaw_rad": -2.533972274576709}
+    turns = {"at_m": [0.16300351802068605, -0.0722987809525622, 0.1], "rate_rad_s": 9.395546073848386}
+    request = {
+        "schema": "assur/1",
+        "robot": {"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_m": [0, 0, -0.1]}},
+        "start": {"joints": {"j1_rad": 0.44628044686742996, "j2_rad": 1.9642789552860553, "j3_m": 0.3, "j4_rad": 0.0}},
+        "bodies": [],
+        "frames": {"dial": {"turntable": turns, "valid_s": [-1, 30]}},
+        "task": [{"move": {"to": point, "match": "position"}}],
+        "options": {"stop": "first", "budget_s": 60, "max_candidates": 30, "elbow": "keep"},
+    }
+    outcome = plan(scene_of(request))
+    assert isinstance(outcome, Planned)
+    assert 0 <= outcome.lower_bound_s <= outcome.plan.trajectory.duration < 0.3
+
+
+def test_the_arm_need_not_stop_at_the_approach_height() -> None:
+    """It moves down at 1.5 m/s already: to stop 35 mm above the part takes longer than to go there."""
+    q = (0.3, 1.2, 0.2, 0.0)
+    p, yaw = arm().forward(cell(go(0.3, 0.0), q=q).start.q)
+    part = stands("part", PART, float(p[0]), float(p[1]), float(p[2]) - 0.045 - 0.02, float(yaw))
+    pick = Pick("pick", "part", Pose(z=0.02), 0.035, 0.0, 0.0)
+    scene = cell(pick, bodies=(part,), q=q, qd=(0.0, 0.0, -1.5, 0.0), robot=arm(bare=True), elbow="keep")
+    start = initial(scene)
+    meeting = prepared(scene, start, 0.0, None, (start.mode,))
+    assert isinstance(meeting, Meetings)
+    found = options(scene, start, [(0.0, meeting)], 12)
+    assert found
+    bound = lower_bound(scene, found)
+    assert bound == pytest.approx(0.045 / limits().velocity[2], rel=1e-6)
+    assert bound < min(option.least for option in found)

@@ -10,15 +10,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.experiments.differential import jacobian
-from assur.planner.frames import Conveyor, Fixed, Linear, Turntable
+from assur.planner.frames import Change, Conveyor, Fixed, Linear, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
-from assur.planner.legs.control_point import control_point
+from assur.planner.legs.control_point import HORIZON_S, control_point
 from assur.planner.legs.meeting import LOOK_AHEAD_S, Meetings, meetings, times
 from assur.planner.model.attachments import AT_START
+from assur.planner.model.outcome import NotPlanned
 from assur.planner.model.refusal import FOR_ALL_TIMES, BeyondRange, Miss, Reason, WindowMissed
 from assur.planner.model.scene import Follow, Pick, Scene, Window
 from assur.planner.model.scene import WorldBody as Around
+from assur.planner.pipeline import plan
 from tests.planner.cells import amount_of, arm, at, cell, frame, go, solid, unit_of
 
 
@@ -184,3 +186,30 @@ def test_an_arm_that_comes_too_late_for_the_latest_end_is_refused_for_that_and_n
     assert isinstance(late.facts, WindowMissed)
     assert late.facts.miss is Miss.LATEST_END_ON_ARRIVAL
     assert amount_of(late) == pytest.approx(0.4)
+
+
+LATER = (Change(70.0, -0.25, 1.0, 100.0),)
+"""The belt comes back, but only after all times that are searched."""
+
+
+@pytest.mark.parametrize(
+    ("changes", "step", "miss"),
+    [
+        (LATER, Follow("f", at(0.5, 0.0, 0.05, 0.0, "belt"), 0.2, Window(along=(-0.3, 0.3))), Miss.NOT_INSIDE_SOON),
+        (LATER, Follow("f", at(0.0, 0.0, 0.05, 0.0, "belt"), 1.0, Window(along=(0.2, 0.3))), Miss.TOO_SHORT),
+    ],
+)
+def test_what_is_searched_for_a_minute_only_is_proved_of_no_longer_time(
+    changes: tuple[Change, ...], step: Follow, miss: Miss
+) -> None:
+    moves = frame("belt", Conveyor(Pose(-0.3, 0.35, 0.05), 0.2, changes=changes))
+    (refusal,) = met(cell(step, frames=(moves,))).refusals
+    assert isinstance(refusal.facts, WindowMissed)
+    assert (refusal.facts.miss, refusal.facts.searched_s) == (miss, HORIZON_S)
+    outcome = plan(cell(step, frames=(moves,)))
+    assert isinstance(outcome, NotPlanned)
+    assert not outcome.proved
+    steady = frame("belt", Conveyor(Pose(-0.3, 0.35, 0.05), 0.2))
+    known = plan(cell(step, frames=(steady,)))
+    assert isinstance(known, NotPlanned)
+    assert known.proved

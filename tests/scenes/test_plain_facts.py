@@ -1,0 +1,115 @@
+"""Plain facts about later steps are proved after the first few candidates, and name the step that is to blame."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from assur.scenes import plan
+
+CUP = {"name": "cup", "shape": {"cylinder": {"radius_mm": 10, "height_mm": 80}}, "at_mm": [0, 0, -40]}
+CELL: dict[str, Any] = {
+    "schema": "assur/1",
+    "robot": {"model": "fanuc-sr-3ia", "tool": {"tcp_mm": [0, 0, -80], "bodies": [CUP]}},
+    "start": {"joints": {"j1_deg": 20, "j2_deg": 60, "j3_mm": 20, "j4_deg": 0}},
+    "frames": {"belt": {"conveyor": {"at_mm": [-300, 280, 40], "speed_mm_s": 150}}},
+    "bodies": [
+        {"name": "bed", "shape": {"box": {"size_mm": [1200, 120, 40]}}, "pose": {"at_mm": [0, 280, 20]}},
+        {"name": "table", "shape": {"box": {"size_mm": [200, 200, 40]}}, "pose": {"at_mm": [250, -150, 20]}},
+        {
+            "name": "part",
+            "shape": {"box": {"size_mm": [30, 30, 20]}},
+            "pose": {"frame": "belt", "at_mm": [0, 0, 10]},
+            "yaw_symmetry": 4,
+        },
+    ],
+    "task": [
+        {
+            "pick": {
+                "part": "part",
+                "grasp_mm": [0, 0, 10],
+                "approach": {"mm": 20},
+                "dwell_ms": 60,
+                "depart": {"mm": 20},
+                "contact_with": ["bed"],
+            }
+        },
+        {
+            "place": {
+                "part": "part",
+                "to": {"at_mm": [250, -150, 50], "yaw_deg": 0},
+                "approach": {"mm": 20},
+                "dwell_ms": 60,
+                "depart": {"mm": 20},
+            }
+        },
+    ],
+    "options": {
+        "stop": "first",
+        "budget_s": 60,
+        "max_candidates": 400,
+        "elbow": "auto",
+        "clearance_mm": {"travel": 5, "near": 1},
+        "explain_budget_s": 0,
+    },
+}
+FEW = 12
+"""Candidates after which a plain fact is proved, at most: those of one round."""
+Change = Callable[[dict[str, Any]], object]
+
+
+def put(at_mm: list[float]) -> Change:
+    return lambda cell: cell["task"][1]["place"]["to"].update(at_mm=at_mm)
+
+
+def also(step: dict[str, Any]) -> Change:
+    return lambda cell: cell["task"].append(step)
+
+
+def stand(name: str, size_mm: list[float], at_mm: list[float]) -> Change:
+    body = {"name": name, "shape": {"box": {"size_mm": size_mm}}, "pose": {"at_mm": at_mm}}
+    return lambda cell: cell["bodies"].append(body)
+
+
+def any_yaw_and_far(cell: dict[str, Any]) -> None:
+    cell["bodies"][2]["yaw_symmetry"] = 0
+    put([900, -500, 50])(cell)
+
+
+def belt_that_ends(cell: dict[str, Any]) -> None:
+    cell["frames"]["other"] = {"conveyor": {"at_mm": [250, 0, 40], "speed_mm_s": 50}, "valid_s": [-1, 0.5]}
+    also({"follow": {"to": {"frame": "other", "at_mm": [0, 0, 80], "yaw_free": True}, "duration_s": 0.8}})(cell)
+
+
+FOLLOW = {"to": {"frame": "belt", "at_mm": [0, 0, 80], "yaw_free": True}, "duration_s": 1.0, "window_mm": [300, 320]}
+CASES: dict[str, tuple[Change, str, int]] = {
+    "place out of reach": (put([900, -500, 50]), "OUT_OF_REACH", 1),
+    "place below the lift": (put([250, -150, -250]), "JOINT_LIMIT", 1),
+    "place above the lift with its approach": (put([250, -150, 160]), "JOINT_LIMIT", 1),
+    "place into the table": (put([250, -150, 45]), "CONTROL_POINT_IN_COLLISION", 1),
+    "something in the nest": (stand("block", [60, 60, 60], [250, -150, 70]), "CONTROL_POINT_IN_COLLISION", 1),
+    "a lid over the nest": (stand("lid", [80, 80, 5], [250, -150, 75]), "CONTROL_POINT_IN_COLLISION", 1),
+    "place out of reach, taken in any yaw": (any_yaw_and_far, "OUT_OF_REACH", 1),
+    "a later move out of reach": (also({"move": {"to": {"at_mm": [600, 0, 100]}}}), "OUT_OF_REACH", 2),
+    "a later window that is too short": (also({"follow": FOLLOW}), "WINDOW_MISSED", 2),
+    "a later law that ends too soon": (belt_that_ends, "WINDOW_MISSED", 2),
+}
+
+
+def test_the_cell_itself_is_planned() -> None:
+    assert plan(CELL)["status"] == "planned"
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_it_is_proved_after_one_round(name: str) -> None:
+    change, reason, step = CASES[name]
+    cell = copy.deepcopy(CELL)
+    change(cell)
+    answer = plan(cell)
+    assert answer["status"] == "not_planned"
+    assert (answer["reason"], answer["proved"]) == (reason, True), answer["sentence"]
+    assert answer["refusal"]["step"] == step
+    assert answer["census"]["candidates"] <= FEW
