@@ -25,10 +25,10 @@ from assur.planner.search.candidates import Sampler
 from assur.planner.search.census import Counter, refused_proof
 from assur.planner.search.completion import completed
 from assur.planner.search.extension import extended, straight_extension, timed
-from assur.planner.search.meeting_options import Option, ahead, options
+from assur.planner.search.meeting_options import Option, ahead, free_yaws, options
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, initial, prepared
 from assur.planner.search.rough_score import CoarseScore, score_of
-from assur.planner.search.tuning import ANY_YAW, BEAM, KEPT_PLANS, MOST_OPTIONS, PROVED_A_BATCH
+from assur.planner.search.tuning import BEAM, KEPT_PLANS, MOST_OPTIONS, PROVED_A_BATCH
 
 
 @dataclass(eq=False)
@@ -146,8 +146,10 @@ class Search:
         """What samples the continuations of a partial plan, with the options in which its next point can be met."""
         scene, met = self.scene, list[tuple[float, Meetings]]()
         attitudes = tilts(scene, scene.task[partial.step], partial.state.q)
-        for offset, tilt in product(self._yaws(partial), attitudes):
-            meeting = prepared(scene, partial, offset, tilt, self._modes(partial))
+        modes = self._modes(partial)
+        offsets = yaw_offsets(scene, scene.task[partial.step])
+        for offset, tilt in product(free_yaws(scene, partial, modes) if offsets is None else offsets, attitudes):
+            meeting = prepared(scene, partial, offset, tilt, modes)
             for refusal in (meeting,) if isinstance(meeting, Refusal) else meeting.refusals:
                 self.found.census.note(refusal)
             if isinstance(meeting, Meetings):
@@ -162,10 +164,6 @@ class Search:
             self.found.census.note(high)
             sampler.options = ()
         return sampler
-
-    def _yaws(self, partial: PartialPlan) -> tuple[float, ...]:
-        found = yaw_offsets(self.scene, self.scene.task[partial.step])
-        return tuple((2 * np.pi * np.arange(ANY_YAW) / ANY_YAW).tolist()) if found is None else found
 
     def _modes(self, partial: PartialPlan) -> tuple[int, ...]:
         robot, elbow = self.scene.robot, self.scene.options.elbow

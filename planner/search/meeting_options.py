@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,10 @@ from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
 from assur.planner.model.scene import Scene
 from assur.planner.search.partial_plan import PartialPlan
-from assur.planner.search.tuning import EVALUATED_MEETINGS
+from assur.planner.search.tuning import ANY_YAW, EVALUATED_MEETINGS, SHARE_OF_A_TURN
+
+SAME_RAD = 1e-6
+"""A wrist that differs by less is where it was."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +33,8 @@ class Option:
 
 
 def options(scene: Scene, partial: PartialPlan, found: list[tuple[float, Meetings]], most: int) -> tuple[Option, ...]:
-    """Branches of all turns of the part, those with the least possible duration first."""
+    """Branches of all turns of the part, those with the least possible duration first; of about the same duration the
+    one that turns the wrist least (`SHARE_OF_A_TURN`)."""
     state, limits = partial.state, scene.robot.limits
     start = np.array([state.q, state.qd, state.qdd])
     result = []
@@ -49,8 +54,35 @@ def options(scene: Scene, partial: PartialPlan, found: list[tuple[float, Meeting
             first = float(time[ready[0]])
             before = float(time[ready[0] - 1]) if ready[0] > 0 else first - branch.grid_s
             result.append(Option(meeting, yaw_offset, branch, first - state.time, first - before))
-    result.sort(key=lambda option: option.least)
+    result.sort(key=lambda option: option.least * (1.0 + SHARE_OF_A_TURN * _turned(scene, partial, option)))
     return tuple(result[:most])
+
+
+def _turned(scene: Scene, partial: PartialPlan, option: Option) -> float:
+    """By how many turns the wrist is somewhere else where an option is met first: the last joint, if it turns."""
+    wrist = float(option.branch.q[0, -1] - partial.state.q[-1])
+    return abs(wrist) / (2 * np.pi) * float(scene.robot.revolute[-1])
+
+
+def free_yaws(scene: Scene, partial: PartialPlan, modes: tuple[int, ...]) -> tuple[float, ...]:
+    """Yaws that are tried where a control point leaves the yaw free: those for which the wrist stays as it is if the
+    point is met at once, one a mode, and `ANY_YAW` all round."""
+    robot, step, q = scene.robot, scene.task[partial.step], partial.state.q
+    tilt, t = tilts(scene, step, q)[0], np.array([partial.state.time])
+    found: list[float] = []
+    for mode in modes:
+        offset = 0.0
+        for _ in range(2):
+            point = control_point(scene, partial.step, partial.attached, offset, tilt)
+            off = float(q[-1] - robot.inverse(point.flange(t, point.approach).at_rest(), mode, 0).q[0, -1])
+            if not math.isfinite(off):
+                break
+            off = math.remainder(off, 2 * math.pi)
+            if abs(off) <= SAME_RAD:
+                found.append(offset)
+                break
+            offset += off
+    return (*found, *(2 * np.pi * np.arange(ANY_YAW) / ANY_YAW).tolist())
 
 
 def ahead(scene: Scene, partial: PartialPlan, q: FloatArray) -> FloatArray | None:

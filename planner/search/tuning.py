@@ -68,5 +68,8 @@ PROVED_A_BATCH = 3
 """Candidates proved in one batch, after which the others, which end later, are left alone; 1 with `stop: first`."""
 MOST_OPTIONS = 12
 """Options to meet a control point that are kept, the quickest; one a pitch where the pitch is free."""
+SHARE_OF_A_TURN = 0.01
+"""A turn of the wrist is worth this share of a duration: of two options of the same duration the one that turns less
+comes first."""
 ANY_YAW = 8
 """Yaws that are tried where a control point leaves the yaw free."""
