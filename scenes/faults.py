@@ -47,12 +47,16 @@ class DocumentError(InputError):
         return type(self), (self.field, self.value, self.allowed, self.line, self.more)
 
 
+WHOLE = "request"
+"""Name of a whole document, in which a fault has no field."""
+
+
 def dotted(path: Sequence[str | int]) -> str:
-    """("task", 0, "pick") → "task[0].pick"; the root is "request"."""
+    """("task", 0, "pick") → "task[0].pick"; the root is `WHOLE`."""
     text = ""
     for part in path:
         text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
-    return text or "request"
+    return text or WHOLE
 
 
 def written_key(mapping: dict[str, object], key: str) -> str | None:

@@ -97,7 +97,10 @@ def json_file(path: Path, name: str) -> Any:
     size = path.stat().st_size
     if size > MAX_JSON_BYTES:
         raise InputError(name, f"{size} bytes", f"at most {MAX_JSON_BYTES} bytes")
-    return parse_json(path.read_bytes())
+    try:
+        return parse_json(path.read_bytes())
+    except InputError as error:
+        raise InputError(name, error.value, error.allowed) from error
 
 
 def _is_file(path: Path) -> bool:

@@ -111,7 +111,7 @@ def _allowed(model: Any, kind: str, context: dict[str, Any], location: Path, pat
         twin = twin_of(key)
         if twin is not None:
             return f"{key} or {twin}, which must be given"
-        return f"{_words_of(_annotation(model, location)) or 'a value'}, which must be given"
+        return f"{_words_of(_annotation(model, location)) or _fields_of(model, location, None)}, which must be given"
     if kind == "extra_forbidden":
         return _known(model, location, value)
     if kind in COMPARISONS:
@@ -134,10 +134,22 @@ def _allowed(model: Any, kind: str, context: dict[str, Any], location: Path, pat
             return f"one of {likeliest(str(value), SHIPPED[path[-1]]())}"
         return f"text that matches {context['pattern']}"
     if kind in ("model_type", "model_attributes_type"):
-        here = _model_in(_annotation(model, location))
-        names = [] if here is None else list(_fields(here))
-        return TYPES[kind] + (f": {', '.join(names)}" if 0 < len(names) <= FEW_FIELDS else "")
+        return _fields_of(model, location, value)
     return TYPES.get(kind, kind.replace("_", " "))
+
+
+def _fields_of(model: Any, location: Path, value: object) -> str:
+    """The few fields of the mapping that belongs at `location`, and how a number was probably meant; "a value" where no
+    mapping belongs."""
+    here = _model_in(_annotation(model, location))
+    if here is None:
+        return "a value" if value is None else TYPES["model_type"]
+    fields = list(_fields(here))
+    names = [f"{name}/{twin_of(name)}" if twin_of(name) else name for name in fields]
+    told = TYPES["model_type"] + (f": {', '.join(names)}" if 0 < len(names) <= FEW_FIELDS else "")
+    if type(value) in (int, float) and len(fields) == 1:
+        told += f"; did you mean {{{twin_of(fields[0]) or fields[0]}: {value}}}?"
+    return told
 
 
 def _millimetres(path: Path, value: object) -> str:
@@ -153,7 +165,8 @@ def _in_unit_written(limit: float, path: Path) -> str:
         twin = si_key(part)
         if twin is not None:
             return f"{from_si(limit, twin[1]):.6g} ({twin[1]})"
-    return f"{limit:.6g}"
+    unit = unit_of(key, SI_UNITS)
+    return f"{limit:.6g}" if unit is None else f"{limit:.6g} ({unit})"
 
 
 def _known(model: Any, location: Path, value: object) -> str:

@@ -15,7 +15,7 @@ import yaml
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_DEPTH, MAX_YAML_BYTES
-from assur.scenes.faults import DocumentError, Path, dotted
+from assur.scenes.faults import WHOLE, DocumentError, Path, dotted
 from assur.scenes.text.scalars import Refused, real, whole
 
 NULL = re.compile(r"(?:|~|null|Null|NULL)\Z")
@@ -36,14 +36,18 @@ LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 def with_line(error: InputError, lines: Lines, prefix: str = "") -> DocumentError:
     """The error with the line of its field, or of the innermost mapping around it that the file has. `prefix`: where in
-    the file the document is that the error speaks of."""
+    the file the document is that the error speaks of; the field gets it."""
     more = error.more if isinstance(error, DocumentError) else ()
-    field = prefix + error.field
     line = getattr(error, "line", None)
+    if line is not None:
+        return DocumentError(error.field, error.value, error.allowed, line=line, more=more)
+    named = error.field if error.field == WHOLE else prefix + error.field
+    field = named
     while line is None and field:
         line = lines.get(field)
         field = field[: max(field.rfind("."), field.rfind("["), 0)]
-    return DocumentError(error.field, error.value, error.allowed, line=line or 1, more=more)
+    others = tuple((prefix + other, allowed) for other, allowed in more)
+    return DocumentError(named, error.value, error.allowed, line=line or 1, more=others)
 
 
 class _Open:

@@ -433,7 +433,7 @@ def test_text_that_is_no_json_is_told_with_line_and_column(tmp_path: Path) -> No
     code, _, errors = run("plan", str(file))
     assert (code, errors) == (
         BAD_INPUT,
-        'assur: request: got "Expecting value at line 2, column 11"; allowed: JSON\n',
+        'assur: FILE: got "Expecting value at line 2, column 11"; allowed: JSON\n',
     )
 
 
@@ -442,7 +442,7 @@ def test_text_that_is_no_json_is_told_with_line_and_column(tmp_path: Path) -> No
     [
         (("plan", "nowhere.yaml"), b"assur: FILE: got "),
         (("plan", "bad.json"), b"assur: robot.model: got "),
-        (("plan", "bad.yaml"), b"assur: line 2: robot.model: got "),
+        (("plan", "bad.yaml"), b"assur: line 2: request.robot.model: got "),
         (("check", "small.json", "bad.json"), b"assur: plan.robot: got "),
         (("check", "bad.json", "bad.json"), b"assur: robot.model: got "),
     ],

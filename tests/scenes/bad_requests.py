@@ -524,6 +524,10 @@ BAD_REQUESTS: tuple[Bad, ...] = (
         "task[0].pick.window_mm",
         "250 is not below -300",
     ),
+    Bad(
+        "approach without its unit", put(*PICK, "approach", value=30), "task[0].pick.approach", "did you mean {mm: 30}?"
+    ),
+    Bad("approach left out", drop(*PICK, "approach"), "task[0].pick.approach", "a mapping of fields: m/mm, which must"),
     Bad("negative approach", put(*PICK, "approach", value={"mm": -3}), "task[0].pick.approach.mm"),
     Bad("no dwell", drop(*PICK, "dwell_ms"), "task[0].pick.dwell_s"),
     Bad(

@@ -87,7 +87,7 @@ def test_a_fault_of_meaning_gets_its_line_too(tmp_path: Path) -> None:
     (tmp_path / "cell.yaml").write_text(spoilt)
     with pytest.raises(DocumentError) as caught:
         plan_scenario(load_scenario(tmp_path / "cell.yaml"))
-    assert caught.value.field == "task[1].place.to.frame"
+    assert caught.value.field == "request.task[1].place.to.frame"
     assert "disc" in spoilt.splitlines()[(caught.value.line or 0) - 1]
 
 
@@ -222,7 +222,7 @@ def test_a_mesh_that_is_wrong_is_blamed_on_its_file(
     scenario = load_scenario(written(tmp_path, request))
     with pytest.raises(InputError) as caught:
         plan_scenario(scenario)
-    assert caught.value.field == f"bodies[1].shape.mesh.{field}"
+    assert caught.value.field == f"request.bodies[1].shape.mesh.{field}"
     assert words in caught.value.allowed
     assert caught.value.value == ("part.stl" if field == "file" else "m")
 

@@ -65,7 +65,7 @@ def test_a_mesh_outside_of_the_folder_is_refused_with_its_line(tmp_path: Path) -
     (tmp_path / "cell.yaml").write_text(SCENARIO.replace("tray.stl", "../tray.stl"))
     with pytest.raises(DocumentError) as caught:
         load(tmp_path / "cell.yaml")
-    assert caught.value.field == "bodies[0].shape.mesh.file"
+    assert caught.value.field == "request.bodies[0].shape.mesh.file"
     assert caught.value.line == 7
 
 
