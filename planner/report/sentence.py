@@ -276,7 +276,8 @@ def _window_missed(scene: Scene, refusal: Refusal, facts: WindowMissed, short: s
         case Miss.ENDS_TOO_LATE:
             return f"the motion ends at least {short} after latest_end_s"
         case Miss.NO_MEETING_LEFT:
-            return f"the arm comes at least {short} too late for the window"
+            end = "to meet the point while it can be met" if step.window == Window() else "for the window"
+            return f"the arm comes at least {short} too late {end}"
         case Miss.OUTSIDE:
             return f"the point would be met {short} outside its window"
         case Miss.NO_COMMON_BEGIN:

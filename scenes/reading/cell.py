@@ -79,13 +79,18 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
 
 MASSES = "mass_kg is not used: no torque, no payload check"
 """What an answer says where a mass is given."""
+NO_SOLIDS = "the tool has no bodies: nothing is kept clear of it between flange and tool point"
+"""... and where a tool has a length alone."""
 
 
 def _unused(request: RequestDocument) -> tuple[str, ...]:
-    """What the request states and no plan depends on. A mass of 0 is the same as none."""
+    """What the request states and no plan depends on, or leaves out and no plan knows. A mass of 0 is the same as
+    none."""
     masses = [request.robot.tool.mass_kg, *(body.mass_kg for body in request.bodies)]
     masses += [neighbour.robot.tool.mass_kg for neighbour in request.neighbours]
-    return (MASSES,) if any(masses) else ()
+    tool = request.robot.tool
+    bare = any(tool.tcp_m) and not tool.bodies
+    return (*((MASSES,) if any(masses) else ()), *((NO_SOLIDS,) if bare else ()))
 
 
 def _check_riders(request: RequestDocument, steps: tuple[Step, ...]) -> None:

@@ -106,6 +106,9 @@ def test_a_step_without_a_window_misses_the_latest_end() -> None:
     for name, scene in scenes.items():
         told = sentence(scene, late, None, NONE, cut=False)
         assert told == f"drop: the arm comes at least 37 ms too late for {name}."
+    always = cell(go(0.35, 0.2, name="drop"))
+    told = sentence(always, late, None, NONE, cut=False)
+    assert told == "drop: the arm comes at least 37 ms too late to meet the point while it can be met."
 
 
 def of(reason: Reason, facts: Facts, amount: Quantity | None = None, **more: Any) -> Refusal:

@@ -75,6 +75,16 @@ def test_masses_are_told_to_be_unused_wherever_one_is_given() -> None:
     assert told not in scene_of(request).assumptions
 
 
+def test_a_tool_that_has_a_length_and_no_bodies_is_told_to_be_kept_clear_of_nothing() -> None:
+    request = copy.deepcopy(GOOD_REQUEST)
+    told = "the tool has no bodies: nothing is kept clear of it between flange and tool point"
+    assert told not in scene_of(request).assumptions
+    request["robot"]["tool"] = {"tcp_mm": [0, 0, -100]}
+    assert told in scene_of(request).assumptions
+    request["robot"]["tool"] = {"tcp_mm": [0, 0, 0]}
+    assert told not in scene_of(request).assumptions
+
+
 def test_a_length_that_is_too_large_in_millimetres_is_not_told_to_be_in_millimetres() -> None:
     request = copy.deepcopy(GOOD_REQUEST)
     request["task"][2]["move"]["to"] = {"at_mm": [350000, 0, 120]}
