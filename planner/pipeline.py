@@ -130,7 +130,12 @@ def _not_planned(
     if options.explain_budget_s > 0 and worth_trying(refusal):
         deadline = time.perf_counter() + options.explain_budget_s
         relaxation, tried, spent = relax(
-            scene, min(deepest, len(scene.task) - 1), _blocker(scene, census, deepest), deadline
+            scene,
+            min(deepest, len(scene.task) - 1),
+            _blocker(scene, census, refusal, deepest),
+            deadline,
+            refusal,
+            proved=proved,
         )
     ended = Reason.TIMED_OUT if cut or not census.candidates else Reason.COUNT_SPENT
     return NotPlanned(
@@ -149,8 +154,10 @@ def _not_planned(
     )
 
 
-def _blocker(scene: Scene, census: Census, step: int) -> str | None:
-    """The body of the surroundings that refused most candidates of a step."""
+def _blocker(scene: Scene, census: Census, refusal: Refusal | None, step: int) -> str | None:
+    """The body of the surroundings that a proof names, or that refused most candidates of a step."""
+    if refusal is not None and refusal.stage is Stage.CONTROL_POINT:
+        return next((name for name in refusal.bodies if name in scene.index), None)
     counts: dict[str, int] = {}
     for line in census.lines:
         for name in line.refusal.bodies:

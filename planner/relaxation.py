@@ -27,11 +27,23 @@ FEWEST_S = 0.02
 
 
 def relax(
-    scene: Scene, step: int, blocker: str | None, deadline: float
+    scene: Scene,
+    step: int,
+    blocker: str | None,
+    deadline: float,
+    refusal: Refusal | None = None,
+    *,
+    proved: bool = False,
 ) -> tuple[Relaxation | None, tuple[str, ...], bool]:
-    """The first change that works, what was tried, and whether the time was spent; `deadline` in monotonic seconds."""
+    """The first change that works, what was tried, and whether the time was spent; `deadline` in monotonic seconds.
+
+    `refusal`: why there is no plan, and whether that is `proved`: only what it leaves open is tried.
+    """
     tried: list[str] = []
+    geometric = refusal is not None and refusal.reason in GEOMETRIC
     for what, value, changed in changes(scene, step, blocker):
+        if (proved and what == "budget") or (geometric and what not in OF_GEOMETRY):
+            continue
         left = deadline - time.perf_counter()
         if left < FEWEST_S:
             return None, tuple(tried), True
@@ -69,8 +81,8 @@ def _reached(found: Found, what: str, value: str, step: int) -> str:
 
 
 def changes(scene: Scene, step: int, blocker: str | None) -> Iterator[tuple[str, str, Scene]]:
-    """Changes in order: window, acceleration time, budget, elbow, pitch, match, dwell, belt speed, clearance, margin,
-    a body left out."""
+    """Changes in order: window, acceleration time, budget, elbow, pitch, match, heights of approach and depart, dwell,
+    belt speed, clearance, margin, a body or another robot left out."""
     what, options = scene.task[step], scene.options
     if what.window != Window():
         yield "window", "open", _step(scene, step, replace(what, window=Window()))
@@ -87,6 +99,7 @@ def changes(scene: Scene, step: int, blocker: str | None) -> Iterator[tuple[str,
         yield "pitch", "free", _step(scene, step, replace(what, target=replace(what.target, pitch=None)))
     if isinstance(what, Move) and what.match == "velocity":
         yield "match", "position", _step(scene, step, replace(what, match="position"))
+    yield from _heights(scene, step, what)
     yield from _dwells(scene, step, what)
     yield from _belts(scene, what)
     near, travel = options.clearance.near_m, options.clearance.travel_m
@@ -98,9 +111,15 @@ def changes(scene: Scene, step: int, blocker: str | None) -> Iterator[tuple[str,
     if options.singularity_margin > 0:
         yield "singularity margin", "0", replace(scene, options=replace(options, singularity_margin=0.0))
     if blocker is not None and blocker in scene.index and not _is_part(scene, blocker):
-        bodies = tuple(body for body in scene.bodies if body.name != blocker)
+        # the bodies of another robot have its name before theirs
+        robot, of_robot, _ = blocker.partition("/")
+        bodies = tuple(
+            body
+            for body in scene.bodies
+            if body.name != blocker and not (of_robot and body.name.startswith(f"{robot}/"))
+        )
         try:
-            yield "without", blocker, replace(scene, bodies=bodies)
+            yield "without", robot, replace(scene, bodies=bodies)
         except InputError:
             # a step names the body (contact_with): without it the task would be another one
             return
@@ -114,6 +133,16 @@ def _budget(scene: Scene) -> tuple[str, str, Scene]:
     count = MORE * options.max_candidates
     longer = replace(options, budget_s=seconds, max_candidates=count)
     return "budget", f"{count} candidates in {seconds:g} s", replace(scene, options=longer)
+
+
+def _heights(scene: Scene, step: int, what: Step) -> Iterator[tuple[str, str, Scene]]:
+    """Shorter straight ways to and from the point."""
+    if not isinstance(what, Pick | Place) or not max(what.approach_m, what.depart_m) > 0:
+        return
+    for share in (0.5, 0.2):
+        approach, depart = share * what.approach_m, share * what.depart_m
+        lower = replace(what, approach_m=approach, depart_m=depart)
+        yield "heights", f"approach {1e3 * approach:g} mm, depart {1e3 * depart:g} mm", _step(scene, step, lower)
 
 
 def _dwells(scene: Scene, step: int, what: Step) -> Iterator[tuple[str, str, Scene]]:
@@ -149,6 +178,9 @@ def _step(scene: Scene, number: int, step: Step) -> Scene:
     return replace(scene, task=(*scene.task[:number], step, *scene.task[number + 1 :]))
 
 
+GEOMETRIC = frozenset({Reason.OUT_OF_REACH, Reason.JOINT_LIMIT})
+OF_GEOMETRY = frozenset({"elbow", "pitch", "heights"})
+"""Where a point cannot be reached, only another posture or another height can help."""
 HOPELESS = frozenset({Reason.START_IN_COLLISION, Reason.LAW_ENDS})
 """Reasons that no change of the list can mend."""
 

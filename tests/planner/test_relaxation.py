@@ -97,7 +97,17 @@ def test_the_first_change_that_works_is_named_and_works_when_applied(name: str) 
 def test_changes_come_in_the_order_of_a_shop_and_never_touch_the_robot() -> None:
     scene = belt_and_dial(elbow="keep", clearance=Clearance(0.004, 0.001), singularity_margin=0.1)
     scene = replace(scene, task=(replace(scene.task[0], window=Window(along=(0.0, 0.2))), *scene.task[1:]))
-    order = ["window", "budget", "elbow", "dwell", "belt speed", "clearance", "singularity margin", "without"]
+    order = [
+        "window",
+        "budget",
+        "elbow",
+        "heights",
+        "dwell",
+        "belt speed",
+        "clearance",
+        "singularity margin",
+        "without",
+    ]
     seen = [what for what, _, _ in changes(scene, 0, "belt-bed")]
     assert list(dict.fromkeys(seen)) == order
     for _, _, changed in changes(scene, 0, "belt-bed"):

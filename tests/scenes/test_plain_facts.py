@@ -103,6 +103,27 @@ def test_the_cell_itself_is_planned() -> None:
     assert plan(CELL)["status"] == "planned"
 
 
+def test_what_would_help_is_what_the_refusal_is_about() -> None:
+    """More search helps nothing that is proved, and no other height of a point that is out of reach by a metre."""
+    helps = {
+        "place above the lift with its approach": ("heights", "approach 10 mm, depart 10 mm"),
+        "something in the nest": ("without", "block"),
+        "a lid over the nest": ("without", "lid"),
+        "place out of reach": None,
+    }
+    for name, expected in helps.items():
+        cell = copy.deepcopy(CELL)
+        CASES[name][0](cell)
+        if name.startswith("place above"):
+            put([250, -150, 149])(cell)
+        cell["options"]["explain_budget_s"] = 30
+        answer = plan(cell)
+        assert answer["proved"]
+        found = answer["relaxation"]
+        assert (None if found is None else (found["what"], found["value"])) == expected
+        assert not any(tried.startswith("budget") for tried in answer["tried"])
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_it_is_proved_after_one_round(name: str) -> None:
     change, reason, step = CASES[name]
