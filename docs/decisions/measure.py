@@ -154,7 +154,7 @@ def scores(limit: int) -> None:
         for _, scene in problems(name, limit):
             prover, chain, rng = Prover(scene), initial(scene), np.random.default_rng(0)
             meeting = prepared(scene, chain, 0.0, None, tuple(range(len(scene.robot.modes))))
-            ways = () if isinstance(meeting, Refusal) else options(scene, chain, [(0.0, meeting)], MOST_OPTIONS)
+            ways = () if isinstance(meeting, Refusal) else options(scene, chain, [(0.0, meeting)])[:MOST_OPTIONS]
             if not ways:
                 continue
             population = Population(scene, chain, ways, CoarseScore(prover, chain, ways), rng, adaptive=False)

@@ -15,6 +15,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.blends.timed import BlendShape, Station
 from assur.planner.frames import all_stand
 from assur.planner.model.scene import Scene
+from assur.planner.search.meeting_options import preference
 from assur.planner.search.partial_plan import PartialPlan
 from assur.planner.search.via_batch import free_vias
 
@@ -68,14 +69,14 @@ class BlendSampler:
             self.blocked.append(shape.stations)
 
     def learn(self, shape: BlendShape, bad: float) -> None:
-        """`bad`: the share of a draft's samples that were in the way of something; 0: it was free."""
+        """`bad`: how deep a draft was in something (`score_of`); 0: it was free."""
         if self.adaptive:
             self.elite.append((bad, shape))
             self.elite.sort(key=lambda pair: pair[0])
             del self.elite[ELITE:]
 
     def _shortest(self) -> tuple[tuple[Station, ...], ...]:
-        """Choices of a station each, those with the least time at full speed first, by beam."""
+        """Choices of a station each, those with the least time at full speed first, the wrist turned least, by beam."""
         velocity = self.scene.robot.limits.velocity
         beam: list[tuple[float, tuple[Station, ...], FloatArray]] = [(0.0, (), self.partial.state.q)]
         for stations in self.choices:
@@ -83,7 +84,8 @@ class BlendSampler:
             for cost, way, q in beam:
                 for station in stations:
                     at = _typical(station)
-                    longer.append((cost + float(np.max(np.abs(at - q) / velocity)), (*way, station), at))
+                    least = float(np.max(np.abs(at - q) / velocity))
+                    longer.append((cost + least * preference(self.scene.robot, q, at), (*way, station), at))
             beam = sorted(longer, key=lambda item: item[0])[:DIRECT]
         return tuple(way for _, way, _ in beam if way)
 

@@ -8,8 +8,6 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import product
 
-import numpy as np
-
 from assur.planner.blends.candidates import BlendSampler
 from assur.planner.blends.extension import blend_extension, run_of
 from assur.planner.blends.timed import BlendShape, Station
@@ -21,10 +19,9 @@ from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.refusal import OF_CANDIDATES, AccelerationTime, Reason, Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.search.beam import Found, Search
-from assur.planner.search.meeting_options import options
+from assur.planner.search.meeting_options import free_yaws, options
 from assur.planner.search.partial_plan import Extension, PartialPlan, TimedCandidate
 from assur.planner.search.rough_score import score_of
-from assur.planner.search.tuning import ANY_YAW, MOST_OPTIONS
 
 
 class BlendSearch(Search):
@@ -103,7 +100,7 @@ class BlendSearch(Search):
             met = []
             turns = yaw_offsets(self.scene, self.scene.task[step])
             attitudes = tilts(self.scene, self.scene.task[step], partial.state.q)
-            yaws = turns or tuple(float(x) for x in 2 * np.pi * np.arange(ANY_YAW) / ANY_YAW)
+            yaws = free_yaws(self.scene, partial, step, self._modes(partial)) if turns is None else turns
             for turn, tilt in product(yaws, attitudes):
                 point = control_point(self.scene, step, partial.attached, turn, tilt)
                 found = meetings(self.scene, point, partial.state.time, 0.0, self._modes(partial), partial.state.q)
@@ -112,7 +109,7 @@ class BlendSearch(Search):
                 met.append((turn, found))
                 stations += [Station(point, branch) for branch in found.branches]
             if step == partial.step == 0:
-                self.found.first_options = options(self.scene, partial, met, max(MOST_OPTIONS, len(attitudes)))
+                self.found.first_options = options(self.scene, partial, met)
             if not stations:
                 self.found.deepest = max(self.found.deepest, step)
                 return BlendSampler(self.scene, partial, (), self.rng, self.adaptive)

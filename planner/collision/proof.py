@@ -189,8 +189,8 @@ class Prover:
                 return _given_up(arrangement, search)
 
     def screened(self, phase: Phase, trajectory: Trajectory) -> FloatArray:
-        """What is too near at an instant of a phase of a trajectory (H, HIT_COLUMNS), the deepest of each pair; none:
-        nothing ever is. Then the rows that show it are kept for `prove`."""
+        """What is too near at an instant of a phase of a trajectory (H, HIT_COLUMNS), the deepest of each pair. Where
+        that is shown to be nothing, at any instant, the rows that show it are kept for `prove`."""
         spline = self.spline(trajectory)
         search = self.hits(phase, spline, self.near(phase, spline))
         if search.done and not self.pairs(self.of(phase), phase).many:

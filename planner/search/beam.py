@@ -148,15 +148,19 @@ class Search:
         attitudes = tilts(scene, scene.task[partial.step], partial.state.q)
         modes = self._modes(partial)
         offsets = yaw_offsets(scene, scene.task[partial.step])
-        for offset, tilt in product(free_yaws(scene, partial, modes) if offsets is None else offsets, attitudes):
+        if offsets is None:
+            offsets = free_yaws(scene, partial, partial.step, modes)
+        for offset, tilt in product(offsets, attitudes):
             meeting = prepared(scene, partial, offset, tilt, modes)
             for refusal in (meeting,) if isinstance(meeting, Refusal) else meeting.refusals:
                 self.found.census.note(refusal)
             if isinstance(meeting, Meetings):
                 met.append((offset, meeting))
-        found = options(scene, partial, met, max(MOST_OPTIONS, len(attitudes)))
+        every = options(scene, partial, met)
         if partial.step == 0:
-            self.found.first_options = found
+            # all of them: a lower bound must hold for those that are not tried, too
+            self.found.first_options = every
+        found = every[: max(MOST_OPTIONS, len(attitudes))]
         score = bound(CoarseScore, self.prover, partial, found)
         sampler = Sampler(scene, partial, found, self.rng, score, self.adaptive)
         high = sampler.too_high()

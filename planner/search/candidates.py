@@ -65,8 +65,8 @@ class Sampler:
         return self.population is not None and candidate in self.population.number
 
     def learn(self, candidate: Candidate, bad: float, end: float = math.inf, at: float | None = None) -> None:
-        """`bad`: the share of a candidate's instants at which it was in the way of something; 0: it was free; 1: it was
-        refused for another reason. `end`: when it ends, `at`: when something was in its way, s."""
+        """`bad`: how deep a candidate was in something (`score_of`); 0: it was free; 1: it was refused for something
+        else. `end`: when it ends, `at`: when something was in its way, s."""
         if not self.adaptive:
             return
         if self.population is not None:

@@ -13,6 +13,7 @@ from assur.planner.legs.control_point import control_point
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
 from assur.planner.model.scene import Scene
+from assur.planner.robots.robot import Robot
 from assur.planner.search.partial_plan import PartialPlan
 from assur.planner.search.tuning import ANY_YAW, EVALUATED_MEETINGS, SHARE_OF_A_TURN
 
@@ -32,9 +33,9 @@ class Option:
     grain: float
 
 
-def options(scene: Scene, partial: PartialPlan, found: list[tuple[float, Meetings]], most: int) -> tuple[Option, ...]:
-    """Branches of all turns of the part, those with the least possible duration first; of about the same duration the
-    one that turns the wrist least (`SHARE_OF_A_TURN`)."""
+def options(scene: Scene, partial: PartialPlan, found: list[tuple[float, Meetings]]) -> tuple[Option, ...]:
+    """All branches of all turns of the part, those with the least possible duration first; of about the same duration
+    the one that turns the wrist least (`SHARE_OF_A_TURN`)."""
     state, limits = partial.state, scene.robot.limits
     start = np.array([state.q, state.qd, state.qdd])
     result = []
@@ -54,26 +55,28 @@ def options(scene: Scene, partial: PartialPlan, found: list[tuple[float, Meeting
             first = float(time[ready[0]])
             before = float(time[ready[0] - 1]) if ready[0] > 0 else first - branch.grid_s
             result.append(Option(meeting, yaw_offset, branch, first - state.time, first - before))
-    result.sort(key=lambda option: option.least * (1.0 + SHARE_OF_A_TURN * _turned(scene, partial, option)))
-    return tuple(result[:most])
+    # where an option is met first
+    result.sort(key=lambda option: option.least * preference(scene.robot, state.q, option.branch.q[0]))
+    return tuple(result)
 
 
-def _turned(scene: Scene, partial: PartialPlan, option: Option) -> float:
-    """By how many turns the wrist is somewhere else where an option is met first: the last joint, if it turns."""
-    wrist = float(option.branch.q[0, -1] - partial.state.q[-1])
-    return abs(wrist) / (2 * np.pi) * float(scene.robot.revolute[-1])
+def preference(robot: Robot, one: FloatArray, other: FloatArray) -> float:
+    """What the duration of a way between joints (n,) is multiplied by to compare it with others: `SHARE_OF_A_TURN` is
+    added for a turn of the wrist, the last joint, if that turns."""
+    wrist = abs(float(other[-1] - one[-1])) * float(robot.revolute[-1])
+    return 1.0 + SHARE_OF_A_TURN * wrist / (2 * math.pi)
 
 
-def free_yaws(scene: Scene, partial: PartialPlan, modes: tuple[int, ...]) -> tuple[float, ...]:
-    """Yaws that are tried where a control point leaves the yaw free: those for which the wrist stays as it is if the
-    point is met at once, one a mode, and `ANY_YAW` all round."""
-    robot, step, q = scene.robot, scene.task[partial.step], partial.state.q
-    tilt, t = tilts(scene, step, q)[0], np.array([partial.state.time])
+def free_yaws(scene: Scene, partial: PartialPlan, number: int, modes: tuple[int, ...]) -> tuple[float, ...]:
+    """Yaws that are tried where the control point of step `number` leaves the yaw free: those for which the wrist stays
+    as it is if the point is met at once, one a mode, and `ANY_YAW` all round."""
+    robot, q = scene.robot, partial.state.q
+    tilt, t = tilts(scene, scene.task[number], q)[0], np.array([partial.state.time])
     found: list[float] = []
-    for mode in modes:
+    for mode in modes if robot.revolute[-1] else ():
         offset = 0.0
         for _ in range(2):
-            point = control_point(scene, partial.step, partial.attached, offset, tilt)
+            point = control_point(scene, number, partial.attached, offset, tilt)
             off = float(q[-1] - robot.inverse(point.flange(t, point.approach).at_rest(), mode, 0).q[0, -1])
             if not math.isfinite(off):
                 break
@@ -82,7 +85,7 @@ def free_yaws(scene: Scene, partial: PartialPlan, modes: tuple[int, ...]) -> tup
                 found.append(offset)
                 break
             offset += off
-    return (*found, *(2 * np.pi * np.arange(ANY_YAW) / ANY_YAW).tolist())
+    return tuple(dict.fromkeys([*found, *(2 * np.pi * np.arange(ANY_YAW) / ANY_YAW).tolist()]))
 
 
 def ahead(scene: Scene, partial: PartialPlan, q: FloatArray) -> FloatArray | None:

@@ -69,7 +69,7 @@ class Population:
         return self.options[int(row[OPTION])], self._candidate(row)
 
     def learn(self, candidate: Candidate, bad: float, at: float | None) -> None:
-        """What came of one that was tried: the share of its instants that were in the way of something, and when."""
+        """What came of one that was tried: how deep it was in something (`score_of`), and when."""
         i = self.number.get(candidate)
         if i is None:
             return

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import pytest
 
 from assur.planner.collision.rows import Unproved
+from assur.planner.collision.screening import Encounter
 from assur.planner.model.refusal import (
     Bodies,
     FrameName,
@@ -47,6 +49,23 @@ def test_refusals_of_one_kind_are_one_line_with_their_spans() -> None:
     assert line.count == 3
     assert line.refusal == replace(refusal(0.005), interval=(0.4, 2.0))
     assert (line.least, line.most) == (0.005, 0.02)
+
+
+def test_fcl_is_asked_about_the_refusal_that_is_told_and_its_answer_is_told() -> None:
+    for touching in (True, False):
+        asked: list[float] = []
+
+        def touches(amount: float, answer: bool = touching, asked: list[float] = asked) -> bool:
+            asked.append(amount)
+            return answer
+
+        counter = Counter()
+        for amount in (0.02, 0.005, 0.01):
+            counter.add_all((Encounter(refusal(amount), partial(touches, amount)),))
+        facts = counter.census().lines[0].refusal.facts
+        assert isinstance(facts, Separation)
+        assert facts.touching is touching
+        assert asked == [0.005]
 
 
 def test_what_differs_in_subject_step_or_unit_is_a_line_of_its_own_and_the_most_frequent_comes_first() -> None:

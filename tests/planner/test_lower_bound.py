@@ -140,7 +140,7 @@ def test_the_arm_need_not_stop_at_the_approach_height() -> None:
     start = initial(scene)
     meeting = prepared(scene, start, 0.0, None, (start.mode,))
     assert isinstance(meeting, Meetings)
-    found = options(scene, start, [(0.0, meeting)], 12)
+    found = options(scene, start, [(0.0, meeting)])
     assert found
     bound = lower_bound(scene, found)
     assert bound == pytest.approx(0.045 / limits().velocity[2], rel=1e-6)

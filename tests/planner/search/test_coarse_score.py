@@ -41,7 +41,7 @@ def asked(scene: Scene) -> tuple[Prover, tuple[Option, ...], Population]:
     chain, prover = initial(scene), Prover(scene)
     meeting = prepared(scene, chain, 0.0, None, (0, 1))
     assert isinstance(meeting, Meetings)
-    found = options(scene, chain, [(0.0, meeting)], 12)
+    found = options(scene, chain, [(0.0, meeting)])
     rng = np.random.default_rng(1)
     return prover, found, Population(scene, chain, found, CoarseScore(prover, chain, found), rng, adaptive=True)
 

@@ -8,10 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from assur.planner.collision.proof import Prover
+from assur.planner.frames.motion import Pose
 from assur.planner.model.outcome import Planned
-from assur.planner.model.scene import Scene, Step
+from assur.planner.model.scene import Clearance, Pick, Scene, Step
 from assur.planner.pipeline import plan
-from tests.planner.cells import at, belt_and_dial, cell, go
+from assur.planner.search.beam import Search
+from assur.planner.search.lower_bound import lower_bound
+from assur.planner.search.partial_plan import initial
+from tests.planner.cells import CUP, PART, arm, at, belt_and_dial, cell, go, stands
 
 
 def wrist(scene: Scene) -> np.ndarray:
@@ -40,3 +45,21 @@ def test_the_nearest_of_several_full_turns_is_taken(yaw: float) -> None:
 def test_a_pick_and_a_place_turn_less_than_a_turn() -> None:
     q = wrist(belt_and_dial())
     assert q.max() - q.min() < 2 * math.pi
+
+
+def test_the_lower_bound_is_of_all_turns_and_not_only_of_those_that_are_tried() -> None:
+    """A part that fits in any of sixty turns offers more options than are tried."""
+    part = stands("part", PART, 0.3, -0.25, 0.05, yaw_symmetry=60)
+    pick = Pick("pick", "part", Pose(z=0.01), 0.0, 0.05, 0.0)
+    scene = cell(pick, bodies=(part,), robot=arm(bare=True), tool=CUP, clearance=Clearance(0.0, 0.0))
+    search = Search(scene, Prover(scene), 0.0)
+    tried = search._sampler(initial(scene)).options
+    every = search.found.first_options
+    assert {option.yaw_offset for option in tried} < {option.yaw_offset for option in every}
+    assert len({option.yaw_offset for option in every}) == 60
+    assert lower_bound(scene, every) == pytest.approx(min(option.least for option in every) + pick.dwell_s)
+
+
+def test_blended_motion_leaves_the_wrist_as_it_is_too() -> None:
+    scene = cell(free(0.35, -0.2, "a"), free(0.2, 0.4, "b"), elbow="keep", timing="parabolic_blend")
+    assert np.abs(wrist(scene) - scene.start.q[-1]).max() < 1e-6
