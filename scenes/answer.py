@@ -14,6 +14,7 @@ import numpy as np
 from assur.planner.errors import FaultError
 from assur.planner.model.outcome import (
     Arrival,
+    ArrivalError,
     Census,
     Certificate,
     JointPeak,
@@ -155,6 +156,8 @@ def certificate_document(certificate: Certificate, detail: Detail) -> document.C
         "second": certificate.second.tolist(),
         "second_piece": certificate.second_piece.tolist(),
         "normal": certificate.normal.tolist(),
+        "shift0_s": None if certificate.shift0 is None else certificate.shift0.tolist(),
+        "shift1_s": None if certificate.shift1 is None else certificate.shift1.tolist(),
     }
 
 
@@ -177,12 +180,28 @@ def _arrival(cell: Cell, arrival: Arrival) -> document.Arrival:
             "joints": [number(x) for x in as_maker(np.array(missed.joints), cell.conventions).tolist()],
             "distance_m": number(missed.distance_m),
         },
+        "error": None if arrival.error is None else _error(arrival.error),
     }
     if arrival.pitch is not None:
         written["pitch_rad"] = number(arrival.pitch)
     if arrival.roll is not None:
         written["roll_rad"] = number(arrival.roll)
     return written
+
+
+def _error(error: ArrivalError) -> document.ArrivalError:
+    within = error.within
+    return {
+        "position_m": number(error.position_m),
+        "horizontal_m": number(within.position_m),
+        "vertical_m": number(within.vertical_m),
+        "yaw_rad": number(within.yaw_rad),
+        "causes": [
+            {"cause": share.cause, "position_m": number(share.position_m), "yaw_rad": number(share.yaw_rad)}
+            for share in error.shares
+        ],
+        "worst": [{"what": what, "value": number(value)} for what, value in error.worst],
+    }
 
 
 def _margins(margins: Margins) -> document.Margins:

@@ -55,7 +55,7 @@ def blend_extension(scene: Scene, partial: PartialPlan, shape: BlendShape) -> Ex
     if beyond is not None:
         return beyond
     legs = _legs(partial, shape, found, knots.end)
-    arrivals = _arrivals(scene, shape, found, trajectory)
+    arrivals = _arrivals(scene, partial, shape, found, trajectory)
     after = _after(partial, shape.stations[-1], legs, arrivals, knots)
     ours = phases(scene, after.legs, after.arrivals)[len(partial.legs) :]
     if after.step < len(scene.task):
@@ -88,12 +88,14 @@ def _legs(partial: PartialPlan, shape: BlendShape, found: Blended, end: float) -
     return tuple(legs)
 
 
-def _arrivals(scene: Scene, shape: BlendShape, found: Blended, trajectory: Trajectory) -> tuple[Arrival, ...]:
+def _arrivals(
+    scene: Scene, partial: PartialPlan, shape: BlendShape, found: Blended, trajectory: Trajectory
+) -> tuple[Arrival, ...]:
     made = []
     for station, number, time in zip(shape.stations, found.poses, found.times, strict=True):
         point = station.point
         t = min(time, trajectory.end)
-        there = arrival(scene, point, trajectory, t, t)
+        there = arrival(scene, point, partial, trajectory, t, t)
         if point.via:
             away = there.pose.position - point.flange(np.array(t)).at(scene.tool.tcp).p
             missed = Missed(tuple(found.law.missed_by[number].tolist()), float(np.sqrt((away**2).sum())))

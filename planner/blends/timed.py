@@ -21,19 +21,18 @@ from assur.planner.model.refusal import (
     AccelerationTime,
     BeyondRange,
     JointName,
-    Miss,
     Obstacle,
     Quantity,
     Reason,
     Refusal,
     Stage,
-    WindowMissed,
     of_joint,
     out_of_reach,
     unmoved,
     window_missed,
 )
 from assur.planner.model.scene import Scene
+from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.robots.facts import Code
 
 AGREES_S = 1e-12

@@ -9,7 +9,9 @@ import math
 
 import numpy as np
 
+from assur.planner.checker.accuracy import accuracies
 from assur.planner.checker.blends import blends
+from assur.planner.checker.correction import corrected
 from assur.planner.checker.enclosure import enclosed
 from assur.planner.checker.legs import ends, order
 from assur.planner.checker.meeting import meetings
@@ -62,8 +64,10 @@ def check(scene: Scene, plan: Plan, said: tuple[Nearest | None] | None = None) -
     findings += blends(world, plan.arrivals, goals) + tracked(world, plan.legs, goals)
     findings += straight(world, plan.legs, plan.arrivals)
     of_plan = phases(scene, plan.legs, plan.arrivals)
+    findings += accuracies(world, plan.arrivals, goals, of_plan)
     findings += carried(world, of_plan)
     table = solids(scene, of_plan)
+    findings += corrected(world, of_plan, table)
     apart = Apart.of(scene, of_plan, table, world.tables)
     claimed = -math.inf if said is None else math.inf if said[0] is None else said[0].gap_m - WITHIN_M
     apart_findings, against = apart.found(certificate, claimed)

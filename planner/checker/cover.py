@@ -14,14 +14,17 @@ from assur.planner.checker.jets import F1, F2, F3, TABLES, VECTOR
 from assur.planner.checker.motion import DEGREE, JETS, KIND, MOST_LINKS, POLYNOMIAL, SINCE, UNTIL, Tables
 from assur.planner.checker.separation import (
     BEGIN,
+    BODY_ONE,
+    BODY_OTHER,
     CLAIM,
     CLAIMED,
     DEEPEST,
-    DRIFT,
     F4,
+    FAR_ONE,
+    FAR_OTHER,
+    FROM,
     HINT,
     ITEM,
-    LATE,
     NEED,
     NORMAL,
     ONE,
@@ -29,12 +32,14 @@ from assur.planner.checker.separation import (
     OTHER,
     OTHER_ON,
     OTHERS,
+    PHASE,
     PIECES,
     PLACES,
     PROVE,
     REACHED,
     ROW,
     SLACK_M,
+    TO,
     WRONG,
     carried,
     descend,
@@ -42,40 +47,47 @@ from assur.planner.checker.separation import (
     vector,
 )  # fmt: skip
 from assur.planner.checker.solids import CARRIER, FIRST, I2, Vector
+from assur.planner.checker.uncertainty import ANY, DOUBT, Doubt, apart
 from assur.planner.compiled import kernel
-from assur.planner.model.phases import CONTACT_M
 
 UNIT_NORMAL = 1e-12
 """| |n| - 1 | of a normal at most: a normalised vector is off by 2e-16; in a cell of 50 m this is 0.05 nm of gap."""
-T0, T1, NAME, PIECE, OTHER_NAME, OTHER_PIECE, N, COLUMNS = 0, 1, 2, 3, 4, 5, 6, 9
+T0, T1, NAME, PIECE, OTHER_NAME, OTHER_PIECE, N, S0, S1, COLUMNS = 0, 1, 2, 3, 4, 5, 6, 9, 10, 11
 """Columns of a row of the certificate: its interval; number of the name, and of the piece, of both bodies (-1: none,
-and the box of the body); normal; how many columns."""
+and the box of the body); normal; between which times the second is ahead of the clock; how many columns."""
 UNKNOWN, OUTSIDE, JUDGED = range(3)
 STATUS, SPARED, AWAY, VERDICT = range(4)
 """Columns of what is found of a row: UNKNOWN (it names what does not exist), OUTSIDE (of any phase) or JUDGED; what it
 proves beyond what is required, m; by how much the length of its normal is not 1; how many columns."""
-MANY, HOLE, BODY, BODY_OTHER, HOLES = range(5)
+MANY, HOLE, HOLE_ONE, HOLE_OTHER, HOLES = range(5)
 """Columns of what is not covered in a phase: number of pairs; when the first hole begins and of which bodies it is."""
-CONTACT, BEHIND, FAR = 1, 2, 4
-"""Marks of a pair in a phase: it may touch; a plane keeps it apart; and as far as is claimed."""
+CONTACT, BEHIND, FAR, PUT_DOWN, REVERSED = 1, 2, 4, 8, 16
+"""Marks of a pair in a phase: it may touch; a plane keeps it apart; and as far as is claimed; one was put down, and
+must be kept clear of the other that passes by, though neither is the robot's; and the other one is the part."""
 I1, I3 = "int64[::1]", "int64[:, :, ::1]"
-CELL = f"Tuple(({I2}, {I2}, {I2}, {I1}, {I1}, {I2}, {F2}, {F2}, {F2}, float64))"
+CELL = f"Tuple(({I2}, {I2}, {I2}, {I1}, {I1}, {I2}, {F2}, {F2}, {F3}, {F1}, {F2}))"
 """`Cell` for the compiler."""
-Cell = tuple[IntArray, IntArray, IntArray, IntArray, IntArray, IntArray, FloatArray, FloatArray, FloatArray, float]
+Cell = tuple[
+    IntArray,
+    IntArray,
+    IntArray,
+    IntArray,
+    IntArray,
+    IntArray,
+    FloatArray,
+    FloatArray,
+    FloatArray,
+    FloatArray,
+    FloatArray,
+]
 """Seats of bodies in each phase (P, B), seats (S, 3), self-pairs of links (L, L), pieces of bodies (B,), numbers of
-bodies that are the robot's in any phase (B,) and those bodies behind each other (1, U); begin and end of phases (P, 2),
-distance required (P, F + 1) and its growth (P, F) for bodies on frames, the last column for the robot itself; how late
-the dispatch may be."""
-
-
-@kernel(f"boolean({CELL}, int64, int64, int64)")
-def required(cell: Cell, p: int, a: int, b: int) -> bool:
-    """Whether two bodies must stay apart in phase p."""
-    seat, seats, wanted = cell[0], cell[1], cell[2]
-    on, beside, links = seats[seat[p, a], CARRIER], seats[seat[p, b], CARRIER], len(wanted)
-    if on < links and beside < links:
-        return bool(wanted[on, beside] > 0)
-    return bool(on < links or beside < links)
+bodies that are the robot's in any phase (B,) and those bodies behind each other (1, U); begin and end of phases (P, 2);
+of phases (P, 3) whether `near` counts (1) or `travel` (0), whether the robot counts, and the gap of allowed contacts;
+distances of those bodies from all, travel and near (2, U, B); how far seats reach from the axes of their carriers (S,);
+and of carriers between which times they may be ahead of a robot that starts on time, and if it starts late, s, and
+whether they move (C, 4)."""
+NEAR, ROBOT, TOUCH = range(3)
+EARLIEST, LATEST, LATEST_OF_ALL, MOVES = range(4)
 
 
 @kernel(f"UniTuple(int64, 2)({I1}, int64, int64)")
@@ -83,6 +95,21 @@ def ordered(mine: IntArray, a: int, b: int) -> tuple[int, int]:
     """Two bodies, one of them the robot's in some phase, in the one order in which a pair of them is kept."""
     low, high = min(a, b), max(a, b)
     return (low, high) if mine[low] >= 0 else (high, low)
+
+
+@kernel(f"boolean({CELL}, {I3}, int64, int64, int64)")
+def required(cell: Cell, marks: IntArray, p: int, a: int, b: int) -> bool:
+    """Whether two bodies must stay apart in phase p."""
+    seat, seats, wanted, mine, kinds = cell[0], cell[1], cell[2], cell[4], cell[7]
+    on, beside, links = seats[seat[p, a], CARRIER], seats[seat[p, b], CARRIER], len(wanted)
+    if on >= links and beside >= links:
+        first, second = ordered(mine, a, b)
+        return bool(mine[first] >= 0 and marks[p, mine[first], second] & PUT_DOWN)
+    if kinds[p, ROBOT] == 0.0:
+        return False
+    if on < links and beside < links:
+        return bool(wanted[on, beside] > 0)
+    return True
 
 
 @kernel(f"int64({F2}, float64)")
@@ -111,7 +138,7 @@ def resolve(
 ) -> bool:
     """The pair of a row as an item of a proof (`separation.ITEM`), with what is required of it (C5); False: it names
     what does not exist or is not inside one phase."""
-    _, _, wanted, count, mine, _, spans, need, drift, late = cell
+    seat, _, wanted, count, mine, _, spans, kinds, asked, reach, _ = cell
     alone = row[OTHER_NAME] == -1.0 and row[OTHER_PIECE] == -1.0
     bodies, verdict[STATUS] = (-1, -1), UNKNOWN
     for side in range(1 if alone else 2):
@@ -131,26 +158,45 @@ def resolve(
     verdict[STATUS] = JUDGED
     sit_down(cell, p, bodies[0], int(row[PIECE]), item, 0)
     item[OTHER], item[OTHER_ON], item[OTHERS] = -1.0, -1.0, 0.0
-    item[PROVE], item[CLAIM], item[NEED], item[DRIFT], item[LATE] = 1.0, 0.0, 0.0, 0.0, 0.0
+    item[PROVE], item[CLAIM], item[NEED], item[PHASE] = 1.0, 0.0, 0.0, p
+    item[BODY_ONE], item[BODY_OTHER] = bodies[0], bodies[1]
+    item[FAR_ONE], item[FAR_OTHER], item[FROM], item[TO] = reach[seat[p, bodies[0]]], 0.0, row[S0], row[S1]
     for k in range(3):
         item[NORMAL + k] = item[HINT + k] = row[N + k]
     if alone:
         return True
     sit_down(cell, p, bodies[1], int(row[OTHER_PIECE]), item, 1)
-    world = int(max(item[ONE_ON], item[OTHER_ON])) - len(wanted)
-    if min(item[ONE_ON], item[OTHER_ON]) >= len(wanted):
-        item[NEED] = -np.inf  # pairs of the surroundings are nobody's concern: no distance is required of them
-        return True
+    item[FAR_OTHER] = reach[seat[p, bodies[1]]]
     a, b = ordered(mine, bodies[0], bodies[1])
-    if marks[p, mine[a], b] & CONTACT:
-        item[NEED] = -CONTACT_M
+    if not required(cell, marks, p, a, b):
+        item[NEED] = -np.inf  # nobody asks for this pair: no distance is required of it
         return True
-    item[NEED], item[CLAIM] = need[p, max(world, -1)], (1.0 if required(cell, p, a, b) else 0.0)
-    if world < 0:
-        item[NEED] = need[p, len(drift[p])]
-    else:
-        item[DRIFT], item[LATE] = drift[p, world], late
+    if marks[p, mine[a], b] & CONTACT:
+        item[NEED] = kinds[p, TOUCH]
+        return True
+    near = 1 if kinds[p, NEAR] > 0.0 or marks[p, mine[a], b] & PUT_DOWN else 0
+    item[NEED], item[CLAIM] = asked[near, mine[a], b], (1.0 if row[S0] <= 0.0 <= row[S1] else 0.0)
     return True
+
+
+@kernel(f"Tuple((int64, float64, float64))({CELL}, {I3}, int64, int64, int64)")
+def window(cell: Cell, marks: IntArray, p: int, a: int, b: int) -> tuple[int, float, float]:
+    """Which of two bodies (in the order of pairs) is looked at by the clock, and between which times, s, the other must
+    be looked at ahead of it (C8)."""
+    seat, seats, wanted, mine, ahead = cell[0], cell[1], cell[2], cell[4], cell[10]
+    on, beside, links = seats[seat[p, a], CARRIER], seats[seat[p, b], CARRIER], len(wanted)
+    if on < links and beside < links:
+        return a, 0.0, 0.0
+    if on < links or beside < links:
+        mover = ahead[max(on, beside)]
+        first = a if on < links else b
+        return (first, mover[EARLIEST], mover[LATEST_OF_ALL]) if mover[MOVES] > 0.0 else (first, 0.0, 0.0)
+    first, one, other = a, ahead[on], ahead[beside]
+    if marks[p, mine[a], b] & REVERSED:
+        first, one, other = b, other, one
+    if other[MOVES] == 0.0:
+        return first, 0.0, 0.0
+    return first, other[EARLIEST] - one[LATEST], other[LATEST] - one[EARLIEST]
 
 
 @kernel(f"boolean({F1})")
@@ -165,14 +211,14 @@ def good_alone(verdict: FloatArray) -> bool:
     return bool(verdict[STATUS] == JUDGED and verdict[AWAY] <= UNIT_NORMAL and verdict[SPARED] > -math.inf)
 
 
-@kernel(f"void({CELL}, {I3}, int64, int64, {VECTOR}, float64, {TABLES}, {F4}, {F3}, float64)")
+@kernel(f"void({CELL}, {I3}, int64, int64, {VECTOR}, float64, {TABLES}, {DOUBT}, {F4}, {F3}, float64)")
 def put_behind(
-    cell: Cell, marks: IntArray, p: int, one: int, n: Vector, stays: float, tables: Tables, jets: FloatArray,
-    known: FloatArray, claimed: float,
+    cell: Cell, marks: IntArray, p: int, one: int, n: Vector, stays: float, tables: Tables, doubt: Doubt,
+    jets: FloatArray, known: FloatArray, claimed: float,
 ) -> None:  # fmt: skip
     """Marks the bodies that stand still throughout phase p, before the plane n·x = -stays that body `one` of the robot
     stays behind, at the distance required (C6)."""
-    seat, seats, wanted, pieces, mine, _, spans, need, drift, late = cell
+    seat, seats, wanted, pieces, mine, _, spans, kinds, asked, reach, _ = cell
     count = len(wanted)
     for b in range(len(pieces)):
         c = seats[seat[p, b], CARRIER]
@@ -185,22 +231,25 @@ def put_behind(
         if not carried(BEGIN, c, spans[p, 0], spans[p, 0], tables, jets, known):
             continue
         whole = seats[seat[p, b], FIRST] + (0 if pieces[b] == 1 else pieces[b])
-        apart = stays - support(tables, jets[BEGIN], whole, c, (-n[0], -n[1], -n[2])) - SLACK_M
-        least = need[p, c - count] + drift[p, c - count] * (spans[p, 1] + late)
+        beyond = stays - support(tables, jets[BEGIN], whole, c, (-n[0], -n[1], -n[2])) - SLACK_M
         first, second = ordered(mine, one, b)
         touches = marks[p, mine[first], second] & CONTACT
-        if apart >= (-CONTACT_M if touches else least):
-            marks[p, mine[first], second] |= BEHIND | (FAR if apart >= claimed or touches else 0)
+        least = kinds[p, TOUCH] if touches else asked[1 if kinds[p, NEAR] > 0.0 else 0, mine[first], second]
+        if doubt[4][ANY] > 0.0:
+            far_one, far_b = reach[seat[p, one]], reach[seat[p, b]]
+            least += apart(doubt, tables, p, one, seats[seat[p, one], CARRIER], b, c, far_one, far_b, spans[p, 1], n)
+        if beyond >= least:
+            marks[p, mine[first], second] |= BEHIND | (FAR if beyond >= claimed or touches else 0)
 
 
-@kernel(f"void({F2}, {I1}, {I1}, {CELL}, {I3}, {TABLES}, {F4}, {F3}, {F2}, float64)")
+@kernel(f"void({F2}, {I1}, {I1}, {CELL}, {I3}, {TABLES}, {DOUBT}, {F4}, {F3}, {F2}, float64)")
 def _planes(
-    rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, tables: Tables, jets: FloatArray,
-    known: FloatArray, verdicts: FloatArray, claimed: float,
+    rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, tables: Tables, doubt: Doubt,
+    jets: FloatArray, known: FloatArray, verdicts: FloatArray, claimed: float,
 ) -> None:  # fmt: skip
     """Rows of one phase, body of the robot and normal, to the bit, count together, each beginning where the one before
     ends; if they do not last the whole phase, they count for nothing."""
-    seat, seats, wanted, _, _, _, spans, _, _, _ = cell
+    seat, seats, wanted, spans = cell[0], cell[1], cell[2], cell[6]
     for i in range(len(order)):
         first = order[i]
         if rows[first, OTHER_NAME] >= 0.0 or not good_alone(verdicts[first]):
@@ -219,23 +268,23 @@ def _planes(
             if same and good_alone(verdicts[r]):
                 stays, reached = min(stays, verdicts[r, SPARED]), rows[r, T1]
         if reached == spans[p, 1]:
-            put_behind(cell, marks, p, body, vector(rows[first], N), stays, tables, jets, known, claimed)
+            put_behind(cell, marks, p, body, vector(rows[first], N), stays, tables, doubt, jets, known, claimed)
 
 
-@kernel(f"float64({F2}, int64, {I2}, int64, int64, float64, float64)", allocates=True)
-def hole(rows: FloatArray, first: int, chain: IntArray, one: int, other: int, begin: float, end: float) -> float:
-    """When a pair of bodies of `one` and `other` pieces is first not covered over [begin, end]; NaN: never.
-
-    Its rows are number `first`, then the one that `chain` (.., 2) has for it, and so on up to -1, in the order of their
-    begins; the second column is 1 for rows that name the pair the other way round.
-    """
+@kernel(f"float64({F2}, int64, {I2}, int64, int64, float64, float64, float64, float64)", allocates=True)
+def hole_at(
+    rows: FloatArray, first: int, chain: IntArray, one: int, other: int, begin: float, end: float, low: float,
+    high: float,
+) -> float:  # fmt: skip
+    """`hole` for shifts between `low` and `high`, over which no row begins or ends."""
     whole, split, r = begin, False, first
     while r >= 0:
-        a, b = rows[r, PIECE + 2 * chain[r, 1]], rows[r, OTHER_PIECE - 2 * chain[r, 1]]
-        both = (a < 0.0 or one == 1) and (b < 0.0 or other == 1)
-        split = split or not both
-        if both and rows[r, T0] <= whole:
-            whole = max(whole, rows[r, T1])
+        if rows[r, S0] <= low and high <= rows[r, S1]:
+            a, b = rows[r, PIECE + 2 * chain[r, 1]], rows[r, OTHER_PIECE - 2 * chain[r, 1]]
+            both = (a < 0.0 or one == 1) and (b < 0.0 or other == 1)
+            split = split or not both
+            if both and rows[r, T0] <= whole:
+                whole = max(whole, rows[r, T1])
         r = chain[r, 0]
     if whole >= end:
         return math.nan
@@ -243,13 +292,41 @@ def hole(rows: FloatArray, first: int, chain: IntArray, one: int, other: int, be
         return whole
     reached, r = np.full((one, other), begin), first
     while r >= 0:
-        a, b = int(rows[r, PIECE + 2 * chain[r, 1]]), int(rows[r, OTHER_PIECE - 2 * chain[r, 1]])
-        for j in range(0 if a < 0 else a, one if a < 0 else a + 1):
-            for k in range(0 if b < 0 else b, other if b < 0 else b + 1):
-                if rows[r, T0] <= reached[j, k]:
-                    reached[j, k] = max(reached[j, k], rows[r, T1])
+        if rows[r, S0] <= low and high <= rows[r, S1]:
+            a, b = int(rows[r, PIECE + 2 * chain[r, 1]]), int(rows[r, OTHER_PIECE - 2 * chain[r, 1]])
+            for j in range(0 if a < 0 else a, one if a < 0 else a + 1):
+                for k in range(0 if b < 0 else b, other if b < 0 else b + 1):
+                    if rows[r, T0] <= reached[j, k]:
+                        reached[j, k] = max(reached[j, k], rows[r, T1])
         r = chain[r, 0]
     return math.nan if reached.min() >= end else reached.min()
+
+
+@kernel(f"float64({F2}, int64, {I2}, int64, int64, float64, float64, float64, float64)", allocates=True)
+def hole(
+    rows: FloatArray, first: int, chain: IntArray, one: int, other: int, begin: float, end: float, early: float,
+    late: float,
+) -> float:  # fmt: skip
+    """When a pair of bodies of `one` and `other` pieces is first not covered over [begin, end], for all shifts from
+    `early` to `late`; NaN: never.
+
+    Its rows are number `first`, then the one that `chain` (.., 2) has for it, and so on up to -1, in the order of their
+    begins; the second column is 1 for rows that name the pair the other way round.
+    """
+    low = early
+    while True:
+        high, r = late, first
+        while r >= 0:
+            for edge in (rows[r, S0], rows[r, S1]):
+                if low < edge < high:
+                    high = edge
+            r = chain[r, 0]
+        found = hole_at(rows, first, chain, one, other, begin, end, low, high)
+        if not math.isnan(found):
+            return found
+        if high >= late:
+            return math.nan
+        low = high
 
 
 @kernel(f"void({F2}, {I1}, {I1}, {CELL}, {I3}, {F2}, {F2})", allocates=True)
@@ -258,7 +335,7 @@ def _cover(
     holes: FloatArray,
 ) -> None:  # fmt: skip
     """What is not covered in each phase."""
-    _, _, _, count, mine, robots, spans, _, _, _ = cell
+    count, mine, robots, spans = cell[3], cell[4], cell[5], cell[6]
     # rows of a pair are chained in the order of their begins; 0 is none, so that what is not touched costs nothing
     head, chain = np.zeros(marks.shape, dtype=np.int64), np.zeros((len(rows), 2), dtype=np.int64)
     for i in range(len(order) - 1, -1, -1):
@@ -268,6 +345,9 @@ def _cover(
         one, other = numbers[int(rows[r, NAME])], numbers[int(rows[r, OTHER_NAME])]
         p, pair = phase_of(spans, rows[r, T0]), ordered(mine, one, other)
         if mine[pair[0]] >= 0:
+            clocked, early, late = window(cell, marks, p, pair[0], pair[1])
+            if clocked != one and (early != 0.0 or late != 0.0):
+                continue  # it says that the wrong one is ahead
             chain[r, 0], chain[r, 1] = head[p, mine[pair[0]], pair[1]] - 1, int(pair[0] != one)
             head[p, mine[pair[0]], pair[1]] = r + 1
     for p in range(len(spans)):
@@ -275,26 +355,29 @@ def _cover(
         for u in range(robots.shape[1] if spans[p, 1] > spans[p, 0] else 0):
             a = robots[0, u]
             for b in range(len(count)):
-                if b == a or marks[p, u, b] & BEHIND or ordered(mine, a, b)[0] != a or not required(cell, p, a, b):
+                if b == a or marks[p, u, b] & BEHIND or ordered(mine, a, b)[0] != a:
                     continue
-                found = hole(rows, head[p, u, b] - 1, chain, count[a], count[b], spans[p, 0], spans[p, 1])
+                if not required(cell, marks, p, a, b):
+                    continue
+                _, early, late = window(cell, marks, p, a, b)
+                found = hole(rows, head[p, u, b] - 1, chain, count[a], count[b], spans[p, 0], spans[p, 1], early, late)
                 if not math.isnan(found):
                     holes[p, MANY] += 1.0
                     if found < holes[p, HOLE]:
-                        holes[p, HOLE], holes[p, BODY], holes[p, BODY_OTHER] = found, a, b
+                        holes[p, HOLE], holes[p, HOLE_ONE], holes[p, HOLE_OTHER] = found, a, b
 
 
-@kernel(f"boolean({F2}, {I1}, {I1}, {CELL}, {I3}, {TABLES}, int64, {F2}, {F2}, {F1})", allocates=True)
+@kernel(f"boolean({F2}, {I1}, {I1}, {CELL}, {I3}, {TABLES}, {DOUBT}, int64, {F2}, {F2}, {F1})", allocates=True)
 def judge(
-    rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, tables: Tables, room: int,
-    verdicts: FloatArray, holes: FloatArray, state: FloatArray,
+    rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, tables: Tables, doubt: Doubt,
+    room: int, verdicts: FloatArray, holes: FloatArray, state: FloatArray,
 ) -> bool:  # fmt: skip
     """Judges the rows of a certificate (M, COLUMNS), in their `order` of begin and end, their names having `numbers`;
     then what they do not cover; and, of all pairs that may not touch, the clearance that is claimed in `state`.
 
     Fills `verdicts` (M, VERDICT) and `holes` (P, HOLES). `room`: for items of a proof; False: it was not enough.
     """
-    _, _, wanted, count, _, robots, spans, _, _, _ = cell
+    wanted, count, robots, spans = cell[2], cell[3], cell[5], cell[6]
     jets = np.empty((PLACES, len(wanted) + len(tables[2]) + MOST_LINKS, JETS, 6))
     known = np.full((PLACES, len(wanted) + len(tables[2]), 3), np.nan)
     items, spared, many = np.empty((room, ITEM)), np.full(len(rows), np.inf), 0
@@ -309,14 +392,14 @@ def judge(
             many += 1
         # rows of one interval are looked at together
         if many > 0 and (last or rows[r, T0] != rows[order[i + 1], T0] or rows[r, T1] != rows[order[i + 1], T1]):
-            if not descend(rows[r, T0], rows[r, T1], many, tables, work, spared, state):
+            if not descend(rows[r, T0], rows[r, T1], many, tables, doubt, work, spared, state):
                 return False
             many = 0
     for r in range(len(rows)):
         verdicts[r, SPARED] = spared[r]
         alone = rows[r, OTHER_NAME] < 0.0
         state[WRONG] += 0.0 if (good_alone(verdicts[r]) if alone else good(verdicts[r])) else 1.0
-    _planes(rows, order, numbers, cell, marks, tables, jets, known, verdicts, state[CLAIMED])
+    _planes(rows, order, numbers, cell, marks, tables, doubt, jets, known, verdicts, state[CLAIMED])
     for p in range(len(spans)):
         many = 0
         for u in range(robots.shape[1] if state[REACHED] == math.inf and spans[p, 1] > spans[p, 0] else 0):
@@ -327,9 +410,10 @@ def judge(
                     for side, body in ((0, robots[0, u]), (1, b)):
                         sit_down(cell, p, body, -1, items[many], side)
                     items[many, ROW], items[many, PROVE], items[many, CLAIM] = -1.0, 0.0, 1.0
+                    items[many, FROM], items[many, TO] = 0.0, 0.0
                     items[many, HINT], items[many, HINT + 1], items[many, HINT + 2] = 0.0, 0.0, 1.0
                     many += 1
-        if many > 0 and not descend(spans[p, 0], spans[p, 1], many, tables, work, spared, state):
+        if many > 0 and not descend(spans[p, 0], spans[p, 1], many, tables, doubt, work, spared, state):
             return False
     _cover(rows, order, numbers, cell, marks, verdicts, holes)
     return True

@@ -44,8 +44,8 @@ class Neighbour(Protocol):
     valid: tuple[float, float]
 
 
-def tables(scene: Scene, trajectory: Trajectory, until: float) -> Tables:
-    """The tables of a scene and a plan's trajectory, without solids; laws of frames up to the time `until`."""
+def tables(scene: Scene, trajectory: Trajectory, begin: float, until: float) -> Tables:
+    """The tables of a scene and a plan's trajectory, without solids; laws of frames from `begin` to `until`, s."""
     moved: list[tuple[Robot, Trajectory]] = [(scene.robot, trajectory)]
     frames, found = np.zeros((len(scene.frames), FRAME)), list[Piece]()
     for row, frame in zip(frames, scene.frames.values(), strict=True):
@@ -54,7 +54,7 @@ def tables(scene: Scene, trajectory: Trajectory, until: float) -> Tables:
             row[:] = NEIGHBOUR, *law.valid, len(moved), law.link, np.nan, 0.0, 0.0
             moved.append((law.robot, law.trajectory))
             continue
-        own = _pieces(law, trajectory.start, until)
+        own = _pieces(law, begin, until)
         swings = (SWING, law.pose.yaw, law.amplitude) if isinstance(law, Swing) else (POLYNOMIAL, 0.0, 0.0)
         degree = max(len(powers) for _, _, coordinates in own for powers in coordinates) - 1
         row[:] = swings[0], *law.valid, len(found), len(own), degree, *swings[1:]

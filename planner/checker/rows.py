@@ -9,13 +9,27 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker import cover
-from assur.planner.checker.cover import AWAY, CONTACT, JUDGED, OUTSIDE, SPARED, STATUS, UNIT_NORMAL, UNKNOWN, Cell
+from assur.planner.checker.cover import (
+    AWAY,
+    CONTACT,
+    JUDGED,
+    OUTSIDE,
+    PUT_DOWN,
+    REVERSED,
+    SPARED,
+    STATUS,
+    UNIT_NORMAL,
+    UNKNOWN,
+    Cell,
+)
+from assur.planner.checker.doubts import ahead, doubt_of, reaches, stands
 from assur.planner.checker.motion import Tables
 from assur.planner.checker.separation import CLAIMED, MOST, REACHED, STATE, WRONG
-from assur.planner.checker.solids import Solids
+from assur.planner.checker.solids import CARRIER, Solids
+from assur.planner.checker.uncertainty import Doubt
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.model.outcome import Certificate
-from assur.planner.model.phases import Phase
+from assur.planner.model.phases import CONTACT_M, Phase
 from assur.planner.model.scene import Scene
 
 ROOM = 64
@@ -25,12 +39,13 @@ ROOM = 64
 @dataclass(frozen=True, eq=False)
 class Apart:
     """What must be kept apart: the phases of a plan, its solids, and for the kernels the tables, what is required
-    (`cover.Cell`) and which pairs may touch (P, U, B)."""
+    (`cover.Cell`), what is not known of them, and which pairs may touch (P, U, B)."""
 
     phases: tuple[Phase, ...]
     table: Solids
     tables: Tables
     cell: Cell
+    doubt: Doubt
     marks: IntArray
 
     @staticmethod
@@ -42,18 +57,17 @@ class Apart:
             i, k = (robot.links.index(name) for name in names)
             wanted[i, k] = wanted[k, i] = i != k
         robots = (mine >= 0).nonzero()[0]
-        marks = np.zeros((len(phases), len(robots), len(mine)), dtype=np.int64)
-        for i, phase in enumerate(phases):
-            for first, second in phase.contacts:
-                if first in number and second in number:
-                    a, b = cover.ordered(mine, number[first], number[second])
-                    if mine[a] >= 0:
-                        marks[i, mine[a], b] = CONTACT
+        marks = _marks(scene, phases, table)
         spans = np.array([(phase.t0, phase.t1) for phase in phases]).reshape(-1, 2)
-        need, drift = _required(scene, phases)
-        late = float(scene.execution.start_tolerance_s)
-        cell = (table.seat, table.seats, wanted, table.count, mine, robots[None], spans, need, drift, late)
-        return Apart(phases, table, (*tables[:4], table.table, table.vertices), cell, marks)
+        kinds = np.array(
+            [(float(p.near), float(p.robot), -CONTACT_M - p.contact_tolerance_m) for p in phases], dtype=np.float64
+        ).reshape(-1, 3)
+        cell = (
+            table.seat, table.seats, wanted, table.count, mine, robots[None], spans, kinds,
+            _clearances(scene, table, robots), reaches(table), ahead(scene, table.links),
+        )  # fmt: skip
+        tables = (*tables[:4], table.table, table.vertices)
+        return Apart(phases, table, tables, cell, doubt_of(scene, phases, table), marks)
 
     def found(self, certificate: Certificate, claimed: float) -> tuple[list[Finding], FloatArray]:
         """Rows that mean or prove nothing, and pairs that are not kept apart; and what stands against the clearance
@@ -67,14 +81,25 @@ class Apart:
         table, state, room = self.table, np.zeros(STATE), 4 * len(c) + ROOM
         numbers = np.array([table.number.get(name, -1) for name in c.names], dtype=np.int64)
         order, rows = np.lexsort((c.t1, c.t0)), np.empty((len(c), cover.COLUMNS))
-        rows[:, cover.T0], rows[:, cover.T1], rows[:, cover.N :] = c.t0, c.t1, c.normal
+        rows[:, cover.T0], rows[:, cover.T1], rows[:, cover.N : cover.N + 3] = c.t0, c.t1, c.normal
+        rows[:, cover.S0], rows[:, cover.S1] = (0.0, 0.0) if c.shift0 is None else (c.shift0, c.shift1)
         rows[:, cover.NAME], rows[:, cover.PIECE] = c.first, c.first_piece
         rows[:, cover.OTHER_NAME], rows[:, cover.OTHER_PIECE] = c.second, c.second_piece
         verdicts, holes = np.zeros((len(c), cover.VERDICT)), np.zeros((len(self.phases), cover.HOLES))
         while True:
             state[:], state[CLAIMED], state[REACHED] = 0.0, claimed, math.nan if claimed == -math.inf else math.inf
             if cover.judge(
-                rows, order, numbers, self.cell, self.marks.copy(), self.tables, room, verdicts, holes, state
+                rows,
+                order,
+                numbers,
+                self.cell,
+                self.marks.copy(),
+                self.tables,
+                self.doubt,
+                room,
+                verdicts,
+                holes,
+                state,
             ):
                 return verdicts, holes, state
             room *= 4
@@ -95,9 +120,51 @@ class Apart:
     def required(self, phase: int, a: int, b: int) -> bool:
         """Whether two bodies must stay apart in a phase and may not touch."""
         first, second = cover.ordered(self.table.mine, a, b)
-        if a == b or not cover.required(self.cell, phase, a, b):
+        if a == b or not cover.required(self.cell, self.marks, phase, a, b):
             return False
         return not self.marks[phase, self.table.mine[first], second] & CONTACT
+
+
+def _marks(scene: Scene, phases: tuple[Phase, ...], table: Solids) -> IntArray:
+    """Which pairs may touch, and which of a part that was put down and what moves against it must be kept clear."""
+    mine, number, seats = table.mine, table.number, table.seats
+    marks = np.zeros((len(phases), int((mine >= 0).sum()), len(mine)), dtype=np.int64)
+    moves = np.zeros(table.links + len(scene.frames), dtype=np.bool_)
+    moves[table.links :] = [not stands(frame.law) for frame in scene.frames.values()]
+    for i, phase in enumerate(phases):
+        for first, second in phase.contacts:
+            if first in number and second in number:
+                a, b = cover.ordered(mine, number[first], number[second])
+                if mine[a] >= 0:
+                    marks[i, mine[a], b] |= CONTACT
+        held = None if phase.attached.held is None else phase.attached.held.part
+        carrier = seats[table.seat[i], CARRIER]
+        for part in (name for name, _ in phase.handled.within if name != held):
+            own = number[part]
+            for other in np.flatnonzero(carrier >= table.links).tolist():
+                both = {part, table.bodies[other].name}
+                passes = carrier[own] != carrier[other] and (moves[carrier[own]] or moves[carrier[other]])
+                if not passes or any(both == set(each) for each in phase.handled.supports):
+                    continue
+                a, b = cover.ordered(mine, own, other)
+                if not marks[i, mine[a], b] & PUT_DOWN:
+                    marks[i, mine[a], b] |= PUT_DOWN | (REVERSED if a != own else 0)
+    return marks
+
+
+def _clearances(scene: Scene, table: Solids, robots: IntArray) -> FloatArray:
+    """Distances asked, travel and near, of each body that is the robot's at some time from all (2, U, B)."""
+    asked = scene.options.clearance
+    found = np.empty((2, len(robots), len(table.bodies)))
+    found[0], found[1] = asked.travel_m, asked.near_m
+    names = [body.name for body in table.bodies]
+    for rule in asked.exceptions:
+        one, other = ([not named or name in named for name in names] for named in (rule.first, rule.second))
+        for u, body in enumerate(robots.tolist()):
+            for b in range(len(names)):
+                if (one[body] and other[b]) or (other[body] and one[b]):
+                    found[:, u, b] = rule.travel_m, rule.near_m
+    return found
 
 
 def _found(c: Certificate, verdicts: FloatArray) -> list[Finding]:
@@ -120,27 +187,3 @@ def _found(c: Certificate, verdicts: FloatArray) -> list[Finding]:
             worst = math.nan if amount is None else float(amount[k])
             findings.append(Finding(code, text, worst, unit, f"row {k}, {c.t0[k]:.6g} to {c.t1[k]:.6g} s"))
     return findings
-
-
-def _required(scene: Scene, phases: tuple[Phase, ...]) -> tuple[FloatArray, FloatArray]:
-    """The distance (P, F + 1) m required of bodies on each frame at time 0, the last column for the robot itself, and
-    what is added each second (P, F): equation C5 without the term of a late start.
-
-    Whom the controller corrects for counts: a frame that a corrected leg follows takes the arm with it.
-    """
-    frames, execution = list(scene.frames.values()), scene.execution
-    number = {frame.name: k for k, frame in enumerate(frames)}
-    unsure = np.array([(frame.uncertainty.position_m, frame.uncertainty.speed_m_s) for frame in frames]).reshape(-1, 2)
-    need, drift = np.empty((len(phases), len(frames) + 1)), np.empty((len(phases), len(frames)))
-    for i, phase in enumerate(phases):
-        clearance = scene.options.clearance.near_m if phase.near else scene.options.clearance.travel_m
-        counts = unsure
-        if execution.belt_correction:
-            shifts = sorted({number[name] for name in (phase.corrected if phase.tracked is None else [phase.tracked])})
-            counts = unsure + unsure[shifts].sum(0)
-            # what shifts the arm with a frame does not part it from that frame
-            counts[shifts] = 0.0 if phase.tracked is not None else counts[shifts] - unsure[shifts]
-        drift[i] = counts[:, 1]
-        need[i, :-1] = clearance + execution.tracking_m + counts[:, 0] - drift[i] * scene.start.time
-        need[i, -1] = clearance
-    return need, drift

@@ -26,15 +26,18 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker.jets import F1, F2, F3, TABLES, VECTOR
 from assur.planner.checker.motion import DEGREE, KIND, LINKS, POLYNOMIAL, SINCE, UNTIL, Tables, carry
 from assur.planner.checker.solids import BALL, Vector, farthest, moving
+from assur.planner.checker.uncertainty import ANY, DOUBT, Doubt, apart, displaced, sway
 from assur.planner.compiled import kernel
 
-ROW, ONE, ONE_ON, OTHER, OTHER_ON, PIECES, OTHERS, NORMAL, NEED, DRIFT, LATE, PROVE, CLAIM, HINT, ITEM = (
-    0, 1, 2, 3, 4, 5, 6, 7, 10, 11, 12, 13, 14, 15, 18,
-)  # fmt: skip
+(
+    ROW, ONE, ONE_ON, OTHER, OTHER_ON, PIECES, OTHERS, NORMAL, NEED, PHASE, BODY_ONE, BODY_OTHER, FAR_ONE, FAR_OTHER,
+    FROM, TO, PROVE, CLAIM, HINT, ITEM,
+) = (0, 1, 2, 3, 4, 5, 6, 7, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 23)  # fmt: skip
 """Columns of a pair that is open: row of the certificate (-1: none); solid and carrier of both (-1: the origin of the
 world); how many pieces stand before each in the table, if it is the box of a body (0: it is no box, or of one piece);
-normal; the distance required, what is added to it for each second, and the dispatch that may be late (C5); whether the
-row, and whether the claim, is still to be proved; a normal that was good for the claim; how many columns."""
+normal; the distance required where all is known (C5); number of the phase, of both bodies, and how far they reach from
+the axes of their carriers, m; between which times the second is ahead of the clock, s; whether the row, and whether the
+claim, is still to be proved; a normal that was good for the claim; how many columns."""
 CLAIMED, REACHED, WHEN, PAIR_ONE, PAIR_OTHER, WORK, WRONG, STATE = range(8)
 """Numbers of a proof: the clearance claimed (-inf: none); what stands against it: a smaller distance that is reached
 (inf: none; NaN: it could not be shown not to be), when, and of which solids; how much was
@@ -48,10 +51,14 @@ MOST = 4_000_000
 """Pairs in parts of intervals in one check, after which all is refused: some seconds."""
 NEAR_M, STEPS = 1e-6, 32
 """A distance at an instant is known well enough to this, m; and steps after which its search ends in any case."""
+SHORTEST_S = 1e-4
+"""A shift that is shorter than this is not halved, s."""
 OPEN, HOLDS, FAILS, BOXES = range(4)
-OVER, BEGIN, END, LATER, MIDDLE, PLACES = range(6)
+OVER, BEGIN, END, MIDDLE, SWAYED, AHEAD, CORNERS, PLACES = 0, 1, 2, 3, 4, 5, 6, 10
 """For what the jets of all carriers are kept: an interval, its ends (the one that is behind may change places with the
-one before), the interval with a late dispatch, the middle; how many."""
+one before), the middle; the links with joints that lag; and of what is ahead of the clock, all that it does over an
+interval, and where it is at both ends of the interval, first for the least and then for the greatest shift; how
+many."""
 F4 = "float64[:, :, :, ::1]"
 """Jets (PLACES, carriers + MOST_LINKS, JETS, 6)."""
 
@@ -112,6 +119,45 @@ def least(tables: Tables, jets: FloatArray, item: FloatArray, h: float, n: Vecto
         bend += b[1] + b[2]
     ends = min(gap(tables, jets[BEGIN], item, n), gap(tables, jets[END], item, n))
     return ends - SLACK_M, max(bend, 0.0) * h * h / 8.0
+
+
+@kernel(f"UniTuple(float64, 2)({TABLES}, {F4}, {F1}, int64, float64, {VECTOR})")
+def least_ahead(
+    tables: Tables, jets: FloatArray, item: FloatArray, begin: int, h: float, n: Vector
+) -> tuple[float, float]:
+    """The same of a pair whose second is ahead of the clock: the least gap at both ends of the interval and of the
+    shift, and by how much it falls below in between (C8). `begin`: for which place the first is known at its begin."""
+    one, other, on, beside = int(item[ONE]), int(item[OTHER]), int(item[ONE_ON]), int(item[OTHER_ON])
+    a = moving(tables[4][one], jets[OVER], on, 2, n)
+    b = moving(tables[4][other], jets[AHEAD], beside, 2, n)
+    ends, back = math.inf, (-n[0], -n[1], -n[2])
+    for corner in range(4):
+        x = support(tables, jets[begin if corner % 2 == 0 else BEGIN + END - begin], one, on, n)
+        y = support(tables, jets[CORNERS + corner], other, beside, back)
+        ends = min(ends, -x - y)
+    d = item[TO] - item[FROM]
+    sag = max(a[2] - a[0] + b[1] + b[2], 0.0) * h * h / 8.0 + max(b[1] + b[2], 0.0) * d * d / 8.0
+    return ends - SLACK_M, sag
+
+
+@kernel(f"float64({TABLES}, {DOUBT}, {F4}, {F1}, float64, float64, {VECTOR})", allocates=True)
+def required_of(
+    tables: Tables, doubt: Doubt, jets: FloatArray, item: FloatArray, t0: float, t1: float, n: Vector
+) -> float:
+    """The distance that the row of a pair must prove along n over [t0, t1], with what is not known (C5); of a row of
+    one body alone, how far that may be displaced."""
+    if doubt[4][ANY] == 0.0 or item[NEED] == -math.inf:
+        return float(item[NEED])
+    p, found = int(item[PHASE]), item[NEED]
+    on, beside = int(item[ONE_ON]), int(item[OTHER_ON])
+    found += displaced(tables, doubt, p, int(item[ONE]), on, t0, t1, jets[SWAYED], n)
+    if item[OTHER] >= 0.0:
+        found += displaced(tables, doubt, p, int(item[OTHER]), beside, t0, t1, jets[SWAYED], n)
+        found += apart(
+            doubt, tables, p, int(item[BODY_ONE]), on, int(item[BODY_OTHER]), beside, item[FAR_ONE], item[FAR_OTHER],
+            t1, n,
+        )  # fmt: skip
+    return float(found)
 
 
 @kernel(f"int64({F2}, int64)", allocates=True)
@@ -219,8 +265,22 @@ def opened(items: FloatArray, i: int, at: int) -> int:
     return ones * others
 
 
-@kernel(f"boolean(float64, float64, int64, {TABLES}, {WORK_ROOM}, {F1}, {F1})", allocates=True)
-def descend(t0: float, t1: float, many: int, tables: Tables, work: Work, spared: FloatArray, state: FloatArray) -> bool:
+@kernel(f"boolean(int64, {F1}, float64, float64, {TABLES}, {F4}, {F3})")
+def carried_ahead(
+    c: int, item: FloatArray, t0: float, t1: float, tables: Tables, jets: FloatArray, known: FloatArray
+) -> bool:
+    """`carried` for a frame that is ahead of the clock, over an interval and at its ends."""
+    ok = c >= int(tables[0][0, LINKS]) and carried(AHEAD, c, t0 + item[FROM], t1 + item[TO], tables, jets, known)
+    for corner in range(4):
+        t = (t0 if corner % 2 == 0 else t1) + (item[FROM] if corner < 2 else item[TO])
+        ok = ok and carried(CORNERS + corner, c, t, t, tables, jets, known)
+    return ok
+
+
+@kernel(f"boolean(float64, float64, int64, {TABLES}, {DOUBT}, {WORK_ROOM}, {F1}, {F1})", allocates=True)
+def descend(
+    t0: float, t1: float, many: int, tables: Tables, doubt: Doubt, work: Work, spared: FloatArray, state: FloatArray
+) -> bool:
     """By how much, m, rows prove more than is required over [t0, t1], into `spared` where that is less than what is
     there (less than 0, or NaN: they do not); and whether pairs keep the clearance claimed, into `state`.
 
@@ -252,14 +312,19 @@ def descend(t0: float, t1: float, many: int, tables: Tables, work: Work, spared:
             if ok and row >= 0:
                 low, sag = least(tables, jets, item, h, vector(item, NORMAL))
                 claim = claim and not low - sag >= state[CLAIMED]
+            ahead = pair and (item[FROM] != 0.0 or item[TO] != 0.0)
             if prove:
-                late, world = item[LATE], max(int(item[ONE_ON]), int(item[OTHER_ON]))
-                need = item[NEED] + item[DRIFT] * (t1 + late)
-                if ok and late > 0.0:
-                    ok = carried(LATER, world, t0, t1 + late, tables, jets, known)
-                    solid = tables[4][int(item[OTHER] if int(item[OTHER_ON]) == world else item[ONE])]
-                    v = moving(solid, jets[LATER], world, 1, vector(item, NORMAL))
-                    need += late * (max(abs(v[0]), abs(v[1])) + v[2])
+                if ok and ahead:
+                    ok = carried_ahead(int(item[OTHER_ON]), item, t0, t1, tables, jets, known)
+                    if ok:
+                        low, sag = least_ahead(tables, jets, item, begin, h, vector(item, NORMAL))
+                need = item[NEED]
+                if ok and doubt[4][ANY] > 0.0:
+                    if not (known[SWAYED, 0, 0] == t0 and known[SWAYED, 0, 1] == t1):
+                        known[SWAYED, 0, 2] = 1.0 if sway(tables, doubt, t0, t1, jets[SWAYED]) else 0.0
+                        known[SWAYED, 0, 0], known[SWAYED, 0, 1] = t0, t1
+                    ok = known[SWAYED, 0, 2] > 0.0
+                    need = required_of(tables, doubt, jets, item, t0, t1, vector(item, NORMAL))
                 taken, bound = low - need, low - need - sag
                 if not (ok and bound > -math.inf):
                     bound = -math.inf  # a closed chain may be known to assemble over halves of what is too wide
@@ -278,12 +343,18 @@ def descend(t0: float, t1: float, many: int, tables: Tables, work: Work, spared:
                     state[PAIR_ONE], state[PAIR_OTHER], claim = item[ONE], item[OTHER], False
             if not (prove or claim):
                 continue
-            more = 1 if end + left < len(items) else -1
+            more = 2 if prove and ahead and item[TO] - item[FROM] > SHORTEST_S else 1
             if said == BOXES:
                 more = opened(items, i, end + left)
-            elif more > 0:
-                items[end + left] = item
-                items[end + left, PROVE], items[end + left, CLAIM] = (1.0 if prove else 0.0), (1.0 if claim else 0.0)
+            elif end + left + more > len(items):
+                more = -1
+            else:
+                for k in range(more):
+                    half, middle_s = items[end + left + k], 0.5 * (item[FROM] + item[TO])
+                    half[:] = item
+                    half[PROVE], half[CLAIM] = (1.0 if prove else 0.0), (1.0 if claim and k == 0 else 0.0)
+                    if more == 2:
+                        half[FROM], half[TO] = (item[FROM], middle_s) if k == 0 else (middle_s, item[TO])
             if more < 0:
                 return False
             left += more

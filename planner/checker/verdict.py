@@ -11,6 +11,7 @@ class Code(StrEnum):
 
     FORM = "FORM"
     """Not the shape of a plan: missing, not finite, out of order."""
+    ERROR = "ERROR"
     DIGEST = "DIGEST"
     START = "START"
     END = "END"

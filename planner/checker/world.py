@@ -64,8 +64,10 @@ class World:
     def __init__(self, scene: Scene, plan: Plan) -> None:
         self.scene, self.plan, self.knots = scene, plan, plan.trajectory
         self.start, self.end = plan.trajectory.start, plan.trajectory.end
-        self.until = self.end + scene.options.stay_safe_s + scene.execution.start_tolerance_s
-        self.tables = tables(scene, plan.trajectory, self.until)
+        shifts = [frame.uncertainty.shift_s for frame in scene.frames.values()]
+        early, late = min((low for low, _ in shifts), default=0.0), max((high for _, high in shifts), default=0.0)
+        self.until = self.end + scene.options.stay_safe_s + scene.execution.start_tolerance_s - early
+        self.tables = tables(scene, plan.trajectory, self.start - late, self.until)
         self.links = len(scene.robot.links)
         self.flange = self.links - 1
         self.frame = {name: self.links + k for k, name in enumerate(scene.frames)}

@@ -11,7 +11,7 @@ from assur.planner.collision.proof import Prover
 from assur.planner.geometry.containment import inside
 from assur.planner.kernels.intervals import RESERVE_M
 from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT_PAIR
-from assur.planner.kernels.solids import FIRST, SECOND
+from assur.planner.kernels.solids import EARLY, FIRST, LATE, SECOND, SET
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.phases import Contacts, Phase, pair
 from assur.planner.model.refusal import Separation
@@ -27,11 +27,12 @@ def closest(
     contacts: Contacts,
     among: frozenset[str] | None = None,
 ) -> tuple[tuple[str, str], Separation] | None:
-    """The first pair nearer than required at the phase's beginning; `among`: only these bodies of the surroundings,
-    against what hangs on the flange."""
+    """The first pair nearer than required at the phase's beginning, where everything is where it is planned; `among`:
+    only these bodies of the surroundings, against what hangs on the flange."""
     arrangement = prover.of(phase)
     stands = prover.standing(q, phase.t0)
     pairs = prover.near(phase, stands)
+    pairs[:, SET], pairs[:, EARLY : LATE + 1] = -1.0, 0.0
     one, other = (arrangement.body[pairs[:, column].astype(np.int64)] for column in (FIRST, SECOND))
     names = [pair(arrangement.names[a], arrangement.names[b]) for a, b in zip(one, other, strict=True)]
     wanted = np.array([each not in contacts for each in names], dtype=bool)
@@ -40,7 +41,7 @@ def closest(
         wanted &= hanging[one] & named[other]
     if not wanted.any():
         return None
-    found = prover.hits(phase, stands, pairs[wanted]).too_near
+    found = prover.hits(phase, stands, pairs[wanted], doubted=False).too_near
     if not len(found):
         return None
     hit = found[found[:, HIT_PAIR].argmin()]

@@ -9,7 +9,7 @@ from assur.planner.collision.proof import Prover, Search
 from assur.planner.kernels.intervals import DONE, STATE_COLUMNS
 from assur.planner.kernels.nearest import LOWER, NEAREST_A, NEAREST_B, NEAREST_T, UPPER, sample_distance
 from assur.planner.kernels.planes import SIDES
-from assur.planner.kernels.solids import GROWTH, REQUIRED
+from assur.planner.kernels.solids import EARLY, LATE, REQUIRED, SET
 from assur.planner.kernels.walk import NEAREST
 from assur.planner.model.outcome import Nearest
 from assur.planner.model.phases import Phase
@@ -57,7 +57,7 @@ def _search(prover: Prover, trajectory: Trajectory, phase: Phase, state: FloatAr
         # what planes keep further apart than `within` cannot be nearest, if anything is found that is nearer
         within = min(within, float(state[UPPER]))
         others = asked.others.copy()
-        others[:, REQUIRED - 1], others[:, GROWTH - 1 :] = within, 0.0
+        others[:, REQUIRED - 1], others[:, SET - 1] = within, -1.0
         pairs = prover.not_behind(phase, asked, others, least)
         sample_distance(motion, arrangement.cell, pairs, phase.t0, phase.t1, INSTANTS, state)
         if state[UPPER] <= within or len(pairs) == len(asked):
@@ -68,7 +68,9 @@ def _search(prover: Prover, trajectory: Trajectory, phase: Phase, state: FloatAr
     pairs = pairs[pairs[:, REQUIRED] >= 0.0]
     if not len(pairs):
         return
-    search = Search(prover, phase, spline, pairs)
+    # where all is where it is planned
+    pairs[:, SET], pairs[:, EARLY : LATE + 1] = -1.0, 0.0
+    search = Search(prover, phase, spline, pairs, prover.exact)
     search.state[1:] = state[1:]
     for _ in range(MOST_CALLS):
         if search.go_on(NEAREST) == DONE:

@@ -16,6 +16,8 @@ from assur.planner.kernels.intervals import (
     FOUND,
     HIT,
     ITEM_COLUMNS,
+    ITEM_FROM,
+    ITEM_TO,
     ITEMS_FULL,
     RESISTED,
     ROWS_FULL,
@@ -32,6 +34,7 @@ from assur.planner.kernels.proof import (
     RESISTED_B,
     RESISTED_GAP,
     RESISTED_NEED,
+    RESISTED_S,
     RESISTED_T,
     ROW_COLUMNS,
     T0,
@@ -39,8 +42,9 @@ from assur.planner.kernels.proof import (
     UNIT,
 )
 from assur.planner.kernels.screening import HIT_COLUMNS, HITS, depths, sampled_behind
-from assur.planner.kernels.solids import BODY, FIRST, GROWTH, LATE, PAIR_COLUMNS, REQUIRED, SECOND
+from assur.planner.kernels.solids import BODY, EARLY, FIRST, LATE, PAIR_COLUMNS, REQUIRED, SECOND
 from assur.planner.kernels.spline import spline_state
+from assur.planner.kernels.uncertainty import SET_COLUMNS, Doubt, growing_for
 from assur.planner.kernels.units import pose_shapes
 from assur.planner.kernels.walk import PROVE, SCREEN, walk
 from assur.planner.model.assembly_mode import has_loop
@@ -71,8 +75,8 @@ ORIGIN = -1.0
 class Search:
     """A search over the halved intervals of one phase (`kernels.walk`), which gets more room where it runs out.
 
-    `pairs` (P, PAIR_COLUMNS) are evaluated, over all of the phase, and before that over other `spans` of time; `rows`
-    and `hits` take what is written, `most_hits` at most.
+    `pairs` (P, PAIR_COLUMNS) are evaluated, over all of the phase, and before that over other `spans` of time, with
+    what is not known of them (`doubt`); `rows` and `hits` take what is written, `most_hits` at most.
     """
 
     def __init__(
@@ -81,10 +85,12 @@ class Search:
         phase: Phase,
         spline: Spline,
         pairs: FloatArray,
+        doubt: Doubt,
         spans: tuple[tuple[float, float], ...] = (),
         most_hits: int = 0,
     ) -> None:
         self.prover, self.spline, self.pairs, self.cell = prover, spline, pairs, prover.of(phase).cell
+        self.doubt = doubt
         self.rows, self.hits = np.empty((ROOM + len(pairs), ROW_COLUMNS)), np.empty((most_hits, HIT_COLUMNS))
         self.state, self.stack = np.zeros(STATE_COLUMNS), np.zeros((STACK, 4))
         count, many = len(pairs), 1 + len(spans)
@@ -92,16 +98,16 @@ class Search:
         for k, (t0, t1) in enumerate(((phase.t0, phase.t1), *spans)):
             mine = self.items[k * count : (k + 1) * count]
             mine[:, :2], mine[:, 2] = pairs[:, FIRST : SECOND + 1], np.arange(count)
+            mine[:, ITEM_FROM : ITEM_TO + 1] = pairs[:, EARLY : LATE + 1]
             self.stack[k] = t0, t1, k * count, count
         self.state[TOP], self.done = many, False
 
     def go_on(self, task: int) -> int:
         """Goes on until it is done, a pair resists, or the budget of a call is spent, and gives room for the next."""
         prover = self.prover
-        since, latest = prover.scene.start.time, prover.scene.execution.start_tolerance_s
         status = walk(
-            task, prover.motion(self.spline), self.cell, self.pairs, since, latest,
-            self.items, self.stack, self.state, self.rows, self.hits, BUDGET,
+            task, prover.motion(self.spline), self.cell, self.pairs, self.doubt, self.items, self.stack,
+            self.state, self.rows, self.hits, BUDGET,
         )  # fmt: skip
         if status == ROWS_FULL:
             self.rows = np.concatenate([self.rows, np.empty_like(self.rows)])
@@ -140,6 +146,9 @@ class Prover:
         self.deadline = math.inf
         """Reading of `time.perf_counter` at which proofs are given up: what is not proved by then is not certified."""
         self.collider = Collider()
+        none = np.zeros((2, max(scene.robot.rate_matrix.shape)))
+        self.exact: Doubt = (np.zeros((0, SET_COLUMNS)), none, np.array([scene.start.time, 0.0, 0.0, 0.0]))
+        """What kernels are told where all is where it is planned."""
         self.has_loop = has_loop(scene.robot)
         self._spline: tuple[Trajectory, Spline] | None = None
         self._rows: dict[Phase, FloatArray] = {}
@@ -178,7 +187,7 @@ class Prover:
             asked = pairs.every[pairs.every[:, REQUIRED] < 0.0]
         if not len(asked):
             return Rows(arrangement, known)
-        search = Search(self, phase, spline, asked)
+        search = Search(self, phase, spline, asked, pairs.doubt)
         while True:
             status = search.go_on(PROVE)
             if status == DONE:
@@ -197,17 +206,14 @@ class Prover:
             self._rows[phase] = search.proved
         return search.too_near
 
-    def hits(self, phase: Phase, spline: Spline, pairs: FloatArray) -> Search:
+    def hits(self, phase: Phase, spline: Spline, pairs: FloatArray, *, doubted: bool = True) -> Search:
         """A search for an instant of a phase at which some of `pairs` (P, PAIR_COLUMNS) are too near. Pairs that may
-        touch are left out."""
+        touch are left out. `doubted`: whether links count where they may be displaced to."""
         asked = pairs[pairs[:, REQUIRED] >= 0.0]
-        # what grows counts as at the end of the phase, so that a refusal says what the whole phase asks for
-        lasts = np.maximum(phase.t1 + asked[:, LATE] - self.scene.start.time, 0.0)
-        asked[:, REQUIRED] += asked[:, GROWTH] * lasts
-        asked[:, GROWTH] = 0.0
         # the end is an instant of its own: often what is near is nearest there
         ends = ((phase.t1, phase.t1),) if phase.t1 > phase.t0 else ()
-        search = Search(self, phase, spline, asked, ends, MOST_HITS)
+        doubt = self.pairs(self.of(phase), phase).doubt if doubted else self.exact
+        search = Search(self, phase, spline, asked, doubt, ends, MOST_HITS)
         while search.go_on(SCREEN) not in (DONE, HIT, RESISTED) and not search.over:
             pass
         return search
@@ -222,7 +228,14 @@ class Prover:
     def behind(self, phase: Phase, spline: Spline, pairs: Pairs, edges: FloatArray | None = None) -> FloatArray:
         """How far behind planes the robot's units are proved to stay (R, 6), interval by interval between `edges`."""
         least = np.empty((len(pairs.mine), SIDES))
-        behind(self.motion(spline), self.of(phase).cell, pairs.mine, _parts(phase) if edges is None else edges, least)
+        behind(
+            self.motion(spline),
+            self.of(phase).cell,
+            pairs.doubt,
+            pairs.mine,
+            _parts(phase) if edges is None else edges,
+            least,
+        )
         return least
 
     def not_behind(
@@ -232,8 +245,10 @@ class Prover:
         (R, 6) becomes 1 for planes that are needed for the others."""
         left = np.empty((len(pairs.mine) * len(others), PAIR_COLUMNS))
         used = np.zeros_like(least) if used is None else used
-        boxes, since = self.of(phase).boxes, self.scene.start.time
-        many = not_behind(boxes, pairs.mine, least, others, pairs.allowed, since, phase.t1, used, left)
+        sets, lasts = pairs.doubt[0], growing_for(pairs.doubt[2], phase.t1)
+        many = not_behind(
+            self.of(phase).boxes, pairs.mine, pairs.kinds, least, others, pairs.special, sets, lasts, used, left
+        )
         return np.concatenate([left[:many], pairs.own])
 
     def _planes(self, phase: Phase, spline: Spline, pairs: Pairs) -> tuple[FloatArray, FloatArray]:
@@ -244,7 +259,8 @@ class Prover:
         least = self.behind(phase, spline, pairs, edges)
         used = np.zeros_like(least)
         left = self.not_behind(phase, pairs, pairs.others, least, used)
-        drop_spare(self.of(phase).boxes, pairs.mine, least, pairs.others, self.scene.start.time, phase.t1, used)
+        sets, lasts = pairs.doubt[0], growing_for(pairs.doubt[2], phase.t1)
+        drop_spare(self.of(phase).boxes, pairs.mine, pairs.kinds, least, pairs.others, sets, lasts, used)
         # what does not move needs no parts
         ends = edges[[0, -1]]
         whole: BoolArray = np.all(self.behind(phase, spline, pairs, ends) >= least, axis=1)
@@ -260,7 +276,9 @@ class Prover:
     def _resisted(self, arrangement: Arrangement, spline: Spline, state: FloatArray) -> Unproved:
         """What FCL says of the true shapes of a pair that resisted."""
         a, b, t = int(state[RESISTED_A]), int(state[RESISTED_B]), float(state[RESISTED_T])
-        touching = bool(state[RESISTED_GAP] <= state[RESISTED_NEED]) and self.touch(arrangement, spline, t, a, b)
+        touching = bool(state[RESISTED_GAP] <= state[RESISTED_NEED]) and self.touch(
+            arrangement, spline, t, a, b, float(state[RESISTED_S])
+        )
         return _unproved(arrangement, state, touching=touching)
 
     def depths(self, phase: Phase, q: FloatArray, t: FloatArray, deepest: float, most: float) -> FloatArray:
@@ -275,20 +293,21 @@ class Prover:
             sampled_behind(*self.carried_by, *flat, arrangement.cell, pairs.mine, least)
             asked = self.not_behind(phase, pairs, pairs.others, least)
         depths(
-            *self.carried_by, self.scene.robot.limits.table, q, t, arrangement.cell, asked, self.scene.start.time,
-            phase.t1, deepest, most, found,
+            *self.carried_by, self.scene.robot.limits.table, q, t, arrangement.cell, asked, pairs.doubt[0],
+            growing_for(pairs.doubt[2], phase.t1), deepest, most, found,
         )  # fmt: skip
         return found
 
-    def touch(self, arrangement: Arrangement, spline: Spline, t: float, a: int, b: int) -> bool:
-        """Whether units a and b touch at time t of a motion, by FCL."""
+    def touch(self, arrangement: Arrangement, spline: Spline, t: float, a: int, b: int, ahead: float = 0.0) -> bool:
+        """Whether units a and b touch at time t of a motion, by FCL, the second being `ahead` s of the clock."""
         q = np.empty(spline.c.shape[1])
         spline_state(spline.tk, spline.c, t, q)
-        return self.touching(arrangement, q, t, a, b)
+        return self.touching(arrangement, q, t, a, b, ahead)
 
-    def touching(self, arrangement: Arrangement, q: FloatArray, t: float, a: int, b: int) -> bool:
-        """Whether units a and b touch at time t with joints q (n,), by FCL."""
-        return self.collider.touch(*self.posed(arrangement, q, t, np.array([a, b])))
+    def touching(self, arrangement: Arrangement, q: FloatArray, t: float, a: int, b: int, ahead: float = 0.0) -> bool:
+        """Whether unit a at time t with joints q (n,) touches unit b, which is `ahead` s of the clock, by FCL."""
+        one, other = self.posed(arrangement, q, t, np.array([a])), self.posed(arrangement, q, t + ahead, np.array([b]))
+        return self.collider.touch(*one, *other)
 
     def carriers(self, q: FloatArray, t: float) -> FloatArray:
         """Where links and frames are at time t with joints q: (K, 12), position and rotation, row by row."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.kernels.proof import ALONG, OTHER, T0, T1, UNIT
+from assur.planner.kernels.proof import ALONG, FROM, OTHER, T0, T1, TO, UNIT
 from assur.planner.kernels.solids import BODY, PIECE
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Arrival, Certificate, Leg, covered
@@ -70,6 +70,7 @@ def written(
     needed[columns[:, :, 0]] = 1
     number = np.cumsum(needed) - 1
     number[-1] = -1
+    shifted = bool(table[:, FROM].any() or table[:, TO].any())
     certificate = Certificate(
         first=number[columns[:, 0, 0]],
         second=number[columns[:, 1, 0]],
@@ -79,6 +80,8 @@ def written(
         first_piece=columns[:, 0, 1].copy(),
         second_piece=columns[:, 1, 1].copy(),
         normal=table[:, ALONG : ALONG + 3].copy(),
+        shift0=table[:, FROM].copy() if shifted else None,
+        shift1=table[:, TO].copy() if shifted else None,
         covers=covered(blended=scene.options.blended),
     )
     return replace(certificate, digest=digest(scene.digest, trajectory, legs, arrivals, certificate))

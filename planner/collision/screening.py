@@ -17,7 +17,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.proof import Prover
 from assur.planner.kernels.intervals import RESERVE_M
-from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT_T
+from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT_S, HIT_T
 from assur.planner.kernels.spline import spline_state
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.phases import Phase
@@ -112,4 +112,4 @@ def _encounter(prover: Prover, phase: Phase, hit: list[float], q: FloatArray) ->
         facts=Separation(touching=not gap > 0.0, gap_m=gap, required_m=required),
     )
     # what has a gap does not touch
-    return Encounter(refusal, None if gap > 0.0 else partial(prover.touching, arrangement, q, t, *units))
+    return Encounter(refusal, None if gap > 0.0 else partial(prover.touching, arrangement, q, t, *units, hit[HIT_S]))

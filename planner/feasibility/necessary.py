@@ -13,7 +13,7 @@ from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.missed import never_in_window
 from assur.planner.legs.tilt import pitch_free, roll_free, tilts
 from assur.planner.model.assembly_mode import lost_at
-from assur.planner.model.attachments import AT_START, Attachments
+from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase, contacts_of, yaw_offsets
 from assur.planner.model.refusal import (
@@ -59,7 +59,7 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
     if colliding is not None:
         return colliding
     # all ways in which parts may sit by then; `turned`: the part is held in some yaw or other
-    ways: tuple[Attachments, ...] = (AT_START,)
+    ways: tuple[Attachments, ...] = (at_start(scene),)
     turned = False
     for number, step in enumerate(scene.task):
         offsets, tilt = yaw_offsets(scene, step), tilts(scene, step, scene.start.q)[0]
@@ -138,7 +138,7 @@ def _laws_over(scene: Scene) -> Refusal | None:
 def start_collides(scene: Scene, prover: Prover) -> Refusal | None:
     """The arm as it stands at the start, against everything, at the clearance that travel asks for."""
     t = scene.start.time
-    phase = Phase(t, t, LegKind.WAIT, 0)
+    phase = Phase(t, t, LegKind.WAIT, 0, at_start(scene))
     found = closest(scene, prover, phase, scene.start.q, frozenset())
     if found is None:
         return None
@@ -166,7 +166,7 @@ def _start_enclosed(scene: Scene, prover: Prover) -> Refusal | None:
     if all(world.body.surface is None for world in scene.bodies):
         return None
     t = scene.start.time
-    within = enclosed(scene, prover, AT_START, scene.start.q, t, frozenset())
+    within = enclosed(scene, prover, at_start(scene), scene.start.q, t, frozenset())
     if within is None:
         return None
     return _hit(Stage.START, Reason.START_IN_COLLISION, 0, within, Enclosed(), interval=(t, t))

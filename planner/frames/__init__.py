@@ -4,7 +4,7 @@ from assur.planner.frames.conveyor import Conveyor
 from assur.planner.frames.fixed import Fixed, Linear, all_stand
 from assur.planner.frames.indexer import Indexer
 from assur.planner.frames.keyframes import Keyframes
-from assur.planner.frames.law import Frame, Law, Uncertainty
+from assur.planner.frames.law import Frame, Law, PoseUncertainty, Uncertainty
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.ramps import Change
 from assur.planner.frames.swing import Swing
@@ -23,6 +23,7 @@ __all__ = [
     "Linear",
     "Motion",
     "Pose",
+    "PoseUncertainty",
     "Swing",
     "Turntable",
     "Uncertainty",

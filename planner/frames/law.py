@@ -24,13 +24,28 @@ class Law(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Uncertainty:
-    """How far a frame may be from its law: `position_m` always, and `speed_m_s` times the time since it was seen.
+    """How far a frame may be from its law; it is common to all that sits in the frame.
 
-    It is common to all that sits in the frame.
+    `position_m`, and `speed_m_s` times the time since the start: of a frame that travels along a line (a belt) along
+    that line, of any other in every horizontal direction. `lateral_m`: of a belt, across it. `vertical_m`. `yaw_rad`:
+    about the frame's origin. `shift_s`: by how much, at least and at most, the whole motion of the frame is late, s.
     """
 
     position_m: float = 0.0
     speed_m_s: float = 0.0
+    lateral_m: float = 0.0
+    vertical_m: float = 0.0
+    yaw_rad: float = 0.0
+    shift_s: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class PoseUncertainty:
+    """How far a part may be from its pose: in every horizontal direction, up or down, and about its own vertical."""
+
+    position_m: float = 0.0
+    vertical_m: float = 0.0
+    yaw_rad: float = 0.0
 
 
 @dataclass(frozen=True)

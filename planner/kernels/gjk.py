@@ -23,6 +23,7 @@ from assur.planner.kernels.solids import (
     VERTICES,
     gap,
 )
+from assur.planner.kernels.uncertainty import add_spread
 
 ITERATIONS = 64
 """Polytopes end after a dozen; round bodies converge linearly and are near enough by then."""
@@ -179,7 +180,10 @@ def nearest_to_origin(points: FloatArray, count: int, work: FloatArray) -> bool:
     return True
 
 
-@kernel(f"UniTuple(float64, 5)({TABLE}, {TABLE}, {CUBE}, int64, int64, int64, float64, {TABLE}, {TABLE})")
+@kernel(
+    f"UniTuple(float64, 5)({TABLE}, {TABLE}, {CUBE}, int64, int64, int64, float64, {TABLE}, int64, float64, {TABLE},"
+    f" {TABLE})"
+)
 def separate(
     bodies: FloatArray,
     vertices: FloatArray,
@@ -188,13 +192,17 @@ def separate(
     a: int,
     b: int,
     enough: float,
+    sets: FloatArray,
+    k: int,
+    lasts: float,
     points: FloatArray,
     work: FloatArray,
 ) -> tuple[float, float, float, float, float]:
     """The gap of two units along the best normal found, that normal, and a length that their distance is not above.
 
     Ends once the gap exceeds `enough`. Where the units meet, the last is 0 and no normal need be of use; where nothing
-    is known, the gap is −inf or NaN. `points` (4, 3) and `work` (3, 4) are room to work in.
+    is known, the gap is −inf or NaN. With a set number k of `sets` (-1: none) the second unit counts as enlarged by it
+    while the normal is looked for. `points` (4, 3) and `work` (3, 4) are room to work in.
     """
     balls = bodies[a, BALL] + bodies[b, BALL]
     vx, vy = placed[m, b, 0] - placed[m, a, 0], placed[m, b, 1] - placed[m, a, 1]
@@ -211,6 +219,7 @@ def separate(
             points[count, j] = 0.0
         add_farthest(bodies, vertices, placed, m, b, -nx, -ny, -nz, 1.0, points, count)
         add_farthest(bodies, vertices, placed, m, a, nx, ny, nz, -1.0, points, count)
+        add_spread(sets, k, lasts, nx, ny, nz, -1.0, points, count)
         along = nx * points[count, 0] + ny * points[count, 1] + nz * points[count, 2]
         if along > best:
             best, bx, by, bz = along, nx, ny, nz

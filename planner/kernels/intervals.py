@@ -17,8 +17,6 @@ from assur.planner.kernels.solids import (
     CARRIER,
     CUBE,
     DISTANCE,
-    GROWTH,
-    LATE,
     MOTION,
     NORMAL,
     NUMBERS,
@@ -26,7 +24,6 @@ from assur.planner.kernels.solids import (
     PIECES,
     RADIUS,
     REACH,
-    REQUIRED,
     ROW,
     TABLE,
     place,
@@ -38,10 +35,11 @@ Cell: TypeAlias = tuple[FloatArray, FloatArray, IntArray]
 Motion: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 """`robot`, `laws`, `side`, `tk`, `c`, `whole`, `matrix`."""
 
-ITEM_COLUMNS = 6
+ITEM_NORMAL, ITEM_FROM, ITEM_TO, ITEM_COLUMNS = 3, 6, 7, 8
+"""Columns of an item: its normal, the least and the greatest shift, s, and how many."""
 TOP, FOUND = 0, 1
 """In `state`: how many intervals are on the stack, and how many rows were written."""
-STATE_COLUMNS = 8
+STATE_COLUMNS = 9
 DONE, HIT, RESISTED, ROWS_FULL, ITEMS_FULL, WORK_SPENT = range(6)
 """How a search was left."""
 
@@ -133,10 +131,17 @@ def least_gap(
     return between(g0, g1, speed_a + speed_b, acceleration_a + acceleration_b, h)
 
 
-@kernel(f"float64({TABLE}, int64, float64, float64)")
-def needed(pairs: FloatArray, p: int, since: float, t1: float) -> float:
-    """The gap, m, that a row of pair p up to t1 must show, but for what a late start adds (C4, C5)."""
-    return float(pairs[p, REQUIRED] + pairs[p, GROWTH] * max(t1 + pairs[p, LATE] - since, 0.0) + RESERVE_M)
+@kernel(f"boolean({TABLE}, int64, int64)")
+def halve_shift(items: FloatArray, i: int, end: int) -> bool:
+    """Writes item i with the later half of its shift behind item `end` - 1, and leaves the earlier half in its place;
+    False: there is no room."""
+    if end >= len(items):
+        return False
+    middle = 0.5 * (items[i, ITEM_FROM] + items[i, ITEM_TO])
+    for column in range(ITEM_COLUMNS):
+        items[end, column] = items[i, column]
+    items[end, ITEM_FROM] = items[i, ITEM_TO] = middle
+    return True
 
 
 @kernel(f"int64({TABLE}, {TABLE}, int64, int64)")

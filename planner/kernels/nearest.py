@@ -72,7 +72,7 @@ def bounded(
             # where another normal keeps them apart in the middle it is the interval that is too long
             if not several and gap(bodies, vertices, placed, 1, a, b, nx, ny, nz) >= enough:
                 break
-            _, nx, ny, nz, above = separate(bodies, vertices, placed, 1, a, b, math.inf, points, work)
+            _, nx, ny, nz, above = separate(bodies, vertices, placed, 1, a, b, math.inf, points, -1, 0.0, points, work)
             if above < state[UPPER] and bodies[a, PIECES] == 0.0 and bodies[b, PIECES] == 0.0:
                 state[UPPER], state[NEAREST_T], state[NEAREST_A], state[NEAREST_B] = above, 0.5 * (t0 + t1), a, b
                 enough = above - WITHIN_M
@@ -116,6 +116,6 @@ def sample_distance(
                 continue
             if likely(bodies, vertices, placed, 0, a, b, state[UPPER])[0] > state[UPPER]:
                 continue
-            _, _, _, _, above = separate(bodies, vertices, placed, 0, a, b, state[UPPER], points, work)
+            _, _, _, _, above = separate(bodies, vertices, placed, 0, a, b, state[UPPER], points, -1, 0.0, points, work)
             if above < state[UPPER]:
                 state[UPPER], state[NEAREST_T], state[NEAREST_A], state[NEAREST_B] = above, t, a, b

@@ -3,7 +3,7 @@
 In a large cell most of what stands around is far from the arm, and a few rows of single units of the robot do for all
 of it. The six sides are the normals +x, +y, +z, −x, −y, −z of the world. `boxes` (U, 6): least and greatest coordinates
 of units, m; `others` (O, PAIR_COLUMNS - 1): bodies of the surroundings and what is required of them, the columns of a
-pair without its first unit.
+pair without its first unit. The set of a pair is that number plus the `kind` of the robot's unit, where there are sets.
 """
 
 from __future__ import annotations
@@ -20,8 +20,6 @@ from assur.planner.kernels.solids import (
     CELL,
     CUBE,
     FIRST,
-    GROWTH,
-    LATE,
     MOTION,
     NORMAL,
     NUMBERS,
@@ -29,9 +27,11 @@ from assur.planner.kernels.solids import (
     REQUIRED,
     ROW,
     SECOND,
+    SET,
     TABLE,
     support,
 )
+from assur.planner.kernels.uncertainty import DOUBT, Doubt, displaced, spread, sway_links
 
 SIDES = 6
 SPARED = 256.0
@@ -56,9 +56,10 @@ def ahead(
     return float(-along - support(bodies, vertices, placed, m, i, nx, ny, nz))
 
 
-@kernel(f"void({MOTION}, {CELL}, {NUMBERS}, {ROW}, {TABLE})", allocates=True)
-def behind(motion: Motion, cell: Cell, units: IntArray, edges: FloatArray, least: FloatArray) -> None:
-    """Fills `least` (R, 6): each of `units` (R,) stays behind the plane n·x = −least of each side all along.
+@kernel(f"void({MOTION}, {CELL}, {DOUBT}, {NUMBERS}, {ROW}, {TABLE})", allocates=True)
+def behind(motion: Motion, cell: Cell, doubt: Doubt, units: IntArray, edges: FloatArray, least: FloatArray) -> None:
+    """Fills `least` (R, 6): each of `units` (R,) stays behind the plane n·x = −least of each side all along, wherever
+    its link may be displaced to.
 
     It is proved over each of the intervals between `edges` (C2, C3), and is the smallest of them. What the checker may
     miss of it is taken off: it proves a plane over eighths of an interval, by bounds of its own.
@@ -67,11 +68,13 @@ def behind(motion: Motion, cell: Cell, units: IntArray, edges: FloatArray, least
     n, m = motion[4].shape[1], len(motion[6])
     carriers, placed = np.empty((3, len(still), POSE_COLUMNS)), np.empty((3, len(bodies), POSE_COLUMNS))
     bounds, stamp = np.zeros((len(still), BOUND_COLUMNS)), np.zeros(len(bodies), dtype=np.int64)
-    q, swept = np.empty(n), np.empty((4, max(n, m)))
+    q, swept, room = np.empty(n), np.empty((4, max(n, m))), np.empty((3, max(n, m)))
+    sway = np.zeros((len(still), BOUND_COLUMNS))
     least[:] = math.inf
     for part in range(len(edges) - 1):
         t0, t1 = edges[part], edges[part + 1]
         survey(motion, t0, t1, q, swept, carriers, bounds)
+        sways = sway_links(motion[0], swept[0, :n], swept[1, :n], doubt, t1, room, sway)
         for r in range(len(units)):
             i = units[r]
             fetch(bodies, i, carriers, placed, stamp, part + 1, still)
@@ -82,27 +85,45 @@ def behind(motion: Motion, cell: Cell, units: IntArray, edges: FloatArray, least
                 _, acceleration = unit_bound(bodies, bounds, i, nx, ny, nz)
                 shown = least_alone(bodies, bounds, i, nx, ny, nz, g0, g1, t1 - t0)
                 shown -= acceleration * (t1 - t0) * (t1 - t0) / SPARED
+                if sways:
+                    shown -= displaced(bodies, sway, i, nx, ny, nz)
                 # what is not a number shows nothing
                 least[r, k] = min(least[r, k], shown) if shown > -math.inf else -math.inf
 
 
-@kernel(f"int64({TABLE}, {NUMBERS}, {TABLE}, {TABLE}, {TABLE}, float64, float64, {TABLE}, {TABLE})", allocates=True)
+@kernel(f"float64({TABLE}, int64, int64, {TABLE}, float64, int64)")
+def wanted_beyond(others: FloatArray, o: int, kind: int, sets: FloatArray, lasts: float, side: int) -> float:
+    """The distance, m, that body number o must be from a plane of a side for a unit of the robot of a kind behind
+    it."""
+    found, k = others[o, REQUIRED - 1] + RESERVE_M, int(others[o, SET - 1])
+    if k < 0:
+        return float(found)
+    nx, ny, nz = side_normal(side)
+    return float(found + spread(sets, k + kind, lasts, nx, ny, nz))
+
+
+@kernel(
+    f"int64({TABLE}, {NUMBERS}, {NUMBERS}, {TABLE}, {TABLE}, {TABLE}, {TABLE}, float64, {TABLE}, {TABLE})",
+    allocates=True,
+)
 def not_behind(
     boxes: FloatArray,
     units: IntArray,
+    kinds: IntArray,
     least: FloatArray,
     others: FloatArray,
-    allowed: FloatArray,
-    since: float,
-    until: float,
+    special: FloatArray,
+    sets: FloatArray,
+    lasts: float,
     used: FloatArray,
     pairs: FloatArray,
 ) -> int:
     """Writes the pairs of `units` (R,) and `others` that no plane keeps apart to `pairs`; returns how many they are.
 
     `least` (R, 6) is what `behind` found; `used` (R, 6) becomes 1 where it is needed. `boxes` are NaN for what does not
-    stand still. `allowed` (A, PAIR_COLUMNS): pairs that may touch, with what is required of them instead of what
-    `others` says. -1: `pairs` is too short.
+    stand still. `special` (A, PAIR_COLUMNS): pairs with what is required of them instead of what `others` says, which
+    is never more. `sets`: by how much more they must be apart, where errors have grown for `lasts` seconds. -1: `pairs`
+    is too short.
     """
     together, count = np.empty(SIDES), 0
     for k in range(SIDES):
@@ -110,28 +131,27 @@ def not_behind(
         for r in range(len(units)):
             together[k] = min(together[k], least[r, k])
     for o in range(len(others)):
-        b = int(others[o, 0])
-        growth = others[o, GROWTH - 1] * max(until + others[o, LATE - 1] - since, 0.0)
-        need = others[o, REQUIRED - 1] + growth + RESERVE_M
+        b, unsure = int(others[o, 0]), others[o, SET - 1] >= 0.0
         best, side = -math.inf, 0
-        for k in range(SIDES):
-            nearest = boxes[b, k] if k < 3 else -boxes[b, k]
-            if together[k] + nearest > best:
-                best, side = together[k] + nearest, k
-        if best >= need:
+        for k in range(0 if unsure else SIDES):  # sets are asked unit by unit
+            beyond = together[k] + (boxes[b, k] if k < 3 else -boxes[b, k])
+            if beyond > best:
+                best, side = beyond, k
+        if best >= others[o, REQUIRED - 1] + RESERVE_M:
             for r in range(len(units)):
                 used[r, side] = 1.0
             continue
         for r in range(len(units)):
             best, side, apart = -math.inf, 0, False
             for k in range(SIDES):
-                found = least[r, k] + (boxes[b, k] if k < 3 else -boxes[b, k])
-                apart = apart or (used[r, k] > 0.0 and found >= need)
-                if found > best:
-                    best, side = found, k
+                beyond = least[r, k] + (boxes[b, k] if k < 3 else -boxes[b, k])
+                beyond -= wanted_beyond(others, o, kinds[r], sets, lasts, k)
+                apart = apart or (used[r, k] > 0.0 and beyond >= 0.0)
+                if beyond > best:
+                    best, side = beyond, k
             if apart:
                 continue
-            if best >= need:
+            if best >= 0.0:
                 used[r, side] = 1.0
                 continue
             if count == len(pairs):
@@ -139,22 +159,25 @@ def not_behind(
             pairs[count, FIRST], pairs[count, SECOND] = units[r], b
             for column in range(REQUIRED, PAIR_COLUMNS):
                 pairs[count, column] = others[o, column - 1]
-            for k in range(len(allowed)):
-                if allowed[k, FIRST] == units[r] and allowed[k, SECOND] == b:
+            if unsure:
+                pairs[count, SET] += kinds[r]
+            for k in range(len(special)):
+                if special[k, FIRST] == units[r] and special[k, SECOND] == b:
                     for column in range(REQUIRED, PAIR_COLUMNS):
-                        pairs[count, column] = allowed[k, column]
+                        pairs[count, column] = special[k, column]
             count += 1
     return count
 
 
-@kernel(f"void({TABLE}, {NUMBERS}, {TABLE}, {TABLE}, float64, float64, {TABLE})")
+@kernel(f"void({TABLE}, {NUMBERS}, {NUMBERS}, {TABLE}, {TABLE}, {TABLE}, float64, {TABLE})")
 def drop_spare(
     boxes: FloatArray,
     units: IntArray,
+    kinds: IntArray,
     least: FloatArray,
     others: FloatArray,
-    since: float,
-    until: float,
+    sets: FloatArray,
+    lasts: float,
     used: FloatArray,
 ) -> None:
     """Sets `used` (R, 6) to 0 for planes that do nothing which another one does not do: a certificate stays small."""
@@ -165,14 +188,13 @@ def drop_spare(
             does = False
             for o in range(len(others)):
                 b = int(others[o, 0])
-                growth = others[o, GROWTH - 1] * max(until + others[o, LATE - 1] - since, 0.0)
-                need = others[o, REQUIRED - 1] + growth + RESERVE_M
+                need = wanted_beyond(others, o, kinds[r], sets, lasts, spare)
                 if not least[r, spare] + (boxes[b, spare] if spare < 3 else -boxes[b, spare]) >= need:
                     continue
                 alone = True
                 for k in range(SIDES):
-                    found = least[r, k] + (boxes[b, k] if k < 3 else -boxes[b, k])
-                    if k != spare and used[r, k] > 0.0 and found >= need:
+                    beyond = least[r, k] + (boxes[b, k] if k < 3 else -boxes[b, k])
+                    if k != spare and used[r, k] > 0.0 and beyond >= wanted_beyond(others, o, kinds[r], sets, lasts, k):
                         alone = False
                         break
                 if alone:

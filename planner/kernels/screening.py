@@ -13,7 +13,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.carriers import place_carriers
-from assur.planner.kernels.intervals import Cell, fetch, needed
+from assur.planner.kernels.intervals import ITEM_FROM, ITEM_TO, RESERVE_M, Cell, fetch
 from assur.planner.kernels.laws import place_frame
 from assur.planner.kernels.links import LINKS, POSE_COLUMNS, assembled, place_links
 from assur.planner.kernels.planes import SIDES, side_normal
@@ -25,6 +25,7 @@ from assur.planner.kernels.solids import (
     REQUIRED,
     ROW,
     SECOND,
+    SET,
     TABLE,
     gap,
     likely,
@@ -32,10 +33,12 @@ from assur.planner.kernels.solids import (
     spheres_apart,
     support,
 )
+from assur.planner.kernels.uncertainty import spread
 
-HIT_A, HIT_B, HIT_T, HIT_GAP, HIT_NEED, HIT_PAIR = range(6)
-"""Columns of a hit: two units (pieces), the instant, s, the gap, the gap needed, m, the number of the pair."""
-HIT_COLUMNS = 6
+HIT_A, HIT_B, HIT_T, HIT_GAP, HIT_NEED, HIT_PAIR, HIT_S = range(7)
+"""Columns of a hit: two units (pieces), the instant, s, the gap, the gap needed, m, the number of the pair, the shift,
+s."""
+HIT_COLUMNS = 7
 HITS = 7
 """In `state`: how many hits are kept."""
 
@@ -57,11 +60,29 @@ def note_hit(hits: FloatArray, state: FloatArray, items: FloatArray, i: int, t: 
         return
     hits[count, HIT_A], hits[count, HIT_B], hits[count, HIT_T] = items[i, 0], items[i, 1], t
     hits[count, HIT_GAP], hits[count, HIT_NEED], hits[count, HIT_PAIR] = found[0], found[1], pair
+    hits[count, HIT_S] = 0.5 * (items[i, ITEM_FROM] + items[i, ITEM_TO])
     state[HITS] = max(state[HITS], count + 1.0)
 
 
+@kernel(f"float64({TABLE}, {TABLE}, {CUBE}, int64, int64, {TABLE}, int64, float64)")
+def widest(
+    bodies: FloatArray, vertices: FloatArray, placed: FloatArray, a: int, b: int, sets: FloatArray, k: int, lasts: float
+) -> float:
+    """How much two units are apart at the first instant beyond what is not known of them (set k), along the better of
+    the vertical and the likely normal."""
+    best = -math.inf
+    for attempt in range(2):
+        if attempt == 0:
+            nx, ny, nz = 0.0, 0.0, 1.0 if placed[0, b, 2] >= placed[0, a, 2] else -1.0
+            found = gap(bodies, vertices, placed, 0, a, b, nx, ny, nz)
+        else:
+            found, nx, ny, nz = likely(bodies, vertices, placed, 0, a, b, math.inf)
+        best = max(best, found - spread(sets, k, lasts, nx, ny, nz))
+    return best
+
+
 @kernel(
-    f"void({ROW}, {TABLE}, {TABLE}, {TABLE}, {CUBE}, {TABLE}, {CELL}, {TABLE}, float64, float64, float64, float64,"
+    f"void({ROW}, {TABLE}, {TABLE}, {TABLE}, {CUBE}, {TABLE}, {CELL}, {TABLE}, {TABLE}, float64, float64, float64,"
     f" {ROW})",
     allocates=True,
 )
@@ -74,8 +95,8 @@ def depths(
     t: FloatArray,
     cell: Cell,
     pairs: FloatArray,
-    since: float,
-    until: float,
+    sets: FloatArray,
+    lasts: float,
     deepest: float,
     most: float,
     depth: FloatArray,
@@ -91,9 +112,6 @@ def depths(
     links, n = int(robot[LINKS]), q.shape[2]
     carriers, placed = np.empty((1, len(still), POSE_COLUMNS)), np.empty((1, len(bodies), POSE_COLUMNS))
     stamp, normals = np.zeros(len(bodies), dtype=np.int64), np.zeros((len(pairs), 3))
-    needs = np.empty(len(pairs))
-    for p in range(len(pairs)):
-        needs[p] = needed(pairs, p, since, until)
     number, met = 0, 0
     for w in range(len(q)):
         depth[w] = 0.0
@@ -112,19 +130,22 @@ def depths(
                 if number == 1 or not still[links + f]:
                     place_frame(laws[f], side, t[w, i], carriers[0], links + f)
             # what was met last is likely to be met again
-            for k in range(-1, len(pairs)):
-                p = k if k >= 0 else met
+            for turn in range(-1, len(pairs)):
+                p = turn if turn >= 0 else met
                 if p >= len(pairs) or pairs[p, REQUIRED] < 0.0:
                     continue
-                a, b, need = int(pairs[p, FIRST]), int(pairs[p, SECOND]), needs[p]
+                a, b, need = int(pairs[p, FIRST]), int(pairs[p, SECOND]), pairs[p, REQUIRED] + RESERVE_M
                 fetch(bodies, a, carriers, placed, stamp, number, still)
                 fetch(bodies, b, carriers, placed, stamp, number, still)
                 if spheres_apart(bodies, placed, 0, a, b, need):
                     continue
                 nx, ny, nz = normals[p, 0], normals[p, 1], normals[p, 2]
-                if (nx != 0.0 or ny != 0.0 or nz != 0.0) and gap(bodies, vertices, placed, 0, a, b, nx, ny, nz) > need:
+                known = (nx != 0.0 or ny != 0.0 or nz != 0.0) and pairs[p, SET] < 0.0
+                if known and gap(bodies, vertices, placed, 0, a, b, nx, ny, nz) > need:
                     continue
                 found, nx, ny, nz = likely(bodies, vertices, placed, 0, a, b, need)
+                if found > need and pairs[p, SET] >= 0.0:
+                    found = widest(bodies, vertices, placed, a, b, sets, int(pairs[p, SET]), lasts)
                 if not found > need:
                     # what is not known counts as deep
                     depth[w] += min(1.0, (need - found) / deepest) if found > -math.inf else 1.0

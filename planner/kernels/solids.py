@@ -53,12 +53,13 @@ COLUMNS = 27
 FIRST, SECOND = 0, 1
 """Columns of a pair: its two units, the first of the robot."""
 REQUIRED = 2
-"""Distance that a pair must keep, m (C5), but for what grows ..."""
-GROWTH = 3
-"""... by this much a second, m/s, ..."""
-LATE = 4
-"""... and the time, s, by which the robot may start late: the second unit goes on in the meantime."""
-PAIR_COLUMNS = 5
+"""Distance that a pair must keep, m (C5), but for what is not known of where the two are: ..."""
+SET = 3
+"""... the number of its set of displacements (`kernels.uncertainty`), -1 for none, ..."""
+EARLY, LATE = 4, 5
+"""... and from when to when, s, the second is looked at while the first is looked at: the robot may start late, and the
+whole motion of a frame be shifted in time. 0 and 0 for what is known, or does not move."""
+PAIR_COLUMNS = 6
 
 COVER = -1
 """Piece number of the bounding box of a whole body."""

@@ -12,12 +12,13 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
-from assur.planner.kernels.carriers import carrier_bounds
 from assur.planner.kernels.intervals import (
     DONE,
     FINEST_S,
     FOUND,
     HIT,
+    ITEM_FROM,
+    ITEM_TO,
     ITEMS_FULL,
     RESERVE_M,
     RESISTED,
@@ -27,15 +28,18 @@ from assur.planner.kernels.intervals import (
     Cell,
     Motion,
     fetch,
+    halve_shift,
     move_items,
     open_box,
     push,
     survey,
 )
-from assur.planner.kernels.links import BOUND_COLUMNS, POSE_COLUMNS
+from assur.planner.kernels.links import BOUND_COLUMNS, LINKS, POSE_COLUMNS
 from assur.planner.kernels.nearest import bounded
 from assur.planner.kernels.proof import (
     ALONG,
+    FROM,
+    HALVE_SHIFT,
     OPEN,
     OTHER,
     PROVED,
@@ -43,22 +47,26 @@ from assur.planner.kernels.proof import (
     RESISTED_B,
     RESISTED_GAP,
     RESISTED_NEED,
+    RESISTED_S,
     RESISTED_T,
     T0,
     T1,
+    TO,
     TOO_NEAR,
     UNIT,
     settle,
 )
 from assur.planner.kernels.screening import HITS, note_hit
-from assur.planner.kernels.solids import CELL, MOTION, ROW, TABLE
+from assur.planner.kernels.shifts import MOMENTS, place_shifted
+from assur.planner.kernels.solids import CELL, EARLY, LATE, MOTION, ROW, TABLE
+from assur.planner.kernels.uncertainty import DOUBT, Doubt, growing_for, sway_links
 
 PROVE, SCREEN, NEAREST = range(3)
 """What a search is for."""
 
 
 @kernel(
-    f"int64(int64, {MOTION}, {CELL}, {TABLE}, float64, float64, {TABLE}, {TABLE}, {ROW}, {TABLE}, {TABLE}, int64)",
+    f"int64(int64, {MOTION}, {CELL}, {TABLE}, {DOUBT}, {TABLE}, {TABLE}, {ROW}, {TABLE}, {TABLE}, int64)",
     allocates=True,
 )
 def walk(
@@ -66,8 +74,7 @@ def walk(
     motion: Motion,
     cell: Cell,
     pairs: FloatArray,
-    since: float,
-    latest: float,
+    doubt: Doubt,
     items: FloatArray,
     stack: FloatArray,
     state: FloatArray,
@@ -77,15 +84,23 @@ def walk(
 ) -> int:
     """Goes on with a search until it is done, pairs are too near, one resists, or rows, items or work run out.
 
-    `since`: the time from which a growth counts; `latest`: by how much the robot may start late at most, s. `rows` take
-    what is proved, `hits` what is too near. `budget`: after how many items no interval is begun. If rows, items or work
-    run out, the state is such that the call can be repeated with more room.
+    `doubt`: what is not known of where things are. `rows` take what is proved, `hits` what is too near. `budget`: after
+    how many items no interval is begun. If rows, items or work run out, the state is such that the call can be repeated
+    with more room.
     """
     robot, laws, side, _, c, _, matrix = motion
     bodies, vertices, still = cell
     many, n, m = len(still), c.shape[1], len(matrix)
     carriers, placed = np.empty((3, many, POSE_COLUMNS)), np.empty((3, len(bodies), POSE_COLUMNS))
-    bounds, late_bounds = np.zeros((many, BOUND_COLUMNS)), np.zeros((many, BOUND_COLUMNS))
+    bounds, sway, steady = np.zeros((many, BOUND_COLUMNS)), np.zeros((many, BOUND_COLUMNS)), np.zeros((0, 1))
+    ahead = 0
+    for p in range(len(pairs)):
+        ahead = len(bodies) if pairs[p, EARLY] != 0.0 or pairs[p, LATE] != 0.0 else ahead
+    shifted = (
+        np.empty((MOMENTS, many if ahead > 0 else 0, POSE_COLUMNS)), np.empty((MOMENTS, ahead, POSE_COLUMNS)),
+        np.zeros((many, BOUND_COLUMNS)), np.full((many, 3), np.nan),
+    )  # fmt: skip
+    span, room, links = np.empty(4), np.empty((3, max(n, m))), int(robot[LINKS])
     stamp, q, swept = np.zeros(len(bodies), dtype=np.int64), np.empty(n), np.empty((4, max(n, m)))
     points, work, found = np.empty((4, 3)), np.empty((3, 4)), np.empty(2)
     number = 0
@@ -101,9 +116,9 @@ def walk(
         state[TOP] = top
         number += 1
         survey(motion, t0, t1, q, swept, carriers, bounds)
-        if latest > 0.0 and task != NEAREST:
-            lower, upper, rate, rate_d = swept[0, :n], swept[1, :n], swept[2, :m], swept[3, :m]
-            carrier_bounds(robot, laws, side, t0, t1 + latest, lower, upper, rate, rate_d, late_bounds)
+        lasts, sways = growing_for(doubt[2], t1), False
+        if task != NEAREST:
+            sways = sway_links(robot, swept[0, :n], swept[1, :n], doubt, t1, room, sway)
         end, left, i, free, h = first + count, 0, first, state[HITS] == 0.0, t1 - t0
         while i < end:
             r, status = int(state[FOUND]), DONE
@@ -118,9 +133,12 @@ def walk(
                 if task == NEAREST:
                     verdict = bounded(bodies, vertices, placed, bounds, t0, t1, items, i, points, work, state)
                 else:
+                    if items[i, ITEM_FROM] != 0.0 or items[i, ITEM_TO] != 0.0:
+                        span[0], span[1], span[2], span[3] = t0, t1, items[i, ITEM_FROM], items[i, ITEM_TO]
+                        place_shifted(laws, side, bodies, links, number, placed, a, b, span, shifted)
                     verdict = settle(
-                        bodies, vertices, placed, bounds, late_bounds, pairs, since, t0, t1, items, i, points, work,
-                        found,
+                        bodies, vertices, placed, bounds, shifted, pairs, doubt[0], sway if sways else steady, lasts, h,
+                        items, i, points, work, found,
                     )  # fmt: skip
                 if verdict == PROVED:
                     # an instant is no interval
@@ -128,6 +146,7 @@ def walk(
                         rows[r, T0], rows[r, T1], rows[r, UNIT], rows[r, OTHER] = t0, t1, a, b
                         for k in range(3):
                             rows[r, ALONG + k] = items[i, 3 + k]
+                        rows[r, FROM], rows[r, TO] = items[i, ITEM_FROM], items[i, ITEM_TO]
                         state[FOUND] = r + 1
                 elif verdict == OPEN:
                     opened = open_box(bodies, items, i, end)
@@ -135,12 +154,18 @@ def walk(
                         status = ITEMS_FULL
                     else:
                         end = opened
+                elif verdict == HALVE_SHIFT:
+                    if halve_shift(items, i, end):
+                        end += 1
+                        continue
+                    status = ITEMS_FULL
                 else:
                     # of what is not known, or within the reserve, a proof says so
                     hit = verdict == TOO_NEAR and task == SCREEN and found[0] <= found[1] - RESERVE_M
                     if proving and not hit and (verdict == TOO_NEAR or (h > 0.0 and not h > FINEST_S)):
                         state[RESISTED_A], state[RESISTED_B], state[RESISTED_T] = a, b, middle
                         state[RESISTED_GAP], state[RESISTED_NEED] = found[0], found[1] - RESERVE_M
+                        state[RESISTED_S] = 0.5 * (items[i, ITEM_FROM] + items[i, ITEM_TO])
                         return RESISTED
                     if hit:
                         free = False

@@ -15,17 +15,9 @@ from assur.planner.legs.meeting import GRID_S
 from assur.planner.legs.pace import Pace
 from assur.planner.legs.state import State
 from assur.planner.model.outcome import Course, Route
-from assur.planner.model.refusal import (
-    Miss,
-    Obstacle,
-    Quantity,
-    Refusal,
-    Stage,
-    WindowMissed,
-    unmoved,
-    window_missed,
-)
+from assur.planner.model.refusal import Obstacle, Quantity, Refusal, Stage, unmoved, window_missed
 from assur.planner.model.scene import Scene
+from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.timing import SHORTEST, Numbers, RawProfile, TimingRefusal, trajectory_of
 from assur.planner.trajectory import Trajectory
 

@@ -9,18 +9,9 @@ import numpy as np
 
 from assur.planner.errors import FaultError
 from assur.planner.legs.control_point import HORIZON_S, ControlPoint
-from assur.planner.model.refusal import (
-    FOR_ALL_TIMES,
-    LawEnds,
-    Miss,
-    Quantity,
-    Refusal,
-    Stage,
-    WindowMissed,
-    law_ends,
-    window_missed,
-)
+from assur.planner.model.refusal import LawEnds, Quantity, Refusal, Stage, law_ends, window_missed
 from assur.planner.model.scene import Scene
+from assur.planner.model.window_missed import FOR_ALL_TIMES, Miss, WindowMissed
 
 
 def window_is_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refusal:

@@ -76,6 +76,14 @@ AT_START = Attachments()
 """An empty gripper, every part where it was."""
 
 
+def at_start(scene: Scene) -> Attachments:
+    """What the gripper holds when the plan begins, every other part where it is."""
+    holding = scene.start.holding
+    if holding is None:
+        return AT_START
+    return Attachments(Held(holding.part, scene.tool.tcp.then(holding.grasp.inverse())))
+
+
 def _grasp(step: Pick, yaw_offset: float) -> Pose:
     """Tool point in the part's frame when the part is taken turned by `yaw_offset` about its own vertical axis."""
     return Pose(yaw=yaw_offset).then(step.grasp)

@@ -1,38 +1,31 @@
-"""How far apart two bodies must stay, phase by phase (equation C5 in docs/guarantees.md)."""
+"""How far apart two bodies must stay in a phase, before what is not known of them (equation C5 in
+docs/guarantees.md)."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
 from assur.planner.model.phases import CONTACT_M, Phase
 from assur.planner.model.scene import Scene
 
 
-def clearance(scene: Scene, phase: Phase) -> float:
-    """The distance asked for in this phase, m, before uncertainties."""
+def clearances(scene: Scene, near: bool, ones: Sequence[str], others: Sequence[str]) -> FloatArray:
+    """The distance asked of each body of `ones` from each of `others`, (A, B) m, in approach, follow and depart
+    (`near`) or elsewhere. Of the exceptions that name a pair the last one counts."""
     asked = scene.options.clearance
-    return asked.near_m if phase.near else asked.travel_m
+    found = np.full((len(ones), len(others)), asked.near_m if near else asked.travel_m)
+    for rule in asked.exceptions:
+        distance = rule.near_m if near else rule.travel_m
+        for first, second in ((rule.first, rule.second), (rule.second, rule.first)):
+            one = np.array([not first or name in first for name in ones], dtype=bool)
+            other = np.array([not second or name in second for name in others], dtype=bool)
+            found[np.ix_(one, other)] = distance
+    return found
 
 
-def drift(scene: Scene, phase: Phase, frame: str) -> tuple[float, float]:
-    """How far, m, bodies in `frame` may be from where the arm expects them at the start, and how fast that grows, m/s
-    (last term of C5)."""
-    own = _uncertain(scene, frame)
-    if not scene.execution.belt_correction:
-        return own
-    if phase.tracked is not None:
-        own = (0.0, 0.0) if frame == phase.tracked else own
-    shifts = phase.corrected if phase.tracked is None else (phase.tracked,)
-    for shift in shifts:
-        # what shifts the arm with a frame does not part it from that frame
-        if shift != frame:
-            known = _uncertain(scene, shift)
-            own = own[0] + known[0], own[1] + known[1]
-    return own
-
-
-def _uncertain(scene: Scene, frame: str) -> tuple[float, float]:
-    known = scene.frames[frame].uncertainty
-    return known.position_m, known.speed_m_s
-
-
-CONTACT_GAP = -CONTACT_M
-"""Required gap of a pair that may touch, m."""
+def contact_gap(phase: Phase) -> float:
+    """The gap, m, that a pair which may touch must keep: less than 0, it is how deep it may overlap."""
+    return -CONTACT_M - phase.contact_tolerance_m

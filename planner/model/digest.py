@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from assur.planner.model.outcome import INDICES, Arrival, Certificate, Leg
+from assur.planner.model.outcome import INDICES, Arrival, ArrivalError, Certificate, Leg
 from assur.planner.trajectory import Trajectory
 
-FORMAT = "assur-plan-5"
+FORMAT = "assur-plan-6"
 """Changes whenever the meaning of a column, or the order of what follows, does."""
 
 
@@ -34,7 +34,10 @@ def digest(
     The certificate's own `digest` does not count. Not looked at: whether any of it is true.
     """
     knots = np.column_stack([trajectory.time, trajectory.q, trajectory.qd, trajectory.qdd])
-    rows = np.column_stack([certificate.t0, certificate.t1, certificate.normal])
+    columns = [certificate.t0, certificate.t1, certificate.normal]
+    if certificate.shift0 is not None and certificate.shift1 is not None:
+        columns += [certificate.shift0, certificate.shift1]
+    rows = np.column_stack(columns)
     indices = np.column_stack([getattr(certificate, name) for name in INDICES])
     text = ascii(
         [
@@ -71,6 +74,16 @@ def _arrival(arrival: Arrival) -> list[Any]:
         *_numbers(arrival.time, arrival.until, pose.x, pose.y, pose.z, pose.yaw, arrival.yaw_offset),
         *(None if value is None else float(value) + 0.0 for value in known),
         None if missed is None else _numbers(*missed.joints, missed.distance_m),
+        None if arrival.error is None else _error(arrival.error),
+    ]
+
+
+def _error(error: ArrivalError) -> list[Any]:
+    within = error.within
+    return [
+        *_numbers(error.position_m, within.position_m, within.vertical_m, within.yaw_rad),
+        [[str(share.cause), *_numbers(share.position_m, share.yaw_rad)] for share in error.shares],
+        [[str(name), float(value) + 0.0] for name, value in error.worst],
     ]
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.errors import InputError
+from assur.planner.frames.law import PoseUncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.trajectory import Trajectory
@@ -101,6 +102,45 @@ class Missed:
             _finite("missed_by", number)
 
 
+class Cause(StrEnum):
+    """Why the tool may not be where its control point is."""
+
+    FRAME = "frame"
+    """The frame is not where its law has it."""
+    LATE = "late start"
+    """The robot starts late, and the frame has gone on."""
+    LAG = "servo lag"
+    PART = "part"
+    """The part is not where it should be in its frame."""
+    GRIP = "grip"
+    """The part is not where it should be in the gripper."""
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """What one cause adds to an error at most: m and rad."""
+
+    cause: Cause
+    position_m: float
+    yaw_rad: float
+
+
+@dataclass(frozen=True, slots=True)
+class ArrivalError:
+    """How far the tool may be from its control point when the step is done: no realisation of what the request does not
+    know is worse. `position_m`: distance; `within`: the same split into horizontal, vertical and yaw.
+
+    `shares`: by cause, the largest first. `worst`: one realisation that comes near `position_m`: signs of the frame's
+    error along and across its line and along the vertical and of the lag of each joint, lateness in s, and the
+    direction of what is the same in all horizontal directions, rad in the world.
+    """
+
+    position_m: float
+    within: PoseUncertainty
+    shares: tuple[Share, ...]
+    worst: tuple[tuple[str, float], ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Arrival:
     """The tool point met a control point: `pose` of the tool point in the world at `time`.
@@ -110,7 +150,8 @@ class Arrival:
     begins and `until` when it ends (attach, detach); elsewhere until = time. `yaw_offset`: by how much the tool was
     turned about the part's vertical axis, where the part's symmetry (or a free yaw) leaves the choice. `pitch`, `roll`:
     with which the tool met it, rad; None for an arm that has none. `missed_by`: of a via with parabolic blends, whose
-    `pose` is where the tool is at `time`, while pitch and roll are those of the pose it misses.
+    `pose` is where the tool is at `time`, while pitch and roll are those of the pose it misses. `error`: how far the
+    tool may be from the control point at `until`; None where all is known.
     Raises `InputError` for what is no number of a step, no pose, no text, or not finite.
     """
 
@@ -126,6 +167,7 @@ class Arrival:
     pitch: float | None = None
     roll: float | None = None
     missed_by: Missed | None = None
+    error: ArrivalError | None = None
 
     def __post_init__(self) -> None:
         _step("arrival.step", self.step)
@@ -133,7 +175,12 @@ class Arrival:
             value = getattr(self, name)
             if value is not None or name in ("time", "until", "yaw_offset"):
                 _finite(f"arrival.{name}", value)
-        for name, kind in (("control_point", str), ("pose", Pose), ("missed_by", Missed | None)):
+        for name, kind in (
+            ("control_point", str),
+            ("pose", Pose),
+            ("missed_by", Missed | None),
+            ("error", ArrivalError | None),
+        ):
             if not isinstance(getattr(self, name), kind):
                 raise InputError(f"arrival.{name}", getattr(self, name), f"{kind}")
 
@@ -167,7 +214,8 @@ class Certificate:
 
     Bodies are indices into `names`; a piece is the index of a convex piece of the body, -1 its bounding box (in the
     body's axes). A second of -1 is no body but the origin of the world: the row says behind which plane the first stays
-    (equation C6). `normal` (M, 3) points from the first to the second. Gaps and bounds of motion are not among the
+    (equation C6). `shift0`, `shift1`: between which times, s, the second body is ahead of the clock (C8); None: it is
+    not, in any row. `normal` (M, 3) points from the first to the second. Gaps and bounds of motion are not among the
     columns: who checks a row computes them. Equations C1 to C3 in docs/guarantees.md.
 
     Raises `InputError` for columns of different lengths or kinds, numbers that are not finite, and names that are not
@@ -182,13 +230,18 @@ class Certificate:
     second: IntArray
     second_piece: IntArray
     normal: FloatArray
+    shift0: FloatArray | None = None
+    shift1: FloatArray | None = None
     digest: str = ""
     covers: tuple[str, ...] = COVERS
 
     def __post_init__(self) -> None:
         given: dict[str, Any] = {name: getattr(self, name) for name in Certificate.__dataclass_fields__}
         rows = np.shape(given["t0"])
-        for name, kind in (("t0", "f"), ("t1", "f"), ("normal", "f"), *((name, "i") for name in INDICES)):
+        if (self.shift0 is None) != (self.shift1 is None):
+            raise InputError("certificate.shift0", self.shift0, "both ends of shifts, or none")
+        shifts = () if self.shift0 is None else (("shift0", "f"), ("shift1", "f"))
+        for name, kind in (("t0", "f"), ("t1", "f"), ("normal", "f"), *shifts, *((name, "i") for name in INDICES)):
             column, shape = given[name], (*rows, 3) if name == "normal" else rows
             if not (isinstance(column, np.ndarray) and column.dtype.kind == kind and column.dtype.itemsize == 8):
                 raise InputError(f"certificate.{name}", column, "an array of int64 or float64")

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from assur.planner.frames.law import PoseUncertainty
 from assur.planner.frames.motion import Pose
-from assur.planner.model.attachments import AT_START, Attachments
+from assur.planner.model.attachments import AT_START, Attachments, at_start
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind
-from assur.planner.model.scene import Pick, Scene, Step
+from assur.planner.model.scene import Pick, Place, Scene, Step
 
 CONTACT_M = 1e-4
 """Bodies in an allowed contact may overlap by this much, m: rounding of poses and a part that is not quite flat."""
@@ -25,12 +26,35 @@ Contacts = frozenset[tuple[str, str]]
 
 
 @dataclass(frozen=True, slots=True)
+class Handled:
+    """What is known of the parts that were gripped: how well each is known, in the gripper that holds it or in the
+    frame where it was put down, sorted by name; and with what a part that was put down may stay in contact."""
+
+    within: tuple[tuple[str, PoseUncertainty], ...] = ()
+    supports: Contacts = frozenset()
+
+    def of(self, part: str) -> PoseUncertainty | None:
+        """How well a part is known; None: it was not gripped."""
+        return dict(self.within).get(part)
+
+    def changed(self, part: str, within: PoseUncertainty, supports: Contacts) -> Handled:
+        """The same after a part was gripped (no supports) or put down."""
+        others = [each for each in self.within if each[0] != part]
+        kept = frozenset(each for each in self.supports if part not in each)
+        return Handled(tuple(sorted([*others, (part, within)], key=_name)), kept | supports)
+
+
+NOTHING_HANDLED = Handled()
+
+
+@dataclass(frozen=True, slots=True)
 class Phase:
     """[t0, t1] of one leg (or the standstill after the last, whose step is -1).
 
-    `contacts`: pairs that may touch; `tracked`: the frame that a tracking leg follows; `corrected`: with belt
-    correction, the frames that the tracking legs before and behind this leg follow, for either of which the arm may be
-    shifted on its way.
+    `contacts`: pairs that may touch, as deep as `contact_tolerance_m` allows; `tracked`: the frame that a tracking leg
+    follows; `corrected`: with belt correction, the frames that the tracking legs before and behind this leg follow, for
+    either of which the arm may be shifted on its way; `handled`: what is known of parts that were gripped. `robot`:
+    whether the robot counts; it does not where only its late start is waited for.
     """
 
     t0: float
@@ -41,6 +65,9 @@ class Phase:
     contacts: Contacts = frozenset()
     tracked: str | None = None
     corrected: tuple[str, ...] = ()
+    contact_tolerance_m: float = 0.0
+    handled: Handled = NOTHING_HANDLED
+    robot: bool = True
 
     @property
     def near(self) -> bool:
@@ -56,46 +83,70 @@ def pair(first: str, second: str) -> tuple[str, str]:
 def phases(scene: Scene, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -> tuple[Phase, ...]:
     """The phases of a plan with these legs, with the standstill for `stay_safe_s` behind the last one."""
     of_step = {arrival.step: arrival for arrival in arrivals}
-    attached, found, first = AT_START, [], 0
+    attached, handled, first = at_start(scene), handled_at_start(scene), 0
+    found = list[Phase]()
     while first < len(legs):
         number, last = legs[first].step, first
         while last < len(legs) and legs[last].step == number:
             last += 1
-        here, attached = step_phases(scene, attached, legs[first:last], of_step.get(number))
+        here, attached, handled = step_phases(scene, attached, handled, legs[first:last], of_step.get(number))
         found += here
         first = last
-    return tuple(found + stay_phase(scene, legs[-1].t1, attached)) if legs else ()
+    return tuple(found + stay_phases(scene, legs[-1].t1, attached, handled)) if legs else ()
 
 
-def stay_phase(scene: Scene, end: float, attached: Attachments) -> list[Phase]:
-    """The standstill for `stay_safe_s` after a motion that ends at `end`, s, if one is required."""
-    stay = scene.options.stay_safe_s
-    if scene.options.end != "rest" or not stay > 0:
-        return []
-    return [Phase(end, end + stay, LegKind.WAIT, -1, attached, corrected=_corrected(scene, len(scene.task)))]
+def handled_at_start(scene: Scene) -> Handled:
+    """What is known of the part that the gripper holds when the plan begins."""
+    holding = scene.start.holding
+    return NOTHING_HANDLED if holding is None else Handled(((holding.part, holding.within),))
+
+
+def stay_phases(scene: Scene, end: float, attached: Attachments, handled: Handled) -> list[Phase]:
+    """What follows a motion that ends at `end`, s: the standstill for `stay_safe_s`, if one is required; and for parts
+    that were put down the time by which the robot may be late, until when they must be kept clear, too."""
+    stay, corrected = scene.options.stay_safe_s, on_way(scene, len(scene.task))
+    found = list[Phase]()
+    if scene.options.end == "rest" and stay > 0:
+        found.append(Phase(end, end + stay, LegKind.WAIT, -1, attached, corrected=corrected, handled=handled))
+        end += stay
+    held = None if attached.held is None else attached.held.part
+    late = scene.execution.start_tolerance_s
+    if late > 0.0 and any(name != held for name, _ in handled.within):
+        found.append(Phase(end, end + late, LegKind.WAIT, -1, attached, handled=handled, robot=False))
+    return found
 
 
 def step_phases(
-    scene: Scene, attached: Attachments, legs: tuple[Leg, ...], arrival: Arrival | None
-) -> tuple[list[Phase], Attachments]:
-    """The phases of the legs of one step, which begins with `attached`; and the attachments behind them."""
+    scene: Scene, attached: Attachments, handled: Handled, legs: tuple[Leg, ...], arrival: Arrival | None
+) -> tuple[list[Phase], Attachments, Handled]:
+    """The phases of the legs of one step, which begins with `attached` and `handled`; and both behind them."""
     number = legs[0].step
     step = scene.task[number]
     frame = attached.frame(scene, step) if step.tracks else None
     before, after = contacts_of(scene, step, attached, None if arrival is None else arrival.until)
-    found, tracked = [], 0
+    found, tracked, deep = list[Phase](), 0, step.contact_tolerance_m
     for leg in legs:
         if frame is None or leg.kind not in TRACKING:
             # a leg to rest behind the tracking counts as on its way to the next step
-            on_way = _corrected(scene, number + min(tracked, 1))
-            found.append(Phase(leg.t0, leg.t1, leg.kind, number, attached, corrected=on_way))
+            on_the_way = on_way(scene, number + min(tracked, 1))
+            found.append(Phase(leg.t0, leg.t1, leg.kind, number, attached, corrected=on_the_way, handled=handled))
             continue
         tracked += 1
-        found.append(Phase(leg.t0, leg.t1, leg.kind, number, attached, before, frame))
+        found.append(Phase(leg.t0, leg.t1, leg.kind, number, attached, before, frame, (), deep, handled))
         if leg.kind is LegKind.FOLLOW and step.part is not None:
+            within = gripped_within(step, arrival)
+            handled = handled.changed(step.part, within, before if isinstance(step, Place) else frozenset())
             attached = attached.after(scene, step, 0.0 if arrival is None else arrival.yaw_offset)
             before = after
-    return found, attached
+    return found, attached, handled
+
+
+def gripped_within(step: Step, arrival: Arrival | None) -> PoseUncertainty:
+    """How well a part is known once it was gripped or put down: as well as the tool met it, or as is said."""
+    if isinstance(step, Pick) and step.held_within is not None:
+        return step.held_within
+    error = None if arrival is None else arrival.error
+    return PoseUncertainty() if error is None else error.within
 
 
 def contacts_of(scene: Scene, step: Step, attached: Attachments, time: float | None) -> tuple[Contacts, Contacts]:
@@ -156,12 +207,12 @@ def resting_on(
     return frozenset(found)
 
 
-def _corrected(scene: Scene, number: int) -> tuple[str, ...]:
+def on_way(scene: Scene, number: int) -> tuple[str, ...]:
     """The frames that the last tracking legs of the steps before `number`, and the first of those from it on, follow:
     on all of the way between two of them, however many legs it has, belt correction may shift the arm for either."""
     if not scene.execution.belt_correction:
         return ()
-    attached, before, behind = AT_START, "", ""
+    attached, before, behind = at_start(scene), "", ""
     for k, step in enumerate(scene.task):
         frame = attached.frame(scene, step) if step.tracks else ""
         if k < number:
@@ -180,3 +231,7 @@ def yaw_offsets(scene: Scene, step: Step) -> tuple[float, ...] | None:
         fold = scene.index[step.part].yaw_symmetry
         return tuple(2 * np.pi * k / fold for k in range(fold)) if fold > 0 else None
     return None if step.target.yaw_free and step.part is None else (0.0,)
+
+
+def _name(each: tuple[str, PoseUncertainty]) -> str:
+    return each[0]

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal
 
+from assur.planner.model.window_missed import WindowMissed
+
 
 class Reason(StrEnum):
     """The kind of refusal."""
@@ -25,6 +27,8 @@ class Reason(StrEnum):
     CONTROL_POINT_IN_COLLISION = "CONTROL_POINT_IN_COLLISION"
     MOTION_LIMIT = "MOTION_LIMIT"
     CARRY_LIMIT = "CARRY_LIMIT"
+    TOLERANCE = "TOLERANCE"
+    """The tool may be farther off its control point than is allowed."""
     WINDOW_MISSED = "WINDOW_MISSED"
     LAW_ENDS = "LAW_ENDS"
     NOT_CERTIFIED = "NOT_CERTIFIED"
@@ -218,64 +222,6 @@ class Carrying:
     limit: float
 
 
-class Miss(StrEnum):
-    """Why a control point is not met in its window, or a motion does not end in time."""
-
-    TOO_SHORT = "too short"
-    """The window is open for less time than the point must be tracked."""
-    OVER_BEFORE_START = "over before start"
-    OPENS_AFTER_LATEST_END = "opens after latest end"
-    LATEST_END_BEFORE_START = "latest end before start"
-    ENTERS_AFTER_LATEST_END = "enters after latest end"
-    """The point comes into its window along the conveyor only after the latest end."""
-    NEVER_INSIDE = "never inside"
-    """The point is at no time inside its window along the conveyor."""
-    NO_COMMON_INSTANT = "no common instant"
-    """The window in time and the window along the conveyor have no instant in common."""
-    OPENS_AFTER_LAW = "opens after law"
-    """The window opens when the motion of the frame is not known any more."""
-    NOT_INSIDE_WHILE_KNOWN = "not inside while known"
-    NOT_INSIDE_SOON = "not inside soon"
-    """The point is not inside within the time that is searched."""
-    CLOSED_ON_ARRIVAL = "closed on arrival"
-    """The arm comes after the window has closed."""
-    LATEST_END_ON_ARRIVAL = "latest end on arrival"
-    """The arm comes so late that tracking would last beyond the latest end."""
-    ENDS_TOO_LATE = "ends too late"
-    """The motion ends after the latest end."""
-    NO_MEETING_LEFT = "no meeting left"
-    OUTSIDE = "outside"
-    NO_COMMON_BEGIN = "no common begin"
-    """No begin of the motion was found from which all windows are met."""
-
-
-FOR_ALL_TIMES = frozenset(
-    {
-        Miss.TOO_SHORT,
-        Miss.OVER_BEFORE_START,
-        Miss.OPENS_AFTER_LATEST_END,
-        Miss.LATEST_END_BEFORE_START,
-        Miss.ENTERS_AFTER_LATEST_END,
-        Miss.NEVER_INSIDE,
-        Miss.NO_COMMON_INSTANT,
-    }
-)
-"""Misses that do not depend on when, or whether, the arm comes."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class WindowMissed:
-    """`open_s`: how long the window is open; `needed_s`: how long the point must be tracked; `belt_m`: how far the
-    conveyor goes in the time that is missing; `searched_s`: how long was searched."""
-
-    kind: Literal["window"] = "window"
-    miss: Miss
-    open_s: float | None = None
-    needed_s: float | None = None
-    belt_m: float | None = None
-    searched_s: float | None = None
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LawEnds:
     """A frame's motion is known on `known_s`, s (None: of which frame is not known; None for an end: for ever), and
@@ -284,6 +230,30 @@ class LawEnds:
     kind: Literal["law_ends"] = "law_ends"
     known_s: tuple[float | None, float | None] | None = None
     needed_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inaccurate:
+    """The tool may be `position_m` and `yaw_rad` off its control point, where `allowed_m` and `allowed_rad` are allowed
+    (None: any); `cause` contributes most, `most` of the quantity that is too large."""
+
+    kind: Literal["inaccurate"] = "inaccurate"
+    position_m: float
+    yaw_rad: float
+    allowed_m: float | None
+    allowed_rad: float | None
+    cause: str
+    most: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Corrected:
+    """With a belt correction the tool may be shifted by `shift_m`: a joint would go beyond its range, or the arm come
+    to where it is singular."""
+
+    kind: Literal["corrected"] = "corrected"
+    shift_m: float
+    joint: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -305,6 +275,8 @@ Facts = (
     | Separation
     | Enclosed
     | Carrying
+    | Corrected
+    | Inaccurate
     | WindowMissed
     | LawEnds
     | Refuted

@@ -10,7 +10,7 @@ from typing import Literal
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.fixed import Fixed
-from assur.planner.frames.law import Frame
+from assur.planner.frames.law import Frame, PoseUncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.pieces import Pieces, pieces
 from assur.planner.geometry.shapes import Body
@@ -22,8 +22,10 @@ __all__ = [
     "WORLD",
     "Arch",
     "Clearance",
+    "ClearanceException",
     "Execution",
     "Follow",
+    "Holding",
     "Match",
     "Move",
     "Options",
@@ -51,14 +53,25 @@ class Tool:
     mass_kg: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class Holding:
+    """A part that the gripper holds at the start: the tool point is at `grasp` in the part's frame, up to what is not
+    known (`within`)."""
+
+    part: str
+    grasp: Pose
+    within: PoseUncertainty = PoseUncertainty()
+
+
 @dataclass(frozen=True, eq=False)
 class Start:
-    """The state from which the plan begins: q, q̇, q̈ (n,) at `time` in seconds."""
+    """The state from which the plan begins: q, q̇, q̈ (n,) at `time` in seconds, and what the gripper holds."""
 
     time: float
     q: FloatArray
     qd: FloatArray
     qdd: FloatArray
+    holding: Holding | None = None
 
     def __post_init__(self) -> None:
         for name in ("q", "qd", "qdd"):
@@ -74,6 +87,7 @@ class WorldBody:
     """A body of the surroundings at a constant pose in a frame. A `part` is a body that a pick or place names.
 
     `yaw_symmetry`: how many yaws of the body look the same to a gripper (1: one; 2: every half turn; 0: any yaw).
+    `uncertainty`: how far it may be from its pose in the frame.
     """
 
     body: Body
@@ -81,6 +95,7 @@ class WorldBody:
     pose: Pose = Pose()
     mass_kg: float | None = None
     yaw_symmetry: int = 1
+    uncertainty: PoseUncertainty = PoseUncertainty()
 
     @property
     def name(self) -> str:
@@ -88,21 +103,38 @@ class WorldBody:
 
 
 @dataclass(frozen=True, slots=True)
+class ClearanceException:
+    """Required distances, m, of any body of `first` from any of `second` (none named: of all)."""
+
+    first: frozenset[str]
+    second: frozenset[str]
+    travel_m: float
+    near_m: float
+
+
+@dataclass(frozen=True, slots=True)
 class Clearance:
-    """Required distances, m: `near` in approach, follow and depart, `travel` elsewhere."""
+    """Required distances, m: `near` in approach, follow and depart, `travel` elsewhere; and what differs from that, of
+    which the last that names a pair counts."""
 
     travel_m: float = 0.0
     near_m: float = 0.0
+    exceptions: tuple[ClearanceException, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Execution:
-    """How the plan will be run: servo lag of the tool `tracking_m`, dispatch up to `start_tolerance_s` late, and
-    whether the controller shifts tracking legs by the live encoder (`belt_correction`)."""
+    """How the plan will be run: how far each joint lags behind the trajectory, `lag` (n,) rad or m (empty: not at all),
+    dispatch up to `start_tolerance_s` late, and whether the controller shifts tracking legs by the live encoder
+    (`belt_correction`)."""
 
-    tracking_m: float = 0.0
+    lag: tuple[float, ...] = ()
     start_tolerance_s: float = 0.0
     belt_correction: bool = False
+
+    @property
+    def lags(self) -> bool:
+        return any(self.lag)
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,6 +213,7 @@ class Scene:
                 raise InputError(f"task[{i}].move.arch", step.arch.top_m, allowed)
         self._check_hands()
         self._check_wrist()
+        self._check_execution()
         refuse_acceleration_time(self.options.timing, self.options.acceleration_time_s)
         if self.options.blended:
             refuse_unblendable(self.task, self.frames, moving=self.start.moving, end=self.options.end)
@@ -211,6 +244,18 @@ class Scene:
                         f"move and follow: {self.robot.name} turns and tilts its tool as it goes, and a part with it"
                     )
                 raise InputError(f"task[{i}].{type(step).__name__.lower()}", step.name, allowed)
+
+    def _check_execution(self) -> None:
+        """What is not known of the motion must be such that its bounds are known."""
+        execution, n = self.execution, len(self.robot.joints)
+        if execution.lag and len(execution.lag) != n:
+            raise InputError("execution.lag", len(execution.lag), f"{n} joints of {self.robot.name}")
+        if not all(0.0 <= amount < math.inf for amount in (*execution.lag, execution.start_tolerance_s)):
+            raise InputError("execution", execution.lag, "finite numbers from 0 on")
+        scara = self.robot.facts[0] == "scara"
+        if execution.belt_correction and not scara:
+            allowed = f"false: how a correction moves the links is known for SCARAs, and {self.robot.name} is none"
+            raise InputError("execution.belt_correction", True, allowed)
 
     def _check_step(self, field: str, step: Step) -> None:
         target = step.target
@@ -247,7 +292,10 @@ class Scene:
 
     def _check_hands(self) -> None:
         """One part at a time: a pick needs an empty gripper, a place the part that was picked."""
-        held: str | None = None
+        holding = self.start.holding
+        held = None if holding is None else holding.part
+        if held is not None and held not in self.index:
+            raise InputError("start.holding.part", held, f"one of {sorted(self.index)}")
         for i, step in enumerate(self.task):
             if isinstance(step, Pick):
                 if held is not None:

@@ -2,14 +2,16 @@
 
 Every kind of step answers the same questions; what a kind does not have is said once, in its class: `tracks` (whether
 the tool is guided along the point's frame for a time), `part`, `target`, `approach_m`, `depart_m`, `dwell_s`, `match`,
-`via`, `arch`, `leg`, `window`.
+`via`, `arch`, `leg`, `window`, `tolerance`, `contact_tolerance_m`.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+from assur.planner.frames.law import PoseUncertainty
 from assur.planner.frames.motion import Pose
 
 
@@ -39,6 +41,17 @@ Match = Literal["velocity", "position"]
 
 
 @dataclass(frozen=True, slots=True)
+class Tolerance:
+    """The largest error of the tool against the part or the control point: a distance, m, and a yaw, rad."""
+
+    position_m: float = math.inf
+    yaw_rad: float = math.inf
+
+
+ANY_ERROR = Tolerance()
+
+
+@dataclass(frozen=True, slots=True)
 class Arch:
     """Up, over, down: `top_m` is the least height (world z of the tool point) of the highest point."""
 
@@ -62,6 +75,8 @@ class Move:
     approach_m: ClassVar[float] = 0.0
     depart_m: ClassVar[float] = 0.0
     dwell_s: ClassVar[float] = 0.0
+    tolerance: ClassVar[Tolerance] = ANY_ERROR
+    contact_tolerance_m: ClassVar[float] = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +87,7 @@ class Follow:
     target: Target
     duration_s: float
     window: Window = Window()
+    tolerance: Tolerance = ANY_ERROR
 
     tracks: ClassVar[bool] = True
     match: ClassVar[Match] = "velocity"
@@ -81,6 +97,7 @@ class Follow:
     part: ClassVar[None] = None
     approach_m: ClassVar[float] = 0.0
     depart_m: ClassVar[float] = 0.0
+    contact_tolerance_m: ClassVar[float] = 0.0
 
     @property
     def dwell_s(self) -> float:
@@ -92,6 +109,8 @@ class Pick:
     """Approach `part` along the vertical of its frame, track it, attach it at the end of `dwell_s`, depart.
 
     `grasp` is the tool point in the part's frame; `contact_with` names what the part rests on (None: derived).
+    `contact_tolerance_m`: how deep allowed contacts may become where things are not where they are planned.
+    `held_within`: how well the part is known in the gripper once it is held (None: as well as when it was gripped).
     """
 
     name: str
@@ -103,6 +122,9 @@ class Pick:
     match: Match = "velocity"
     window: Window = Window()
     contact_with: tuple[str, ...] | None = None
+    tolerance: Tolerance = ANY_ERROR
+    contact_tolerance_m: float = 0.0
+    held_within: PoseUncertainty | None = None
 
     tracks: ClassVar[bool] = True
     via: ClassVar[bool] = False
@@ -125,6 +147,8 @@ class Place:
     match: Match = "velocity"
     window: Window = Window()
     contact_with: tuple[str, ...] | None = None
+    tolerance: Tolerance = ANY_ERROR
+    contact_tolerance_m: float = 0.0
 
     tracks: ClassVar[bool] = True
     via: ClassVar[bool] = False

@@ -8,9 +8,10 @@ from assur.planner.model.refusal import (
     AccelerationTime,
     BeyondRange,
     Carrying,
+    Corrected,
     Enclosed,
+    Inaccurate,
     LawEnds,
-    Miss,
     MotionLimit,
     Obstacle,
     OutOfReach,
@@ -20,9 +21,9 @@ from assur.planner.model.refusal import (
     Separation,
     Singular,
     Stage,
-    WindowMissed,
 )
 from assur.planner.model.scene import Pick, Place, Scene, Window
+from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.report.number_format import amount, number
 
 
@@ -64,6 +65,11 @@ def because(scene: Scene, refusal: Refusal) -> str:
         case Carrying() as facts:
             most, limit = (number(value, 3) for value in (facts.acceleration, facts.limit))
             return f"the part would be accelerated with {most} m/s², but only {limit} m/s² are allowed"
+        case Inaccurate() as facts:
+            return _inaccurate(facts)
+        case Corrected() as facts:
+            what = f"{facts.joint} beyond its range" if facts.joint else "the arm to a singular position"
+            return f"the belt correction may shift the tool by {_mm(facts.shift_m)}, which would bring {what}"
         case WindowMissed() as facts:
             return _window_missed(scene, refusal, facts, short)
         case LawEnds() as facts:
@@ -76,6 +82,15 @@ def because(scene: Scene, refusal: Refusal) -> str:
             return (
                 f"the checker refuses the plan: {facts.code}, {facts.what}{f', {facts.where}' if facts.where else ''}"
             )
+
+
+def _inaccurate(facts: Inaccurate) -> str:
+    """How far the tool may be off, and why."""
+    if facts.allowed_m is not None and facts.position_m > facts.allowed_m:
+        off, allowed, most = (_mm(value) for value in (facts.position_m, facts.allowed_m, facts.most))
+    else:
+        off, allowed, most = (amount(value, "rad") for value in (facts.yaw_rad, facts.allowed_rad or 0.0, facts.most))
+    return f"the tool may be {off} off, but only {allowed} are allowed; most of it, {most}, is due to: {facts.cause}"
 
 
 def _others(line: CensusLine, census: Census) -> str:

@@ -10,7 +10,9 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
+from assur.planner.legs.accuracy import arrival_error, too_far
 from assur.planner.legs.control_point import ControlPoint
+from assur.planner.legs.correction import shifted_out
 from assur.planner.legs.joint import JointMotion
 from assur.planner.legs.limits import beyond_limits
 from assur.planner.legs.meeting import Meetings
@@ -21,21 +23,20 @@ from assur.planner.legs.tool_motion import RESERVE, carrying_peak
 from assur.planner.legs.tracking import track
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.outcome import Arrival, Course, Leg, LegKind, Route
-from assur.planner.model.phases import Phase, stay_phase, step_phases
+from assur.planner.model.phases import Phase, on_way, stay_phases, step_phases
 from assur.planner.model.refusal import (
     Carrying,
-    Miss,
     Obstacle,
     Quantity,
     Reason,
     Refusal,
     Stage,
-    WindowMissed,
     law_ends,
     unmoved,
     window_missed,
 )
 from assur.planner.model.scene import Scene
+from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory
@@ -65,7 +66,15 @@ def timed(
     unknown = laws_over(scene, partial.step, reached.end)
     if unknown is not None:
         return unknown
-    phase = Phase(partial.state.time, reached.end, LegKind.MOVE, partial.step, partial.attached)
+    phase = Phase(
+        partial.state.time,
+        reached.end,
+        LegKind.MOVE,
+        partial.step,
+        partial.attached,
+        corrected=on_way(scene, partial.step),
+        handled=partial.handled,
+    )
     return TimedCandidate(partial, meeting, candidate, reached, (phase,), ahead)
 
 
@@ -177,10 +186,16 @@ def _continued(
     if lost is not None:
         return lost
     made = tuple(Leg(leg.kind, partial.step, leg.knots.begin, leg.knots.end, leg.route) for leg in legs)
-    met = arrival(scene, point, trajectory, begin, end)
-    ours, attached = step_phases(scene, partial.attached, made, met)
+    met = arrival(scene, point, partial, trajectory, begin, end)
+    inaccurate = too_far(scene, partial.step, met.error)
+    if inaccurate is not None:
+        return inaccurate
+    ours, attached, handled = step_phases(scene, partial.attached, partial.handled, made, met)
     if final:
-        ours += stay_phase(scene, trajectory.end, attached)
+        ours += stay_phases(scene, trajectory.end, attached, handled)
+    lost = shifted_out(scene, partial.step, trajectory, ours)
+    if lost is not None:
+        return lost
     heavy = _too_hard(scene, partial.step, trajectory, tuple(ours))
     if heavy is not None:
         return heavy
@@ -189,6 +204,7 @@ def _continued(
         state=knots.last,
         mode=candidate.branch.mode,
         attached=attached,
+        handled=handled,
         legs=partial.legs + made,
         arrivals=(*partial.arrivals, met),
         knots=knots if partial.knots is None else partial.knots.then(knots),
@@ -267,8 +283,10 @@ def _too_hard(scene: Scene, step: int, trajectory: Trajectory, phases: tuple[Pha
     )
 
 
-def arrival(scene: Scene, point: ControlPoint, trajectory: Trajectory, begin: float, end: float) -> Arrival:
-    """The arrival at a control point at `begin`, s, where the tool tracks it until `end`."""
+def arrival(
+    scene: Scene, point: ControlPoint, partial: PartialPlan, trajectory: Trajectory, begin: float, end: float
+) -> Arrival:
+    """The arrival at the control point that ends `partial` at `begin`, s, where the tool tracks it until `end`."""
     p, yaw = scene.robot.forward(trajectory.evaluate(np.array(begin)))
     pose = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)).then(scene.tool.tcp)
     along = point.along(np.array(begin))
@@ -286,4 +304,7 @@ def arrival(scene: Scene, point: ControlPoint, trajectory: Trajectory, begin: fl
         window_left_s=left[0] if bounded and left else None,
         pitch=None if point.tilt is None else point.tilt[0],
         roll=None if point.tilt is None else point.tilt[1],
+        error=arrival_error(
+            scene, point.step, partial.attached, partial.handled, trajectory.evaluate(np.array(end)), end
+        ),
     )

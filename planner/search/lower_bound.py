@@ -7,7 +7,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.tilt import pitch_free, roll_free, tilts
-from assur.planner.model.attachments import AT_START
+from assur.planner.model.attachments import at_start
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.scene import Pick, Place, Scene, Step
 from assur.planner.robots.turns import equivalents
@@ -21,7 +21,7 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
     point stands still; if it moves, its way counts as nothing. Later ways are bounded by velocity alone, and only
     between points that stand still and have one yaw.
     """
-    attached = AT_START
+    attached = at_start(scene)
     free = yaw_offsets(scene, scene.task[0]) is None or _tilt_free(scene, scene.task[0], moving=scene.start.moving)
     total = min((_first(scene, option, free=free) for option in first), default=0.0)
     before: list[FloatArray] = []

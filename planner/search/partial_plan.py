@@ -14,9 +14,9 @@ from assur.planner.legs.meeting import Meetings, meetings
 from assur.planner.legs.pace import Pace
 from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.legs.tracking import lead_time
-from assur.planner.model.attachments import AT_START, Attachments
+from assur.planner.model.attachments import AT_START, Attachments, at_start
 from assur.planner.model.outcome import Arrival, Leg
-from assur.planner.model.phases import Phase
+from assur.planner.model.phases import NOTHING_HANDLED, Handled, Phase, handled_at_start
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
@@ -30,6 +30,7 @@ class PartialPlan:
     state: State
     mode: int
     attached: Attachments = AT_START
+    handled: Handled = NOTHING_HANDLED
     legs: tuple[Leg, ...] = ()
     arrivals: tuple[Arrival, ...] = ()
     knots: Knots | None = None
@@ -94,7 +95,8 @@ class Extension:
 def initial(scene: Scene) -> PartialPlan:
     """The partial plan of no steps."""
     start = scene.start
-    return PartialPlan(0, State(start.time, start.q, start.qd, start.qdd), int(scene.robot.mode_of(start.q)))
+    state = State(start.time, start.q, start.qd, start.qdd)
+    return PartialPlan(0, state, int(scene.robot.mode_of(start.q)), at_start(scene), handled_at_start(scene))
 
 
 def prepared(

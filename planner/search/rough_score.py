@@ -10,7 +10,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.proof import Prover
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Phase
+from assur.planner.model.phases import Phase, on_way
 from assur.planner.model.refusal import Refusal, Separation
 from assur.planner.search.meeting_options import Option
 from assur.planner.search.partial_plan import PartialPlan
@@ -61,8 +61,16 @@ class CoarseScore:
 
     def _way(self, until: float) -> Phase:
         """A motion to the next control point that ends at `until`, s."""
-        partial = self.partial
-        return Phase(partial.state.time, until, LegKind.MOVE, partial.step, partial.attached)
+        partial, on = self.partial, on_way(self.prover.scene, self.partial.step)
+        return Phase(
+            partial.state.time,
+            until,
+            LegKind.MOVE,
+            partial.step,
+            partial.attached,
+            corrected=on,
+            handled=partial.handled,
+        )
 
 
 def score_of(refusal: Refusal | None) -> float:

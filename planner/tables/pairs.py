@@ -9,12 +9,14 @@ from itertools import combinations
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.kernels.solids import CARRIER, FIRST, PAIR_COLUMNS, REQUIRED, SECOND
-from assur.planner.model.clearance import CONTACT_GAP, clearance, drift
-from assur.planner.model.phases import Phase
+from assur.planner.arrays import BoolArray, FloatArray, IntArray
+from assur.planner.kernels.solids import CARRIER, EARLY, FIRST, LATE, PAIR_COLUMNS, REQUIRED, SECOND, SET
+from assur.planner.kernels.uncertainty import Doubt
+from assur.planner.model.clearance import clearances, contact_gap
+from assur.planner.model.phases import Phase, pair
 from assur.planner.model.scene import Scene
 from assur.planner.tables.bodies import Arrangement
+from assur.planner.tables.uncertainty import ARM, BASE, HELD, TOOL, Displacements, Seat
 
 MANY = 64
 """Pairs of a phase from which on planes are looked for: for fewer, rows of pairs cost less."""
@@ -24,15 +26,19 @@ MANY = 64
 class Pairs:
     """What must be kept apart in phases of one kind. Distances in m, times in s.
 
-    `mine` (R,): units of the robot's bodies. `others` (O, PAIR_COLUMNS - 1): units of the surroundings and what is
-    required of them, the columns of a pair without its first unit. `own` (S, PAIR_COLUMNS): pairs within the robot.
-    `allowed` (A, PAIR_COLUMNS): pairs that may touch, with what is required of them instead.
+    `mine` (R,): units of the robot's bodies, and their `kinds` (R,). `others` (O, PAIR_COLUMNS - 1): units of the
+    surroundings and what is required of them, the columns of a pair without its first unit; the set is that of the
+    first kind. `own` (S, PAIR_COLUMNS): pairs within the robot, and of parts that were put down with what passes by.
+    `special` (A, PAIR_COLUMNS): pairs that may touch, or may be nearer, with what is required of them instead. `doubt`:
+    the sets, and what else kernels know of uncertainty.
     """
 
     mine: IntArray
+    kinds: IntArray
     others: FloatArray
     own: FloatArray
-    allowed: FloatArray
+    special: FloatArray
+    doubt: Doubt
 
     @property
     def many(self) -> bool:
@@ -41,12 +47,13 @@ class Pairs:
 
     @cached_property
     def every(self) -> FloatArray:
-        """All pairs (P, PAIR_COLUMNS): the robot's bodies against all others, then those within the robot."""
+        """All pairs (P, PAIR_COLUMNS): the robot's bodies against all others, then those of `own`."""
         found = np.empty((len(self.mine) * len(self.others) + len(self.own), PAIR_COLUMNS))
         across = found[: len(found) - len(self.own)]
         across[:, FIRST] = np.repeat(self.mine, len(self.others))
         across[:, SECOND:] = np.tile(self.others, (len(self.mine), 1))
-        for row in self.allowed:
+        across[:, SET] += np.where(across[:, SET] >= 0.0, np.repeat(self.kinds, len(self.others)), 0)
+        for row in self.special:
             across[(across[:, FIRST] == row[FIRST]) & (across[:, SECOND] == row[SECOND])] = row
         found[len(across) :] = self.own
         return found
@@ -63,45 +70,129 @@ class PairTables:
         number = scene.robot.links.index
         self._wanted = {frozenset(map(number, pair)) for pair in scene.robot.self_pairs}
         """Pairs of links between which bodies are required to stay apart."""
+        arms = {"link1": ARM, "link2": ARM, "base": BASE}
+        self._kinds = [arms.get(name, TOOL) for name in scene.robot.links]
+        matrix = scene.robot.rate_matrix
+        lag = np.zeros((2, max(matrix.shape)))
+        if scene.execution.lags:
+            lag[0, : matrix.shape[1]] = scene.execution.lag
+            lag[1, : matrix.shape[0]] = np.abs(matrix) @ scene.execution.lag
+        self._lag = lag
         self._made: dict[tuple[object, ...], Pairs] = {}
 
     def __call__(self, arrangement: Arrangement, phase: Phase) -> Pairs:
         """The pairs of a phase, in the arrangement that it has."""
-        key = (arrangement, phase.near, phase.tracked, phase.corrected, phase.contacts)
+        key = (
+            arrangement, phase.near, phase.tracked, phase.corrected, phase.contacts, phase.contact_tolerance_m,
+            phase.handled, phase.robot,
+        )  # fmt: skip
         if key not in self._made:
             self._made[key] = self._pairs(arrangement, phase)
         return self._made[key]
 
     def _pairs(self, arrangement: Arrangement, phase: Phase) -> Pairs:
         scene, roots, of_robot = self.scene, arrangement.roots, arrangement.of_robot
-        mine, around = roots[of_robot], roots[~of_robot]
+        sets, execution = Displacements(scene, phase), scene.execution
         carrier = arrangement.rows[roots, CARRIER].astype(np.int64)
-        asked, late = clearance(scene, phase), scene.execution.start_tolerance_s
-        drifts = [drift(scene, phase, name) for name in scene.frames]
-        by_frame = np.array([(asked + scene.execution.tracking_m + known, growth, late) for known, growth in drifts])
+        ones = np.flatnonzero(of_robot) if phase.robot else np.zeros(0, dtype=np.int64)
+        around = np.flatnonzero(~of_robot)
+        names = arrangement.names
+        held = None if phase.attached.held is None else phase.attached.held.part
+        kinds = np.array([HELD if names[b] == held else self._kinds[carrier[b]] for b in ones.tolist()], dtype=np.int64)
+        asked = clearances(scene, phase.near, [names[b] for b in ones], [names[b] for b in around])
         others = np.empty((len(around), PAIR_COLUMNS - 1))
-        others[:, 0], others[:, REQUIRED - 1 :] = around, by_frame[carrier[~of_robot] - arrangement.links]
-        allowed = _allowed(arrangement, phase)
-        contacts = {frozenset(row[:2]) for row in allowed}
-        own = [
-            (a, b, CONTACT_GAP if frozenset((a, b)) in contacts else asked, 0.0, 0.0)
-            for (a, on), (b, other) in combinations(zip(mine.tolist(), carrier[of_robot].tolist(), strict=True), 2)
-            if on != other and frozenset((on, other)) in self._wanted
-        ]
-        return Pairs(mine, others, _table(own), _table(allowed))
+        others[:, 0] = roots[around]
+        others[:, REQUIRED - 1] = asked.max(0) if len(ones) else 0.0
+        others[:, SET - 1] = -1.0 if sets.known else [sets.of_others(self._seat(phase, names[b])) for b in around]
+        shifts = self._shifts(arrangement)
+        ahead = shifts[carrier[around] - arrangement.links]
+        others[:, EARLY - 1 :] = ahead[:, :2]
+        others[:, LATE - 1] += execution.start_tolerance_s * ahead[:, 2]
+        special = self._special(arrangement, phase, ones, kinds, others, asked)
+        own = self._own(arrangement, phase, ones, kinds, sets) if phase.robot else []
+        own += self._put_down(arrangement, phase, sets, shifts)
+        clock = np.array([scene.start.time, execution.start_tolerance_s, *sets.shift])
+        return Pairs(roots[ones], kinds, others, _table(own), special, (sets.table, self._lag, clock))
+
+    def _seat(self, phase: Phase, name: str) -> Seat:
+        """Where a body of the surroundings sits."""
+        scene = self.scene
+        frame, pose = phase.attached.pose_of(scene, name)
+        world = scene.index[name]
+        within = phase.handled.of(name) or world.uncertainty
+        return Seat(frame, float(np.hypot(pose.x, pose.y)) + world.body.radius, world.body.radius, within)
+
+    def _shifts(self, arrangement: Arrangement) -> FloatArray:
+        """Between which times, s, each frame may be ahead of its law, and whether it moves, (F, 3)."""
+        moves = arrangement.bodies.still[arrangement.links :] == 0
+        late = np.array([frame.uncertainty.shift_s for frame in self.scene.frames.values()]).reshape(-1, 2)
+        return np.column_stack([-late[:, 1] * moves + 0.0, -late[:, 0] * moves + 0.0, moves])
+
+    def _special(
+        self, arrangement: Arrangement, phase: Phase, ones: IntArray, kinds: IntArray, others: FloatArray,
+        asked: FloatArray,
+    ) -> FloatArray:  # fmt: skip
+        """Pairs of which less is required than `others` say: those that may be nearer, and those that may touch."""
+        roots, found = arrangement.roots, dict[tuple[int, int], float]()
+        at = {int(unit): o for o, unit in enumerate(others[:, 0])}
+        for r, o in np.argwhere(asked < others[:, REQUIRED - 1]).tolist():
+            found[r, o] = asked[r, o]
+        mine = {int(roots[body]): r for r, body in enumerate(ones.tolist())}
+        for names in sorted(phase.contacts):
+            if all(name in arrangement.number for name in names):
+                one, other = (int(roots[arrangement.number[name]]) for name in names)
+                one, other = (one, other) if one in mine else (other, one)
+                if one in mine and other in at:
+                    found[mine[one], at[other]] = contact_gap(phase)
+        rows = np.empty((len(found), PAIR_COLUMNS))
+        for row, ((r, o), distance) in zip(rows, found.items(), strict=True):
+            row[FIRST], row[SECOND:] = roots[ones[r]], others[o]
+            row[REQUIRED], row[SET] = distance, row[SET] + (kinds[r] if row[SET] >= 0.0 else 0)
+        return rows
+
+    def _own(
+        self, arrangement: Arrangement, phase: Phase, ones: IntArray, kinds: IntArray, sets: Displacements
+    ) -> list[tuple[float, ...]]:
+        """Pairs within the robot."""
+        roots, names, carrier = arrangement.roots, arrangement.names, arrangement.rows[arrangement.roots, CARRIER]
+        asked = clearances(self.scene, phase.near, [names[b] for b in ones], [names[b] for b in ones])
+        found = list[tuple[float, ...]]()
+        for i, k in combinations(range(len(ones)), 2):
+            a, b = int(ones[i]), int(ones[k])
+            links = frozenset((int(carrier[a]), int(carrier[b])))
+            if len(links) == 2 and links in self._wanted:
+                touches = pair(names[a], names[b]) in phase.contacts
+                distance = contact_gap(phase) if touches else float(asked[i, k])
+                found.append((roots[a], roots[b], distance, sets.within_robot(int(kinds[i]), int(kinds[k])), 0.0, 0.0))
+        return found
+
+    def _put_down(
+        self, arrangement: Arrangement, phase: Phase, sets: Displacements, shifts: FloatArray
+    ) -> list[tuple[float, ...]]:
+        """Pairs of a part that was put down and a body that moves against it: what does not, the part was proved to
+        stay clear of while it was put down."""
+        names, roots, number = arrangement.names, arrangement.roots, arrangement.number
+        held = None if phase.attached.held is None else phase.attached.held.part
+        parts = [name for name, _ in phase.handled.within if name != held]
+        found, done = list[tuple[float, ...]](), set[tuple[str, str]]()
+        frames = arrangement.rows[roots, CARRIER].astype(np.int64) - arrangement.links
+        moves: BoolArray = shifts[:, 2] > 0.0
+        for part in parts:
+            a = number[part]
+            for b in np.flatnonzero(~arrangement.of_robot).tolist():
+                one, other = frames[a], frames[b]
+                both = pair(part, names[b])
+                apart = one != other and (moves[one] or moves[other]) and both not in phase.handled.supports
+                if not apart or both in done:
+                    continue
+                done.add(both)
+                distance = float(clearances(self.scene, True, [part], [names[b]])[0, 0])
+                which = sets.placed(self._seat(phase, part), self._seat(phase, names[b]))
+                early = shifts[other, 0] - shifts[one, 1], shifts[other, 1] - shifts[one, 0]
+                still = not moves[other]
+                found.append((roots[a], roots[b], distance, which, *((0.0, 0.0) if still else early)))
+        return found
 
 
 def _table(pairs: Sequence[tuple[float, ...]]) -> FloatArray:
     return np.array(pairs, dtype=np.float64).reshape(-1, PAIR_COLUMNS)
-
-
-def _allowed(arrangement: Arrangement, phase: Phase) -> list[tuple[float, float, float, float, float]]:
-    """The pairs of a phase that may touch, the robot's unit first."""
-    found = []
-    for names in sorted(phase.contacts):
-        if all(name in arrangement.number for name in names):
-            one, other = (arrangement.number[name] for name in names)
-            if arrangement.of_robot[other]:
-                one, other = other, one
-            found.append((float(arrangement.roots[one]), float(arrangement.roots[other]), CONTACT_GAP, 0.0, 0.0))
-    return found

@@ -12,7 +12,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
 from assur.planner.model.scene import WORLD, WorldBody
 from assur.scenes.faults import DocumentError, Refused, as_written, dotted, fault, within
-from assur.scenes.reading.frames import placed
+from assur.scenes.reading.frames import placed, pose_uncertainty
 from assur.scenes.schema.shapes import AttachedBody, BodyDocument, MeshDocument, PlaceInCell, ShapeDocument
 from assur.scenes.schema.task import TargetDocument
 
@@ -104,16 +104,26 @@ Places = dict[str, tuple[str, Pose]]
 """Where each body of the cell sits: frame, and pose in it."""
 
 
-def world_body(item: BodyDocument, frames: Sequence[str], places: Places) -> WorldBody:
-    """A body of the surroundings; it is added to `places`, which holds those that were named before."""
+NO_POSE = "no pose: the gripper holds it at the start"
+
+
+def world_body(item: BodyDocument, frames: Sequence[str], places: Places, held: str | None) -> WorldBody:
+    """A body of the surroundings; it is added to `places`, which holds those that were named before. `held`: the part
+    that the gripper holds at the start, which has no pose."""
     if item.name in places:
         raise Refused("a name that no other body has", "name")
-    with within("pose"):
-        frame, pose = resolve(item.pose, item.pose.yaw_rad, frames, places)
+    if (item.pose is None) != (item.name == held):
+        raise Refused(
+            NO_POSE if item.name == held else "a pose: only the part that start.holding names has none", "pose"
+        )
+    frame, pose = WORLD, Pose()
+    if item.pose is not None:
+        with within("pose"):
+            frame, pose = resolve(item.pose, item.pose.yaw_rad, frames, places)
     with within("shape"):
         body = solid(item.name, item.shape)
     places[item.name] = (frame, pose)
-    return WorldBody(body, frame, pose, item.mass_kg, item.yaw_symmetry)
+    return WorldBody(body, frame, pose, item.mass_kg, item.yaw_symmetry, pose_uncertainty(item.uncertainty))
 
 
 def resolve(place: PlaceInCell | TargetDocument, yaw: float, frames: Sequence[str], places: Places) -> tuple[str, Pose]:

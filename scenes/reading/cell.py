@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from assur.planner.model.scene import Clearance, Execution, Options, Pick, Scene, Step
+from assur.planner.model.scene import Clearance, ClearanceException, Execution, Options, Pick, Scene, Step
 from assur.scenes.conventions import Conventions
 from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading import bodies, frames, neighbours, robots, task
-from assur.scenes.schema.request import OptionsDocument, RequestDocument
+from assur.scenes.schema.request import ExecutionDocument, OptionsDocument, RequestDocument
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +44,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
     for i, body in enumerate(request.robot.tool.bodies):
         if own.count(body.name) > 1:
             raise Refused("a name that no other body has", "robot", "tool", "bodies", i, "name")
+    held = None if start.holding is None else start.holding.part
     surroundings = []
     for i, item in enumerate(request.neighbours):
         with within("neighbours", i):
@@ -55,8 +56,10 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         with within("bodies", i):
             if named.name in taken:
                 raise Refused("a name that no body of the robot or its tool has", "name")
-            surroundings.append(bodies.world_body(named, frame_names, places))
-    steps = task.steps_of(request.task, known, places, robot.coordinates)
+            surroundings.append(bodies.world_body(named, frame_names, places, held))
+    if held is not None and held not in places:
+        raise Refused(f"the name of a body: {bodies.choices(places, held)}", "start", "holding", "part")
+    steps = task.steps_of(request.task, known, places, robot.coordinates, held)
     _check_riders(request, steps)
     carry = None if request.carry is None else request.carry.acceleration_m_s2
     scene = Scene(
@@ -66,10 +69,8 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         frames=known,
         bodies=tuple(surroundings),
         task=steps,
-        options=_options(request.options, robot.modes),
-        execution=Execution(
-            request.execution.tracking_m, request.execution.start_tolerance_s, request.execution.belt_correction
-        ),
+        options=_options(request.options, robot.modes, [*own, *(body.name for body in surroundings)]),
+        execution=_execution(request.execution, given.conventions),
         carry_acceleration=carry,
         assumptions=(*robots.assumptions_of(document, request.robot), *_unused(request)),
         digest=request.digest,
@@ -96,21 +97,38 @@ def _unused(request: RequestDocument) -> tuple[str, ...]:
 def _check_riders(request: RequestDocument, steps: tuple[Step, ...]) -> None:
     """A body whose place is told by a part would stay behind when that part is picked up."""
     picked = {step.part for step in steps if isinstance(step, Pick)}
+    if request.start.holding is not None:
+        picked.add(request.start.holding.part)
     for i, body in enumerate(request.bodies):
-        if body.pose.body in picked:
+        if body.pose is not None and body.pose.body in picked:
             raise Refused("a body that no step picks", "bodies", i, "pose", "body")
 
 
-def _options(item: OptionsDocument, modes: tuple[str, ...]) -> Options:
+def _execution(item: ExecutionDocument, conventions: Conventions) -> Execution:
+    with within("execution", "lag"):
+        lag = robots.lag(item.lag, conventions)
+    return Execution(lag, item.start_tolerance_s, item.belt_correction)
+
+
+def _options(item: OptionsDocument, modes: tuple[str, ...], names: list[str]) -> Options:
     if item.elbow not in ("keep", "auto", *modes):
         raise Refused(f"one of keep, auto, {', '.join(modes)}", "options", "elbow")
+    exceptions = []
+    for i, each in enumerate(item.clearance_exceptions):
+        for key, given in (("between", each.between), ("and", each.and_ or ())):
+            for k, name in enumerate(given):
+                if name not in names:
+                    there = bodies.choices(names, name)
+                    raise Refused(f"the name of a body: {there}", "options", "clearance_exceptions", i, key, k)
+        both = frozenset(each.between), frozenset(each.and_ or ())
+        exceptions.append(ClearanceException(*both, each.clearance_m.travel, each.clearance_m.near))
     return Options(
         seed=item.seed,
         budget_s=item.budget_s,
         max_candidates=item.max_candidates,
         stop=item.stop,
         explain_budget_s=item.explain_budget_s,
-        clearance=Clearance(item.clearance_m.travel, item.clearance_m.near),
+        clearance=Clearance(item.clearance_m.travel, item.clearance_m.near, tuple(exceptions)),
         singularity_margin=item.singularity_margin,
         elbow=item.elbow,
         end=item.end,

@@ -17,6 +17,7 @@ from assur.planner.frames import (
     Law,
     Linear,
     Pose,
+    PoseUncertainty,
     Swing,
     Turntable,
     Uncertainty,
@@ -32,8 +33,9 @@ from assur.scenes.schema.frames import (
     LinearDocument,
     SwingDocument,
     TurntableDocument,
+    UncertaintyDocument,
 )
-from assur.scenes.schema.model import PoseDocument
+from assur.scenes.schema.model import PoseDocument, PoseUncertaintyDocument
 
 Valid = tuple[float, float]
 
@@ -47,6 +49,19 @@ def placed(at_m: list[float], yaw_rad: float) -> Pose:
 def pose_of(document: PoseDocument) -> Pose:
     """The pose that a document spells."""
     return placed(document.at_m, document.yaw_rad)
+
+
+def pose_uncertainty(document: PoseUncertaintyDocument) -> PoseUncertainty:
+    """How far a part may be from its pose."""
+    return PoseUncertainty(document.position_m, document.vertical_m, document.yaw_rad)
+
+
+def uncertainty(document: UncertaintyDocument, law: Law) -> Uncertainty:
+    """How far a frame may be from its law. Raises `Refused` for a lateral error of a frame that has no line."""
+    if document.lateral_m > 0.0 and not isinstance(law, Conveyor | Linear):
+        raise Refused("0: only a conveyor or a linear frame has a side (others: position_m)", "lateral_m")
+    d = document
+    return Uncertainty(d.position_m, d.speed_m_s, d.lateral_m, d.vertical_m, d.yaw_rad)
 
 
 def _fixed(d: FixedDocument, valid: Valid) -> Law:
@@ -118,5 +133,5 @@ def _frame(name: str, item: FrameDocument) -> Frame:
             with within(key):
                 known = law(spelt, valid)
             with within("uncertainty"):
-                return Frame(name, known, Uncertainty(item.uncertainty.position_m, item.uncertainty.speed_m_s))
+                return Frame(name, known, uncertainty(item.uncertainty, known))
     raise FaultError(f"frame {name} without a law passed its model")

@@ -6,7 +6,19 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.verdict import Code, Finding
-from assur.planner.model.outcome import Arrival, Certificate, Leg, LegKind, Missed, Nearest, Plan, Route
+from assur.planner.frames.law import PoseUncertainty
+from assur.planner.model.outcome import (
+    Arrival,
+    ArrivalError,
+    Certificate,
+    Leg,
+    LegKind,
+    Missed,
+    Nearest,
+    Plan,
+    Route,
+    Share,
+)
 from assur.scenes.conventions import Conventions, converted
 from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading.frames import placed
@@ -90,6 +102,18 @@ def _arrival(i: int, item: document.Arrival, conventions: Conventions) -> Arriva
         pitch=item.get("pitch_rad"),
         roll=item.get("roll_rad"),
         missed_by=_missed(i, item.get("missed_by"), conventions),
+        error=_error(item.get("error")),
+    )
+
+
+def _error(item: document.ArrivalError | None) -> ArrivalError | None:
+    if item is None:
+        return None
+    return ArrivalError(
+        position_m=item["position_m"],
+        within=PoseUncertainty(item["horizontal_m"], item["vertical_m"], item["yaw_rad"]),
+        shares=tuple(Share(each["cause"], each["position_m"], each["yaw_rad"]) for each in item["causes"]),
+        worst=tuple((each["what"], each["value"]) for each in item["worst"]),
     )
 
 
@@ -130,7 +154,7 @@ def _untrue(item: document.CheckedPlan) -> tuple[Finding, ...]:
 
 def _certificate(item: document.Certificate) -> Certificate:
     for key, column in item.items():
-        if key not in CERTIFICATE_DIGEST | {"names"} and len(column) != item["rows"]:  # type: ignore[arg-type]
+        if key not in CERTIFICATE_DIGEST | {"names"} and column is not None and len(column) != item["rows"]:  # type: ignore[arg-type]
             raise Refused(f"{item['rows']} rows, as many as it says", "certificate", key)
     return Certificate(
         names=tuple(item["names"]),
@@ -143,7 +167,13 @@ def _certificate(item: document.Certificate) -> Certificate:
         second=_indices(item["second"]),
         second_piece=_indices(item["second_piece"]),
         normal=np.array(item["normal"], dtype=np.float64).reshape(-1, 3),
+        shift0=_shift(item.get("shift0_s")),
+        shift1=_shift(item.get("shift1_s")),
     )
+
+
+def _shift(column: list[float] | None) -> FloatArray | None:
+    return None if column is None else _reals(column)
 
 
 def _reals(column: list[float]) -> FloatArray:

@@ -10,7 +10,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
-from assur.planner.model.scene import Start, Tool
+from assur.planner.model.scene import Holding, Start, Tool
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.robot import Robot
@@ -20,8 +20,9 @@ from assur.scenes.conventions import Conventions, JointConvention, converted, pl
 from assur.scenes.faults import Refused, as_written, within
 from assur.scenes.reading.arms import BuiltArm, built, turned_over
 from assur.scenes.reading.bodies import attached
-from assur.scenes.reading.frames import placed, pose_of
+from assur.scenes.reading.frames import placed, pose_of, pose_uncertainty
 from assur.scenes.robot_facts import assumptions
+from assur.scenes.schema.request import LagDocument
 from assur.scenes.schema.robots import (
     LONGEST_KEPT,
     MOST_KEPT,
@@ -107,7 +108,8 @@ START_RATIO = 1e-9
 
 
 def start(item: StartDocument, conventions: Conventions, limits: Limits) -> Start:
-    """The state at the start. Raises `Refused` unless each joint has its value, within the (narrowed) limits."""
+    """The state at the start, of the gripper, too. Raises `Refused` unless each joint has its value, within the
+    (narrowed) limits."""
     with within("joints"):
         q = joint_values(item.joints, conventions, "")
         _hold(q, (limits.lower, limits.upper), conventions, "")
@@ -123,7 +125,24 @@ def start(item: StartDocument, conventions: Conventions, limits: Limits) -> Star
                 values = joint_values(given, conventions, rate)
                 _hold(values, (-most, most), conventions, rate)
         rates.append(values)
-    return Start(item.at_s, q, *rates)
+    holding = None
+    if item.holding is not None:
+        grasp = placed(item.holding.grasp_m, item.holding.grasp_yaw_rad)
+        holding = Holding(item.holding.part, grasp, pose_uncertainty(item.holding.within))
+    return Start(item.at_s, q, rates[0], rates[1], holding)
+
+
+def lag(item: LagDocument | None, conventions: Conventions) -> tuple[float, ...]:
+    """How far each joint may lag, in the planner's order; none that is not named."""
+    if item is None:
+        return ()
+    given, keys = item.model_extra or {}, [_key(joint) for joint in conventions]
+    for key in given:
+        if key not in keys:
+            raise Refused(f"one of {', '.join(keys)} (or in deg, mm)", key)
+    found = np.zeros(len(conventions))
+    found[places(conventions)] = [given.get(key, 0.0) for key in keys]
+    return tuple(found.tolist())
 
 
 def refuse_open_chain(robot: Robot, start: Start) -> None:

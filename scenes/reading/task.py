@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from assur.planner.errors import FaultError
 from assur.planner.frames import Conveyor, Frame, Linear
 from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Step, Target, Window
+from assur.planner.model.task import Tolerance
 from assur.scenes.faults import Refused, within
 from assur.scenes.reading.bodies import Places, choices, resolve
-from assur.scenes.reading.frames import placed
+from assur.scenes.reading.frames import placed, pose_uncertainty
 from assur.scenes.schema.task import (
     FollowDocument,
     MoveDocument,
@@ -26,11 +28,13 @@ NO_YAW = "no yaw: the robot has no wrist"
 class _Task:
     """Reads the steps in order, and knows what the gripper holds in between."""
 
-    def __init__(self, frames: dict[str, Frame], places: Places, coordinates: tuple[str, ...]) -> None:
+    def __init__(
+        self, frames: dict[str, Frame], places: Places, coordinates: tuple[str, ...], held: str | None
+    ) -> None:
         self.frames, self.places = frames, places
         self.has_yaw, self.has_tilt = "yaw" in coordinates, "pitch" in coordinates
         self.no_yaw = "no yaw: the tool's heading follows from the position" if self.has_tilt else NO_YAW
-        self.held: str | None = None
+        self.held = held
         self.names: set[str] = set()
 
     def step(self, number: int, item: StepDocument) -> Step:
@@ -53,7 +57,7 @@ class _Task:
 
     def _follow(self, name: str, item: FollowDocument) -> Step:
         target = self._target(item.to)
-        return Follow(name, target, item.duration_s, self._window(item, target.frame))
+        return Follow(name, target, item.duration_s, self._window(item, target.frame), _tolerance(item))
 
     def _pick(self, name: str, item: PickDocument) -> Step:
         if item.part not in self.places:
@@ -73,6 +77,9 @@ class _Task:
             item.match,
             self._window(item, self.places[item.part][0]),
             self._contacts(item.part, item.contact_with),
+            _tolerance(item),
+            item.contact_tolerance_m,
+            None if item.held_within is None else pose_uncertainty(item.held_within),
         )
 
     def _place(self, name: str, item: PlaceDocument) -> Step:
@@ -91,6 +98,8 @@ class _Task:
             item.match,
             self._window(item, target.frame),
             self._contacts(item.part, item.contact_with),
+            _tolerance(item),
+            item.contact_tolerance_m,
         )
 
     def _target(self, item: TargetDocument, free: bool = False, part: bool = False) -> Target:
@@ -134,6 +143,12 @@ class _Task:
         return tuple(names)
 
 
+def _tolerance(item: FollowDocument | PickDocument | PlaceDocument) -> Tolerance:
+    """The largest error that a step allows."""
+    m, rad = item.tolerance_m, item.tolerance_rad
+    return Tolerance(math.inf if m is None else m, math.inf if rad is None else rad)
+
+
 def _asked(angle: float | str | None) -> float | None:
     """The angle, rad; None where it is free."""
     return angle if isinstance(angle, float) else None
@@ -146,11 +161,15 @@ def _reversed(_: str, ends: object) -> str:
 
 
 def steps_of(
-    task: Sequence[StepDocument], frames: dict[str, Frame], places: Places, coordinates: tuple[str, ...]
+    task: Sequence[StepDocument],
+    frames: dict[str, Frame],
+    places: Places,
+    coordinates: tuple[str, ...],
+    held: str | None = None,
 ) -> tuple[Step, ...]:
-    """The steps, in order, for a robot with these coordinates.
+    """The steps, in order, for a robot with these coordinates whose gripper holds the part `held` at the start.
 
     Raises `Refused` where a step asks for what is not there, or not in the gripper.
     """
-    reader = _Task(frames, dict(places), coordinates)
+    reader = _Task(frames, dict(places), coordinates, held)
     return tuple(reader.step(i, item) for i, item in enumerate(task))

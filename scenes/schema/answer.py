@@ -12,7 +12,7 @@ from typing import Annotated, Literal, NotRequired, Required
 from pydantic import ConfigDict, Field, with_config
 from typing_extensions import TypedDict
 
-from assur.planner.model.outcome import Course
+from assur.planner.model.outcome import Cause, Course
 from assur.planner.model.refusal import Facts, Reason, Stage, Unit
 from assur.scenes import bounds
 from assur.scenes.schema.model import Angle, Instant, Point, Strength
@@ -79,6 +79,37 @@ class Missed(TypedDict):
 
 
 @with_config(CLOSED)
+class ErrorShare(TypedDict):
+    """What one cause adds to the error of an arrival at most."""
+
+    cause: Annotated[Cause, Field(strict=False)]
+    position_m: Number
+    yaw_rad: Number
+
+
+@with_config(CLOSED)
+class Realised(TypedDict):
+    """What one unknown is in a realisation: a sign (±1), a lateness in s, or a direction in rad."""
+
+    what: Text
+    value: Number
+
+
+@with_config(CLOSED)
+class ArrivalError(TypedDict):
+    """How far the tool may be from the part, or the control point, at `until_s`: no realisation of what the request
+    does not know is worse. The distance, and the same as horizontal distance, height and yaw; by cause, the largest
+    first; and one realisation that comes near it."""
+
+    position_m: Number
+    horizontal_m: Number
+    vertical_m: Number
+    yaw_rad: Number
+    causes: Annotated[list[ErrorShare], Field(max_length=16)]
+    worst: Annotated[list[Realised], Field(max_length=64)]
+
+
+@with_config(CLOSED)
 class Arrival(TypedDict):
     """Where and when the tool point reaches a control point; pitch and roll of arms with five axes only."""
 
@@ -93,6 +124,7 @@ class Arrival(TypedDict):
     along_m: Number | None
     window_left_s: Number | None
     missed_by: NotRequired[Missed | None]
+    error: NotRequired[ArrivalError | None]
     pitch_rad: NotRequired[Angle | None]
     roll_rad: NotRequired[Angle | None]
 
@@ -108,7 +140,8 @@ class CertificateDigest(TypedDict):
 
 @with_config(CLOSED)
 class Certificate(CertificateDigest):
-    """The proof in columns; a second body of -1 is none: the row is of the first alone."""
+    """The proof in columns; a second body of -1 is none: the row is of the first alone. `shift0_s`, `shift1_s`: by how
+    much the second is ahead of the clock at least and at most; null: in no row."""
 
     names: Annotated[list[Text], Field(max_length=8 * bounds.MAX_BODIES)]
     t0_s: Reals
@@ -118,6 +151,8 @@ class Certificate(CertificateDigest):
     second: Indices
     second_piece: Indices
     normal: Annotated[list[Vector], Field(max_length=bounds.MAX_ROWS)]
+    shift0_s: NotRequired[Reals | None]
+    shift1_s: NotRequired[Reals | None]
 
 
 @with_config(CLOSED)

@@ -22,6 +22,7 @@ from assur.scenes.schema.model import (
     Rate,
     Span,
     Speed,
+    YawError,
 )
 
 
@@ -107,10 +108,14 @@ class KeyframesDocument(Document):
 
 
 class UncertaintyDocument(Document):
-    """How far the frame may be from its law: always, and per second."""
+    """How far the frame may be from its law: along its line (in every horizontal direction, where it has none) always,
+    and per second since the start; across its line; up and down; about its origin."""
 
     position_m: Distance = 0.0
     speed_m_s: Annotated[float, Field(ge=0.0, le=bounds.FAST_M_S)] = 0.0
+    lateral_m: Distance = 0.0
+    vertical_m: Distance = 0.0
+    yaw_rad: YawError = 0.0
 
 
 class FrameDocument(Document):

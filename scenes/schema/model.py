@@ -174,6 +174,10 @@ Span = Annotated[float, Field(gt=0.0, le=bounds.LONG_S)]
 Mass = Annotated[float, Field(ge=0.0, le=bounds.HEAVY_KG)]
 Scale = Annotated[float, Field(gt=0.0, le=1.0)]
 
+MOST_YAW_ERROR_RAD = 1.6
+"""An error of a yaw is less than a little more than a quarter of a turn: what is known less is free."""
+YawError = Annotated[float, Field(ge=0.0, le=MOST_YAW_ERROR_RAD)]
+
 Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
 Interval = Annotated[list[Instant], Field(min_length=2, max_length=2)]
 Stretch = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
@@ -184,6 +188,14 @@ REFERENCE = r"^[A-Za-z][A-Za-z0-9_.-]{0,63}(/[A-Za-z][A-Za-z0-9_.-]{0,63})?$"
 """Names that a document uses: those, and a neighbour's frames and bodies, NEIGHBOUR/name."""
 Name = Annotated[str, Field(pattern=NAME)]
 Reference = Annotated[str, Field(pattern=REFERENCE)]
+
+
+class PoseUncertaintyDocument(Document):
+    """How far a part may be from its pose: in every horizontal direction, up or down, and about its own vertical."""
+
+    position_m: Distance = 0.0
+    vertical_m: Distance = 0.0
+    yaw_rad: YawError = 0.0
 
 
 class PoseDocument(Document):

@@ -10,7 +10,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, field_serializer
 
 from assur.scenes import bounds
 from assur.scenes.schema.frames import FrameDocument
-from assur.scenes.schema.model import Distance, Document, Duration, Instant, Name, Positive, Span
+from assur.scenes.schema.model import ByName, Distance, Document, Duration, Instant, Name, Positive, Reference, Span
 from assur.scenes.schema.robots import NeighbourDocument, RobotDocument, StartDocument
 from assur.scenes.schema.shapes import BodyDocument
 from assur.scenes.schema.task import StepDocument
@@ -26,6 +26,17 @@ class ClearanceDocument(Document):
     near: Distance
 
 
+Bodies = Annotated[list[Reference], Field(min_length=1, max_length=bounds.MAX_CONTACTS)]
+
+
+class ClearanceExceptionDocument(Document):
+    """Other distances for the bodies that are named against those of `and` (silence: against all)."""
+
+    between: Bodies
+    and_: Bodies | None = Field(default=None, alias="and")
+    clearance_m: ClearanceDocument
+
+
 class OptionsDocument(Document):
     """How to search, and what is safe enough."""
 
@@ -35,6 +46,9 @@ class OptionsDocument(Document):
     stop: Literal["first", "budget"] = "budget"
     explain_budget_s: Annotated[float, Field(ge=0.0, le=bounds.MAX_BUDGET_S)] = 0.0
     clearance_m: ClearanceDocument = ClearanceDocument(travel=0.0, near=0.0)
+    clearance_exceptions: Annotated[list[ClearanceExceptionDocument], Field(max_length=bounds.MAX_CONTACTS)] = Field(
+        default_factory=list
+    )
     singularity_margin: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.05
     elbow: Annotated[str, Field(pattern=r"^[a-z][a-z-]{0,31}$")] = "keep"
     end: Literal["rest", "moving"] = "rest"
@@ -44,10 +58,16 @@ class OptionsDocument(Document):
     acceleration_time_s: Span | None = None
 
 
+class LagDocument(ByName):
+    """How far each joint may be from the trajectory, by the maker's joint names (`j1_rad`, `j3_m`); silence: 0."""
+
+    __pydantic_extra__: dict[str, Distance]
+
+
 class ExecutionDocument(Document):
     """How the plan will be run: servo lag, late dispatch, belt correction by the live encoder."""
 
-    tracking_m: Distance = 0.0
+    lag: LagDocument | None = None
     start_tolerance_s: Duration = 0.0
     belt_correction: bool = False
 

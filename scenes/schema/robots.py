@@ -25,7 +25,9 @@ from assur.scenes.schema.model import (
     Name,
     Point,
     PoseDocument,
+    PoseUncertaintyDocument,
     Positive,
+    Reference,
     Scale,
     Size,
     Strength,
@@ -238,13 +240,25 @@ class JointValues(ByName):
     __pydantic_extra__: dict[str, Strength]
 
 
+class HoldingDocument(Document):
+    """A part in the gripper at the start. `grasp_m`: the tool point in the part's frame; `within`: how well the part is
+    known there."""
+
+    part: Reference
+    grasp_m: Point
+    grasp_yaw_rad: Angle = 0.0
+    within: PoseUncertaintyDocument = PoseUncertaintyDocument()
+
+
 class StartDocument(Document):
-    """The state from which the plan begins; at rest unless velocity (and acceleration) are given."""
+    """The state from which the plan begins; at rest unless velocity (and acceleration) are given, with an empty gripper
+    unless it is said what it holds."""
 
     at_s: Instant = 0.0
     joints: JointValues
     velocity: JointValues | None = None
     acceleration: JointValues | None = None
+    holding: HoldingDocument | None = None
 
 
 class TrajectoryDocument(Document):

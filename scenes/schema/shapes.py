@@ -7,7 +7,17 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from assur.scenes import bounds
-from assur.scenes.schema.model import Angle, Document, Group, Mass, Name, Point, Reference, Size
+from assur.scenes.schema.model import (
+    Angle,
+    Document,
+    Group,
+    Mass,
+    Name,
+    Point,
+    PoseUncertaintyDocument,
+    Reference,
+    Size,
+)
 
 Axis = Literal["x", "y", "z"]
 MeshFormat = Literal["stl", "obj", "ply", "glb"]
@@ -80,13 +90,15 @@ class PlaceInCell(Document):
 
 
 class BodyDocument(Document):
-    """A body of the surroundings. `yaw_symmetry`: how many yaws look the same to a gripper; 0: any."""
+    """A body of the surroundings. `yaw_symmetry`: how many yaws look the same to a gripper; 0: any. Only a part that
+    the gripper holds at the start has no pose."""
 
     name: Name
     shape: ShapeDocument
-    pose: PlaceInCell
+    pose: PlaceInCell | None = None
     mass_kg: Mass | None = None
     yaw_symmetry: Annotated[int, Field(ge=0, le=360)] = 1
+    uncertainty: PoseUncertaintyDocument = PoseUncertaintyDocument()
 
 
 Side = Literal["proximal-left", "distal-left", "proximal-right", "distal-right"]

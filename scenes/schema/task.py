@@ -19,8 +19,10 @@ from assur.scenes.schema.model import (
     Interval,
     Name,
     Point,
+    PoseUncertaintyDocument,
     Reference,
     Stretch,
+    YawError,
 )
 
 Match = Literal["velocity", "position"]
@@ -91,6 +93,8 @@ class FollowDocument(WindowedStep):
 
     to: TargetDocument
     duration_s: Duration
+    tolerance_m: Distance | None = None
+    tolerance_rad: YawError | None = None
 
 
 class _Handling(WindowedStep):
@@ -100,13 +104,18 @@ class _Handling(WindowedStep):
     depart: LiftDocument
     match: Match = "velocity"
     contact_with: Annotated[list[Reference], Field(max_length=bounds.MAX_CONTACTS)] | None = None
+    tolerance_m: Distance | None = None
+    tolerance_rad: YawError | None = None
+    contact_tolerance_m: Distance = 0.0
 
 
 class PickDocument(_Handling):
-    """Approach a part, stay with it, attach it, depart. `grasp_m`: the tool point in the part's frame."""
+    """Approach a part, stay with it, attach it, depart. `grasp_m`: the tool point in the part's frame. `held_within`:
+    how well the part is known once it is held; silence: as well as when it is gripped."""
 
     grasp_m: Point
     grasp_yaw_rad: Angle = 0.0
+    held_within: PoseUncertaintyDocument | None = None
 
 
 class PlaceDocument(_Handling):

@@ -133,5 +133,7 @@ def likely(a: Placed, b: Placed, row: int = 0, enough: float = np.inf) -> tuple[
 def distance_by_gjk(a: Placed, b: Placed, row: int = 0) -> tuple[float, FloatArray, float]:
     """The kernel's gap along the best normal, that normal, and a length that the distance is not above."""
     rows, vertices, placed, i, j = tables(a, b, row)
-    found, *normal, above = separate(rows, vertices, placed, 0, i, j, np.inf, np.empty((4, 3)), np.empty((3, 4)))
+    found, *normal, above = separate(
+        rows, vertices, placed, 0, i, j, np.inf, np.empty((0, 1)), -1, 0.0, np.empty((4, 3)), np.empty((3, 4))
+    )
     return found, np.array(normal), above

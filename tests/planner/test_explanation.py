@@ -19,7 +19,6 @@ from assur.planner.model.refusal import (
     FrameName,
     JointName,
     LawEnds,
-    Miss,
     MotionLimit,
     Obstacle,
     OutOfReach,
@@ -30,9 +29,9 @@ from assur.planner.model.refusal import (
     Separation,
     Singular,
     Stage,
-    WindowMissed,
 )
 from assur.planner.model.scene import Window
+from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.pipeline import leading
 from assur.planner.report.sentence import because, note, sentence
 from tests.planner.cells import cell, go

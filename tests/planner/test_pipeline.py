@@ -296,7 +296,7 @@ MOVES: dict[str, Callable[[], Scene]] = {
         go(0.3, -0.3),
         bodies=(stands("wall", box(0.2, 0.02, 0.1), 0.35, 0.0, 0.05, frame="drift"),),
         frames=(frame("drift", Conveyor(Pose(), 0.02), 0.002, 0.005),),
-        execution=Execution(0.001, 0.05),
+        execution=Execution((1e-3, 1e-3, 5e-4, 2e-3), 0.05),
         clearance=Clearance(0.004, 0.001),
         stay_safe_s=0.2,
     ),
@@ -625,7 +625,7 @@ def test_random_cells_are_planned_and_pass_or_are_refused_with_a_reason(seed: in
         seed=seed,
         max_candidates=60,
         clearance=Clearance(float(rng.choice([0.0, 0.002, 0.01])), 0.0005),
-        execution=Execution(0.0005, float(rng.choice([0.0, 0.02])), bool(rng.random() < 0.3)),
+        execution=Execution((5e-4,) * 4, float(rng.choice([0.0, 0.02])), bool(rng.random() < 0.3)),
         stay_safe_s=float(rng.choice([0.0, 0.5])),
     )
     outcome = plan(scene)
@@ -677,7 +677,7 @@ def test_random_tasks_on_belts_and_dials_are_planned_and_pass_or_are_refused_wit
         frames=frames,
         bodies=bodies,
         tool=CUP if coin() else CRANKED,
-        execution=Execution(0.0002, 0.01 if coin(0.3) else 0.0, coin()),
+        execution=Execution((2e-4,) * 4, 0.01 if coin(0.3) else 0.0, coin()),
         clearance=Clearance(draw(0.0, 0.006), 0.0002),
         stay_safe_s=0.3 if coin(0.3) else 0.0,
         carry=30.0 if coin(0.3) else None,

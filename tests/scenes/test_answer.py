@@ -25,7 +25,6 @@ from assur.planner.model.refusal import (
     FrameName,
     JointName,
     LawEnds,
-    Miss,
     MotionLimit,
     Obstacle,
     Quantity,
@@ -33,8 +32,8 @@ from assur.planner.model.refusal import (
     Refusal,
     Separation,
     Stage,
-    WindowMissed,
 )
+from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.pipeline import plan
 from assur.planner.trajectory import Trajectory
 from assur.scenes.answer import NOTICE, answer_of, trajectory_document

@@ -231,7 +231,7 @@ def test_each_leg_asks_for_its_own_clearance(kind: LegKind, need: float) -> None
 
 @pytest.mark.parametrize(("gap", "may"), [(0.0231, True), (0.0229, False)])
 def test_uncertainty_grows_with_the_time_since_the_start_and_tracking_is_added(gap: float, may: bool) -> None:
-    execution = Execution(tracking_m=0.001)
+    execution = Execution((0.0, 0.0, 0.001, 0.0))
     world = Frame("world", cell(go(0.3, 0.0)).frames["world"].law, Uncertainty(0.002, 0.01))
     # 1 mm of tracking, 2 mm of position, and 10 mm/s for the 2 s until the end: 23 mm
     scene, phase, path = standing_beside(gap, execution=execution, frames=(world,))
@@ -242,7 +242,7 @@ def test_uncertainty_grows_with_the_time_since_the_start_and_tracking_is_added(g
 
 @pytest.mark.parametrize(("gap", "may"), [(0.0251, True), (0.0249, False)])
 def test_a_late_start_counts_for_uncertainty(gap: float, may: bool) -> None:
-    execution = Execution(tracking_m=0.001, start_tolerance_s=0.2)
+    execution = Execution((0.0, 0.0, 0.001, 0.0), start_tolerance_s=0.2)
     world = Frame("world", cell(go(0.3, 0.0)).frames["world"].law, Uncertainty(0.002, 0.01))
     scene, phase, path = standing_beside(gap, execution=execution, frames=(world,))
     assert isinstance(Prover(scene).prove(phase, path), Rows) == may

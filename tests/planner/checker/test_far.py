@@ -155,7 +155,7 @@ def test_planes_keep_the_distance_that_is_asked() -> None:
     """The ring is a hand's breadth too near for a clearance of 0.9 m, for servo lag, and for frames that drift."""
     scene, made = ring()
     wide = replace(scene, options=replace(scene.options, clearance=Clearance(0.9, 0.9)))
-    lagging = replace(scene, execution=Execution(tracking_m=0.9))
+    lagging = replace(scene, execution=Execution((0.9,) * len(scene.robot.joints)))
     drifting = replace(scene, frames={"world": frame("world", Fixed(Pose()), position=0.9)})
     for asked in (wide, lagging, drifting):
         assert Code.COVER in codes(asked, with_rows(asked, made))

@@ -144,7 +144,7 @@ def test_a_part_may_be_taken_either_way_round_if_it_looks_the_same(turn: float) 
 
 @pytest.mark.parametrize(
     "execution",
-    [Execution(tracking_m=1e-3), Execution(start_tolerance_s=0.02), Execution(tracking_m=5e-4, start_tolerance_s=0.01)],
+    [Execution((1e-3,) * 4), Execution(start_tolerance_s=0.02), Execution((5e-4,) * 4, start_tolerance_s=0.01)],
 )
 def test_an_honest_plan_for_an_uncertain_cell_is_accepted(execution: Execution) -> None:
     scene = crossing(execution=execution)

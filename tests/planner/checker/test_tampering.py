@@ -422,7 +422,7 @@ def test_whatever_must_be_kept_free_is_kept_free(change: str) -> None:
         clearance = replace(scene.options.clearance, travel_m=amount)
         scene = replace(scene, options=replace(scene.options, clearance=clearance))
     elif change == "tracking":
-        scene = replace(scene, execution=replace(scene.execution, tracking_m=amount))
+        scene = replace(scene, execution=replace(scene.execution, lag=(amount,) * 4))
     elif change == "late":
         scene = replace(scene, execution=replace(scene.execution, start_tolerance_s=amount / 0.02))
     else:

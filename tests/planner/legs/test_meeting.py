@@ -17,9 +17,10 @@ from assur.planner.legs.control_point import HORIZON_S, control_point
 from assur.planner.legs.meeting import LOOK_AHEAD_S, Meetings, meetings, times
 from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import NotPlanned
-from assur.planner.model.refusal import FOR_ALL_TIMES, BeyondRange, Miss, Reason, WindowMissed
+from assur.planner.model.refusal import BeyondRange, Reason
 from assur.planner.model.scene import Follow, Pick, Scene, Window
 from assur.planner.model.scene import WorldBody as Around
+from assur.planner.model.window_missed import FOR_ALL_TIMES, Miss, WindowMissed
 from assur.planner.pipeline import plan
 from tests.planner.cells import amount_of, arm, at, cell, frame, go, solid, unit_of
 

@@ -115,7 +115,7 @@ def test_options_execution_and_carry() -> None:
             "stay_safe_s": 2,
             "latest_end_s": 9,
         },
-        execution={"tracking_mm": 0.3, "start_tolerance_ms": 4, "belt_correction": True},
+        execution={"lag": {"j1_rad": 0.001, "j3_mm": 0.3}, "start_tolerance_ms": 4, "belt_correction": True},
         carry={"acceleration_m_s2": 15},
     )
     options = found.options
@@ -123,7 +123,7 @@ def test_options_execution_and_carry() -> None:
     assert (options.clearance.travel_m, options.clearance.near_m) == (0.008, 0.0015)
     assert (options.explain_budget_s, options.singularity_margin, options.elbow) == (0.5, 0.2, "auto")
     assert (options.end, options.stay_safe_s, options.latest_end_s) == ("moving", 2.0, 9.0)
-    assert (found.execution.tracking_m, found.execution.start_tolerance_s) == (0.0003, 0.004)
+    assert (found.execution.lag, found.execution.start_tolerance_s) == ((0.001, 0.0, 0.0003, 0.0), 0.004)
     assert found.execution.belt_correction
     assert found.carry_acceleration == 15.0
 

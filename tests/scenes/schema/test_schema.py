@@ -47,7 +47,7 @@ def test_the_second_reading_is_not_blind() -> None:
         {**GOOD_REQUEST, "extra": 1},
         {**GOOD_REQUEST, "carry": None},
         {**GOOD_REQUEST, "task": []},
-        {**GOOD_REQUEST, "execution": {"tracking_m": 1, "tracking_mm": 1}},
+        {**GOOD_REQUEST, "execution": {"start_tolerance_s": 1, "start_tolerance_ms": 1}},
         {**GOOD_REQUEST, "frames": {"a": {}}},
     ):
         assert list(faults(spoilt, SCHEMA))

@@ -1,0 +1,99 @@
+"""What a request does not know, as tables for the checker's kernels (`checker.uncertainty`)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.checker.solids import BODY, Solids
+from assur.planner.checker.uncertainty import (
+    ALONG,
+    AMOUNT,
+    ANY,
+    BODY_COLUMNS,
+    CLOCK,
+    FIRST_TOOL,
+    FLAT,
+    FRAME_COLUMNS,
+    GROWTH,
+    HEIGHT,
+    LATE,
+    LATERAL,
+    LINE,
+    SINCE,
+    UPRIGHT,
+    YAW,
+    Doubt,
+)
+from assur.planner.frames import ALWAYS, Conveyor, Fixed, Law, Linear
+from assur.planner.model.phases import Phase
+from assur.planner.model.scene import Scene
+
+
+def stands(law: Law) -> bool:
+    """Whether a frame stands still for ever."""
+    return isinstance(law, Fixed) and law.valid == ALWAYS
+
+
+def line_of(law: Law) -> tuple[float, float, float] | None:
+    """The direction in which a frame travels, whatever its speed; None: it has none."""
+    if isinstance(law, Conveyor):
+        return math.cos(law.pose.yaw), math.sin(law.pose.yaw), 0.0
+    if isinstance(law, Linear) and any(law.velocity):
+        x, y, z = law.velocity
+        length = math.sqrt(x * x + y * y + z * z)
+        return x / length, y / length, z / length
+    return None
+
+
+def reaches(table: Solids) -> FloatArray:
+    """How far the body of each seat reaches from the axis of its carrier (S,), m."""
+    radius = np.array([table.bodies[body].radius for body in table.seats[:, BODY].tolist()])
+    return np.asarray(np.hypot(table.offset[:, 0], table.offset[:, 1]) + radius)
+
+
+def ahead(scene: Scene, links: int) -> FloatArray:
+    """Between which times, s, carriers may be ahead of the clock, where the robot is on time and where it is late, and
+    whether they move (`cover.Cell`)."""
+    found, late = np.zeros((links + len(scene.frames), 4)), scene.execution.start_tolerance_s
+    for row, frame in zip(found[links:], scene.frames.values(), strict=True):
+        if not stands(frame.law):
+            least, most = frame.uncertainty.shift_s
+            row[:] = -most, -least, late - least, 1.0
+    return found + 0.0
+
+
+def doubt_of(scene: Scene, phases: tuple[Phase, ...], table: Solids) -> Doubt:
+    """The tables of a scene in the phases of a plan."""
+    execution, number = scene.execution, {name: k for k, name in enumerate(scene.frames)}
+    frames = np.zeros((len(scene.frames), FRAME_COLUMNS))
+    for row, frame in zip(frames, scene.frames.values(), strict=True):
+        known, line = frame.uncertainty, line_of(frame.law)
+        row[AMOUNT], row[GROWTH] = known.position_m, known.speed_m_s
+        row[LATERAL], row[UPRIGHT], row[YAW] = known.lateral_m, known.vertical_m, known.yaw_rad
+        if line is not None:
+            row[LINE], row[ALONG : ALONG + 3] = 1.0, line
+    bodies = np.zeros((len(phases), len(table.bodies), BODY_COLUMNS))
+    shares = np.zeros((len(phases), len(frames), 2))
+    for item in scene.bodies:
+        own, k = item.uncertainty, table.number[item.name]
+        bodies[:, k, FLAT], bodies[:, k, HEIGHT] = own.position_m + own.yaw_rad * item.body.radius, own.vertical_m
+    for i, phase in enumerate(phases):
+        for part, within in phase.handled.within:
+            k = table.number[part]
+            bodies[i, k, FLAT] = within.position_m + within.yaw_rad * table.bodies[k].radius
+            bodies[i, k, HEIGHT] = within.vertical_m
+        if execution.belt_correction:
+            followed = phase.corrected if phase.tracked is None else (phase.tracked,)
+            for name in followed:
+                shares[i, number[name]] = 0.0 if phase.tracked is None else 1.0, 1.0
+    lag = np.zeros(max(len(scene.robot.joints), 2))
+    lag[: len(execution.lag)] = execution.lag
+    clock = np.zeros(CLOCK)
+    clock[SINCE], clock[LATE] = scene.start.time, execution.start_tolerance_s
+    clock[ANY] = float(bool(lag.any() or bodies.any() or frames[:, [AMOUNT, GROWTH, LATERAL, UPRIGHT, YAW]].any()))
+    links = scene.robot.links
+    clock[FIRST_TOOL] = links.index("quill") if "quill" in links else links.index("flange")
+    return frames, bodies, shares, lag, clock

@@ -1,0 +1,184 @@
+"""How much nearer two bodies may be than planned, along a normal: what is not known of where they are.
+
+A *set* is what two bodies of one pair may be displaced against each other. It is a disc in the horizontal plane, an
+interval along the vertical, and segments along given directions (an error of a belt lies along the belt); each is
+symmetric, and may grow with time. Its support along n,
+
+    S(n) = |n_xy| disc + |n_z| vertical + Σ |n·e_i| segment_i                                              (U1)
+
+is what a pair must be apart in addition to its clearance. `sets` (N, SET_COLUMNS), one row a set.
+
+Links of the robot are displaced by what the servos lag behind, and by the correction for a belt: both move the joints
+by small amounts δ, so a point moves by no more than the bound of its speed (K43) for joint rates of that size (U2).
+"""
+
+from __future__ import annotations
+
+import math
+
+from assur.planner.arrays import FloatArray
+from assur.planner.compiled import kernel
+from assur.planner.kernels.carriers import point_bound
+from assur.planner.kernels.dyads import fill_rows
+from assur.planner.kernels.links import KIND, L1, L2, LINKS, SCARA, V_FLAT, V_REACH, bound_links
+from assur.planner.kernels.solids import CARRIER, CENTRE, NORMAL, RADIUS, ROW, SET, TABLE
+
+FLAT, FLAT_GROWTH, UPRIGHT, UPRIGHT_GROWTH = range(4)
+"""Columns of a set: radius of the disc, m, by how much it grows, m/s, and the same of the vertical."""
+SEGMENTS, SEGMENT = 4, 5
+"""Where the segments begin, and columns of each: half its length, m, its growth, m/s, and its direction (3)."""
+MOST_SEGMENTS = 4
+SET_COLUMNS = SEGMENTS + MOST_SEGMENTS * SEGMENT
+
+SINCE, LATEST, SHIFT, SHIFT_GROWTH = range(4)
+"""In `clock`: since when errors grow, s; how late the robot may start at most, s; how far a correction shifts the tool,
+m, and by how much that grows, m/s."""
+LAG_Q, LAG_RATE = 0, 1
+"""Rows of `lag` (2, max(n, m)): how far each joint lags, rad or m, and each combination of joints that `matrix` has."""
+DOUBT = f"Tuple(({TABLE}, {TABLE}, {ROW}))"
+"""`sets`, `lag` and `clock`: all that is not known of a motion in a cell."""
+Doubt = tuple[FloatArray, FloatArray, FloatArray]
+
+
+@kernel(f"float64({ROW}, float64)")
+def growing_for(clock: FloatArray, t1: float) -> float:
+    """For how long errors have grown at t1, s, if the robot started as late as it may."""
+    return float(max(t1 + clock[LATEST] - clock[SINCE], 0.0))
+
+
+@kernel(f"float64({TABLE}, int64, float64, {NORMAL})")
+def spread(sets: FloatArray, k: int, lasts: float, nx: float, ny: float, nz: float) -> float:
+    """The support S(n) of set k, m, where errors have grown for `lasts` seconds (U1); 0 for no set (-1)."""
+    if k < 0:
+        return 0.0
+    row = sets[k]
+    found = (row[FLAT] + row[FLAT_GROWTH] * lasts) * math.sqrt(nx * nx + ny * ny)
+    found += (row[UPRIGHT] + row[UPRIGHT_GROWTH] * lasts) * abs(nz)
+    for i in range(SEGMENTS, SET_COLUMNS, SEGMENT):
+        length = row[i] + row[i + 1] * lasts
+        if length > 0.0:
+            found += length * abs(nx * row[i + 2] + ny * row[i + 3] + nz * row[i + 4])
+    return float(found)
+
+
+@kernel(f"void({TABLE}, int64, float64, {NORMAL}, float64, {TABLE}, int64)")
+def add_spread(
+    sets: FloatArray, k: int, lasts: float, nx: float, ny: float, nz: float, sign: float, points: FloatArray, i: int
+) -> None:
+    """Adds `sign` times the point of set k that is farthest along n to row i of `points`."""
+    if k < 0:
+        return
+    row, flat = sets[k], math.sqrt(nx * nx + ny * ny)
+    if flat > 0.0:
+        disc = sign * (row[FLAT] + row[FLAT_GROWTH] * lasts) / flat
+        points[i, 0] += disc * nx
+        points[i, 1] += disc * ny
+    upright = sign * (row[UPRIGHT] + row[UPRIGHT_GROWTH] * lasts)
+    points[i, 2] += upright if nz >= 0.0 else -upright
+    for j in range(SEGMENTS, SET_COLUMNS, SEGMENT):
+        length = sign * (row[j] + row[j + 1] * lasts)
+        if nx * row[j + 2] + ny * row[j + 3] + nz * row[j + 4] < 0.0:
+            length = -length
+        for axis in range(3):
+            points[i, axis] += length * row[j + 2 + axis]
+
+
+@kernel("UniTuple(float64, 2)(float64, float64)")
+def _cosines(low: float, high: float) -> tuple[float, float]:
+    """The least and the greatest cosine over an interval."""
+    a, b, turn = math.cos(low), math.cos(high), 2.0 * math.pi
+    least, most = min(a, b), max(a, b)
+    if math.floor(high / turn) >= math.ceil(low / turn):
+        most = 1.0
+    if math.floor((high + math.pi) / turn) >= math.ceil((low + math.pi) / turn):
+        least = -1.0
+    return least, most
+
+
+@kernel(f"UniTuple(float64, 2)({ROW}, float64, float64, float64)")
+def corrected_angles(robot: FloatArray, theta_low: float, theta_high: float, shift: float) -> tuple[float, float]:
+    """By how much the links of a SCARA may turn, rad, where its flange is shifted by `shift`, m, in any horizontal
+    direction, from anywhere with θ2 in an interval (U3); infinite where it might become singular.
+
+    With |D| = l1 l2 |sin θ2| at least D over all radii that the flange may have, |Δφ1| <= shift l2 / D and
+    |Δφ2| <= shift l1 / D (K4). |D| is least at one of the ends of the radii: D² is concave in their square.
+    """
+    l1, l2 = robot[L1], robot[L2]
+    least, most = _cosines(theta_low, theta_high)
+    inner = math.sqrt(max(l1 * l1 + l2 * l2 + 2.0 * l1 * l2 * least, 0.0)) - shift
+    outer = math.sqrt(max(l1 * l1 + l2 * l2 + 2.0 * l1 * l2 * most, 0.0)) + shift
+    if not (inner > 0.0 and outer < l1 + l2):
+        return math.inf, math.inf
+    square = math.inf
+    for radius in (inner, outer):
+        k = radius * radius - l1 * l1 - l2 * l2
+        square = min(square, 4.0 * l1 * l1 * l2 * l2 - k * k)
+    if not square > 0.0:
+        return math.inf, math.inf
+    cross = 0.5 * math.sqrt(square)
+    return shift * l2 / cross, shift * l1 / cross
+
+
+@kernel(f"boolean({ROW}, {ROW}, {ROW}, {DOUBT}, float64, {TABLE}, {TABLE})")
+def sway_links(
+    robot: FloatArray, lower: FloatArray, upper: FloatArray, doubt: Doubt, t1: float, work: FloatArray, sway: FloatArray
+) -> bool:
+    """Fills the first rows of `sway` (K, BOUND_COLUMNS) with how far links may be from where they are planned while
+    joints are in `lower, upper` (n,) and until t1: the columns of speed, in m (U2, U3). False: they cannot be.
+
+    `work` (3, max(n, m)) is room to work in.
+    """
+    _, lag, clock = doubt
+    shift = clock[SHIFT] + clock[SHIFT_GROWTH] * growing_for(clock, t1)
+    lags = lag.any()
+    if not (lags or shift > 0.0):
+        return False
+    n, links = len(lower), int(robot[LINKS])
+    if lags:
+        for j in range(n):
+            work[0, j], work[1, j] = lower[j] - lag[LAG_Q, j], upper[j] + lag[LAG_Q, j]
+        for j in range(lag.shape[1]):
+            work[2, j] = 0.0
+        bound_links(robot, work[0, :n], work[1, :n], lag[LAG_RATE], work[2], sway)
+    else:
+        fill_rows(sway, 0, links, 0.0)
+    if shift > 0.0:
+        first, second = math.inf, math.inf
+        if robot[KIND] == SCARA:
+            first, second = corrected_angles(robot, lower[1] - lag[LAG_Q, 1], upper[1] + lag[LAG_Q, 1], shift)
+        sway[1, V_REACH] += first
+        sway[2, V_FLAT] += robot[L1] * first
+        sway[2, V_REACH] += second
+    return True
+
+
+@kernel(f"float64({TABLE}, {TABLE}, int64, {NORMAL})")
+def displaced(bodies: FloatArray, sway: FloatArray, i: int, nx: float, ny: float, nz: float) -> float:
+    """By how much points of unit i may be displaced along n, m: 0 for what no link carries.
+
+    The unit counts as the ball around it, as for the checker, whose bound must not be larger.
+    """
+    reach = math.hypot(bodies[i, CENTRE], bodies[i, CENTRE + 1]) + bodies[i, RADIUS]
+    return point_bound(sway, int(bodies[i, CARRIER]), reach, reach + abs(bodies[i, CENTRE + 2]), nx, ny, nz)[0]
+
+
+@kernel(f"float64({TABLE}, {TABLE}, int64, {TABLE}, {TABLE}, float64, boolean, int64, int64, {NORMAL})")
+def doubtful(
+    pairs: FloatArray,
+    sets: FloatArray,
+    p: int,
+    bodies: FloatArray,
+    sway: FloatArray,
+    lasts: float,
+    sways: bool,
+    a: int,
+    b: int,
+    nx: float,
+    ny: float,
+    nz: float,
+) -> float:
+    """By how much units a and b of pair p may be nearer along n than planned, m."""
+    found = spread(sets, int(pairs[p, SET]), lasts, nx, ny, nz)
+    if sways:
+        found += displaced(bodies, sway, a, nx, ny, nz) + displaced(bodies, sway, b, nx, ny, nz)
+    return found

@@ -1,0 +1,237 @@
+"""How far the tool may be from its control point: the worst of all that a request does not know (equation U4).
+
+The error is part less tool. What a frame, a late start and lagging joints add has a direction each, so the worst is one
+of the combinations of their signs: all are looked at. What is the same in every horizontal direction adds to the
+longest of them. A point that joints move by small angles leaves the straight line of their Jacobian by half the bound
+of its acceleration at most, which is added.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.frames import Fixed
+from assur.planner.frames.law import PoseUncertainty
+from assur.planner.frames.motion import Motion, Pose
+from assur.planner.kernels.carriers import point_bound
+from assur.planner.kernels.laws import bound_frame
+from assur.planner.kernels.links import BOUND_COLUMNS, V_REACH, bound_links
+from assur.planner.model.attachments import Attachments
+from assur.planner.model.outcome import ArrivalError, Cause, Share
+from assur.planner.model.phases import Handled
+from assur.planner.model.refusal import Inaccurate, Quantity, Reason, Refusal, Stage
+from assur.planner.model.scene import Pick, Place, Scene
+from assur.planner.tables.laws import law_tables
+from assur.planner.tables.uncertainty import direction
+
+RESERVE_M, RESERVE_RAD = 2e-6, 2e-6
+"""Added to what is found: the tool meets its point within 1 µm and 1 µrad, and the checker has bounds of its own."""
+LATE_STEPS = 16
+"""Parts of the time by which a start may be late, at whose ends a frame's way is looked at."""
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(eq=False)
+class _Terms:
+    """What adds to an error: `signed` vectors (3,) that count with either sign, by name and cause; the way of the frame
+    for late starts, `late` (K, 3), with its times (K,); radius, height and yaw that count in full, by cause."""
+
+    signed: list[tuple[Cause, str, FloatArray]] = field(default_factory=list)
+    late: FloatArray = field(default_factory=lambda: np.zeros((1, 3)))
+    late_s: FloatArray = field(default_factory=lambda: np.zeros(1))
+    flat: dict[Cause, float] = field(default_factory=dict)
+    upright: dict[Cause, float] = field(default_factory=dict)
+    yaw: dict[Cause, float] = field(default_factory=dict)
+
+    def add(self, cause: Cause, flat: float = 0.0, upright: float = 0.0, yaw: float = 0.0) -> None:
+        for table, amount in ((self.flat, flat), (self.upright, upright), (self.yaw, yaw)):
+            if amount > 0.0:
+                table[cause] = table.get(cause, 0.0) + amount
+
+    def add_signed(self, cause: Cause, name: str, vector: FloatArray) -> None:
+        if vector.any():
+            self.signed.append((cause, name, vector))
+
+
+def exact(scene: Scene) -> bool:
+    """Whether nothing is left open: every arrival is where it is planned."""
+    execution, holding = scene.execution, scene.start.holding
+    frames = [frame.uncertainty for frame in scene.frames.values()]
+    unsure = any(
+        (f.position_m, f.speed_m_s, f.lateral_m, f.vertical_m, f.yaw_rad, *f.shift_s) != (0.0,) * 7 for f in frames
+    )
+    unsure = unsure or any(body.uncertainty != PoseUncertainty() for body in scene.bodies)
+    unsure = unsure or (holding is not None and holding.within != PoseUncertainty())
+    unsure = unsure or any(isinstance(step, Pick) and step.held_within is not None for step in scene.task)
+    return not (unsure or execution.lags or execution.start_tolerance_s > 0.0)
+
+
+def arrival_error(
+    scene: Scene, number: int, attached: Attachments, handled: Handled, q: FloatArray, until: float
+) -> ArrivalError | None:
+    """How far the tool may be from the control point of step `number` at time `until`, s, with joints at q (n,); None
+    where nothing is left open."""
+    if exact(scene):
+        return None
+    step, terms = scene.task[number], _Terms()
+    name, local = attached.point(scene, step)
+    here = scene.frames[name].law.motion(np.array(until)).at(local)
+    corrected = scene.execution.belt_correction and step.tracks
+    _add_frame(scene, name, here, until, corrected, terms)
+    _add_late(scene, name, local, until, terms)
+    _add_lag(scene, here, q, terms)
+    if isinstance(step, Pick):
+        known = handled.of(step.part) or scene.index[step.part].uncertainty
+        terms.add(Cause.PART, known.position_m, known.vertical_m, known.yaw_rad)
+    if isinstance(step, Place):
+        held = handled.of(step.part) or PoseUncertainty()
+        terms.add(Cause.GRIP, held.position_m, held.vertical_m, held.yaw_rad)
+    grasp = step.grasp if isinstance(step, Pick) else Pose()
+    return _worst(terms, math.hypot(grasp.x, grasp.y))
+
+
+def _add_frame(scene: Scene, name: str, here: Motion, until: float, corrected: bool, terms: _Terms) -> None:
+    frame = scene.frames[name]
+    known, along = frame.uncertainty, direction(frame)
+    lasts = max(until + scene.execution.start_tolerance_s - scene.start.time, 0.0)
+    amount = 0.0 if corrected else known.position_m + known.speed_m_s * lasts
+    if along is None:
+        terms.add(Cause.FRAME, amount + known.lateral_m)
+    else:
+        level = math.hypot(along[0], along[1])
+        terms.add_signed(Cause.FRAME, f"{name} along", amount * along)
+        if level > 0.0:
+            terms.add_signed(Cause.FRAME, f"{name} across", known.lateral_m / level * np.cross(UP, along))
+        else:
+            terms.add(Cause.FRAME, known.lateral_m)
+    terms.add_signed(Cause.FRAME, f"{name} up", known.vertical_m * UP)
+    if known.yaw_rad > 0.0:
+        arm = here.p - frame.law.motion(np.array(until)).p
+        terms.add_signed(Cause.FRAME, f"{name} turned", known.yaw_rad * np.cross(UP, arm))
+        # a turn by an angle leaves the tangent by less than half its square
+        far = math.hypot(float(arm[0]), float(arm[1]))
+        terms.add(Cause.FRAME, 0.5 * far * known.yaw_rad**2, yaw=known.yaw_rad)
+
+
+def _add_late(scene: Scene, name: str, local: Pose, until: float, terms: _Terms) -> None:
+    """How far the point goes on while the robot is late, or the frame's whole motion is shifted in time."""
+    frame = scene.frames[name]
+    early, late = -frame.uncertainty.shift_s[1], scene.execution.start_tolerance_s - frame.uncertainty.shift_s[0]
+    if isinstance(frame.law, Fixed) or not late > early:
+        return
+    times = np.unique(np.append(np.linspace(early, late, LATE_STEPS + 1), 0.0))
+    way = frame.law.motion(until + times).at(local)
+    here = frame.law.motion(np.array(until)).at(local)
+    terms.late, terms.late_s = way.p - here.p, times
+    rows, side = law_tables([frame.law])
+    bounds = np.zeros((1, BOUND_COLUMNS))
+    bound_frame(rows[0], side, until + early, until + late, bounds, 0)
+    far = math.hypot(local.x, local.y)
+    between = float(np.diff(times).max())
+    bend = max(point_bound(bounds, 0, far, math.hypot(far, local.z), *axis)[1] for axis in np.eye(3).tolist())
+    speed = float(bounds[0, V_REACH])
+    turned = float(np.abs(way.yaw - here.yaw).max()) + speed * between / 2.0
+    bow = math.sqrt(3.0) * bend * between**2 / 8.0
+    terms.add(Cause.LATE, bow, bow, turned if np.any(way.yaw != here.yaw) else 0.0)
+
+
+def _add_lag(scene: Scene, here: Motion, q: FloatArray, terms: _Terms) -> None:
+    """How far joints that lag move the tool at the point."""
+    execution, robot = scene.execution, scene.robot
+    if not execution.lags:
+        return
+    flange, none = len(robot.links) - 1, np.zeros_like(q)
+    still = robot.link_motion(flange, q, none, none, none)
+    at = Pose(yaw=-float(still.yaw)).then(
+        Pose(*(float(a - b) for a, b in zip(here.p, still.p, strict=True)))
+    )  # the point in the flange
+    if "pitch" in robot.coordinates or robot.tilting:
+        at = Pose()
+    for j, amount in enumerate(execution.lag):
+        if amount > 0.0:
+            rate = none.copy()
+            rate[j] = amount
+            moved = robot.link_motion(flange, q, rate, none, none).at(at)
+            terms.add_signed(Cause.LAG, robot.joints[j].name, -moved.v)
+    lag, bounds = np.array(execution.lag), np.zeros((len(robot.links), BOUND_COLUMNS))
+    rate = np.abs(robot.rate_matrix) @ lag
+    bound_links(robot.row, q - lag, q + lag, rate, np.zeros_like(rate), bounds)
+    far = math.hypot(at.x, at.y)
+    bend = max(point_bound(bounds, flange, far, math.hypot(far, at.z), *axis)[1] for axis in np.eye(3).tolist())
+    # twice for each half of the bow: the checker looks at the bent way from its ends
+    bow = 1.5 * math.sqrt(2.0) * bend
+    turn = 0.0 if robot.tilting else float(bounds[flange, V_REACH])
+    terms.add(Cause.LAG, bow, bow if robot.tilting else 0.0, turn)
+
+
+def _worst(terms: _Terms, grasp: float) -> ArrivalError:
+    """The worst combination of signs and lateness, and what each cause adds at most."""
+    vectors = np.array([vector for _, _, vector in terms.signed]).reshape(-1, 3)
+    signs = _signs(len(vectors))
+    sums = (signs @ vectors)[:, None, :] + terms.late[None, :, :]
+    flat, upright = sum(terms.flat.values()), sum(terms.upright.values())
+    yaw = sum(terms.yaw.values())
+    level, height = np.hypot(sums[..., 0], sums[..., 1]) + flat, np.abs(sums[..., 2]) + upright
+    size = np.hypot(level, height)
+    row, k = np.unravel_index(int(size.argmax()), size.shape)
+    worst = [(name, float(sign)) for (_, name, _), sign in zip(terms.signed, signs[row].tolist(), strict=True)]
+    if len(terms.late_s) > 1:
+        worst.append(("late start s", float(terms.late_s[k])))
+    if flat > 0.0:
+        worst.append(("direction rad", math.atan2(float(sums[row, k, 1]), float(sums[row, k, 0]))))
+    position = float(size.max()) + yaw * grasp
+    within = PoseUncertainty(
+        float(level.max()) + RESERVE_M if level.max() > 0.0 else 0.0,
+        float(height.max()) + RESERVE_M if height.max() > 0.0 else 0.0,
+        yaw + RESERVE_RAD if yaw > 0.0 else 0.0,
+    )
+    return ArrivalError(position + RESERVE_M if position > 0.0 else 0.0, within, _shares(terms), tuple(worst))
+
+
+def _signs(count: int) -> FloatArray:
+    """All combinations of count signs (2^count, count)."""
+    numbers = np.arange(2**count)[:, None] >> np.arange(count)[None, :]
+    return np.asarray(1.0 - 2.0 * (numbers & 1), dtype=np.float64)
+
+
+def _shares(terms: _Terms) -> tuple[Share, ...]:
+    found = []
+    for cause in Cause:
+        vectors = np.array([vector for own, _, vector in terms.signed if own is cause]).reshape(-1, 3)
+        sums = _signs(len(vectors)) @ vectors
+        if cause is Cause.LATE:
+            sums = terms.late
+        level = np.hypot(sums[:, 0], sums[:, 1]) + terms.flat.get(cause, 0.0)
+        height = np.abs(sums[:, 2]) + terms.upright.get(cause, 0.0)
+        position, yaw = float(np.hypot(level, height).max()), terms.yaw.get(cause, 0.0)
+        if position > 0.0 or yaw > 0.0:
+            found.append(Share(cause, position, yaw))
+    return tuple(sorted(found, key=lambda share: (-share.position_m, -share.yaw_rad)))
+
+
+def too_far(scene: Scene, number: int, error: ArrivalError | None) -> Refusal | None:
+    """Whether the tool may be farther off than a step allows."""
+    asked = scene.task[number].tolerance
+    if error is None or (error.position_m <= asked.position_m and error.within.yaw_rad <= asked.yaw_rad):
+        return None
+    far = error.position_m > asked.position_m
+    worst = max(error.shares, key=lambda share: share.position_m if far else share.yaw_rad)
+    amount = error.position_m - asked.position_m if far else error.within.yaw_rad - asked.yaw_rad
+    return Refusal(
+        stage=Stage.TRACKING,
+        reason=Reason.TOLERANCE,
+        step=number,
+        amount=Quantity.of(amount, "m" if far else "rad"),
+        facts=Inaccurate(
+            position_m=error.position_m,
+            yaw_rad=error.within.yaw_rad,
+            allowed_m=None if math.isinf(asked.position_m) else asked.position_m,
+            allowed_rad=None if math.isinf(asked.yaw_rad) else asked.yaw_rad,
+            cause=worst.cause,
+            most=worst.position_m if far else worst.yaw_rad,
+        ),
+    )
