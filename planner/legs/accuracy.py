@@ -57,25 +57,12 @@ class _Terms:
             self.signed.append((cause, name, vector))
 
 
-def exact(scene: Scene) -> bool:
-    """Whether nothing is left open: every arrival is where it is planned."""
-    execution, holding = scene.execution, scene.start.holding
-    frames = [frame.uncertainty for frame in scene.frames.values()]
-    unsure = any(
-        (f.position_m, f.speed_m_s, f.lateral_m, f.vertical_m, f.yaw_rad, *f.shift_s) != (0.0,) * 7 for f in frames
-    )
-    unsure = unsure or any(body.uncertainty != PoseUncertainty() for body in scene.bodies)
-    unsure = unsure or (holding is not None and holding.within != PoseUncertainty())
-    unsure = unsure or any(isinstance(step, Pick) and step.held_within is not None for step in scene.task)
-    return not (unsure or execution.lags or execution.start_tolerance_s > 0.0)
-
-
 def arrival_error(
     scene: Scene, number: int, attached: Attachments, handled: Handled, q: FloatArray, until: float
 ) -> ArrivalError | None:
     """How far the tool may be from the control point of step `number` at time `until`, s, with joints at q (n,); None
     where nothing is left open."""
-    if exact(scene):
+    if scene.exact:
         return None
     step, terms = scene.task[number], _Terms()
     name, local = attached.point(scene, step)

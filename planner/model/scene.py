@@ -10,7 +10,7 @@ from typing import Literal
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.fixed import Fixed
-from assur.planner.frames.law import Frame, PoseUncertainty
+from assur.planner.frames.law import Frame, PoseUncertainty, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.pieces import Pieces, pieces
 from assur.planner.geometry.shapes import Body
@@ -225,6 +225,17 @@ class Scene:
         bearing += [step.to.frame for step in self.task if isinstance(step, Place)]
         valid = {name: self.frames[name].law.valid for name in dict.fromkeys(bearing)}
         return tuple((name, span) for name, span in valid.items() if span[1] != math.inf)
+
+    @cached_property
+    def exact(self) -> bool:
+        """Whether the request leaves nothing open: everything is where it is planned, at the time that is planned."""
+        holding, execution = self.start.holding, self.execution
+        held = [step.held_within for step in self.task if isinstance(step, Pick)]
+        held.append(None if holding is None else holding.within)
+        known = all(within in (None, PoseUncertainty()) for within in held)
+        known = known and all(body.uncertainty == PoseUncertainty() for body in self.bodies)
+        known = known and all(frame.uncertainty == Uncertainty() for frame in self.frames.values())
+        return known and not execution.lags and not execution.start_tolerance_s > 0.0
 
     def _check_wrist(self) -> None:
         """An arm that cannot turn its tool at will cannot lay down a part as it should lie."""

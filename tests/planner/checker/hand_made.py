@@ -330,27 +330,42 @@ class PlainProver:
         for i, a in enumerate(present):
             for b in present[i + 1 :]:
                 both = a.mine and b.mine and frozenset((links[a.link], links[b.link])) in wanted
-                if both or a.mine != b.mine:
+                if not phase.robot and (a.mine or b.mine):
+                    continue
+                if both or a.mine != b.mine or self._put_down(phase, a, b):
                     pieces = [list(range(len(s.body.pieces))) if len(s.body.pieces) == 1 else [-1] for s in (a, b)]
                     for k in pieces[0]:
                         for m in pieces[1]:
                             self._pair(phase, a, k, b, m, phase.t0, phase.t1)
 
+    def _put_down(self, phase: Phase, a: Side, b: Side) -> bool:
+        """Whether one was put down and the other passes by."""
+        still = [isinstance(self.scene.frames[side.frame].law, Fixed) for side in (a, b) if not side.mine]
+        handled = any(phase.handled.of(side.name) is not None for side in (a, b))
+        resting = tuple(sorted((a.name, b.name))) in phase.handled.supports
+        return not (a.mine or b.mine or all(still) or a.frame == b.frame or resting) and handled
+
+    def _ahead(self, a: Side, b: Side) -> float:
+        """How late the start may be, s, where that parts two sides: one is the robot's, and the other moves."""
+        if a.mine == b.mine:
+            return 0.0
+        moves = not isinstance(self.scene.frames[(b if a.mine else a).frame].law, Fixed)
+        return self.scene.execution.start_tolerance_s if moves else 0.0
+
     def _pair(self, phase: Phase, a: Side, k: int, b: Side, m: int, t0: float, t1: float) -> None:
-        required = self._required(phase, a, b)
+        if (b.mine and not a.mine) or (not a.mine and phase.handled.of(a.name) is None):
+            self._pair(phase, b, m, a, k, t0, t1)  # the robot's first, or what was put down
+            return
+        required, wait = self._required(phase, a, b), self._ahead(a, b)
         for n in self._normals(a, k, b, m, (t0 + t1) / 2):
-            late = 0.0
-            if required > 0 and a.mine != b.mine and self.scene.execution.start_tolerance_s > 0:
-                world, piece = (b, m) if a.mine else (a, k)
-                wait = self.scene.execution.start_tolerance_s
-                late = wait * self.bounds(world, piece, n, t0, t1 + wait)[0]
+            late = wait * self.bounds(b, m, n, t0, t1 + wait)[0] if wait > 0.0 else 0.0
             g0, g1 = (self.gap(a, k, b, m, n, t) for t in (t0, t1))
             va, ma = self.bounds(a, k, n, t0, t1)
             vb, mb = self.bounds(b, m, n, t0, t1)
             v, acc, h = va + vb, ma + mb, t1 - t0
             least = max((g0 + g1 - v * h) / 2, min(g0, g1) - acc * h**2 / 8)
             if least - SLACK_M >= required + late:
-                self.rows.append((t0, t1, a.name, k, b.name, m, n))
+                self.rows.append((t0, t1, a.name, k, b.name, m, n, wait))
                 return
         middle = (t0 + t1) / 2
         best = max(self.gap(a, k, b, m, n, middle) for n in self._normals(a, k, b, m, middle))
@@ -368,12 +383,15 @@ class PlainProver:
         if tuple(sorted((a.name, b.name))) in phase.contacts:
             return -CONTACT_M
         clearance = self.scene.options.clearance
-        found = clearance.near_m if phase.near else clearance.travel_m
+        found = clearance.near_m if phase.near or not (a.mine or b.mine) else clearance.travel_m
         for side in (a, b):
-            if not side.mine:
-                known = self.scene.frames[side.frame].uncertainty
-                late = phase.t1 + self.scene.execution.start_tolerance_s - self.scene.start.time
-                found += self.scene.execution.tracking_m + known.position_m + known.speed_m_s * late
+            if side.mine:
+                # no point of the arm is farther than a metre from any of its axes
+                found += sum(self.scene.execution.lag)
+                continue
+            known = self.scene.frames[side.frame].uncertainty
+            late = phase.t1 + self.scene.execution.start_tolerance_s - self.scene.start.time
+            found += known.position_m + known.speed_m_s * late
         return found
 
     def _pose(self, side: Side, t: float) -> tuple[FloatArray, FloatArray]:
@@ -457,6 +475,7 @@ def _certificate(rows: list[tuple[object, ...]]) -> Certificate:
         integers([number[str(row[4])] for row in rows]),
         integers([row[5] for row in rows]),
         reals(6).reshape(-1, 3),
+        *((np.zeros(len(rows)), reals(7)) if reals(7).any() else (None, None)),
     )
 
 
