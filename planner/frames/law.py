@@ -26,11 +26,13 @@ class Law(Protocol):
 class Uncertainty:
     """How far a frame may be from its law: `position_m` always, and `speed_m_s` times the time since it was seen.
 
-    It is common to all that sits in the frame.
+    `shift_s`: how much earlier, and how much later, the whole motion of the frame may be, s. It is common to all that
+    sits in the frame.
     """
 
     position_m: float = 0.0
     speed_m_s: float = 0.0
+    shift_s: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)

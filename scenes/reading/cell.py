@@ -71,7 +71,11 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
             request.execution.tracking_m, request.execution.start_tolerance_s, request.execution.belt_correction
         ),
         carry_acceleration=carry,
-        assumptions=(*robots.assumptions_of(document, request.robot), *_unused(request)),
+        assumptions=(
+            *robots.assumptions_of(document, request.robot),
+            *frames.assumptions_of(request.frames),
+            *_unused(request),
+        ),
         digest=request.digest,
     )
     return Cell(scene, given.conventions, document)

@@ -428,7 +428,7 @@ def test_whatever_must_be_kept_free_is_kept_free(change: str) -> None:
     else:
         name = "position_m" if change == "position" else "speed_m_s"
         ball = scene.frames["ball"]
-        unsure = replace(ball, uncertainty=replace(ball.uncertainty, **{name: amount}))
+        unsure = replace(ball, uncertainty=replace(ball.uncertainty, **{name: amount}))  # type: ignore[arg-type]
         scene = replace(scene, frames={**scene.frames, "ball": unsure})
     assert codes(check(scene, plan)) == {Code.SEPARATION, Code.COVER}
 
