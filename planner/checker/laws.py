@@ -203,9 +203,9 @@ def _turn(law: Keyframes) -> float:
 
 
 def _keyframes(law: Keyframes) -> list[Piece]:
-    """The cubic spline through keyframes (F5), by the velocities v that make its acceleration continuous:
+    """The cubic spline through keyframes (F5, F9), by the velocities v that make its acceleration continuous (F10):
     v_(i-1)/h_(i-1) + 2 v_i (1/h_(i-1) + 1/h_i) + v_(i+1)/h_i = 3 (d_(i-1)/h_(i-1) + d_i/h_i), d the mean velocities;
-    at both ends it is at rest, or does not accelerate, or (F9) the last piece is the one before the first."""
+    at both ends it is at rest, or does not accelerate, or the last piece is the one before the first."""
     t, x = np.asarray(law.times), np.array([(p.x, p.y, p.z, p.yaw) for p in law.poses])
     repeats, many = law.ends == "periodic", len(t)
     if repeats:

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from assur.scenes import load, plan
+from assur.scenes import check, load, plan
 from assur.scenes.cells import two_robots
 from assur.scenes.scenarios import shipped
-from tests.scenes.cells.second_kinematics import Array, Motion, answer, apart, arrival, changed, leg
+from tests.scenes.cells.second_kinematics import Array, Document, Motion, answer, apart, arrival, changed, leg
 
 INSTANTS = 4001
 
@@ -117,3 +117,49 @@ def test_the_file_holds_the_answer_to_the_other_robot_s_own_request() -> None:
     for point in document["arrivals"]:
         assert np.abs(its.point(np.array([point["time_s"]]))[0] - point["at_m"]).max() < 2e-6
     assert len(document["arrivals"]) == two_robots.STEPS["two-robots.yaml"]
+
+
+ROUND: list[Document] = [
+    {"time_s": 0, "at_mm": [400, 0, 100], "yaw_deg": 0},
+    {"time_s": 0.5, "at_mm": [430, 60, 110], "yaw_deg": 80},
+    {"time_s": 1.1, "at_mm": [360, 40, 130], "yaw_deg": 250},
+    {"time_s": 1.7, "at_mm": [400, 0, 100], "yaw_deg": 360},
+]
+UP = [0.3, 0, 1]
+FOLLOWS: Document = {
+    "schema": "assur/1",
+    "robot": {"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_mm": [0, 0, -100]}, "limits": {"acceleration": 0.6}},
+    "start": {"at_s": 100.3, "joints": {"j1_deg": -40, "j2_deg": 80, "j3_mm": 250, "j4_deg": 0}},
+    "frames": {
+        "lift": {
+            "oscillation": {"at_mm": [400, 0, 120], "direction": [0.3, 0, 1], "amplitude_mm": 20, "period_s": 1.1}
+        },
+        "loop": {"keyframes": {"repeat": True, "points": ROUND}},
+    },
+    "task": [
+        {"follow": {"to": {"frame": "lift", "at_mm": [0, 0, 0], "yaw_deg": 30}, "duration_ms": 1200}},
+        {"follow": {"to": {"frame": "loop", "at_mm": [5, 0, 0], "yaw_deg": 0}, "duration_ms": 1800}},
+    ],
+    "options": {"max_candidates": 100, "budget_s": 60, "stop": "first", "elbow": "auto"},
+}
+
+
+def test_the_tool_follows_a_lift_and_a_loop_over_more_than_a_period() -> None:
+    found = plan(FOLLOWS)
+    assert found["status"] == "planned"
+    assert check(FOLLOWS, found)["ok"]
+    at = Motion(found)
+    t = np.linspace(*leg(found, "FOLLOW", 0), 50)
+    rise = 0.02 * np.sin(2.0 * math.pi * t / 1.1) / math.hypot(0.3, 1.0)
+    there = np.stack([0.4 + 0.3 * rise, 0.0 * t, 0.12 + rise], axis=1)
+    assert np.abs(at.point(t) - there).max() < 1e-5
+    begin, end = leg(found, "FOLLOW", 1)
+    assert begin // 1.7 < end // 1.7  # over a seam
+    t, knots = np.linspace(begin, end, 50), np.array([point["time_s"] for point in ROUND])
+    values = np.array([[*point["at_mm"], point["yaw_deg"] - 360.0 * point["time_s"] / 1.7] for point in ROUND])
+    x, y, z, rest = CubicSpline(knots, values, bc_type="periodic")(t % 1.7).T
+    yaw = np.radians(rest + 360.0 * t / 1.7)
+    there = np.stack([x + 5.0 * np.cos(yaw), y + 5.0 * np.sin(yaw), z], axis=1) / 1000.0
+    assert np.abs(at.point(t) - there).max() < 1e-5
+    turned = at.tool(t)[:, 3] - yaw
+    assert np.abs(turned - 2.0 * math.pi * np.round(turned / (2.0 * math.pi))).max() < 1e-4
