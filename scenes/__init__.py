@@ -18,9 +18,10 @@ __all__ = ["check", "load", "plan"]
 def load(name: str | Path) -> dict[str, Any]:
     """The request in a scenario file (YAML), in a request file (``.json``), or in the shipped scenario of that name.
 
-    A plain document of its own each time: change it, plan it, post it. Mesh files that a scenario names, which must lie
-    below its folder, are in it already. As on the command line, a file that is there comes before a scenario's name.
-    Raises `InputError` naming the field (in YAML with its line), or `OSError` for a file that cannot be read.
+    A plain document of its own each time: change it, plan it, post it. What the files hold that a scenario names (of
+    robots, plans and meshes), which must lie below its folder, is in it already. As on the command line, a file that is
+    there comes before a scenario's name. Raises `InputError` naming the field (in YAML with its line), or `OSError` for
+    a file that cannot be read.
     """
     from assur.scenes.requests import load_scenario, parse_json, shipped
     from assur.scenes.scenarios import with_files

@@ -8,8 +8,12 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
-from assur.scenes.bounds import MAX_MESH_BYTES
-from assur.scenes.faults import DocumentError, dotted
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_JSON_BYTES, MAX_MESH_BYTES
+from assur.scenes.faults import NOTHING, DocumentError, dotted
+from assur.scenes.schema.answer import Trajectory
+from assur.scenes.schema.read import read_normal
+from assur.scenes.text.json_text import parse_json
 
 FORMATS = {".stl": "stl", ".obj": "obj", ".ply": "ply", ".glb": "glb"}
 """Endings of the mesh files that a document may name."""
@@ -53,3 +57,31 @@ def _inlined_mesh(mesh: dict[str, Any], path: tuple[str | int, ...], folder: Pat
     inlined = {key: value for key, value in mesh.items() if key != "file"}
     inlined.setdefault("format", FORMATS[found.suffix.lower()])
     return {**inlined, "data": base64.b64encode(found.read_bytes()).decode("ascii")}
+
+
+def with_plans(document: Any, folder: Path) -> Any:
+    """The request with the trajectory of every answer's file that a neighbour names, which must lie below `folder`, in
+    its place. Raises `DocumentError` at the file's name for whatever is wrong in it."""
+    others = document.get("neighbours") if isinstance(document, dict) else None
+    if not isinstance(others, list):
+        return document
+    return {**document, "neighbours": [_with_plan(other, i, folder) for i, other in enumerate(others)]}
+
+
+def _with_plan(other: Any, i: int, folder: Path) -> Any:
+    plan = other.get("plan") if isinstance(other, dict) and "trajectory" not in other else None
+    if not isinstance(plan, dict) or plan.keys() != {"file"} or not isinstance(plan["file"], str):
+        return other  # nothing to put in, or a document that its model refuses
+    field = dotted(("neighbours", i, "plan", "file"))
+    found = below(folder, plan["file"], field, (".json",), MAX_JSON_BYTES)
+    try:
+        answer = parse_json(found.read_bytes())
+        status = answer.get("status") if isinstance(answer, dict) else NOTHING
+        if status != "planned":
+            raise InputError("status", status, "planned")
+        trajectory = answer.get("trajectory", NOTHING)
+        read_normal(Trajectory, trajectory, trajectory, ("trajectory",))
+    except InputError as error:
+        allowed = f"a file with a planned answer, as assur plan --out writes it; in this one {error}"
+        raise DocumentError(field, plan["file"], allowed) from error
+    return {**{key: value for key, value in other.items() if key != "plan"}, "trajectory": trajectory}

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from assur.scenes.catalogue import RobotFile, load_robot, models, robots, shipped_robot, with_robots
 from assur.scenes.faults import fault, located
-from assur.scenes.files import with_meshes
+from assur.scenes.files import with_meshes, with_plans
 from assur.scenes.numbers import optional
 from assur.scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet
 from assur.scenes.schema import answer as written
@@ -94,13 +94,13 @@ def request_schema() -> dict[str, Any]:
 
 
 def cell_of(document: object, *, folder: Path | None = None) -> Cell:
-    """Scene and joint conventions of a request. `folder`: below which mesh files may be named (command line only)."""
+    """Scene and joint conventions of a request. `folder`: below which it may name files (never over HTTP)."""
     from assur.scenes.reading.cell import cell_of as build
 
     if folder is None:
         return build(document, validate(document))
     # Errors quote the document as it was written: a mesh's file, not the bytes that took its place.
-    document = with_robots(document, folder)
+    document = with_plans(with_robots(document, folder), folder)
     return build(document, validate(with_meshes(document, folder)))
 
 

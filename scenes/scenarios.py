@@ -15,7 +15,7 @@ from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_TEXT, MAX_YAML_BYTES
 from assur.scenes.catalogue import with_robots
 from assur.scenes.faults import NOTHING, DocumentError, likeliest
-from assur.scenes.files import with_meshes
+from assur.scenes.files import with_meshes, with_plans
 from assur.scenes.schema.model import Document, Instant
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
@@ -109,9 +109,9 @@ def shipped(name: str) -> Scenario:
 
 
 def with_files(request: Any, folder: Path) -> Any:
-    """The request with what every robot's and mesh file that it names holds, which must lie below `folder`, in its
-    place."""
-    return with_meshes(with_robots(request, folder), folder)
+    """The request with what every file that it names (of a robot, a plan, a mesh) holds, which must lie below `folder`,
+    in its place."""
+    return with_meshes(with_plans(with_robots(request, folder), folder), folder)
 
 
 def unmet(expect: dict[str, Any], answer: dict[str, Any]) -> list[str]:

@@ -22,6 +22,7 @@ from assur.api.workers.pool import Workers
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
 from assur.scenes.requests import shipped, stated_budgets
+from assur.scenes.scenarios import with_files
 
 SMALL_BYTES = 32768
 """Bodies up to this are looked through at once: it takes less than 1 ms, and the way to a thread and back half as long.
@@ -106,8 +107,11 @@ class Service:
 
 @cache
 def scenario_request(name: str) -> dict[str, Any]:
-    """The request of the shipped scenario `name`, read once. Raises `InputError` for a name that is not shipped."""
-    return shipped(name).request
+    """The request of the shipped scenario `name`, what its files hold in it, read once. Raises `InputError` for a name
+    that is not shipped."""
+    scenario = shipped(name)
+    request: dict[str, Any] = with_files(scenario.request, scenario.folder)
+    return request
 
 
 def _scenario_name(document: dict[str, Any]) -> str:

@@ -19,7 +19,7 @@ from assur.planner.checker.targets import Target
 from assur.planner.checker.uncertainty import sway
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
-from assur.planner.frames.law import PoseUncertainty
+from assur.planner.frames.law import EXACT
 from assur.planner.frames.motion import Pose
 from assur.planner.model.outcome import Arrival
 from assur.planner.model.phases import Handled, Phase
@@ -29,7 +29,6 @@ from assur.planner.robots.scara import Scara
 STEPS = 64
 """Parts of the time by which a start may be late."""
 ROUNDING_M, ROUNDING_RAD = 1e-9, 1e-9
-NONE = PoseUncertainty()
 
 
 def accuracies(
@@ -42,7 +41,7 @@ def accuracies(
     for arrival, target in zip(arrivals, found, strict=True):
         handled = next((phase.handled for phase in phases if phase.step == arrival.step), Handled())
         bound, said = _bound(world, arrival, target, handled), arrival.error
-        within = NONE if said is None else said.within
+        within = EXACT if said is None else said.within
         stated = (0.0 if said is None else said.position_m, within.position_m, within.vertical_m, within.yaw_rad)
         where, name = f"{arrival.until:.6g} s", target.step.name
         for what, amount, least, unit in zip(
@@ -90,9 +89,9 @@ def _bound(world: World, arrival: Arrival, target: Target, handled: Handled) -> 
     if isinstance(step, Pick):
         own = handled.of(step.part) or scene.index[step.part].uncertainty
     elif isinstance(step, Place):
-        own = handled.of(step.part) or NONE
+        own = handled.of(step.part) or EXACT
     else:
-        own = NONE
+        own = EXACT
     flat, upright, yaw = flat + own.position_m, upright + own.vertical_m, yaw + own.yaw_rad
     gone, bow, turned = _gone(world, target, until)
     lags, bent, lagged = _lagged(world, (point.x, point.y, point.z), until)

@@ -138,7 +138,7 @@ def resolve(
 ) -> bool:
     """The pair of a row as an item of a proof (`separation.ITEM`), with what is required of it (C5); False: it names
     what does not exist or is not inside one phase."""
-    seat, _, wanted, count, mine, _, spans, kinds, asked, reach, _ = cell
+    seat, count, mine, spans, kinds, asked, reach = cell[0], cell[3], cell[4], cell[6], cell[7], cell[8], cell[9]
     alone = row[OTHER_NAME] == -1.0 and row[OTHER_PIECE] == -1.0
     bodies, verdict[STATUS] = (-1, -1), UNKNOWN
     for side in range(1 if alone else 2):

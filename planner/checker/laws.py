@@ -1,7 +1,7 @@
 """Arms and laws of frames as tables, from the numbers of the request: `assur.planner.checker.motion` says the columns.
 
 A law is polynomials in time, piece after piece, over the time that matters: ramps of belts and dials (R1), moves of an
-indexer (F3), splines through keyframes (F5), all by their control values (V1).
+indexer (F3), splines through keyframes (F5), all by their control values (V1). What repeats is given for one period.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from assur.planner.checker import motion
 from assur.planner.checker.motion import CONTROL, FRAME, NEIGHBOUR, PIECE, POLYNOMIAL, SWING, WIDTH, Tables
 from assur.planner.checker.spline import COLUMNS, curve
 from assur.planner.errors import FaultError
-from assur.planner.frames import Conveyor, Fixed, Indexer, Keyframes, Law, Linear, Swing, Turntable
+from assur.planner.frames import Conveyor, Fixed, Indexer, Keyframes, Law, Linear, Oscillation, Swing, Turntable
 from assur.planner.frames.ramps import Change
 from assur.planner.model.scene import Scene
 from assur.planner.robots.elbow_arm import ElbowArm
@@ -31,7 +31,7 @@ Way = tuple[float, float, Sequence[float]]
 """Begin, end, and the coefficients of the powers of the time since the begin."""
 Piece = tuple[float, float, Sequence[Sequence[float]]]
 """The same of x, y, z and yaw."""
-FORMULAS = (Conveyor, Fixed, Indexer, Keyframes, Linear, Swing, Turntable)
+FORMULAS = (Conveyor, Fixed, Indexer, Keyframes, Linear, Oscillation, Swing, Turntable)
 
 
 @runtime_checkable
@@ -51,13 +51,16 @@ def tables(scene: Scene, trajectory: Trajectory, begin: float, until: float) -> 
     for row, frame in zip(frames, scene.frames.values(), strict=True):
         law = frame.law
         if not isinstance(law, FORMULAS) and isinstance(law, Neighbour):
-            row[:] = NEIGHBOUR, *law.valid, len(moved), law.link, np.nan, 0.0, 0.0
+            row[: motion.PERIOD] = NEIGHBOUR, *law.valid, len(moved), law.link, np.nan
             moved.append((law.robot, law.trajectory))
             continue
         own = _pieces(law, begin, until)
-        swings = (SWING, law.pose.yaw, law.amplitude) if isinstance(law, Swing) else (POLYNOMIAL, 0.0, 0.0)
         degree = max(len(powers) for _, _, coordinates in own for powers in coordinates) - 1
-        row[:] = swings[0], *law.valid, len(found), len(own), degree, *swings[1:]
+        row[: motion.PERIOD] = POLYNOMIAL, *law.valid, len(found), len(own), degree
+        if type(law) is Swing or type(law) is Oscillation:
+            row[motion.KIND], row[motion.MEAN], row[motion.AMPLITUDE :] = SWING, law.pose.yaw, _sway(law)
+        if type(law) is Indexer or (type(law) is Keyframes and law.ends == "periodic"):
+            row[motion.PERIOD : motion.MEAN] = _again(law)
         found += own
     pieces = np.zeros((len(found), PIECE))
     for row, (begin, end, coordinates) in zip(pieces, found, strict=True):
@@ -104,7 +107,7 @@ def _pieces(law: Law, start: float, until: float) -> list[Piece]:
     x, y, z, yaw = pose.x, pose.y, pose.z, pose.yaw
     if type(law) is Fixed:
         return [(start, until, ((x,), (y,), (z,), (yaw,)))]
-    if type(law) is Swing:
+    if type(law) is Swing or type(law) is Oscillation:
         w = 2.0 * math.pi / law.period
         return [(start, until, ((x,), (y,), (z,), (w * start + law.phase, w)))]
     if type(law) is Linear:
@@ -121,7 +124,7 @@ def _pieces(law: Law, start: float, until: float) -> list[Piece]:
     if type(law) is Conveyor:
         ways = _ramped(law.speed, law.changes, law.at_time, start, until)
     elif type(law) is Indexer:
-        ways = _indexed(law, start, until)
+        ways = _indexed(law)
         if law.kind == "turn":
             return [(begin, end, ((x,), (y,), (z,), (yaw + s[0], *s[1:]))) for begin, end, s in ways]
     else:
@@ -168,31 +171,57 @@ def _ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: fl
     return [(begin, end, [c[0] - zero, *c[1:]]) for begin, end, c in found if end > begin]
 
 
-def _indexed(law: Indexer, start: float, until: float) -> list[Way]:
-    """The moves and dwells of an indexer (F3), from the cycle before the start."""
-    found = list[Way]()
-    period = law.move_s + law.dwell_s
-    for cycle in range(math.floor((start - law.start) / period) - 1, math.floor((until - law.start) / period) + 2):
-        begin = law.start + cycle * period
-        powers = [cycle, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0]
-        found.append((begin, begin + law.move_s, [law.step * c / law.move_s**k for k, c in enumerate(powers)]))
-        after = law.start + (cycle + 1) * period
-        if after > begin + law.move_s:
-            found.append((begin + law.move_s, after, [law.step * (cycle + 1.0)]))
-    return found
+def _indexed(law: Indexer) -> list[Way]:
+    """The move and the dwell of an indexer (F3)."""
+    powers, end = [0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0], law.start + law.move_s
+    move = (law.start, end, [law.step * c / law.move_s**k for k, c in enumerate(powers)])
+    return [move, (end, end + law.dwell_s, [law.step])] if law.dwell_s > 0.0 else [move]
+
+
+def _sway(law: Swing | Oscillation) -> tuple[float, float, float, float]:
+    """By how much x, y, z and yaw go to either side (F4, F8)."""
+    if type(law) is Swing:
+        return 0.0, 0.0, 0.0, law.amplitude
+    u, v, w = law.direction  # type: ignore[union-attr]
+    share = law.amplitude / math.sqrt(u * u + v * v + w * w)
+    return share * u, share * v, share * w, 0.0
+
+
+def _again(law: Indexer | Keyframes) -> tuple[float, float, float, float, float]:
+    """After how long a law repeats, and by how much x, y, z and yaw have gone on then (F3, F9)."""
+    if isinstance(law, Keyframes):
+        return float(law.times[-1] - law.times[0]), 0.0, 0.0, 0.0, _turn(law)
+    lasts, step, yaw = law.move_s + law.dwell_s, law.step, law.pose.yaw
+    if law.kind == "turn":
+        return lasts, 0.0, 0.0, 0.0, step
+    return lasts, step * math.cos(yaw), step * math.sin(yaw), 0.0, 0.0
+
+
+def _turn(law: Keyframes) -> float:
+    """By how much the yaw of keyframes that repeat goes on in a period: whole turns."""
+    return 2.0 * math.pi * round((law.poses[-1].yaw - law.poses[0].yaw) / (2.0 * math.pi))
 
 
 def _keyframes(law: Keyframes) -> list[Piece]:
-    """The cubic spline through keyframes (F5), by the velocities v that make its acceleration continuous:
-    v_(i-1)/h_(i-1) + 2 v_i (1/h_(i-1) + 1/h_i) + v_(i+1)/h_i = 3 (d_(i-1)/h_(i-1) + d_i/h_i), d the mean velocities."""
+    """The cubic spline through keyframes (F5, F9), by the velocities v that make its acceleration continuous (F10):
+    v_(i-1)/h_(i-1) + 2 v_i (1/h_(i-1) + 1/h_i) + v_(i+1)/h_i = 3 (d_(i-1)/h_(i-1) + d_i/h_i), d the mean velocities;
+    at both ends it is at rest, or does not accelerate, or the last piece is the one before the first."""
     t, x = np.asarray(law.times), np.array([(p.x, p.y, p.z, p.yaw) for p in law.poses])
+    repeats, many = law.ends == "periodic", len(t)
+    if repeats:
+        x[-1, 3] = x[0, 3] + _turn(law)
     h = np.diff(t)
-    d, many = np.diff(x, axis=0) / h[:, None], len(t)
+    d = np.diff(x, axis=0) / h[:, None]
     matrix, right = np.zeros((many, many)), np.zeros((many, 4))
-    for i in range(1, many - 1):
-        matrix[i, i - 1 : i + 2] = 1.0 / h[i - 1], 2.0 / h[i - 1] + 2.0 / h[i], 1.0 / h[i]
-        right[i] = 3.0 * (d[i - 1] / h[i - 1] + d[i] / h[i])
-    for i, inner, mean in ((0, 1, d[0]), (many - 1, many - 2, d[-1])):
+    for i in range(0 if repeats else 1, many - 1):
+        # the piece before the first is the last, and begins at the last but one of the poses
+        for piece, other in ((i - 1, i - 1 if i > 0 else many - 2), (i, i + 1)):
+            matrix[i, other] += 1.0 / h[piece]
+            matrix[i, i] += 2.0 / h[piece]
+            right[i] += 3.0 * d[piece] / h[piece]
+    if repeats:
+        matrix[-1, 0], matrix[-1, -1] = 1.0, -1.0
+    for i, inner, mean in () if repeats else ((0, 1, d[0]), (many - 1, many - 2, d[-1])):
         matrix[i, i] = 1.0
         if law.ends == "natural":
             matrix[i, i], matrix[i, inner], right[i] = 2.0, 1.0, 3.0 * mean

@@ -37,10 +37,12 @@ FAMILY, AXIS_COUNT, FIRST_KNOT, LAST_KNOT, BASE, LINKS, NUMBERS, ARM = 0, 1, 2, 
 family's numbers: SCARA l1, l2, whether the lift carries the arms; ELBOW height, l1, l2; POLAR height; FIVE_AXIS height,
 l1, l2, l3; FIVE_BAR separation, left and right crank, left and right coupler, sign of the assembly mode; how many."""
 POLYNOMIAL, SWING, NEIGHBOUR = range(3)
-KIND, SINCE, UNTIL, FIRST, COUNT, DEGREE, MEAN, AMPLITUDE, FRAME = range(9)
+KIND, SINCE, UNTIL, FIRST, COUNT, DEGREE, PERIOD, AGAIN, MEAN, AMPLITUDE, FRAME = 0, 1, 2, 3, 4, 5, 6, 7, 11, 12, 16
 """Columns of a frame: its kind, when its law is known, first row and number of its pieces, and their degree (0: it
-stands still); how many columns. SWING: the yaw is MEAN + AMPLITUDE times the sine of the yaw of its pieces. NEIGHBOUR:
-FIRST is the row of its arm, COUNT the number of its link, DEGREE none."""
+stands still); after how many seconds the pieces come again (0: never), and from AGAIN on by how much x, y, z and yaw
+have gone on then; how many columns. SWING: the angle of the sine is in place of the yaw of its pieces; the yaw is MEAN,
+and to x, y, z and yaw the sine is added, times what is in the columns from AMPLITUDE on. NEIGHBOUR: FIRST is the row of
+its arm, COUNT the number of its link, DEGREE none."""
 MOST_DEGREE = 7
 BEGIN, END, CONTROL, WIDTH, PIECE = 0, 1, 2, MOST_DEGREE + 1, 2 + 4 * (MOST_DEGREE + 1)
 """Columns of a piece of a law: [begin, end], and from CONTROL on WIDTH columns each for the control values of x, y, z
@@ -221,11 +223,14 @@ def control(frames: FloatArray, pieces: FloatArray) -> None:
 def fixed_law(frame: FloatArray, t0: float, t1: float, pieces: FloatArray, jets: FloatArray, c: int) -> bool:
     """`carry` of a frame whose law is a formula."""
     found, work, rate, first = np.empty((4, 6)), np.empty(WIDTH), np.empty(WIDTH), int(frame[FIRST])
-    degree, last = int(frame[DEGREE]), first + int(frame[COUNT]) - 1
+    degree, last, period, gone = int(frame[DEGREE]), first + int(frame[COUNT]) - 1, frame[PERIOD], 0.0
     for k in range(4):
         for order in range(3):
             found[k, 2 * order], found[k, 2 * order + 1] = np.inf, -np.inf
-    if not (pieces[first, BEGIN] <= t0 and t1 <= pieces[last, END]):
+    if period > 0.0:
+        gone = np.floor((t0 - pieces[first, BEGIN]) / period)
+        t0, t1 = t0 - gone * period, t1 - gone * period
+    elif not (pieces[first, BEGIN] <= t0 and t1 <= pieces[last, END]):
         return False
     i = first
     while i < last and not t0 < pieces[i, END]:
@@ -240,18 +245,26 @@ def fixed_law(frame: FloatArray, t0: float, t1: float, pieces: FloatArray, jets:
             for order in range(3):
                 left = max(degree - order, 0)
                 for m in range(left + 1):
-                    work[m] = rate[m]
+                    work[m] = rate[m] + (gone * frame[AGAIN + k] if order == 0 else 0.0)
                     rate[m] = left * (rate[m + 1] - rate[m]) / h if m < left else 0.0
                 cut(work, left, s0, s1)
                 widen(work, left, found, k, order)
         if t1 <= pieces[i, END]:
             break
         i += 1
-    yaw = jet_of(found, 3)
+        if i > last and period > 0.0:
+            # behind a whole period those that follow go on evenly: the last but one and the last bound them all
+            far = np.floor((t1 - pieces[first, BEGIN]) / period) - 1.0
+            ahead = 1.0 if t0 >= pieces[first, BEGIN] else max(far, 1.0)
+            i, gone, t0, t1 = first, gone + ahead, t0 - ahead * period, t1 - ahead * period
+    x, y, z, yaw = jet_of(found, 0), jet_of(found, 1), jet_of(found, 2), jet_of(found, 3)
     if int(frame[KIND]) == SWING:
-        yaw = plus(constant(frame[MEAN]), scaled(frame[AMPLITUDE], turned(yaw)[1]))
+        wave = turned(yaw)[1]
+        x, y = plus(x, scaled(frame[AMPLITUDE], wave)), plus(y, scaled(frame[AMPLITUDE + 1], wave))
+        z = plus(z, scaled(frame[AMPLITUDE + 2], wave))
+        yaw = plus(constant(frame[MEAN]), scaled(frame[AMPLITUDE + 3], wave))
     cosine, sine = turned(yaw)
-    upright(jets, c, jet_of(found, 0), jet_of(found, 1), jet_of(found, 2), cosine, sine)
+    upright(jets, c, x, y, z, cosine, sine)
     return True
 
 

@@ -51,7 +51,7 @@ class Apart:
     @staticmethod
     def of(scene: Scene, phases: tuple[Phase, ...], table: Solids, tables: Tables) -> Apart:
         """What `scene` requires in some phases (C5)."""
-        robot, mine, number = scene.robot, table.mine, table.number
+        robot, mine = scene.robot, table.mine
         wanted = np.zeros((table.links, table.links), dtype=np.int64)
         for names in robot.self_pairs:
             i, k = (robot.links.index(name) for name in names)

@@ -63,7 +63,7 @@ def turned_by(arm: FloatArray, low: float, high: float, shift: float) -> tuple[f
         return math.inf, math.inf
     # the cosine is monotone between multiples of π
     least, most = min(math.cos(low), math.cos(high)), max(math.cos(low), math.cos(high))
-    for k in range(int(math.ceil(low / math.pi)), int(math.floor(high / math.pi)) + 1):
+    for k in range(math.ceil(low / math.pi), math.floor(high / math.pi) + 1):
         if k % 2 == 0:
             most = 1.0
         else:

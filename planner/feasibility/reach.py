@@ -1,11 +1,18 @@
-"""Points that stand still where the arm can never be: out of reach, or beyond a joint limit, in every allowed mode."""
+"""Points where the arm can never be: those that stand still out of reach, or beyond a joint limit, in every allowed
+mode; and those on a frame that repeats its motion which stay out of reach for a whole period."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from assur.planner.frames import Keyframes, Law, Oscillation, Swing, Turntable
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion, like
+from assur.planner.kernels.carriers import point_bound
+from assur.planner.kernels.laws import bound_frame
+from assur.planner.kernels.links import BOUND_COLUMNS
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.model.refusal import (
     BeyondRange,
@@ -20,18 +27,23 @@ from assur.planner.model.refusal import (
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import Code
 from assur.planner.robots.five_axis_arm import FiveAxisArm
+from assur.planner.robots.scara import Scara
 from assur.planner.robots.turns import beyond_range, equivalents
+from assur.planner.tables.laws import law_tables
 
 EDGE_M = 1e-9
-"""A point is called out of reach at every pitch from this much on, m: rounding of coordinates of a few metres."""
+"""A point is called out of reach at every pitch, or at all times, from this much on, m: rounding of coordinates of a
+few metres, and of times."""
 LOOKS = 400
 """Points between the arm's axis and a point out of reach at which the nearest one within reach is looked for."""
+PARTS = 512
+"""Parts of a period over each of which the way of a point is bounded."""
 
 
 def out_of_range(scene: Scene, point: ControlPoint) -> Refusal | None:
-    """Why no joint position meets `point`, or what is asked above it; None: one does, or it moves."""
+    """Why no joint position meets `point`, or what is asked above it; None: one does, or nobody knows, for it moves."""
     if not point.still:
-        return None
+        return _never_near(scene, point)
     refusals = []
     for mode in _allowed(scene):
         heights = dict.fromkeys((0.0, point.approach, point.depart))
@@ -114,3 +126,37 @@ def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusa
     pitch = float(motion.tilt[0, 0]) if isinstance(motion, TiltedMotion) else None
     facts = OutOfReach(from_axis_m=distance, pitch_rad=pitch)
     return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=facts)
+
+
+def _never_near(scene: Scene, point: ControlPoint) -> Refusal | None:
+    """Why a SCARA reaches a point on a frame that repeats its motion at no time. In the middle of each part of a period
+    the flange is so far from the arm's axis, and in half a part it comes no nearer than its greatest speed takes it
+    (equation F11)."""
+    law, robot = scene.frames[point.frame].law, scene.robot
+    period = _period(law)
+    if period is None or not isinstance(robot, Scara):
+        return None
+    edges = scene.start.time + period * np.arange(PARTS + 1) / PARTS
+    middle = point.flange((edges[:-1] + edges[1:]) / 2).p
+    away = np.hypot(middle[:, 0] - robot.base.x, middle[:, 1] - robot.base.y)
+    (row,), pieces = law_tables([law])
+    bounds, reach = np.empty((1, BOUND_COLUMNS)), math.hypot(point.pose.x, point.pose.y)
+    for i in range(PARTS):
+        bound_frame(row, pieces, edges[i], edges[i + 1], bounds, 0)
+        x, y = (point_bound(bounds, 0, reach, reach, *along)[0] for along in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+        away[i] -= math.hypot(x, y) * (edges[i + 1] - edges[i]) / 2
+    short = float(away.min()) - robot.l1 - robot.l2
+    if not short > EDGE_M:  # nor where the law is not known for a whole period
+        return None
+    return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=OutOfReach())
+
+
+def _period(law: Law) -> float | None:
+    """After how many seconds a frame is where it was, again and again; None: never, or nobody knows."""
+    if isinstance(law, Swing | Oscillation):
+        return law.period
+    if isinstance(law, Keyframes):
+        return law.period or None
+    if isinstance(law, Turntable) and law.rate != 0.0 and law.rise == 0.0 and not law.changes:
+        return math.tau / abs(law.rate)
+    return None

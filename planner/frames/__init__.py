@@ -6,6 +6,7 @@ from assur.planner.frames.indexer import Indexer
 from assur.planner.frames.keyframes import Keyframes
 from assur.planner.frames.law import Frame, Law, PoseUncertainty, Uncertainty
 from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.oscillation import Oscillation
 from assur.planner.frames.ramps import Change
 from assur.planner.frames.swing import Swing
 from assur.planner.frames.turntable import Turntable
@@ -22,6 +23,7 @@ __all__ = [
     "Law",
     "Linear",
     "Motion",
+    "Oscillation",
     "Pose",
     "PoseUncertainty",
     "Swing",

@@ -65,13 +65,14 @@ class Indexer(KnownLaw):
         return self.move_s + self.dwell_s
 
     def _motion(self, t: FloatArray, /) -> Motion:
-        turns, local = self._reduced(t)
+        turns, local = reduced(t, self.start, self.period)
         x, xd, xdd, xddd = self._cycle.evaluate(local)
         moved = (x + turns * self.step, xd, xdd, xddd)
         return turning(self.pose, moved) if self.kind == "turn" else travelling(self.pose, self._along, moved)
 
-    def _reduced(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Number of whole cycles since `start` (...), and the time since then (...)."""
-        since = t - self.start
-        whole = np.floor(since / self.period)
-        return whole, since - whole * self.period
+
+def reduced(t: FloatArray, start: float, period: float) -> tuple[FloatArray, FloatArray]:
+    """Number of whole periods since `start` (...), and the time since the last of them began (...)."""
+    since = t - start
+    whole = np.floor(since / period)
+    return whole, since - whole * period

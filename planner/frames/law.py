@@ -48,6 +48,10 @@ class PoseUncertainty:
     yaw_rad: float = 0.0
 
 
+EXACT = PoseUncertainty()
+"""Of a pose that is known."""
+
+
 @dataclass(frozen=True)
 class Frame:
     """A named frame of the cell."""

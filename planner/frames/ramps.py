@@ -53,7 +53,7 @@ class Change:
         if self.jerk == math.inf:
             return [(delta / self.acceleration, sign * self.acceleration, 0.0)]
         rise = min(self.acceleration / self.jerk, math.sqrt(delta / self.jerk))
-        level = max(0.0, delta / (self.jerk * rise) - rise)
+        level = max(0.0, delta / (self.jerk * rise) - rise) if rise > 0.0 else 0.0  # nothing is left of 5e-324 m/s
         peak = sign * self.jerk * rise
         middle = [(level, peak, 0.0)] if level > 0.0 else []
         return [(rise, 0.0, sign * self.jerk), *middle, (rise, peak, -sign * self.jerk)]

@@ -9,6 +9,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Motion, Pose
+from assur.planner.frames.profile import Derivatives
 from assur.planner.frames.turntable import turning
 from assur.planner.frames.validity import ALWAYS, KnownLaw, interval, number, placed, span
 
@@ -35,7 +36,12 @@ class Swing(KnownLaw):
         object.__setattr__(self, "valid", interval(self.valid, "swing.valid"))
 
     def _motion(self, t: FloatArray, /) -> Motion:
-        w = 2.0 * math.pi / self.period
-        theta = w * t + self.phase
-        sine, cosine = self.amplitude * np.sin(theta), self.amplitude * np.cos(theta)
-        return turning(self.pose, (sine, w * cosine, -(w**2) * sine, -(w**3) * cosine))
+        return turning(self.pose, sine(self.amplitude, self.period, self.phase, t))
+
+
+def sine(amplitude: float, period: float, phase: float, t: FloatArray) -> Derivatives:
+    """amplitude · sin(2π t/period + phase) with its first three derivatives at times `t` (...), s."""
+    w = 2.0 * math.pi / period
+    theta = w * t + phase
+    value, cosine = amplitude * np.sin(theta), amplitude * np.cos(theta)
+    return value, w * cosine, -(w**2) * value, -(w**3) * cosine

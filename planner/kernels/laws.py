@@ -1,7 +1,7 @@
 """Where the frames of a cell are, and bounds of their motion: a law is a row of numbers, chosen by an integer.
 
 What is more than a row stands in a side table, `pieces`: pieces of ramps and keyframes a row each, and a neighbour's
-trajectory as one run of numbers (`trajectory_of`). Equations F1 to F6 of docs/kinematics.md, P1 and P2.
+trajectory as one run of numbers (`trajectory_of`). Equations F1 to F6, F8 and F9 of docs/kinematics.md, P1 and P2.
 
 Columns of bounds and of places are those of `links`.
 """
@@ -33,8 +33,8 @@ from assur.planner.kernels.links import (
 from assur.planner.kernels.spline import spline_state, sweep_bounds
 
 FIXED, LINEAR, TRAVEL, TURN, KEYFRAMES, NEIGHBOUR = range(6)
-"""Kinds of laws. `TRAVEL` is along the frame's own x axis, `TURN` in place about its z axis; both are driven by one
-scalar function of time."""
+"""Kinds of laws. `TRAVEL` is along a line, `TURN` in place about the frame's z axis; both are driven by one scalar
+function of time."""
 RAMPS, INDEX, SWING = range(3)
 """Kinds of such functions: pieces of cubics, steps that repeat, a sine."""
 
@@ -44,9 +44,11 @@ FIRST, LAST = 1, 2
 X, Y, Z, YAW, COS, SIN = range(3, 9)
 """The law's pose, m and rad, with the cosine and the sine of its yaw."""
 AT = 9
-"""LINEAR, and a rise: when the frame is at its pose, s."""
+"""LINEAR, and a rise: when the frame is at its pose, s. KEYFRAMES that repeat: when a period begins."""
 VX, VY, VZ = 10, 11, 12
-"""LINEAR: velocity, m/s. TURN: VZ is the rise, m/s."""
+"""LINEAR: velocity, m/s. TRAVEL: unit vector of its direction. TURN: VZ is the rise, m/s."""
+REPEAT_S = 10
+"""KEYFRAMES: their period, s; 0: they do not repeat."""
 DRIVE = 13
 """TRAVEL and TURN: which function."""
 BEGIN, COUNT = 14, 15
@@ -56,21 +58,22 @@ SLACK = 16
 STEP, MOVE_S, PERIOD_S, START = 14, 15, 16, 17
 """INDEX: step in m or rad, how long it lasts, from one to the next, when one begins, s."""
 AMPLITUDE, OMEGA, PHASE = 14, 15, 16
-"""SWING: amplitude, rad; angular frequency, rad/s; phase, rad."""
+"""SWING: amplitude, m or rad; angular frequency, rad/s; phase, rad."""
 LINK, RATES = 16, 17
 """NEIGHBOUR: number of the link, number of rows of its robot's rate matrix."""
 LAW_COLUMNS = 20
 
 PIECE_COLUMNS = 17
-"""A piece of ramps: when it begins (the first: its anchor), c0 to c3. Of keyframes: when it begins, then c0 to c3 of
-x, then of y, z and yaw; a last row has the end."""
+"""A piece of ramps: when it begins (the first: its anchor), c0 to c3. Of keyframes: when it begins (of those that
+repeat: in their period), then c0 to c3 of x, then of y, z and yaw; a last row has the end."""
 
 LENGTH_ROUNDING = 1e-15
 """|n·v| is raised by this part of |v|: rounding of a product of three terms, where it almost vanishes."""
 PEAK_ROUNDING = 1e-13
 """Bounds of a step are raised by this part of its greatest: the rounding of a polynomial is some 1e-15."""
 CYCLE_ROUNDING = 4.0 * 2.0**-52
-"""Intervals are widened by this part of the times that they were reduced from: the rounding of t modulo the period."""
+"""Intervals are widened by this part of the times that they were reduced from, and of the period: the rounding of t
+modulo the period."""
 PHASE_ROUNDING = 8.0 * 2.0**-52
 """|cos| and |sin| are raised by this part of 1 + their argument: the rounding of the phase."""
 EARLY, LATE = 0.5 - 0.5 / math.sqrt(5.0), 0.5 + 0.5 / math.sqrt(5.0)
@@ -90,6 +93,23 @@ def last_begun(pieces: FloatArray, begin: int, count: int, t: float) -> int:
     return low
 
 
+@kernel("UniTuple(float64, 2)(float64, float64, float64)")
+def _reduced(t: float, start: float, period: float) -> tuple[float, float]:
+    """Number of whole periods since `start`, and the time since the last of them began."""
+    since = t - start
+    whole = float(math.floor(since / period))
+    return whole, since - whole * period
+
+
+@kernel("UniTuple(float64, 2)(float64, float64, float64, float64)")
+def _cycle(t0: float, t1: float, start: float, period: float) -> tuple[float, float]:
+    """[t0, t1] by the times since a period began, never narrower; the end is up to a period behind the begin (F9)."""
+    slack = CYCLE_ROUNDING * (max(abs(t0), abs(t1)) + abs(start) + period)
+    begin = _reduced(t0, start, period)[1]
+    # an interval longer than a period sees all that a whole one shows
+    return begin - slack, begin + min(t1 - t0, period) + slack
+
+
 @kernel("UniTuple(float64, 4)(float64[::1], float64[:, ::1], float64)")
 def drive_state(law: FloatArray, pieces: FloatArray, t: float) -> tuple[float, float, float, float]:
     """What drives TRAVEL or TURN, m or rad, and its first three derivatives at time t: F1, F3, F4, P1."""
@@ -102,9 +122,8 @@ def drive_state(law: FloatArray, pieces: FloatArray, t: float) -> tuple[float, f
         return x, c1 + u * (2.0 * c2 + u * 3.0 * c3), 2.0 * c2 + u * 6.0 * c3, 6.0 * c3
     if kind == INDEX:
         step, move = law[STEP], law[MOVE_S]
-        since = t - law[START]
-        turns = math.floor(since / law[PERIOD_S])
-        u = (since - turns * law[PERIOD_S]) / move
+        turns, since = _reduced(t, law[START], law[PERIOD_S])
+        u = since / move
         if u >= 1.0:
             return (turns + 1.0) * step, 0.0, 0.0, 0.0
         u = max(u, 0.0)
@@ -162,12 +181,7 @@ def drive_bounds(law: FloatArray, pieces: FloatArray, t0: float, t1: float) -> t
         return speed + law[SLACK], acceleration + law[SLACK + 1]
     if kind == INDEX:
         move, period = law[MOVE_S], law[PERIOD_S]
-        slack = CYCLE_ROUNDING * (max(abs(t0), abs(t1)) + abs(law[START]))
-        since = t0 - law[START]
-        begin_s = since - math.floor(since / period) * period
-        # an interval longer than a period sees all that the first whole cycle shows
-        end_s = begin_s + min(t1 - t0, period) + slack
-        begin_s -= slack
+        begin_s, end_s = _cycle(t0, t1, law[START], period)
         for k in range(2):
             low, high = max(begin_s - k * period, 0.0) / move, min(end_s - k * period, move) / move
             if low <= high:
@@ -228,11 +242,13 @@ def place_frame(law: FloatArray, pieces: FloatArray, t: float, placed: FloatArra
         x, y, z = x + since * law[VX], y + since * law[VY], z + since * law[VZ]
     elif kind == TRAVEL:
         way = drive_state(law, pieces, t)[0]
-        x, y = x + way * c, y + way * s
+        x, y, z = x + way * law[VX], y + way * law[VY], z + way * law[VZ]
     elif kind == TURN:
         yaw = law[YAW] + drive_state(law, pieces, t)[0]
         z, c, s = z + law[VZ] * (t - law[AT]), math.cos(yaw), math.sin(yaw)
     elif kind == KEYFRAMES:
+        if law[REPEAT_S] > 0.0:
+            t = _reduced(t, law[AT], law[REPEAT_S])[1]  # the yaw goes on by whole turns, which place nothing
         i = last_begun(pieces, int(law[BEGIN]), int(law[COUNT]), t)
         u, row = t - pieces[i, 0], pieces[i]
         x = row[1] + u * (row[2] + u * (row[3] + u * row[4]))
@@ -248,25 +264,30 @@ def place_frame(law: FloatArray, pieces: FloatArray, t: float, placed: FloatArra
 
 @kernel("void(float64[::1], float64[:, ::1], float64, float64, float64[:, ::1], int64)")
 def _bound_keyframes(law: FloatArray, pieces: FloatArray, t0: float, t1: float, bounds: FloatArray, k: int) -> None:
-    """F5: the ranges of each coordinate's velocity and acceleration, exact, as a box around a middle (K44)."""
-    begin, count = int(law[BEGIN]), int(law[COUNT])
-    first = last_begun(pieces, begin, count, t0)
-    last = first
-    while last < begin + count - 1 and pieces[last + 1, 0] < t1:
-        last += 1
+    """F5, F9: the ranges of each coordinate's velocity and acceleration, exact, as a box around a middle (K44)."""
+    begin, count, period = int(law[BEGIN]), int(law[COUNT]), law[REPEAT_S]
+    first_s, last_s, before, after = pieces[begin, 0], pieces[begin + count, 0], 0, 0
+    if period > 0.0:
+        t0, t1 = _cycle(t0, t1, law[AT], period)
+        before, after = -1, 1
     for axis in range(4):
         low = low_d = math.inf
         high = high_d = -math.inf
-        for i in range(first, last + 1):
-            c1, c2, c3 = pieces[i, 2 + 4 * axis], pieces[i, 3 + 4 * axis], pieces[i, 4 + 4 * axis]
-            u0, u1 = max(t0, pieces[i, 0]) - pieces[i, 0], min(t1, pieces[i + 1, 0]) - pieces[i, 0]
-            top = u0
-            if c3 != 0.0:
-                top = min(max(-c2 / (3.0 * c3), u0), u1)
-            for u in (u0, u1, top):
-                v, a = c1 + u * (2.0 * c2 + 3.0 * u * c3), 2.0 * c2 + 6.0 * c3 * u
-                low, high = min(low, v), max(high, v)
-                low_d, high_d = min(low_d, a), max(high_d, a)
+        for copy in range(before, after + 1):
+            # what of the interval is in this period
+            s0, s1 = max(t0 - copy * period, first_s), min(t1 - copy * period, last_s)
+            i = last_begun(pieces, begin, count, s0) if s0 <= s1 else begin + count
+            while i < begin + count and (pieces[i, 0] < s1 or pieces[i, 0] <= s0):
+                c1, c2, c3 = pieces[i, 2 + 4 * axis], pieces[i, 3 + 4 * axis], pieces[i, 4 + 4 * axis]
+                u0, u1 = max(s0, pieces[i, 0]) - pieces[i, 0], min(s1, pieces[i + 1, 0]) - pieces[i, 0]
+                top = u0
+                if c3 != 0.0:
+                    top = min(max(-c2 / (3.0 * c3), u0), u1)
+                for u in (u0, u1, top):
+                    v, a = c1 + u * (2.0 * c2 + 3.0 * u * c3), 2.0 * c2 + 6.0 * c3 * u
+                    low, high = min(low, v), max(high, v)
+                    low_d, high_d = min(low_d, a), max(high_d, a)
+                i += 1
         if axis < 3:
             bounds[k, V + axis], bounds[k, V_BOX + axis] = (low + high) / 2.0, (high - low) / 2.0
             bounds[k, ACCELERATION + V + axis] = (low_d + high_d) / 2.0
@@ -323,9 +344,9 @@ def bound_frame(law: FloatArray, pieces: FloatArray, t0: float, t1: float, bound
         row[V_ANY] = LENGTH_ROUNDING * math.sqrt(law[VX] * law[VX] + law[VY] * law[VY] + law[VZ] * law[VZ])
     elif kind == TRAVEL:
         speed, acceleration = drive_bounds(law, pieces, t0, t1)
-        row[V], row[V + 1], row[V_ANY] = speed * law[COS], speed * law[SIN], LENGTH_ROUNDING * speed
-        row[ACCELERATION + V], row[ACCELERATION + V + 1] = acceleration * law[COS], acceleration * law[SIN]
-        row[ACCELERATION + V_ANY] = LENGTH_ROUNDING * acceleration
+        for i in range(3):
+            row[V + i], row[ACCELERATION + V + i] = speed * law[VX + i], acceleration * law[VX + i]
+        row[V_ANY], row[ACCELERATION + V_ANY] = LENGTH_ROUNDING * speed, LENGTH_ROUNDING * acceleration
     elif kind == TURN:
         speed, acceleration = drive_bounds(law, pieces, t0, t1)
         row[V_REACH], row[ACCELERATION + V_REACH] = speed, math.hypot(acceleration, speed * speed)

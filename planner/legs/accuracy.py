@@ -15,7 +15,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames import Fixed
-from assur.planner.frames.law import PoseUncertainty
+from assur.planner.frames.law import EXACT, PoseUncertainty
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.kernels.carriers import point_bound
 from assur.planner.kernels.laws import bound_frame
@@ -75,7 +75,7 @@ def arrival_error(
         known = handled.of(step.part) or scene.index[step.part].uncertainty
         terms.add(Cause.PART, known.position_m, known.vertical_m, known.yaw_rad)
     if isinstance(step, Place):
-        held = handled.of(step.part) or PoseUncertainty()
+        held = handled.of(step.part) or EXACT
         terms.add(Cause.GRIP, held.position_m, held.vertical_m, held.yaw_rad)
     grasp = step.grasp if isinstance(step, Pick) else Pose()
     return _worst(terms, math.hypot(grasp.x, grasp.y))

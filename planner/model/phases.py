@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assur.planner.frames.law import PoseUncertainty
+from assur.planner.frames.law import EXACT, PoseUncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.model.attachments import AT_START, Attachments, at_start
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind
@@ -146,7 +146,7 @@ def gripped_within(step: Step, arrival: Arrival | None) -> PoseUncertainty:
     if isinstance(step, Pick) and step.held_within is not None:
         return step.held_within
     error = None if arrival is None else arrival.error
-    return PoseUncertainty() if error is None else error.within
+    return EXACT if error is None else error.within
 
 
 def contacts_of(scene: Scene, step: Step, attached: Attachments, time: float | None) -> tuple[Contacts, Contacts]:

@@ -10,7 +10,7 @@ from typing import Literal
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.fixed import Fixed
-from assur.planner.frames.law import Frame, PoseUncertainty, Uncertainty
+from assur.planner.frames.law import EXACT, Frame, PoseUncertainty, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.pieces import Pieces, pieces
 from assur.planner.geometry.shapes import Body
@@ -60,7 +60,7 @@ class Holding:
 
     part: str
     grasp: Pose
-    within: PoseUncertainty = PoseUncertainty()
+    within: PoseUncertainty = EXACT
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +95,7 @@ class WorldBody:
     pose: Pose = Pose()
     mass_kg: float | None = None
     yaw_symmetry: int = 1
-    uncertainty: PoseUncertainty = PoseUncertainty()
+    uncertainty: PoseUncertainty = EXACT
 
     @property
     def name(self) -> str:
@@ -232,8 +232,8 @@ class Scene:
         holding, execution = self.start.holding, self.execution
         held = [step.held_within for step in self.task if isinstance(step, Pick)]
         held.append(None if holding is None else holding.within)
-        known = all(within in (None, PoseUncertainty()) for within in held)
-        known = known and all(body.uncertainty == PoseUncertainty() for body in self.bodies)
+        known = all(within in (None, EXACT) for within in held)
+        known = known and all(body.uncertainty == EXACT for body in self.bodies)
         known = known and all(frame.uncertainty == Uncertainty() for frame in self.frames.values())
         return known and not execution.lags and not execution.start_tolerance_s > 0.0
 

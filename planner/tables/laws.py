@@ -12,7 +12,18 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.frames import Conveyor, Fixed, Indexer, Keyframes, Law, Linear, Pose, Swing, Turntable
+from assur.planner.frames import (
+    Conveyor,
+    Fixed,
+    Indexer,
+    Keyframes,
+    Law,
+    Linear,
+    Oscillation,
+    Pose,
+    Swing,
+    Turntable,
+)
 from assur.planner.frames.profile import Profile
 from assur.planner.frames.validity import FURTHEST_S
 from assur.planner.kernels import laws as of
@@ -53,6 +64,7 @@ def _fill(row: FloatArray, law: Law, begin: int) -> FloatArray | None:
         case Conveyor():
             row[of.KIND] = of.TRAVEL
             _pose(row, law.pose)
+            _own_x(row)
             return _ramps(row, law.drive, begin)
         case Turntable():
             row[of.KIND], row[of.AT], row[of.VZ] = of.TURN, law.at_time, law.rise
@@ -61,12 +73,18 @@ def _fill(row: FloatArray, law: Law, begin: int) -> FloatArray | None:
         case Indexer():
             row[of.KIND], row[of.DRIVE] = of.TURN if law.kind == "turn" else of.TRAVEL, of.INDEX
             _pose(row, law.pose)
+            if law.kind == "travel":
+                _own_x(row)
             row[of.STEP : of.START + 1] = law.step, law.move_s, law.period, law.start
             return None
         case Swing():
-            row[of.KIND], row[of.DRIVE] = of.TURN, of.SWING
-            _pose(row, law.pose)
-            row[of.AMPLITUDE : of.PHASE + 1] = law.amplitude, 2.0 * math.pi / law.period, law.phase
+            row[of.KIND] = of.TURN
+            _sine(row, law)
+            return None
+        case Oscillation():
+            row[of.KIND] = of.TRAVEL
+            row[of.VX : of.VZ + 1] = law.along
+            _sine(row, law)
             return None
         case Keyframes():
             return _keyframes(row, law, begin)
@@ -77,6 +95,17 @@ def _fill(row: FloatArray, law: Law, begin: int) -> FloatArray | None:
 
 def _pose(row: FloatArray, pose: Pose) -> None:
     row[of.X : of.SIN + 1] = pose.x, pose.y, pose.z, pose.yaw, math.cos(pose.yaw), math.sin(pose.yaw)
+
+
+def _own_x(row: FloatArray) -> None:
+    """The frame travels along its own x axis."""
+    row[of.VX : of.VZ + 1] = row[of.COS], row[of.SIN], 0.0
+
+
+def _sine(row: FloatArray, law: Swing | Oscillation) -> None:
+    row[of.DRIVE] = of.SWING
+    _pose(row, law.pose)
+    row[of.AMPLITUDE : of.PHASE + 1] = law.amplitude, 2.0 * math.pi / law.period, law.phase
 
 
 def _ramps(row: FloatArray, profile: Profile, begin: int) -> FloatArray:
@@ -96,10 +125,12 @@ def _keyframes(row: FloatArray, law: Keyframes, begin: int) -> FloatArray:
     """A row a piece, by coordinates, and one with the end."""
     count = len(law.coefficients)
     table = np.zeros((count + 1, of.PIECE_COLUMNS))
-    table[:, 0] = law.times
+    table[:, 0] = law.knots
     table[:-1, 1:] = law.coefficients.transpose(0, 2, 1).reshape(count, 16)
     row[of.KIND], row[of.BEGIN], row[of.COUNT] = of.KEYFRAMES, begin, count
     row[of.SLACK : of.SLACK + 4] = law.slack
+    if law.period:
+        row[of.AT], row[of.REPEAT_S] = law.times[0], law.period
     return table
 
 

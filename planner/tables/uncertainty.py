@@ -15,7 +15,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames import Conveyor, Linear
-from assur.planner.frames.law import Frame, PoseUncertainty, Uncertainty
+from assur.planner.frames.law import EXACT, Frame, PoseUncertainty, Uncertainty
 from assur.planner.kernels.uncertainty import (
     FLAT,
     FLAT_GROWTH,
@@ -32,7 +32,6 @@ from assur.planner.model.scene import Scene
 BASE, ARM, TOOL, HELD = range(4)
 """Kinds of the robot's bodies: on what never moves, on its arms, on the flange, and the part in the gripper."""
 KINDS = 4
-KNOWN = PoseUncertainty()
 
 
 def direction(frame: Frame) -> FloatArray | None:
@@ -73,7 +72,7 @@ class Displacements:
             self.tool = dict.fromkeys(phase.corrected, (0.0, 1.0))
         self.known = not phase.handled.within and not any(map(self._unsure, scene.frames.values()))
         """Whether there is nothing that is not known, so that no pair has a set."""
-        self.known = self.known and all(body.uncertainty == KNOWN for body in scene.bodies)
+        self.known = self.known and all(body.uncertainty == EXACT for body in scene.bodies)
 
     @staticmethod
     def _unsure(frame: Frame) -> bool:

@@ -5,6 +5,7 @@ Run it by ``python -m assur.scenes.cells.two_robots``.
 Its own request is two-robots-neighbour.yaml. In two-robots.yaml it does the whole of it; in two-robots-parked.yaml it
 stops at the nest, as after a fault: the steps behind the one at the nest are left out. Whatever stands between the two
 marks of those files is replaced by the knots; YAML and JSON write floats so that they are read back to the bit.
+two-robots-late.yaml names the file with the whole answer, two-robots-neighbour.json.
 """
 
 from __future__ import annotations
@@ -20,6 +21,10 @@ CELLS = Path(__file__).parent
 BEGIN, END = "      # knots of the other robot: begin\n", "      # knots of the other robot: end\n"
 STEPS = {"two-robots.yaml": 4, "two-robots-parked.yaml": 2}
 """How many steps of its task the other robot does in each cell."""
+
+
+PLAN_FILE = "two-robots-neighbour.json"
+"""The answer to all of the other robot's request, which two-robots-late.yaml names."""
 
 
 def neighbour_request(steps: int) -> dict[str, Any]:
@@ -44,6 +49,8 @@ def main() -> None:
     for name, answer in answers.items():
         if answer["status"] != "planned":
             raise SystemExit(answer["sentence"])
+        if name == "two-robots.yaml":
+            (CELLS / PLAN_FILE).write_text(f"{json.dumps(answer)}\n", encoding="utf-8")
         path = CELLS / name
         head, rest = path.read_text(encoding="utf-8").split(BEGIN)
         tail = rest.split(END)[1]

@@ -72,7 +72,11 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         options=_options(request.options, robot.modes, [*own, *(body.name for body in surroundings)]),
         execution=_execution(request.execution, given.conventions),
         carry_acceleration=carry,
-        assumptions=(*robots.assumptions_of(document, request.robot), *_unused(request)),
+        assumptions=(
+            *robots.assumptions_of(document, request.robot),
+            *frames.assumptions_of(request.frames),
+            *_unused(request),
+        ),
         digest=request.digest,
     )
     return Cell(scene, given.conventions, document)

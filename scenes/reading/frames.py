@@ -16,6 +16,7 @@ from assur.planner.frames import (
     Keyframes,
     Law,
     Linear,
+    Oscillation,
     Pose,
     PoseUncertainty,
     Swing,
@@ -31,6 +32,7 @@ from assur.scenes.schema.frames import (
     IndexerDocument,
     KeyframesDocument,
     LinearDocument,
+    OscillationDocument,
     SwingDocument,
     TurntableDocument,
     UncertaintyDocument,
@@ -94,7 +96,14 @@ def _swing(d: SwingDocument, valid: Valid) -> Law:
     return Swing(placed(d.pivot_m, d.yaw_rad), d.amplitude_rad, d.period_s, d.phase_rad, valid=valid)
 
 
+def _oscillation(d: OscillationDocument, valid: Valid) -> Law:
+    direction: Any = tuple(d.direction)
+    return Oscillation(pose_of(d), direction, d.amplitude_m, d.period_s, d.phase_rad, valid=valid)
+
+
 def _keyframes(d: KeyframesDocument, valid: Valid) -> Law:
+    if d.repeat != (d.ends == "periodic"):
+        raise Refused("periodic with repeat: true, which implies it, and else clamped or natural", "ends")
     return Keyframes(tuple(p.time_s for p in d.points), tuple(pose_of(p) for p in d.points), d.ends, valid=valid)
 
 
@@ -105,6 +114,7 @@ LAWS: dict[str, Callable[[Any, Valid], Law]] = {
     "turntable": _turntable,
     "indexer": _indexer,
     "swing": _swing,
+    "oscillation": _oscillation,
     "keyframes": _keyframes,
 }
 """Key of a frame's law in a document → the law."""
@@ -135,3 +145,23 @@ def _frame(name: str, item: FrameDocument) -> Frame:
             with within("uncertainty"):
                 return Frame(name, known, uncertainty(item.uncertainty, known))
     raise FaultError(f"frame {name} without a law passed its model")
+
+
+DRIVES = {"conveyor": "a belt with a servo drive", "turntable": "a dial of 500 mm with a servo drive"}
+"""Whose acceleration and jerk are taken where the changes of a law state none."""
+
+
+def assumptions_of(frames: Mapping[str, FrameDocument]) -> tuple[str, ...]:
+    """What an answer says of accelerations and jerks that changes of speed leave to their defaults."""
+    found = []
+    for name, item in frames.items():
+        for law, drive in DRIVES.items():
+            spelt = getattr(item, law)
+            changes = () if spelt is None else spelt.changes
+            for key in ("acceleration_m_s2", "jerk_m_s3", "acceleration_rad_s2", "jerk_rad_s3"):
+                silent = [c for c in changes if key in type(c).model_fields and key not in c.model_fields_set]
+                if silent:
+                    quantity, unit, power = key.rsplit("_", 2)
+                    value = f"{getattr(silent[0], key):g} {unit}/s^{power[1:]}"
+                    found.append(f"{name}: {quantity} of its changes {value}, assumed where none is given: {drive}")
+    return tuple(found)

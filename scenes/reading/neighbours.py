@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from assur.planner.errors import InputError
-from assur.planner.frames import Fixed, Frame
+from assur.planner.frames import Fixed, Frame, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body
 from assur.planner.model.scene import WorldBody
@@ -61,18 +61,25 @@ def add_neighbour(item: NeighbourDocument, frames: dict[str, Frame], places: Pla
         robot = given.robot
         if robot.tilting:
             raise Refused("an arm whose links stay upright, not one whose links tilt")
+    if item.trajectory is None:
+        raise Refused("a trajectory in its place: a request never names a file", "plan", "file")
+    shift = Uncertainty(shift_s=(-item.start_uncertainty_s, item.start_uncertainty_s))
     with within("trajectory"):
         if item.trajectory.acceleration_jumps:
             allowed = "false: a neighbour's links are frames, and the acceleration of a frame does not jump"
             raise Refused(allowed, "acceleration_jumps")
         spelt: answer.Trajectory = item.trajectory.model_dump()  # type: ignore[assignment]
+        if item.starts_at_s is not None:
+            spelt["time_s"] = [item.starts_at_s + (t - spelt["time_s"][0]) for t in spelt["time_s"]]
         trajectory = trajectory_of(spelt, given.conventions)
         if not (trajectory.rest_at_start and trajectory.rest_at_end):
             raise Refused("rest at its first and last knot: it stands still before and after", "velocity")
         for number, link in enumerate(robot.links):
             name = f"{item.name}/{link}"
-            law = Fixed(robot.base) if link == "base" else TrajectoryLaw(robot, trajectory, number)
-            frames[name] = Frame(name, law)
+            if link == "base":
+                frames[name] = Frame(name, Fixed(robot.base))
+            else:
+                frames[name] = Frame(name, TrajectoryLaw(robot, trajectory, number), shift)
     carried = [(body.body, robot.links[body.link]) for body in robot.bodies]
     carried += [(body, "flange") for body in given.tool.bodies]
     found = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -25,6 +25,14 @@ from assur.scenes.schema.model import (
     YawError,
 )
 
+BELT_M_S2, BELT_M_S3 = 5.0, 50.0
+"""Acceleration and jerk of a conveyor's change that states none: of a belt with a servo drive, m/s² and m/s³."""
+DIAL_RAD_S2, DIAL_RAD_S3 = 20.0, 200.0
+"""The same of a turntable: those of the belt at a rim 250 mm from the centre, rad/s² and rad/s³."""
+
+
+Component = Annotated[float, Field(ge=-1.0, le=1.0)]
+
 
 class FixedDocument(PoseDocument):
     """A frame that does not move."""
@@ -42,8 +50,8 @@ class SpeedChange(Document):
 
     at_s: Instant
     speed_m_s: Speed
-    acceleration_m_s2: Positive
-    jerk_m_s3: Positive
+    acceleration_m_s2: Positive = BELT_M_S2
+    jerk_m_s3: Positive = BELT_M_S3
 
 
 class ConveyorDocument(PoseDocument):
@@ -59,8 +67,8 @@ class RateChange(Document):
 
     at_s: Instant
     rate_rad_s: Rate
-    acceleration_rad_s2: Positive
-    jerk_rad_s3: Positive
+    acceleration_rad_s2: Positive = DIAL_RAD_S2
+    jerk_rad_s3: Positive = DIAL_RAD_S3
 
 
 class TurntableDocument(PoseDocument):
@@ -94,17 +102,37 @@ class SwingDocument(Document):
     phase_rad: Angle = 0.0
 
 
+class OscillationDocument(PoseDocument):
+    """Travels to and fro along `direction` (world axes; its length does not count):
+    at_m + amplitude sin(2π t / period + phase)."""
+
+    direction: Annotated[list[Component], Field(min_length=3, max_length=3)]
+    amplitude_m: Coordinate
+    period_s: Span
+    phase_rad: Angle = 0.0
+
+
 class Keyframe(PoseDocument):
     """A pose to be passed at a time."""
 
     time_s: Instant
 
 
+Ends = Literal["clamped", "natural", "periodic"]
+
+
+def _ends(given: dict[str, Any]) -> Ends:
+    """What `ends` is where it is not given."""
+    return "periodic" if given.get("repeat") else "clamped"
+
+
 class KeyframesDocument(Document):
-    """A twice differentiable spline through poses; known from the first to the last of them, nowhere else."""
+    """A twice differentiable spline through poses; known from the first to the last of them, nowhere else. Or, with
+    `repeat`, for ever: the last pose is the first again, and `ends` is periodic."""
 
     points: Annotated[list[Keyframe], Field(min_length=2, max_length=bounds.MAX_CHANGES)]
-    ends: Literal["clamped", "natural"] = "clamped"
+    repeat: bool = False
+    ends: Ends = Field(default_factory=_ends)
 
 
 class UncertaintyDocument(Document):
@@ -122,7 +150,7 @@ class FrameDocument(Document):
     """A named frame: exactly one law."""
 
     exactly_one: ClassVar[tuple[Group, ...]] = (
-        ("fixed", "linear", "conveyor", "turntable", "indexer", "swing", "keyframes"),
+        ("fixed", "linear", "conveyor", "turntable", "indexer", "swing", "oscillation", "keyframes"),
     )
 
     fixed: FixedDocument | None = None
@@ -131,6 +159,7 @@ class FrameDocument(Document):
     turntable: TurntableDocument | None = None
     indexer: IndexerDocument | None = None
     swing: SwingDocument | None = None
+    oscillation: OscillationDocument | None = None
     keyframes: KeyframesDocument | None = None
     uncertainty: UncertaintyDocument = UncertaintyDocument()
     valid_s: Interval | None = None

@@ -19,6 +19,7 @@ from assur.scenes.schema.model import (
     ByName,
     Coordinate,
     Document,
+    Duration,
     Group,
     Instant,
     Mass,
@@ -275,9 +276,25 @@ class TrajectoryDocument(Document):
     acceleration_jumps: bool = False
 
 
+class PlanFileDocument(Document):
+    """`file`: a planned answer, for scenario files, on the command line and in Python with a folder only; its loader
+    puts the answer's trajectory in its place."""
+
+    file: Annotated[str, Field(min_length=1, max_length=255)]
+
+
 class NeighbourDocument(Document):
-    """Another robot in the cell, doing what its own plan says, and standing still after that plan's end."""
+    """Another robot in the cell, doing what its own plan says, and standing still before and after.
+
+    `starts_at_s`: when its first knot is due, by this request's clock, if not when the trajectory says;
+    `start_uncertainty_s`: by how much it may start earlier or later.
+    """
+
+    exactly_one: ClassVar[tuple[Group, ...]] = (("trajectory", "plan"),)
 
     name: Name
     robot: RobotDocument
-    trajectory: TrajectoryDocument
+    trajectory: TrajectoryDocument | None = None
+    plan: PlanFileDocument | None = None
+    starts_at_s: Instant | None = None
+    start_uncertainty_s: Duration = 0.0

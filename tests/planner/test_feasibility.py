@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -12,12 +13,12 @@ from hypothesis import strategies as st
 from assur.planner.checker import check
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.necessary import points_impossible, start_impossible
-from assur.planner.frames import Conveyor, Linear, Turntable
+from assur.planner.frames import Change, Conveyor, Indexer, Keyframes, Law, Linear, Oscillation, Swing, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece, box, cylinder, sphere
-from assur.planner.model.outcome import Planned
+from assur.planner.model.outcome import NotPlanned, Planned
 from assur.planner.model.refusal import BeyondRange, Reason, Refusal
-from assur.planner.model.scene import Clearance, Execution, Follow, Pick, Place, Scene
+from assur.planner.model.scene import Clearance, Follow, Pick, Place, Scene
 from assur.planner.pipeline import plan
 from assur.planner.search.beam import Search
 from tests.planner.cells import (
@@ -203,6 +204,57 @@ def test_a_point_that_stands_out_of_reach_is_impossible_by_so_many_millimetres()
     assert refusal is not None
     assert refusal.reason is Reason.OUT_OF_REACH
     assert amount_of(refusal) == pytest.approx(0.1, abs=0.002)  # the arm is 0.6 m long
+
+
+FAR = Pose(0.75, 0.1, 0.0, 0.0)
+"""150 mm beyond the reach of an arm of 600 mm."""
+
+
+def circling(nearest: float) -> Keyframes:
+    """Once round in 2 s; at 1.5 s so far from the arm's axis, m, and farther before and after."""
+    way = (FAR, Pose(0.9, 0.0, 0.0, 1.0), Pose(nearest, 0.0, 0.0, 5.0), replace(FAR, yaw=2.0 * math.pi))
+    return Keyframes((0.5, 1.0, 1.5, 2.5), way, "periodic")
+
+
+@pytest.mark.parametrize(
+    ("law", "offset", "short"),
+    [
+        (Oscillation(Pose(0.8, 0.0), (1.0, 0.0, 0.0), 0.1, 1.5), 0.0, 0.1),
+        (Oscillation(Pose(0.8, 0.0), (0.0, 0.0, 1.0), 0.1, 1.5), 0.0, 0.2),
+        (Swing(Pose(0.9, 0.0, 0.0, 0.0), 3.2, 0.8), 0.2, 0.1),
+        (Turntable(Pose(0.9, 0.0), -0.4), 0.2, 0.1),
+        (circling(0.72), 0.0, None),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_a_point_that_repeats_its_way_out_of_reach_is_never_met(law: Law, offset: float, short: float | None) -> None:
+    scene = cell(go(offset, 0.0, frame="it"), frames=(frame("it", law),))
+    refusal = found(scene)
+    assert refusal is not None
+    assert refusal.reason is Reason.OUT_OF_REACH
+    t = np.linspace(0.0, 50.0, 200_001)
+    where = law.motion(t).at(Pose(offset))
+    truth = float(np.hypot(*where.p[:, :2].T).min()) - 0.6
+    assert short is None or truth == pytest.approx(short, abs=1e-6)
+    assert truth - 0.01 < amount_of(refusal) <= truth + 1e-9
+    outcome = plan(scene)
+    assert isinstance(outcome, NotPlanned)
+    assert outcome.proved
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        circling(0.599),
+        Oscillation(Pose(0.8, 0.0), (1.0, 0.0, 0.0), 0.201, 1.5),
+        Turntable(Pose(0.9, 0.0), 0.4, changes=(Change(1e4, 0.0, 1.0, 10.0),)),
+        Oscillation(Pose(0.8, 0.0), (1.0, 0.0, 0.0), 0.1, 1.5, valid=(0.0, 1.4)),
+        Indexer(Pose(0.9, 0.0), 0.1, 0.5, 0.5),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_nothing_is_said_of_a_point_that_comes_within_reach_or_whose_way_is_not_known_to_repeat(law: Law) -> None:
+    assert found(cell(go(0.0, 0.0, frame="it"), frames=(frame("it", law),))) is None
 
 
 def test_a_point_within_reach_is_not_out_of_range() -> None:

@@ -147,6 +147,7 @@ OPEN_STL = (
     b"solid x\n" + b"facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\nendfacet\n" * 4
 )
 BY_FILE = {"file": "/etc/passwd", "tool": {"tcp_mm": [0, 0, 0]}}
+KEYS = [{"time_s": 0, "at_mm": [0, 0, 0]}, {"time_s": 1, "at_mm": [0, 0, 1]}]
 JOINT = {"name": "a", "range_deg": [-90, 90], "velocity_deg_s": 100, "acceleration_deg_s2": 1000, "jerk_deg_s3": 10000}
 LIFT = {"name": "c", "range_mm": [0, 100], "velocity_mm_s": 100, "acceleration_mm_s2": 1000, "jerk_mm_s3": 10000}
 
@@ -186,6 +187,23 @@ def _neighbour(**changes: Any) -> Change:
         document["neighbours"] = [{"name": "other", "robot": robot, "trajectory": trajectory}]
 
     return change
+
+
+def _neighbour_by(**keys: Any) -> Change:
+    """A neighbour that has these keys in place of its trajectory."""
+
+    def change(document: dict[str, Any]) -> None:
+        _neighbour()(document)
+        del document["neighbours"][0]["trajectory"]
+        document["neighbours"][0].update(keys)
+
+    return change
+
+
+def _oscillation(**changes: Any) -> Change:
+    """A gate that goes up and down, spoilt by `changes`."""
+    law = {"at_mm": [600, 300, 160], "direction": [0, 0, 1], "amplitude_mm": 50, "period_s": 1.6}
+    return put("frames", "gate", value={"oscillation": {**law, **changes}})
 
 
 def _belt_in_metres(document: dict[str, Any]) -> None:
@@ -358,8 +376,24 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad(
         "keyframes out of order",
         put("frames", "gate", value={"keyframes": {"points": [{"time_s": t, "at_m": [0, 0, 0]} for t in (1, 0)]}}),
-        "frames.gate.keyframes",
+        "frames.gate.keyframes.points[1].time_s",
     ),
+    Bad(
+        "keyframes that repeat and do not come back",
+        put("frames", "gate", value={"keyframes": {"points": KEYS, "repeat": True}}),
+        "frames.gate.keyframes.points[1].at_mm",
+        "that of the first point",
+    ),
+    Bad(
+        "keyframes that repeat from rest to rest",
+        put("frames", "gate", value={"keyframes": {"points": [KEYS[0]] * 2, "repeat": True, "ends": "clamped"}}),
+        "frames.gate.keyframes.ends",
+    ),
+    Bad("oscillation to nowhere", _oscillation(direction=[0, 0, 0]), "frames.gate.oscillation.direction"),
+    Bad("oscillation in metres", _oscillation(direction=[0, 0, 300]), "frames.gate.oscillation.direction[2]"),
+    Bad("oscillation in a plane", _oscillation(direction=[0, 1]), "frames.gate.oscillation.direction"),
+    Bad("oscillation with no period", _oscillation(period_s=0), "frames.gate.oscillation.period_s"),
+    Bad("oscillation that is too quick", _oscillation(period_s=1e-4), "frames.gate.oscillation.period_s"),
     Bad(
         "overlapping changes of speed",
         put(
@@ -370,9 +404,9 @@ BAD_REQUESTS: tuple[Bad, ...] = (
         "frames.belt.conveyor.changes[1].at_s",
     ),
     Bad(
-        "a change of speed without jerk",
-        put(*BELT, "changes", value=[{"at_s": 1, "speed_m_s": 0, "acceleration_m_s2": 1}]),
-        "frames.belt.conveyor.changes[0].jerk_m_s3",
+        "a change of speed to no speed",
+        put(*BELT, "changes", value=[{"at_s": 1, "acceleration_m_s2": 1, "jerk_m_s3": 1}]),
+        "frames.belt.conveyor.changes[0].speed_m_s",
     ),
     Bad(
         "indexer that both turns and travels",
@@ -475,6 +509,9 @@ BAD_REQUESTS: tuple[Bad, ...] = (
         _neighbour(velocity=[[0.0] * 4, [0.1, 0, 0, 0]]),
         "neighbours[0].trajectory.velocity",
     ),
+    Bad("neighbour by a plan's file", _neighbour_by(plan={"file": "other.json"}), "neighbours[0].plan.file"),
+    Bad("neighbour by a path", _neighbour_by(plan={"file": "/etc/passwd"}), "neighbours[0].plan.file"),
+    Bad("neighbour that does nothing", _neighbour_by(), "neighbours[0]", "exactly one of trajectory, plan"),
     # task
     Bad("no task", drop("task"), "task"),
     Bad("empty task", put("task", value=[]), "task"),

@@ -37,7 +37,7 @@ def holes(given_rows: list[tuple[int, tuple[int, int], tuple[int, int]]], counts
             turned = i % 2  # every other row names the pair the other way round
             table[i, T0], table[i, T1], chain[i] = *ends, (i + 1 if i + 1 < len(own) else -1, turned)
             table[i, PIECE + 2 * turned], table[i, OTHER_PIECE - 2 * turned] = of
-        found.append(float(hole(table, 0 if own else -1, chain, *counts, 0.0, float(LENGTH))))
+        found.append(float(hole(table, 0 if own else -1, chain, *counts, 0.0, float(LENGTH), 0.0, 0.0)))
     return found
 
 
@@ -86,5 +86,15 @@ def test_the_asked_pairs_of_a_phase_are_the_robot_against_the_rest_and_its_self_
                 for b, other in enumerate(names):
                     both = one in mine and other in mine and frozenset((mine[one], mine[other])) in wanted_links
                     wanted = a != b and (both or (one in mine) != (other in mine))
+                    # the part on the turning dial is kept clear of what does not turn with it
+                    down = {one, other} - {"part"}
+                    passes = (
+                        "part" in (one, other)
+                        and "part" not in mine
+                        and case is belt_case
+                        and i >= 7
+                        and len(down) == 1
+                    )
+                    wanted = wanted or (passes and down <= {"bed", "neighbour"})
                     contact = tuple(sorted((one, other))) in phase.contacts
                     assert apart.required(i, a, b) == (wanted and not contact), (i, one, other)

@@ -15,12 +15,25 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker import jets
 from assur.planner.checker.laws import tables
 from assur.planner.checker.motion import Tables, all_jets, carry
-from assur.planner.frames import Change, Conveyor, Fixed, Indexer, Keyframes, Law, Linear, Pose, Swing, Turntable
+from assur.planner.frames import (
+    Change,
+    Conveyor,
+    Fixed,
+    Indexer,
+    Keyframes,
+    Law,
+    Linear,
+    Oscillation,
+    Pose,
+    Swing,
+    Turntable,
+)
 from assur.planner.model.link_frames import TrajectoryLaw
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 from assur.scenes.requests import scene_of, shipped
 from tests.planner.checker.hand_made import arm, crossing, frame
+from tests.planner.frames.laws import Case, cases, samples
 
 ARMS = ("demo", "shut-gate", "elbow-arm", "polar-arm", "rv-m1", "five-bar-type-2")
 RAMPS = (Change(0.4, 0.0, 0.8, 6.0), Change(1.8, -0.3, 0.5, math.inf), Change(3.0, 0.1, 2.0, 40.0))
@@ -36,6 +49,11 @@ LAWS: dict[str, Law] = {
     "indexer that turns": Indexer(POSE, 0.7, 0.3, 0.25, "turn", 0.1),
     "indexer that travels without a dwell": Indexer(POSE, 0.2, 0.4, 0.0, "travel", 5.1),
     "swing": Swing(POSE, 0.9, 1.3, 0.4),
+    "shutter": Oscillation(POSE, (0.0, 0.0, 1.0), 0.3, 0.9, -0.6),
+    "shaker, askew": Oscillation(POSE, (0.3, -0.9, 0.1), -0.02, 0.11, 2.0),
+    "keyframes that repeat": Keyframes([0.1, 0.7, 0.8, 1.4], (*KEYS[:3], KEYS[0]), "periodic"),
+    "keyframes that repeat and turn": Keyframes([5.1, 5.7, 6.4], (*KEYS[:2], Pose(yaw=2.0 * math.pi)), "periodic"),
+    "two keyframes that turn on": Keyframes([0.0, 0.6], (KEYS[0], Pose(yaw=-4.0 * math.pi)), "periodic"),
     "keyframes": Keyframes([0.0, 0.7, 1.1, 3.5], KEYS, "clamped"),
     "natural keyframes": Keyframes([-0.2, 0.7, 1.1, 3.5], KEYS, "natural"),
     "neighbour": TrajectoryLaw(
@@ -75,7 +93,7 @@ def test_links_are_where_the_robot_has_them_and_move_as_it_says(name: str) -> No
     robot, links = scene.robot, len(scene.robot.links)
     for seed in range(3):
         path = wandering(scene, seed)
-        found = tables(scene, path, path.end)
+        found = tables(scene, path, path.start, path.end)
         for t in np.random.default_rng(seed).uniform(path.start, path.end, 10):
             state = [path.evaluate(np.array(t), order) for order in range(4)]
             p, rotation = robot.placements(state[0])
@@ -96,7 +114,7 @@ def test_frames_are_where_their_laws_have_them_and_move_as_they_say(name: str) -
     law = LAWS[name]
     scene = replace(crossing(), frames={**crossing().frames, "it": frame("it", law)})
     links, path = len(scene.robot.links), wandering(scene, 0)
-    found = tables(scene, path, UNTIL)
+    found = tables(scene, path, path.start, UNTIL)
     for t in (0.0, *np.random.default_rng(1).uniform(0.0, UNTIL, 60)):
         own, motion = carried(found, links, links + 2, float(t), float(t)), law.motion(np.array(t))
         assert own is not None
@@ -118,7 +136,7 @@ def test_bounds_over_intervals_hold_at_every_instant_that_is_looked_at(name: str
         carriers = list(range(len(scene.robot.links)))
     links, path = len(scene.robot.links), wandering(scene, 4)
     until = UNTIL if name in LAWS else path.end
-    found, rng = tables(scene, path, until), np.random.default_rng(7)
+    found, rng = tables(scene, path, path.start, until), np.random.default_rng(7)
     for h in (0.3, 0.05, 0.004):
         a = float(rng.uniform(path.start, until - h))
         for c in carriers:
@@ -135,11 +153,76 @@ def test_bounds_over_intervals_hold_at_every_instant_that_is_looked_at(name: str
                     assert (over[:, 2 * order + 1] >= at[:, 2 * order] - slack).all()
 
 
+def of_frame(law: Law, start: float, until: float) -> Callable[[float, float], FloatArray]:
+    """The jets (JETS, 6) of a frame with this law over an interval, for a plan from `start` on."""
+    scene = replace(crossing(), frames={**crossing().frames, "it": frame("it", law)})
+    path = wandering(replace(scene, start=replace(scene.start, time=start)), 0)
+    links, found = len(scene.robot.links), tables(scene, path, path.start, until)
+
+    def jets_over(t0: float, t1: float) -> FloatArray:
+        over = carried(found, links, links + 2, t0, t1)
+        assert over is not None
+        return over
+
+    return jets_over
+
+
+REPEATING = ("turn", "travel", "swing", "oscillation", "repeated")
+
+
+@given(cases(REPEATING), st.integers(-(10**4), 10**4), st.lists(st.floats(-1, 1), min_size=3, max_size=3))
+def test_what_repeats_is_where_the_law_has_it_at_every_seam_and_far_from_it(
+    case: Case, rounds: int, where: list[float]
+) -> None:
+    """The checker's own polynomials, the law's own motion, and difference quotients of the checker's places."""
+    law, step = case.law, 1e-4
+    shift = rounds * float(getattr(law, "period"))  # noqa: B009
+    seams = [shift + switch for switch in case.switches[:4]]
+    beside = [seam + d for seam in seams for d in (-1e-9, 1e-9)]
+    inside = [shift + 2.0 * w for w in where]
+    over = of_frame(law, min([*beside, *inside]) - 3 * step, max([*beside, *inside]) + 3 * step)
+    far = 1.0 + abs(shift)
+    for t in (*seams, *beside, *inside):
+        own, motion = over(t, t), law.motion(np.array(t))
+        turn = np.array([math.cos(motion.yaw), math.sin(motion.yaw)])
+        # to the rounding of the time, a thousandth of a nanosecond and what the law does in it
+        assert np.abs(own[:3, 0] - motion.p).max() <= 1e-13 * far * (1 + np.abs(motion.v).max())
+        assert np.abs(own[3:5, 0] - turn).max() <= 1e-13 * far * (1 + abs(float(motion.yaw_d)))
+        assert np.abs(own[:3, 2] - motion.v).max() <= 1e-13 * far * (1 + np.abs(motion.a).max()) + 1e-10
+        assert np.abs(own[:3, 4] - motion.a).max() <= 1e-12 * far * (1 + np.abs(motion.j).max()) + 1e-8
+    for t in inside:
+        if any(abs(t - seam - shift) <= 3 * step for seam in case.switches):
+            continue
+        at = [over(t + k * step, t + k * step)[:5, 0] for k in (-2, -1, 1, 2)]
+        rate = (at[0] - 8 * at[1] + 8 * at[2] - at[3]) / (12 * step)
+        scale = 1 + np.abs(over(t, t)[:5, 2:]).max()
+        assert np.abs(rate - over(t, t)[:5, 2]).max() <= 1e-6 * scale * far
+
+
+@given(cases(REPEATING), st.floats(-30, 30), st.sampled_from([0.0, 0.05, 0.7, 3.0, 25.0]))
+def test_bounds_of_what_repeats_hold_over_no_period_and_over_many(case: Case, start: float, length: float) -> None:
+    law, end = case.law, start + length
+    over = of_frame(law, start, end + 1.0)(start, end)
+    t = np.unique([*np.linspace(start, end, 400), *samples(Case(law, (start, end), case.switches), start, end, 2)])
+    motion = law.motion(t)
+    turned = np.stack([np.cos(motion.yaw), np.sin(motion.yaw)], axis=-1)
+    for order, value in enumerate((np.hstack([motion.p, turned]), motion.v, motion.a)):
+        own, slack = over[: value.shape[1], 2 * order : 2 * order + 2], 1e-10 * (1 + np.abs(value))
+        assert (own[:, 0] <= value + slack).all()
+        assert (own[:, 1] >= value - slack).all()
+    if length >= 3.0:
+        return
+    # not much wider than the motion is
+    width = over[:3, 3] - over[:3, 2]
+    truth = np.ptp(motion.v, axis=0)
+    assert (width <= truth + 40 * length * (1 + np.abs(motion.a).max(axis=0) + np.abs(motion.j).max()) + 1e-9).all()
+
+
 def test_what_is_not_known_is_not_bounded() -> None:
     law = Linear(POSE, (0.1, 0.0, 0.0), valid=(0.1, 2.0))
     scene = replace(crossing(), frames={**crossing().frames, "it": frame("it", law)})
     links, path = len(scene.robot.links), wandering(scene, 0)
-    found = tables(scene, path, UNTIL)
+    found = tables(scene, path, path.start, UNTIL)
     for t0, t1, known in (
         (0.1, 2.0, True),
         (0.0, 0.2, False),

@@ -18,9 +18,9 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker import Code, check
 from assur.planner.errors import FaultError
 from assur.planner.frames import Law, Linear, Pose, Swing, Turntable
-from assur.planner.frames.law import Uncertainty
+from assur.planner.frames.law import PoseUncertainty, Uncertainty
 from assur.planner.geometry.shapes import Primitive, sphere
-from assur.planner.model.outcome import LegKind, Plan
+from assur.planner.model.outcome import ArrivalError, LegKind, Plan
 from assur.planner.model.scene import Execution, Follow, Move, Options, Scene, Target, WorldBody
 from tests.planner.checker.hand_made import (
     TOOL,
@@ -155,7 +155,10 @@ def test_an_honest_plan_for_an_uncertain_cell_is_accepted(execution: Execution) 
     for number, (pose, t) in enumerate(((Pose(0.3, -0.1, 0.15), 0.4), (Pose(0.2, 0.25, 0.2, 0.4), 1.0))):
         hand.go(number, above(scene, "world", pose), t)
         hand.arrive(number, t, t)
-    assert check(scene, hand.plan()).findings == ()
+    plan, far = hand.plan(), ArrivalError(0.01, PoseUncertainty(0.01, 0.01, 0.01), (), ())
+    told = sealed(scene, replace(plan, arrivals=tuple(replace(arrival, error=far) for arrival in plan.arrivals)))
+    assert check(scene, told).findings == ()
+    assert {finding.code for finding in check(scene, plan).findings} == ({Code.ERROR} if execution.lags else set())
 
 
 def test_a_follow_that_ends_in_motion_and_a_via_are_accepted() -> None:

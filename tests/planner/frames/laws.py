@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import get_args
+from dataclasses import dataclass, replace
 
 import numpy as np
 from hypothesis import strategies as st
@@ -18,11 +17,11 @@ from assur.planner.frames import (
     Keyframes,
     Law,
     Linear,
+    Oscillation,
     Pose,
     Swing,
     Turntable,
 )
-from assur.planner.frames.keyframes import Ends
 
 
 @dataclass(frozen=True)
@@ -41,7 +40,9 @@ def number(least: float, most: float) -> st.SearchStrategy[float]:
 
 
 poses = st.builds(Pose, number(-1, 1), number(-1, 1), number(-1, 1), st.sampled_from([0.0, math.pi / 2, -0.7, 3.0]))
-valid_kinds = ("fixed", "linear", "conveyor", "turntable", "turn", "travel", "swing", "keyframes")
+valid_kinds = (
+    "fixed", "linear", "conveyor", "turntable", "turn", "travel", "swing", "oscillation", "keyframes", "repeated",
+)  # fmt: skip
 
 
 @st.composite
@@ -91,11 +92,21 @@ def cases(draw: st.DrawFn, kinds: tuple[str, ...] = valid_kinds) -> Case:
     if kind == "swing":
         period = draw(number(0.5, 4.0))
         return Case(Swing(pose, draw(st.sampled_from([0.9, -0.4, 0.0])), period, draw(number(-4, 4))), (-2.0, 2.0))
+    if kind == "oscillation":
+        along = draw(st.sampled_from([(0.0, 0.0, 1.0), (0.6, -0.8, 0.0), (-1.0, 0.3, 0.2)]))
+        amplitude, period = draw(st.sampled_from([0.2, -0.05, 0.0])), draw(number(0.5, 4.0))
+        return Case(Oscillation(pose, along, amplitude, period, draw(number(-4, 4))), (-2.0, 2.0))
     steps = draw(st.lists(st.sampled_from([0.2, 0.5, 1.0]), min_size=1, max_size=5))
     times = np.cumsum([draw(number(-1, 1)), *steps])
     way = tuple(draw(poses) for _ in times)
-    ends = draw(st.sampled_from(get_args(Ends)))
-    return Case(Keyframes(times, way, ends), (float(times[0]), float(times[-1])), tuple(times.tolist()), 3)
+    if kind == "keyframes":
+        once = Keyframes(times, way, draw(st.sampled_from(["natural", "clamped"])))
+        return Case(once, (float(times[0]), float(times[-1])), tuple(times.tolist()), 3)
+    turns = draw(st.sampled_from([0, 0, 1, -2]))
+    again = Keyframes(times, (*way[:-1], replace(way[0], yaw=way[0].yaw + turns * math.tau)), "periodic")
+    period = float(times[-1] - times[0])
+    rounds = [k * period + time for k in range(-12, 13) for time in times[:-1].tolist()]
+    return Case(again, (-2.0, 2.0), tuple(time for time in rounds if -2.0 <= time <= 2.0), 3)
 
 
 @st.composite

@@ -19,6 +19,7 @@ from assur.planner.frames import (
     Keyframes,
     Law,
     Linear,
+    Oscillation,
     Pose,
     Swing,
     Turntable,
@@ -52,7 +53,7 @@ def test_a_bound_is_at_least_every_sample_and_hardly_more_than_the_greatest(kind
     truth = np.maximum(within, rates(case.law.motion(before), n).max(axis=1))
     moved = case.law.motion(np.append(samples(case, start, end), before))
     truth[3] = math.hypot(np.abs(moved.yaw_dd).max(), np.abs(moved.yaw_d).max() ** 2)
-    if kind == "keyframes" and np.abs(n).max() < 1.0:
+    if isinstance(case.law, Keyframes) and np.abs(n).max() < 1.0:
         return  # the box of keyframes (K44) is exact along an axis only
     largest = rates(case.law.motion(samples(case, *case.window)), n).max(axis=1)
     assert (found <= truth * (1 + 1e-4) + 1e-9 * (1 + largest)).all()
@@ -130,12 +131,59 @@ def test_a_direction_square_to_the_motion_is_not_promised_more_than_the_rounding
         assert Fraction(float(bound(law, 0.0, 1.0, n)[0])) >= abs(exact)
 
 
-@given(st.floats(-9e5, 9e5), st.floats(0.0, 0.3), st.sampled_from(["turn", "swing"]))
-def test_a_bound_holds_far_from_time_zero_where_phases_round(start: float, length: float, kind: str) -> None:
-    law: Law = Indexer(Pose(), 0.8, 0.37, 0.11, start=0.3) if kind == "turn" else Swing(Pose(), 0.5, 0.7)
-    up = np.array([0.0, 0.0, 1.0])
-    t = np.array([start, start + 0.5 * length, start + length])
+ROUND = (Pose(), Pose(0.3, 0.1, 0.2, 2.0), Pose(-0.2, 0.4, 0.1, -1.0), Pose(yaw=-2.0 * math.pi))
+"""Once round, back at the first pose."""
+FAR: dict[str, Law] = {
+    "turn": Indexer(Pose(), 0.8, 0.37, 0.11, start=0.3),
+    "swing": Swing(Pose(), 0.5, 0.7),
+    "oscillation": Oscillation(Pose(), (0.0, 0.0, 1.0), 0.5, 0.7),
+    "repeated": Keyframes((0.3, 0.4, 0.65, 0.71), ROUND, "periodic"),
+}
+
+
+@pytest.mark.parametrize("kind", FAR)
+@given(st.floats(-9e5, 9e5), st.floats(0.0, 0.9))
+def test_a_bound_holds_far_from_time_zero_where_phases_round(kind: str, start: float, length: float) -> None:
+    law, up = FAR[kind], np.array([0.0, 0.0, 1.0])
+    t = np.linspace(start, start + length, 9)[:-1]
     assert (bound(law, start, start + length, up) >= rates(law.motion(t), up).max(axis=1)).all()
+
+
+@given(st.integers(-(10**6), 10**6), st.integers(0, 3), st.sampled_from([-1e-10, 0.0, 1e-10]))
+def test_the_bound_of_what_repeats_holds_in_exact_arithmetic_far_from_time_zero(
+    rounds: int, knot: int, beside: float
+) -> None:
+    law, up = FAR["repeated"], np.array([0.0, 0.0, 1.0])
+    assert isinstance(law, Keyframes)
+    start, period = Fraction(float(law.times[0])), Fraction(law.period)
+    time = float(start + rounds * period + Fraction(float(law.knots[knot])) + Fraction(beside))
+    within = (Fraction(time) - start) % period
+    piece = max(i for i in range(3) if Fraction(float(law.knots[i])) <= within)
+    u = within - Fraction(float(law.knots[piece]))
+    c = [[Fraction(float(x)) for x in row] for row in law.coefficients[piece]]
+    rate, rate_d = ([c[1][i] + u * (2 * c[2][i] + 3 * u * c[3][i]), 2 * c[2][i] + 6 * u * c[3][i]] for i in (2, 3))
+    found = [Fraction(float(value)) for value in bound(law, time, time, up)]
+    assert found[0] >= abs(rate[0])
+    assert found[1] >= abs(rate[1])
+    assert found[2] >= abs(rate_d[0])
+    assert found[3] ** 2 >= rate_d[1] ** 2 + rate_d[0] ** 4
+
+
+def test_over_more_than_a_period_the_bound_of_what_repeats_is_that_of_the_period() -> None:
+    law, n = FAR["repeated"], np.array([1.0, 0.0, 0.0])
+    assert isinstance(law, Keyframes)
+    once = bound(law, 0.3, 0.3 + law.period, n)
+    for start, end in ((0.3, 9.0), (-7.7, 123.4), (5.0, 5.0 + law.period)):
+        np.testing.assert_allclose(bound(law, start, end, n), once, rtol=1e-9)
+    assert bound(law, 0.4, 0.45, n)[0] < 0.8 * once[0]
+
+
+def test_a_shutter_is_bounded_along_its_way_and_not_across() -> None:
+    shutter, w = Oscillation(Pose(0.1, 0.2, 0.3, 0.4), (0.0, 0.0, 0.5), 0.2, 2.0), math.pi
+    np.testing.assert_allclose(
+        bound(shutter, 0.4, 0.6, np.array([0.0, 0.0, 1.0])), [0.2 * w * math.cos(0.4 * w), 0.2 * w**2, 0, 0], rtol=1e-9
+    )
+    assert bound(shutter, -3.0, 3.0, np.array([0.6, 0.8, 0.0])).max() <= 1e-14
 
 
 def test_a_jump_of_the_acceleration_counts_on_both_of_its_sides() -> None:

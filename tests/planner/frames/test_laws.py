@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames import Change, Conveyor, Indexer, Keyframes, Linear, Pose, Swing, Turntable
+from assur.planner.frames import Change, Conveyor, Indexer, Keyframes, Linear, Oscillation, Pose, Swing, Turntable
 from tests.planner.frames.laws import Case, cases, changes, poses
 
 
@@ -41,6 +41,7 @@ def test_a_ramp_covers_the_mean_of_both_speeds_times_its_duration(jerk: float) -
 
 
 @given(st.floats(-2, 2), st.floats(-2, 2), st.floats(0.1, 10), st.floats(0.1, 1000))
+@example(0.0, 5e-324, 1.0, 2.0)
 def test_a_ramp_is_the_shortest_within_its_acceleration_and_jerk(
     before: float, after: float, acceleration: float, jerk: float
 ) -> None:
@@ -84,6 +85,8 @@ def test_a_change_in_no_time_is_a_jump_and_refused() -> None:
     with pytest.raises(InputError) as refused:
         Conveyor(Pose(), 0.5, (Change(0.0, 0.5 + 1e-6, 1e6, math.inf),))
     assert refused.value.field == "conveyor.changes[0].acceleration"
+    with pytest.raises(InputError, match=r"changes\[0\].*10 µs"):
+        Conveyor(Pose(), 0.0, (Change(0.0, 5e-324, 1.0, 2.0),))
 
 
 def test_a_change_to_the_speed_that_is_had_already_changes_nothing() -> None:
@@ -143,3 +146,66 @@ def test_two_clamped_keyframes_are_the_cubic_step(first: Pose, last: Pose, took:
     step = (3 * u**2 - 2 * u**3)[:, None] * (last.position - first.position)
     np.testing.assert_allclose(found.p, first.position + step, atol=1e-12)
     np.testing.assert_allclose(found.yaw, first.yaw + (3 * u**2 - 2 * u**3) * (last.yaw - first.yaw), atol=1e-12)
+
+
+def test_a_shutter_goes_up_and_down_about_its_pose() -> None:
+    shutter = Oscillation(Pose(1, 2, 3, 0.5), (0.0, 0.0, 1.0), 0.2, 2.0, math.pi / 2)
+    found = shutter.motion(at(0.0, 0.5, 1.0, 2.0))
+    np.testing.assert_allclose(found.p, [[1, 2, 3.2], [1, 2, 3.0], [1, 2, 2.8], [1, 2, 3.2]], atol=1e-12)
+    np.testing.assert_allclose(found.v[:, 2], [0, -0.2 * math.pi, 0, 0], atol=1e-12)
+    np.testing.assert_array_equal(found.yaw, 0.5)
+
+
+def test_the_length_of_a_direction_does_not_count() -> None:
+    short, long = (Oscillation(Pose(), (0.3 * k, -0.4 * k, 0.0), 0.1, 1.0) for k in (0.01, 1.0))
+    np.testing.assert_allclose(short.motion(at(0.25)).p, [[0.06, -0.08, 0.0]], rtol=1e-12)
+    np.testing.assert_allclose(long.motion(at(0.25)).p, [[0.06, -0.08, 0.0]], rtol=1e-12)
+
+
+@given(cases(("repeated",)), st.integers(-1000, 1000), st.floats(0, 1))
+def test_what_repeats_is_the_same_after_any_number_of_periods_but_for_whole_turns(
+    case: Case, rounds: int, where: float
+) -> None:
+    law = case.law
+    assert isinstance(law, Keyframes)
+    first = float(law.times[0])
+    once, again = (law.motion(first + law.period * (np.array([where]) + k)) for k in (0, rounds))
+    for name in ("p", "v", "a", "yaw_d", "yaw_dd"):
+        value = getattr(once, name)
+        np.testing.assert_allclose(getattr(again, name), value, atol=1e-8 * (1 + np.abs(value).max()))
+    turns = round((law.poses[-1].yaw - law.poses[0].yaw) / (2 * math.pi))
+    np.testing.assert_allclose(again.yaw - once.yaw, 2 * math.pi * turns * rounds, atol=1e-7)
+    there = np.array([(p.x, p.y, p.z, p.yaw) for p in law.poses[:-1]])
+    knots = np.asarray(law.times)[:-1] + rounds * law.period
+    found = law.motion(knots)
+    np.testing.assert_allclose(np.column_stack([found.p, found.yaw - 2 * math.pi * turns * rounds]), there, atol=1e-7)
+
+
+def test_a_circle_of_keyframes_is_nearly_a_circle_and_turns_on() -> None:
+    """Twelve points of a circle, tangent to it: SciPy's periodic spline is not asked."""
+    angles = 2 * math.pi * np.arange(13) / 12
+    way = [Pose(0.3 * math.cos(a), 0.3 * math.sin(a), 0.1, a) for a in angles]
+    way[-1] = Pose(way[0].x, way[0].y, 0.1, 2 * math.pi)
+    law = Keyframes(np.arange(13) / 6.0, tuple(way), "periodic")
+    t = np.linspace(-7, 9, 999)
+    found = law.motion(t)
+    np.testing.assert_allclose(found.yaw, math.pi * t, atol=1e-12)
+    np.testing.assert_allclose(np.hypot(found.p[:, 0], found.p[:, 1]), 0.3, atol=3e-4)
+    np.testing.assert_allclose(np.linalg.norm(found.v, axis=1), 0.3 * math.pi, rtol=3e-3)
+
+
+@pytest.mark.parametrize(
+    ("last", "field"),
+    [
+        (Pose(1e-9), "keyframes.points[2].at"),
+        (Pose(0.0, 0.0, np.nextafter(0.0, 1)), "keyframes.points[2].at"),
+        (Pose(yaw=math.pi), "keyframes.points[2].yaw"),
+        (Pose(yaw=2 * math.pi + 1e-9), "keyframes.points[2].yaw"),
+    ],
+)
+def test_a_sequence_that_does_not_end_where_it_began_cannot_repeat(last: Pose, field: str) -> None:
+    with pytest.raises(InputError) as refused:
+        Keyframes((0.0, 1.0, 2.0), (Pose(), Pose(0.1), last), "periodic")
+    assert refused.value.field == field
+    assert refused.value.allowed.startswith("that of the first point, for the sequence repeats")
+    Keyframes((0.0, 1.0, 2.0), (Pose(), Pose(0.1), last))

@@ -21,6 +21,7 @@ from assur.planner.frames import (
     Law,
     Linear,
     Motion,
+    Oscillation,
     Pose,
     Swing,
     Turntable,
@@ -40,6 +41,8 @@ MAKERS: dict[str, Callable[[tuple[float, float]], Law]] = {
     "indexer": lambda valid: Indexer(HOME, 0.5, 0.4, 0.2, "turn", 0.0, valid),
     "travelling indexer": lambda valid: Indexer(HOME, 0.5, 0.4, 0.2, "travel", 0.0, valid),
     "swing": lambda valid: Swing(HOME, 0.5, 1.6, 0.0, valid),
+    "oscillation": lambda valid: Oscillation(HOME, (0.0, 0.6, 0.8), 0.5, 1.6, 0.0, valid),
+    "repeated keyframes": lambda valid: Keyframes((-0.2, 0.5, 1.0), (HOME, Pose(), HOME), "periodic", valid),
     "keyframes": lambda valid: Keyframes((-9.0, 0.0, 9.0), (HOME, Pose(), HOME), "natural", valid),
 }
 
@@ -105,7 +108,7 @@ def test_a_law_cannot_be_changed_and_survives_the_way_to_another_process(kind: s
 
 def test_laws_of_the_same_numbers_are_equal() -> None:
     for kind, make in MAKERS.items():
-        if kind != "keyframes":
+        if "keyframes" not in kind:
             assert make((0.0, 1.0)) == make((0.0, 1.0)) != make((0.0, 2.0))
 
 
@@ -140,9 +143,15 @@ REFUSED: list[tuple[str, Callable[[float], object], tuple[object, ...]]] = [
     ("swing.amplitude", lambda x: Swing(HOME, x, 1.0), NUMBERS),
     ("swing.period", lambda x: Swing(HOME, 0.1, x), (*POSITIVE, 1e-4)),
     ("swing.phase", lambda x: Swing(HOME, 0.1, 1.0, x), NUMBERS),
+    ("oscillation.pose.x", lambda x: Oscillation(Pose(x), (0, 0, 1), 0.1, 1.0), (1e7,)),
+    ("oscillation.direction[2]", lambda x: Oscillation(HOME, (0, 0, x), 0.1, 1.0), NUMBERS),
+    ("oscillation.direction", lambda x: Oscillation(HOME, (0, 0, x), 0.1, 1.0), (0.0, 1e-4)),
+    ("oscillation.amplitude", lambda x: Oscillation(HOME, (0, 0, 1), x, 1.0), NUMBERS),
+    ("oscillation.period", lambda x: Oscillation(HOME, (0, 0, 1), 0.1, x), (*POSITIVE, 1e-4)),
+    ("oscillation.phase", lambda x: Oscillation(HOME, (0, 0, 1), 0.1, 1.0, x), NUMBERS),
     ("keyframes.times", lambda x: Keyframes((0.0, x), (HOME, HOME)), (math.nan, math.inf, "late")),
-    ("keyframes.times[1]", lambda x: Keyframes((0.0, x), (HOME, HOME)), (0.0, -1.0, 1e-4, 1e7)),
-    ("keyframes.poses[1].x", lambda x: Keyframes((0.0, 1.0), (HOME, Pose(x))), (1e7,)),
+    ("keyframes.points[1].time", lambda x: Keyframes((0.0, x), (HOME, HOME)), (0.0, -1.0, 1e-4, 1e7)),
+    ("keyframes.points[1].x", lambda x: Keyframes((0.0, 1.0), (HOME, Pose(x))), (1e7,)),
     ("keyframes.ends", lambda x: Keyframes((0.0, 1.0), (HOME, HOME), x), ("loose", None)),  # type: ignore[arg-type]
 ]
 
@@ -160,7 +169,7 @@ def test_a_number_that_is_not_allowed_is_refused_by_its_name(
 
 @pytest.mark.parametrize("times", [(), (0.0,), (0.0, 1.0, 2.0), ((0.0, 1.0), (2.0, 3.0))])
 def test_keyframes_need_two_poses_and_as_many_times(times: object) -> None:
-    with pytest.raises(InputError, match=r"keyframes\.(times|poses)"):
+    with pytest.raises(InputError, match=r"keyframes\.(times|points)"):
         Keyframes(times, (HOME, HOME)[: len(times) if len(times) < 2 else 2])  # type: ignore[arg-type]
 
 
@@ -170,7 +179,10 @@ def test_keyframes_refuse_a_validity_that_misses_their_times() -> None:
     assert refused.value.field == "keyframes.valid"
 
 
-def test_a_velocity_of_two_numbers_is_refused() -> None:
+def test_a_velocity_or_a_direction_of_two_numbers_is_refused() -> None:
     with pytest.raises(InputError) as refused:
         Linear(HOME, (0.1, 0.2))  # type: ignore[arg-type]
     assert refused.value.field == "linear.velocity"
+    with pytest.raises(InputError) as refused:
+        Oscillation(HOME, (0.1, 0.2), 0.1, 1.0)  # type: ignore[arg-type]
+    assert refused.value.field == "oscillation.direction"

@@ -115,6 +115,18 @@ class Motion:
         return np.asarray(at[:, None] + x * along + y * across)
 
 
+def apart(one: Array, other: Array) -> Array:
+    """By how much an edge normal of either rectangle (T, 4, 2) separates the two: a lower bound of their distance."""
+    gaps = []
+    for corners in (one, other):
+        for k in (0, 1):
+            edge = corners[:, k + 1] - corners[:, k]
+            normal = np.stack([-edge[:, 1], edge[:, 0]], axis=1) / np.linalg.norm(edge, axis=1)[:, None]
+            a, b = (np.einsum("tij,tj->ti", each, normal) for each in (one, other))
+            gaps += [b.min(1) - a.max(1), a.min(1) - b.max(1)]
+    return np.asarray(np.max(gaps, axis=0))
+
+
 def turn(axis: str, angle: float) -> Array:
     """A turn about an axis, (4, 4)."""
     found, i, j = np.eye(4), ("xyz".index(axis) + 1) % 3, ("xyz".index(axis) + 2) % 3

@@ -24,10 +24,10 @@ from tests.scenes.cells.second_kinematics import (
     L1,
     L2,
     VELOCITY,
-    Array,
     Document,
     Motion,
     answer,
+    apart,
     arrival,
     changed,
     leg,
@@ -41,18 +41,6 @@ def without(document: Document, *names: str) -> Document:
     left = [body for body in document["bodies"] if body["name"] not in names]
     assert len(left) == len(document["bodies"]) - len(names)
     return {**document, "bodies": left}
-
-
-def apart(one: Array, other: Array) -> Array:
-    """By how much an edge normal of either rectangle (T, 4, 2) separates the two: a lower bound of their distance."""
-    gaps = []
-    for corners in (one, other):
-        for k in (0, 1):
-            edge = corners[:, k + 1] - corners[:, k]
-            normal = np.stack([-edge[:, 1], edge[:, 0]], axis=1) / np.linalg.norm(edge, axis=1)[:, None]
-            a, b = (np.einsum("tij,tj->ti", each, normal) for each in (one, other))
-            gaps += [b.min(1) - a.max(1), a.min(1) - b.max(1)]
-    return np.asarray(np.max(gaps, axis=0))
 
 
 def other(name: str) -> Motion:

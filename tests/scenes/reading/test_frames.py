@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from assur.planner.errors import InputError
 from assur.planner.frames import Frame
-from assur.scenes.requests import scene_of
+from assur.scenes.requests import request_digest, scene_of
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 
@@ -94,9 +95,107 @@ def test_keyframes_pass_their_points_and_are_not_known_beyond_them() -> None:
     assert at(natural, 0.5) != at(law, 0.5)
 
 
+def test_an_oscillation_goes_along_a_direction_of_the_world_whatever_its_yaw() -> None:
+    way: dict[str, Any] = {"at_mm": [1, 2, 300], "yaw_deg": 90, "direction": [0, 0.6, 0.8], "amplitude_mm": 100}
+    law = {"oscillation": {**way, "period_ms": 1600, "phase_deg": 90}}
+    assert at(law, 0.0)[0] == pytest.approx([0.001, 0.062, 0.38])
+    assert at(law, 0.0)[1] == pytest.approx(math.pi / 2)
+    assert at(law, 0.4)[0] == pytest.approx([0.001, 0.002, 0.3])
+    assert at(law, 0.8)[0] == pytest.approx([0.001, -0.058, 0.22])
+
+
+ROUND: list[dict[str, Any]] = [
+    {"time_s": 1, "at_mm": [0, 0, 0]},
+    {"time_s": 1.5, "at_mm": [100, 50, 0]},
+    {"time_s": 3, "at_mm": [0, 0, 0]},
+]
+
+
+def test_keyframes_that_repeat_do_so_for_ever_in_both_directions_of_time() -> None:
+    law: dict[str, Any] = {"keyframes": {"points": ROUND, "repeat": True}}
+    for t in (-1998.5, -0.5, 1.5, 3.5, 2001.5):
+        assert at(law, t)[0] == pytest.approx([0.1, 0.05, 0.0], abs=1e-9)
+    assert frame(law).law.valid == (-math.inf, math.inf)
+    turning = [{**ROUND[0], "yaw_deg": 90}, ROUND[1], {**ROUND[2], "yaw_deg": 450}]
+    law = {"keyframes": {"points": turning, "repeat": True}}
+    assert [at(law, t)[1] for t in (1.0, 3.0, 5.0)] == pytest.approx([math.pi / 2 * k for k in (1, 5, 9)])
+
+
+def keyframes(**given: Any) -> dict[str, Any]:
+    """The good request with another frame, of these keyframes."""
+    request = copy.deepcopy(GOOD_REQUEST)
+    request["frames"]["tested"] = {"keyframes": {"points": ROUND, **given}}
+    return request
+
+
+def test_how_keyframes_end_is_said_once() -> None:
+    assert request_digest(keyframes(repeat=True)) == request_digest(keyframes(repeat=True, ends="periodic"))
+    assert request_digest(keyframes()) == request_digest(keyframes(repeat=False, ends="clamped"))
+    assert request_digest(keyframes()) != request_digest(keyframes(repeat=True))
+    for given in ({"ends": "periodic"}, {"ends": "clamped", "repeat": True}, {"ends": "natural", "repeat": True}):
+        with pytest.raises(InputError, match=r"tested\.keyframes\.ends: .*periodic with repeat: true") as caught:
+            scene_of(keyframes(**given))
+        assert caught.value.value == given["ends"]
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [({"at_mm": [0, 0, 1e-9]}, "at_mm"), ({"yaw_deg": 359}, "yaw_deg"), ({"at_mm": [0, 0, 1], "yaw_deg": 1}, "at_mm")],
+)
+def test_a_last_pose_that_is_not_the_first_is_refused_where_it_stands(change: dict[str, Any], key: str) -> None:
+    points = [*ROUND[:-1], {**ROUND[-1], **change}]
+    with pytest.raises(InputError) as caught:
+        scene_of(keyframes(points=points, repeat=True))
+    assert caught.value.field == f"frames.tested.keyframes.points[2].{key}"
+    assert caught.value.value == change[key]
+    assert "that of the first point, for the sequence repeats" in caught.value.allowed
+
+
+def changing(**given: Any) -> dict[str, Any]:
+    """A belt that stops at 1 s and starts again at 2 s, with what is given of the first change."""
+    request = copy.deepcopy(GOOD_REQUEST)
+    again = {"at_s": 2, "speed_mm_s": 250, "acceleration_mm_s2": 500, "jerk_mm_s3": 5000}
+    request["frames"]["belt"]["conveyor"]["changes"] = [{"at_s": 1, "speed_mm_s": 0, **given}, again]
+    return request
+
+
+def test_a_change_without_acceleration_or_jerk_takes_stated_ones_and_the_answer_says_so() -> None:
+    known = {"acceleration_mm_s2": 5000, "jerk_mm_s3": 50000}
+    assumed = {
+        "acceleration_mm_s2": "belt: acceleration of its changes 5 m/s^2, assumed where none is given: ",
+        "jerk_mm_s3": "belt: jerk of its changes 50 m/s^3, assumed where none is given: ",
+    }
+    told = scene_of(changing(**known))
+    assert not any("belt" in line for line in told.assumptions)
+    for stated in ((), ("jerk_mm_s3",), ("acceleration_mm_s2",)):
+        scene = scene_of(changing(**{key: known[key] for key in stated}))
+        lines = [line for line in scene.assumptions if line.startswith("belt")]
+        assert lines == [text + "a belt with a servo drive" for key, text in assumed.items() if key not in stated]
+        t = np.linspace(0, 4, 99)
+        np.testing.assert_array_equal(scene.frames["belt"].law.motion(t).p, told.frames["belt"].law.motion(t).p)
+        assert scene.digest == told.digest
+
+
+def test_a_dial_that_changes_its_rate_takes_those_of_a_dial() -> None:
+    request = copy.deepcopy(GOOD_REQUEST)
+    request["frames"]["dial"]["turntable"]["changes"] = [{"at_s": 1, "rate_deg_s": 0}]
+    scene = scene_of(request)
+    lines = [line for line in scene.assumptions if line.startswith("dial")]
+    drive = "a dial of 500 mm with a servo drive"
+    assert lines == [
+        f"dial: acceleration of its changes 20 rad/s^2, assumed where none is given: {drive}",
+        f"dial: jerk of its changes 200 rad/s^3, assumed where none is given: {drive}",
+    ]
+    # from π/3 rad/s to 0, less than 20²/200: two phases of √(π/3/200) each
+    end = 1.0 + 2.0 * math.sqrt(math.pi / 600)
+    law = scene.frames["dial"].law
+    assert law.motion(np.array([end - 1e-3, end + 1e-9])).yaw_d.tolist() == [pytest.approx(1e-4, rel=0.01), 0.0]
+
+
 def test_uncertainty_and_validity_belong_to_the_frame() -> None:
     made = frame({"fixed": {"at_m": [0, 0, 0]}}, uncertainty={"position_mm": 0.5, "speed_mm_s": 2}, valid_s=[0, 4])
     assert (made.uncertainty.position_m, made.uncertainty.speed_m_s) == (0.0005, 0.002)
+    assert made.uncertainty.shift_s == (0.0, 0.0)
     assert made.law.valid == (0.0, 4.0)
     assert np.isnan(made.law.motion(np.array([-0.1, 4.1])).p).all()
 

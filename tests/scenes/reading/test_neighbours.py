@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import copy
+import json
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from assur.planner.errors import InputError
-from assur.scenes.requests import scene_of
+from assur.scenes.requests import check_document, load_scenario, plan_document, request_digest, scene_of
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 
@@ -88,3 +90,139 @@ def test_two_neighbours_need_two_names() -> None:
     assert caught.value.field == "neighbours[1].name"
     request["neighbours"][1]["name"] = "third"
     assert len(scene_of(request).bodies) == len(GOOD_REQUEST["bodies"]) + 10
+
+
+def by_file(folder: Path, document: Any, **beside: Any) -> dict[str, Any]:
+    """The same cell, with the neighbour's trajectory in the answer in a file."""
+    request = with_neighbour(**beside)
+    del request["neighbours"][0]["trajectory"]
+    request["neighbours"][0]["plan"] = {"file": "plans/other.json"}
+    (folder / "plans").mkdir(exist_ok=True)
+    text = document if isinstance(document, str) else json.dumps(document)
+    (folder / "plans" / "other.json").write_text(text)
+    return request
+
+
+def planned(trajectory: Any) -> dict[str, Any]:
+    """As much of an answer as is read."""
+    return {"schema": "assur/1", "status": "planned", "duration_s": 1.0, "trajectory": trajectory}
+
+
+KNOTS: Any = with_neighbour()["neighbours"][0]["trajectory"]
+
+
+def test_a_neighbour_is_given_by_the_file_of_its_plan(tmp_path: Path) -> None:
+    request = by_file(tmp_path, planned(KNOTS))
+    inline, scene = scene_of(with_neighbour()), scene_of(request, folder=tmp_path)
+    assert scene.digest == inline.digest
+    t = np.linspace(0.0, 3.0, 31)
+    for name in ("other/link1", "other/flange"):
+        np.testing.assert_array_equal(scene.frames[name].law.motion(t).p, inline.frames[name].law.motion(t).p)
+
+
+def test_the_plan_of_one_robot_is_an_obstacle_in_the_plan_of_the_next(tmp_path: Path) -> None:
+    """As `assur plan --out` writes it, with the whole certificate, and a scenario file that names it."""
+    alone = {**with_neighbour(), "frames": {}, "bodies": [], "neighbours": []}
+    alone["task"] = [{"move": {"to": {"at_mm": [350, 0, 120]}}}]
+    first = plan_document(alone)
+    request = {**alone, "start": {"joints": {"j1_deg": 0, "j2_deg": 60, "j3_mm": 300, "j4_deg": 0}}}
+    request["robot"] = {**alone["robot"], "base": {"at_mm": [1150, 0, 0], "yaw_deg": 180}}
+    request["task"] = [{"move": {"to": {"at_mm": [800, 100, 120]}}}]
+    request["neighbours"] = [{"name": "other", "robot": alone["robot"], "plan": {"file": "first.json"}}]
+    (tmp_path / "first.json").write_text(json.dumps(first))
+    (tmp_path / "cell.yaml").write_text(json.dumps({"about": "two robots", "request": request}))
+    scenario = load_scenario(tmp_path / "cell.yaml")
+    second = plan_document(scenario.request, folder=scenario.folder)
+    assert second["status"] == "planned"
+    assert any(name.startswith("other/") for name in second["certificate"]["names"])
+    assert check_document(scenario.request, second, folder=scenario.folder)["ok"]
+    # another plan in the file is another request, for which this one is no proof
+    late = {**first, "trajectory": {**first["trajectory"], "time_s": [t + 1 for t in first["trajectory"]["time_s"]]}}
+    (tmp_path / "first.json").write_text(json.dumps(late))
+    found = check_document(scenario.request, second, folder=scenario.folder)["findings"]
+    assert "DIGEST" in {finding["code"] for finding in found}
+
+
+def test_a_neighbour_starts_when_it_is_said(tmp_path: Path) -> None:
+    knots = {**KNOTS, "time_s": [41.5, 42.5]}
+    request = by_file(tmp_path, planned(knots), starts_at_s=1.0)
+    shifted, inline = scene_of(request, folder=tmp_path), scene_of(with_neighbour())
+    t = np.linspace(0.0, 3.0, 31)
+    np.testing.assert_allclose(
+        shifted.frames["other/flange"].law.motion(t).p, inline.frames["other/flange"].law.motion(t).p, atol=1e-12
+    )
+    assert request_digest(with_neighbour(starts_at_s=2.0)) != request_digest(with_neighbour())
+    early = scene_of(with_neighbour(starts_at_ms=-500)).frames["other/flange"].law
+    np.testing.assert_allclose(early.motion(np.array([-0.5, 0.5])).p, [[0.4, 0, 0.25], [0.8, -0.4, 0.15]], atol=1e-12)
+
+
+@pytest.mark.parametrize("key", ["start_uncertainty_s", "start_uncertainty_ms"])
+def test_an_uncertain_start_shifts_the_whole_motion_either_way(key: str) -> None:
+    amount = 0.05 if key.endswith("_s") and not key.endswith("_ms") else 50
+    assert scene_of(with_neighbour(**{key: amount})).frames["other/flange"].uncertainty.shift_s == (-0.05, 0.05)
+    assert scene_of(with_neighbour(**{key: 0.0})).frames["other/flange"].uncertainty.shift_s == (0.0, 0.0)
+    for wrong in (-0.1, math.nan, "soon"):
+        with pytest.raises(InputError) as caught:
+            scene_of(with_neighbour(**{key: wrong}))
+        assert caught.value.field == f"neighbours[0].{key}"
+
+
+@pytest.mark.parametrize(
+    ("document", "said"),
+    [
+        ("{", "request: got"),
+        ([], "status: got nothing; allowed: planned"),
+        ({"status": "not_planned"}, "status: got 'not_planned'; allowed: planned"),
+        ({"status": "planned"}, "trajectory: got nothing"),
+        (planned([]), "trajectory: got []"),
+        (planned({**KNOTS, "time_s": [1.0, "two"]}), "trajectory.time_s[1]: got 'two'; allowed: a number"),
+        (planned({**KNOTS, "extra": 1}), "trajectory.extra: got 1"),
+        ('{"status": "planned", "trajectory": {"time_s": [0.0, NaN]}}', "trajectory.time_s[1]: got"),
+    ],
+)
+def test_a_file_that_holds_no_plan_is_told_by_its_name(tmp_path: Path, document: Any, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        scene_of(by_file(tmp_path, document), folder=tmp_path)
+    assert (caught.value.field, caught.value.value) == ("neighbours[0].plan.file", "plans/other.json")
+    assert f"a file with a planned answer, as assur plan --out writes it; in this one {said}" in caught.value.allowed
+
+
+@pytest.mark.parametrize("name", ["../plans/other.json", "none.json", "plans", "other.yaml", "/etc/passwd", "a\0.json"])
+def test_no_other_file_is_ever_read_for_a_plan(tmp_path: Path, name: str) -> None:
+    request = by_file(tmp_path, planned(KNOTS))
+    (tmp_path / "cell").mkdir()
+    (tmp_path / "cell" / "other.yaml").write_text("{}")
+    request["neighbours"][0]["plan"]["file"] = name
+    with pytest.raises(InputError) as caught:
+        scene_of(request, folder=tmp_path / "cell")
+    assert caught.value.field == "neighbours[0].plan.file"
+    assert "a file below the folder of the file that names it, ending in .json" in caught.value.allowed
+
+
+def test_a_request_alone_never_names_a_file(tmp_path: Path) -> None:
+    """Over HTTP, and in Python without a folder."""
+    with pytest.raises(InputError, match="a request never names a file") as caught:
+        scene_of(by_file(tmp_path, planned(KNOTS)))
+    assert caught.value.field == "neighbours[0].plan.file"
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"plan": {"file": "plans/other.json"}}, "neighbours[0].plan"),
+        ({"plan": "plans/other.json", "trajectory": None}, "neighbours[0].plan"),
+        ({"plan": {"file": "plans/other.json", "time": 1}, "trajectory": None}, "neighbours[0].plan.time"),
+        ({"plan": {}, "trajectory": None}, "neighbours[0].plan.file"),
+        ({"plan": {"file": 7}, "trajectory": None}, "neighbours[0].plan.file"),
+        ({"trajectory": None}, "neighbours[0]"),
+        ({"starts_at_s": math.inf}, "neighbours[0].starts_at_s"),
+    ],
+)
+def test_a_neighbour_has_either_a_trajectory_or_a_plan(tmp_path: Path, change: dict[str, Any], field: str) -> None:
+    by_file(tmp_path, planned(KNOTS))
+    request = with_neighbour(**change)
+    if change.get("trajectory", 0) is None:
+        del request["neighbours"][0]["trajectory"]
+    with pytest.raises(InputError) as caught:
+        scene_of(request, folder=tmp_path)
+    assert caught.value.field == field
