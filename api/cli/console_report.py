@@ -93,6 +93,15 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
             beside or _met(answer["trajectory"], arrival),
         )
     yield from (arrivals, "")
+    unsure = [arrival for arrival in answer["arrivals"] if (arrival["error"] or {}).get("position_m")]
+    if unsure:
+        errors = table("may be off", ">mm", ">yaw deg", "by cause, mm")
+        for arrival in unsure:
+            error = arrival["error"]
+            causes = ", ".join(f"{each['cause']} {1e3 * each['position_m']:.2f}" for each in error["causes"])
+            position, yaw = f"{1e3 * error['position_m']:.2f}", f"{math.degrees(error['yaw_rad']):.2f}"
+            row(errors, arrival["control_point"], position, yaw, causes)
+        yield from (errors, "")
     margins = answer["margins"]
     bound = answer["lower_bound_s"]
     least = f"; no plan takes less than {bound:.3f} s" if bound else "; no bound is known"

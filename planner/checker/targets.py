@@ -39,7 +39,8 @@ def targets(scene: Scene, arrivals: tuple[Arrival, ...]) -> tuple[Target, ...]:
     claims = {arrival.step: arrival for arrival in arrivals}
     lies = {body.name: (body.frame, body.pose) for body in scene.bodies}
     has_yaw, has_tilt = ("yaw" in scene.robot.coordinates, "pitch" in scene.robot.coordinates)
-    taken = Pose()
+    holding = scene.start.holding
+    taken = Pose() if holding is None else holding.grasp
     found = []
     for number, step in enumerate(scene.task):
         claim = claims.get(number)

@@ -1,0 +1,276 @@
+"""What a request does not know, from the request to the verdict: cells in which an earlier version did damage that it
+had proved away, and answers that say less than is true."""
+
+from __future__ import annotations
+
+import copy
+import math
+from typing import Any
+
+import pytest
+
+from assur.scenes.requests import check_document, plan_document, shipped
+
+CUP = {"name": "cup", "shape": {"cylinder": {"radius_mm": 12, "height_mm": 100}}, "at_mm": [0, 0, -50]}
+ROBOT = {"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_mm": [0, 0, -100], "bodies": [CUP]}}
+START = {"joints": {"j1_rad": -0.23, "j2_rad": 1.87, "j3_m": 0.3, "j4_rad": 0.0}}
+PART = {"box": {"size_mm": [50, 50, 50]}}
+OPTIONS: dict[str, Any] = {
+    "stop": "first",
+    "budget_s": 60,
+    "max_candidates": 80,
+    "clearance_mm": {"travel": 4, "near": 4},
+    "singularity_margin": 0.1,
+}
+Document = dict[str, Any]
+
+
+def cell(**facts: object) -> Document:
+    return {"schema": "assur/1", "robot": ROBOT, "start": START, "options": OPTIONS, **copy.deepcopy(facts)}
+
+
+def planned(request: Document) -> Document:
+    """The plan, which the checker accepts."""
+    answer: Any = plan_document(request)
+    assert answer["status"] == "planned", answer["sentence"]
+    verdict = check_document(request, answer)
+    assert verdict["ok"], verdict["findings"]
+    return dict(answer)
+
+
+def refused(request: Document) -> Document:
+    answer: Any = plan_document(request)
+    assert answer["status"] == "not_planned"
+    return dict(answer)
+
+
+def fingers(uncertainty: Document, execution: Document, **of_pick: object) -> Document:
+    """Two fingers, 0.5 mm beside the part that they take from a belt."""
+    request = copy.deepcopy(dict(shipped("dense-flow-uncorrected").request))  # type: ignore[call-overload]
+    request["bodies"] = [body for body in request["bodies"] if body["name"] not in ("before", "behind")]
+    request["frames"]["belt"]["uncertainty"], request["execution"] = uncertainty, execution
+    request["options"] = {**request["options"], "stop": "first", "max_candidates": 60}
+    request["task"][0]["pick"].update(of_pick)
+    return request
+
+
+@pytest.mark.parametrize(
+    ("uncertainty", "execution"), [({"speed_mm_s": 5}, {}), ({}, {"start_tolerance_ms": 40}), ({"position_mm": 5}, {})]
+)
+def test_fingers_are_not_driven_into_their_part(uncertainty: Document, execution: Document) -> None:
+    answer = refused(fingers(uncertainty, execution))
+    assert any("part" in line["bodies"] for line in answer["census"]["lines"])
+    # what gripper and part give way, they may be pressed
+    given = fingers(uncertainty, execution, contact_tolerance_mm=16, held_within={"position_mm": 0.5})
+    assert planned(given)["arrivals"][0]["error"]["position_m"] > 0.004
+    # an error across the belt, where there is room, drives no finger into anything
+    assert planned(fingers({"lateral_mm": 5}, {}, held_within={}))["arrivals"][0]["error"]["position_m"] > 0.0049
+
+
+WALLS: list[Document] = [
+    {"name": "bed", "shape": {"box": {"size_mm": [2200, 200, 50]}}, "pose": {"at_mm": [0, 380, 25]}},
+    {"name": "part", "shape": PART, "pose": {"frame": "belt", "at_mm": [-900, 0, 25]}},
+    {"name": "table", "shape": {"box": {"size_mm": [300, 300, 80]}}, "pose": {"at_mm": [330, -250, 40]}},
+    {"name": "wall-a", "shape": {"box": {"size_mm": [10, 80, 60]}}, "pose": {"at_mm": [363, -250, 110]}},
+    {"name": "wall-b", "shape": {"box": {"size_mm": [10, 80, 60]}}, "pose": {"at_mm": [297, -250, 110]}},
+]
+
+
+def between_walls(uncertainty: Document, execution: Document, **of_pick: object) -> Document:
+    """A part from a belt is put down between two walls, 3 mm from each."""
+    pick = {"part": "part", "grasp_mm": [0, 0, 25], "approach": {"mm": 60}, "dwell_ms": 80, "depart": {"mm": 80}}
+    place = {"part": "part", "to": {"at_mm": [330, -250, 105], "yaw_deg": 0}, "approach": {"mm": 70}, "dwell_ms": 50}
+    return cell(
+        frames={"belt": {"conveyor": {"at_mm": [0, 380, 50], "speed_mm_s": 250}, "uncertainty": uncertainty}},
+        bodies=WALLS,
+        task=[
+            {"pick": {**pick, "window_mm": [-200, 150], **of_pick}},
+            {"place": {**place, "depart": {"mm": 70}, "contact_with": ["table"]}},
+            {"move": {"to": {"at_mm": [300, 0, 200]}}},
+        ],
+        options={**OPTIONS, "clearance_mm": {"travel": 5, "near": 1.5}, "singularity_margin": 0.15},
+        execution=execution,
+    )
+
+
+@pytest.mark.parametrize(("uncertainty", "execution"), [({"speed_mm_s": 5}, {}), ({}, {"start_tolerance_ms": 40})])
+def test_what_is_not_known_of_a_part_when_it_is_gripped_stays_in_the_hand(
+    uncertainty: Document, execution: Document
+) -> None:
+    answer = refused(between_walls(uncertainty, execution))
+    assert any(set(line["bodies"]) & {"wall-a", "wall-b"} for line in answer["census"]["lines"])
+    # a gripper that centres the part, and says how well, may put it down there
+    centred = planned(between_walls(uncertainty, execution, held_within={"position_mm": 1, "yaw_deg": 0.1}))
+    place = centred["arrivals"][1]["error"]
+    assert place["horizontal_m"] == pytest.approx(0.001, abs=1e-5)
+    assert place["yaw_rad"] == pytest.approx(math.radians(0.1), abs=1e-5)
+    assert [share["cause"] for share in place["causes"]] == ["grip"]
+
+
+def corrected(body: Document, uncertainty: Document) -> Document:
+    """A follow on a belt for whose error the controller corrects, beside a post."""
+    return cell(
+        frames={"belt": {"conveyor": {"at_mm": [0, 380, 50], "speed_mm_s": 250}, "uncertainty": uncertainty}},
+        bodies=[{"name": "post", "shape": {"cylinder": {"radius_mm": 15, "height_mm": 500}}, **body}],
+        task=[
+            {
+                "follow": {
+                    "to": {"frame": "belt", "at_mm": [-500, 0, 120], "yaw_free": True},
+                    "duration_s": 1.0,
+                    "window_mm": [-350, 200],
+                }
+            }
+        ],
+        options={**OPTIONS, "end": "moving"},
+        execution={"belt_correction": True},
+    )
+
+
+def test_a_belt_correction_moves_the_tool_and_not_the_base() -> None:
+    """A post on the belt comes within 20 mm of the base column, and the belt may be 8 mm or 18 mm off."""
+    near = {"pose": {"frame": "belt", "at_mm": [-526, -347, 250]}}
+    planned(corrected(near, {"position_mm": 8}))
+    answer = refused(corrected(near, {"position_mm": 18}))
+    assert any(line["bodies"] == ["base-column", "post"] for line in answer["census"]["lines"])
+
+
+def test_the_elbow_is_moved_by_more_than_the_tool() -> None:
+    """The arm is almost stretched: 6 mm at the tool are more than 17 mm at the elbow."""
+    request = corrected({"pose": {"at_mm": [297.79, -189.39, 450]}}, {"position_mm": 6})
+    request["bodies"][0]["shape"] = {"cylinder": {"radius_mm": 15, "height_mm": 100}}
+    request["start"] = {"joints": {"j1_rad": 0.2, "j2_rad": 0.8, "j3_m": 0.3, "j4_rad": 0.0}}
+    request["frames"]["belt"]["conveyor"] = {"at_mm": [535, -1000, 50], "yaw_deg": 90, "speed_mm_s": 250}
+    request["task"][0]["follow"].update(
+        to={"frame": "belt", "at_mm": [900, 0, 120], "yaw_free": True}, duration_s=0.25, window_mm=[940, 1060]
+    )
+    request["options"] = {**OPTIONS, "end": "moving", "singularity_margin": 0.05}
+    assert any("link-2" in line["bodies"] for line in refused(request)["census"]["lines"])
+    request["frames"]["belt"]["uncertainty"] = {"position_mm": 0.2}
+    planned(request)
+
+
+def set_down(amplitude_deg: float, **options: object) -> Document:
+    """A part is put down where a bar swings by."""
+    pick = {"part": "part", "grasp_mm": [0, 0, 25], "approach": {"mm": 60}, "dwell_ms": 80, "depart": {"mm": 80}}
+    place = {"part": "part", "to": {"at_mm": [300, 200, 100], "yaw_deg": 0}, "approach": {"mm": 70}, "dwell_ms": 50}
+    return cell(
+        frames={"gate": {"swing": {"pivot_mm": [300, 350, 120], "amplitude_deg": amplitude_deg, "period_s": 1.0}}},
+        bodies=[
+            {
+                "name": "bar",
+                "shape": {"box": {"size_mm": [500, 20, 20]}},
+                "pose": {"frame": "gate", "at_mm": [0, -50, 0]},
+            },
+            {"name": "part", "shape": PART, "pose": {"at_mm": [300, -200, 100]}},
+        ],
+        task=[{"pick": pick}, {"place": {**place, "depart": {"mm": 70}}}, {"move": {"to": {"at_mm": [300, 0, 200]}}}],
+        options={**OPTIONS, "clearance_mm": {"travel": 2, "near": 1}, **options},
+    )
+
+
+def test_a_part_that_was_put_down_is_kept_clear_of_what_passes_by() -> None:
+    answer = refused(set_down(69, stay_safe_s=2))
+    assert any(line["bodies"] == ["part", "bar"] for line in answer["census"]["lines"])
+    plan = planned(set_down(11, stay_safe_s=2))
+    # the rows that say so are asked for
+    c, names = plan["certificate"], plan["certificate"]["names"]
+    both = {names.index("part"), names.index("bar")}
+    kept = [i for i in range(c["rows"]) if {c["first"][i], c["second"][i]} != both]
+    assert len(kept) < c["rows"]
+    forged = copy.deepcopy(plan)
+    for key, column in c.items():
+        if isinstance(column, list) and len(column) == c["rows"] and key not in ("names", "covers"):
+            forged["certificate"][key] = [column[i] for i in kept]
+    forged["certificate"]["rows"] = len(kept)
+    codes = {finding["code"] for finding in check_document(set_down(11, stay_safe_s=2), forged)["findings"]}
+    assert codes == {"COVER", "DIGEST"}
+
+
+def test_a_step_that_must_be_exact_is_refused_with_the_cause_that_adds_most() -> None:
+    request = between_walls({"speed_mm_s": 5}, {"start_tolerance_ms": 4}, held_within={}, tolerance_mm=16)
+    request["execution"]["lag"] = {"j1_deg": 0.02, "j2_deg": 0.02}
+    error = planned(request)["arrivals"][0]["error"]
+    shares = {share["cause"]: share["position_m"] for share in error["causes"]}
+    assert list(shares) == ["frame", "late start", "servo lag"]
+    assert shares["late start"] == pytest.approx(0.001, abs=1e-6)  # 250 mm/s for 4 ms
+    assert max(shares.values()) < error["position_m"] <= sum(shares.values()) + 1e-5
+    request["task"][0]["pick"]["tolerance_mm"] = 8
+    answer = refused(request)
+    assert answer["reason"] == "TOLERANCE"
+    assert "only 8 mm are allowed" in answer["sentence"]
+    assert "is due to: frame" in answer["sentence"]
+    tight = copy.deepcopy(request)
+    tight["task"][0]["pick"].pop("tolerance_mm")
+    tight["task"][0]["pick"]["tolerance_deg"] = 0.01
+    assert refused(tight)["reason"] == "TOLERANCE"
+
+
+@pytest.mark.parametrize("what", ["position_m", "horizontal_m", "yaw_rad", "nothing"])
+def test_an_error_that_is_said_to_be_smaller_is_found(what: str) -> None:
+    request = between_walls({"speed_mm_s": 5}, {}, held_within={"position_mm": 0.5, "yaw_deg": 0.2})
+    request["execution"] = {"lag": {"j1_deg": 0.02, "j4_deg": 0.05}}
+    plan = planned(request)
+    for number in (0, 1):
+        forged = copy.deepcopy(plan)
+        error = forged["arrivals"][number]["error"]
+        if what == "nothing":
+            forged["arrivals"][number]["error"] = None
+        else:
+            error[what] *= 0.99
+        codes = {finding["code"] for finding in check_document(request, forged)["findings"]}
+        assert codes >= {"ERROR", "DIGEST"}
+
+
+def beside_a_neighbour(tolerance_ms: float) -> Document:
+    request = copy.deepcopy(dict(shipped("two-robots").request))  # type: ignore[call-overload]
+    request["execution"] = {"start_tolerance_ms": tolerance_ms}
+    request["options"] = {**request["options"], "stop": "first"}
+    return request
+
+
+def test_rows_that_leave_out_a_late_start_are_found() -> None:
+    plan, on_time = planned(beside_a_neighbour(5)), planned(beside_a_neighbour(0))
+    assert on_time["certificate"]["shift0_s"] is None
+    assert max(plan["certificate"]["shift1_s"]) == 0.005
+    forged = copy.deepcopy(plan)
+    forged["certificate"]["shift1_s"] = [0.9 * shift for shift in plan["certificate"]["shift1_s"]]
+    codes = {finding["code"] for finding in check_document(beside_a_neighbour(5), forged)["findings"]}
+    assert codes == {"COVER", "DIGEST"}
+    turned = copy.deepcopy(plan)
+    for one, other in (("first", "second"), ("first_piece", "second_piece")):
+        turned["certificate"][one], turned["certificate"][other] = plan["certificate"][other], plan["certificate"][one]
+    turned["certificate"]["normal"] = [[-x for x in n] for n in plan["certificate"]["normal"]]
+    assert "COVER" in {finding["code"] for finding in check_document(beside_a_neighbour(5), turned)["findings"]}
+
+
+def test_a_plan_goes_on_with_the_part_in_the_gripper() -> None:
+    place = {"part": "part", "to": {"at_mm": [330, -250, 105], "yaw_deg": 0}, "approach": {"mm": 70}, "dwell_ms": 50}
+    bodies = [body for body in WALLS if body["name"] in ("table", "wall-a", "wall-b")]
+
+    def holding(within: Document) -> Document:
+        return cell(
+            start={**START, "holding": {"part": "part", "grasp_mm": [0, 0, 25], "within": within}},
+            bodies=[*bodies, {"name": "part", "shape": PART}],
+            task=[{"place": {**place, "depart": {"mm": 60}, "contact_with": ["table"]}}],
+            options={**OPTIONS, "clearance_mm": {"travel": 2, "near": 1.5}, "max_candidates": 200},
+        )
+
+    plan = planned(holding({"position_mm": 0.9}))
+    assert plan["arrivals"][0]["error"]["causes"] == [{"cause": "grip", "position_m": 0.0009, "yaw_rad": 0.0}]
+    walls = {"wall-a", "wall-b"}
+    assert any(set(line["bodies"]) & walls for line in refused(holding({"position_mm": 2}))["census"]["lines"])
+
+
+def test_a_clearance_may_be_another_for_some_bodies() -> None:
+    request = between_walls({}, {}, held_within={})
+    request["options"]["clearance_mm"] = {"travel": 6, "near": 4}
+    assert any("part" in line["bodies"] for line in refused(request)["census"]["lines"])
+    exception = {"between": ["part"], "and": ["wall-a", "wall-b"], "clearance_mm": {"travel": 3, "near": 2}}
+    request["options"]["clearance_exceptions"] = [exception]
+    plan = planned(request)
+    # the answer to the request with the exception is none to the one without, and not to one that asks for more
+    del request["options"]["clearance_exceptions"]
+    assert "SEPARATION" in {finding["code"] for finding in check_document(request, plan)["findings"]}
+    wider = {"between": ["cup"], "clearance_mm": {"travel": 300, "near": 300}}
+    request["options"].update(clearance_mm={"travel": 2, "near": 1}, clearance_exceptions=[wider])
+    refused(request)
