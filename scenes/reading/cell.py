@@ -49,13 +49,13 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         with within("neighbours", i):
             if item.name in {other.name for other in request.neighbours[:i]}:
                 raise Refused("a name that no other neighbour has", "name")
-            surroundings += neighbours.add_neighbour(item, known, places)
-    taken, frame_names = set(own), list(known)
+            surroundings += neighbours.add_neighbour(item, known.laws, places)
+    taken = set(own)
     for i, named in enumerate(request.bodies):
         with within("bodies", i):
             if named.name in taken:
                 raise Refused("a name that no body of the robot or its tool has", "name")
-            surroundings.append(bodies.world_body(named, frame_names, places))
+            surroundings.append(bodies.world_body(named, known, places))
     steps = task.steps_of(request.task, known, places, robot.coordinates)
     _check_riders(request, steps)
     carry = None if request.carry is None else request.carry.acceleration_m_s2
@@ -63,7 +63,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         robot=robot,
         tool=tool,
         start=start,
-        frames=known,
+        frames=known.laws,
         bodies=tuple(surroundings),
         task=steps,
         options=_options(request.options, robot.modes),

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from assur.planner.errors import FaultError
-from assur.planner.frames import Conveyor, Frame, Linear
+from assur.planner.frames import Conveyor, Linear
 from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Step, Target, Window
-from assur.scenes.faults import Refused, within
-from assur.scenes.reading.bodies import Places, choices, resolve
-from assur.scenes.reading.frames import placed
+from assur.scenes.faults import Refused, choices, within
+from assur.scenes.reading.bodies import Places, resolve
+from assur.scenes.reading.frames import Frames, placed
 from assur.scenes.schema.task import (
     FollowDocument,
     MoveDocument,
@@ -26,7 +26,7 @@ NO_YAW = "no yaw: the robot has no wrist"
 class _Task:
     """Reads the steps in order, and knows what the gripper holds in between."""
 
-    def __init__(self, frames: dict[str, Frame], places: Places, coordinates: tuple[str, ...]) -> None:
+    def __init__(self, frames: Frames, places: Places, coordinates: tuple[str, ...]) -> None:
         self.frames, self.places = frames, places
         self.has_yaw, self.has_tilt = "yaw" in coordinates, "pitch" in coordinates
         self.no_yaw = "no yaw: the tool's heading follows from the position" if self.has_tilt else NO_YAW
@@ -111,14 +111,14 @@ class _Task:
             yaw_free = item.yaw_free or (silent and (free or not self.has_yaw))
             if item.body is not None and item.body == self.held:
                 raise Refused("a body that is not in the gripper", "body")
-            frame, pose = resolve(item, item.yaw_rad or 0.0, list(self.frames), self.places)
+            frame, pose = resolve(item, item.yaw_rad or 0.0, self.frames, self.places)
             return Target(frame, pose, yaw_free, _asked(item.pitch_rad), _asked(item.roll_rad))
 
     def _window(self, item: WindowedStep, frame: str) -> Window:
         for key, ends in (("window_s", item.window_s), ("window_m", item.window_m)):
             if ends is not None and not ends[0] < ends[1]:
                 raise Refused(_reversed, key)
-        if item.window_m is not None and not isinstance(self.frames[frame].law, Conveyor | Linear):
+        if item.window_m is not None and not isinstance(self.frames.laws[frame].law, Conveyor | Linear):
             raise Refused(f"window_s: {frame} is no conveyor to measure along", "window_m")
         time = None if item.window_s is None else (item.window_s[0], item.window_s[1])
         along = None if item.window_m is None else (item.window_m[0], item.window_m[1])
@@ -146,7 +146,7 @@ def _reversed(_: str, ends: object) -> str:
 
 
 def steps_of(
-    task: Sequence[StepDocument], frames: dict[str, Frame], places: Places, coordinates: tuple[str, ...]
+    task: Sequence[StepDocument], frames: Frames, places: Places, coordinates: tuple[str, ...]
 ) -> tuple[Step, ...]:
     """The steps, in order, for a robot with these coordinates.
 

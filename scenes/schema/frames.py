@@ -20,13 +20,16 @@ from assur.scenes.schema.model import (
     PoseDocument,
     Positive,
     Rate,
+    Reference,
     Span,
     Speed,
 )
 
 
 class FixedDocument(PoseDocument):
-    """A frame that does not move."""
+    """A frame that does not move, or that goes with another `frame`, in which its pose is constant."""
+
+    frame: Reference | None = None
 
 
 class LinearDocument(PoseDocument):
