@@ -10,12 +10,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
 from pathlib import Path
-from typing import Annotated, Any, Literal, ParamSpec
+from typing import TYPE_CHECKING, Annotated, Any, Literal, ParamSpec
 
 import typer
 
 from assur.api.cli import catalogue_table, console_report
-from assur.api.cli.inputs import json_file, robot_named, target
+from assur.api.cli.inputs import Target, json_file, robot_named, target
 from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import Problem, printable
@@ -24,6 +24,9 @@ from assur.planner.errors import FaultError, InputError
 from assur.planner.report.number_format import amount
 from assur.scenes import kernels as compiled_kernels
 from assur.scenes import requests
+
+if TYPE_CHECKING:
+    from assur.scenes.reading.cell import Cell
 
 RIGHT, WRONG, BAD_INPUT, FAULT = 0, 1, 2, 3
 INTERRUPTED, PIPE_CLOSED = 128 + signal.SIGINT, 128 + signal.SIGPIPE
@@ -101,7 +104,7 @@ def plan(
     given = target(file)
     if out is not None and (out.is_dir() or not out.parent.is_dir()):
         raise InputError("--out", str(out), "a file in a folder that exists")
-    cell = given.cell
+    cell = _read(given)
     _announce_compilation()
     with console_report.working(f"planning {given.name}"):
         answer = given.plan()
@@ -132,7 +135,7 @@ def check(
 ) -> int:
     """Check a PLAN against FILE with the checker, which trusts no planner."""
     given = target(file)
-    read = requests.read_plan(given.cell, json_file(plan, "PLAN"))
+    read = requests.read_plan(_read(given), json_file(plan, "PLAN"))
     _announce_compilation()
     with console_report.working(f"checking {plan.name}"):
         verdict = requests.check_plan(given.cell, *read)
@@ -256,6 +259,13 @@ def _say(text: str, code: int = RIGHT, line: int | None = None) -> int:
     at = "" if line is None else f"line {line}: "
     print(f"assur: {at}{printable(text, 2500)}", file=sys.stderr)
     return code
+
+
+def _read(given: Target) -> Cell:
+    """The cell of what was given, read; only a start at a pose takes the kernels for it."""
+    if given.starts_at_a_pose:
+        _announce_compilation()
+    return given.cell
 
 
 def _announce_compilation() -> None:

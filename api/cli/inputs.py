@@ -40,6 +40,12 @@ class Target:
     folder: Path
     scenario: Scenario | None = None
 
+    @property
+    def starts_at_a_pose(self) -> bool:
+        """Whether its start is a pose of the tool, so that reading it takes the kernels."""
+        start = self.request.get("start") if isinstance(self.request, dict) else None
+        return isinstance(start, dict) and "tool" in start
+
     @cached_property
     def cell(self) -> Cell:
         """The request, read, and nothing planned. Raises `InputError`, with the line in a scenario's file."""

@@ -10,6 +10,7 @@ from assur.planner.geometry.shapes import AXES, Body, Piece, box, capsule, cylin
 from assur.planner.model.scene import WORLD, WorldBody
 from assur.scenes.faults import DocumentError, Refused, as_written, choices, dotted, fault, within
 from assur.scenes.reading.frames import Frames, placed
+from assur.scenes.schema.robots import ToolPoseDocument
 from assur.scenes.schema.shapes import AttachedBody, BodyDocument, MeshDocument, PlaceInCell, ShapeDocument
 from assur.scenes.schema.task import TargetDocument
 
@@ -99,6 +100,8 @@ def _turn(yaw: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
 
 Places = dict[str, tuple[str, Pose]]
 """Where each body of the cell sits: frame, and pose in it."""
+Placement = PlaceInCell | TargetDocument | ToolPoseDocument
+"""What is given in a frame, or relative to a body."""
 
 
 def world_body(item: BodyDocument, frames: Frames, places: Places) -> WorldBody:
@@ -113,7 +116,7 @@ def world_body(item: BodyDocument, frames: Frames, places: Places) -> WorldBody:
     return WorldBody(body, frame, pose, item.mass_kg, item.yaw_symmetry)
 
 
-def resolve(place: PlaceInCell | TargetDocument, yaw: float, frames: Frames, places: Places) -> tuple[str, Pose]:
+def resolve(place: Placement, yaw: float, frames: Frames, places: Places) -> tuple[str, Pose]:
     """Frame with a law and pose in it, of a place that may be relative to a body (one that was named before)."""
     pose = placed(place.at_m, yaw)
     if place.body is not None:

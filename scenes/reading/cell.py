@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from assur.planner.model.scene import Clearance, Execution, Options, Pick, Scene, Step
+from assur.planner.model.scene import Clearance, Execution, Options, Pick, Scene, Step, check_tool_point
 from assur.scenes.conventions import Conventions
 from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading import bodies, frames, neighbours, robots, task
+from assur.scenes.reading.start import start_of
 from assur.scenes.schema.request import OptionsDocument, RequestDocument
 
 
@@ -34,9 +35,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
     with within("robot"):
         given = robots.equipped(request.robot)
     robot, tool = given.robot, given.tool
-    with within("start"):
-        start = robots.start(request.start, given.conventions, robot.limits)
-        robots.refuse_open_chain(robot, start)
+    check_tool_point(robot, tool)
     with within("frames"):
         known = frames.frames_of(request.frames)
     places: bodies.Places = {}
@@ -56,6 +55,8 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
             if named.name in taken:
                 raise Refused("a name that no body of the robot or its tool has", "name")
             surroundings.append(bodies.world_body(named, known, places))
+    with within("start"):
+        start = start_of(request.start, given, known, places)
     steps = task.steps_of(request.task, known, places, robot.coordinates)
     _check_riders(request, steps)
     carry = None if request.carry is None else request.carry.acceleration_m_s2

@@ -21,6 +21,8 @@ from assur.scenes.schema.task import (
 )
 
 NO_YAW = "no yaw: the robot has no wrist"
+NO_HEADING = "no yaw: the tool's heading follows from the position"
+NO_TILT = "no {}: only arms with five axes have one"
 
 
 class _Task:
@@ -29,7 +31,7 @@ class _Task:
     def __init__(self, frames: Frames, places: Places, coordinates: tuple[str, ...]) -> None:
         self.frames, self.places = frames, places
         self.has_yaw, self.has_tilt = "yaw" in coordinates, "pitch" in coordinates
-        self.no_yaw = "no yaw: the tool's heading follows from the position" if self.has_tilt else NO_YAW
+        self.no_yaw = NO_HEADING if self.has_tilt else NO_YAW
         self.held: str | None = None
         self.names: set[str] = set()
 
@@ -100,7 +102,7 @@ class _Task:
                 raise Refused(self.no_yaw, "yaw_rad")
             for key in ("pitch_rad", "roll_rad"):
                 if key in item.model_fields_set and not self.has_tilt:
-                    raise Refused(f"no {key.removesuffix('_rad')}: only arms with five axes have one", key)
+                    raise Refused(NO_TILT.format(key.removesuffix("_rad")), key)
             if item.yaw_free and not self.has_yaw:
                 raise Refused(self.no_yaw, "yaw_free")
             if item.yaw_free and part:
