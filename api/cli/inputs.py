@@ -96,6 +96,31 @@ def robot_named(text: str) -> RobotFile:
     return shipped_robot(text)
 
 
+def robot_in_place(text: str, cell: Cell | None) -> dict[str, Any]:
+    """The robot that `text` names (`robot_named`), with tool point and base of the robot of `cell`, if there is one."""
+    document: Any = {} if cell is None else cell.document
+    own = document.get("robot", {})
+    tool = {key: value for key, value in own.get("tool", {"tcp_mm": [0, 0, 0]}).items() if key.startswith("tcp")}
+    base = {"base": own["base"]} if "base" in own else {}
+    return {**robot_named(text).document, "tool": tool, **base}
+
+
+def joints_in(text: str) -> dict[str, float]:
+    """Joint values with their units, from ``j1_deg=17,j2_deg=68,j3_mm=250``. Raises `InputError`."""
+    allowed = "joints with their units and values, as in j1_deg=17,j2_deg=68,j3_mm=250"
+    found: dict[str, float] = {}
+    for part in text.split(","):
+        name, _, value = (word.strip() for word in part.partition("="))
+        try:
+            number = float(value)
+        except ValueError as error:
+            raise InputError("--joints", part, allowed) from error
+        if name in found:
+            raise InputError("--joints", part, f"{name} once")
+        found[name] = number
+    return found
+
+
 def json_file(path: Path, name: str) -> Any:
     """The document in the JSON file that was given as `name`. Raises `InputError` or `OSError`."""
     if not _is_file(path):

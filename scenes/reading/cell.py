@@ -14,11 +14,18 @@ from assur.scenes.schema.request import OptionsDocument, RequestDocument
 
 @dataclass(frozen=True, eq=False)
 class Cell:
-    """A scene, the maker's joint conventions for its answer, and the request as it was written."""
+    """A scene, what it was made of (the robot, its frames, where its bodies sit), and the request as it was written."""
 
     scene: Scene
-    conventions: Conventions
+    given: robots.Equipped
+    frames: frames.Frames
+    places: bodies.Places
     document: object
+
+    @property
+    def conventions(self) -> Conventions:
+        """How the maker counts the joints, for the answer."""
+        return self.given.conventions
 
 
 def cell_of(document: object, request: RequestDocument) -> Cell:
@@ -75,7 +82,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         assumptions=(*robots.assumptions_of(document, request.robot), *_unused(request)),
         digest=request.digest,
     )
-    return Cell(scene, given.conventions, document)
+    return Cell(scene, given, known, places, document)
 
 
 MASSES = "mass_kg is not used: no torque, no payload check"

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.frames.law import Law
 from assur.planner.frames.motion import Motion
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.report.number_format import SHOWN_AS, amount
@@ -43,14 +44,24 @@ def flange_of(item: ToolPoseDocument, given: Equipped, frames: Frames, places: P
             raise Refused(f"{key} or {of}_deg, which must be given", key)
     frame, pose = resolve(item, item.yaw_rad or 0.0, frames, places)
     law = frames.laws[frame].law
-    if not law.valid[0] <= t <= law.valid[1]:
-        ends = zip(("from", "to"), law.valid, strict=True)
-        known = " ".join(f"{word} {end:g} s" for word, end in ends if math.isfinite(end))
-        raise Refused(f"a frame that is known at {t:g} s; {frame} is known {known}", "body" if item.body else "frame")
+    if not knows(law, t):
+        allowed = f"a frame that is known at {t:g} s; {frame} is {known_from(law)}"
+        raise Refused(allowed, "body" if item.body else "frame")
     flange = law.motion(np.array(t)).at(pose.then(given.tool.tcp.inverse())).at_rest()
     if item.pitch_rad is None:
         return flange
     return TiltedMotion.of(flange, np.array([item.pitch_rad, item.roll_rad]))
+
+
+def knows(law: Law, t: float) -> bool:
+    """Whether a law is known at a time, s."""
+    return law.valid[0] <= t <= law.valid[1]
+
+
+def known_from(law: Law) -> str:
+    """When a law is known that is not known for ever."""
+    ends = zip(("from", "to"), law.valid, strict=True)
+    return "known " + " ".join(f"{word} {end:g} s" for word, end in ends if math.isfinite(end))
 
 
 def wrist_turns(found: FloatArray, given: Equipped) -> list[int] | None:
