@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import copy
 import itertools
+import json
 import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
-from pydantic import TypeAdapter
+from pydantic import TypeAdapter, ValidationError
 
 from assur.planner.collision.proof import Prover
 from assur.planner.errors import InputError
@@ -37,6 +38,11 @@ ANSWER: TypeAdapter[Any] = TypeAdapter(IkAnswer)
 POSE = {"at_mm": [350, 0, 150], "yaw_deg": 90}
 
 
+def through_the_model(answer: dict[str, Any]) -> Any:
+    """An answer as its own description reads it from JSON and writes it again."""
+    return ANSWER.dump_python(ANSWER.validate_json(json.dumps(answer)), mode="json")
+
+
 def vector(joints: dict[str, float], given: Equipped) -> np.ndarray[Any, np.dtype[np.float64]]:
     """A joint vector from the answer's words."""
     assert list(joints) == [f"{joint.name}_{joint.unit}" for joint in given.conventions]
@@ -51,7 +57,7 @@ def test_every_solution_puts_the_tool_there_and_no_joint_position_that_does_is_m
     for q in positions(given, 10, seed=11):
         tool = tool_at(q, given)
         answer = ik(robot=robot, pose=pose_document(tool, given))
-        assert ANSWER.validate_python(answer) == answer
+        assert through_the_model(answer) == answer
         assert answer["status"] == "reached"
         found = [vector(each["joints"], given) for each in answer["solutions"]]
         for each, solution in zip(found, answer["solutions"], strict=True):
@@ -84,6 +90,7 @@ def test_joints_give_the_pose_and_the_margins_that_the_pose_gives_with_these_joi
     given, robot = built(name), robot_document(name)
     for q in positions(given, 5, seed=12):
         forward = ik(robot=robot, joints=in_words_of_the_maker(q, given))
+        assert through_the_model(forward) == forward
         (one,) = forward["solutions"]
         tool = tool_at(q, given)
         assert forward["tool"]["world"]["at_m"] == pytest.approx(tool.p.tolist(), abs=1e-12)
@@ -187,7 +194,9 @@ def test_every_pair_is_told_and_a_clearance_that_is_missing_with_its_distances()
     near = {"at_mm": [320, 120, 120], "yaw_deg": 0}
     assert ik(request, pose=near)["solutions"][0]["collisions"] == []
     request["options"] = {"clearance_mm": {"travel": 60, "near": 1}}
-    told = ik(request, pose=near)["solutions"][0]["collisions"]
+    answer = ik(request, pose=near)
+    assert through_the_model(answer) == answer
+    told = answer["solutions"][0]["collisions"]
     assert any("would come too close to post: " in each["detail"] for each in told)
     assert all(each["facts"]["required_m"] == pytest.approx(0.06) for each in told)
 
@@ -294,3 +303,10 @@ def test_what_is_no_mapping_is_no_question() -> None:
     for question in none:
         with pytest.raises(InputError):
             ik_document(None, question)
+
+
+def test_what_is_no_answer_is_refused_by_its_description() -> None:
+    answer = ik(robot=GOOD, pose=POSE)
+    for key, value in (("status", "perhaps"), ("at_s", math.nan), ("solutions", [{"mode": "left"}]), ("colour", 1)):
+        with pytest.raises(ValidationError):
+            through_the_model({**answer, key: value})
