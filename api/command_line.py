@@ -8,14 +8,14 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from functools import wraps
+from functools import cache, wraps
 from pathlib import Path
-from typing import Annotated, Any, Literal, ParamSpec
+from typing import TYPE_CHECKING, Annotated, Any, Literal, ParamSpec
 
 import typer
 
-from assur.api.cli import catalogue_table, console_report
-from assur.api.cli.inputs import json_file, robot_named, target
+from assur.api.cli import catalogue_table, console_report, ik_report
+from assur.api.cli.inputs import Target, joints_in, json_file, robot_in_place, robot_named, target
 from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import Problem, printable
@@ -24,6 +24,10 @@ from assur.planner.errors import FaultError, InputError
 from assur.planner.report.number_format import amount
 from assur.scenes import kernels as compiled_kernels
 from assur.scenes import requests
+from assur.scenes.faults import NOTHING
+
+if TYPE_CHECKING:
+    from assur.scenes.reading.cell import Cell
 
 RIGHT, WRONG, BAD_INPUT, FAULT = 0, 1, 2, 3
 INTERRUPTED, PIPE_CLOSED = 128 + signal.SIGINT, 128 + signal.SIGPIPE
@@ -101,7 +105,7 @@ def plan(
     given = target(file)
     if out is not None and (out.is_dir() or not out.parent.is_dir()):
         raise InputError("--out", str(out), "a file in a folder that exists")
-    cell = given.cell
+    cell = _read(given)
     _announce_compilation()
     with console_report.working(f"planning {given.name}"):
         answer = given.plan()
@@ -132,7 +136,7 @@ def check(
 ) -> int:
     """Check a PLAN against FILE with the checker, which trusts no planner."""
     given = target(file)
-    read = requests.read_plan(given.cell, json_file(plan, "PLAN"))
+    read = requests.read_plan(_read(given), json_file(plan, "PLAN"))
     _announce_compilation()
     with console_report.working(f"checking {plan.name}"):
         verdict = requests.check_plan(given.cell, *read)
@@ -147,6 +151,42 @@ def check(
             console_report.row(findings, finding["what"], by, finding["where"])
         _print("plan wrong", "", findings)
     return RIGHT if verdict["ok"] else WRONG
+
+
+@app.command()
+@_bordered
+def ik(
+    file: Annotated[str | None, typer.Argument(help="As of `plan`: robot, tool, frames and bodies are its.")] = None,
+    robot: Annotated[
+        str | None, typer.Option(help="A shipped robot or a robot's file; of FILE the tool point and the base only.")
+    ] = None,
+    at_mm: Annotated[tuple[float, float, float] | None, typer.Option(help="Where the tool point is, x y z.")] = None,
+    yaw_deg: Annotated[float | None, typer.Option(help="Yaw of the tool, if the arm has one.")] = None,
+    pitch_deg: Annotated[float | None, typer.Option(help="Pitch of the tool, with five axes.")] = None,
+    roll_deg: Annotated[float | None, typer.Option(help="Roll of the tool, with five axes.")] = None,
+    frame: Annotated[str | None, typer.Option(help="The frame of FILE in which the pose is; else the world.")] = None,
+    joints: Annotated[str | None, typer.Option(help="Joints in place of a pose: j1_deg=17,j2_deg=68,...")] = None,
+    at_s: Annotated[float | None, typer.Option(help="When; else at the start of FILE, or at 0.")] = None,
+    as_json: AsJson = False,
+) -> int:
+    """Show every joint position with which the tool is at a pose, or where the tool is with JOINTS."""
+    at = None if at_mm is None else list(at_mm)
+    pose = {"at_mm": at, "yaw_deg": yaw_deg, "pitch_deg": pitch_deg, "roll_deg": roll_deg, "frame": frame}
+    if at_mm is None and joints is None:
+        raise InputError("--at-mm", NOTHING, "a position of the tool point, or joints (--joints), which must be given")
+    question: dict[str, Any] = {"pose": _given(pose) or None, "at_s": at_s}
+    if joints is not None:
+        question["joints"] = joints_in(joints)
+    cell = None if file is None else _read(target(file))
+    if robot is not None:
+        question["robot"] = robot_in_place(robot, cell)
+    _announce_compilation()
+    answer = requests.ik_cell(None if robot is not None else cell, _given(question))
+    if as_json:
+        _print_json(answer)
+    else:
+        _print(*ik_report.everything(answer))
+    return RIGHT if answer["status"] == "reached" else WRONG
 
 
 @app.command()
@@ -258,8 +298,21 @@ def _say(text: str, code: int = RIGHT, line: int | None = None) -> int:
     return code
 
 
+def _given(options: dict[str, Any]) -> dict[str, Any]:
+    """The options that were given."""
+    return {key: value for key, value in options.items() if value is not None}
+
+
+def _read(given: Target) -> Cell:
+    """The cell of what was given, read; only a start at a pose takes the kernels for it."""
+    if given.starts_at_a_pose:
+        _announce_compilation()
+    return given.cell
+
+
+@cache
 def _announce_compilation() -> None:
-    """Says that the first command of an installation takes longer, and why."""
+    """Says, once, that the first command of an installation takes longer, and why."""
     if not compiled_kernels.is_compiled():
         _say(f"compiling the planner's kernels once, about a minute; they are kept in {compiled_kernels.folder()}")
 

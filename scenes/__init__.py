@@ -4,7 +4,8 @@ Arrows point inwards only: `scenes` knows `planner`, `planner` knows nothing of 
 conventions and every limit of size live here, at the border. Importing anything of this package loads neither fcl, nor
 ruckig, nor trimesh, nor scipy: they come when a scene is planned or a mesh is read.
 
-The short way in, `load`, `plan` and `check`, works on plain documents; the other doors are in `assur.scenes.requests`.
+The short way in, `load`, `plan`, `check` and `ik`, works on plain documents; the other doors are in
+`assur.scenes.requests`.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Literal
 
-__all__ = ["check", "load", "plan"]
+__all__ = ["check", "ik", "load", "plan"]
 
 
 def load(name: str | Path) -> dict[str, Any]:
@@ -56,3 +57,15 @@ def check(request: object, answer: object) -> dict[str, Any]:
     from assur.scenes.requests import check_document
 
     return check_document(request, answer)
+
+
+def ik(request: object | None = None, **question: object) -> dict[str, Any]:
+    """All joint positions of a request's robot at ``pose={"at_mm": ..., "yaw_deg": ..., "frame": ...}``, with their
+    margins; or the pose of its tool at ``joints={"j1_deg": ..., ...}``. At the time ``at_s``, or that of the start.
+
+    Without a request ``robot={"model": ..., "tool": ...}`` says which robot.
+    Raises `InputError` naming the field that is not right.
+    """
+    from assur.scenes.requests import ik_document
+
+    return ik_document(request, question)

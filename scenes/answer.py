@@ -12,9 +12,9 @@ from typing import Literal, cast
 import numpy as np
 
 from assur.planner.errors import FaultError
+from assur.planner.model.arrival_error import ArrivalError
 from assur.planner.model.outcome import (
     Arrival,
-    ArrivalError,
     Census,
     Certificate,
     JointPeak,
@@ -242,17 +242,18 @@ def _census(scene: Scene, census: Census) -> document.Census:
         "candidates": int(census.candidates),
         "refused": int(census.refused),
         "lines": [
-            {**_refused(scene, line.refusal), "count": int(line.count), "least": line.least, "most": line.most}
+            {**refused_document(scene, line.refusal), "count": int(line.count), "least": line.least, "most": line.most}
             for line in census.lines
         ],
     }
 
 
 def _refusal(scene: Scene, refusal: Refusal) -> document.Refusal:
-    return {**_refused(scene, refusal), "amount": None if refusal.amount is None else refusal.amount.value}
+    return {**refused_document(scene, refusal), "amount": None if refusal.amount is None else refusal.amount.value}
 
 
-def _refused(scene: Scene, refusal: Refusal) -> document.Refused:
+def refused_document(scene: Scene, refusal: Refusal) -> document.Refused:
+    """What a refusal is about, its facts, and the same for people."""
     return {
         "stage": refusal.stage,
         "reason": refusal.reason,

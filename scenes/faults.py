@@ -7,7 +7,7 @@ SI names; here it becomes the path with the keys as they were written (`speed_mm
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 
 from assur.planner.errors import InputError
 from assur.scenes.units import any_unit, twin_of
@@ -99,6 +99,20 @@ def likeliest(value: str, names: Iterable[str]) -> str:
     spoken = "".join(c for c in value.lower() if c.isalnum())
     close = difflib.get_close_matches(spoken, plain, n=1)
     return ", ".join(listed) + (f"; did you mean {plain[close[0]]}?" if close else "")
+
+
+MOST_CHOICES = 12
+"""So many of the names that a document gives are told."""
+
+
+def choices(names: Collection[str], given: str) -> str:
+    """Names that a document gives, in words, the first `MOST_CHOICES` of them, and the one that `given` probably
+    means."""
+    close = difflib.get_close_matches(given, list(names), n=1)
+    meant = f"; did you mean {close[0]}?" if close else ""
+    shown = sorted(names)
+    more = f" and {len(shown) - MOST_CHOICES} more" if len(shown) > MOST_CHOICES else ""
+    return ", ".join(shown[:MOST_CHOICES]) + more + meant if shown else "none is there"
 
 
 class Refused(Exception):

@@ -16,6 +16,7 @@ from assur.scenes.files import with_meshes, with_plans
 from assur.scenes.numbers import optional
 from assur.scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet
 from assur.scenes.schema import answer as written
+from assur.scenes.schema.ik import IkDocument
 from assur.scenes.schema.normal import plain
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import SCHEMA, OptionsDocument, RequestDocument
@@ -34,6 +35,9 @@ __all__ = [
     "cell_of",
     "check_document",
     "check_plan",
+    "ik_cell",
+    "ik_document",
+    "ik_schema",
     "load_robot",
     "load_scenario",
     "models",
@@ -148,6 +152,27 @@ def check_document(request: object, plan: object, *, folder: Path | None = None)
     """The checker's verdict on a planned answer with a full certificate. Raises `InputError` naming the field."""
     cell = cell_of(request, folder=folder)
     return check_plan(cell, *read_plan(cell, plan))
+
+
+def ik_document(request: object | None, question: object, *, folder: Path | None = None) -> dict[str, Any]:
+    """The joint positions at a pose of the tool, or the pose at joints, as `question` asks (`docs/api.md`).
+
+    `request`: the request whose robot, frames and bodies count; None: the question brings its robot.
+    Raises `InputError` naming the field, of the request or of the question.
+    """
+    return ik_cell(None if request is None else cell_of(request, folder=folder), question)
+
+
+def ik_cell(cell: Cell | None, question: object) -> dict[str, Any]:
+    """The answer to a question about a cell that has been read; as `ik_document`."""
+    from assur.scenes.inverse_kinematics import ik
+
+    return dict(ik(cell, question))
+
+
+def ik_schema() -> dict[str, Any]:
+    """JSON Schema of a question of `ik_document`."""
+    return IkDocument.model_json_schema()
 
 
 def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...], tuple[Nearest | None] | None]:

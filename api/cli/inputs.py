@@ -40,6 +40,12 @@ class Target:
     folder: Path
     scenario: Scenario | None = None
 
+    @property
+    def starts_at_a_pose(self) -> bool:
+        """Whether its start is a pose of the tool, so that reading it takes the kernels."""
+        start = self.request.get("start") if isinstance(self.request, dict) else None
+        return isinstance(start, dict) and "tool" in start
+
     @cached_property
     def cell(self) -> Cell:
         """The request, read, and nothing planned. Raises `InputError`, with the line in a scenario's file."""
@@ -88,6 +94,31 @@ def robot_named(text: str) -> RobotFile:
     if text not in models():
         raise InputError("ROBOT", text, f"a file, or a shipped robot: {likeliest(text, models())}")
     return shipped_robot(text)
+
+
+def robot_in_place(text: str, cell: Cell | None) -> dict[str, Any]:
+    """The robot that `text` names (`robot_named`), with tool point and base of the robot of `cell`, if there is one."""
+    document: Any = {} if cell is None else cell.document
+    own = document.get("robot", {})
+    tool = {key: value for key, value in own.get("tool", {"tcp_mm": [0, 0, 0]}).items() if key.startswith("tcp")}
+    base = {"base": own["base"]} if "base" in own else {}
+    return {**robot_named(text).document, "tool": tool, **base}
+
+
+def joints_in(text: str) -> dict[str, float]:
+    """Joint values with their units, from ``j1_deg=17,j2_deg=68,j3_mm=250``. Raises `InputError`."""
+    allowed = "joints with their units and values, as in j1_deg=17,j2_deg=68,j3_mm=250"
+    found: dict[str, float] = {}
+    for part in text.split(","):
+        name, _, value = (word.strip() for word in part.partition("="))
+        try:
+            number = float(value)
+        except ValueError as error:
+            raise InputError("--joints", part, allowed) from error
+        if name in found:
+            raise InputError("--joints", part, f"{name} once")
+        found[name] = number
+    return found
 
 
 def json_file(path: Path, name: str) -> Any:

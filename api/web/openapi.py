@@ -8,7 +8,7 @@ from typing_extensions import TypedDict
 
 from assur.api.problems import MEDIA_TYPE, STATUS
 from assur.api.web.service import scenario_request
-from assur.scenes.requests import request_schema
+from assur.scenes.requests import ik_schema, request_schema
 
 TEXT = """\
 Plans jerk-limited motion of SCARA-class robots through moving control points among moving bodies, proved free of
@@ -129,14 +129,28 @@ CHECK_BODY = body(
 )
 
 
+IK_BODY = body(
+    {"$ref": "#/components/schemas/IkQuestion"},
+    {
+        "a robot of the catalogue": {
+            "robot": {"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_mm": [0, 0, -100]}},
+            "pose": {"at_mm": [350, 0, 150], "yaw_deg": 90},
+        }
+    },
+)
+
+
 def complete(document: dict[str, Any]) -> dict[str, Any]:
     """FastAPI's own description with our schemas and the demo's whole request as an example."""
-    request = request_schema()
-    parts = {name: _moved(part) for name, part in request.pop("$defs", {}).items()}
+    request, question = request_schema(), ik_schema()
+    parts = {name: _moved(part) for of in (request, question) for name, part in of.pop("$defs", {}).items()}
+    question["properties"]["request"] = {"$ref": "#/components/schemas/Request"}
+    question["allOf"].append({"oneOf": [{"required": ["request"]}, {"required": ["robot"]}]})
     request.pop("$schema", None)
     document.setdefault("components", {}).setdefault("schemas", {}).update(
         parts,
         Request=_moved(request),
+        IkQuestion=_moved(question),
         Document={"description": "a JSON document"},
         Problem=PROBLEM_SCHEMA,
     )

@@ -13,7 +13,7 @@ from starlette.responses import Response
 from assur.api.documents import json_response, to_json
 from assur.api.problems import Problem
 from assur.api.web.body_reader import read_body
-from assur.api.web.openapi import CHECK_BODY, PLAN_BODY, Live, Ready, Scenes, component, problems
+from assur.api.web.openapi import CHECK_BODY, IK_BODY, PLAN_BODY, Live, Ready, Scenes, component, problems
 from assur.api.web.request_log import CLIENT_GONE, FACTS
 from assur.api.web.service import Service, scenario_request
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
@@ -21,6 +21,7 @@ from assur.api.workers import jobs
 from assur.planner.errors import InputError
 from assur.scenes.requests import request_schema, robots, shipped_scenarios
 from assur.scenes.schema.answer import Answer, Verdict
+from assur.scenes.schema.ik import IkAnswer
 
 BODY_PROBLEMS = ("bad-syntax", "too-slow", "too-large", "wrong-media-type", "bad-input", "quarantined", "fault")
 WORKER_PROBLEMS = ("worker-crashed", "busy", "not-ready", "worker-timeout")
@@ -110,6 +111,18 @@ async def plan(request: Request) -> Response:
 async def check(request: Request) -> Response:
     body = await _body(request, CHECK_BODY_BYTES)
     return await _unless_gone(request, _service(request).check(body))
+
+
+@bodies.post(
+    "/v1/ik",
+    summary="All joint positions at a pose of the tool, or the pose of the tool at joints",
+    response_model=IkAnswer,
+    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
+    openapi_extra=IK_BODY,
+)
+async def ik(request: Request) -> Response:
+    body = await _body(request, PLAN_BODY_BYTES)
+    return await _unless_gone(request, _service(request).ik(body))
 
 
 @router.get("/v1/robots", summary="The robot catalogue", responses=component("Document"))

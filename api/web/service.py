@@ -55,6 +55,10 @@ class Service:
         """The checker's verdict on the request and plan in `body`. Raises `Problem`."""
         return await self._work(jobs.check, (body,), _digest("check", body), self.settings.check_s)
 
+    async def ik(self, body: bytes) -> jobs.Answer:
+        """The joint positions, or the pose of the tool, that `body` asks for. Raises `Problem`."""
+        return await self._work(jobs.ik, (body,), _digest("ik", body), self.settings.check_s)
+
     def _read(self, body: bytes, certificate: jobs.Detail) -> tuple[Any, tuple[Any, ...], str, float]:
         """What to do about `body`: job, its arguments, digest of the request, wall."""
         document = self._budgets(body) or jobs.request_in(body)

@@ -14,7 +14,7 @@ from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import FieldError, Problem, shown
 from assur.planner.errors import FaultError, InputError
-from assur.scenes.requests import check_document, parse_json, plan_document, plan_scenario, shipped
+from assur.scenes.requests import check_document, ik_document, parse_json, plan_document, plan_scenario, shipped
 
 Detail = Literal["full", "digest"]
 
@@ -87,6 +87,18 @@ def plan_shipped(name: str, certificate: Detail) -> Reply:
 def check(body: bytes) -> Reply:
     """The checker's verdict on the plan in `body`, {"request": ..., "plan": ...}."""
     return _guarded(lambda: check_document(**_parsed(body, BOTH, {"request", "plan"})), "ok")
+
+
+def ik(body: bytes) -> Reply:
+    """The answer to the question in `body`, {"request": ..., "pose": ...} and the like."""
+
+    def work() -> dict[str, Any]:
+        question = _parsed(body, "a pose or joints, with a request or a robot")
+        # null is left for the question to refuse
+        request = question.pop("request") if question.get("request") is not None else None
+        return ik_document(request, question)
+
+    return _guarded(work, "status")
 
 
 def request_in(body: bytes) -> dict[str, Any]:

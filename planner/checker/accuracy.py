@@ -162,7 +162,7 @@ def _lagged(world: World, point: tuple[float, float, float], until: float) -> tu
         moved.append(there + turned @ local - place - axes @ local)
         turns.append(abs(_turn(axes, turned)))
     jets = motion.all_jets(world.tables) * np.nan
-    doubt = (np.zeros((0, 11)), np.zeros((1, 1, 2)), np.zeros((1, 0, 2)), np.append(lag, 0.0), np.zeros(4))
+    doubt = (np.zeros((0, 11)), np.zeros((1, 1, 2)), np.zeros((1, 0, 2)), np.append(lag, np.zeros(4)), np.zeros(4))
     if not sway(world.tables, doubt, until, until, jets):
         return np.full((1, 3), np.inf), math.inf, math.inf
     bent = _second(jets[world.flange], float(np.sqrt((local**2).sum())))

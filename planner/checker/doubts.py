@@ -89,7 +89,7 @@ def doubt_of(scene: Scene, phases: tuple[Phase, ...], table: Solids) -> Doubt:
             followed = phase.corrected if phase.tracked is None else (phase.tracked,)
             for name in followed:
                 shares[i, number[name]] = 0.0 if phase.tracked is None else 1.0, 1.0
-    lag = np.zeros(max(len(scene.robot.joints), 2))
+    lag = np.zeros(max(len(scene.robot.joints), 4))
     lag[: len(execution.lag)] = execution.lag
     clock = np.zeros(CLOCK)
     clock[SINCE], clock[LATE] = scene.start.time, execution.start_tolerance_s

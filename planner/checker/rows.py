@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.checker import cover
+from assur.planner.checker import cover, row_table
 from assur.planner.checker.cover import (
     AWAY,
     CONTACT,
@@ -80,11 +80,11 @@ class Apart:
         """What is found of each row (M, cover.VERDICT), of each phase (P, cover.HOLES) and of the claim (STATE,)."""
         table, state, room = self.table, np.zeros(STATE), 4 * len(c) + ROOM
         numbers = np.array([table.number.get(name, -1) for name in c.names], dtype=np.int64)
-        order, rows = np.lexsort((c.t1, c.t0)), np.empty((len(c), cover.COLUMNS))
-        rows[:, cover.T0], rows[:, cover.T1], rows[:, cover.N : cover.N + 3] = c.t0, c.t1, c.normal
-        rows[:, cover.S0], rows[:, cover.S1] = (0.0, 0.0) if c.shift0 is None else (c.shift0, c.shift1)
-        rows[:, cover.NAME], rows[:, cover.PIECE] = c.first, c.first_piece
-        rows[:, cover.OTHER_NAME], rows[:, cover.OTHER_PIECE] = c.second, c.second_piece
+        order, rows = np.lexsort((c.t1, c.t0)), np.empty((len(c), row_table.COLUMNS))
+        rows[:, row_table.T0], rows[:, row_table.T1], rows[:, row_table.N : row_table.N + 3] = c.t0, c.t1, c.normal
+        rows[:, row_table.S0], rows[:, row_table.S1] = (0.0, 0.0) if c.shift0 is None else (c.shift0, c.shift1)
+        rows[:, row_table.NAME], rows[:, row_table.PIECE] = c.first, c.first_piece
+        rows[:, row_table.OTHER_NAME], rows[:, row_table.OTHER_PIECE] = c.second, c.second_piece
         verdicts, holes = np.zeros((len(c), cover.VERDICT)), np.zeros((len(self.phases), cover.HOLES))
         while True:
             state[:], state[CLAIMED], state[REACHED] = 0.0, claimed, math.nan if claimed == -math.inf else math.inf

@@ -16,7 +16,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker.jets import F1, F2, F3, TABLES, VECTOR
-from assur.planner.checker.motion import AXIS_COUNT, FIRST_KNOT, LAST_KNOT, LINKS, NUMBERS, Tables, links
+from assur.planner.checker.motion import AXIS_COUNT, FAMILY, FIRST_KNOT, LAST_KNOT, LINKS, NUMBERS, SCARA, Tables, links
 from assur.planner.checker.solids import ARM_FLAT, CENTRE, Vector, moving
 from assur.planner.checker.spline import joints
 from assur.planner.compiled import kernel
@@ -103,16 +103,28 @@ def displaced(
     row, clock = tables[0][0], doubt[4]
     if c < 0 or c >= int(row[LINKS]):
         return 0.0
-    v = moving(tables[4][solid], jets, c, 1, n)
-    found = max(abs(v[0]), abs(v[1])) + v[2]
+    s, flat, lag = tables[4][solid], math.sqrt(n[0] * n[0] + n[1] * n[1]), doubt[3]
+    far = math.hypot(s[CENTRE], s[CENTRE + 1]) + s[ARM_FLAT]
+    if int(row[FAMILY]) == SCARA:
+        # arms and turns one by one: nothing of it depends on where the joints are
+        both, level = lag[0] + lag[1], 0.0
+        if c == 1:
+            level = far * lag[0]
+        elif c == 2:
+            level = row[NUMBERS] * lag[0] + far * both
+        elif c > 2:
+            level = row[NUMBERS] * lag[0] + row[NUMBERS + 1] * both
+            level += far * (both + (lag[3] if int(row[AXIS_COUNT]) > 3 else 0.0)) if c == 4 else 0.0
+        lifted = c > 2 or (c > 0 and row[NUMBERS + 2] > 0.0)
+        found = flat * level + (abs(n[2]) * lag[2] if lifted else 0.0)
+    else:
+        v = moving(s, jets, c, 1, n)
+        found = max(abs(v[0]), abs(v[1])) + v[2]
     shift = shifted(doubt, p, lasting(clock, t1))
     if shift > 0.0 and 0 < c < int(clock[FIRST_TOOL]):
         q, count = np.zeros((8, 6)), int(row[AXIS_COUNT])
         joints(tables[1], int(row[FIRST_KNOT]), int(row[LAST_KNOT]), count, t0, t1, q)
         first, second = turned_by(row, q[1, 0] - doubt[3][1], q[1, 1] + doubt[3][1], shift)
-        s = tables[4][solid]
-        far = math.hypot(s[CENTRE], s[CENTRE + 1]) + s[ARM_FLAT]
-        flat = math.sqrt(n[0] * n[0] + n[1] * n[1])
         found += flat * (far * first if c == 1 else row[NUMBERS] * first + far * second)
     return found if found >= 0.0 else math.inf
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from assur.planner.frames import Keyframes, Law, Oscillation, Swing, Turntable
 from assur.planner.frames.motion import Motion
-from assur.planner.frames.tilted import TiltedMotion, like
+from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.kernels.carriers import point_bound
 from assur.planner.kernels.laws import bound_frame
 from assur.planner.kernels.links import BOUND_COLUMNS
@@ -34,8 +34,6 @@ from assur.planner.tables.laws import law_tables
 EDGE_M = 1e-9
 """A point is called out of reach at every pitch, or at all times, from this much on, m: rounding of coordinates of a
 few metres, and of times."""
-LOOKS = 400
-"""Points between the arm's axis and a point out of reach at which the nearest one within reach is looked for."""
 PARTS = 512
 """Parts of a period over each of which the way of a point is bounded."""
 
@@ -107,7 +105,7 @@ def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refu
 
 
 def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusal:
-    """By how much a point is out of reach: the distance to the nearest one within reach on the way from the axis."""
+    """By how much a point is out of reach."""
     robot, target = scene.robot, motion.p[0]
     if "z" not in robot.coordinates:
         has = float(robot.forward(scene.start.q)[0][2])
@@ -115,14 +113,8 @@ def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusa
         if off > EDGE_M:
             facts = OutOfReach(heights_m=(float(target[2]), has))
             return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=off, facts=facts)
-    axis = np.array([robot.base.x, robot.base.y, target[2]])
-    share = np.linspace(0.0, 2.0, 2 * LOOKS + 1)
-    p, none = axis + share[:, None] * (target - axis), np.zeros(len(share))
-    still = np.zeros_like(p)
-    line = like(Motion(p, still, still, still, none + motion.yaw[0], none, none, none), motion)
-    reached = robot.inverse(line, mode, 0).code != Code.OUT_OF_REACH
-    distance = float(np.linalg.norm(target - axis))
-    short = float(np.abs(share[reached] - 1.0).min()) * distance if reached.any() else float("nan")
+    distance = float(np.hypot(target[0] - robot.base.x, target[1] - robot.base.y))
+    short = float(np.maximum(-robot.reach_margin(motion, mode)[0], 0.0))
     pitch = float(motion.tilt[0, 0]) if isinstance(motion, TiltedMotion) else None
     facts = OutOfReach(from_axis_m=distance, pitch_rad=pitch)
     return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=facts)

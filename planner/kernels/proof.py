@@ -13,9 +13,8 @@ from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.gjk import separate
 from assur.planner.kernels.intervals import FINEST_S, ITEM_FROM, ITEM_TO, RESERVE_M, least_gap
-from assur.planner.kernels.shifts import MIDDLE, SHIFTED, Shifted, least_shifted
 from assur.planner.kernels.solids import CUBE, NORMAL, PIECES, REQUIRED, ROW, SET, TABLE, gap, likely
-from assur.planner.kernels.uncertainty import doubtful
+from assur.planner.kernels.uncertainty import MIDDLE, SHIFTED, Shifted, doubtful, least_shifted
 
 RESISTED_A, RESISTED_B, RESISTED_T, RESISTED_GAP, RESISTED_NEED, RESISTED_S = 2, 3, 4, 5, 6, 8
 """In `state`, of the pair that resisted: its units, the instant, the largest gap found there, the one needed, and the

@@ -57,9 +57,8 @@ from assur.planner.kernels.proof import (
     settle,
 )
 from assur.planner.kernels.screening import HITS, note_hit
-from assur.planner.kernels.shifts import MOMENTS, place_shifted
 from assur.planner.kernels.solids import CELL, EARLY, LATE, MOTION, ROW, TABLE
-from assur.planner.kernels.uncertainty import DOUBT, Doubt, growing_for, sway_links
+from assur.planner.kernels.uncertainty import DOUBT, MOMENTS, Doubt, growing_for, place_shifted, sway_links
 
 PROVE, SCREEN, NEAREST = range(3)
 """What a search is for."""

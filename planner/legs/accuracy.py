@@ -20,8 +20,8 @@ from assur.planner.frames.motion import Motion, Pose
 from assur.planner.kernels.carriers import point_bound
 from assur.planner.kernels.laws import bound_frame
 from assur.planner.kernels.links import BOUND_COLUMNS, V_REACH, bound_links
+from assur.planner.model.arrival_error import ArrivalError, Cause, Share
 from assur.planner.model.attachments import Attachments
-from assur.planner.model.outcome import ArrivalError, Cause, Share
 from assur.planner.model.phases import Handled
 from assur.planner.model.refusal import Inaccurate, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Pick, Place, Scene

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from assur.planner.kernels.correction import FITS, SINGULAR, correction_fits
+from assur.planner.kernels.postures import FITS, SINGULAR, correction_fits
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Corrected, JointName, Quantity, Reason, Refusal, Stage, of_joint
 from assur.planner.model.scene import Scene

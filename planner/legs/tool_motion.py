@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from assur.planner.kernels.tool import tool_peak as sampled_peak
+from assur.planner.kernels.postures import tool_peak as sampled_peak
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory

@@ -25,7 +25,7 @@ def leaves_assembly(robot: Robot, step: int, trajectory: Trajectory) -> Refusal 
     """The first instant at which the robot is not proved to stay assembled with its least parallel margin."""
     if not has_loop(robot):
         return None
-    from assur.planner.kernels.assembly import first_lost
+    from assur.planner.kernels.postures import first_lost
     from assur.planner.trajectory.spline import spline_table
 
     spline = spline_table(trajectory, robot.rate_matrix)

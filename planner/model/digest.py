@@ -15,7 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from assur.planner.model.outcome import INDICES, Arrival, ArrivalError, Certificate, Leg
+from assur.planner.model.arrival_error import ArrivalError
+from assur.planner.model.outcome import (
+    INDICES,
+    Arrival,
+    Certificate,
+    Leg,
+)
 from assur.planner.trajectory import Trajectory
 
 FORMAT = "assur-plan-6"

@@ -63,6 +63,17 @@ class Holding:
     within: PoseUncertainty = EXACT
 
 
+def check_tool_point(robot: Robot, tool: Tool) -> None:
+    """Raises `InputError` for a tool point that a flange which tilts, or which is not turned at will, cannot have."""
+    tcp = tool.tcp
+    if robot.links.index("flange") in robot.tilting and tcp != Pose():
+        allowed = f"0, 0, 0: the flange of {robot.name} tilts; a tool's length is a part of the last link's"
+        raise InputError("robot.tool.tcp", (tcp.x, tcp.y, tcp.z), allowed)
+    if "yaw" not in robot.coordinates and not tcp.x == tcp.y == 0.0:
+        allowed = f"a tool point on the flange's axis: {robot.name} has no wrist to turn it with"
+        raise InputError("robot.tool.tcp", (tcp.x, tcp.y), allowed)
+
+
 @dataclass(frozen=True, eq=False)
 class Start:
     """The state from which the plan begins: q, q̇, q̈ (n,) at `time` in seconds, and what the gripper holds."""
@@ -239,14 +250,9 @@ class Scene:
 
     def _check_wrist(self) -> None:
         """An arm that cannot turn its tool at will cannot lay down a part as it should lie."""
-        if self.robot.links.index("flange") in self.robot.tilting and self.tool.tcp != Pose():
-            allowed = f"0, 0, 0: the flange of {self.robot.name} tilts; a tool's length is a part of the last link's"
-            raise InputError("robot.tool.tcp", (self.tool.tcp.x, self.tool.tcp.y, self.tool.tcp.z), allowed)
+        check_tool_point(self.robot, self.tool)
         if "yaw" in self.robot.coordinates:
             return
-        if self.tool.tcp.x != 0.0 or self.tool.tcp.y != 0.0:
-            allowed = f"a tool point on the flange's axis: {self.robot.name} has no wrist to turn it with"
-            raise InputError("robot.tool.tcp", (self.tool.tcp.x, self.tool.tcp.y), allowed)
         for i, step in enumerate(self.task):
             if isinstance(step, Pick | Place):
                 allowed = f"move and follow: {self.robot.name} has no wrist, so parts would turn as the arm goes"

@@ -6,7 +6,7 @@ import numpy as np
 
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
-from assur.planner.kernels.tool import least_margins
+from assur.planner.kernels.postures import least_margins
 from assur.planner.legs.tool_motion import carrying_peak, tool_peak
 from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.outcome import Contact, JointPeak, Margins

@@ -10,7 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+import numpy as np
+
 from assur.planner.arrays import FloatArray, frozen
+from assur.planner.frames.motion import Motion
+from assur.planner.robots.planar import ring_margin
 from assur.planner.robots.riders import check_lengths
 from assur.planner.robots.tilting import TiltingArm
 
@@ -46,6 +50,9 @@ class ElbowArm(TiltingArm):
     @property
     def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
         return "elbow", (self.l1, self.l2), {"height": self.height, "longest": self.longest}
+
+    def reach_margin(self, flange: Motion, mode: int) -> FloatArray:
+        return ring_margin(np.hypot(*self.in_plane(flange, mode)), self.l1, self.l2)
 
     @property
     def rate_matrix(self) -> FloatArray:

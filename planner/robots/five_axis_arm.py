@@ -13,8 +13,11 @@ from typing import ClassVar
 import numpy as np
 
 from assur.planner.arrays import FloatArray, frozen
-from assur.planner.errors import InputError
+from assur.planner.errors import FaultError, InputError
+from assur.planner.frames.motion import Motion
+from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.robots.planar import ring_margin
 from assur.planner.robots.tilting import LINK2, LINK3
 
 LINKS = ("base", "link1", "link2", "link3", "link4", "flange")
@@ -59,6 +62,15 @@ class FiveAxisArm(ElbowArm):
     def rate_matrix(self) -> FloatArray:
         """(5, 5): φ̇1, ψ̇2, ψ̇3, ψ̇4, θ̇5 per joint rate."""
         return _RATES
+
+    def reach_margin(self, flange: Motion, mode: int) -> FloatArray:
+        """As `Robot.reach_margin`: that of the wrist (H2). Raises `FaultError` for a motion without pitch."""
+        if not isinstance(flange, TiltedMotion):
+            raise FaultError("FiveAxisArm.reach_margin: a motion without pitch and roll")
+        radius, height = self.in_plane(flange, mode)
+        pitch = flange.tilt[..., 0]
+        distance = np.hypot(radius - self.l3 * np.cos(pitch), height - self.l3 * np.sin(pitch))
+        return ring_margin(distance, self.l1, self.l2)
 
     def out_of_reach(self, p: FloatArray) -> FloatArray:
         """Metres (...) by which tool points p (..., 3) in the world are out of reach at every pitch, H8; 0: in reach.

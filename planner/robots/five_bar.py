@@ -24,8 +24,9 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
-from assur.planner.frames.motion import Pose
+from assur.planner.frames.motion import Motion, Pose
 from assur.planner.robots.facts import Joint, Limits, RobotBody
+from assur.planner.robots.planar import ring_margin
 from assur.planner.robots.riders import check_lengths, check_riders, joints_of
 from assur.planner.robots.robot import Robot
 
@@ -104,6 +105,18 @@ class FiveBar(Robot):
         lengths = (self.proximal[0], self.distal[0], self.proximal[1], self.distal[1])
         numbers = {"height": self.separation, "sigma": self.sigma, "parallel_least": self.parallel_least}
         return "five-bar", lengths, numbers
+
+    def reach_margin(self, flange: Motion, mode: int) -> FloatArray:  # noqa: ARG002 - all modes reach as far
+        """As `Robot.reach_margin`, the lesser one of both sides: a point outside both may be a little further off."""
+        away, turn = flange.p - self.base.position, self.base.yaw
+        x = np.cos(turn) * away[..., 0] + np.sin(turn) * away[..., 1]
+        y = np.cos(turn) * away[..., 1] - np.sin(turn) * away[..., 0]
+        half = self.separation / 2
+        left, right = (
+            ring_margin(np.hypot(x, y - side), crank, coupler)
+            for side, crank, coupler in zip((half, -half), self.proximal, self.distal, strict=True)
+        )
+        return np.asarray(np.minimum(left, right))
 
     @property
     def rate_matrix(self) -> FloatArray:

@@ -21,6 +21,13 @@ def principal(angle: FloatArray) -> FloatArray:
     return wrapped
 
 
+def ring_margin(distance: FloatArray, l1: float, l2: float) -> FloatArray:
+    """Metres (...) from a point at a distance (...) from where the first of two links turns to the edge of the ring
+    that they reach; negative: so far out of reach (K45)."""
+    margin: FloatArray = np.minimum(l1 + l2 - distance, distance - abs(l1 - l2))
+    return margin
+
+
 def upright(piece: Piece) -> bool:
     """Whether a solid is one of revolution about its body's z axis, so that it looks the same at any yaw."""
     shape = piece.shape

@@ -14,6 +14,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
+from assur.planner.frames.motion import Motion
 from assur.planner.geometry.shapes import SMALLEST_M
 from assur.planner.robots.tilting import TiltingArm
 
@@ -49,6 +50,11 @@ class PolarArm(TiltingArm):
     @property
     def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
         return "polar", (), {"height": self.height, "longest": self.longest}
+
+    def reach_margin(self, flange: Motion, mode: int) -> FloatArray:
+        distance = np.hypot(*self.in_plane(flange, mode))
+        lower, upper = float(self.limits.lower[-1]), float(self.limits.upper[-1])
+        return np.asarray(np.minimum(upper - distance, distance - lower))
 
     @property
     def rate_matrix(self) -> FloatArray:

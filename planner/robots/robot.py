@@ -51,6 +51,14 @@ class Robot(ABC):
     def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
         """The family's name in `assur.planner.robots.kinematics`, lengths of links, m, what else its kernels read."""
 
+    @abstractmethod
+    def reach_margin(self, flange: Motion, mode: int) -> FloatArray:
+        """Metres (...) between poses of the flange (world) and the edge of what the links reach in working mode number
+        `mode`, with the pitch of the motion; negative: so far out of reach (K45).
+
+        Of the ranges that of a joint which makes a link longer counts; a height that no joint changes does not count.
+        """
+
     @cached_property
     def row(self) -> FloatArray:
         """The arm as the kernels know it (columns of `assur.planner.kernels.links`); not to be written to."""

@@ -13,10 +13,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
-from assur.planner.frames.motion import Pose
+from assur.planner.frames.motion import Motion, Pose
 from assur.planner.robots.facts import Joint, Limits, RobotBody
+from assur.planner.robots.planar import ring_margin
 from assur.planner.robots.riders import check_lengths, check_riders, joints_of
 from assur.planner.robots.robot import Robot
 
@@ -73,6 +76,10 @@ class Scara(Robot):
     @property
     def facts(self) -> tuple[str, tuple[float, ...], dict[str, float]]:
         return "scara", (self.l1, self.l2), {"rises": float(self.arms_rise), "longest": self.l1 + self.l2}
+
+    def reach_margin(self, flange: Motion, mode: int) -> FloatArray:  # noqa: ARG002 - both modes reach as far
+        away = flange.p - self.base.position
+        return ring_margin(np.hypot(away[..., 0], away[..., 1]), self.l1, self.l2)
 
     @property
     def rate_matrix(self) -> FloatArray:

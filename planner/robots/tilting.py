@@ -16,7 +16,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
-from assur.planner.frames.motion import Pose
+from assur.planner.frames.motion import Motion, Pose
 from assur.planner.robots.facts import Joint, Limits, RobotBody
 from assur.planner.robots.riders import check_riders, joints_of
 from assur.planner.robots.robot import Robot
@@ -61,6 +61,13 @@ class TiltingArm(Robot):
     @abstractmethod
     def rate_matrix(self) -> FloatArray:
         """(m, n): the rates that bound point speeds."""
+
+    def in_plane(self, flange: Motion, mode: int) -> tuple[FloatArray, FloatArray]:
+        """Radius ρ and height h (...) of the flange in the vertical plane of the arm, from the shoulder, K23; in a mode
+        in which the base is turned away ρ is negative."""
+        away = flange.p - self.base.position
+        radius = np.hypot(away[..., 0], away[..., 1])
+        return (-radius if self.modes[mode].startswith("back") else radius), away[..., 2] - self.height
 
     def __post_init__(self) -> None:
         names = self.joint_names or self.names

@@ -39,13 +39,17 @@ def equivalents(robot: Robot, q: FloatArray, lower: FloatArray, upper: FloatArra
     return np.array(list(itertools.product(*choices)), dtype=np.float64).reshape(-1, len(choices))
 
 
-def beyond_range(robot: Robot, q: FloatArray) -> FloatArray:
-    """By how much q (..., n) is beyond the robot's ranges, rad or m, revolute joints at the turn that is nearest to
-    being within; 0 where a joint is within."""
+def nearest_turns(robot: Robot, q: FloatArray) -> FloatArray:
+    """q (..., n) with each revolute joint at the turn that is within the robot's range, or nearest to being so."""
     lower, upper = robot.limits.lower, robot.limits.upper
     turning = np.array([joint.kind == "revolute" for joint in robot.joints])
     # the first turn that is not below the range, and the last one that is
     first = np.where(turning, q + TURN * np.ceil((lower - q) / TURN), q)
-    above = np.maximum(first - upper, lower - first)
-    below = np.where(turning, lower - (first - TURN), above)
-    return np.asarray(np.maximum(np.minimum(above, below), 0.0))
+    return np.where(turning & (lower - (first - TURN) < first - upper), first - TURN, first)
+
+
+def beyond_range(robot: Robot, q: FloatArray) -> FloatArray:
+    """By how much q (..., n) is beyond the robot's ranges, rad or m, revolute joints at the turn that is nearest to
+    being within; 0 where a joint is within."""
+    nearest = nearest_turns(robot, q)
+    return np.asarray(np.maximum(np.maximum(robot.limits.lower - nearest, nearest - robot.limits.upper), 0.0))

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Sequence
-
 import numpy as np
 
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
 from assur.planner.model.scene import WORLD, WorldBody
-from assur.scenes.faults import DocumentError, Refused, as_written, dotted, fault, within
-from assur.scenes.reading.frames import placed, pose_uncertainty
+from assur.scenes.faults import DocumentError, Refused, as_written, choices, dotted, fault, within
+from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
+from assur.scenes.schema.robots import ToolPoseDocument
 from assur.scenes.schema.shapes import AttachedBody, BodyDocument, MeshDocument, PlaceInCell, ShapeDocument
 from assur.scenes.schema.task import TargetDocument
 
@@ -102,12 +100,14 @@ def _turn(yaw: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
 
 Places = dict[str, tuple[str, Pose]]
 """Where each body of the cell sits: frame, and pose in it."""
+Placement = PlaceInCell | TargetDocument | ToolPoseDocument
+"""What is given in a frame, or relative to a body."""
 
 
 NO_POSE = "no pose: the gripper holds it at the start"
 
 
-def world_body(item: BodyDocument, frames: Sequence[str], places: Places, held: str | None) -> WorldBody:
+def world_body(item: BodyDocument, frames: Frames, places: Places, held: str | None) -> WorldBody:
     """A body of the surroundings; it is added to `places`, which holds those that were named before. `held`: the part
     that the gripper holds at the start, which has no pose."""
     if item.name in places:
@@ -126,27 +126,13 @@ def world_body(item: BodyDocument, frames: Sequence[str], places: Places, held: 
     return WorldBody(body, frame, pose, item.mass_kg, item.yaw_symmetry, pose_uncertainty(item.uncertainty))
 
 
-def resolve(place: PlaceInCell | TargetDocument, yaw: float, frames: Sequence[str], places: Places) -> tuple[str, Pose]:
-    """Frame and pose of a place that may be relative to a body (one that was named before)."""
+def resolve(place: Placement, yaw: float, frames: Frames, places: Places) -> tuple[str, Pose]:
+    """Frame with a law and pose in it, of a place that may be relative to a body (one that was named before)."""
     pose = placed(place.at_m, yaw)
     if place.body is not None:
         if place.body not in places:
             raise Refused(f"a body that is named before: {choices(places, place.body)}", "body")
         frame, carrier = places[place.body]
         return frame, carrier.then(pose)
-    frame = WORLD if place.frame is None else place.frame
-    if frame not in frames:
-        raise Refused(f"one of {choices(frames, frame)}", "frame")
-    return frame, pose
-
-
-MOST_CHOICES = 12
-
-
-def choices(names: Sequence[str] | Places, given: str) -> str:
-    """Names that there are, in words, the first `MOST_CHOICES` of them, and the one that `given` probably means."""
-    close = difflib.get_close_matches(given, list(names), n=1)
-    meant = f"; did you mean {close[0]}?" if close else ""
-    shown = sorted(names)
-    more = f" and {len(shown) - MOST_CHOICES} more" if len(shown) > MOST_CHOICES else ""
-    return ", ".join(shown[:MOST_CHOICES]) + more + meant if shown else "none is there"
+    with within("frame"):
+        return frames.placed(WORLD if place.frame is None else place.frame, pose)

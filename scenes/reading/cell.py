@@ -4,20 +4,37 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from assur.planner.model.scene import Clearance, ClearanceException, Execution, Options, Pick, Scene, Step
+from assur.planner.model.scene import (
+    Clearance,
+    ClearanceException,
+    Execution,
+    Options,
+    Pick,
+    Scene,
+    Step,
+    check_tool_point,
+)
 from assur.scenes.conventions import Conventions
-from assur.scenes.faults import Refused, located, within
+from assur.scenes.faults import Refused, choices, located, within
 from assur.scenes.reading import bodies, frames, neighbours, robots, task
+from assur.scenes.reading.start import start_of
 from assur.scenes.schema.request import ExecutionDocument, OptionsDocument, RequestDocument
 
 
 @dataclass(frozen=True, eq=False)
 class Cell:
-    """A scene, the maker's joint conventions for its answer, and the request as it was written."""
+    """A scene, what it was made of (the robot, its frames, where its bodies sit), and the request as it was written."""
 
     scene: Scene
-    conventions: Conventions
+    given: robots.Equipped
+    frames: frames.Frames
+    places: bodies.Places
     document: object
+
+    @property
+    def conventions(self) -> Conventions:
+        """How the maker counts the joints, for the answer."""
+        return self.given.conventions
 
 
 def cell_of(document: object, request: RequestDocument) -> Cell:
@@ -34,9 +51,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
     with within("robot"):
         given = robots.equipped(request.robot)
     robot, tool = given.robot, given.tool
-    with within("start"):
-        start = robots.start(request.start, given.conventions, robot.limits)
-        robots.refuse_open_chain(robot, start)
+    check_tool_point(robot, tool)
     with within("frames"):
         known = frames.frames_of(request.frames)
     places: bodies.Places = {}
@@ -44,21 +59,23 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
     for i, body in enumerate(request.robot.tool.bodies):
         if own.count(body.name) > 1:
             raise Refused("a name that no other body has", "robot", "tool", "bodies", i, "name")
-    held = None if start.holding is None else start.holding.part
+    held = None if request.start.holding is None else request.start.holding.part
     surroundings = []
     for i, item in enumerate(request.neighbours):
         with within("neighbours", i):
             if item.name in {other.name for other in request.neighbours[:i]}:
                 raise Refused("a name that no other neighbour has", "name")
-            surroundings += neighbours.add_neighbour(item, known, places)
-    taken, frame_names = set(own), list(known)
+            surroundings += neighbours.add_neighbour(item, known.laws, places)
+    taken = set(own)
     for i, named in enumerate(request.bodies):
         with within("bodies", i):
             if named.name in taken:
                 raise Refused("a name that no body of the robot or its tool has", "name")
-            surroundings.append(bodies.world_body(named, frame_names, places, held))
+            surroundings.append(bodies.world_body(named, known, places, held))
     if held is not None and held not in places:
-        raise Refused(f"the name of a body: {bodies.choices(places, held)}", "start", "holding", "part")
+        raise Refused(f"the name of a body: {choices(places, held)}", "start", "holding", "part")
+    with within("start"):
+        start = start_of(request.start, given, known, places)
     steps = task.steps_of(request.task, known, places, robot.coordinates, held)
     _check_riders(request, steps)
     carry = None if request.carry is None else request.carry.acceleration_m_s2
@@ -66,7 +83,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         robot=robot,
         tool=tool,
         start=start,
-        frames=known,
+        frames=known.laws,
         bodies=tuple(surroundings),
         task=steps,
         options=_options(request.options, robot.modes, [*own, *(body.name for body in surroundings)]),
@@ -79,7 +96,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         ),
         digest=request.digest,
     )
-    return Cell(scene, given.conventions, document)
+    return Cell(scene, given, known, places, document)
 
 
 MASSES = "mass_kg is not used: no torque, no payload check"
@@ -122,7 +139,7 @@ def _options(item: OptionsDocument, modes: tuple[str, ...], names: list[str]) ->
         for key, given in (("between", each.between), ("and", each.and_ or ())):
             for k, name in enumerate(given):
                 if name not in names:
-                    there = bodies.choices(names, name)
+                    there = choices(names, name)
                     raise Refused(f"the name of a body: {there}", "options", "clearance_exceptions", i, key, k)
         both = frozenset(each.between), frozenset(each.and_ or ())
         exceptions.append(ClearanceException(*both, each.clearance_m.travel, each.clearance_m.near))

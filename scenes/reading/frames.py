@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from assur.planner.errors import FaultError
@@ -24,7 +25,7 @@ from assur.planner.frames import (
     Uncertainty,
 )
 from assur.planner.model.scene import WORLD
-from assur.scenes.faults import Refused, within
+from assur.scenes.faults import Refused, choices, within
 from assur.scenes.schema.frames import (
     ConveyorDocument,
     FixedDocument,
@@ -120,15 +121,71 @@ LAWS: dict[str, Callable[[Any, Valid], Law]] = {
 """Key of a frame's law in a document → the law."""
 
 
-def frames_of(frames: Mapping[str, FrameDocument]) -> dict[str, Frame]:
-    """The frames by name, `world` among them. Raises `Refused` at the field that a law refuses."""
-    found = {WORLD: Frame(WORLD, Fixed(Pose()))}
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """The frames of a cell: those with a `law` of their own, by name, and those that are fixed on one of them, each
+    with its pose there. What sits in one of these sits in the frame with the law, and shares its uncertainty."""
+
+    laws: dict[str, Frame]
+    fixed_on: dict[str, tuple[str, Pose]]
+
+    def __iter__(self) -> Iterator[str]:
+        """All names."""
+        yield from self.laws
+        yield from self.fixed_on
+
+    def placed(self, name: str, pose: Pose) -> tuple[str, Pose]:
+        """The frame with a law, and the pose in it, for a pose in the frame `name`. Raises `Refused` for no frame."""
+        if name in self.laws:
+            return name, pose
+        if name not in self.fixed_on:
+            raise Refused(f"one of {choices(list(self), name)}")
+        below, carrier = self.fixed_on[name]
+        return below, carrier.then(pose)
+
+
+def frames_of(frames: Mapping[str, FrameDocument]) -> Frames:
+    """The frames, `world` among them. Raises `Refused` at the field that a law refuses, or that leads to no frame."""
+    laws = {WORLD: Frame(WORLD, Fixed(Pose()))}
     for name, item in frames.items():
         with within(name):
             if name == WORLD:
                 raise Refused(f"another name: {WORLD} is the frame that does not move")
-            found[name] = _frame(name, item)
-    return found
+            if _below(item) is None:
+                laws[name] = _frame(name, item)
+            else:
+                _check_fixed(item, frames)
+    return Frames(laws, {name: _fixed_on(name, frames, laws) for name in frames if name not in laws})
+
+
+def _below(item: FrameDocument) -> str | None:
+    """The frame on which a frame is fixed; None: it has a law of its own."""
+    return None if item.fixed is None or item.fixed.frame == WORLD else item.fixed.frame
+
+
+def _check_fixed(item: FrameDocument, frames: Mapping[str, FrameDocument]) -> None:
+    below = _below(item)
+    if below not in frames:
+        raise Refused(f"one of {choices([WORLD, *frames], str(below))}", "fixed", "frame")
+    if item.uncertainty != UncertaintyDocument():
+        raise Refused(f"no uncertainty: the frame goes with {below} and has its uncertainty", "uncertainty")
+    if item.valid_s is not None:
+        raise Refused(f"no valid_s: the frame is known as long as {below} is", "valid_s")
+
+
+def _fixed_on(name: str, frames: Mapping[str, FrameDocument], laws: Mapping[str, Frame]) -> tuple[str, Pose]:
+    """The frame with a law that carries the frame `name`, directly or over others, and its pose there."""
+    pose, way = Pose(), [name]
+    while way[-1] not in laws:
+        fixed = frames[way[-1]].fixed
+        if fixed is None or fixed.frame is None:
+            raise FaultError(f"frame {way[-1]} without a law is not fixed on another")
+        if fixed.frame in way:
+            loop = " on ".join([*way[way.index(fixed.frame) :], fixed.frame])
+            raise Refused(f"a frame that is not fixed on this one: {loop}", way[-1], "fixed", "frame")
+        pose = pose_of(fixed).then(pose)
+        way.append(fixed.frame)
+    return way[-1], pose
 
 
 def _frame(name: str, item: FrameDocument) -> Frame:

@@ -7,9 +7,9 @@ import numpy as np
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.frames.law import PoseUncertainty
+from assur.planner.model.arrival_error import ArrivalError, Share
 from assur.planner.model.outcome import (
     Arrival,
-    ArrivalError,
     Certificate,
     Leg,
     LegKind,
@@ -17,7 +17,6 @@ from assur.planner.model.outcome import (
     Nearest,
     Plan,
     Route,
-    Share,
 )
 from assur.scenes.conventions import Conventions, converted
 from assur.scenes.faults import Refused, located, within

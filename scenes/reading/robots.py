@@ -10,9 +10,8 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
-from assur.planner.model.scene import Holding, Start, Tool
+from assur.planner.model.scene import Tool
 from assur.planner.robots.facts import Limits
-from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.robot import Robot
 from assur.scenes.bounds import FAR_M
 from assur.scenes.catalogue import arm_named, shipped_robot
@@ -20,7 +19,7 @@ from assur.scenes.conventions import Conventions, JointConvention, converted, pl
 from assur.scenes.faults import Refused, as_written, within
 from assur.scenes.reading.arms import BuiltArm, built, turned_over
 from assur.scenes.reading.bodies import attached
-from assur.scenes.reading.frames import placed, pose_of, pose_uncertainty
+from assur.scenes.reading.frames import placed, pose_of
 from assur.scenes.robot_facts import assumptions
 from assur.scenes.schema.request import LagDocument
 from assur.scenes.schema.robots import (
@@ -29,7 +28,6 @@ from assur.scenes.schema.robots import (
     JointValues,
     LimitsDocument,
     RobotDocument,
-    StartDocument,
     ToolDocument,
 )
 from assur.scenes.units import from_si, si_key, twin_of
@@ -103,35 +101,6 @@ def _tool(item: ToolDocument, of: BuiltArm) -> Tool:
     return Tool(tcp, bodies, item.mass_kg)
 
 
-START_RATIO = 1e-9
-"""A start velocity or acceleration may exceed its limit by this share, as the planner has it: rounding of units."""
-
-
-def start(item: StartDocument, conventions: Conventions, limits: Limits) -> Start:
-    """The state at the start, of the gripper, too. Raises `Refused` unless each joint has its value, within the
-    (narrowed) limits."""
-    with within("joints"):
-        q = joint_values(item.joints, conventions, "")
-        _hold(q, (limits.lower, limits.upper), conventions, "")
-    rates = []
-    for key, given, limit, rate in (
-        ("velocity", item.velocity, limits.velocity, "_s"),
-        ("acceleration", item.acceleration, limits.acceleration, "_s2"),
-    ):
-        values = np.zeros(len(conventions))
-        if given is not None:
-            most = limit * (1 + START_RATIO)
-            with within(key):
-                values = joint_values(given, conventions, rate)
-                _hold(values, (-most, most), conventions, rate)
-        rates.append(values)
-    holding = None
-    if item.holding is not None:
-        grasp = placed(item.holding.grasp_m, item.holding.grasp_yaw_rad)
-        holding = Holding(item.holding.part, grasp, pose_uncertainty(item.holding.within))
-    return Start(item.at_s, q, rates[0], rates[1], holding)
-
-
 def lag(item: LagDocument | None, conventions: Conventions) -> tuple[float, ...]:
     """How far each joint may lag, in the planner's order; none that is not named."""
     if item is None:
@@ -145,19 +114,7 @@ def lag(item: LagDocument | None, conventions: Conventions) -> tuple[float, ...]
     return tuple(found.tolist())
 
 
-def refuse_open_chain(robot: Robot, start: Start) -> None:
-    """Raises `Refused` for a five-bar whose couplers cannot meet at the start."""
-    if not isinstance(robot, FiveBar):
-        return
-    apart, (left, right) = 1e3 * float(np.hypot(*robot.span(start.q))), (1e3 * length for length in robot.distal)
-    if abs(left - right) <= apart <= left + right:
-        return
-    couplers = f"{left + right:.1f} mm long together" if apart > left + right else f"{left:g} mm and {right:g} mm long"
-    allowed = f"joints with which the chain closes; the elbows are {apart:.1f} mm apart, the couplers {couplers}"
-    raise Refused(allowed, "joints")
-
-
-def _hold(values: FloatArray, ends: tuple[FloatArray, FloatArray], conventions: Conventions, rate: str) -> None:
+def hold(values: FloatArray, ends: tuple[FloatArray, FloatArray], conventions: Conventions, rate: str) -> None:
     """Raises `Refused` at the first joint beyond its limits, which are told as the joint was written."""
     for joint, i in zip(conventions, places(conventions), strict=True):
         value, lower, upper = float(values[i]), float(ends[0][i]), float(ends[1][i])

@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 
 from assur.planner.errors import FaultError
-from assur.planner.frames import Conveyor, Frame, Linear
+from assur.planner.frames import Conveyor, Linear
 from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Step, Target, Window
 from assur.planner.model.task import Tolerance
-from assur.scenes.faults import Refused, within
-from assur.scenes.reading.bodies import Places, choices, resolve
-from assur.scenes.reading.frames import placed, pose_uncertainty
+from assur.scenes.faults import Refused, choices, within
+from assur.scenes.reading.bodies import Places, resolve
+from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
 from assur.scenes.schema.task import (
     FollowDocument,
     MoveDocument,
@@ -23,17 +23,17 @@ from assur.scenes.schema.task import (
 )
 
 NO_YAW = "no yaw: the robot has no wrist"
+NO_HEADING = "no yaw: the tool's heading follows from the position"
+NO_TILT = "no {}: only arms with five axes have one"
 
 
 class _Task:
     """Reads the steps in order, and knows what the gripper holds in between."""
 
-    def __init__(
-        self, frames: dict[str, Frame], places: Places, coordinates: tuple[str, ...], held: str | None
-    ) -> None:
+    def __init__(self, frames: Frames, places: Places, coordinates: tuple[str, ...], held: str | None) -> None:
         self.frames, self.places = frames, places
         self.has_yaw, self.has_tilt = "yaw" in coordinates, "pitch" in coordinates
-        self.no_yaw = "no yaw: the tool's heading follows from the position" if self.has_tilt else NO_YAW
+        self.no_yaw = NO_HEADING if self.has_tilt else NO_YAW
         self.held = held
         self.names: set[str] = set()
 
@@ -109,7 +109,7 @@ class _Task:
                 raise Refused(self.no_yaw, "yaw_rad")
             for key in ("pitch_rad", "roll_rad"):
                 if key in item.model_fields_set and not self.has_tilt:
-                    raise Refused(f"no {key.removesuffix('_rad')}: only arms with five axes have one", key)
+                    raise Refused(NO_TILT.format(key.removesuffix("_rad")), key)
             if item.yaw_free and not self.has_yaw:
                 raise Refused(self.no_yaw, "yaw_free")
             if item.yaw_free and part:
@@ -120,14 +120,14 @@ class _Task:
             yaw_free = item.yaw_free or (silent and (free or not self.has_yaw))
             if item.body is not None and item.body == self.held:
                 raise Refused("a body that is not in the gripper", "body")
-            frame, pose = resolve(item, item.yaw_rad or 0.0, list(self.frames), self.places)
+            frame, pose = resolve(item, item.yaw_rad or 0.0, self.frames, self.places)
             return Target(frame, pose, yaw_free, _asked(item.pitch_rad), _asked(item.roll_rad))
 
     def _window(self, item: WindowedStep, frame: str) -> Window:
         for key, ends in (("window_s", item.window_s), ("window_m", item.window_m)):
             if ends is not None and not ends[0] < ends[1]:
                 raise Refused(_reversed, key)
-        if item.window_m is not None and not isinstance(self.frames[frame].law, Conveyor | Linear):
+        if item.window_m is not None and not isinstance(self.frames.laws[frame].law, Conveyor | Linear):
             raise Refused(f"window_s: {frame} is no conveyor to measure along", "window_m")
         time = None if item.window_s is None else (item.window_s[0], item.window_s[1])
         along = None if item.window_m is None else (item.window_m[0], item.window_m[1])
@@ -162,7 +162,7 @@ def _reversed(_: str, ends: object) -> str:
 
 def steps_of(
     task: Sequence[StepDocument],
-    frames: dict[str, Frame],
+    frames: Frames,
     places: Places,
     coordinates: tuple[str, ...],
     held: str | None = None,

@@ -12,7 +12,10 @@ from typing import Annotated, Literal, NotRequired, Required
 from pydantic import ConfigDict, Field, with_config
 from typing_extensions import TypedDict
 
-from assur.planner.model.outcome import Cause, Course
+from assur.planner.model.arrival_error import Cause
+from assur.planner.model.outcome import (
+    Course,
+)
 from assur.planner.model.refusal import Facts, Reason, Stage, Unit
 from assur.scenes import bounds
 from assur.scenes.schema.model import Angle, Instant, Point, Strength

@@ -20,6 +20,7 @@ from assur.scenes.schema.model import (
     PoseDocument,
     Positive,
     Rate,
+    Reference,
     Span,
     Speed,
     YawError,
@@ -35,7 +36,9 @@ Component = Annotated[float, Field(ge=-1.0, le=1.0)]
 
 
 class FixedDocument(PoseDocument):
-    """A frame that does not move."""
+    """A frame that does not move, or that goes with another `frame`, in which its pose is constant."""
+
+    frame: Reference | None = None
 
 
 class LinearDocument(PoseDocument):

@@ -186,6 +186,8 @@ NAME = r"^[A-Za-z][A-Za-z0-9_.-]{0,63}$"
 """Names that a document gives: frames, bodies, control points, neighbours."""
 REFERENCE = r"^[A-Za-z][A-Za-z0-9_.-]{0,63}(/[A-Za-z][A-Za-z0-9_.-]{0,63})?$"
 """Names that a document uses: those, and a neighbour's frames and bodies, NEIGHBOUR/name."""
+Mode = Annotated[str, Field(pattern=r"^[a-z][a-z-]{0,31}$")]
+"""A working mode of an arm, or what an option says in place of one."""
 Name = Annotated[str, Field(pattern=NAME)]
 Reference = Annotated[str, Field(pattern=REFERENCE)]
 

@@ -10,7 +10,18 @@ from pydantic import Field, SerializerFunctionWrapHandler, field_serializer
 
 from assur.scenes import bounds
 from assur.scenes.schema.frames import FrameDocument
-from assur.scenes.schema.model import ByName, Distance, Document, Duration, Instant, Name, Positive, Reference, Span
+from assur.scenes.schema.model import (
+    ByName,
+    Distance,
+    Document,
+    Duration,
+    Instant,
+    Mode,
+    Name,
+    Positive,
+    Reference,
+    Span,
+)
 from assur.scenes.schema.robots import NeighbourDocument, RobotDocument, StartDocument
 from assur.scenes.schema.shapes import BodyDocument
 from assur.scenes.schema.task import StepDocument
@@ -50,7 +61,7 @@ class OptionsDocument(Document):
         default_factory=list
     )
     singularity_margin: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.05
-    elbow: Annotated[str, Field(pattern=r"^[a-z][a-z-]{0,31}$")] = "keep"
+    elbow: Mode = "keep"
     end: Literal["rest", "moving"] = "rest"
     stay_safe_s: Duration = 0.0
     latest_end_s: Instant | None = None

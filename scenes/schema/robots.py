@@ -13,6 +13,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 from pydantic import Field, ModelWrapValidatorHandler, model_validator
 
 from assur.planner.geometry.shapes import LARGEST_M
+from assur.planner.robots.turns import MOST_TURNS
 from assur.scenes import bounds
 from assur.scenes.schema.model import (
     Angle,
@@ -23,6 +24,7 @@ from assur.scenes.schema.model import (
     Group,
     Instant,
     Mass,
+    Mode,
     Name,
     Point,
     PoseDocument,
@@ -251,12 +253,40 @@ class HoldingDocument(Document):
     within: PoseUncertaintyDocument = PoseUncertaintyDocument()
 
 
+class ToolPoseDocument(Document):
+    """A pose of the tool point in a frame (the world if none is named), or relative to a body and in that body's frame.
+
+    All angles that the arm can give its tool are given: the yaw, or pitch and roll.
+    """
+
+    at_most_one: ClassVar[tuple[Group, ...]] = (("frame", "body"),)
+
+    frame: Reference | None = None
+    body: Reference | None = None
+    at_m: Point
+    yaw_rad: Angle | None = None
+    pitch_rad: Angle | None = None
+    roll_rad: Angle | None = None
+
+
+Turn = Annotated[int, Field(ge=-MOST_TURNS, le=MOST_TURNS)]
+
+
 class StartDocument(Document):
-    """The state from which the plan begins; at rest unless velocity (and acceleration) are given, with an empty gripper
-    unless it is said what it holds."""
+    """The state from which the plan begins: joints, at rest unless velocity (and acceleration) are given; or a pose of
+    the tool, at rest, with the working mode `elbow` and the full turn of the wrist in which it is taken. The gripper is
+    empty unless it is said what it holds."""
+
+    exactly_one: ClassVar[tuple[Group, ...]] = (("joints", "tool"),)
+    at_most_one: ClassVar[tuple[Group, ...]] = tuple(
+        [("tool", key) for key in ("velocity", "acceleration")] + [("joints", key) for key in ("elbow", "turn")]
+    )
 
     at_s: Instant = 0.0
-    joints: JointValues
+    joints: JointValues | None = None
+    tool: ToolPoseDocument | None = None
+    elbow: Mode | None = None
+    turn: Turn | None = None
     velocity: JointValues | None = None
     acceleration: JointValues | None = None
     holding: HoldingDocument | None = None

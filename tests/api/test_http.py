@@ -145,6 +145,7 @@ def test_the_description_of_the_service_is_whole(client: httpx.Client) -> None:
     assert set(described["paths"]) == {
         "/v1/plans",
         "/v1/plans/check",
+        "/v1/ik",
         "/v1/robots",
         "/v1/scenes",
         "/v1/scenes/{name}",
@@ -180,12 +181,13 @@ def test_every_field_of_the_answers_is_typed_so_that_a_client_can_be_generated(c
     assert answers["discriminator"]["propertyName"] == "status"
     assert {reference.rpartition("/")[2] for reference in references(answers)} == {"PlannedAnswer", "NotPlannedAnswer"}
     verdict = described["paths"]["/v1/plans/check"]["post"]["responses"]["200"]["content"]["application/json"]["schema"]
-    waiting, known = ["PlannedAnswer", "NotPlannedAnswer", verdict["$ref"].rpartition("/")[2]], set()
+    waiting, known = ["PlannedAnswer", "NotPlannedAnswer", "IkAnswer", verdict["$ref"].rpartition("/")[2]], set()
     while waiting:
         name = waiting.pop()
         known.add(name)
         waiting += {r.rpartition("/")[2] for r in references(parts[name])} - known
     assert {"Trajectory", "Certificate", "CertificateDigest", "Margins", "CensusLine", "Arrival", "Leg"} <= known
+    assert {"Solution", "Collision", "Unreached", "ToolPose"} <= known
     assert [place for name in sorted(known) for place in untyped(parts[name], name)] == []
 
 

@@ -42,6 +42,8 @@ with running() as client:
     assert client.post("/v1/plans", json=FIRST_PLAN).json()["status"] == "planned"
     assert client.post("/v1/plans", json={"schema": "assur/1"}).status_code == 422
     assert client.post("/v1/plans/check", json={}).status_code == 422
+    pose = {"at_mm": [350, 0, 150], "yaw_deg": 0}
+    assert client.post("/v1/ik", json={"request": FIRST_PLAN, "pose": pose}).json()["status"] == "reached"
 """,
 } | {
     f"assur {command}": f"""

@@ -131,6 +131,8 @@ def test_the_defaults_that_are_shown_are_the_documents_own(heading: str, documen
         )
         if key == "clearance_m":
             written = f"{value.travel:g}, {value.near:g}"
+        elif value == []:
+            written = "[]"
         elif isinstance(value, str):
             written = f"`{value}`"
         elif type(value) in (int, float):

@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from assur.planner.frames.law import PoseUncertainty
 from assur.planner.frames.motion import Pose
+from assur.planner.model.arrival_error import ArrivalError, Cause, Share
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Arrival, Certificate, Course, Leg, LegKind, Missed, Route
 from assur.planner.trajectory import Trajectory
@@ -77,14 +79,17 @@ def test_every_number_and_every_word_counts() -> None:
         "pitch": 0.0,
         "roll": 0.0,
         "missed_by": Missed((0.1, 0.2, 0.3), 0.01),
+        "error": ArrivalError(0.1, PoseUncertainty(0.1), (Share(Cause.LAG, 0.1, 0.0),), (("late start s", 0.1),)),
     }
     assert set(arrived) == {field.name for field in fields(Arrival)}
     seen |= {of(arrivals=(replace(ARRIVALS[0], **{name: value}),)) for name, value in arrived.items()}
     columns = [field.name for field in fields(Certificate) if field.name not in ("names", "digest", "covers")]
+    shifts = {"shift0": np.zeros(len(ROWS)), "shift1": np.ones(len(ROWS))}
     for name in columns:
-        values = getattr(ROWS, name).copy()
+        values = (shifts[name] if name in shifts else getattr(ROWS, name)).copy()
         values.flat[-1] += 1
-        seen.add(of(certificate=replace(ROWS, **{name: values})))
+        changed_columns: dict[str, Any] = {**(shifts if name in shifts else {}), name: values}
+        seen.add(of(certificate=replace(ROWS, **changed_columns)))
     seen.add(of(certificate=replace(ROWS, names=("a", "c"))))
     seen.add(of(certificate=replace(ROWS, covers=ROWS.covers[:-1])))
     seen.add(of(trajectory=replace(KNOTS, jumps=True)))

@@ -14,9 +14,11 @@ from assur.planner.model.refusal import (
     BeyondRange,
     Bodies,
     Carrying,
+    Corrected,
     Enclosed,
     Facts,
     FrameName,
+    Inaccurate,
     JointName,
     LawEnds,
     MotionLimit,
@@ -226,6 +228,21 @@ CASES: list[tuple[Refusal, str]] = [
     (
         of(Reason.CARRY_LIMIT, Carrying(acceleration=12.5, limit=10.0)),
         "the part would be accelerated with 12.5 m/s², but only 10 m/s² are allowed",
+    ),
+    (
+        of(
+            Reason.TOLERANCE,
+            Inaccurate(position_m=0.0142, yaw_rad=0.0, allowed_m=0.005, allowed_rad=None, cause="frame", most=0.012),
+        ),
+        "the tool may be 14.2 mm off, but only 5 mm are allowed; most of it, 12 mm, is due to: frame",
+    ),
+    (
+        of(Reason.JOINT_LIMIT, Corrected(shift_m=0.006, joint="j2")),
+        "the belt correction may shift the tool by 6 mm, which would bring j2 beyond its range",
+    ),
+    (
+        of(Reason.NEAR_SINGULARITY, Corrected(shift_m=0.006)),
+        "the belt correction may shift the tool by 6 mm, which would bring the arm to a singular position",
     ),
     (
         of(

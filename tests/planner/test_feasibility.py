@@ -101,14 +101,6 @@ def test_the_start_must_have_the_clearance_of_travel(clearance: float) -> None:
             assert reason(scene) is Reason.START_IN_COLLISION
 
 
-def test_tracking_and_uncertainty_count_at_the_start() -> None:
-    sure = cell(go(0.35, -0.2), bodies=(beside_the_quill(0.003),))
-    assert found(sure) is None
-    loose = frame("loose", Conveyor(Pose(), 0.0), 0.004)
-    bodies = (beside_the_quill(0.003, "loose"),)
-    assert reason(cell(go(0.35, -0.2), bodies=bodies, frames=(loose,))) is Reason.START_IN_COLLISION
-
-
 def test_an_arm_that_touches_itself_at_the_start_is_refused() -> None:
     scene = cell(go(0.35, -0.2), robot=arm(column=0.16), q=(0.3, 2.6, 0.1, 0.0))
     refusal = found(scene)

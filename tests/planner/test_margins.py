@@ -16,8 +16,8 @@ from assur.planner.frames import Conveyor
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.kernels.links import L1
-from assur.planner.kernels.tool import least_margins
-from assur.planner.kernels.tool import tool_peak as sampled_peak
+from assur.planner.kernels.postures import least_margins
+from assur.planner.kernels.postures import tool_peak as sampled_peak
 from assur.planner.legs.tool_motion import tool_peak
 from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.phases import Phase, phases

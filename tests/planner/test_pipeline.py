@@ -19,6 +19,7 @@ from assur.planner.geometry.shapes import box, cylinder, sphere
 from assur.planner.model.outcome import Leg, LegKind, NotPlanned, Outcome, Planned
 from assur.planner.model.refusal import Reason, Stage
 from assur.planner.model.scene import Arch, Clearance, Execution, Follow, Move, Pick, Place, Scene, Target, Window
+from assur.planner.model.task import Tolerance
 from assur.planner.pipeline import plan
 from assur.planner.trajectory import check_limits
 from tests.planner.cells import (
@@ -116,6 +117,13 @@ REASONS: dict[Reason, tuple[Callable[[], Scene], bool, str]] = {
         lambda: cell(Follow("f", at(0.08, 0.0, 0.1, 0.0, "dial"), 0.1), frames=(frame("dial", dial(30.0)),)),
         False,
         "exceed its limit",
+    ),
+    Reason.TOLERANCE: (
+        lambda: cell(
+            Follow("along", Target("belt", Pose()), 0.1, tolerance=Tolerance(0.001)),
+            frames=(frame("belt", Conveyor(Pose(0.3, -0.2, 0.1), 0.05), 0.005),),
+        ),
+        "the tool may be 5 mm off, but only 1 mm are allowed; most of it, 5 mm, is due to: frame",
     ),
     Reason.CARRY_LIMIT: (
         # 0.1 m from the axis at 3 rad/s is 0.9 m/s² however gently one takes the part

@@ -235,6 +235,11 @@ def _data(content: bytes, form: str = "stl") -> dict[str, Any]:
     return {"mesh": {"data": base64.b64encode(content).decode(), "format": form, "unit": "mm"}}
 
 
+def _on(frame: str, **beside: Any) -> Change:
+    """A frame that is fixed on another."""
+    return put("frames", "nest", value={"fixed": {"frame": frame, "at_m": [0, 0, 0]}, **beside})
+
+
 def _rates(per: str, **given: float) -> dict[str, float]:
     """Rates of all joints of the good request's arm, zero where not `given`."""
     return {f"{j}_{'mm' if j == 'j3' else 'deg'}{per}": given.get(j, 0.0) for j in ("j1", "j2", "j3", "j4")}
@@ -361,6 +366,25 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     ),
     Bad("frame called world", put("frames", "world", value={"fixed": {"at_m": [0, 0, 0]}}), "frames.world"),
     Bad("frame with a slash", put("frames", "a/b", value={"fixed": {"at_m": [0, 0, 0]}}), "frames.a/b"),
+    Bad("a frame on no frame", _on("blet"), "frames.nest.fixed.frame", "one of belt, dial, gate, nest, world; did you"),
+    Bad("a frame on a neighbour's link", _on("other/flange"), "frames.nest.fixed.frame", "one of belt, dial"),
+    Bad("a frame on itself", _on("nest"), "frames.nest.fixed.frame", "nest on nest"),
+    Bad(
+        "two frames on each other",
+        lambda document: document["frames"].update(
+            nest={"fixed": {"frame": "tray", "at_m": [0, 0, 0]}}, tray={"fixed": {"frame": "nest", "at_m": [0, 0, 0]}}
+        ),
+        "frames.tray.fixed.frame",
+        "nest on tray on nest",
+    ),
+    Bad("a frame that is not fixed, on a frame", put(*BELT, "frame", value="dial"), "frames.belt.conveyor.frame"),
+    Bad(
+        "an uncertain frame on a frame",
+        _on("belt", uncertainty={"position_mm": 1}),
+        "frames.nest.uncertainty",
+        "goes with belt and has its uncertainty",
+    ),
+    Bad("a frame on a frame, known for a time", _on("dial", valid_s=[0, 1]), "frames.nest.valid_s", "as long as dial"),
     Bad("period of zero", put("frames", "gate", "swing", "period_s", value=0), "frames.gate.swing.period_s"),
     Bad("validity upside down", put("frames", "belt", "valid_s", value=[5, 1]), "frames.belt.valid_s"),
     Bad(

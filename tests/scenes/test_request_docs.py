@@ -31,8 +31,8 @@ BASE: dict[str, Any] = {
 def test_each_part_of_a_request_makes_a_scene(text: str) -> None:
     part, _ = parse_yaml(text.encode())
     scene = scene_of({**copy.deepcopy(BASE), **part})
-    for name in part.get("frames", {}):
-        assert name in scene.frames
+    for name, frame in part.get("frames", {}).items():
+        assert (name in scene.frames) == ("frame" not in frame.get("fixed", {}))
     for body in part.get("bodies", ()):
         assert body["name"] in scene.index
 

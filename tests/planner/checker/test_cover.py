@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from assur.planner.checker.cover import COLUMNS, OTHER_PIECE, PIECE, T0, T1, hole
+from assur.planner.checker.row_table import COLUMNS, OTHER_PIECE, PIECE, T0, T1, hole
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import solids
 from assur.planner.checker.world import World

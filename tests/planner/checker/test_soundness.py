@@ -20,7 +20,11 @@ from assur.planner.errors import FaultError
 from assur.planner.frames import Law, Linear, Pose, Swing, Turntable
 from assur.planner.frames.law import PoseUncertainty, Uncertainty
 from assur.planner.geometry.shapes import Primitive, sphere
-from assur.planner.model.outcome import ArrivalError, LegKind, Plan
+from assur.planner.model.arrival_error import ArrivalError
+from assur.planner.model.outcome import (
+    LegKind,
+    Plan,
+)
 from assur.planner.model.scene import Execution, Follow, Move, Options, Scene, Target, WorldBody
 from tests.planner.checker.hand_made import (
     TOOL,

@@ -46,7 +46,7 @@ def refused(request: Document) -> Document:
 
 def fingers(uncertainty: Document, execution: Document, **of_pick: object) -> Document:
     """Two fingers, 0.5 mm beside the part that they take from a belt."""
-    request = copy.deepcopy(dict(shipped("dense-flow-uncorrected").request))  # type: ignore[call-overload]
+    request = copy.deepcopy(dict(shipped("dense-flow-uncorrected").request))
     request["bodies"] = [body for body in request["bodies"] if body["name"] not in ("before", "behind")]
     request["frames"]["belt"]["uncertainty"], request["execution"] = uncertainty, execution
     request["options"] = {**request["options"], "stop": "first", "max_candidates": 60}
@@ -222,7 +222,7 @@ def test_an_error_that_is_said_to_be_smaller_is_found(what: str) -> None:
 
 
 def beside_a_neighbour(tolerance_ms: float) -> Document:
-    request = copy.deepcopy(dict(shipped("two-robots").request))  # type: ignore[call-overload]
+    request = copy.deepcopy(dict(shipped("two-robots").request))
     request["execution"] = {"start_tolerance_ms": tolerance_ms}
     request["options"] = {**request["options"], "stop": "first"}
     return request

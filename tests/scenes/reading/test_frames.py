@@ -203,3 +203,67 @@ def test_uncertainty_and_validity_belong_to_the_frame() -> None:
 def test_the_world_is_always_there_and_does_not_move() -> None:
     world = scene_of(GOOD_REQUEST).frames["world"]
     assert world.law.motion(np.array([0.0, 1e4])).p.tolist() == [[0.0] * 3] * 2
+
+
+def on(below: str, x: float, y: float, yaw: float) -> dict[str, Any]:
+    """A frame that is fixed on another."""
+    return {"fixed": {"frame": below, "at_mm": [x, y, 5], "yaw_deg": yaw}}
+
+
+def nested() -> dict[str, Any]:
+    """A request with a nest on a tray, which goes with the belt, and one on a table; the nest is named before both."""
+    request = copy.deepcopy(GOOD_REQUEST)
+    request["frames"] = {
+        "nest": on("tray", 30, 40, -20),
+        "tray": on("belt", 100, -50, 60),
+        **request["frames"],
+        "slot": on("table", 10, 0, 90),
+        "table": {"fixed": {"frame": "world", "at_mm": [300, -200, 0], "yaw_deg": 45}},
+    }
+    return request
+
+
+@pytest.mark.parametrize("t", [0.0, 1.7])
+def test_a_frame_on_a_frame_is_where_both_poses_together_put_it(t: float) -> None:
+    request = nested()
+    shape = {"sphere": {"radius_mm": 8}}
+    request["bodies"] += [
+        {"name": "in-nest", "shape": shape, "pose": {"frame": "nest", "at_mm": [1, 2, 3], "yaw_deg": 10}},
+        {"name": "in-slot", "shape": shape, "pose": {"frame": "slot", "at_mm": [0, 0, 0]}},
+        {"name": "beside", "shape": shape, "pose": {"body": "in-nest", "at_mm": [0, 0, 20]}},
+    ]
+    scene = scene_of(request)
+
+    def where(name: str) -> tuple[complex, float, float]:
+        body = scene.index[name]
+        motion = scene.frames[body.frame].law.motion(np.array(t)).at(body.pose)
+        return complex(*motion.p[:2]), float(motion.p[2]), float(motion.yaw)
+
+    def turned(deg: float) -> complex:
+        return complex(math.cos(math.radians(deg)), math.sin(math.radians(deg)))
+
+    # by complex numbers, mm: the belt is at (250 t, 350, 50) and runs along x
+    spot = 250 * t + 350j + (100 - 50j) + turned(60) * ((30 + 40j) + turned(-20) * (1 + 2j))
+    assert where("in-nest")[0] == pytest.approx(spot / 1000)
+    assert where("in-nest")[1:] == pytest.approx((0.063, math.radians(50)))
+    assert where("beside")[1:] == pytest.approx((0.083, math.radians(50)))
+    assert where("in-slot")[0] == pytest.approx((300 - 200j + turned(45) * 10) / 1000)
+    assert where("in-slot")[1:] == pytest.approx((0.005, math.radians(135)))
+    assert [scene.index[name].frame for name in ("in-nest", "in-slot", "beside")] == ["belt", "table", "belt"]
+
+
+def test_a_step_in_a_frame_on_a_belt_has_the_belts_way_and_uncertainty() -> None:
+    request = nested()
+    to = {"frame": "nest", "at_mm": [0, 0, 60], "yaw_deg": 0}
+    request["task"] = [{"follow": {"to": to, "duration_ms": 50, "window_mm": [0, 400]}}]
+    scene = scene_of(request)
+    target = scene.task[0].target
+    assert target is not None
+    assert target.frame == "belt"
+    assert scene.frames["belt"].uncertainty.speed_m_s == 0.002
+    assert (target.pose.z, target.pose.yaw) == pytest.approx((0.07, math.radians(40)))
+
+
+def test_a_frame_may_be_called_as_being_fixed_in_the_world() -> None:
+    made = frame({"fixed": {"frame": "world", "at_mm": [1, 2, 3]}}, uncertainty={"position_mm": 0.5})
+    assert made.uncertainty.position_m == 0.0005

@@ -1,0 +1,149 @@
+"""Whether an arm stays where it can be all along a spline, over halved intervals: a linkage with a loop in its assembly
+mode (K39), a SCARA that a belt correction shifts within its ranges and away from singular positions (U3). And what a
+whole motion asks of the tool and leaves of the arm, at sampled instants."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.compiled import kernel
+from assur.planner.kernels.dyads import RRR_COLUMNS, WORK_ROWS
+from assur.planner.kernels.intervals import Motion
+from assur.planner.kernels.inverse import LOOP, POSTURE_COLUMNS, SERIAL, posture
+from assur.planner.kernels.links import LINKS, PARALLEL_LEAST, assembled
+from assur.planner.kernels.motion import COORDINATES, ORDERS, link_motion
+from assur.planner.kernels.solids import MOTION, ROW, TABLE
+from assur.planner.kernels.spline import piece_motion, spline_state, sweep_bounds
+from assur.planner.kernels.uncertainty import (
+    DOUBT,
+    LAG_Q,
+    SHIFT,
+    SHIFT_GROWTH,
+    Doubt,
+    corrected_angles,
+    growing_for,
+)
+
+FINEST_S = 2e-5
+"""Intervals are halved no further than this, s; the checker goes further before it refuses."""
+STACK = 64
+"""Intervals on the stack at a time: one for each halving, and no motion is halved so often."""
+
+
+@kernel(
+    "UniTuple(float64, 2)(float64[::1], float64[::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1])",
+    allocates=True,
+)
+def first_lost(
+    robot: FloatArray, tk: FloatArray, c: FloatArray, whole: FloatArray, matrix: FloatArray
+) -> tuple[float, float]:
+    """When the robot is first not proved to stay assembled with its least parallel margin, and its margin then, NaN
+    where it does not assemble; an infinite time: it stays assembled."""
+    n, m = c.shape[1], len(matrix)
+    lower, upper, rate, rate_d, q = np.empty(n), np.empty(n), np.empty(m), np.empty(m), np.empty(n)
+    out, work = np.empty(POSTURE_COLUMNS), np.empty((WORK_ROWS, RRR_COLUMNS))
+    stack, top = np.empty((STACK, 2)), 1
+    stack[0, 0], stack[0, 1] = tk[0], tk[len(tk) - 1]
+    while top > 0:
+        top -= 1
+        t0, t1 = stack[top, 0], stack[top, 1]
+        sweep_bounds(tk, c, whole, matrix, t0, t1, lower, upper, rate, rate_d)
+        if assembled(robot, lower, upper):
+            continue
+        middle = 0.5 * (t0 + t1)
+        spline_state(tk, c, middle, q)
+        posture(robot, q, out, work)
+        if not (out[LOOP] >= robot[PARALLEL_LEAST] and t1 - t0 > FINEST_S and top + 2 <= STACK):
+            return middle, out[LOOP]
+        stack[top, 0], stack[top, 1], stack[top + 1, 0], stack[top + 1, 1] = middle, t1, t0, middle
+        top += 2
+    return math.inf, math.nan
+
+
+HALVED = 12
+"""How often an interval is halved before it is given up."""
+FITS, SINGULAR = -2, -1
+"""What is found where no joint goes beyond its range."""
+
+
+@kernel(f"int64({MOTION}, {TABLE}, {DOUBT}, float64, float64, {ROW})", allocates=True)
+def correction_fits(motion: Motion, limits: FloatArray, doubt: Doubt, t0: float, t1: float, found: FloatArray) -> int:
+    """The joint that a correction may bring beyond its range over [t0, t1], SINGULAR or FITS; `found` (2,) takes when,
+    s, and by how much, rad. `limits` (≥ 2, n): the lower and the upper ends of the joints."""
+    robot, _, _, tk, c, whole, matrix = motion
+    n, m, lag, clock = c.shape[1], len(matrix), doubt[1], doubt[2]
+    swept, stack, top = np.empty((4, max(n, m))), np.empty((HALVED + 2, 3)), 1
+    stack[0, 0], stack[0, 1], stack[0, 2] = t0, t1, 0.0
+    while top > 0:
+        top -= 1
+        a, b, depth = stack[top, 0], stack[top, 1], stack[top, 2]
+        lower, upper = swept[0, :n], swept[1, :n]
+        sweep_bounds(tk, c, whole, matrix, a, b, lower, upper, swept[2, :m], swept[3, :m])
+        shift = clock[SHIFT] + clock[SHIFT_GROWTH] * growing_for(clock, b)
+        first, second = corrected_angles(robot, lower[1] - lag[LAG_Q, 1], upper[1] + lag[LAG_Q, 1], shift)
+        joint, over = FITS, 0.0
+        if not (first < np.inf and second < np.inf):
+            joint = SINGULAR
+        for j in range(n):
+            more = first if j == 0 else (first + second if j == 1 else (second if j == 3 else 0.0))
+            beyond = max(limits[0, j] - (lower[j] - more), upper[j] + more - limits[1, j])
+            if joint != SINGULAR and more > 0.0 and beyond > over:
+                joint, over = j, beyond
+        if joint == FITS:
+            continue
+        if depth >= HALVED:
+            found[0], found[1] = 0.5 * (a + b), over
+            return joint
+        middle = 0.5 * (a + b)
+        stack[top, 0], stack[top, 1], stack[top, 2] = middle, b, depth + 1.0
+        stack[top + 1, 0], stack[top + 1, 1], stack[top + 1, 2] = a, middle, depth + 1.0
+        top += 2
+    return FITS
+
+
+@kernel(
+    "UniTuple(float64, 2)(float64[::1], float64[::1], float64[:, :, ::1], float64, float64, float64, float64, int64)",
+    allocates=True,
+)
+def tool_peak(
+    robot: FloatArray, tk: FloatArray, c: FloatArray, x: float, y: float, t0: float, t1: float, many: int
+) -> tuple[float, float]:
+    """Largest acceleration, m/s², of the tool point at `many` > 1 instants of [t0, t1], and when; NaN if any is.
+
+    The tool point is at (x, y), m, across the flange, which turns about the vertical: r̈ = α r⊥ − ω² r.
+    """
+    joints, out = np.zeros((ORDERS, c.shape[1])), np.empty((ORDERS, COORDINATES))
+    work = np.empty((WORK_ROWS, RRR_COLUMNS))
+    flange, best, at = int(robot[LINKS]) - 1, -math.inf, t0
+    for k in range(many):
+        t = t0 + (t1 - t0) * k / (many - 1)
+        piece_motion(tk, c, t, joints)
+        link_motion(robot, flange, joints, out, work)
+        cos, sin = math.cos(out[0, 3]), math.sin(out[0, 3])
+        rx, ry = cos * x - sin * y, sin * x + cos * y
+        turn, square = out[2, 3], out[1, 3] * out[1, 3]
+        ax, ay, az = out[2, 0] - turn * ry - square * rx, out[2, 1] + turn * rx - square * ry, out[2, 2]
+        pull = math.sqrt(ax * ax + ay * ay + az * az)
+        if not pull <= best:
+            best, at = pull, t
+            if math.isnan(pull):
+                break
+    return best, at
+
+
+@kernel("UniTuple(float64, 2)(float64[::1], float64[::1], float64[:, :, ::1], int64)", allocates=True)
+def least_margins(robot: FloatArray, tk: FloatArray, c: FloatArray, many: int) -> tuple[float, float]:
+    """Least margin to a singularity, and to a type 2 singularity, at `many` > 1 instants of a spline; NaN if any is."""
+    out, work = np.empty(POSTURE_COLUMNS), np.empty((WORK_ROWS, RRR_COLUMNS))
+    joints, t0, t1 = np.empty((ORDERS, c.shape[1])), tk[0], tk[len(tk) - 1]
+    serial, parallel = math.inf, math.inf
+    for k in range(many):
+        piece_motion(tk, c, t0 + (t1 - t0) * k / (many - 1), joints)
+        posture(robot, joints[0], out, work)
+        # what is not a number stays
+        serial = serial if serial != serial or serial <= out[SERIAL] else out[SERIAL]
+        parallel = parallel if parallel != parallel or parallel <= out[LOOP] else out[LOOP]
+    return serial, parallel

@@ -1,0 +1,109 @@
+"""The state at the start: joint values in the maker's words, or a pose of the tool."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
+from assur.planner.model.scene import Holding, Start
+from assur.planner.robots.five_bar import FiveBar
+from assur.planner.robots.robot import Robot
+from assur.planner.robots.solutions import solutions
+from assur.scenes.conventions import as_maker
+from assur.scenes.faults import Refused, within
+from assur.scenes.reading.bodies import Places
+from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
+from assur.scenes.reading.robots import Equipped, hold, joint_values
+from assur.scenes.reading.tool_pose import (
+    flange_of,
+    in_words,
+    joints_in_words,
+    lack,
+    nearest_to_zero,
+    wrist_turns,
+)
+from assur.scenes.schema.robots import JointValues, StartDocument, ToolPoseDocument
+
+START_RATIO = 1e-9
+"""A start velocity or acceleration may exceed its limit by this share, as the planner has it: rounding of units."""
+
+
+def start_of(item: StartDocument, given: Equipped, frames: Frames, places: Places) -> Start:
+    """The state at the start. Raises `Refused` unless each joint has its value, within the (narrowed) limits, or the
+    pose of the tool is met by one joint position, within them and not singular."""
+    limits = given.robot.limits
+    if item.tool is not None:
+        q = _with_tool_at(item.tool, item, given, frames, places)
+    elif item.joints is not None:
+        with within("joints"):
+            q = position(item.joints, given)
+    else:
+        raise FaultError("a start without joints and without a pose passed its model")
+    rates = []
+    for key, values, limit, rate in (
+        ("velocity", item.velocity, limits.velocity, "_s"),
+        ("acceleration", item.acceleration, limits.acceleration, "_s2"),
+    ):
+        rates.append(np.zeros(len(q)))
+        if values is not None:
+            most = limit * (1 + START_RATIO)
+            with within(key):
+                rates[-1] = joint_values(values, given.conventions, rate)
+                hold(rates[-1], (-most, most), given.conventions, rate)
+    holding = None
+    if item.holding is not None:
+        grasp = placed(item.holding.grasp_m, item.holding.grasp_yaw_rad)
+        holding = Holding(item.holding.part, grasp, pose_uncertainty(item.holding.within))
+    return Start(item.at_s, q, rates[0], rates[1], holding)
+
+
+def position(item: JointValues, given: Equipped) -> FloatArray:
+    """The planner's joint vector (n,). Raises `Refused` unless each joint has its value, within limits, and a
+    five-bar's couplers meet."""
+    q = joint_values(item, given.conventions, "")
+    hold(q, (given.robot.limits.lower, given.robot.limits.upper), given.conventions, "")
+    _refuse_open_chain(given.robot, q)
+    return q
+
+
+def _refuse_open_chain(robot: Robot, q: FloatArray) -> None:
+    if not isinstance(robot, FiveBar):
+        return
+    apart, (left, right) = 1e3 * float(np.hypot(*robot.span(q))), (1e3 * length for length in robot.distal)
+    if abs(left - right) <= apart <= left + right:
+        return
+    couplers = f"{left + right:.1f} mm long together" if apart > left + right else f"{left:g} mm and {right:g} mm long"
+    raise Refused(f"joints with which the chain closes; the elbows are {apart:.1f} mm apart, the couplers {couplers}")
+
+
+def _with_tool_at(
+    tool: ToolPoseDocument, item: StartDocument, given: Equipped, frames: Frames, places: Places
+) -> FloatArray:
+    """The joint vector (n,) of the one working mode, and the one turn of the wrist, that the request says or leaves."""
+    names = given.robot.modes
+    if item.elbow is not None and item.elbow not in names:
+        raise Refused(f"one of {', '.join(names)}", "elbow")
+    with within("tool"):
+        flange = flange_of(tool, given, frames, places, item.at_s)
+        modes = {names[mode.mode]: mode for mode in solutions(given.robot, flange)}
+        met = {name: mode.found for name, mode in modes.items() if len(mode.found)}
+        if not met:
+            raise Refused(f"a pose that the arm can take ({lack(modes.values(), given)})", "at_m")
+    if item.elbow is None and len(met) > 1:
+        near = {name: joints_in_words(nearest_to_zero(found, given), given) for name, found in met.items()}
+        choices = " or ".join(f"{name} ({joints})" for name, joints in near.items())
+        raise Refused(f"{choices}, which must be given", "elbow")
+    if item.elbow is not None and item.elbow not in met:
+        raise Refused(f"{' or '.join(met)} ({item.elbow}: {lack([modes[item.elbow]], given)})", "elbow")
+    found = met[item.elbow or next(iter(met))]
+    if item.turn is None:
+        return nearest_to_zero(found, given)
+    turns = wrist_turns(found, given)
+    if turns is None:
+        raise Refused("no turn: the robot has no wrist", "turn")
+    if item.turn not in turns:
+        joint, last = given.conventions[-1], as_maker(found, given.conventions)[:, -1].tolist()
+        at = dict(sorted(zip(turns, last, strict=True)))
+        raise Refused(" or ".join(f"{turn} ({joint.name} at {in_words(joint, at[turn])})" for turn in at), "turn")
+    return nearest_to_zero(found[np.array(turns) == item.turn], given)

@@ -1,0 +1,91 @@
+"""Inverse kinematics as documents: a pose of the tool or joints, and all joint positions there with their margins."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal, NotRequired
+
+from pydantic import Field, with_config
+from typing_extensions import TypedDict
+
+from assur.planner.model.refusal import Facts, Reason
+from assur.scenes.schema.answer import CLOSED, Number, Pair, Schema, Text, Vector
+from assur.scenes.schema.model import Document, Group, Instant
+from assur.scenes.schema.robots import JointValues, RobotDocument, ToolPoseDocument
+
+
+class IkDocument(Document):
+    """A pose of the tool point, or joints, at a time (silent: the start of the request, or 0).
+
+    The robot is that of a request, which is given beside this, or `robot`, without a cell.
+    """
+
+    exactly_one: ClassVar[tuple[Group, ...]] = (("pose", "joints"),)
+
+    robot: RobotDocument | None = None
+    pose: ToolPoseDocument | None = None
+    joints: JointValues | None = None
+    at_s: Instant | None = None
+
+
+@with_config(CLOSED)
+class ToolPose(TypedDict):
+    """Where the tool point is. Without a yaw that is asked or follows from joints: none; pitch and roll with five axes
+    only."""
+
+    at_m: Vector
+    yaw_rad: NotRequired[Number]
+    pitch_rad: NotRequired[Number]
+    roll_rad: NotRequired[Number]
+
+
+@with_config(CLOSED)
+class Collision(TypedDict):
+    """Two bodies that are nearer to each other than travel allows, the arm's own first; `detail`: for people."""
+
+    bodies: Pair
+    facts: Annotated[Facts, Field(discriminator="kind")]
+    detail: Text
+
+
+@with_config(CLOSED)
+class Solution(TypedDict):
+    """A joint position: working mode, full turn of the wrist (null without one), values as the maker counts them.
+
+    `to_limits`: of each joint, how far it is from the lower and from the upper end of its range. `reach_m`: how far the
+    tool point is from the edge of what the links reach. `collisions`: at rest; not there without a request.
+    """
+
+    mode: Text
+    turn: int | None
+    joints: dict[Text, Number]
+    to_limits: dict[Text, Annotated[list[Number], Field(min_length=2, max_length=2)]]
+    singularity_margin: Number
+    parallel_margin: Number | None
+    reach_m: Number
+    collisions: NotRequired[list[Collision]]
+
+
+@with_config(CLOSED)
+class Unreached(TypedDict):
+    """A working mode without a solution: how far out of reach, by how much each joint would be beyond its range; the
+    same for people in `detail`."""
+
+    mode: Text
+    reason: Reason
+    short_m: Number | None
+    beyond: dict[Text, Number]
+    detail: Text
+
+
+@with_config(CLOSED)
+class IkAnswer(TypedDict):
+    """The pose of the tool in every frame that is known at the time, all joint positions, and what other modes lack."""
+
+    schema: Schema
+    status: Literal["reached", "not_reached"]
+    robot: Text
+    at_s: Instant
+    tool: dict[Text, ToolPose]
+    solutions: list[Solution]
+    unreached: list[Unreached]
+    notice: Text
