@@ -31,7 +31,7 @@ def closest(
     only these bodies of the surroundings, against what hangs on the flange."""
     arrangement = prover.of(phase)
     stands = prover.standing(q, phase.t0)
-    pairs = prover.near(phase, stands)
+    pairs = prover.near(phase, stands).copy()
     pairs[:, SET], pairs[:, EARLY : LATE + 1] = -1.0, 0.0
     one, other = (arrangement.body[pairs[:, column].astype(np.int64)] for column in (FIRST, SECOND))
     names = [pair(arrangement.names[a], arrangement.names[b]) for a, b in zip(one, other, strict=True)]
