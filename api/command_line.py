@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, ParamSpec
 
 import typer
 
-from assur.api.cli import catalogue_table, console_report, ik_report
-from assur.api.cli.inputs import Target, joints_in, json_file, robot_in_place, robot_named, target
+from assur.api.cli import catalogue_table, console_report, ik_report, limits_report
+from assur.api.cli.inputs import Target, joints_in, json_file, log_file, robot_in_place, robot_named, target
 from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import Problem, printable
 from assur.api.version import version
 from assur.planner.errors import FaultError, InputError
 from assur.planner.report.number_format import amount
+from assur.scenes import fitted_limits, requests
 from assur.scenes import kernels as compiled_kernels
-from assur.scenes import requests
 from assur.scenes.faults import NOTHING
 
 if TYPE_CHECKING:
@@ -103,8 +103,7 @@ def plan(
 ) -> int:
     """Plan FILE, check the plan, and say what came out."""
     given = target(file)
-    if out is not None and (out.is_dir() or not out.parent.is_dir()):
-        raise InputError("--out", str(out), "a file in a folder that exists")
+    _writable(out)
     cell = _read(given)
     _announce_compilation()
     with console_report.working(f"planning {given.name}"):
@@ -246,6 +245,34 @@ def kernels(
     return WRONG if check and loaded.compiled else RIGHT
 
 
+@app.command("fit-limits")
+@_bordered
+def fit_limits(
+    log: Annotated[Path, typer.Argument(help="Recorded motion: CSV with t_s or t_ms, j1_deg, j3_mm and so on.")],
+    robot: Annotated[str | None, typer.Option(help="Whose joints they are: a shipped robot's name, or a file.")] = None,
+    commanded: Annotated[
+        bool, typer.Option("--commanded", help="The log holds commanded positions, which no servo delays.")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print all that was found as JSON.")] = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Write what belongs into a robot's file or a request to this file.")
+    ] = None,
+) -> int:
+    """Find the limits of acceleration and jerk of each joint in a LOG of recorded motion."""
+    given, of = log_file(log), None if robot is None else robot_named(robot)
+    _writable(out)
+    with console_report.working(f"fitting {log.name}"):
+        found = fitted_limits.fit_limits(given, commanded=commanded, robot=of)
+    if out is not None:
+        out.write_text(fitted_limits.part(found), encoding="utf-8")
+    if as_json:
+        _print_json(found)
+    else:
+        _print(*limits_report.fitted(found))
+    identified = any(joint[rate]["status"] == "identified" for joint in found["joints"] for rate in fitted_limits.RATES)
+    return RIGHT if identified else WRONG
+
+
 @app.command()
 @_bordered
 def reproduce(
@@ -308,6 +335,12 @@ def _read(given: Target) -> Cell:
     if given.starts_at_a_pose:
         _announce_compilation()
     return given.cell
+
+
+def _writable(out: Path | None) -> None:
+    """Accepts no file, and one that can be written."""
+    if out is not None and (out.is_dir() or not out.parent.is_dir()):
+        raise InputError("--out", str(out), "a file in a folder that exists")
 
 
 @cache

@@ -39,6 +39,10 @@ MAX_JSON_BYTES: Final = 16 * 2**20
 """A document with a plan in it. The service sets a narrower limit for requests."""
 MAX_YAML_BYTES: Final = 256 * 2**10
 """A scenario file."""
+MAX_LOG_BYTES: Final = 64 * 2**20
+"""A file of recorded motion."""
+MAX_LOG_ROWS: Final = 200_000
+"""Rows of it: over three minutes at 1 kHz."""
 
 MAX_FACES: Final = 200_000
 """Triangles of a mesh."""

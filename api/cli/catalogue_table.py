@@ -10,11 +10,18 @@ from rich.table import Table
 from assur.api.cli.console_report import row, table
 from assur.planner.report.number_format import SHOWN_AS, number
 
-MARKS = {"vendor_config": " c", "third_party": " t", "disputed": " d", "estimated": " e", None: " ?"}
+MARKS = {
+    "vendor_config": " c",
+    "third_party": " t",
+    "disputed": " d",
+    "measured": " m",
+    "estimated": " e",
+    None: " ?",
+}
 """Marks behind a number that is not the maker's own word; `LEGEND` explains them."""
 LEGEND = (
-    "c: a maker's configuration file, perhaps a placeholder; t: second hand; d: disputed; e: estimated;\n"
-    "?: nobody is said to vouch for it; no mark: the maker's own, or exact by definition\n"
+    "c: a maker's configuration file, perhaps a placeholder; t: second hand; d: disputed; m: measured;\n"
+    "e: estimated; ?: nobody is said to vouch for it; no mark: the maker's own, or exact by definition\n"
     "unit: of the range; speed, acceleration and jerk are the same per s, s2 and s3\n"
     "reach: from the axis of the first joint to that of the flange, arm straight"
 )

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_JSON_BYTES
 from assur.scenes.faults import likeliest
+from assur.scenes.motion_log import MotionLog, load_log
 from assur.scenes.requests import (
     RobotFile,
     Scenario,
@@ -119,6 +120,13 @@ def joints_in(text: str) -> dict[str, float]:
             raise InputError("--joints", part, f"{name} once")
         found[name] = number
     return found
+
+
+def log_file(path: Path) -> MotionLog:
+    """The recorded motion in a file. Raises `InputError`, with the line, or `OSError`."""
+    if not _is_file(path):
+        raise InputError("LOG", str(path), "a file")
+    return load_log(path)
 
 
 def json_file(path: Path, name: str) -> Any:

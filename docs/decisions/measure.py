@@ -3,6 +3,7 @@
 grid      grids of meeting times against one of 1 ms
 knots     motions that were timed, what that and their knots cost, and how many splines break a limit
 scores    candidates that seem free by their coarse score, how many of them are, and what a score costs beside the rest
+limits    limits that are found in made logs of motion
 
 Each part runs the planner as it is, and beside it the planner with the one choice undone. Counts are the same on every
 machine as long as no clock ends a search; times are not.
@@ -13,7 +14,7 @@ from __future__ import annotations
 import json
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
@@ -29,6 +30,7 @@ import assur.planner.timing.solver
 from assur.planner import Scene, plan
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.screening import screen
+from assur.planner.identification import JointRecord, joint_limits
 from assur.planner.kernels.candidates import OPTION
 from assur.planner.legs.limits import beyond_limits
 from assur.planner.model.outcome import Planned
@@ -43,6 +45,7 @@ from assur.planner.search.via_batch import shape_of
 from assur.planner.timing import trajectory_of
 from assur.planner.trajectory import Trajectory
 from assur.scenes.requests import scene_of
+from benchmarks.recorded_motion import KINDS, random_log
 from benchmarks.translation import Terms, request
 
 ROOT = Path(__file__).parents[2]
@@ -176,9 +179,44 @@ def scores(limit: int) -> None:
     OUT.print(made)
 
 
+def limits(limit: int) -> None:
+    """Decision 0018."""
+    limits_in(KINDS, limit)
+
+
+def limits_in(kinds: Sequence[str], limit: int) -> None:
+    """Limits in made logs of these kinds; how many are identified, how wrong they are, and how much is said that is
+    untrue."""
+    made = table("log", "joints", *(f"{rate}: {what}" for rate in RATES for what in ("identified", "worst", "untrue")))
+    for kind in kinds:
+        joints = 0
+        off: dict[str, list[float]] = {rate: [] for rate in RATES}
+        untrue = dict.fromkeys(RATES, 0)
+        for seed in range(limit):
+            truth, at, readings = random_log(kind, seed)
+            records = [JointRecord(at, column) for column in readings.T]
+            for i, record in enumerate(records):
+                found, joints = joint_limits(record, records[:i] + records[i + 1 :]), joints + 1
+                for rate in RATES:
+                    estimate, right = getattr(found, rate), float(getattr(truth, rate)[i])
+                    if estimate.status == "identified":
+                        off[rate].append(abs(estimate.value / right - 1))
+                        untrue[rate] += abs(estimate.value - right) > estimate.error
+                    elif estimate.status == "lower_bound":
+                        untrue[rate] += estimate.value > right
+        cells = [
+            cell
+            for rate in RATES
+            for cell in (str(len(off[rate])), f"{100 * max(off[rate], default=0):.2g} %", str(untrue[rate]))
+        ]
+        made.add_row(kind, str(joints), *cells)
+    OUT.print(made)
+
+
 DRAWN = 96
 """Candidates that are drawn of each problem."""
-WHAT = {"grid": grid, "knots": knots, "scores": scores}
+RATES = ("acceleration", "jerk")
+WHAT = {"grid": grid, "knots": knots, "scores": scores, "limits": limits}
 
 
 def main(

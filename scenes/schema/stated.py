@@ -17,7 +17,7 @@ from assur.scenes.schema.model import Document
 
 T = TypeVar("T")
 
-Status = Literal["vendor", "vendor_config", "third_party", "disputed", "defined", "estimated"]
+Status = Literal["vendor", "vendor_config", "third_party", "disputed", "defined", "measured", "estimated"]
 """Whose word a fact is.
 
 vendor         the maker's own data
@@ -25,6 +25,7 @@ vendor_config  from a configuration file of the maker's, where it may be a place
 third_party    second hand
 disputed       second hand, and sources differ
 defined        exact, because the arm exists only in the document that defines it
+measured       found on such an arm, with the error that its source states
 estimated      plausible, measured by nobody
 """
 SURE: frozenset[str] = frozenset({"vendor", "defined"})

@@ -34,6 +34,14 @@ def test_every_part_measures_something(part: str, measure: dict[str, Any]) -> No
     assert len(lines) >= 4
 
 
+def test_limits_are_looked_for_in_logs_of_a_kind(measure: dict[str, Any]) -> None:
+    console: Console = measure["OUT"]
+    with console.capture() as printed:
+        measure["limits_in"](["noise"], 1)
+    line = printed.get().splitlines()[-1]
+    assert re.fullmatch(r"noise +2 +[0-2] +\S+ % +0 +[0-2] +\S+ % +0 *", line)
+
+
 def test_every_decision_is_in_the_index_and_bears_its_number() -> None:
     pages = sorted(path.name for path in PROGRAM.parent.glob("0*.md"))
     assert re.findall(r"\]\((0\d{3}-[\w-]+\.md)\)", text(INDEX)) == pages

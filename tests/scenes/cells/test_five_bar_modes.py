@@ -15,7 +15,7 @@ from assur.experiments.five_bar_workspace import velocity_equation
 from assur.planner.arrays import FloatArray
 from assur.planner.checker import Code, check
 from assur.planner.model.digest import digest
-from assur.planner.model.outcome import Certificate, Plan
+from assur.planner.model.outcome import Plan
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.trajectory import Trajectory
 from assur.scenes.reading.plan import plan_of
@@ -146,10 +146,9 @@ def test_a_forged_plan_that_leaves_its_assembly_mode_and_comes_back_is_refused(*
     made = forged(plan, (t, q, qd, qdd))
     if not certified:
         c = plan.certificate
-        rows = {
-            name: getattr(c, name)[:0] for name in c.__dataclass_fields__ if name not in ("names", "digest", "covers")
-        }
-        made = replace(made, certificate=Certificate(names=c.names, digest=c.digest, covers=c.covers, **rows))
+        columns: dict[str, Any] = {name: getattr(c, name) for name in c.__dataclass_fields__}
+        none_left: dict[str, Any] = {name: column[:0] for name, column in columns.items() if isinstance(column, np.ndarray)}
+        made = replace(made, certificate=replace(c, **none_left))
     verdict = check(cell_of(asked).scene, resealed(asked, made))
     broken = [finding for finding in verdict.findings if finding.code is Code.ASSEMBLY]
     assert len(broken) == 1

@@ -1,0 +1,216 @@
+"""S-curves: moves from rest to rest whose acceleration is two trapezoids, behind a servo that lags.
+
+Equations I1 to I3, docs/kinematics.md. A move has five numbers: the middles of its two pulses of acceleration, its
+speed v, and β = b² of each pulse, which holds its greatest acceleration for 2b. What readings show first are middles
+and second moments of the pulses; they are kept when the jerk or the lag changes, so that fits converge from afar.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.identification.recording import Segment
+
+BLOCK = 128
+"""Rows that are triangulated at once: larger blocks wake the threads of the library of linear algebra, which cost more
+than they bring on matrices as narrow as these."""
+EVALUATIONS = 40
+"""Most evaluations of a fit; five to eight are usual."""
+
+
+def lagged(u: FloatArray, lag: float) -> tuple[FloatArray, FloatArray]:
+    """g₃ and g₂ of equation I2 for times `u` in s since the change of jerk, of any shape; 0 before it."""
+    u = np.maximum(u, 0.0)
+    g2 = u * u / 2
+    g3 = u * g2 / 3
+    if lag > 0:
+        g2 -= lag * (u + lag * np.expm1(-u / lag))
+        g3 -= lag * g2
+    return g3, g2
+
+
+def triangle(rows: FloatArray) -> FloatArray:
+    """R (p, p) of the QR decomposition of `rows` (n, p), n ≥ p."""
+    n, p = rows.shape
+    padded = np.zeros((-(-n // BLOCK) * BLOCK, p))
+    padded[:n] = rows
+    blocks = cast(FloatArray, np.linalg.qr(padded.reshape(-1, BLOCK, p), mode="r"))
+    return cast(FloatArray, np.linalg.qr(blocks.reshape(-1, p), mode="r"))
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """S-curves fitted to a segment at a jerk and a lag.
+
+    moves (k, 5)   middles of both pulses in s, speed, both β in s²
+    squares        sum of squares of weighted residuals; residual (n,): they
+    triangle       R of weighted derivatives by `moves`, by log jerk, and residual, constant eliminated
+    """
+
+    moves: FloatArray
+    jerk: float
+    lag: float
+    squares: float
+    residual: FloatArray
+    triangle: FloatArray
+
+    def acceleration(self) -> FloatArray:
+        """Greatest acceleration of each pulse (k, 2), unsigned."""
+        v, beta = self.moves[:, 2:3], self.moves[:, 3:]
+        greatest: FloatArray = v / (np.sqrt(v / self.jerk + beta) + np.sqrt(beta))
+        return greatest
+
+    def held(self) -> FloatArray:
+        """For how long it is held, s (k, 2)."""
+        return 2 * np.sqrt(self.moves[:, 3:])
+
+    def deviations(self) -> tuple[FloatArray, FloatArray]:
+        """Standard deviations of `acceleration` and of the squares of `held` (k, 2), jerk and lag being known."""
+        r = self.triangle[:-2, :-2]
+        scale = np.linalg.norm(r, axis=0) + 1e-300
+        _, s, vt = np.linalg.svd(r / scale)
+        root = vt.T / np.maximum(s, 1e-9 * s[0]) / scale[:, None]
+        k = len(self.moves)
+        v, beta = self.moves[:, 2:3], self.moves[:, 3:]
+        a, b = np.sqrt(v / self.jerk + beta), np.sqrt(beta)
+        by_v = 1 / (a + b) - v / (a + b) ** 2 / (2 * a * self.jerk)
+        by_beta = -v / (a + b) ** 2 * (1 / (2 * a) + 1 / (2 * np.maximum(b, 1e-3 * a)))
+        rows, squares = np.zeros((k, 2, k, 5)), np.zeros((k, 2, k, 5))
+        for i in range(k):
+            for j in range(2):
+                rows[i, j, i, 2], rows[i, j, i, 3 + j] = by_v[i, j], by_beta[i, j]
+                squares[i, j, i, 3 + j] = 4.0
+        both = [np.linalg.norm(x.reshape(2 * k, -1) @ root, axis=1).reshape(k, 2) for x in (rows, squares)]
+        return both[0], both[1]
+
+    def in_pulses(self, time: FloatArray, margin: float) -> BoolArray:
+        """Which of `time` lie in a pulse of the acceleration, or up to `margin` s after it."""
+        v, beta = self.moves[:, 2:3], self.moves[:, 3:]
+        reach = (np.sqrt(v / self.jerk + beta)).ravel()
+        middle = self.moves[:, :2].ravel()
+        inside = (time[:, None] > middle - reach) & (time[:, None] < middle + reach + margin)
+        return np.asarray(inside.any(axis=1))
+
+    def elsewhere(self, jerk: float, lag: float) -> FloatArray:
+        """Moves to begin with at another jerk and lag."""
+        moves = self.moves.copy()
+        moves[:, :2] -= lag - self.lag
+        v = moves[:, 2:3]
+        moves[:, 3:] += (v / self.jerk - v / jerk) / 2 - 3 * (lag**2 - self.lag**2)
+        moves[:, 3:] = np.maximum(moves[:, 3:], 0.0)
+        return moves
+
+
+class SCurves:
+    """The S-curves of a segment, to be fitted at any jerk and lag."""
+
+    def __init__(self, segment: Segment) -> None:
+        self.segment, self.k = segment, len(segment.moved)
+        self._sign = np.sign(segment.moved)
+        self._guess = np.array([self._guessed(i) for i in range(self.k)])
+        self._jerk = self._lag = 0.0
+        self._at = np.zeros(0)
+        v, squares = self._guess[:, 2:3], self._guess[:, 3:]
+        self.rough_jerk = v / squares
+        self.rough_acceleration = v / np.sqrt(squares)
+
+    def _guessed(self, i: int) -> list[float]:
+        """Middles, speed, and squares of how long the pulses last from their middles, of a move."""
+        s = self.segment
+        begin, end, moved = float(s.begins[i]), float(s.ends[i]), float(s.moved[i])
+        inside = np.flatnonzero((s.time >= begin) & (s.time <= end))
+        speed = s.speed[inside] * np.sign(moved)
+        fast = s.time[inside[speed >= speed.max() / 2]]
+        first, last = float(fast[0]), max(float(fast[-1]), float(fast[0]) + s.step)
+        half = [max(first - begin, s.step), max(end - last, s.step)]
+        return [first, last, abs(moved) / (last - first), 0.8 * half[0] ** 2, 0.8 * half[1] ** 2]
+
+    def fit(self, jerk: float, lag: float, near: Fit | None = None) -> Fit:
+        """The best S-curves at a jerk and a lag."""
+        self._jerk, self._lag = jerk, lag
+        if near is None:
+            start = self._guess.copy()
+            start[:, :2] -= lag
+            start[:, 3:] -= start[:, 2:3] / jerk + 3 * lag**2
+        else:
+            start = near.elsewhere(jerk, lag)
+        moves, squares = self._least(start)
+        apart = self._apart(moves)
+        if apart is not None:
+            other, less = self._least(apart)
+            if less <= squares + 1.0:
+                moves, squares = other, less
+        self._residual(moves)  # sets rows and triangle
+        one, y = self._rows[:, 0], self._rows[:, -1]
+        residual = y - one * (one @ y) / (one @ one)
+        return Fit(moves.reshape(-1, 5), jerk, lag, squares, residual, self._triangle[1:, 1:])
+
+    def _least(self, start: FloatArray) -> tuple[FloatArray, float]:
+        """The moves (5 k,) near `start` (k, 5) with the least squares, and these."""
+        lower = np.tile([-np.inf, -np.inf, 1e-9, 0.0, 0.0], self.k)
+        inside = np.tile([-np.inf, -np.inf, 1e-9, *[(1e-2 * self.segment.step) ** 2] * 2], self.k)
+        found = least_squares(
+            self._residual,
+            np.maximum(start.ravel(), inside),
+            self._slopes,
+            bounds=(lower, np.inf),
+            x_scale="jac",
+            max_nfev=EVALUATIONS,
+            ftol=1e-6,
+            xtol=1e-10,
+            gtol=1e-12,
+        )
+        return found.x, 2 * float(found.cost)
+
+    def _apart(self, moves: FloatArray) -> FloatArray | None:
+        """Moves (k, 5) whose pulses do not overlap, for `moves` (5 k,) of which some do; None if none does.
+
+        The ramp that ends one pulse and the one that begins the next are alike: a motion with the two exchanged is the
+        same, but its speed and its plateaus are not."""
+        x = moves.reshape(-1, 5).copy()
+        a, b = np.sqrt(x[:, 2:3] / self._jerk + x[:, 3:]), np.sqrt(x[:, 3:])
+        falls, brakes = x[:, 0] + b[:, 0], x[:, 1] - a[:, 1]
+        for i in np.flatnonzero(brakes < falls):
+            ramps = a[i] - b[i]
+            until = [brakes[i] - (x[i, 0] - a[i, 0]), x[i, 1] + b[i, 1] - falls[i]]
+            if min(until) <= 0:
+                return None
+            x[i, :2] = x[i, 0] - a[i, 0] + (until[0] + ramps[0]) / 2, x[i, 1] + a[i, 1] - (until[1] + ramps[1]) / 2
+            x[i, 2] = self._jerk * (until[0] * ramps[0] + until[1] * ramps[1]) / 2
+            x[i, 3:] = ((until - ramps) / 2) ** 2
+        return x if (brakes < falls).any() else None
+
+    def _residual(self, moves: FloatArray) -> FloatArray:
+        """Residual, rotated into few rows; least squares need only its products with itself and with the Jacobian."""
+        self._at = moves.copy()
+        s, jerk, x = self.segment, self._jerk, moves.reshape(-1, 5)
+        middle, v, beta = x[:, :2], x[:, 2:3], x[:, 3:]
+        a, b = np.sqrt(v / jerk + beta), np.sqrt(beta)
+        changes = np.stack([middle - a, middle - b, middle + b, middle + a], axis=-1)
+        g3, g2 = lagged(s.time - changes[..., None], self._lag)  # (k, 2, 4, n)
+        size = jerk * self._sign[:, None, None] * np.array([[1.0], [-1.0]])
+        model = ((g3[:, :, 0] - g3[:, :, 1] - g3[:, :, 2] + g3[:, :, 3]) * size).sum(axis=(0, 1))
+        outer, inner = g2[:, :, 0] - g2[:, :, 3], g2[:, :, 2] - g2[:, :, 1]
+        by_a = outer * (size / (2 * a[..., None]))
+        rows = np.empty((5 * self.k + 3, len(model)))
+        rows[0] = 1.0
+        own = rows[1:-2].reshape(self.k, 5, -1)
+        own[:, :2] = (g2[:, :, 1] + g2[:, :, 2] - g2[:, :, 0] - g2[:, :, 3]) * size
+        own[:, 2] = by_a.sum(axis=1) / jerk
+        own[:, 3:] = by_a + inner * (size / (2 * np.maximum(b, 1e-3 * s.step)[..., None]))
+        rows[-2] = model - (own[:, 2] * v).sum(axis=0)
+        rows[-1] = s.position - model
+        self._rows = (rows * s.weight).T
+        self._triangle = triangle(self._rows)
+        return self._triangle[1:, -1]
+
+    def _slopes(self, moves: FloatArray) -> FloatArray:
+        """Jacobian of `_residual`, rotated alike."""
+        if not np.array_equal(moves, self._at):
+            self._residual(moves)
+        return -self._triangle[1:, 1:-2]
