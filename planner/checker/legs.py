@@ -83,9 +83,9 @@ def order(world: World, legs: tuple[Leg, ...]) -> list[Finding]:
 
 def pattern(step: Step, *, last: bool) -> str:
     """The legs that a step has, as a regular expression of `LETTERS`; after the last one the arm may come to rest."""
-    way = "W?[MA]+"
+    way = "W?[MA]+" if step.arch is None else "W?[MA]*A[MA]*"
     if isinstance(step, Move):
-        return "W?[MA]*A[MA]*" if step.arch is not None else way
+        return way
     rest = "M?" if last else ""
     if isinstance(step, Follow):
         return f"{way}F{rest}"

@@ -9,7 +9,7 @@ import numpy as np
 from assur.planner.checker import along
 from assur.planner.checker.along import MEET_M, TRACKED_M
 from assur.planner.checker.legs import TIME_S
-from assur.planner.checker.meeting import posed
+from assur.planner.checker.meeting import MEET_M_S, posed
 from assur.planner.checker.targets import Target
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
@@ -45,11 +45,16 @@ def tracked(world: World, legs: tuple[Leg, ...], found: tuple[Target, ...]) -> l
             what += "" if excess.decided else " (or could not be shown not to)"
             findings.append(Finding(Code.TRACKING, what, excess.amount, unit, f"{excess.time:.6g} s"))
         if not follows:
-            outer = leg.t0 if leg.kind is LegKind.APPROACH else leg.t1
+            down = leg.kind is LegKind.APPROACH
+            outer, stops = (leg.t0, step.approach_stop) if down else (leg.t1, step.depart_stop)
             tool, point = world.states([(world.flange, world.scene.tool.tcp, outer), (frame, target.tool, outer)])
             missing = height - (tool.z - point.z)
             if not missing <= TRACKED_M:
                 findings.append(Finding(Code.TRACKING, f"{name} is shorter than asked", missing, "m", f"{outer:.6g} s"))
+            speed = abs(tool.v[2] - point.v[2])
+            if stops and not speed <= MEET_M_S:
+                what = f"the tool does not stop at the outer end of {name}"
+                findings.append(Finding(Code.TRACKING, what, speed, "m/s", f"{outer:.6g} s"))
     return findings
 
 
@@ -58,7 +63,7 @@ def arches(world: World, legs: tuple[Leg, ...]) -> list[Finding]:
     findings = []
     for number, step in enumerate(world.scene.task):
         spans = [leg for leg in legs if leg.step == number and leg.kind is LegKind.ARCH]
-        if not isinstance(step, Move) or step.arch is None or not spans:
+        if step.arch is None or not spans:
             continue
         low, high, top, at = spans[0].t0, spans[-1].t1, -math.inf, spans[0].t0
         for _ in range(ROUNDS):

@@ -13,6 +13,7 @@ from assur.planner.errors import InputError
 from assur.planner.frames import Conveyor, Fixed, Linear
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import Tilt, TiltedMotion
+from assur.planner.legs.moving_end import MovingEnd
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.scene import Scene, Step, Window
 
@@ -46,6 +47,8 @@ class ControlPoint:
     """Seconds for which the point itself is tracked."""
     depart: float
     """Metres above the point where tracking ends."""
+    entry: MovingEnd | None = None
+    """How the tool comes into the approach; None: from rest above the point."""
 
     @property
     def facts(self) -> Step:
@@ -84,6 +87,18 @@ class ControlPoint:
         lifted = replace(self.pose, z=self.pose.z + above)
         motion = self.scene.frames[self.frame].law.motion(np.asarray(t, dtype=np.float64)).at(lifted)
         return motion if self.tilt is None else TiltedMotion.of(motion, np.array(self.tilt))
+
+    def entered(self, t: FloatArray) -> Motion:
+        """Motion of the flange (world) with which the point is met at times t (...), `approach` above it."""
+        motion = self.flange(t, self.approach)
+        if not self.matched or self.via:
+            motion = motion.at_rest()
+        if self.entry is None:
+            return motion
+        v, a = motion.v.copy(), motion.a.copy()
+        v[..., 2] += self.entry.rate
+        a[..., 2] += self.entry.acceleration
+        return replace(motion, v=v, a=a)
 
     @property
     def span(self) -> tuple[float, float]:

@@ -43,6 +43,8 @@ class Shape:
     vias: tuple[Via, ...] = ()
     hop: Hop | None = None
     effort: float = 1.0
+    pull: float = 1.0
+    """Share of the acceleration that the joints across use, velocity and jerk left as they are."""
     through: float = 0.0
     """Pace at which a via control point is flown by, in mean joint velocities of the way to the one behind it."""
 

@@ -100,12 +100,10 @@ def meetings(
     t = times(point, earliest, lead)
     if not len(t):
         return Meetings(point, (), (window_is_missed(scene, point, earliest + lead),))
-    motion = point.flange(t, point.approach)
-    if not point.matched or point.via:
-        motion = motion.at_rest()
     # a margin is required of points that are met with a matched velocity, and not of others
     moving = point.tracks or (point.matched and not point.still and not point.via)
-    looked = _Evaluated(scene, t, targets_of(motion, 2), scene.options.singularity_margin if moving else NO_BOUND)
+    required = scene.options.singularity_margin if moving else NO_BOUND
+    looked = _Evaluated(scene, t, targets_of(point.entered(t), 2), required)
     branches: list[Branch] = []
     refusals: list[Refusal] = []
     for mode in modes:

@@ -5,8 +5,11 @@ A pace is made once for many legs: limits are looked at once, and the solvers st
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
+
+import numpy as np
 
 from assur.planner.errors import FaultError
 from assur.planner.robots.facts import Limits
@@ -16,18 +19,29 @@ from assur.planner.timing import Numbers, Solver
 @dataclass(frozen=True, eq=False)
 class Pace:
     """The robot's `limits` at this `effort`: the share of the acceleration limits that is used (of velocity its root,
-    of jerk its power of 3/2). `lift_joint`: the number of the joint that lifts; None: no arches."""
+    of jerk its power of 3/2). `pull`: share of the acceleration that the joints across use of that.
+    `lift_joint`: the number of the joint that lifts; None: no arches. `lift_effort`: its own, and `lift_most`: the
+    acceleration, m/s², that it keeps to."""
 
     limits: Limits
     lift_joint: int | None
     effort: float = 1.0
+    lift_effort: float | None = None
+    lift_most: float = math.inf
+    pull: float = 1.0
 
     @cached_property
     def rates(self) -> Numbers:
         """Limits of velocity, acceleration and jerk, a number a joint."""
-        limits, effort = self.limits, self.effort
+        limits, effort = self.limits, np.full(len(self.limits.velocity), self.effort)
+        if self.lift_joint is not None and self.lift_effort is not None:
+            effort[self.lift_joint] = self.lift_effort
         rates = limits.velocity * effort**0.5, limits.acceleration * effort, limits.jerk * effort**1.5
         velocity, acceleration, jerk = (rate.tolist() for rate in rates)
+        acceleration = [self.pull * each for each in acceleration]
+        if self.lift_joint is not None:
+            acceleration[self.lift_joint] /= self.pull
+            acceleration[self.lift_joint] = min(acceleration[self.lift_joint], self.lift_most)
         return velocity, acceleration, jerk
 
     @cached_property

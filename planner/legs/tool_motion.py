@@ -15,6 +15,16 @@ RESERVE = 0.02
 """Share of the carry limit that is left for what lies between samples; the checker bounds it there."""
 
 
+LIFTED = 0.7
+"""Share of the carry limit that the lift uses: what is left for the motion across is as much (√½)."""
+
+
+def lift_most(scene: Scene, *, carried: bool) -> float:
+    """The acceleration, m/s², that the lift keeps to, with a part in the gripper or without."""
+    limit = scene.carry_acceleration
+    return LIFTED * limit if carried and limit is not None else math.inf
+
+
 def tool_peak(scene: Scene, trajectory: Trajectory, t0: float, t1: float, step: float = STEP_S) -> tuple[float, float]:
     """Largest acceleration, m/s², of the tool point over [t0, t1], within the trajectory, by samples every `step` s,
     and when."""

@@ -13,10 +13,12 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.legs.limits import rates, too_fast
+from assur.planner.legs.moving_end import MovingEnd
 from assur.planner.legs.singular import nearest
 from assur.planner.legs.spacing import spaced
 from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.legs.tilt import PATH_RAD, tilt_off
+from assur.planner.legs.tool_motion import lift_most
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.refusal import (
     FrameName,
@@ -30,7 +32,7 @@ from assur.planner.model.refusal import (
     out_of_reach,
     unmoved,
 )
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Pick, Place, Scene
 from assur.planner.robots.facts import Code
 from assur.planner.robots.robot import Robot
 from assur.planner.timing import TimingRefusal, time_joints
@@ -65,6 +67,8 @@ class _Heights:
     down: Trajectory | None
     dwell: float
     up: Trajectory | None
+    stops: bool = True
+    """Whether the tool stops, in the frame of the point, where the way up ends."""
 
     @property
     def met(self) -> float:
@@ -104,22 +108,27 @@ class _Heights:
 
 def lead_time(scene: Scene, point: ControlPoint, effort: float) -> float | Refusal:
     """Seconds from the beginning of the way down to the point itself."""
-    profile = _way(scene, point, point.approach, 0.0, effort)
+    profile = _down(scene, point, effort)
     if isinstance(profile, Refusal):
         return profile
     return profile.duration if profile else 0.0
 
 
-def track(scene: Scene, point: ControlPoint, state: State, mode: int, effort: float) -> Tracked | Refusal:
-    """The tracking legs that begin in `state`, which must be that of the flange `point.approach` above the point."""
+def track(
+    scene: Scene, point: ControlPoint, state: State, mode: int, effort: float, leaves: MovingEnd | None = None
+) -> Tracked | Refusal:
+    """The tracking legs that begin in `state`, which must be that of the flange `point.approach` above the point.
+
+    `effort`: share of the limits that heights use, between stops. `leaves`: how the tool goes on behind the depart.
+    """
     for _ in range(ROUNDS):
-        down = _way(scene, point, point.approach, 0.0, effort)
-        up = _way(scene, point, 0.0, point.depart, effort)
+        down = _down(scene, point, effort)
+        up = leaves.profile if leaves is not None else _way(scene, point, 0.0, point.depart, effort)
         if isinstance(down, Refusal):
             return down
         if isinstance(up, Refusal):
             return up
-        heights = _Heights(state.time, down, point.dwell, up)
+        heights = _Heights(state.time, down, point.dwell, up, stops=leaves is None)
         if not heights.end > heights.begin:
             touch = Knots.made(np.array([state.time]), state.q[None], state.qd[None], state.qdd[None])
             return Tracked((TimedLeg(LegKind.FOLLOW, touch),), state.time, state.time)
@@ -132,9 +141,16 @@ def track(scene: Scene, point: ControlPoint, state: State, mode: int, effort: fl
         if fast.ok:
             return _cut(heights, Knots.of(spline))
         refusal = too_fast(scene, Stage.TRACKING, point.step, fast, point.frame)
+        if point.entry is not None or leaves is not None:
+            break  # a moving end has one speed: stops are other candidates
         worst = max(fast.velocity**2, fast.acceleration, fast.jerk ** (2 / 3))
         effort *= min(0.8, 0.95 / worst)
     return refusal
+
+
+def _down(scene: Scene, point: ControlPoint, effort: float) -> Trajectory | Refusal | None:
+    """The height profile of the approach."""
+    return point.entry.profile if point.entry is not None else _way(scene, point, point.approach, 0.0, effort)
 
 
 def _way(scene: Scene, point: ControlPoint, high: float, low: float, effort: float) -> Trajectory | Refusal | None:
@@ -145,6 +161,8 @@ def _way(scene: Scene, point: ControlPoint, high: float, low: float, effort: flo
     v, a, j = WITHOUT_LIFT
     if lift is not None:
         v, a, j = float(limits.velocity[lift]), float(limits.acceleration[lift]), float(limits.jerk[lift])
+    # a part is in the gripper on the way down to where it is placed, and on the way up from where it is picked
+    a = min(a, lift_most(scene, carried=isinstance(point.facts, Place if low == 0.0 else Pick)))
     none = np.zeros(1)
     found = time_joints(
         np.array([high]),
@@ -216,7 +234,7 @@ def joint_states(
     qd[0], qdd[0] = state.qd, state.qdd
     if point.still:
         # at rest to the bit, not to 1e-17: what follows may wait here
-        rest = (t >= heights.end) | ((t >= heights.met) & (t <= heights.left))
+        rest = ((t >= heights.end) & heights.stops) | ((t >= heights.met) & (t <= heights.left))
         qd[rest] = qdd[rest] = 0.0
     return Knots.made(t, q, qd, qdd)
 

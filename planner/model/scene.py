@@ -221,7 +221,7 @@ class Scene:
             self._check_step(f"task[{i}].{type(step).__name__.lower()}", step)
             if step.arch is not None and self.robot.lift is None:
                 allowed = f"no arch: {self.robot.name} has no joint that lifts (cartesian legs go up and over)"
-                raise InputError(f"task[{i}].move.arch", step.arch.top_m, allowed)
+                raise InputError(f"task[{i}].{type(step).__name__.lower()}.arch", step.arch.top_m, allowed)
         self._check_hands()
         self._check_wrist()
         self._check_execution()

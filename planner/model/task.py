@@ -2,7 +2,7 @@
 
 Every kind of step answers the same questions; what a kind does not have is said once, in its class: `tracks` (whether
 the tool is guided along the point's frame for a time), `part`, `target`, `approach_m`, `depart_m`, `dwell_s`, `match`,
-`via`, `arch`, `leg`, `window`, `tolerance`, `contact_tolerance_m`.
+`via`, `arch`, `leg`, `window`, `tolerance`, `contact_tolerance_m`, `approach_stop`, `depart_stop`.
 """
 
 from __future__ import annotations
@@ -74,6 +74,8 @@ class Move:
     part: ClassVar[None] = None
     approach_m: ClassVar[float] = 0.0
     depart_m: ClassVar[float] = 0.0
+    approach_stop: ClassVar[bool] = False
+    depart_stop: ClassVar[bool] = False
     dwell_s: ClassVar[float] = 0.0
     tolerance: ClassVar[Tolerance] = ANY_ERROR
     contact_tolerance_m: ClassVar[float] = 0.0
@@ -97,6 +99,8 @@ class Follow:
     part: ClassVar[None] = None
     approach_m: ClassVar[float] = 0.0
     depart_m: ClassVar[float] = 0.0
+    approach_stop: ClassVar[bool] = False
+    depart_stop: ClassVar[bool] = False
     contact_tolerance_m: ClassVar[float] = 0.0
 
     @property
@@ -111,6 +115,8 @@ class Pick:
     `grasp` is the tool point in the part's frame; `contact_with` names what the part rests on (None: derived).
     `contact_tolerance_m`: how deep allowed contacts may become where things are not where they are planned.
     `held_within`: how well the part is known in the gripper once it is held (None: as well as when it was gripped).
+    `approach_stop`, `depart_stop`: whether the tool stops at the outer end of that straight part; else it moves on
+    along the vertical where it can.
     """
 
     name: str
@@ -125,10 +131,12 @@ class Pick:
     tolerance: Tolerance = ANY_ERROR
     contact_tolerance_m: float = 0.0
     held_within: PoseUncertainty | None = None
+    approach_stop: bool = False
+    depart_stop: bool = False
+    arch: Arch | None = None
 
     tracks: ClassVar[bool] = True
     via: ClassVar[bool] = False
-    arch: ClassVar[None] = None
     leg: ClassVar[Literal["joint"]] = "joint"
     target: ClassVar[None] = None
 
@@ -149,10 +157,12 @@ class Place:
     contact_with: tuple[str, ...] | None = None
     tolerance: Tolerance = ANY_ERROR
     contact_tolerance_m: float = 0.0
+    approach_stop: bool = False
+    depart_stop: bool = False
+    arch: Arch | None = None
 
     tracks: ClassVar[bool] = True
     via: ClassVar[bool] = False
-    arch: ClassVar[None] = None
     leg: ClassVar[Literal["joint"]] = "joint"
 
     @property

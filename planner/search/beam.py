@@ -80,12 +80,13 @@ class Search:
                 return self.found
 
     def _beam(self, length: int, width: int) -> list[PartialPlan]:
-        """The partial plans of this length to be continued: the earliest, and the earliest of each other mode."""
+        """The partial plans of this length to be continued: the earliest, and the earliest of each other mode, and
+        of those that were to stop."""
         every = sorted(self.pool[length], key=lambda partial: partial.state.time)
-        of_mode: dict[int, PartialPlan] = {}
+        of_kind: dict[tuple[int, bool], PartialPlan] = {}
         for partial in every:
-            of_mode.setdefault(partial.mode, partial)
-        first = list(of_mode.values())
+            of_kind.setdefault((partial.mode, partial.stops), partial)
+        first = list(of_kind.values())
         return (first + [partial for partial in every if partial not in first])[: min(width, BEAM)]
 
     def _over(self) -> bool:
@@ -151,11 +152,11 @@ class Search:
         if offsets is None:
             offsets = free_yaws(scene, partial, partial.step, modes)
         for offset, tilt in product(offsets, attitudes):
-            meeting = prepared(scene, partial, offset, tilt, modes)
-            for refusal in (meeting,) if isinstance(meeting, Refusal) else meeting.refusals:
-                self.found.census.note(refusal)
-            if isinstance(meeting, Meetings):
-                met.append((offset, meeting))
+            for meeting in prepared(scene, partial, offset, tilt, modes):
+                for refusal in (meeting,) if isinstance(meeting, Refusal) else meeting.refusals:
+                    self.found.census.note(refusal)
+                if isinstance(meeting, Meetings):
+                    met.append((offset, meeting))
         every = options(scene, partial, met)
         if partial.step == 0:
             # all of them: a lower bound must hold for those that are not tried, too
@@ -188,8 +189,9 @@ class Search:
     def _of_use(self, motion: TimedCandidate | Extension) -> bool:
         """Whether the partial plan that a motion leads to would be continued, or be the best plan."""
         earlier = [other for other in self.pool[motion.before.step + 1] if other.state.time <= motion.end]
-        of_mode = any(other.mode == motion.candidate.branch.mode for other in earlier)
-        return motion.end < self._before() and (len(earlier) < BEAM or not of_mode)
+        kind = motion.candidate.branch.mode, motion.candidate.stops
+        of_kind = any((other.mode, other.stops) == kind for other in earlier)
+        return motion.end < self._before() and (len(earlier) < BEAM or not of_kind)
 
     def _before(self) -> float:
         """When the best plan so far ends, s: only what ends earlier is of interest."""

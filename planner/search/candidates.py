@@ -15,12 +15,13 @@ from assur.planner.frames import all_stand
 from assur.planner.kernels.drawing import FASTEST_THROUGH, NUDGED_TIME, SLOWEST_THROUGH, TIME_NUDGE_S, WAIT_S
 from assur.planner.legs.arched import Hop
 from assur.planner.legs.joint import Shape
+from assur.planner.legs.overlap import may_stop
 from assur.planner.model.refusal import BeyondRange, JointName, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Arch, Scene, Step
 from assur.planner.search import tuning
 from assur.planner.search.meeting_options import Option
 from assur.planner.search.partial_plan import Candidate, PartialPlan
-from assur.planner.search.population import Population, tracking_effort
+from assur.planner.search.population import Population, at_the_point
 from assur.planner.search.rough_score import CoarseScore
 
 
@@ -82,10 +83,16 @@ class Sampler:
             return []
         paces = tuning.THROUGH_PACES if self.step.via else (0.0,)
         return [
-            (option, Candidate(option.yaw_offset, option.branch, Shape(through=pace)))
+            (option, Candidate(option.yaw_offset, option.branch, Shape(through=pace), stops=stops))
             for option in self._first_of_modes()
             for pace in paces
+            for stops in self._stops()
         ]
+
+    def _stops(self) -> tuple[bool, ...]:
+        """Whether the first candidates stop behind the depart: those, too, where the arm may have to wait there."""
+        waits = may_stop(self.scene, self.partial.step) and not all_stand(self.scene.frames.values())
+        return (False, True) if waits else (False,)
 
     def _first_of_modes(self) -> list[Option]:
         found: dict[int, Option] = {}
@@ -98,11 +105,15 @@ class Sampler:
         if not tops or self.step.leg == "cartesian":
             return []
         through = tuning.THROUGH_PACES[0] if self.step.via else 0.0
-        return [
-            (option, Candidate(option.yaw_offset, option.branch, Shape(hop=Hop(tops[0], rise, fall), through=through)))
-            for option in self._first_of_modes()[: tuning.ARCHED]
-            for rise, fall in (tuning.HOPS[:1] if self.step.via else tuning.HOPS)
-        ]
+        found = []
+        for option in self._first_of_modes()[: tuning.ARCHED]:
+            moves = not self.partial.state.resting, option.meeting.point.entry is not None
+            top = tops[-1] if any(moves) else tops[0]
+            for corner in tuning.HOPS[:1] if self.step.via or all(moves) else tuning.HOPS:
+                rise, fall = (0.0 if moving else corner for moving in moves)
+                shape = Shape(hop=Hop(top, rise, fall), through=through)
+                found.append((option, Candidate(option.yaw_offset, option.branch, shape)))
+        return found
 
     def _tops(self) -> list[float]:
         """Heights of the lift joint that an arch may go over, highest first."""
@@ -114,8 +125,16 @@ class Sampler:
         if arch is not None:
             asked = self._height(arch)
             return [asked] if asked <= upper else []
-        ends = [float(self.partial.state.q[lift]), *(float(o.branch.q[0, lift]) for o in self.options[:1])]
-        return [top for top in (upper, (max(ends) + upper) / 2) if top > max(ends) + 1e-3]
+        state, ends, stops = self.partial.state, [float(self.partial.state.q[lift])], list[float]()
+        if state.qd[lift] > 0:
+            stops.append(ends[0] + self.partial.rises)
+        for option in self.options[:1]:
+            ends.append(float(option.branch.q[0, lift]))
+            entry = option.meeting.point.entry
+            if entry is not None:
+                stops.append(ends[-1] + entry.far - entry.height)
+        tops = [upper, (max(ends) + upper) / 2, *([max(stops)] if stops else [])]
+        return [top for top in tops if top > max(ends) + 1e-3]
 
     def too_high(self) -> Refusal | None:
         """Why the arch that is asked for cannot be: the lift ends below it; None: it can, or none is asked."""
@@ -183,5 +202,5 @@ class Sampler:
         return option, replace(parent, shape=shape)
 
     def _candidate(self, option: Option, shape: Shape) -> Candidate:
-        effort, pace = tracking_effort(self.rng)
-        return Candidate(option.yaw_offset, option.branch, shape, effort, pace)
+        there = at_the_point(self.rng, may_stop=may_stop(self.scene, self.partial.step))
+        return Candidate(option.yaw_offset, option.branch, shape, *there)

@@ -16,6 +16,8 @@ from assur.planner.legs.correction import shifted_out
 from assur.planner.legs.joint import JointMotion
 from assur.planner.legs.limits import beyond_limits
 from assur.planner.legs.meeting import Meetings
+from assur.planner.legs.overlap import leaving
+from assur.planner.legs.slowed import slowed
 from assur.planner.legs.state import Knots, TimedLeg
 from assur.planner.legs.straight import mode_changes, straight
 from assur.planner.legs.tilt import tilt_of
@@ -47,6 +49,8 @@ WINDOW_S = 1e-12
 """A window is kept up to this, s: rounding of times."""
 SLOWED = 4
 """Times that a motion which pulls too hard at the held part is timed again."""
+GENTLER = (1.0, 0.7)
+"""Shares of the effort with which a motion is timed that is then slowed down where it pulls too hard."""
 SLOWER = 0.93
 """... with this share of what would be just enough if accelerations scaled with the limits."""
 
@@ -55,7 +59,7 @@ def timed(
     scene: Scene, partial: PartialPlan, meeting: Meetings, candidate: Candidate, ahead: FloatArray | None
 ) -> TimedCandidate | Refusal:
     """The joint leg to the control point that `candidate` describes, or why Ruckig has none."""
-    pace = paced(scene, partial, candidate.shape.effort)
+    pace = paced(scene, partial, candidate.shape, meeting.point)
     reached = JointMotion(scene, partial.step, partial.state, candidate.shape, candidate.branch, ahead, pace).meet()
     if isinstance(reached, Refusal):
         return reached
@@ -79,19 +83,57 @@ def timed(
 
 
 def extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
-    """The extension by a timed candidate, timed again, slower, where it pulls too hard at the held part."""
+    """The extension by a timed candidate. Where it pulls too hard at the held part it is slowed down there, or, to a
+    point that is met at a certain time, timed again, slower as a whole."""
     found, limit = _extended(scene, made), scene.carry_acceleration
-    for _ in range(SLOWED):
-        if limit is None or not (isinstance(found, Refusal) and isinstance(found.facts, Carrying)):
-            break
-        share, candidate = SLOWER * limit / found.facts.acceleration, made.candidate
-        shape = replace(candidate.shape, effort=share * candidate.shape.effort)
-        slower = replace(candidate, shape=shape, tracking_effort=share * candidate.tracking_effort)
-        again = timed(scene, made.before, made.meeting, slower, made.ahead)
-        if isinstance(again, Refusal):
-            return found  # the carry limit is why: at its own pace there was a motion
-        made, found = again, _extended(scene, again)
+    if limit is None or not (isinstance(found, Refusal) and isinstance(found.facts, Carrying)):
+        return found
+    if made.standing:
+        gentle = _slowed(scene, made, limit)
+        if gentle is not None:
+            return gentle
+    for slower in (_weaker, _again):
+        last, peak = made, found.facts.acceleration
+        for _ in range(SLOWED):
+            again = slower(scene, last, SLOWER * limit / peak)
+            if isinstance(again, Refusal):
+                break  # the carry limit is why: at its own pace there was a motion
+            last, after = again, _extended(scene, again)
+            if not isinstance(after, Refusal):
+                return after
+            if not isinstance(after.facts, Carrying):
+                break
+            peak = after.facts.acceleration
     return found
+
+
+def _weaker(scene: Scene, made: TimedCandidate, share: float) -> TimedCandidate | Refusal:
+    """The candidate timed again with this share of the acceleration of the joints across."""
+    candidate = made.candidate
+    shape = replace(candidate.shape, pull=share * candidate.shape.pull)
+    return timed(scene, made.before, made.meeting, replace(candidate, shape=shape), made.ahead)
+
+
+def _again(scene: Scene, made: TimedCandidate, share: float) -> TimedCandidate | Refusal:
+    """The candidate timed again with this share of its effort."""
+    candidate = made.candidate
+    shape = replace(candidate.shape, effort=share * candidate.shape.effort)
+    slower = replace(candidate, shape=shape, tracking_effort=share * candidate.tracking_effort)
+    return timed(scene, made.before, made.meeting, slower, made.ahead)
+
+
+def _slowed(scene: Scene, made: TimedCandidate, limit: float) -> Extension | None:
+    """The extension by a candidate that is slowed down where it pulls too hard; None: its joints leave no room for
+    that."""
+    for share in GENTLER:
+        gentle = made if share == 1.0 else _again(scene, made, share)
+        if isinstance(gentle, Refusal):
+            return None
+        motion = slowed(scene, made.before.step, gentle.reached.trajectory, limit)
+        if motion is not None:
+            found = _extended(scene, replace(gentle, reached=replace(gentle.reached, trajectory=motion)))
+            return None if isinstance(found, Refusal) else found
+    return None
 
 
 def _extended(scene: Scene, made: TimedCandidate) -> Extension | Refusal:
@@ -148,7 +190,7 @@ def _continued(
 ) -> Extension | Refusal:
     """The extension by a leg to the control point and what follows there, to rest where the task ends. `kept`: the
     trajectory of that leg, if it is known to keep all limits."""
-    legs, final = [way], partial.step == len(scene.task) - 1
+    legs, final, leaves = [way], partial.step == len(scene.task) - 1, None
     if candidate.shape.wait > 0:
         if not partial.state.resting:
             raise FaultError("an arm in motion cannot wait")
@@ -156,7 +198,8 @@ def _continued(
         legs.insert(0, TimedLeg(LegKind.WAIT, standing, Route(Course.FOR_BODIES)))
     begin = end = way.knots.end
     if point.tracks:
-        there = track(scene, point, way.knots.last, candidate.branch.mode, candidate.tracking_effort)
+        leaves = None if candidate.stops else leaving(scene, point, _lowered(scene, point, way.knots.last.q))
+        there = track(scene, point, way.knots.last, candidate.branch.mode, candidate.tracking_effort, leaves)
         if isinstance(there, Refusal):
             return there
         begin, end = there.begin, there.end
@@ -209,10 +252,21 @@ def _continued(
         arrivals=(*partial.arrivals, met),
         knots=knots if partial.knots is None else partial.knots.then(knots),
         proofs=partial.proofs,
-        tracked=point if not knots.last.resting and point.matched and not point.via else None,
+        rises=0.0 if leaves is None else leaves.far - leaves.height,
+        stops=candidate.stops,
+        tracked=point if leaves is None and not knots.last.resting and point.matched and not point.via else None,
         paces=partial.paces,
     )
     return Extension(partial, candidate, trajectory, tuple(ours), after)
+
+
+def _lowered(scene: Scene, point: ControlPoint, q: FloatArray) -> FloatArray:
+    """Joints (n,) at a point that is met with joints `q` above it, as far as the lift goes."""
+    if scene.robot.lift is None:
+        return q
+    lowered = q.copy()
+    lowered[scene.robot.lift] -= point.approach
+    return lowered
 
 
 def _window_refusal(point: ControlPoint, begin: float) -> Refusal | None:

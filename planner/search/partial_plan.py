@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.rows import Rows
@@ -11,8 +11,10 @@ from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.joint import Reached, Shape
 from assur.planner.legs.meeting import Meetings, meetings
+from assur.planner.legs.overlap import entering
 from assur.planner.legs.pace import Pace
 from assur.planner.legs.state import Knots, State, TimedLeg
+from assur.planner.legs.tool_motion import lift_most
 from assur.planner.legs.tracking import lead_time
 from assur.planner.model.attachments import AT_START, Attachments, at_start
 from assur.planner.model.outcome import Arrival, Leg
@@ -35,10 +37,14 @@ class PartialPlan:
     arrivals: tuple[Arrival, ...] = ()
     knots: Knots | None = None
     proofs: tuple[Rows, ...] = ()
+    rises: float = 0.0
+    """How far, m, the lift goes on before it could stop, behind a depart that it did not stop at."""
+    stops: bool = False
+    """Whether the candidate that led here was to stop (`Candidate.stops`)."""
     tracked: ControlPoint | None = None
     """The control point above which a tracking leg ended: the arm still moves with its frame."""
-    paces: dict[float, Pace] = field(default_factory=dict)
-    """Of joint legs, by effort: one table for all partial plans of a search."""
+    paces: dict[tuple[float, float, bool, bool], Pace] = field(default_factory=dict)
+    """Of joint legs (`paced`): one table for all partial plans of a search."""
     lines: dict[tuple[float, Tilt | None, float, int], TimedLeg | Refusal] = field(default_factory=dict)
     """Straight legs from here by yaw and tilt of the tool, wait and mode: full turns of the meeting make no other."""
 
@@ -46,13 +52,15 @@ class PartialPlan:
 @dataclass(frozen=True, eq=False)
 class Candidate:
     """A motion that can be tried: with which turn of the tool and in which branch the control point is met, by which
-    shape of joint leg, and which shares of the limits tracking legs and the last leg to rest use."""
+    shape of joint leg, and which shares of the limits tracking legs and the last leg to rest use. `stops`: whether the
+    tool stops behind the depart although it need not: then the arm can wait there."""
 
     yaw_offset: float
     branch: Branch
     shape: Shape
     tracking_effort: float = 1.0
     stop_pace: float = 1.0
+    stops: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +77,11 @@ class TimedCandidate:
     @property
     def end(self) -> float:
         return self.reached.end
+
+    @property
+    def standing(self) -> bool:
+        """Whether the point may be met at any time."""
+        return self.candidate.branch.still
 
     @property
     def trajectory(self) -> Trajectory:
@@ -101,15 +114,28 @@ def initial(scene: Scene) -> PartialPlan:
 
 def prepared(
     scene: Scene, partial: PartialPlan, yaw_offset: float, tilt: Tilt | None, modes: tuple[int, ...]
-) -> Meetings | Refusal:
-    """How the next control point can be met from here."""
+) -> list[Meetings | Refusal]:
+    """How the next control point can be met from here: first without a stop above it, where there is such a way."""
     point, state = control_point(scene, partial.step, partial.attached, yaw_offset, tilt), partial.state
-    lead = lead_time(scene, point, 1.0) if point.tracks else 0.0
-    return lead if isinstance(lead, Refusal) else meetings(scene, point, state.time, lead, modes, state.q)
+    moving, found = entering(scene, point, state.q), list[Meetings | Refusal]()
+    for entry in (None,) if moving is None else (moving, None):
+        entered = point if entry is None else replace(point, entry=entry)
+        lead = lead_time(scene, entered, 1.0) if point.tracks else 0.0
+        if isinstance(lead, Refusal):
+            found.append(lead)
+        else:
+            found.append(meetings(scene, entered, state.time, lead, modes, state.q))
+    return found
 
 
-def paced(scene: Scene, partial: PartialPlan, effort: float) -> Pace:
-    """The pace of joint legs of this effort; made once a search."""
-    if effort not in partial.paces:
-        partial.paces[effort] = Pace(scene.robot.limits, scene.robot.lift, effort)
-    return partial.paces[effort]
+def paced(scene: Scene, partial: PartialPlan, shape: Shape, point: ControlPoint) -> Pace:
+    """The pace of joint legs of this shape to a point; made once a search. Where the lift moves at an end it has to go
+    on as it has begun: it has all of its limits then."""
+    whole = partial.rises > 0.0 or point.entry is not None
+    carried = partial.attached.held is not None
+    key = shape.effort, shape.pull, whole, carried
+    if key not in partial.paces:
+        most = lift_most(scene, carried=carried)
+        robot, lift_effort = scene.robot, 1.0 if whole else None
+        partial.paces[key] = Pace(robot.limits, robot.lift, shape.effort, lift_effort, most, shape.pull)
+    return partial.paces[key]

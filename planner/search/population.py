@@ -10,6 +10,7 @@ import numpy as np
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.frames import all_stand
 from assur.planner.kernels.candidates import OPTION
+from assur.planner.legs.overlap import may_stop
 from assur.planner.model.scene import Scene
 from assur.planner.search import tuning
 from assur.planner.search.meeting_options import Option
@@ -18,10 +19,11 @@ from assur.planner.search.rough_score import CoarseScore
 from assur.planner.search.via_batch import Freedom, shape_of
 
 
-def tracking_effort(rng: np.random.Generator) -> tuple[float, float]:
-    """How hard tracking legs go, and how gently the arm comes to rest in the end."""
-    effort, stop = rng.random(2).tolist()
-    return tuning.TRACKING_EFFORTS[int(effort * len(tuning.TRACKING_EFFORTS))], 1.0 + stop
+def at_the_point(rng: np.random.Generator, *, may_stop: bool) -> tuple[float, float, bool]:
+    """How hard tracking legs go, how gently the arm comes to rest in the end, whether it stops behind the depart."""
+    effort, pace, stop = rng.random(3).tolist()
+    efforts = tuning.TRACKING_EFFORTS
+    return efforts[int(effort * len(efforts))], 1.0 + pace, may_stop and stop < tuning.STOPS
 
 
 class Population:
@@ -38,6 +40,7 @@ class Population:
         adaptive: bool,
     ) -> None:
         self.options, self.score, self.rng, self.adaptive = options, score, rng, adaptive
+        self.may_stop = may_stop(scene, partial.step)
         self.freedom = _freedom(scene, partial, options)
         self.shares = np.array([tuning.DIRECT if self.freedom.moving else 0.0, tuning.ONE_VIA, tuning.TWO_VIAS])
         most = tuning.MOST_ROWS // (tuning.INSTANTS * max(1, score.pairs))
@@ -101,7 +104,8 @@ class Population:
 
     def _candidate(self, row: FloatArray) -> Candidate:
         option = self.options[int(row[OPTION])]
-        return Candidate(option.yaw_offset, option.branch, shape_of(row), *tracking_effort(self.rng))
+        there = at_the_point(self.rng, may_stop=self.may_stop)
+        return Candidate(option.yaw_offset, option.branch, shape_of(row), *there)
 
 
 def _freedom(scene: Scene, partial: PartialPlan, options: tuple[Option, ...]) -> Freedom:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 TRACKING_EFFORTS = (1.0, 1.0, 0.7, 0.4)
 """Shares of the limits that tracking legs at a point use."""
+STOPS = 0.3
+"""How often the tool stops behind a depart although it need not."""
 THROUGH_PACES = (0.7, 0.0)
 """Paces at which a via control point is passed in the first batch."""
 DIRECT, ONE_VIA, TWO_VIAS = 0.5, 1.6, 1.6
@@ -39,8 +41,9 @@ APART_S = 0.01
 DEPTH_M = 0.05
 """What is deeper than this in something counts as so deep, m: how deep a large body is entered says little."""
 
-HOPS = ((0.5, 0.5), (1.0, 1.0))
-"""Overlaps of an arch that are tried first: half, none (corners stopped at)."""
+HOPS = (0.5, 1.0)
+"""Corners of an arch that are tried first: half overlapped, stopped at; full overlap where the tool does not stop above
+its point: 0."""
 ARCHED = 2
 """Options to which arches are tried first."""
 BATCH = 12

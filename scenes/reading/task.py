@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 from assur.planner.errors import FaultError
 from assur.planner.frames import Conveyor, Linear
@@ -80,6 +81,7 @@ class _Task:
             _tolerance(item),
             item.contact_tolerance_m,
             None if item.held_within is None else pose_uncertainty(item.held_within),
+            **_corners(item),
         )
 
     def _place(self, name: str, item: PlaceDocument) -> Step:
@@ -100,6 +102,7 @@ class _Task:
             self._contacts(item.part, item.contact_with),
             _tolerance(item),
             item.contact_tolerance_m,
+            **_corners(item),
         )
 
     def _target(self, item: TargetDocument, free: bool = False, part: bool = False) -> Target:
@@ -141,6 +144,12 @@ class _Task:
                 there = choices([place for place in self.places if place != part], name)
                 raise Refused(f"the name of a body that is not the part: {there}", "contact_with", i)
         return tuple(names)
+
+
+def _corners(item: PickDocument | PlaceDocument) -> dict[str, Any]:
+    """How the straight parts of a pick or place go over into the travel."""
+    arch = None if item.arch is None else Arch(item.arch.top_m)
+    return {"approach_stop": item.approach.stop, "depart_stop": item.depart.stop, "arch": arch}
 
 
 def _tolerance(item: FollowDocument | PickDocument | PlaceDocument) -> Tolerance:

@@ -147,8 +147,9 @@ def _fields_of(model: Any, location: Path, value: object) -> str:
     fields = list(_fields(here))
     names = [f"{name}/{twin_of(name)}" if twin_of(name) else name for name in fields]
     told = TYPES["model_type"] + (f": {', '.join(names)}" if 0 < len(names) <= FEW_FIELDS else "")
-    if type(value) in (int, float) and len(fields) == 1:
-        told += f"; did you mean {{{twin_of(fields[0]) or fields[0]}: {value}}}?"
+    required = _required(here)
+    if type(value) in (int, float) and len(required) == 1:
+        told += f"; did you mean {{{twin_of(required[0]) or required[0]}: {value}}}?"
     return told
 
 
@@ -229,6 +230,13 @@ def _fields(model: Any) -> dict[str, Any]:
     if is_typeddict(model):
         return get_type_hints(model)
     return {field.alias or name: field.annotation for name, field in model.model_fields.items()}
+
+
+def _required(model: Any) -> list[str]:
+    """Keys of a model that must be given, as a document writes them."""
+    if is_typeddict(model):
+        return sorted(model.__required_keys__)
+    return [field.alias or name for name, field in model.model_fields.items() if field.is_required()]
 
 
 def _model_in(annotation: Any) -> Any:

@@ -65,9 +65,10 @@ class ArchDocument(Document):
 
 
 class LiftDocument(Document):
-    """A straight way along the vertical: its length."""
+    """The straight part along the vertical: its length. `stop`: whether the tool stops at its outer end."""
 
     m: Distance
+    stop: bool = False
 
 
 class WindowedStep(Document):
@@ -107,6 +108,7 @@ class _Handling(WindowedStep):
     tolerance_m: Distance | None = None
     tolerance_rad: YawError | None = None
     contact_tolerance_m: Distance = 0.0
+    arch: ArchDocument | None = None
 
 
 class PickDocument(_Handling):

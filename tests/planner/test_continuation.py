@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from assur.planner.legs.arched import Hop
+from assur.planner.legs.control_point import control_point
 from assur.planner.legs.joint import Shape, Via
 from assur.planner.legs.meeting import Meetings
-from assur.planner.model.attachments import Attachments
+from assur.planner.model.attachments import AT_START, Attachments
 from assur.planner.model.scene import Scene
 from assur.planner.search.extension import extended, straight_extension, timed
 from assur.planner.search.partial_plan import (
@@ -28,7 +29,7 @@ from tests.planner.second_solids import standing
 
 
 def met(scene: Scene, partial: PartialPlan) -> Meetings:
-    found = prepared(scene, partial, 0.0, None, (partial.mode,))
+    found = prepared(scene, partial, 0.0, None, (partial.mode,))[-1]
     assert isinstance(found, Meetings)
     return found
 
@@ -86,8 +87,9 @@ def test_a_timed_candidate_is_where_its_extension_is_to_ten_micrometres_at_times
 def test_each_effort_has_one_pace_with_its_own_limits() -> None:
     scene = cell(go(0.35, -0.2))
     partial = initial(scene)
-    whole, half = paced(scene, partial, 1.0), paced(scene, partial, 0.25)
-    assert paced(scene, partial, 1.0) is whole
+    point = control_point(scene, 0, AT_START, 0.0)
+    whole, half = paced(scene, partial, Shape(), point), paced(scene, partial, Shape(effort=0.25), point)
+    assert paced(scene, partial, Shape(), point) is whole
     limits = scene.robot.limits
     for mine, own, power in zip(half.rates, whole.rates, (0.5, 1.0, 1.5), strict=True):
         assert mine == pytest.approx([0.25**power * x for x in own], rel=1e-12)

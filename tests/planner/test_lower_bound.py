@@ -138,7 +138,7 @@ def test_the_arm_need_not_stop_at_the_approach_height() -> None:
     pick = Pick("pick", "part", Pose(z=0.02), 0.035, 0.0, 0.0)
     scene = cell(pick, bodies=(part,), q=q, qd=(0.0, 0.0, -1.5, 0.0), robot=arm(bare=True), elbow="keep")
     start = initial(scene)
-    meeting = prepared(scene, start, 0.0, None, (start.mode,))
+    meeting = prepared(scene, start, 0.0, None, (start.mode,))[-1]
     assert isinstance(meeting, Meetings)
     found = options(scene, start, [(0.0, meeting)])
     assert found

@@ -588,7 +588,12 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad(
         "approach without its unit", put(*PICK, "approach", value=30), "task[0].pick.approach", "did you mean {mm: 30}?"
     ),
-    Bad("approach left out", drop(*PICK, "approach"), "task[0].pick.approach", "a mapping of fields: m/mm, which must"),
+    Bad(
+        "approach left out",
+        drop(*PICK, "approach"),
+        "task[0].pick.approach",
+        "fields: m/mm, stop, which must",
+    ),
     Bad("negative approach", put(*PICK, "approach", value={"mm": -3}), "task[0].pick.approach.mm"),
     Bad("no dwell", drop(*PICK, "dwell_ms"), "task[0].pick.dwell_s"),
     Bad(

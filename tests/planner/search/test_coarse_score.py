@@ -39,7 +39,7 @@ from tests.planner.search.test_search import narrow
 def asked(scene: Scene) -> tuple[Prover, tuple[Option, ...], Population]:
     """The prover, the options of the first step and the population of its ways."""
     chain, prover = initial(scene), Prover(scene)
-    meeting = prepared(scene, chain, 0.0, None, (0, 1))
+    meeting = prepared(scene, chain, 0.0, None, (0, 1))[-1]
     assert isinstance(meeting, Meetings)
     found = options(scene, chain, [(0.0, meeting)])
     rng = np.random.default_rng(1)

@@ -208,7 +208,7 @@ def test_a_way_is_of_use_if_its_partial_plan_would_be_continued_or_be_the_best_p
     scene = narrow()
     partial = initial(scene)
     search = Search(scene, Prover(scene), time.perf_counter())
-    meeting = prepared(scene, partial, 0.0, None, (0, 1))
+    meeting = prepared(scene, partial, 0.0, None, (0, 1))[-1]
     assert isinstance(meeting, Meetings)
     one, other = (next(b for b in meeting.branches if b.mode == mode) for mode in (0, 1))
     ways = [timed(scene, partial, meeting, Candidate(0.0, branch, Shape()), None) for branch in (one, other)]

@@ -146,8 +146,9 @@ def test_a_forged_plan_that_leaves_its_assembly_mode_and_comes_back_is_refused(*
     made = forged(plan, (t, q, qd, qdd))
     if not certified:
         c = plan.certificate
-        columns: dict[str, Any] = {name: getattr(c, name) for name in c.__dataclass_fields__}
-        none_left: dict[str, Any] = {name: column[:0] for name, column in columns.items() if isinstance(column, np.ndarray)}
+        columns = {name: getattr(c, name) for name in c.__dataclass_fields__}
+        kept = {name: column[:0] for name, column in columns.items() if isinstance(column, np.ndarray)}
+        none_left: dict[str, Any] = dict(kept)
         made = replace(made, certificate=replace(c, **none_left))
     verdict = check(cell_of(asked).scene, resealed(asked, made))
     broken = [finding for finding in verdict.findings if finding.code is Code.ASSEMBLY]
