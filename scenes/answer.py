@@ -59,7 +59,7 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAn
         "duration_s": number(plan.trajectory.end - plan.trajectory.start),
         "start_s": number(plan.trajectory.start),
         "trajectory": trajectory_document(cell, plan),
-        "arrivals": [_arrival(cell, arrival) for arrival in plan.arrivals],
+        "arrivals": [_arrival(cell, plan, arrival) for arrival in plan.arrivals],
         "legs": [
             {
                 "kind": leg.kind.value,
@@ -161,8 +161,10 @@ def certificate_document(certificate: Certificate, detail: Detail) -> document.C
     }
 
 
-def _arrival(cell: Cell, arrival: Arrival) -> document.Arrival:
-    missed = arrival.missed_by
+def _arrival(cell: Cell, plan: Plan, arrival: Arrival) -> document.Arrival:
+    missed, robot = arrival.missed_by, cell.scene.robot
+    q = plan.trajectory.evaluate(arrival.time)
+    mode = int(robot.mode_of(q))
     written: document.Arrival = {
         "control_point": arrival.control_point,
         "step": int(arrival.step),
@@ -181,6 +183,8 @@ def _arrival(cell: Cell, arrival: Arrival) -> document.Arrival:
             "distance_m": number(missed.distance_m),
         },
         "error": None if arrival.error is None else _error(arrival.error),
+        "joints": [number(x) for x in as_maker(q, cell.conventions).tolist()],
+        "mode": robot.modes[mode] if mode >= 0 else None,
     }
     if arrival.pitch is not None:
         written["pitch_rad"] = number(arrival.pitch)

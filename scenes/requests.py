@@ -184,7 +184,7 @@ def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...], tupl
     from assur.scenes.reading.plan import nearest_of, plan_of
 
     answer = plain(plan)
-    return *plan_of(answer, cell.conventions), nearest_of(answer)
+    return *plan_of(answer, cell.conventions, cell.scene.robot), nearest_of(answer)
 
 
 def check_plan(

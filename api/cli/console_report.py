@@ -77,7 +77,9 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
     yield legs
     yield ""
     angles = ("yaw_rad", *(key for key in ("pitch_rad", "roll_rad") if key in answer["arrivals"][0]))
+    wrist = answer["trajectory"]["joint_names"][-1] if answer["trajectory"]["joint_units"][-1] == "rad" else None
     head = ("arrival", ">at s", ">x mm", ">y mm", ">z mm", *(f">{key.removesuffix('_rad')} deg" for key in angles))
+    head += ("mode", *([] if wrist is None else [f">{wrist} deg"]))
     arrivals = table(*head, ">along mm", ">window left s", "speed")
     for arrival in answer["arrivals"]:
         along, left, missed = arrival["along_m"], arrival["window_left_s"], arrival["missed_by"]
@@ -88,6 +90,8 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
             f"{arrival['time_s']:.3f}",
             *(f"{1e3 * x:z.1f}" for x in arrival["at_m"]),
             *(f"{math.degrees(arrival[key]):z.1f}" for key in angles),
+            arrival["mode"] or "",
+            *([] if wrist is None else [f"{math.degrees(arrival['joints'][-1]):z.1f}"]),
             "" if along is None else f"{1e3 * along:z.1f}",
             "" if left is None else f"{left:z.3f}",
             beside or _met(answer["trajectory"], arrival),

@@ -28,8 +28,10 @@ def meetings(
     """One arrival a step, at the right time, true in what it says, and what the request asks."""
     if [arrival.step for arrival in arrivals] != list(range(len(found))):
         return [Finding(Code.ARRIVAL, "there must be one arrival for each step, in order")]
-    findings = []
+    findings, before = list[Finding](), world.start
     for arrival, target in zip(arrivals, found, strict=True):
+        findings += _kept(world, before, arrival, target)
+        before = arrival.until
         name = target.step.name
         at = f"{arrival.time:.6g} s"
         times = _times(legs, target.number)
@@ -43,6 +45,18 @@ def meetings(
             findings.append(Finding(Code.ARRIVAL, what, arrival.yaw_offset, "rad"))
         findings += _met(world, arrival, target) + _in_window(world, arrival, target)
     return findings
+
+
+def _kept(world: World, before: float, arrival: Arrival, target: Target) -> list[Finding]:
+    """Whether the tool has the yaw that it had at `before`, s, where that is to be kept."""
+    goal = target.step.target
+    if goal is None or not goal.yaw_keep:
+        return []
+    turned = abs(math.remainder(world.tool(arrival.time).yaw - world.tool(before).yaw, math.tau))
+    if turned <= MEET_RAD:
+        return []
+    what = f"the tool has not kept its yaw when it meets {target.step.name}"
+    return [Finding(Code.ARRIVAL, what, turned, "rad", f"{arrival.time:.6g} s")]
 
 
 def _times(legs: tuple[Leg, ...], number: int) -> list[tuple[float, float]]:

@@ -34,6 +34,8 @@ def refuse_unblendable(task: tuple[Step, ...], frames: Mapping[str, Frame], *, m
             raise InputError(field, step.name, f"moves only {BLENDED}: poses are missed, accelerations jump")
         if step.leg != "joint":
             raise InputError(f"{field}.leg", step.leg, f"joint {BLENDED}")
+        if step.target.yaw_keep:
+            raise InputError(f"{field}.to.yaw_keep", True, f"false {BLENDED}: yaws between blends are missed")
         if step.arch is not None:
             raise InputError(f"{field}.arch", step.arch.top_m, f"no arch {BLENDED}")
         frame = frames[step.target.frame]

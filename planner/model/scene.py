@@ -9,9 +9,11 @@ from typing import Literal
 
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
-from assur.planner.frames.fixed import Fixed
+from assur.planner.frames.conveyor import Conveyor
+from assur.planner.frames.fixed import Fixed, Linear
 from assur.planner.frames.law import EXACT, Frame, PoseUncertainty, Uncertainty
 from assur.planner.frames.motion import Pose
+from assur.planner.frames.oscillation import Oscillation
 from assur.planner.geometry.pieces import Pieces, pieces
 from assur.planner.geometry.shapes import Body
 from assur.planner.model.blendable import refuse_acceleration_time, refuse_unblendable
@@ -224,6 +226,7 @@ class Scene:
                 raise InputError(f"task[{i}].{type(step).__name__.lower()}.arch", step.arch.top_m, allowed)
         self._check_hands()
         self._check_wrist()
+        self._check_kept()
         self._check_execution()
         refuse_acceleration_time(self.options.timing, self.options.acceleration_time_s)
         if self.options.blended:
@@ -247,6 +250,15 @@ class Scene:
         known = known and all(body.uncertainty == EXACT for body in self.bodies)
         known = known and all(frame.uncertainty == Uncertainty() for frame in self.frames.values())
         return known and not execution.lags and not execution.start_tolerance_s > 0.0
+
+    def _check_kept(self) -> None:
+        """A yaw that is kept has to be one in the frame of the target, whenever that is met."""
+        for i, step in enumerate(self.task):
+            if isinstance(step, Move | Follow) and step.target.yaw_keep:
+                frame = self.frames[step.target.frame]
+                if not isinstance(frame.law, Fixed | Conveyor | Linear | Oscillation):
+                    allowed = f"false: {frame.name} turns, so the yaw there depends on when it is met"
+                    raise InputError(f"task[{i}].{type(step).__name__.lower()}.to.yaw_keep", True, allowed)
 
     def _check_wrist(self) -> None:
         """An arm that cannot turn its tool at will cannot lay down a part as it should lie."""

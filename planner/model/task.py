@@ -25,7 +25,8 @@ class Window:
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A pose of the tool point (or, for a place, of the part) that is constant in a frame. `yaw` free: any yaw.
+    """A pose of the tool point (or, for a place, of the part) that is constant in a frame. `yaw_free`: with any yaw;
+    `yaw_keep`: with the yaw, in the world, that the tool has when the step begins; then `yaw_free` holds, too.
 
     `pitch`, `roll`: of the tool, rad, for arms that have these coordinates (`assur.planner.frames.tilted`); None: free.
     """
@@ -35,6 +36,7 @@ class Target:
     yaw_free: bool = False
     pitch: float | None = None
     roll: float | None = None
+    yaw_keep: bool = False
 
 
 Match = Literal["velocity", "position"]

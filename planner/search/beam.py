@@ -24,11 +24,11 @@ from assur.planner.model.scene import Scene
 from assur.planner.search.candidates import Sampler
 from assur.planner.search.census import Counter, refused_proof
 from assur.planner.search.completion import completed
-from assur.planner.search.extension import extended, straight_extension, timed
+from assur.planner.search.extension import extended, straight_extension, timed, wrist_travel
 from assur.planner.search.meeting_options import Option, ahead, free_yaws, options
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, initial, prepared
 from assur.planner.search.rough_score import CoarseScore, score_of
-from assur.planner.search.tuning import BEAM, KEPT_PLANS, MOST_OPTIONS, PROVED_A_BATCH
+from assur.planner.search.tuning import BEAM, KEPT_PLANS, MOST_OPTIONS, PROVED_A_BATCH, SAME_DURATION, SAME_TRAVEL
 
 
 @dataclass(eq=False)
@@ -36,6 +36,8 @@ class Found:
     """What the search came to: the best whole plan, when the first was found, whether the clock ended it."""
 
     best: PartialPlan | None = None
+    soonest: float = math.inf
+    """When the soonest of all whole plans ends, s: the best may end a little later, with less travel of the wrist."""
     plan: Plan | None = None
     first_s: float = float("nan")
     cut_by_clock: bool = False
@@ -108,7 +110,8 @@ class Search:
         if partial not in self.samplers:
             self.samplers[partial] = self._sampler(partial)
         sampler = self.samplers[partial]
-        batch = sampler.batch(self._before())
+        last = partial.step + 1 == len(self.scene.task)
+        batch = sampler.batch(self._before() if last else self.found.soonest)
         batch = batch[: int(min(len(batch), self._left()))]
         enough = self._enough()
         for motion in self._in_order(partial, sampler, batch):
@@ -191,11 +194,42 @@ class Search:
         earlier = [other for other in self.pool[motion.before.step + 1] if other.state.time <= motion.end]
         kind = motion.candidate.branch.mode, motion.candidate.stops
         of_kind = any((other.mode, other.stops) == kind for other in earlier)
-        return motion.end < self._before() and (len(earlier) < BEAM or not of_kind)
+        return self._may_win(motion) and (len(earlier) < BEAM or not of_kind)
+
+    def _may_win(self, motion: TimedCandidate | Extension) -> bool:
+        """Whether a plan through a motion may be better than the best so far: end sooner, or turn the wrist less."""
+        best = self.found.best
+        if best is None or motion.end < min(best.state.time, self.found.soonest):
+            return True
+        if motion.before.step + 1 < len(self.scene.task):
+            return False  # what comes behind it takes time as well
+        ends = np.stack([motion.before.state.q, motion.trajectory.knots[-1, 1 : 1 + motion.trajectory.n]])
+        turned = motion.before.wrist + wrist_travel(self.scene.robot, ends)
+        return motion.end < self._before() and turned < best.wrist - SAME_TRAVEL
 
     def _before(self) -> float:
-        """When the best plan so far ends, s: only what ends earlier is of interest."""
-        return math.inf if self.found.best is None else self.found.best.state.time
+        """What ends later, s, is of no interest: within `SAME_DURATION` a plan may turn the wrist less."""
+        best, found = self.found.best, self.found
+        if best is None:
+            return math.inf
+        if best.wrist <= SAME_TRAVEL:
+            return found.soonest
+        start = self.scene.start.time
+        return start + (1 + SAME_DURATION) * (found.soonest - start)
+
+    def _better(self, partial: PartialPlan) -> bool:
+        """Whether a whole plan is better than the best so far: of plans that take as long as the soonest, within
+        `SAME_DURATION`, the one with less travel of the wrist."""
+        best, start = self.found.best, self.scene.start.time
+        if best is None:
+            return True
+        soonest = min(self.found.soonest, partial.state.time)
+        latest = start + (1 + SAME_DURATION) * (soonest - start)
+        if partial.state.time > latest or best.state.time > latest:
+            return partial.state.time < best.state.time
+        if abs(partial.wrist - best.wrist) > SAME_TRAVEL:
+            return partial.wrist < best.wrist
+        return partial.state.time < best.state.time
 
     def _enough(self) -> int:
         """Candidates of one batch after whose proof the others are left alone."""
@@ -242,7 +276,7 @@ class Search:
             # found too late: an answer that a slower machine would not have given
             return
         best = self.found.best
-        if partial.step == len(self.scene.task) and (best is None or partial.state.time < best.state.time):
+        if partial.step == len(self.scene.task) and self._better(partial):
             whole = completed(self.scene, partial)
             if isinstance(whole, Refusal):
                 self.found.census.add(whole)
@@ -250,6 +284,7 @@ class Search:
             if best is None:
                 self.found.first_s = time.perf_counter() - self.started
             self.found.best, self.found.plan = partial, whole
+            self.found.soonest = min(self.found.soonest, partial.state.time)
         pool = self.pool[partial.step]
         pool.append(partial)
         pool.sort(key=lambda each: each.state.time)

@@ -39,6 +39,7 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
+from assur.planner.robots.robot import Robot
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory
@@ -252,6 +253,7 @@ def _continued(
         arrivals=(*partial.arrivals, met),
         knots=knots if partial.knots is None else partial.knots.then(knots),
         proofs=partial.proofs,
+        wrist=partial.wrist + wrist_travel(scene.robot, knots.q),
         rises=0.0 if leaves is None else leaves.far - leaves.height,
         stops=candidate.stops,
         tracked=point if leaves is None and not knots.last.resting and point.matched and not point.via else None,
@@ -335,6 +337,12 @@ def _too_hard(scene: Scene, step: int, trajectory: Trajectory, phases: tuple[Pha
         amount=Quantity.of(peak[0] - limit, "m/s²"),
         facts=Carrying(acceleration=peak[0], limit=limit),
     )
+
+
+def wrist_travel(robot: Robot, q: FloatArray) -> float:
+    """By how much the last joint turns from row to row of q (K, n), there and back counted both, rad; 0 if it does not
+    turn."""
+    return float(np.abs(np.diff(q[:, -1])).sum()) if robot.revolute[-1] > 0 and len(robot.joints) > 3 else 0.0
 
 
 def arrival(

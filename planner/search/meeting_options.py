@@ -69,9 +69,12 @@ def preference(robot: Robot, one: FloatArray, other: FloatArray) -> float:
 
 def free_yaws(scene: Scene, partial: PartialPlan, number: int, modes: tuple[int, ...]) -> tuple[float, ...]:
     """Yaws that are tried where the control point of step `number` leaves the yaw free: those for which the wrist stays
-    as it is if the point is met at once, one a mode, and `ANY_YAW` all round."""
-    robot, q = scene.robot, partial.state.q
-    tilt, t = tilts(scene, scene.task[number], q)[0], np.array([partial.state.time])
+    as it is if the point is met at once, one a mode, and `ANY_YAW` all round; or the one that is to be kept."""
+    robot, q, step = scene.robot, partial.state.q, scene.task[number]
+    tilt, t = tilts(scene, step, q)[0], np.array([partial.state.time])
+    if step.target is not None and step.target.yaw_keep:
+        there = control_point(scene, number, partial.attached, 0.0, tilt).flange(t)
+        return (math.remainder(float(robot.forward(q)[1]) - float(there.yaw[0]), math.tau),)
     found: list[float] = []
     for mode in modes if robot.revolute[-1] else ():
         offset = 0.0

@@ -37,6 +37,8 @@ class PartialPlan:
     arrivals: tuple[Arrival, ...] = ()
     knots: Knots | None = None
     proofs: tuple[Rows, ...] = ()
+    wrist: float = 0.0
+    """By how much the wrist has turned so far, there and back counted both, rad; 0 for an arm without one."""
     rises: float = 0.0
     """How far, m, the lift goes on before it could stop, behind a depart that it did not stop at."""
     stops: bool = False

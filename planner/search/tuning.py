@@ -74,5 +74,9 @@ MOST_OPTIONS = 12
 SHARE_OF_A_TURN = 0.01
 """A turn of the wrist is worth this share of a duration: of two options of the same duration the one that turns less
 comes first."""
+SAME_DURATION = 0.01
+"""Durations that differ by this share count as equal: of such plans that with less travel of the wrist is better ..."""
+SAME_TRAVEL = 1e-3
+"""... if that differs by more than this, rad."""
 ANY_YAW = 8
 """Yaws that are tried where a control point leaves the yaw free."""

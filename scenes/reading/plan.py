@@ -18,6 +18,7 @@ from assur.planner.model.outcome import (
     Plan,
     Route,
 )
+from assur.planner.robots.robot import Robot
 from assur.scenes.conventions import Conventions, converted
 from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading.frames import placed
@@ -31,6 +32,8 @@ PLAN = "plan"
 
 TIME_S = 1e-9
 """By how much durations may be off the trajectory's, s: sums of times round."""
+JOINTS = 1e-9
+"""... and by how much the joints of arrivals, rad or m: what writing rounds."""
 REFUSAL = "planned; this answer is a refusal: its status is not_planned, so there is no plan in it to check"
 
 
@@ -40,8 +43,9 @@ CERTIFICATE_DIGEST = frozenset(document.CertificateDigest.__annotations__)
 """Fields of a certificate that is not in full."""
 
 
-def plan_of(plan: object, conventions: Conventions) -> tuple[Plan, tuple[Finding, ...]]:
-    """The plan in a planned answer with a full certificate, and what the answer says of its durations that is not so.
+def plan_of(plan: object, conventions: Conventions, robot: Robot | None = None) -> tuple[Plan, tuple[Finding, ...]]:
+    """The plan in a planned answer with a full certificate, and what the answer says of its durations, and of the
+    joints and modes of its arrivals (those of `robot`), that is not so.
 
     Not checked: whether anything else in it is true; that is the checker's. Raises `DocumentError` below "plan".
     """
@@ -54,7 +58,8 @@ def plan_of(plan: object, conventions: Conventions) -> tuple[Plan, tuple[Finding
                 raise Refused("the certificate in full, as certificate=full gives it", "certificate")
             plan = {key: value for key, value in plan.items() if key not in NOT_CHECKED}
         item: document.CheckedPlan = read_normal(document.CheckedPlan, plan, plan, (PLAN,))
-        return _made(item, conventions), _untrue(item)
+        made = _made(item, conventions)
+        return made, _untrue(item) + _untrue_joints(item, made, conventions, robot)
 
 
 def _made(item: document.CheckedPlan, conventions: Conventions) -> Plan:
@@ -148,6 +153,31 @@ def _untrue(item: document.CheckedPlan) -> tuple[Finding, ...]:
     if bound is not None and not bound <= duration + TIME_S:
         what = f"lower_bound_s is {bound:.6f}, but this plan takes only {duration:.6f}"
         found.append(Finding(Code.FORM, what, bound - duration, "s", "lower_bound_s"))
+    return tuple(found)
+
+
+def _untrue_joints(
+    item: document.CheckedPlan, made: Plan, conventions: Conventions, robot: Robot | None
+) -> tuple[Finding, ...]:
+    """Joints and modes that an answer states of its arrivals and its trajectory has not."""
+    found = []
+    for i, arrival in enumerate(item["arrivals"]):
+        time, field = arrival["time_s"], f"arrivals[{i}]"
+        if not made.trajectory.start <= time <= made.trajectory.end:
+            continue  # the checker says so
+        q = made.trajectory.evaluate(time)
+        said = arrival.get("joints")
+        if said is not None:
+            if len(said) != len(conventions):
+                raise Refused(f"{len(conventions)} numbers, one for each joint", "arrivals", i, "joints")
+            off = float(np.abs(converted(np.array(said, dtype=np.float64), conventions) - q).max())
+            if not off <= JOINTS:
+                what = "the joints of an arrival are not those of the trajectory"
+                found.append(Finding(Code.FORM, what, off, "rad or m", f"{field}.joints"))
+        mode = -1 if robot is None else int(robot.mode_of(q))
+        if robot is not None and mode >= 0 and arrival.get("mode") not in (None, robot.modes[mode]):
+            what = f"an arrival is in mode {robot.modes[mode]}, not {arrival['mode']!r:.40}"
+            found.append(Finding(Code.FORM, what, where=f"{field}.mode"))
     return tuple(found)
 
 

@@ -113,18 +113,20 @@ class _Task:
             for key in ("pitch_rad", "roll_rad"):
                 if key in item.model_fields_set and not self.has_tilt:
                     raise Refused(NO_TILT.format(key.removesuffix("_rad")), key)
-            if item.yaw_free and not self.has_yaw:
-                raise Refused(self.no_yaw, "yaw_free")
-            if item.yaw_free and part:
-                raise Refused("a yaw_rad: a part is placed as it has to lie", "yaw_free")
-            silent = item.yaw_rad is None and not item.yaw_free
+            for key in ("yaw_free", "yaw_keep"):
+                if getattr(item, key) and not self.has_yaw:
+                    raise Refused(self.no_yaw, key)
+                if getattr(item, key) and part:
+                    raise Refused("a yaw_rad: a part is placed as it has to lie", key)
+            silent = item.yaw_rad is None and not item.yaw_free and not item.yaw_keep
             if silent and self.has_yaw and not free:
                 raise Refused("yaw_rad or yaw_deg, which must be given", "yaw_rad")
-            yaw_free = item.yaw_free or (silent and (free or not self.has_yaw))
+            yaw_free = item.yaw_free or item.yaw_keep or (silent and (free or not self.has_yaw))
             if item.body is not None and item.body == self.held:
                 raise Refused("a body that is not in the gripper", "body")
             frame, pose = resolve(item, item.yaw_rad or 0.0, self.frames, self.places)
-            return Target(frame, pose, yaw_free, _asked(item.pitch_rad), _asked(item.roll_rad))
+            tilt = _asked(item.pitch_rad), _asked(item.roll_rad)
+            return Target(frame, pose, yaw_free, *tilt, yaw_keep=item.yaw_keep)
 
     def _window(self, item: WindowedStep, frame: str) -> Window:
         for key, ends in (("window_s", item.window_s), ("window_m", item.window_m)):

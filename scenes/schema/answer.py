@@ -114,7 +114,8 @@ class ArrivalError(TypedDict):
 
 @with_config(CLOSED)
 class Arrival(TypedDict):
-    """Where and when the tool point reaches a control point; pitch and roll of arms with five axes only."""
+    """Where and when the tool point reaches a control point, with which joints, in which assembly mode; pitch and roll
+    of arms with five axes only."""
 
     control_point: Text
     step: Annotated[int, Field(ge=0, le=bounds.MAX_STEPS)]
@@ -128,6 +129,8 @@ class Arrival(TypedDict):
     window_left_s: Number | None
     missed_by: NotRequired[Missed | None]
     error: NotRequired[ArrivalError | None]
+    joints: NotRequired[Annotated[list[Number], Field(max_length=bounds.MAX_JOINTS)]]
+    mode: NotRequired[Text | None]
     pitch_rad: NotRequired[Angle | None]
     roll_rad: NotRequired[Angle | None]
 

@@ -42,18 +42,20 @@ FreeAngle = Annotated[Angle | Literal["free"] | None, BeforeValidator(_free_or_n
 
 
 class TargetDocument(Document):
-    """A pose in a frame (the world if none is named), or relative to a body and in that body's frame.
+    """A pose in a frame (the world if none is named), or relative to a body and in that body's frame. `yaw_keep`: with
+    the yaw that the tool has when the step begins.
 
     `pitch_rad`, `roll_rad`: of the tool, for arms that have them; a number or `free`, which silence means, too.
     """
 
-    at_most_one: ClassVar[tuple[Group, ...]] = (("frame", "body"), ("yaw_rad", "yaw_free"))
+    at_most_one: ClassVar[tuple[Group, ...]] = (("frame", "body"), ("yaw_rad", "yaw_free", "yaw_keep"))
 
     frame: Reference | None = None
     body: Reference | None = None
     at_m: Point
     yaw_rad: Angle | None = None
     yaw_free: bool = False
+    yaw_keep: bool = False
     pitch_rad: FreeAngle = None
     roll_rad: FreeAngle = None
 

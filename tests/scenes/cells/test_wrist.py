@@ -1,0 +1,157 @@
+"""The wrist: a yaw that is kept, less travel among plans of equal duration, joints and modes in the arrivals."""
+
+from __future__ import annotations
+
+import copy
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from assur.planner.checker import Code, check
+from assur.planner.errors import InputError
+from assur.planner.search.tuning import SAME_DURATION
+from assur.scenes.reading.plan import plan_of
+from assur.scenes.requests import cell_of, check_document, plan_document, shipped
+from tests.scenes.cells.five_bar_plans import resealed
+
+Document = dict[str, Any]
+START = {"joints": {"j1_deg": -40, "j2_deg": 80, "j3_mm": 250, "j4_deg": 100}}
+
+
+def cell(**to: object) -> Document:
+    """Two moves of an arm with its wrist turned: to one side with a yaw, back with what `to` says."""
+    return {
+        "schema": "assur/1",
+        "robot": {"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_mm": [30, 0, -100]}},
+        "start": START,
+        "task": [
+            {"move": {"to": {"at_mm": [350, 150, 150], "yaw_deg": 170}}},
+            {"move": {"to": {"at_mm": [350, -150, 150], **to}}},
+        ],
+        "options": {"stop": "budget", "max_candidates": 120, "budget_s": 60, "seed": 1},
+    }
+
+
+def planned(request: Document) -> Document:
+    answer: Any = plan_document(request)
+    assert answer["status"] == "planned", answer["sentence"]
+    verdict = check_document(request, answer)
+    assert verdict["ok"], verdict["findings"]
+    return dict(answer)
+
+
+def test_a_kept_yaw_is_that_of_the_step_before() -> None:
+    first, second = planned(cell(yaw_keep=True))["arrivals"]
+    assert math.remainder(first["yaw_rad"] - math.radians(170), math.tau) == pytest.approx(0, abs=1e-6)
+    assert math.remainder(second["yaw_rad"] - first["yaw_rad"], math.tau) == pytest.approx(0, abs=1e-9)
+
+
+def test_a_free_yaw_leaves_the_wrist_where_it_is() -> None:
+    request = cell(yaw_free=True)
+    request["robot"]["tool"]["tcp_mm"] = [0, 0, -100]  # on the wrist's axis: no yaw brings the arm nearer
+    first, second = planned(request)["arrivals"]
+    assert second["joints"][3] == pytest.approx(first["joints"][3], abs=1e-9)
+
+
+def test_a_yaw_is_kept_on_a_belt_from_the_start() -> None:
+    request = cell()
+    request["frames"] = {"belt": {"conveyor": {"at_mm": [350, -200, 100], "yaw_deg": 30, "speed_mm_s": 100}}}
+    request["task"] = [{"follow": {"to": {"frame": "belt", "at_mm": [0, 0, 0], "yaw_keep": True}, "duration_ms": 100}}]
+    scene = cell_of(request).scene
+    before = float(scene.robot.forward(scene.start.q)[1])
+    (arrival,) = planned(request)["arrivals"]
+    assert math.remainder(arrival["yaw_rad"] - before, math.tau) == pytest.approx(0, abs=1e-9)
+
+
+def test_a_plan_that_turns_a_tool_whose_yaw_is_kept_is_refused() -> None:
+    """The plan for a free yaw, checked against the request that keeps it."""
+    plan, _ = plan_of(planned(cell(yaw_free=True)), cell_of(cell()).conventions)
+    kept = cell(yaw_keep=True)
+    findings = check(cell_of(kept).scene, resealed(kept, plan)).findings
+    assert [finding.code for finding in findings] == [Code.ARRIVAL]
+    assert "has not kept its yaw" in findings[0].what
+
+
+@pytest.mark.parametrize(
+    ("change", "allowed"),
+    [
+        ({"yaw_keep": True, "yaw_deg": 10}, "one of"),
+        ({"yaw_keep": True, "frame": "dial", "at_mm": [50, 0, 0]}, "dial turns"),
+    ],
+)
+def test_a_yaw_that_cannot_be_kept_is_refused_by_its_field(change: Document, allowed: str) -> None:
+    request = cell(**change)
+    request["frames"] = {"dial": {"turntable": {"at_mm": [300, 0, 100], "rate_deg_s": 30}}}
+    with pytest.raises(InputError) as caught:
+        cell_of(request)
+    assert "task[1].move.to" in caught.value.field
+    assert allowed in f"{caught.value.field} {caught.value.allowed}" or "yaw" in caught.value.allowed
+
+
+def test_a_part_is_not_placed_with_a_kept_yaw() -> None:
+    request = copy.deepcopy(dict(shipped("transfer").request))
+    to = request["task"][1]["place"]["to"]
+    del to["yaw_deg"]
+    to["yaw_keep"] = True
+    with pytest.raises(InputError, match="a part is placed as it has to lie"):
+        cell_of(request)
+
+
+def travel(answer: Document) -> float:
+    wrist = np.array(answer["trajectory"]["position"])[:, 3]
+    return float(np.abs(np.diff(wrist)).sum())
+
+
+def test_of_plans_that_take_equally_long_the_one_with_less_travel_of_the_wrist_is_the_answer() -> None:
+    """A part that looks the same in all of four turns: the wrist has time to turn, and no reason to."""
+    request = cell()
+    # the part stands in the air: nothing but the wrist tells the plans apart
+    part = {
+        "name": "part",
+        "shape": {"box": {"size_mm": [30, 30, 30]}},
+        "pose": {"at_mm": [350, -200, 45], "yaw_deg": 20},
+    }
+    request["bodies"] = [{**part, "yaw_symmetry": 4}]
+    pick = {"part": "part", "grasp_mm": [0, 0, 15], "approach": {"mm": 5}, "dwell_ms": 0, "depart": {"mm": 5}}
+    request["task"] = [{"move": {"to": {"at_mm": [350, 200, 150], "yaw_deg": 0}}}, {"pick": pick}]
+    request["robot"]["tool"]["tcp_mm"] = [0, 0, -100]
+    request["options"]["clearance_mm"] = {"travel": 0, "near": 0}
+    answer = planned(request)
+    every = []
+    for turn in (0, 90, 180, 270):
+        fixed = copy.deepcopy(request)
+        fixed["bodies"][0]["yaw_symmetry"] = 1
+        fixed["bodies"][0]["pose"]["yaw_deg"] = 20 + turn
+        every.append(planned(fixed))
+    soonest = min(each["duration_s"] for each in every)
+    least = min(travel(each) for each in every if each["duration_s"] <= (1 + SAME_DURATION) * soonest)
+    assert answer["duration_s"] <= (1 + SAME_DURATION) ** 2 * soonest
+    assert travel(answer) <= least + 0.05
+
+
+@pytest.mark.parametrize(("key", "value"), [("joints", None), ("mode", "left")])
+def test_joints_and_modes_that_are_not_the_trajectorys_are_found(key: str, value: object) -> None:
+    request = cell(yaw_free=True)
+    answer = planned(request)
+    arrival = answer["arrivals"][0]
+    assert arrival["mode"] == "right"
+    q = cell_of(request).scene.robot.mode_of(np.array(arrival["joints"]))
+    assert cell_of(request).scene.robot.modes[int(q)] == "right"
+    arrival[key] = [x + 1e-6 for x in arrival["joints"]] if value is None else value
+    verdict = check_document(request, answer)
+    assert not verdict["ok"]
+    assert [finding["where"] for finding in verdict["findings"]] == [f"arrivals[0].{key}"]
+
+
+def test_an_arrival_without_joints_or_mode_is_read_as_before() -> None:
+    request = cell(yaw_free=True)
+    answer = planned(request)
+    for arrival in answer["arrivals"]:
+        del arrival["joints"], arrival["mode"]
+    assert check_document(request, answer)["ok"]
+    plan, findings = plan_of(answer, cell_of(request).conventions)
+    assert not findings
+    assert replace(plan).arrivals == plan.arrivals
