@@ -33,7 +33,7 @@ def tracked(world: World, legs: tuple[Leg, ...], found: tuple[Target, ...]) -> l
         target = found[leg.step]
         step, follows, height = target.step, leg.kind is LegKind.FOLLOW, 0.0
         if isinstance(step, Pick | Place) and not follows:
-            height = step.approach_m if leg.kind is LegKind.APPROACH else step.depart_m
+            height = world.scene.straight(step)[leg.kind is LegKind.DEPART]
         tilt, frame = target.tilt or (0.0, 0.0), world.frame[target.frame]
         asked = [(along.FRAME, frame), (along.FOLLOWS, float(follows)), (along.HEIGHT, height)]
         asked += [(along.TURNS, float(target.turns)), (along.PITCH, tilt[0]), (along.ROLL, tilt[1])]

@@ -72,7 +72,10 @@ class Fit:
     def deviations(self) -> tuple[FloatArray, FloatArray]:
         """Standard deviations of `acceleration` and of the squares of `held` (k, 2), jerk and lag being known."""
         r = self.triangle[:-2, :-2]
-        scale = np.linalg.norm(r, axis=0) + 1e-300
+        scale = np.linalg.norm(r, axis=0)
+        if not (scale > 0).all():
+            # a number that no reading depends on may be anything
+            return np.full((len(self.moves), 2), np.inf), np.full((len(self.moves), 2), np.inf)
         _, s, vt = np.linalg.svd(r / scale)
         root = vt.T / np.maximum(s, 1e-9 * s[0]) / scale[:, None]
         k = len(self.moves)

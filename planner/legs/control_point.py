@@ -207,5 +207,5 @@ def control_point(
     `tilt`."""
     what = scene.task[step]
     frame, pose = attached.flange(scene, what, yaw_offset)
-    target, heights = attached.point(scene, what)[1], (what.approach_m, what.dwell_s, what.depart_m)
-    return ControlPoint(scene, step, frame, pose, target, yaw_offset, tilt, *heights)
+    target, (approach, depart) = attached.point(scene, what)[1], scene.straight(what)
+    return ControlPoint(scene, step, frame, pose, target, yaw_offset, tilt, approach, what.dwell_s, depart)

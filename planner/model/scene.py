@@ -115,6 +115,11 @@ class WorldBody:
         return self.body.name
 
 
+STRAIGHT = 1.1
+"""A straight part is so many times as long as the clearance of travel at least: more than it for the errors of what is
+planned, less than would cost time."""
+
+
 @dataclass(frozen=True, slots=True)
 class ClearanceException:
     """Required distances, m, of any body of `first` from any of `second` (none named: of all)."""
@@ -239,6 +244,15 @@ class Scene:
         bearing += [step.to.frame for step in self.task if isinstance(step, Place)]
         valid = {name: self.frames[name].law.valid for name in dict.fromkeys(bearing)}
         return tuple((name, span) for name, span in valid.items() if span[1] != math.inf)
+
+    def straight(self, step: Step) -> tuple[float, float]:
+        """Lengths of the straight parts of a step's approach and depart, m: as they are asked for, but long enough for
+        what touches at the point to be as far apart as in travel where the clearance of travel begins. One with a stop
+        has the length that is asked for."""
+        clear = STRAIGHT * self.options.clearance.travel_m
+        asked = ((step.approach_m, step.approach_stop), (step.depart_m, step.depart_stop))
+        approach, depart = (length if stop or not length > 0.0 else max(length, clear) for length, stop in asked)
+        return approach, depart
 
     @cached_property
     def exact(self) -> bool:

@@ -109,6 +109,26 @@ def test_an_arch_that_a_place_asks_for_is_flown_and_checked() -> None:
     assert any(finding.startswith(Code.ARCH) for finding in refusals(higher, plan))
 
 
+def test_a_straight_part_is_long_enough_for_the_clearance_of_travel() -> None:
+    """3 mm above the table the load would have to be 5 mm away from it."""
+    request = transfer()
+    request["options"]["clearance_mm"] = {"travel": 5, "near": 1}
+    scene = cell_of(request).scene
+    _, plan = planned(request)
+    left = next(leg.t1 for leg in plan.legs if leg.kind is LegKind.DEPART)
+    lift = scene.robot.lift or 0
+    heights = [float(plan.trajectory.evaluate(t)[lift]) for t in (plan.arrivals[0].until, left)]
+    assert heights[1] - heights[0] == pytest.approx(1.1 * 0.005, abs=1e-9)
+    findings = refusals(request, planned(transfer())[1])
+    assert any("shorter than asked" in finding for finding in findings)
+    # with a stop the length is the one that is asked for: nothing is clear then
+    request = transfer(approach={"mm": 3, "stop": True}, depart={"mm": 3, "stop": True})
+    request["options"]["clearance_mm"] = {"travel": 5, "near": 1}
+    answer: Any = plan_document(request)
+    assert answer["status"] == "not_planned"
+    assert "3 mm" in answer["sentence"]
+
+
 def under_a_lip() -> Document:
     """A plate lies with one end under a lip, 5 mm above it: it has to leave sideways."""
     request = transfer()
