@@ -9,7 +9,8 @@ from typing import Literal
 
 from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
-from assur.planner.frames.fixed import Fixed
+from assur.planner.frames.conveyor import Conveyor
+from assur.planner.frames.fixed import Fixed, Linear
 from assur.planner.frames.law import EXACT, Frame, PoseUncertainty, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.pieces import Pieces, pieces
@@ -136,8 +137,8 @@ class Clearance:
 @dataclass(frozen=True, slots=True)
 class Execution:
     """How the plan will be run: how far each joint lags behind the trajectory, `lag` (n,) rad or m (empty: not at all),
-    dispatch up to `start_tolerance_s` late, and whether the controller shifts tracking legs by the live encoder
-    (`belt_correction`)."""
+    dispatch up to `start_tolerance_s` late, and whether the controller shifts legs that track a belt by its live
+    encoder (`belt_correction`; `Scene.corrects`)."""
 
     lag: tuple[float, ...] = ()
     start_tolerance_s: float = 0.0
@@ -247,6 +248,14 @@ class Scene:
         known = known and all(body.uncertainty == EXACT for body in self.bodies)
         known = known and all(frame.uncertainty == Uncertainty() for frame in self.frames.values())
         return known and not execution.lags and not execution.start_tolerance_s > 0.0
+
+    def corrects(self, frame: str) -> bool:
+        """Whether the controller shifts legs that track a frame by the frame's error along its line: with belt
+        correction, for what travels along a line. An encoder counts the way of a belt; where a nest stands, or the
+        centre of a dial, no encoder tells."""
+        law = self.frames[frame].law
+        travels = isinstance(law, Conveyor) or (isinstance(law, Linear) and any(law.velocity))
+        return self.execution.belt_correction and travels
 
     def _check_wrist(self) -> None:
         """An arm that cannot turn its tool at will cannot lay down a part as it should lie."""
