@@ -6,6 +6,7 @@
 # make problems  the three benchmark sets, and the independent recheck of every answer
 # make bench   the whole benchmark, peers included: results, tables, plots, pages; BESIDE=COMMIT compares with a commit
 # make bench-quick  a sample of it, in under 3 minutes
+# make soak    2,000 random plans, each run 20 times with what is not known realised; PLANS=100 for fewer, SEED=1 for others
 # make clean   remove what these made
 
 VENV := .venv
@@ -23,7 +24,7 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.13 python3.12 python3.11 py
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo kernels test check format serve problems bench bench-quick clean
+.PHONY: help demo kernels test check format serve problems bench bench-quick soak clean
 
 help:
 	@sed -n '/^# make/s/^# //p' $(firstword $(MAKEFILE_LIST))
@@ -105,6 +106,12 @@ bench: $(VENV)/installed
 
 bench-quick: $(VENV)/installed
 	@status=0; $(call each_script,--quick); exit $$status
+
+PLANS ?= 2000
+SEED ?= 0
+
+soak: kernels
+	$(BIN)/python -m benchmarks.soak --plans $(PLANS) --seed $(SEED) --out $(OUT)/soak
 
 clean:
 	rm -rf $(VENV) .venv-peers $(OUT) build .coverage .coverage.* htmlcov .hypothesis .mypy_cache .pytest_cache .ruff_cache .import_linter_cache *.egg-info

@@ -28,7 +28,7 @@ from assur.planner.model.outcome import (
 from assur.planner.model.refusal import Facts, Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.report.sentence import because, note
-from assur.scenes.conventions import as_maker
+from assur.scenes.conventions import Conventions, as_counted, as_maker
 from assur.scenes.numbers import interval, number, optional
 from assur.scenes.reading.cell import Cell
 from assur.scenes.schema import answer as document
@@ -182,7 +182,7 @@ def _arrival(cell: Cell, plan: Plan, arrival: Arrival) -> document.Arrival:
             "joints": [number(x) for x in as_maker(np.array(missed.joints), cell.conventions).tolist()],
             "distance_m": number(missed.distance_m),
         },
-        "error": None if arrival.error is None else _error(arrival.error),
+        "error": None if arrival.error is None else _error(arrival.error, cell.conventions),
         "joints": [number(x) for x in as_maker(q, cell.conventions).tolist()],
         "mode": robot.modes[mode] if mode >= 0 else None,
     }
@@ -193,8 +193,8 @@ def _arrival(cell: Cell, plan: Plan, arrival: Arrival) -> document.Arrival:
     return written
 
 
-def _error(error: ArrivalError) -> document.ArrivalError:
-    within = error.within
+def _error(error: ArrivalError, conventions: Conventions) -> document.ArrivalError:
+    within, counted = error.within, as_counted(error.worst, conventions)
     return {
         "position_m": number(error.position_m),
         "horizontal_m": number(within.position_m),
@@ -204,7 +204,7 @@ def _error(error: ArrivalError) -> document.ArrivalError:
             {"cause": share.cause, "position_m": number(share.position_m), "yaw_rad": number(share.yaw_rad)}
             for share in error.shares
         ],
-        "worst": [{"what": what, "value": number(value)} for what, value in error.worst],
+        "worst": [{"what": what, "value": number(value)} for what, value in counted],
     }
 
 

@@ -55,5 +55,11 @@ def as_maker(values: FloatArray, conventions: Conventions) -> FloatArray:
     return turned
 
 
+def as_counted(signs: tuple[tuple[str, float], ...], conventions: Conventions) -> tuple[tuple[str, float], ...]:
+    """Named signs, those of joints as the maker counts them in place of the planner's, or the other way round."""
+    reversed_ = {joint.name for joint in conventions if joint.sign < 0}
+    return tuple((name, -value + 0.0 if name in reversed_ else value) for name, value in signs)
+
+
 def _signs(conventions: Conventions) -> FloatArray:
     return np.array([float(joint.sign) for joint in conventions])

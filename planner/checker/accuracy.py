@@ -40,7 +40,9 @@ def accuracies(
         return findings  # no error is asked for; or it is not said of which point an arrival is
     for arrival, target in zip(arrivals, found, strict=True):
         handled = next((phase.handled for phase in phases if phase.step == arrival.step), Handled())
-        bound, said = _bound(world, arrival, target, handled), arrival.error
+        shifting = {belt for phase in phases if phase.step == arrival.step for belt in phase.corrected}
+        shifting = set() if target.step.tracks else shifting - {target.frame}
+        bound, said = _bound(world, arrival, target, handled, shifting), arrival.error
         within = EXACT if said is None else said.within
         stated = (0.0 if said is None else said.position_m, within.position_m, within.vertical_m, within.yaw_rad)
         where, name = f"{arrival.until:.6g} s", target.step.name
@@ -60,8 +62,11 @@ def accuracies(
     return findings
 
 
-def _bound(world: World, arrival: Arrival, target: Target, handled: Handled) -> tuple[float, float, float, float]:
-    """No error is larger: distance, horizontal distance, height, m, and yaw, rad."""
+def _bound(
+    world: World, arrival: Arrival, target: Target, handled: Handled, shifting: set[str]
+) -> tuple[float, float, float, float]:
+    """No error is larger: distance, horizontal distance, height, m, and yaw, rad. `shifting`: the belts for which a
+    correction may have shifted the tool on its way."""
     scene, step, until = world.scene, target.step, arrival.until
     frame, late = scene.frames[target.frame], scene.execution.start_tolerance_s
     known, carrier = frame.uncertainty, world.frame[target.frame]
@@ -71,8 +76,8 @@ def _bound(world: World, arrival: Arrival, target: Target, handled: Handled) -> 
     signed = [(0.0, 0.0, known.vertical_m)]
     line, lasts = line_of(frame.law), max(until + late - scene.start.time, 0.0)
     along = known.position_m + known.speed_m_s * lasts
-    if scene.execution.belt_correction and step.tracks:
-        along = 0.0
+    if scene.execution.belt_correction and step.tracks and line is not None:
+        along = 0.0  # an encoder counts the way of a belt
     level = 0.0 if line is None else math.hypot(line[0], line[1])
     if line is None:
         flat += along
@@ -82,6 +87,10 @@ def _bound(world: World, arrival: Arrival, target: Target, handled: Handled) -> 
         signed.append((-known.lateral_m * line[1] / level, known.lateral_m * line[0] / level, 0.0))
     else:
         flat += known.lateral_m
+    for name in shifting:
+        belt, way = scene.frames[name].uncertainty, line_of(scene.frames[name].law) or (0.0, 0.0, 0.0)
+        size = belt.position_m + belt.speed_m_s * lasts
+        signed.append((size * way[0], size * way[1], size * way[2]))
     ax, ay = point.x - origin.x, point.y - origin.y
     signed.append((-known.yaw_rad * ay, known.yaw_rad * ax, 0.0))
     flat += math.hypot(ax, ay) * known.yaw_rad**2 / 2.0

@@ -88,6 +88,8 @@ def doubt_of(scene: Scene, phases: tuple[Phase, ...], table: Solids) -> Doubt:
         if execution.belt_correction:
             followed = phase.corrected if phase.tracked is None else (phase.tracked,)
             for name in followed:
+                if line_of(scene.frames[name].law) is None:
+                    continue  # no encoder tells where it is
                 shares[i, number[name]] = 0.0 if phase.tracked is None else 1.0, 1.0
     lag = np.zeros(max(len(scene.robot.joints), 4))
     lag[: len(execution.lag)] = execution.lag

@@ -22,7 +22,7 @@ from assur.planner.kernels.laws import bound_frame
 from assur.planner.kernels.links import BOUND_COLUMNS, V_REACH, bound_links
 from assur.planner.model.arrival_error import ArrivalError, Cause, Share
 from assur.planner.model.attachments import Attachments
-from assur.planner.model.phases import Handled
+from assur.planner.model.phases import Handled, on_way
 from assur.planner.model.refusal import Inaccurate, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Pick, Place, Scene
 from assur.planner.tables.laws import law_tables
@@ -67,8 +67,10 @@ def arrival_error(
     step, terms = scene.task[number], _Terms()
     name, local = attached.point(scene, step)
     here = scene.frames[name].law.motion(np.array(until)).at(local)
-    corrected = scene.execution.belt_correction and step.tracks
+    corrected = step.tracks and scene.corrects(name)
     _add_frame(scene, name, here, until, corrected, terms)
+    if not step.tracks:
+        _add_correction(scene, [belt for belt in on_way(scene, number) if belt != name], until, terms)
     _add_late(scene, name, local, until, terms)
     _add_lag(scene, here, q, terms)
     if isinstance(step, Pick):
@@ -102,6 +104,15 @@ def _add_frame(scene: Scene, name: str, here: Motion, until: float, corrected: b
         # a turn by an angle leaves the tangent by less than half its square
         far = math.hypot(float(arm[0]), float(arm[1]))
         terms.add(Cause.FRAME, 0.5 * far * known.yaw_rad**2, yaw=known.yaw_rad)
+
+
+def _add_correction(scene: Scene, belts: list[str], until: float, terms: _Terms) -> None:
+    """How far a controller that corrects for belts may have shifted the tool, which is on its way from or to them."""
+    lasts = max(until + scene.execution.start_tolerance_s - scene.start.time, 0.0)
+    for name in belts:
+        known, along = scene.frames[name].uncertainty, direction(scene.frames[name])
+        if along is not None:
+            terms.add_signed(Cause.FRAME, f"{name} along", -(known.position_m + known.speed_m_s * lasts) * along)
 
 
 def _add_late(scene: Scene, name: str, local: Pose, until: float, terms: _Terms) -> None:

@@ -52,7 +52,7 @@ class Phase:
     """[t0, t1] of one leg (or the standstill after the last, whose step is -1).
 
     `contacts`: pairs that may touch, as deep as `contact_tolerance_m` allows; `tracked`: the frame that a tracking leg
-    follows; `corrected`: with belt correction, the frames that the tracking legs before and behind this leg follow, for
+    follows; `corrected`: with belt correction, the belts that the tracking legs before and behind this leg follow, for
     either of which the arm may be shifted on its way; `handled`: what is known of parts that were gripped. `robot`:
     whether the robot counts; it does not where only its late start is waited for.
     """
@@ -208,7 +208,7 @@ def resting_on(
 
 
 def on_way(scene: Scene, number: int) -> tuple[str, ...]:
-    """The frames that the last tracking legs of the steps before `number`, and the first of those from it on, follow:
+    """The belts that the last tracking legs of the steps before `number`, and the first of those from it on, follow:
     on all of the way between two of them, however many legs it has, belt correction may shift the arm for either."""
     if not scene.execution.belt_correction:
         return ()
@@ -220,7 +220,7 @@ def on_way(scene: Scene, number: int) -> tuple[str, ...]:
         else:
             behind = behind or frame
         attached = attached.after(scene, step)
-    return tuple(sorted({frame for frame in (before, behind) if frame}))
+    return tuple(sorted({frame for frame in (before, behind) if frame and scene.corrects(frame)}))
 
 
 def yaw_offsets(scene: Scene, step: Step) -> tuple[float, ...] | None:

@@ -143,8 +143,8 @@ class Clearance:
 @dataclass(frozen=True, slots=True)
 class Execution:
     """How the plan will be run: how far each joint lags behind the trajectory, `lag` (n,) rad or m (empty: not at all),
-    dispatch up to `start_tolerance_s` late, and whether the controller shifts tracking legs by the live encoder
-    (`belt_correction`)."""
+    dispatch up to `start_tolerance_s` late, and whether the controller shifts legs that track a belt by its live
+    encoder (`belt_correction`; `Scene.corrects`)."""
 
     lag: tuple[float, ...] = ()
     start_tolerance_s: float = 0.0
@@ -264,6 +264,14 @@ class Scene:
         known = known and all(body.uncertainty == EXACT for body in self.bodies)
         known = known and all(frame.uncertainty == Uncertainty() for frame in self.frames.values())
         return known and not execution.lags and not execution.start_tolerance_s > 0.0
+
+    def corrects(self, frame: str) -> bool:
+        """Whether the controller shifts legs that track a frame by the frame's error along its line: with belt
+        correction, for what travels along a line. An encoder counts the way of a belt; where a nest stands, or the
+        centre of a dial, no encoder tells."""
+        law = self.frames[frame].law
+        travels = isinstance(law, Conveyor) or (isinstance(law, Linear) and any(law.velocity))
+        return self.execution.belt_correction and travels
 
     def _check_kept(self) -> None:
         """A yaw that is kept has to be one in the frame of the target, whenever that is met."""

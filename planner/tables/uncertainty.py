@@ -63,13 +63,12 @@ class Displacements:
         self.scene, self.phase = scene, phase
         self._rows: list[FloatArray] = []
         self._numbers: dict[bytes, int] = {}
-        corrected = scene.execution.belt_correction
         self.tool: dict[str, tuple[float, float]] = {}
         """Of which frames' errors the tool has a share, and between which."""
-        if corrected and phase.tracked is not None:
-            self.tool[phase.tracked] = (1.0, 1.0)
-        elif corrected:
+        if phase.tracked is None:
             self.tool = dict.fromkeys(phase.corrected, (0.0, 1.0))
+        elif scene.corrects(phase.tracked):
+            self.tool[phase.tracked] = (1.0, 1.0)
         self.known = not phase.handled.within and not any(map(self._unsure, scene.frames.values()))
         """Whether there is nothing that is not known, so that no pair has a set."""
         self.known = self.known and all(body.uncertainty == EXACT for body in scene.bodies)

@@ -19,7 +19,7 @@ from assur.planner.model.outcome import (
     Route,
 )
 from assur.planner.robots.robot import Robot
-from assur.scenes.conventions import Conventions, converted
+from assur.scenes.conventions import Conventions, as_counted, converted
 from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading.frames import placed
 from assur.scenes.reading.neighbours import trajectory_of
@@ -106,18 +106,18 @@ def _arrival(i: int, item: document.Arrival, conventions: Conventions) -> Arriva
         pitch=item.get("pitch_rad"),
         roll=item.get("roll_rad"),
         missed_by=_missed(i, item.get("missed_by"), conventions),
-        error=_error(item.get("error")),
+        error=_error(item.get("error"), conventions),
     )
 
 
-def _error(item: document.ArrivalError | None) -> ArrivalError | None:
+def _error(item: document.ArrivalError | None, conventions: Conventions) -> ArrivalError | None:
     if item is None:
         return None
     return ArrivalError(
         position_m=item["position_m"],
         within=PoseUncertainty(item["horizontal_m"], item["vertical_m"], item["yaw_rad"]),
         shares=tuple(Share(each["cause"], each["position_m"], each["yaw_rad"]) for each in item["causes"]),
-        worst=tuple((each["what"], each["value"]) for each in item["worst"]),
+        worst=as_counted(tuple((each["what"], each["value"]) for each in item["worst"]), conventions),
     )
 
 

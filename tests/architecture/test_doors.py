@@ -151,6 +151,17 @@ def test_the_planner_opens_no_file_knows_no_http_and_reads_no_environment() -> N
     assert worldly(tuple(source for source in sources("planner") if source.name not in COMPILER)) == []
 
 
+def test_the_simulation_shares_no_code_with_what_it_simulates() -> None:
+    shared = [
+        f"{source.path}:{line} imports {name}"
+        for source in sources(*BESIDE)
+        if source.name.startswith("benchmarks.soak") and source.name != "benchmarks.soak.campaign"
+        for name, line in imports(source.tree)
+        if name.startswith("assur")
+    ]
+    assert shared == []
+
+
 def test_the_recheck_shares_no_code_with_what_it_rechecks() -> None:
     shared = [
         f"{source.path}:{line} imports {name}"

@@ -149,6 +149,60 @@ def test_the_elbow_is_moved_by_more_than_the_tool() -> None:
     planned(request)
 
 
+def on_the_way(speed_mm_s: float = 250) -> Document:
+    """A point on a belt that the controller corrects for, a move, and a point in a nest that nobody measures."""
+    return cell(
+        frames={
+            "belt": {"conveyor": {"at_mm": [0, 380, 50], "speed_mm_s": speed_mm_s}, "uncertainty": {"position_mm": 3}},
+            "nest": {"fixed": {"at_mm": [330, -250, 100]}, "uncertainty": {"position_mm": 2}},
+        },
+        task=[
+            {"follow": {"to": {"frame": "belt", "at_mm": [-500, 0, 120], "yaw_free": True}, "duration_s": 0.1}},
+            {"move": {"to": {"at_mm": [380, 0, 180]}}},
+            {"follow": {"to": {"frame": "nest", "at_mm": [0, 0, 20], "yaw_free": True}, "duration_s": 0.1}},
+        ],
+        execution={"belt_correction": True},
+    )
+
+
+def test_a_correction_is_for_belts_and_shifts_the_tool_on_its_way() -> None:
+    """No encoder tells where a nest stands; and a tool that was shifted by 3 mm may still be when it passes a point."""
+    plan = planned(on_the_way())
+    errors = [arrival["error"]["position_m"] for arrival in plan["arrivals"]]
+    assert errors == pytest.approx([0.0, 0.003, 0.002], abs=1e-5)
+    for number in (1, 2):
+        forged = copy.deepcopy(plan)
+        forged["arrivals"][number]["error"]["position_m"] *= 0.99
+        assert "ERROR" in {finding["code"] for finding in check_document(on_the_way(), forged)["findings"]}
+
+
+def test_what_stands_in_a_nest_is_not_where_a_correction_brings_the_tool() -> None:
+    """A post 5.5 mm beside the tool must be 4 mm away from it, and its nest may be 2 mm off."""
+    post = {"name": "post", "shape": {"cylinder": {"radius_mm": 10, "height_mm": 80}}}
+    request = on_the_way()
+    request["bodies"] = [{**post, "pose": {"frame": "nest", "at_mm": [27.5, 0, 0]}}]
+    request["options"], request["task"] = {**OPTIONS, "max_candidates": 40}, request["task"][2:]
+    assert any(set(line["bodies"]) == {"cup", "post"} for line in refused(request)["census"]["lines"])
+    request["frames"]["nest"]["uncertainty"] = {"position_mm": 1}
+    assert planned(request)["margins"]["nearest"]["gap_m"] == pytest.approx(0.0055, abs=1e-4)
+
+
+def test_signs_of_the_worst_error_are_those_of_the_makers_joints() -> None:
+    """The Fanuc counts its lift downwards: a nest that is off upwards is worst for a lift that is too low."""
+    request = cell(
+        robot={"model": "fanuc-sr-3ia", "tool": {"tcp_mm": [0, 0, -50]}},
+        start={"joints": {"j1_deg": 0, "j2_deg": 60, "j3_mm": 20, "j4_deg": 0}},
+        frames={"nest": {"fixed": {"at_mm": [250, 150, 100]}, "uncertainty": {"vertical_mm": 1}}},
+        task=[{"follow": {"to": {"frame": "nest", "at_mm": [0, 0, 20], "yaw_free": True}, "duration_s": 0.1}}],
+        execution={"lag": {"j3_mm": 0.5}},
+    )
+    plan = planned(request)
+    error = plan["arrivals"][0]["error"]
+    worst = {each["what"]: each["value"] for each in error["worst"]}
+    assert error["vertical_m"] == pytest.approx(0.0015, abs=1e-5)
+    assert worst["j3"] == worst["nest up"]
+
+
 def set_down(amplitude_deg: float, **options: object) -> Document:
     """A part is put down where a bar swings by."""
     pick = {"part": "part", "grasp_mm": [0, 0, 25], "approach": {"mm": 60}, "dwell_ms": 80, "depart": {"mm": 80}}

@@ -1,0 +1,198 @@
+"""Solids and how far they are apart, exactly, at many instants at a time.
+
+Every solid stays upright. A box, an upright cylinder, a capsule along an axis and a sphere are a flat core (a rectangle
+rounded by a radius) times an interval of heights, enlarged by a ball. Of two such products the gap is that of the flat
+cores and that of the heights put together: their hypotenuse where both are apart, else the larger of both, which is
+then minus the depth of the overlap; the balls are subtracted. A cylinder that lies and a mesh are looked at as that
+box which holds them, and, where the box comes too near, point by point (`exact.py`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+
+from benchmarks.soak.exact import Placed, nearest_gap
+from benchmarks.soak.poses import Document, Floats, Poses, si
+
+ASSETS = Path(__file__).resolve().parents[2] / "scenes" / "assets"
+UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """Half sizes of the flat core and of the heights, the radius that rounds the flat core, and the ball, m.
+
+    `triangles` (K, 3, 3): of a mesh, whose box this is; `lying`: axis (0 or 1), radius and half length of a cylinder
+    that lies. `offset` (3,): where the middle of the core is in the body's frame.
+    """
+
+    half_x: float
+    half_y: float
+    half_z: float
+    round_m: float = 0.0
+    ball: float = 0.0
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    triangles: Floats | None = None
+    lying: tuple[int, float, float] | None = None
+
+    @property
+    def exact(self) -> bool:
+        """Whether the core with its ball is the solid itself."""
+        return self.triangles is None and self.lying is None
+
+    @property
+    def radius(self) -> float:
+        """Of the upright cylinder about the middle that holds it, m."""
+        return float(np.hypot(self.half_x, self.half_y)) + self.round_m + self.ball
+
+    @property
+    def height(self) -> float:
+        """Half of how high it is, m."""
+        return self.half_z + self.ball
+
+
+def solid_of(shape: Document) -> Solid:
+    """The solid of a shape in a request or a robot's file. Raises `ValueError` for a kind that is not known."""
+    ((kind, given),) = shape.items()
+    axis = "xyz".index(given.get("axis", "z"))
+    if kind == "box":
+        x, y, z = si(given, "size") / 2.0
+        return Solid(float(x), float(y), float(z))
+    if kind == "sphere":
+        return Solid(0.0, 0.0, 0.0, ball=float(si(given, "radius")))
+    if kind == "capsule":
+        half = [0.0, 0.0, 0.0]
+        half[axis] = float(si(given, "length")) / 2.0
+        return Solid(half[0], half[1], half[2], ball=float(si(given, "radius")))
+    if kind == "cylinder":
+        r, h = float(si(given, "radius")), float(si(given, "height")) / 2.0
+        if axis == 2:
+            return Solid(0.0, 0.0, h, round_m=r)
+        return Solid(*((h, r, r) if axis == 0 else (r, h, r)), lying=(axis, r, h))
+    if kind == "mesh" and "asset" in given:
+        mesh: Any = trimesh.load_mesh(ASSETS / f"{given['asset']}.stl")
+        triangles = np.asarray(mesh.triangles, dtype=np.float64) * UNITS[given["unit"]]
+        low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+        half, middle = (high - low) / 2.0, (high + low) / 2.0
+        x, y, z = half.tolist()
+        return Solid(x, y, z, offset=tuple(middle.tolist()), triangles=triangles)
+    raise ValueError(f"a shape that the simulation does not know: {kind}")
+
+
+def apart_at_least(a: Solid, at: Poses, b: Solid, beside: Poses) -> Floats:
+    """A lower bound (...) of the gap, by the upright cylinders that hold both."""
+    delta = _middle(b, beside) - _middle(a, at)
+    flat = np.hypot(delta[..., 0], delta[..., 1]) - a.radius - b.radius
+    return np.asarray(np.maximum(flat, np.abs(delta[..., 2]) - a.height - b.height))
+
+
+def gaps(a: Solid, at: Poses, b: Solid, beside: Poses, enough: float) -> Floats:
+    """The gaps (N,) of two solids at poses (N,), m: positive apart, negative as deep as they overlap. Of meshes and
+    lying cylinders a gap may be a lower bound where it is `enough`."""
+    found = _core_gap(a, at, b, beside)
+    if a.exact and b.exact:
+        return found
+    near = np.flatnonzero(found < enough)
+    if a.triangles is not None and b.exact:
+        found[near] = np.maximum(found[near], _triangle_gaps(a.triangles, at[near], b, beside[near], enough))
+    elif b.triangles is not None and a.exact:
+        found[near] = np.maximum(found[near], _triangle_gaps(b.triangles, beside[near], a, at[near], enough))
+    for i in np.flatnonzero(found < enough):
+        found[i] = nearest_gap(_placed(a, at, int(i)), _placed(b, beside, int(i)), enough)
+    return found
+
+
+CHUNK = 2000
+"""Instants at which a mesh is looked at in one go: so much memory is needed at a time."""
+
+
+def _triangle_gaps(triangles: Floats, at: Poses, solid: Solid, beside: Poses, enough: float) -> Floats:
+    """Lower bounds (N,) of the gap of a mesh and an upright solid, by the axes of both: exact where a box overlaps a
+    triangle, and never less than exact by more than rounding."""
+    found = np.full(len(at.yaw), np.inf)
+    half = np.array([solid.half_x, solid.half_y, solid.half_z])
+    for begin in range(0, len(found), CHUNK):
+        part = slice(begin, begin + CHUNK)
+        world = at[part][:, None, None].then(Poses.of(triangles)).p
+        middle = beside[part].moved(_middle(solid, beside[part]) - beside[part].p)
+        local = middle[:, None, None].inverse().then(Poses(world, np.zeros(world.shape[:-1]))).p
+        # first the axes of the solid's own box, the others where those do not settle the matter
+        size = half + (solid.round_m + solid.ball) * np.array([1.0, 1.0, 0.0]) + solid.ball * np.array([0.0, 0.0, 1.0])
+        best = np.maximum(local.min(axis=2) - size, -local.max(axis=2) - size).max(axis=2)
+        n, k = np.nonzero(best < enough)
+        best[n, k] = np.maximum(best[n, k], _along_axes(local[n, k], half, solid.round_m, solid.ball))
+        found[part] = best.min(axis=1)
+    return found
+
+
+def _along_axes(corners: Floats, half: Floats, round_m: float, ball: float) -> Floats:
+    """The largest support gap (M,) of triangles (M, 3, 3) and a solid about the origin along normals and edges."""
+    edges = np.roll(corners, -1, axis=1) - corners
+    axes = [np.cross(edges[:, 0], edges[:, 1])]
+    axes += [np.cross(edges[:, i], np.eye(3)[j]) for i in range(3) for j in range(3)]
+    axes += [corners[:, i] * (1.0, 1.0, 0.0) for i in range(3)]
+    found = np.full(len(corners), -np.inf)
+    for axis in axes:
+        length = np.linalg.norm(axis, axis=1)
+        n = axis / np.where(length > 1e-12, length, 1.0)[:, None]
+        reach = np.abs(n) @ half + round_m * np.hypot(n[:, 0], n[:, 1]) + ball
+        along = np.einsum("mij,mj->mi", corners, n)
+        gap = np.maximum(along.min(axis=1), -along.max(axis=1)) - reach
+        found = np.where(length > 1e-12, np.maximum(found, gap), found)
+    return found
+
+
+def _placed(solid: Solid, at: Poses, i: int) -> Placed:
+    half = np.array([solid.half_x, solid.half_y, solid.half_z])
+    return Placed(
+        at.p[i], float(at.yaw[i]), np.array(solid.offset), half, solid.round_m, solid.ball, solid.triangles, solid.lying
+    )
+
+
+def _middle(solid: Solid, at: Poses) -> Floats:
+    return at.then(Poses.of(solid.offset)).p if any(solid.offset) else at.p
+
+
+def _core_gap(a: Solid, at: Poses, b: Solid, beside: Poses) -> Floats:
+    delta = _middle(b, beside) - _middle(a, at)
+    c, s = np.cos(at.yaw), np.sin(at.yaw)
+    # the middle of b in the axes of a, and the other way round
+    x, y = c * delta[..., 0] + s * delta[..., 1], c * delta[..., 1] - s * delta[..., 0]
+    flat = _rectangles(a.half_x, a.half_y, b.half_x, b.half_y, x, y, beside.yaw - at.yaw) - a.round_m - b.round_m
+    high = np.abs(delta[..., 2]) - a.half_z - b.half_z
+    both = np.hypot(np.maximum(flat, 0.0), np.maximum(high, 0.0))
+    return np.asarray(np.where(both > 0.0, both, np.maximum(flat, high)) - a.ball - b.ball)
+
+
+def _point(x: Floats, y: Floats, half_x: float, half_y: float) -> Floats:
+    """Signed distance of points from a rectangle about the origin."""
+    dx, dy = np.abs(x) - half_x, np.abs(y) - half_y
+    outside = np.hypot(np.maximum(dx, 0.0), np.maximum(dy, 0.0))
+    return np.asarray(np.where(outside > 0.0, outside, np.maximum(dx, dy)))
+
+
+def _rectangles(ax: float, ay: float, bx: float, by: float, x: Floats, y: Floats, turn: Floats) -> Floats:
+    """Signed distance of a rectangle about the origin from one whose middle is at x, y and which is turned."""
+    if bx == by == 0.0:
+        return _point(x, y, ax, ay)
+    c, s = np.cos(turn), np.sin(turn)
+    # the origin as the second rectangle sees it
+    u, v = -(c * x + s * y), s * x - c * y
+    if ax == ay == 0.0:
+        return _point(u, v, bx, by)
+    ac, as_ = np.abs(c), np.abs(s)
+    overlap = np.maximum(np.abs(x) - ax - bx * ac - by * as_, np.abs(y) - ay - bx * as_ - by * ac)
+    overlap = np.maximum(overlap, np.abs(u) - bx - ax * ac - ay * as_)
+    overlap = np.maximum(overlap, np.abs(v) - by - ax * as_ - ay * ac)
+    distance = np.full(np.shape(overlap), np.inf)
+    for i in (-1.0, 1.0):
+        for j in (-1.0, 1.0):
+            corner = _point(x + i * bx * c - j * by * s, y + i * bx * s + j * by * c, ax, ay)
+            distance = np.minimum(distance, corner)
+            distance = np.minimum(distance, _point(u + i * ax * c + j * ay * s, v - i * ax * s + j * ay * c, bx, by))
+    return np.asarray(np.where(overlap > 0.0, distance, overlap))
