@@ -24,6 +24,7 @@ from assur.planner.model.refusal import (
     JointName,
     MotionLimit,
     Obstacle,
+    Overload,
     Quantity,
     Reason,
     Refusal,
@@ -46,7 +47,42 @@ def start_impossible(scene: Scene, prover: Prover) -> Refusal | None:
 
     Whether the arm collides where it stands is `start_collides`: the proof of any candidate shows that it does not.
     """
-    return _start_beyond_limits(scene) or _laws_over(scene) or _start_enclosed(scene, prover)
+    return overloaded(scene) or _start_beyond_limits(scene) or _laws_over(scene) or _start_enclosed(scene, prover)
+
+
+def overloaded(scene: Scene) -> Refusal | None:
+    """The first load of the task that the robot may not carry: too heavy, or of too much inertia about the wrist."""
+    limits, tool = scene.load_limits, scene.loads[0]
+    most, most_inertia = limits.most_kg, limits.max_inertia_kgm2
+    for load in scene.loads:
+        stage, step = (Stage.START, 0) if load.step < 0 else (Stage.CONTROL_POINT, load.step)
+        subject = None if load.part is None else Bodies((load.part,))
+        if most is not None and not load.mass_kg <= most:
+            by_table = limits.max_kg is None or most < limits.max_kg
+            facts = Overload(
+                of="table" if limits.shares and by_table else "max_load",
+                value=load.mass_kg,
+                limit=most,
+                tool=tool.mass_kg,
+                part=load.part,
+                part_value=load.mass_kg - tool.mass_kg,
+            )
+            over = Quantity.of(load.mass_kg - most, "kg")
+        elif most_inertia is not None and load.inertia_kgm2 is not None and not load.inertia_kgm2 <= most_inertia:
+            own = tool.inertia_kgm2 or 0.0
+            facts = Overload(
+                of="max_inertia",
+                value=load.inertia_kgm2,
+                limit=most_inertia,
+                tool=own,
+                part=load.part,
+                part_value=load.inertia_kgm2 - own,
+            )
+            over = Quantity.of(load.inertia_kgm2 - most_inertia, "kg·m²")
+        else:
+            continue
+        return Refusal(stage=stage, reason=Reason.LOAD_LIMIT, step=step, subject=subject, amount=over, facts=facts)
+    return None
 
 
 def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
@@ -96,7 +132,7 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
 
 
 def _start_beyond_limits(scene: Scene) -> Refusal | None:
-    limits, start = scene.robot.limits, scene.start
+    limits, start = at_start(scene).limits(scene), scene.start
     over = np.maximum(limits.lower - start.q, start.q - limits.upper)
     for i, joint in enumerate(scene.robot.joints):
         if not over[i] <= 0:

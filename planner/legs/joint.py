@@ -203,7 +203,7 @@ class JointMotion:
         if end is not None:
             begins[-1] = end
         trajectory = trajectory_of(parts, begins)
-        return beyond_limits(self.scene, self.step, trajectory) or Reached(trajectory, row)
+        return beyond_limits(self.scene, self.step, trajectory, self.pace.limits) or Reached(trajectory, row)
 
     def _arch(self, hop: Hop, goal: Numbers, duration: float | None) -> RawProfile | TimingRefusal:
         # on a belt the lift joint meets all later points as it meets the first: its motions are timed once

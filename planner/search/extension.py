@@ -14,7 +14,7 @@ from assur.planner.legs.accuracy import arrival_error, too_far
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.legs.correction import shifted_out
 from assur.planner.legs.joint import JointMotion
-from assur.planner.legs.limits import beyond_limits
+from assur.planner.legs.limits import beyond_limits, parts
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.state import Knots, TimedLeg
 from assur.planner.legs.straight import mode_changes, straight
@@ -37,6 +37,7 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
+from assur.planner.robots.facts import Limits
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory
@@ -135,7 +136,8 @@ def _line(scene: Scene, partial: PartialPlan, point: ControlPoint, wait: float, 
 
     if mode != partial.mode:
         return mode_changes(scene, partial.step, state, (partial.mode, mode), left, met)
-    return straight(scene, partial.step, state, mode, left, met)
+    held = partial.attached.held
+    return straight(scene, partial.step, state, mode, left, met, None if held is None else held.part)
 
 
 def _continued(
@@ -165,7 +167,8 @@ def _continued(
     if missed is not None:
         return missed
     if final and scene.options.end == "rest" and not legs[-1].knots.last.resting:
-        stopped = _at_rest(scene, partial.step, legs, candidate.stop_pace)
+        limits = point.limits_after if point.tracks else point.limits
+        stopped = _at_rest(partial.step, legs, candidate.stop_pace, limits)
         if isinstance(stopped, Refusal):
             return stopped
         legs = stopped
@@ -179,9 +182,11 @@ def _continued(
         trajectory = kept
     else:
         trajectory = Trajectory.of_knots(knots.table)
-        beyond = beyond_limits(scene, partial.step, trajectory)
-        if beyond is not None:
-            return beyond
+        spans = ((end, point.limits), (knots.end, point.limits_after if point.tracks else point.limits))
+        for part, limits in parts(trajectory, spans):
+            beyond = beyond_limits(scene, partial.step, part, limits)
+            if beyond is not None:
+                return beyond
     lost = leaves_assembly(scene.robot, partial.step, trajectory)
     if lost is not None:
         return lost
@@ -228,7 +233,7 @@ def _window_refusal(point: ControlPoint, begin: float) -> Refusal | None:
     return window_missed(Stage.WINDOW, point.step, facts, amount=Quantity.of(off, "s"), interval=spans[0])
 
 
-def _at_rest(scene: Scene, step: int, legs: list[TimedLeg], pace: float) -> list[TimedLeg] | Refusal:
+def _at_rest(step: int, legs: list[TimedLeg], pace: float, limits: Limits) -> list[TimedLeg] | Refusal:
     """The legs, at rest in the end: to the bit where only rounding keeps them from it, else by a leg of its own, for
     what tracks a moving frame; that ends near where braking alone would."""
     last = legs[-1].knots.last
@@ -236,7 +241,6 @@ def _at_rest(scene: Scene, step: int, legs: list[TimedLeg], pace: float) -> list
         table = legs[-1].knots.table.copy()
         table[-1, 1 + len(last.q) :] = 0.0
         return [*legs[:-1], replace(legs[-1], knots=Knots(table))]
-    limits = scene.robot.limits
     duration = pace * float(np.max(np.abs(last.qd) / limits.acceleration + 2 * limits.acceleration / limits.jerk))
     # what an even braking over that time covers
     target = np.clip(last.q + last.qd * duration / 2, limits.lower, limits.upper)

@@ -19,6 +19,7 @@ from assur.planner.model.outcome import Arrival, Leg
 from assur.planner.model.phases import NOTHING_HANDLED, Handled, Phase, handled_at_start
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene
+from assur.planner.robots.facts import Limits
 from assur.planner.trajectory import Trajectory
 
 
@@ -37,8 +38,8 @@ class PartialPlan:
     proofs: tuple[Rows, ...] = ()
     tracked: ControlPoint | None = None
     """The control point above which a tracking leg ended: the arm still moves with its frame."""
-    paces: dict[float, Pace] = field(default_factory=dict)
-    """Of joint legs, by effort: one table for all partial plans of a search."""
+    paces: dict[tuple[float, Limits], Pace] = field(default_factory=dict)
+    """Of joint legs, by effort and by the limits that hold with a load: one table for all partial plans of a search."""
     lines: dict[tuple[float, Tilt | None, float, int], TimedLeg | Refusal] = field(default_factory=dict)
     """Straight legs from here by yaw and tilt of the tool, wait and mode: full turns of the meeting make no other."""
 
@@ -109,7 +110,8 @@ def prepared(
 
 
 def paced(scene: Scene, partial: PartialPlan, effort: float) -> Pace:
-    """The pace of joint legs of this effort; made once a search."""
-    if effort not in partial.paces:
-        partial.paces[effort] = Pace(scene.robot.limits, scene.robot.lift, effort)
-    return partial.paces[effort]
+    """The pace of joint legs of this effort with what the gripper holds; made once a search."""
+    key = effort, partial.attached.limits(scene)
+    if key not in partial.paces:
+        partial.paces[key] = Pace(key[1], scene.robot.lift, effort)
+    return partial.paces[key]
