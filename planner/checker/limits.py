@@ -1,5 +1,5 @@
-"""Whether the joints keep their limits: everywhere; with the load of each phase, which the checker weighs itself (I1,
-P1); and where a belt correction shifts the tool (U3)."""
+"""Whether the joints keep their limits: everywhere; with the load of each phase, which the checker weighs itself (G1,
+G2); and where a belt correction shifts the tool (U3)."""
 
 from __future__ import annotations
 
@@ -42,7 +42,9 @@ def loads(world: World, phases: tuple[Phase, ...], said: tuple[Carried, ...] | N
     """A finding for each load that may not be carried, for what breaks the limits that are left with a load, and for
     what is `said` of the loads and is not so (None: nothing is said)."""
     scene, findings, time = world.scene, list[Finding](), world.knots.time.tolist()
-    own = [_carried(scene, list(group)) for _, group in groupby(filter(_runs, phases), key=_held)]
+    # an inertia that nobody limits or tells of need not be known
+    asked = said is not None or scene.load_limits.max_inertia_kgm2 is not None
+    own = [_carried(scene, list(group), turned=asked) for _, group in groupby(filter(_runs, phases), key=_held)]
     for load in own:
         with_part, where = f" with {load.part or 'the tool'}", f"{load.t0:.6g} s"
         findings += _too_heavy(scene, load.mass_kg, where)
@@ -67,12 +69,13 @@ def _held(phase: Phase) -> Held | None:
     return phase.attached.held
 
 
-def _carried(scene: Scene, phases: list[Phase]) -> Carried:
-    """What the flange carries in phases that follow each other and have the same part in the gripper."""
+def _carried(scene: Scene, phases: list[Phase], *, turned: bool) -> Carried:
+    """What the flange carries in phases that follow each other and have the same part in the gripper; its inertia if it
+    is asked for and the arm turns it."""
     held, inertia = phases[0].attached.held, None
     part = None if held is None else held.part
     mass = (scene.tool.mass_kg or 0.0) + (0.0 if part is None else scene.index[part].mass_kg or 0.0)
-    if "yaw" in scene.robot.coordinates and "pitch" not in scene.robot.coordinates:
+    if turned and "yaw" in scene.robot.coordinates and "pitch" not in scene.robot.coordinates:
         inertia = _tool_inertia(scene) + (0.0 if held is None else _part_inertia(scene, held.part, held.in_flange))
     return Carried(part, mass, inertia, _share(scene, mass), phases[0].t0, phases[-1].t1)
 
@@ -137,7 +140,7 @@ def _too_heavy(scene: Scene, mass: float, where: str) -> list[Finding]:
 
 
 def _share(scene: Scene, mass: float) -> float:
-    """Of acceleration and jerk that a load leaves (P1)."""
+    """Of acceleration and jerk that a load leaves (G2)."""
     known = scene.load_limits
     if not known.shares:
         return 1.0 if known.rated_kg is None else min(1.0, known.rated_kg / max(mass, known.rated_kg))

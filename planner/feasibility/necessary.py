@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from assur.planner.collision.at_rest import closest, enclosed
@@ -14,6 +16,7 @@ from assur.planner.legs.missed import never_in_window
 from assur.planner.legs.tilt import pitch_free, roll_free, tilts
 from assur.planner.model.assembly_mode import lost_at
 from assur.planner.model.attachments import Attachments, at_start
+from assur.planner.model.load import SUMS
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase, contacts_of, yaw_offsets
 from assur.planner.model.refusal import (
@@ -53,14 +56,16 @@ def start_impossible(scene: Scene, prover: Prover) -> Refusal | None:
 def overloaded(scene: Scene) -> Refusal | None:
     """The first load of the task that the robot may not carry: too heavy, or of too much inertia about the wrist."""
     limits, tool = scene.load_limits, scene.loads[0]
-    most, most_inertia = limits.most_kg, limits.max_inertia_kgm2
+    most = math.inf if limits.most_kg is None else limits.most_kg
+    most_inertia = math.inf if limits.max_inertia_kgm2 is None else limits.max_inertia_kgm2
+    own = tool.inertia_kgm2 or 0.0
     for load in scene.loads:
-        stage, step = (Stage.START, 0) if load.step < 0 else (Stage.CONTROL_POINT, load.step)
-        subject = None if load.part is None else Bodies((load.part,))
-        if most is not None and not load.mass_kg <= most:
-            by_table = limits.max_kg is None or most < limits.max_kg
+        inertia = load.inertia_kgm2 or 0.0
+        over: Quantity | None
+        if not load.mass_kg <= SUMS * most:
+            by_table = bool(limits.shares) and (limits.max_kg is None or most < limits.max_kg)
             facts = Overload(
-                of="table" if limits.shares and by_table else "max_load",
+                of="table" if by_table else "max_load",
                 value=load.mass_kg,
                 limit=most,
                 tool=tool.mass_kg,
@@ -68,19 +73,20 @@ def overloaded(scene: Scene) -> Refusal | None:
                 part_value=load.mass_kg - tool.mass_kg,
             )
             over = Quantity.of(load.mass_kg - most, "kg")
-        elif most_inertia is not None and load.inertia_kgm2 is not None and not load.inertia_kgm2 <= most_inertia:
-            own = tool.inertia_kgm2 or 0.0
+        elif not inertia <= SUMS * most_inertia:
             facts = Overload(
                 of="max_inertia",
-                value=load.inertia_kgm2,
+                value=inertia,
                 limit=most_inertia,
                 tool=own,
                 part=load.part,
-                part_value=load.inertia_kgm2 - own,
+                part_value=inertia - own,
             )
-            over = Quantity.of(load.inertia_kgm2 - most_inertia, "kg·m²")
+            over = Quantity.of(inertia - most_inertia, "kg·m²")
         else:
             continue
+        stage, step = (Stage.START, 0) if load.step < 0 else (Stage.CONTROL_POINT, load.step)
+        subject = None if load.part is None else Bodies((load.part,))
         return Refusal(stage=stage, reason=Reason.LOAD_LIMIT, step=step, subject=subject, amount=over, facts=facts)
     return None
 

@@ -1,7 +1,7 @@
 """Volume, centroid and second moments of solids of uniform density.
 
 With V the volume, c the centroid and S = ∫ (x - c)(x - c)ᵀ dV / V, a mass m has the moment of inertia
-m (S_xx + S_yy) about the vertical through c, and m (S_xx + S_yy + d²) about a vertical at the distance d (equation I1).
+m (S_xx + S_yy) about the vertical through c, and m (S_xx + S_yy + d²) about a vertical at the distance d (equation G1).
 """
 
 from __future__ import annotations
@@ -29,6 +29,12 @@ class Spread:
 def spread(body: Body) -> Spread:
     """The spread of a body: of the solid within its surface where it has one, else of its pieces, whose volumes add up
     where they overlap. Raises `InputError` for a surface that encloses no volume."""
+    first = body.pieces[0]
+    if body.surface is None and len(body.pieces) == 1 and isinstance(first.shape, Primitive):
+        volume, (a, b, c) = _primitive(first.shape)
+        (xx, xy, xz), (yx, yy, yz), _ = (first.rotation * first.rotation).tolist()
+        x, y, z = first.position.tolist()
+        return Spread(volume, (x, y, z), (xx + yx) * a + (xy + yy) * b + (xz + yz) * c)
     if body.surface is not None:
         parts = [_enclosed(*body.surface)]
     else:
@@ -91,5 +97,6 @@ def _enclosed(vertices: FloatArray, faces: IntArray) -> tuple[float, FloatArray,
     if not volume > 0.0:
         return volume, origin, np.zeros((3, 3))
     middle = (volumes[:, None] * corners.sum(1)).sum(0) / (4.0 * volume)
-    products = np.einsum("f,fai,ab,fbj->ij", volumes, corners, _TETRAHEDRON, corners) / volume
+    weighted = volumes[:, None, None] * (_TETRAHEDRON @ corners)
+    products = np.tensordot(corners, weighted, axes=([0, 1], [0, 1])) / volume
     return volume, origin + middle, products - np.outer(middle, middle)

@@ -70,7 +70,8 @@ class Reached:
 
 
 class JointMotion:
-    """The legs of one shape from one state towards one branch. `pace`: that of the shape's effort, if it is there."""
+    """The legs of one shape from one state towards one branch. `pace`: that of the shape's effort and of what the
+    gripper holds; None: the gripper is empty."""
 
     def __init__(
         self,
@@ -84,7 +85,7 @@ class JointMotion:
     ) -> None:
         self.scene, self.step, self.state, self.shape, self.branch = scene, step, state, shape, branch
         self.ahead: list[float] | None = None if ahead is None else ahead.tolist()
-        self.pace = Pace(scene.robot.limits, scene.robot.lift, shape.effort) if pace is None else pace
+        self.pace = Pace(scene.limits_with(None), scene.robot.lift, shape.effort) if pace is None else pace
         self.origin: Numbers = (state.q.tolist(), state.qd.tolist(), state.qdd.tolist())
         """Where the last leg sets out: at the arm's state, or at the last via."""
         self.prefix: list[RawProfile] = []

@@ -1,7 +1,7 @@
 """What the flange carries, the tool and with it a part: mass, inertia about the wrist's axis, and the share of the
 joints' acceleration and jerk that it leaves.
 
-The law between rated and maximum load (equation P1): share = rated load / load, so that no load is accelerated with
+The law between rated and maximum load (equation G2): share = rated load / load, so that no load is accelerated with
 more force than the rated one; or, where it is given, the maker's table of shares by mass, linear between its rows.
 """
 
@@ -9,13 +9,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
-from assur.planner.geometry.inertia import spread
 from assur.planner.geometry.shapes import Body
+
+SUMS = 1.0 + 1e-12
+"""By this a mass or an inertia may exceed what is allowed: two masses whose sum is the limit may round to more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +32,7 @@ class Tool:
     mass_kg: float | None = None
     inertia_kgm2: float | None = None
 
-    @property
+    @cached_property
     def inertia(self) -> float:
         """About the flange's z axis, kg·m²."""
         if self.inertia_kgm2 is not None:
@@ -38,7 +41,7 @@ class Tool:
             return 0.0
         if not self.bodies:
             return self.mass_kg * (self.tcp.x**2 + self.tcp.y**2)
-        parts = [spread(body) for body in self.bodies]
+        parts = [body.spread for body in self.bodies]
         squares = [part.square + part.centroid[0] ** 2 + part.centroid[1] ** 2 for part in parts]
         whole = sum(part.volume for part in parts)
         return self.mass_kg * sum(p.volume * square for p, square in zip(parts, squares, strict=True)) / whole
@@ -47,7 +50,7 @@ class Tool:
 @dataclass(frozen=True, slots=True)
 class LoadLimits:
     """What an arm may carry: rated and maximum load, kg, greatest inertia about the wrist's axis, kg·m² (None: not
-    known), and the share of acceleration and jerk by mass: rows (kg, share), which replace the law P1.
+    known), and the share of acceleration and jerk by mass: rows (kg, share), which replace the law G2.
 
     Raises `InputError` for a number that is not positive and finite, a rated load above the maximum, masses that do not
     increase, and shares that increase or are not in (0, 1].
@@ -84,7 +87,7 @@ class LoadLimits:
         return min(ends, default=self.rated_kg)
 
     def share(self, mass: float) -> float:
-        """The share of acceleration and jerk that is used with this mass, kg (P1)."""
+        """The share of acceleration and jerk that is used with this mass, kg (G2)."""
         if self.shares:
             masses, shares = zip(*self.shares, strict=True)
             return float(np.interp(mass, masses, shares))
@@ -120,10 +123,10 @@ class Carried:
 
 
 def held_inertia(body: Body, mass_kg: float, in_flange: Pose) -> float:
-    """Of a part that is held with its frame at `in_flange`, about the flange's z axis, kg·m² (I1)."""
+    """Of a part that is held with its frame at `in_flange`, about the flange's z axis, kg·m² (G1)."""
     if not mass_kg > 0.0:
         return 0.0
-    how = spread(body)
+    how = body.spread
     at = in_flange.then(Pose(how.centroid[0], how.centroid[1]))
     return mass_kg * (how.square + at.x**2 + at.y**2)
 
@@ -133,9 +136,11 @@ def greatest_inertia(body: Body, mass_kg: float, tcp: Pose, grasp: Pose, yaw_sym
     `yaw_symmetry` leaves (0: any), about the vertical through its origin."""
     if not mass_kg > 0.0:
         return 0.0
-    if yaw_symmetry > 0:
-        turns = [Pose(yaw=2 * math.pi * k / yaw_symmetry) for k in range(yaw_symmetry)]
-        return max(held_inertia(body, mass_kg, tcp.then(turn.then(grasp).inverse())) for turn in turns)
-    how, origin = spread(body), tcp.then(grasp.inverse())
-    away = math.hypot(origin.x, origin.y) + math.hypot(how.centroid[0], how.centroid[1])
-    return mass_kg * (how.square + away * away)
+    how, axis = body.spread, grasp.then(tcp.inverse())
+    x, y, _ = how.centroid
+    # the axis in the part's frame, which a turn turns about the part's origin
+    away, angle, out = math.hypot(axis.x, axis.y), math.atan2(axis.y, axis.x), math.hypot(x, y)
+    if yaw_symmetry == 0 or out == 0.0:
+        return mass_kg * (how.square + (away + out) ** 2)
+    angles = [angle + 2 * math.pi * k / yaw_symmetry - math.atan2(y, x) for k in range(yaw_symmetry)]
+    return mass_kg * (how.square + away**2 + out**2 - 2 * away * out * min(map(math.cos, angles)))

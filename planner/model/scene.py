@@ -267,7 +267,7 @@ class Scene:
 
     def limits_with(self, part: str | None) -> Limits:
         """The joints' limits while the gripper holds `part` (None: nothing): acceleration and jerk are scaled with the
-        load (P1)."""
+        load (G2)."""
         return self._limits[part]
 
     def _check_wrist(self) -> None:

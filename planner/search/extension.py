@@ -167,8 +167,7 @@ def _continued(
     if missed is not None:
         return missed
     if final and scene.options.end == "rest" and not legs[-1].knots.last.resting:
-        limits = point.limits_after if point.tracks else point.limits
-        stopped = _at_rest(partial.step, legs, candidate.stop_pace, limits)
+        stopped = _at_rest(partial.step, legs, candidate.stop_pace, point.limits_after)
         if isinstance(stopped, Refusal):
             return stopped
         legs = stopped
@@ -182,7 +181,7 @@ def _continued(
         trajectory = kept
     else:
         trajectory = Trajectory.of_knots(knots.table)
-        spans = ((end, point.limits), (knots.end, point.limits_after if point.tracks else point.limits))
+        spans = ((end, point.limits), (knots.end, point.limits_after))
         for part, limits in parts(trajectory, spans):
             beyond = beyond_limits(scene, partial.step, part, limits)
             if beyond is not None:

@@ -257,6 +257,12 @@ def test_more_than_the_maximum_load_is_refused_before_any_search_with_its_number
     assert found.tried == ()  # no change of the request that is tried makes it lighter
 
 
+def test_masses_that_add_up_to_the_maximum_are_not_refused_for_rounding() -> None:
+    assert 1.1 + 2.2 > 3.3
+    made(heavy(2.2, LoadLimits(max_kg=3.3), 1.1))
+    made(heavy(2.2, LoadLimits(max_kg=9.0, shares=((1.0, 1.0), (3.3, 0.5))), 1.1))
+
+
 def test_a_tool_that_is_too_heavy_and_a_part_that_is_held_at_the_start_are_refused_at_the_start() -> None:
     found, facts = refused(heavy(0.1, tool_kg=5.5))
     assert (facts.part, facts.value, facts.tool) == (None, 5.5, 5.5)
