@@ -18,7 +18,7 @@ from assur.planner.model.phases import phases, yaw_offsets
 from assur.planner.model.refusal import OF_CANDIDATES, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene
 from assur.planner.relaxation import relax, worth_trying
-from assur.planner.report.margins import contacts, margins
+from assur.planner.report.margins import carried, contacts, margins
 from assur.planner.report.sentence import sentence
 from assur.planner.search.beam import Found
 from assur.planner.search.census import Counter
@@ -67,6 +67,7 @@ def _planned(scene: Scene, clock: _Clock, prover: Prover, found: Found, made: Pl
         plan=made,
         margins=margins(scene, prover, made.trajectory, of_plan),
         contacts=contacts(of_plan),
+        carried=carried(scene, of_plan),
         lower_bound_s=lower_bound(scene, found.first_options),
         census=found.census.census(),
         assumptions=scene.assumptions,

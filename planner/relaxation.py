@@ -181,7 +181,7 @@ def _step(scene: Scene, number: int, step: Step) -> Scene:
 GEOMETRIC = frozenset({Reason.OUT_OF_REACH, Reason.JOINT_LIMIT})
 OF_GEOMETRY = frozenset({"elbow", "pitch", "heights"})
 """Where a point cannot be reached, only another posture or another height can help."""
-HOPELESS = frozenset({Reason.START_IN_COLLISION, Reason.LAW_ENDS})
+HOPELESS = frozenset({Reason.START_IN_COLLISION, Reason.LAW_ENDS, Reason.LOAD_LIMIT})
 """Reasons that no change of the list can mend."""
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from assur.planner.errors import FaultError
 from assur.planner.model.arrival_error import ArrivalError
+from assur.planner.model.load import Carried
 from assur.planner.model.outcome import (
     Arrival,
     Census,
@@ -76,6 +77,7 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAn
             for contact in outcome.contacts
         ],
         "margins": _margins(outcome.margins),
+        "load": _load(cell.scene, outcome.carried),
         "lower_bound_s": optional(outcome.lower_bound_s),
         "certificate": certificate_document(plan.certificate, detail),
         "census": _census(cell.scene, outcome.census),
@@ -226,6 +228,27 @@ def _margins(margins: Margins) -> document.Margins:
         "singularity": optional(margins.singularity),
         "parallel": optional(margins.parallel),
         "jerk": margins.jerk,
+    }
+
+
+def _load(scene: Scene, carried: tuple[Carried, ...]) -> document.LoadApplied:
+    known = scene.load_limits
+    return {
+        "rated_kg": known.rated_kg,
+        "max_kg": known.max_kg,
+        "max_inertia_kgm2": known.max_inertia_kgm2,
+        "law": "table" if known.shares else "none" if known.rated_kg is None else "rated_load",
+        "carried": [
+            {
+                "part": load.part,
+                "mass_kg": number(load.mass_kg),
+                "inertia_kgm2": None if load.inertia_kgm2 is None else number(load.inertia_kgm2),
+                "acceleration_share": number(load.share),
+                "from_s": number(load.t0),
+                "to_s": number(load.t1),
+            }
+            for load in carried
+        ],
     }
 
 

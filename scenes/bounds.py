@@ -75,3 +75,7 @@ MAX_CANDIDATES: Final = 10_000_000
 """Candidates that one request may ask for."""
 HEAVY_KG: Final = 1_000.0
 """Masses, kg."""
+HEAVY_KGM2: Final = 1_000.0
+"""Moments of inertia, kg·m²."""
+MAX_LOAD_ROWS: Final = 64
+"""Rows of a table of shares by mass."""

@@ -25,6 +25,13 @@ LENGTHS = {
     "height_m": "height of the shoulder",
 }
 """Lengths of an arm of any family, by field, and what an assumption calls them."""
+LOADS = {
+    "rated_load_kg": "rated load",
+    "max_load_kg": "maximum load",
+    "max_inertia_kgm2": "maximum inertia",
+    "acceleration_by_load": "acceleration by load",
+}
+"""What an arm may carry, by field, and what an assumption calls it."""
 RATES = {"velocity": "_s", "acceleration": "_s2", "jerk": "_s3"}
 SIZES = {
     "box": ("size_m",),
@@ -99,8 +106,9 @@ def listed(family: Family, arm: Written) -> dict[str, Any]:
     for key in ("maker", "about"):
         if key in arm:
             found[key] = " ".join(arm[key].split())
-    if "payload_kg" in arm:
-        found["payload"] = quantity(arm, "payload_kg").plain()
+    for field in LOADS:
+        if field in arm:
+            found[field.removesuffix("_kg").removesuffix("_kgm2")] = quantity(arm, field).plain()
     return found
 
 
@@ -117,11 +125,18 @@ def unnamed(family: Family) -> str:
 def quantity(mapping: Written, field: str) -> Quantity:
     """The quantity of an SI field that `mapping` has, in whichever unit, plain or stated."""
     key = written_key(mapping, field) or field
-    unit = any_unit(key) or key.rpartition("_")[2]
+    unit = any_unit(key) or ("kg, 1" if field == "acceleration_by_load" else key.rpartition("_")[2])
     given = mapping[key]
     if isinstance(given, dict):
-        return Quantity(given["value"], unit, given["status"], given["source"])
-    return Quantity(given, unit)
+        return Quantity(_rows(given["value"]), unit, given["status"], given["source"])
+    return Quantity(_rows(given), unit)
+
+
+def _rows(value: Any) -> Any:
+    """A table of shares by mass as its numbers, row by row; anything else as it is."""
+    if isinstance(value, list) and value and isinstance(value[0], dict) and "share" in value[0]:
+        return [number for row in value for number in (row["mass_kg"], row["share"])]
+    return value
 
 
 def _lengths(arm: Written) -> Iterator[tuple[str, Quantity]]:
@@ -129,10 +144,13 @@ def _lengths(arm: Written) -> Iterator[tuple[str, Quantity]]:
 
 
 def _numbers(family: Family, arm: Written) -> Iterator[tuple[str, Quantity]]:
-    """Every number that a plan depends on (the payload is not one), with what it is of, in words."""
+    """Every number that a plan depends on, with what it is of, in words."""
     for field, number in _lengths(arm):
         flange = family == "five_bar" and field == "height_m"
         yield "height of the flange" if flange else LENGTHS[field], number
+    for field, word in LOADS.items():
+        if field in arm:
+            yield word, quantity(arm, field)
     for joint in arm["joints"]:
         for field, number in _of_joint(joint):
             yield f"{joint['name']} {WORDS.get(field, field)}", number

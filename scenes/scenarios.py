@@ -131,7 +131,7 @@ def unmet(expect: dict[str, Any], answer: dict[str, Any]) -> list[str]:
         low, high = wanted.duration_s.min, wanted.duration_s.max
         if not ((low is None or duration >= low) and (high is None or duration <= high)):
             found.append(f"duration_s is {duration}, not from {low} to {high}")
-    told = str([answer.get(key) for key in ("sentence", "refusal", "census", "relaxation", "margins", "legs")])
+    told = str([answer.get(key) for key in ("sentence", "refusal", "census", "relaxation", "margins", "legs", "load")])
     found += [f"{words!r} is not mentioned" for words in wanted.mentions if words not in told]
     met = {arrival["control_point"] for arrival in answer.get("arrivals", ()) if arrival["matched"]}
     found += [f"{name} is not met with its velocity" for name in wanted.matched if name not in met]

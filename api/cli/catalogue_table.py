@@ -27,16 +27,17 @@ LEGEND = (
 )
 NUMBERS = ("lower", "upper", "velocity", "acceleration", "jerk", "zero")
 """Numbers of a joint; the zero of a lifting one."""
-LENGTHS = ("separation", "proximal", "distal", "l1", "l2", "l3", "height", "payload")
+LOADS = ("rated_load", "max_load", "max_inertia", "acceleration_by_load")
+OF_ARM = ("separation", "proximal", "distal", "l1", "l2", "l3", "height", *LOADS)
 
 
 def catalogue(robots: list[dict[str, Any]]) -> Table:
     """The robots, a row per joint, in mm, degrees and seconds, each number marked with its status."""
-    made = table("robot", ">reach", ">payload", "joint", "unit", ">range", ">speed", ">acceleration", ">jerk")
+    made = table("robot", ">reach", ">max load", "joint", "unit", ">range", ">speed", ">acceleration", ">jerk")
     for robot in robots:
-        payload = robot.get("payload")
+        load = robot.get("max_load")
         of_robot = [robot["model"], _reach(robot)]
-        of_robot.append("" if payload is None else f"{payload['value']:g} {payload['unit']}{_mark(payload)}")
+        of_robot.append("" if load is None else f"{load['value']:g} {load['unit']}{_mark(load)}")
         for joint in robot["joints"]:
             lower, upper = joint["lower"], joint["upper"]
             extent = f"{number(_shop(lower)[0], 4)} .. {number(_shop(upper)[0], 4)}{_mark(lower)}"
@@ -62,7 +63,7 @@ def sources(robot: dict[str, Any]) -> Table:
 
 
 def _quantities(robot: dict[str, Any]) -> Iterator[tuple[str, str, dict[str, Any]]]:
-    for name in LENGTHS:
+    for name in OF_ARM:
         if name in robot:
             yield robot["model"], name, robot[name]
     for joint in robot["joints"]:

@@ -111,6 +111,7 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
     least = f"; no plan takes less than {bound:.3f} s" if bound else "; no bound is known"
     yield f"duration            {answer['duration_s']:.3f} s{least}"
     yield f"what binds          {margins['binds']}{'; the jerk is unbounded' * (margins['jerk'] == 'unbounded')}"
+    yield f"load                {'; '.join(_loads(answer['load']))}"
     nearest = margins["nearest"]
     yield "smallest clearance  " + (
         "nothing is near"
@@ -130,6 +131,21 @@ def _met(trajectory: dict[str, Any], arrival: dict[str, Any]) -> str:
     if any(all(abs(x) <= RESTING for x in rate) for rate in rates):
         return "met, at rest"
     return "matched" if arrival["matched"] else ""
+
+
+def _loads(load: dict[str, Any]) -> Iterator[str]:
+    """Each load once: mass, inertia, and the share of the acceleration where that is less than all."""
+    told = set[str]()
+    for each in load["carried"]:
+        inertia = "" if each["inertia_kgm2"] is None else f", {each['inertia_kgm2']:.3g} kg·m²"
+        share = each["acceleration_share"]
+        scaled = "" if share == 1.0 else f", acceleration and jerk {100 * share:.3g} %"
+        what = "tool" if each["part"] is None else f"with {each['part']}"
+        words = f"{what} {each['mass_kg']:.4g} kg{inertia}{scaled}"
+
+        if words not in told:
+            told.add(words)
+            yield words
 
 
 def _phase(legs: list[dict[str, Any]], nearest: dict[str, Any]) -> str:

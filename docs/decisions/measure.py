@@ -35,6 +35,7 @@ from assur.planner.kernels.candidates import OPTION
 from assur.planner.legs.limits import beyond_limits
 from assur.planner.model.outcome import Planned
 from assur.planner.model.refusal import Reason, Refusal
+from assur.planner.robots.facts import Limits
 from assur.planner.search.extension import extended, timed
 from assur.planner.search.meeting_options import options
 from assur.planner.search.partial_plan import Candidate, TimedCandidate, initial, prepared
@@ -123,8 +124,8 @@ def knots(limit: int) -> None:
 
         return inner
 
-    def checked(scene: Scene, step: int, path: Trajectory) -> Refusal | None:
-        found = beyond_limits(scene, step, path)
+    def checked(scene: Scene, step: int, path: Trajectory, limits: Limits) -> Refusal | None:
+        found = beyond_limits(scene, step, path, limits)
         if found is not None:
             beyond["positions" if found.reason is Reason.JOINT_LIMIT else "rates"] += 1
         return found

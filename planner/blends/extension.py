@@ -11,6 +11,7 @@ from assur.planner.errors import FaultError
 from assur.planner.legs.joint import Shape
 from assur.planner.legs.state import Knots
 from assur.planner.model.assembly_mode import leaves_assembly
+from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import Arrival, Course, Leg, LegKind, Missed, Route
 from assur.planner.model.phases import phases
 from assur.planner.model.refusal import (
@@ -127,7 +128,7 @@ def _after(
 
 def _beyond(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
     """Whether the spline as written breaks a limit of position, velocity or acceleration."""
-    limits = scene.robot.limits
+    limits = at_start(scene).limits(scene)  # with parabolic blends nothing is picked or placed
     report = check_limits(trajectory, limits.lower, limits.upper, limits.velocity, limits.acceleration, None)
     if report.ok:
         return None

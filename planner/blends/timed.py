@@ -16,6 +16,7 @@ from assur.planner.blends.durations import TooShort, fastest, with_acceleration_
 from assur.planner.blends.law import ParabolicBlend
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint
+from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import Course, Route
 from assur.planner.model.refusal import (
     AccelerationTime,
@@ -181,7 +182,7 @@ def _timed(scene: Scene, step: int, begin: float, q: FloatArray, shape: BlendSha
 def _law(
     scene: Scene, step: int, poses: FloatArray, shape: BlendShape, proportions: FloatArray | None
 ) -> ParabolicBlend | Refusal:
-    limits, given = scene.robot.limits, scene.options.acceleration_time_s
+    limits, given = at_start(scene).limits(scene), scene.options.acceleration_time_s
     if given is None:
         return fastest(poses, limits.velocity * shape.effort**0.5, limits.acceleration * shape.effort, proportions)
     made = with_acceleration_time(poses, limits.velocity, limits.acceleration, given)

@@ -11,32 +11,33 @@ import numpy as np
 
 from assur.planner.checker.accuracy import accuracies
 from assur.planner.checker.blends import blends
-from assur.planner.checker.correction import corrected
 from assur.planner.checker.enclosure import enclosed
 from assur.planner.checker.legs import ends, order
+from assur.planner.checker.limits import corrected, limits, loads
 from assur.planner.checker.meeting import meetings
 from assur.planner.checker.nearest import WITHIN_M, nearest
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import CARRIER, Solids, solids
-from assur.planner.checker.spline import excesses
 from assur.planner.checker.targets import targets
-from assur.planner.checker.tracking import arches, assembled, carried, straight, tracked
+from assur.planner.checker.tracking import arches, assembled, pulled, straight, tracked
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.checker.world import World
 from assur.planner.frames import ALWAYS
 from assur.planner.model.digest import digest
+from assur.planner.model.load import Carried
 from assur.planner.model.outcome import Nearest, Plan, covered
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Scene
 
-KINDS = ("position", "velocity", "acceleration", "jerk")
-
 
 @np.errstate(all="ignore")
-def check(scene: Scene, plan: Plan, said: tuple[Nearest | None] | None = None) -> Verdict:
+def check(
+    scene: Scene, plan: Plan, said: tuple[Nearest | None] | None = None, carried: tuple[Carried, ...] | None = None
+) -> Verdict:
     """Whether `plan` does what `scene` asks and is proved to, from both alone (docs/guarantees.md).
 
     `said`: what is claimed of the smallest clearance, (None,) being that there is nothing to keep apart; None: nothing.
+    `carried`: what is claimed of the loads; None: nothing.
 
     A plan of another task or robot gets findings, not exceptions. Not checked: that the plan is good; that a Cartesian
     leg is straight (that pitch and roll go along with it is); the working mode and the singularity margin, which are
@@ -64,8 +65,9 @@ def check(scene: Scene, plan: Plan, said: tuple[Nearest | None] | None = None) -
     findings += blends(world, plan.arrivals, goals) + tracked(world, plan.legs, goals)
     findings += straight(world, plan.legs, plan.arrivals)
     of_plan = phases(scene, plan.legs, plan.arrivals)
+    findings += loads(world, of_plan, carried, blended=blended)
     findings += accuracies(world, plan.arrivals, goals, of_plan)
-    findings += carried(world, of_plan)
+    findings += pulled(world, of_plan)
     table = solids(scene, of_plan)
     findings += corrected(world, of_plan, table)
     apart = Apart.of(scene, of_plan, table, world.tables)
@@ -96,26 +98,6 @@ def _strange(scene: Scene, plan: Plan) -> list[Finding]:
     for what, step in steps:
         if not step < len(scene.task):
             findings.append(Finding(Code.FORM, f"a plan with {what}s of step {step}, which the task has not"))
-    return findings
-
-
-def limits(world: World, *, blended: bool) -> list[Finding]:
-    """One finding for each kind of limit and joint that is broken, with the excess found and when.
-
-    With parabolic blends the jerk has no bound, and is not looked at: the certificate says so.
-    """
-    robot = world.scene.robot
-    given, n = robot.limits, len(robot.joints)
-    worst, when, allowed = np.zeros((4, n)), np.zeros((4, n)), np.empty((5, n))
-    allowed[0], allowed[1] = (given.upper + given.lower) / 2, (given.upper - given.lower) / 2
-    allowed[2], allowed[3], allowed[4] = given.velocity, given.acceleration, given.jerk
-    findings: list[Finding] = []
-    if excesses(world.tables[1][: len(world.knots.time)], n, allowed, 3 if blended else 4, worst, when):
-        return findings
-    for kind, joint in np.argwhere(~(worst <= 0.0)):
-        what = f"{robot.joints[joint].name} breaks its {KINDS[kind]} limit"
-        unit = ("rad" if robot.joints[joint].kind == "revolute" else "m") + ("", "/s", "/s²", "/s³")[kind]
-        findings.append(Finding(Code.LIMIT, what, float(worst[kind, joint]), unit, f"{when[kind, joint]:.6g} s"))
     return findings
 
 

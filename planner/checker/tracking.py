@@ -105,7 +105,7 @@ def straight(world: World, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...])
     return findings
 
 
-def carried(world: World, phases: tuple[Phase, ...]) -> list[Finding]:
+def pulled(world: World, phases: tuple[Phase, ...]) -> list[Finding]:
     """A finding for each phase in which the tool point accelerates harder than a held part allows."""
     limit, findings = world.scene.carry_acceleration, []
     for phase in phases if limit is not None else ():

@@ -17,6 +17,8 @@ class Code(StrEnum):
     END = "END"
     LEGS = "LEGS"
     LIMIT = "LIMIT"
+    LOAD = "LOAD"
+    """More is carried than the robot may carry."""
     ASSEMBLY = "ASSEMBLY"
     """A closed chain is not proved to keep its assembly mode."""
     ARRIVAL = "ARRIVAL"

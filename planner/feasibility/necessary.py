@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from assur.planner.collision.at_rest import closest, enclosed
@@ -14,6 +16,7 @@ from assur.planner.legs.missed import never_in_window
 from assur.planner.legs.tilt import pitch_free, roll_free, tilts
 from assur.planner.model.assembly_mode import lost_at
 from assur.planner.model.attachments import Attachments, at_start
+from assur.planner.model.load import SUMS
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase, contacts_of, yaw_offsets
 from assur.planner.model.refusal import (
@@ -24,6 +27,7 @@ from assur.planner.model.refusal import (
     JointName,
     MotionLimit,
     Obstacle,
+    Overload,
     Quantity,
     Reason,
     Refusal,
@@ -46,7 +50,45 @@ def start_impossible(scene: Scene, prover: Prover) -> Refusal | None:
 
     Whether the arm collides where it stands is `start_collides`: the proof of any candidate shows that it does not.
     """
-    return _start_beyond_limits(scene) or _laws_over(scene) or _start_enclosed(scene, prover)
+    return overloaded(scene) or _start_beyond_limits(scene) or _laws_over(scene) or _start_enclosed(scene, prover)
+
+
+def overloaded(scene: Scene) -> Refusal | None:
+    """The first load of the task that the robot may not carry: too heavy, or of too much inertia about the wrist."""
+    limits, tool = scene.load_limits, scene.loads[0]
+    most = math.inf if limits.most_kg is None else limits.most_kg
+    most_inertia = math.inf if limits.max_inertia_kgm2 is None else limits.max_inertia_kgm2
+    own = tool.inertia_kgm2 or 0.0
+    for load in scene.loads:
+        inertia = load.inertia_kgm2 or 0.0
+        over: Quantity | None
+        if not load.mass_kg <= SUMS * most:
+            by_table = bool(limits.shares) and (limits.max_kg is None or most < limits.max_kg)
+            facts = Overload(
+                of="table" if by_table else "max_load",
+                value=load.mass_kg,
+                limit=most,
+                tool=tool.mass_kg,
+                part=load.part,
+                part_value=load.mass_kg - tool.mass_kg,
+            )
+            over = Quantity.of(load.mass_kg - most, "kg")
+        elif not inertia <= SUMS * most_inertia:
+            facts = Overload(
+                of="max_inertia",
+                value=inertia,
+                limit=most_inertia,
+                tool=own,
+                part=load.part,
+                part_value=inertia - own,
+            )
+            over = Quantity.of(inertia - most_inertia, "kg·m²")
+        else:
+            continue
+        stage, step = (Stage.START, 0) if load.step < 0 else (Stage.CONTROL_POINT, load.step)
+        subject = None if load.part is None else Bodies((load.part,))
+        return Refusal(stage=stage, reason=Reason.LOAD_LIMIT, step=step, subject=subject, amount=over, facts=facts)
+    return None
 
 
 def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
@@ -96,7 +138,7 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
 
 
 def _start_beyond_limits(scene: Scene) -> Refusal | None:
-    limits, start = scene.robot.limits, scene.start
+    limits, start = at_start(scene).limits(scene), scene.start
     over = np.maximum(limits.lower - start.q, start.q - limits.upper)
     for i, joint in enumerate(scene.robot.joints):
         if not over[i] <= 0:

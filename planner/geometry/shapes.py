@@ -13,11 +13,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from operator import le
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray, frozen
 from assur.planner.errors import InputError
+
+if TYPE_CHECKING:
+    from assur.planner.geometry.inertia import Spread
 
 SMALLEST_M = 1e-5
 """No solid is thinner than this: below it a unit was probably mistaken."""
@@ -168,6 +172,13 @@ class Body:
                 raise InputError(f"body {self.name}", (vertices.shape, faces.shape), "a surface of (m, 3) and (f, 3)")
             if vertices.flags.writeable or faces.flags.writeable:
                 raise InputError(f"body {self.name}", "writable arrays", "a surface of read-only arrays")
+
+    @cached_property
+    def spread(self) -> Spread:
+        """How its volume is spread, for a mass of uniform density."""
+        from assur.planner.geometry.inertia import spread
+
+        return spread(self)
 
     @cached_property
     def radius(self) -> float:

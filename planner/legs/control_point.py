@@ -16,6 +16,7 @@ from assur.planner.frames.tilted import Tilt, TiltedMotion
 from assur.planner.legs.moving_end import MovingEnd
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.scene import Scene, Step, Window
+from assur.planner.robots.facts import Limits
 
 HORIZON_S = 60.0
 """Windows along a conveyor are looked for this long after the start, s."""
@@ -47,6 +48,8 @@ class ControlPoint:
     """Seconds for which the point itself is tracked."""
     depart: float
     """Metres above the point where tracking ends."""
+    held: str | None = None
+    """The part in the gripper on the way to the point and there."""
     entry: MovingEnd | None = None
     """How the tool comes into the approach; None: from rest above the point."""
 
@@ -54,6 +57,17 @@ class ControlPoint:
     def facts(self) -> Step:
         """The step that it belongs to."""
         return self.scene.task[self.step]
+
+    @property
+    def limits(self) -> Limits:
+        """The joints' limits until the tool leaves the point: with what the gripper holds there."""
+        return self.scene.limits_with(self.held)
+
+    @property
+    def limits_after(self) -> Limits:
+        """... and from then on: with what was picked, or without what was placed."""
+        step = self.facts
+        return self.limits if step.part is None else self.scene.limits_with(step.part if step.target is None else None)
 
     @property
     def name(self) -> str:
@@ -208,4 +222,5 @@ def control_point(
     what = scene.task[step]
     frame, pose = attached.flange(scene, what, yaw_offset)
     target, (approach, depart) = attached.point(scene, what)[1], scene.straight(what)
-    return ControlPoint(scene, step, frame, pose, target, yaw_offset, tilt, approach, what.dwell_s, depart)
+    held = None if attached.held is None else attached.held.part
+    return ControlPoint(scene, step, frame, pose, target, yaw_offset, tilt, approach, what.dwell_s, depart, held)

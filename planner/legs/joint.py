@@ -72,7 +72,8 @@ class Reached:
 
 
 class JointMotion:
-    """The legs of one shape from one state towards one branch. `pace`: that of the shape's effort, if it is there."""
+    """The legs of one shape from one state towards one branch. `pace`: that of the shape's effort and of what the
+    gripper holds; None: the gripper is empty."""
 
     def __init__(
         self,
@@ -86,7 +87,7 @@ class JointMotion:
     ) -> None:
         self.scene, self.step, self.state, self.shape, self.branch = scene, step, state, shape, branch
         self.ahead: list[float] | None = None if ahead is None else ahead.tolist()
-        self.pace = Pace(scene.robot.limits, scene.robot.lift, shape.effort) if pace is None else pace
+        self.pace = Pace(scene.limits_with(None), scene.robot.lift, shape.effort) if pace is None else pace
         self.origin: Numbers = (state.q.tolist(), state.qd.tolist(), state.qdd.tolist())
         """Where the last leg sets out: at the arm's state, or at the last via."""
         self.prefix: list[RawProfile] = []
@@ -205,7 +206,7 @@ class JointMotion:
         if end is not None:
             begins[-1] = end
         trajectory = trajectory_of(parts, begins)
-        return beyond_limits(self.scene, self.step, trajectory) or Reached(trajectory, row)
+        return beyond_limits(self.scene, self.step, trajectory, self.pace.limits) or Reached(trajectory, row)
 
     def _arch(self, hop: Hop, goal: Numbers, duration: float | None) -> RawProfile | TimingRefusal:
         # on a belt the lift joint meets all later points as it meets the first: its motions are timed once

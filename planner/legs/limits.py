@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -27,23 +29,30 @@ from assur.planner.trajectory import LimitCheck, LimitReport, Trajectory, accept
 @dataclass(frozen=True, slots=True, eq=False)
 class Rates:
     """Peaks of velocity, acceleration and jerk over their limits, the worst joint each; `ok`: all are kept; `ratios`
-    (3, n): those of all joints."""
+    (3, n): those of all joints; `limits`: of what they are shares."""
 
     velocity: float
     acceleration: float
     jerk: float
     ok: bool
     ratios: FloatArray
+    limits: Limits
+
+    @property
+    def squeeze(self) -> float:
+        """By what the effort of the leg is to be divided for it to keep its limits."""
+        return max(self.velocity**2, self.acceleration, math.pow(self.jerk, 2 / 3))
 
 
-def rates(scene: Scene, stage: Stage, step: int, trajectory: Trajectory) -> Rates | Refusal:
-    """How fast the leg is; a refusal where a joint position is beyond its limit, which no slowing down mends."""
-    report = _report(scene.robot.limits, trajectory)
+def rates(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, limits: Limits) -> Rates | Refusal:
+    """How fast the leg is for the limits that hold with its load; a refusal where a joint position is beyond its limit,
+    which no slowing down mends."""
+    report = _report(limits, trajectory)
     if not report.position.ok:
         return _beyond(scene, stage, step, trajectory, report.position)
     ratios = np.stack([check.ratio for check in report.checks[1:]])
     velocity, acceleration, jerk = ratios.max(1).tolist()
-    return Rates(velocity, acceleration, jerk, report.ok, ratios)
+    return Rates(velocity, acceleration, jerk, report.ok, ratios, limits)
 
 
 def _report(limits: Limits, trajectory: Trajectory) -> LimitReport:
@@ -57,11 +66,12 @@ def _bands(limits: Limits) -> FloatArray:
     return accepted_bands(limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk)
 
 
-def beyond_limits(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
-    """Whether a joint breaks a limit on the way: moving ends overshoot, and the spline as written is what counts."""
-    if keeps_bands(trajectory, _bands(scene.robot.limits)):
+def beyond_limits(scene: Scene, step: int, trajectory: Trajectory, limits: Limits) -> Refusal | None:
+    """Whether a joint breaks one of `limits` on the way: moving ends overshoot, and the spline as written is what
+    counts."""
+    if keeps_bands(trajectory, _bands(limits)):
         return None
-    fast = rates(scene, Stage.LIMITS, step, trajectory)
+    fast = rates(scene, Stage.LIMITS, step, trajectory, limits)
     if isinstance(fast, Refusal):
         return fast
     if fast.ok:
@@ -69,10 +79,27 @@ def beyond_limits(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | 
     return too_fast(scene, Stage.LIMITS, step, fast)
 
 
+def parts(trajectory: Trajectory, spans: Sequence[tuple[float, Limits]]) -> list[tuple[Trajectory, Limits]]:
+    """The parts of a trajectory with the limits that hold there: `spans` are the times, which are knots, at which they
+    end, and their limits; those with the same limits that follow each other are one. Spans of no length have no part.
+    """
+    if all(limits is spans[0][1] for _, limits in spans):
+        return [(trajectory, spans[0][1])]
+    found, begin, knots = [], 0, trajectory.knots
+    for k, (end, limits) in enumerate(spans):
+        if k + 1 < len(spans) and spans[k + 1][1] is limits:
+            continue
+        last = int(np.searchsorted(knots[:, 0], end)) if k + 1 < len(spans) else len(knots) - 1
+        if last > begin:
+            found.append((Trajectory.of_knots(knots[begin : last + 1].copy()), limits))
+        begin = last
+    return found
+
+
 def too_fast(scene: Scene, stage: Stage, step: int, fast: Rates, frame: str | None = None) -> Refusal:
     """The refusal of rates that are not `ok`: the joint and the rate whose share of its limit is greatest; `frame`:
     which the tool tracks."""
-    limits = scene.robot.limits
+    limits = fast.limits
     kind, joint = (int(k) for k in np.unravel_index(int(fast.ratios.argmax()), fast.ratios.shape))
     limit = (limits.velocity, limits.acceleration, limits.jerk)[kind]
     what = scene.robot.joints[joint]

@@ -103,7 +103,7 @@ def meetings(
     # a margin is required of points that are met with a matched velocity, and not of others
     moving = point.tracks or (point.matched and not point.still and not point.via)
     required = scene.options.singularity_margin if moving else NO_BOUND
-    looked = _Evaluated(scene, t, targets_of(point.entered(t), 2), required)
+    looked = _Evaluated(point, t, targets_of(point.entered(t), 2), required)
     branches: list[Branch] = []
     refusals: list[Refusal] = []
     for mode in modes:
@@ -117,15 +117,16 @@ def meetings(
 class _Evaluated:
     """The joint states over a grid of times (T,), s, of one mode after the other."""
 
-    def __init__(self, scene: Scene, t: FloatArray, targets: FloatArray, required: float) -> None:
-        self.robot, self.t, self.targets, self.required = scene.robot, t, targets, required
-        self.states, self.margins = np.empty((len(t), 1 + 3 * len(scene.robot.joints))), np.empty((len(t), 2))
+    def __init__(self, point: ControlPoint, t: FloatArray, targets: FloatArray, required: float) -> None:
+        self.robot, self.limits = point.scene.robot, point.limits
+        self.t, self.targets, self.required = t, targets, required
+        self.states, self.margins = np.empty((len(t), 1 + 3 * len(self.robot.joints))), np.empty((len(t), 2))
         self.codes, self.verdicts = np.empty((2, len(t)), dtype=np.int64)
         self.grid_s = float((t[1:] - t[:-1]).max(initial=0.0))
 
     def branches(self, mode: int, near: FloatArray | None, *, any_time: bool) -> list[Branch]:
         """The mode's branches: choices of full turns of the revolute joints that are within limits at some time."""
-        robot, limits, n = self.robot, self.robot.limits, len(self.robot.joints)
+        robot, limits, n = self.robot, self.limits, len(self.robot.joints)
         legal = meeting_states(
             robot.row, mode, self.targets, limits.table, self.required, self.t, self.states, self.margins, self.codes,
             self.verdicts,
@@ -166,7 +167,7 @@ def _refused(scene: Scene, point: ControlPoint, lead: float, mode: int, looked: 
         best = looked.near(assembled, scene.options.singularity_margin)
         return best.refusal(Stage.INVERSE, point.step, _span(t), mode=robot.modes[mode])
     if not slow.any():
-        limits = robot.limits
+        limits = looked.limits
         over = np.stack([np.abs(looked.joints(1)) / limits.velocity, np.abs(looked.joints(2)) / limits.acceleration])
         return _too_fast(robot, point, t[safe], over[:, safe], robot.modes[mode])
     return _beyond_limits(robot, point, t[slow], looked.joints(0)[slow], lead, mode)

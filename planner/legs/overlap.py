@@ -39,7 +39,7 @@ def entering(scene: Scene, point: ControlPoint, q: FloatArray) -> MovingEnd | No
         return None
     z = float(point.flange(np.array(scene.start.time)).p[2])
     top = None if step.arch is None else step.arch.top_m
-    return _moving_end(scene, point.approach, z, top, q, carried=isinstance(step, Place), up=False)
+    return _moving_end(scene, point, z, top, q, up=False)
 
 
 def may_stop(scene: Scene, number: int) -> bool:
@@ -52,20 +52,22 @@ def may_stop(scene: Scene, number: int) -> bool:
 def leaving(scene: Scene, point: ControlPoint, q: FloatArray) -> MovingEnd | None:
     """How the tool goes on behind the straight part of a depart without a stop; None: it stops there, as it does at
     the end of the task and before a straight leg. `q` (n,): joints where the tool leaves the point."""
-    step = point.facts
     if not may_stop(scene, point.step):
         return None
     after = scene.task[point.step + 1]
     z, top = float(scene.robot.forward(q)[0][2]), None if after.arch is None else after.arch.top_m
-    return _moving_end(scene, point.depart, z, top, q, carried=isinstance(step, Pick), up=True)
+    return _moving_end(scene, point, z, top, q, up=True)
 
 
 def _moving_end(
-    scene: Scene, height: float, z: float, top: float | None, q: FloatArray, *, carried: bool, up: bool
+    scene: Scene, point: ControlPoint, z: float, top: float | None, q: FloatArray, *, up: bool
 ) -> MovingEnd | None:
-    """`z`: height of the flange at the point, m; `top`: of the tool point where an arch is highest; `carried`: whether
-    a part is held on the straight part."""
-    lift, limits = scene.robot.lift, scene.robot.limits
+    """`z`: height of the flange at the point, m; `top`: of the tool point where an arch is highest; `up`: of a depart.
+
+    Before a place and behind a pick a part is in the gripper.
+    """
+    lift, limits = scene.robot.lift, point.limits_after if up else point.limits
+    height, carried = point.depart if up else point.approach, isinstance(point.facts, Pick if up else Place)
     if lift is None or not height > 0.0 or not np.isfinite(z):
         return None
     flange = float(scene.robot.forward(q)[0][2])

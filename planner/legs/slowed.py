@@ -17,6 +17,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.legs.limits import beyond_limits
 from assur.planner.legs.tool_motion import RESERVE, tool_peak
 from assur.planner.model.scene import Scene
+from assur.planner.robots.facts import Limits
 from assur.planner.trajectory import Trajectory
 
 CELLS = 48
@@ -29,15 +30,16 @@ SLOWEST = 0.02
 """The clock does not run slower than this."""
 
 
-def slowed(scene: Scene, step: int, motion: Trajectory, limit: float) -> Trajectory | None:
-    """The motion on the same way, from rest or not, which pulls with `limit`, m/s², at most; None: none was found.
+def slowed(scene: Scene, step: int, motion: Trajectory, limit: float, limits: Limits) -> Trajectory | None:
+    """The motion on the same way, from rest or not, which pulls with `limit`, m/s², at most, within the joints' `limits`;
+    None: none was found.
 
     At ends in motion the clock is not slowed: their states are kept, as all positions are.
     """
     allowed = limit * (1 - RESERVE)
     for _ in range(TRIES):
         found = _paced(scene, motion, allowed)
-        if found is None or beyond_limits(scene, step, found) is not None:
+        if found is None or beyond_limits(scene, step, found, limits) is not None:
             return None
         peak, _ = tool_peak(scene, found, found.start, found.end)
         if peak <= limit * (1 - RESERVE):

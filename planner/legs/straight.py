@@ -40,7 +40,7 @@ from assur.planner.model.refusal import (
     unmoved,
 )
 from assur.planner.model.scene import Scene
-from assur.planner.robots.facts import Code, Inverse
+from assur.planner.robots.facts import Code, Inverse, Limits
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory
 
@@ -69,32 +69,35 @@ Paced = Callable[[float], Phase | TimingRefusal]
 """A phase law `scale` times as fast."""
 
 
-def straight(scene: Scene, step: int, state: State, mode: int, left: Along, met: Along) -> TimedLeg | Refusal:
-    """A straight leg from `state`, in which the flange moves as `left` says, until it moves as `met` says.
+def straight(
+    scene: Scene, step: int, state: State, mode: int, left: Along, met: Along, held: str | None = None
+) -> TimedLeg | Refusal:
+    """A straight leg from `state`, in which the flange moves as `left` says, until it moves as `met` says; `held`: the
+    part in the gripper.
 
     The phase law is scaled until velocity, acceleration and jerk of every joint are within limits by the exact extrema
     of the spline. Refused: out of reach, too near a singularity, a joint position beyond its limit.
     """
-    start = np.array([state.time])
+    start, limits = np.array([state.time]), scene.limits_with(held)
     leg: TimedLeg | Refusal | None = None
     standing = _still(left, start) and _still(met, start)
     if standing:
-        law, surely = _made_for(scene, mode, left(start), met(start))
+        law, surely = _made_for(scene, mode, left(start), met(start), limits)
         if law is not None:
-            leg = scaled(scene, step, state, mode, left, met, _as_fast(law), CLOSE_ROUNDS)
+            leg = scaled(scene, step, state, mode, left, met, _as_fast(law), CLOSE_ROUNDS, limits)
         if law is not None and isinstance(leg, TimedLeg):
             t = leg.knots.time
             told = abs(_length(t) / law.duration - 1) <= AS_TOLD
             if told and _length(t) <= surely and _still(left, t) and _still(met, t):
                 return leg
-    plain = scaled(scene, step, state, mode, left, met, constant_law, 0)
+    plain = scaled(scene, step, state, mode, left, met, constant_law, 0, limits)
     if isinstance(plain, Refusal):
         return plain
     if not standing:
         # the line that is gone is rather that from where one frame is left to where the other is met
-        law, _ = _made_for(scene, mode, left(start), met(plain.knots.time[-1:]))
+        law, _ = _made_for(scene, mode, left(start), met(plain.knots.time[-1:]), limits)
         if law is not None:
-            leg = scaled(scene, step, state, mode, left, met, _as_fast(law), CLOSE_ROUNDS)
+            leg = scaled(scene, step, state, mode, left, met, _as_fast(law), CLOSE_ROUNDS, limits)
     if isinstance(leg, TimedLeg) and _length(leg.knots.time) < _length(plain.knots.time):
         return leg
     return plain
@@ -111,7 +114,7 @@ def constant_law(scale: float) -> Phase | TimingRefusal:
     return time_joints(none, none, none, np.ones(1), none, none, v, a, j)
 
 
-def _made_for(scene: Scene, mode: int, a: Motion, b: Motion) -> tuple[PhaseLaw | None, float]:
+def _made_for(scene: Scene, mode: int, a: Motion, b: Motion, limits: Limits) -> tuple[PhaseLaw | None, float]:
     """The law made for the line between two poses (1,) that stand, if there is one, and the time below which a leg is
     surely faster than one of the constant law.
 
@@ -122,12 +125,12 @@ def _made_for(scene: Scene, mode: int, a: Motion, b: Motion) -> tuple[PhaseLaw |
     line = Line(lambda _: a.at_rest()[row], lambda _: b.at_rest()[row], Uniform(), 0.0)
     along = scene.robot.inverse(line.motion(s), mode, 3)
     derivatives = along.qd, along.qdd, along.qddd
-    law, plain = quickest(derivatives, scene.robot.limits), constant_law(1.0)
+    law, plain = quickest(derivatives, limits), constant_law(1.0)
     if law is None or isinstance(plain, TimingRefusal):
         return None, 0.0
     t = np.linspace(0.0, plain.duration, CONSTANT_LOOKS)
     shape = np.concatenate([plain.evaluate(t, order) * plain.duration**order for order in range(4)], 1)
-    needed = float(Rates.of(derivatives, scene.robot.limits).times(shape).max())
+    needed = float(Rates.of(derivatives, limits).times(shape).max())
     return law, SURELY * needed
 
 
@@ -142,7 +145,15 @@ def _length(t: FloatArray) -> float:
 
 
 def scaled(
-    scene: Scene, step: int, state: State, mode: int, left: Along, met: Along, paced: Paced, closely: int
+    scene: Scene,
+    step: int,
+    state: State,
+    mode: int,
+    left: Along,
+    met: Along,
+    paced: Paced,
+    closely: int,
+    limits: Limits,
 ) -> TimedLeg | Refusal:
     """The leg by a phase law, as fast as keeps the limits; in so many rounds to begin with, closely so."""
     scale = 1.0
@@ -157,7 +168,7 @@ def scaled(
         spline = _spline(scene, step, state, mode, Line(left, met, phase, state.time))
         if isinstance(spline, Refusal):
             return spline
-        fast = rates(scene, Stage.STRAIGHT, step, spline)
+        fast = rates(scene, Stage.STRAIGHT, step, spline, limits)
         if isinstance(fast, Refusal):
             return fast
         ratio = max(fast.velocity, fast.acceleration**0.5, fast.jerk ** (1 / 3))

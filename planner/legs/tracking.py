@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
 from assur.planner.legs.control_point import ControlPoint
-from assur.planner.legs.limits import rates, too_fast
+from assur.planner.legs.limits import Rates, parts, rates, too_fast
 from assur.planner.legs.moving_end import MovingEnd
 from assur.planner.legs.singular import nearest
 from assur.planner.legs.spacing import spaced
@@ -33,7 +34,7 @@ from assur.planner.model.refusal import (
     unmoved,
 )
 from assur.planner.model.scene import Pick, Place, Scene
-from assur.planner.robots.facts import Code
+from assur.planner.robots.facts import Code, Limits
 from assur.planner.robots.robot import Robot
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory
@@ -123,7 +124,7 @@ def track(
     """
     for _ in range(ROUNDS):
         down = _down(scene, point, effort)
-        up = leaves.profile if leaves is not None else _way(scene, point, 0.0, point.depart, effort)
+        up = leaves.profile if leaves is not None else _way(scene, point, 0.0, point.depart, effort, point.limits_after)
         if isinstance(down, Refusal):
             return down
         if isinstance(up, Refusal):
@@ -135,7 +136,7 @@ def track(
         spline = _spline(scene, point, state, mode, heights)
         if isinstance(spline, Refusal):
             return spline
-        fast = rates(scene, Stage.TRACKING, point.step, spline)
+        fast = _rates(scene, point, spline, heights)
         if isinstance(fast, Refusal):
             return fast
         if fast.ok:
@@ -143,21 +144,38 @@ def track(
         refusal = too_fast(scene, Stage.TRACKING, point.step, fast, point.frame)
         if point.entry is not None or leaves is not None:
             break  # a moving end has one speed: stops are other candidates
-        worst = max(fast.velocity**2, fast.acceleration, fast.jerk ** (2 / 3))
-        effort *= min(0.8, 0.95 / worst)
+        effort *= min(0.8, 0.95 / fast.squeeze)
     return refusal
 
 
 def _down(scene: Scene, point: ControlPoint, effort: float) -> Trajectory | Refusal | None:
     """The height profile of the approach."""
-    return point.entry.profile if point.entry is not None else _way(scene, point, point.approach, 0.0, effort)
+    if point.entry is not None:
+        return point.entry.profile
+    return _way(scene, point, point.approach, 0.0, effort, point.limits)
 
 
-def _way(scene: Scene, point: ControlPoint, high: float, low: float, effort: float) -> Trajectory | Refusal | None:
-    """The height profile from `high` to `low` above the point at this share of the limits; None: there is no way."""
+def _rates(scene: Scene, point: ControlPoint, spline: Trajectory, heights: _Heights) -> Rates | Refusal:
+    """How fast the legs are where they are fastest for their limits, which change with the load at the point."""
+    worst: Rates | None = None
+    for part, limits in parts(spline, ((heights.left, point.limits), (heights.end, point.limits_after))):
+        fast = rates(scene, Stage.TRACKING, point.step, part, limits)
+        if isinstance(fast, Refusal):
+            return fast
+        if worst is None or (not fast.ok, fast.squeeze) > (not worst.ok, worst.squeeze):
+            worst = fast
+    if worst is None:
+        raise FaultError("tracking legs of no length")
+    return worst
+
+
+def _way(
+    scene: Scene, point: ControlPoint, high: float, low: float, effort: float, limits: Limits
+) -> Trajectory | Refusal | None:
+    """The height profile from `high` to `low` above the point at this share of `limits`; None: there is no way."""
     if high == low:
         return None
-    limits, lift = scene.robot.limits, scene.robot.lift
+    lift = scene.robot.lift
     v, a, j = WITHOUT_LIFT
     if lift is not None:
         v, a, j = float(limits.velocity[lift]), float(limits.acceleration[lift]), float(limits.jerk[lift])

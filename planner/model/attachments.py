@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step
+from assur.planner.robots.facts import Limits
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +25,10 @@ class Attachments:
 
     held: Held | None = None
     placed: tuple[tuple[str, str, Pose], ...] = ()
+
+    def limits(self, scene: Scene) -> Limits:
+        """The joints' limits with what the gripper holds."""
+        return scene.limits_with(None if self.held is None else self.held.part)
 
     def pose_of(self, scene: Scene, name: str) -> tuple[str, Pose]:
         """Frame of a body of the surroundings, and its pose in it."""

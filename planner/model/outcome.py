@@ -16,6 +16,7 @@ from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.model.arrival_error import ArrivalError
+from assur.planner.model.load import Carried
 from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.trajectory import Trajectory
 
@@ -321,6 +322,7 @@ class Planned:
     plan: Plan
     margins: Margins
     contacts: tuple[Contact, ...]
+    carried: tuple[Carried, ...]
     lower_bound_s: float
     census: Census
     assumptions: tuple[str, ...]

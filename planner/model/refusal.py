@@ -27,6 +27,8 @@ class Reason(StrEnum):
     CONTROL_POINT_IN_COLLISION = "CONTROL_POINT_IN_COLLISION"
     MOTION_LIMIT = "MOTION_LIMIT"
     CARRY_LIMIT = "CARRY_LIMIT"
+    LOAD_LIMIT = "LOAD_LIMIT"
+    """Tool and part are heavier, or have more inertia about the wrist's axis, than the robot may carry."""
     TOLERANCE = "TOLERANCE"
     """The tool may be farther off its control point than is allowed."""
     WINDOW_MISSED = "WINDOW_MISSED"
@@ -79,7 +81,7 @@ class FrameName:
 
 Subject = Bodies | JointName | FrameName
 
-Unit = Literal["m", "rad", "s", "1", "m/s", "m/s²", "m/s³", "rad/s", "rad/s²", "rad/s³"]
+Unit = Literal["m", "rad", "s", "1", "kg", "kg·m²", "m/s", "m/s²", "m/s³", "rad/s", "rad/s²", "rad/s³"]
 
 
 def finite(value: float) -> float | None:
@@ -223,6 +225,21 @@ class Carrying:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Overload:
+    """LOAD_LIMIT. `value` of the load, the tool's share of it and the part's (`part` None: the tool alone), where
+    `limit` is allowed by `of`: the maximum load, kg, the last mass of a given table, kg, or the greatest inertia about
+    the wrist's axis, kg·m²."""
+
+    kind: Literal["overload"] = "overload"
+    of: Literal["max_load", "table", "max_inertia"]
+    value: float
+    limit: float
+    tool: float
+    part: str | None = None
+    part_value: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LawEnds:
     """A frame's motion is known on `known_s`, s (None: of which frame is not known; None for an end: for ever), and
     needed at `needed_s`."""
@@ -277,6 +294,7 @@ Facts = (
     | Carrying
     | Corrected
     | Inaccurate
+    | Overload
     | WindowMissed
     | LawEnds
     | Refuted

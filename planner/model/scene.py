@@ -17,7 +17,9 @@ from assur.planner.frames.oscillation import Oscillation
 from assur.planner.geometry.pieces import Pieces, pieces
 from assur.planner.geometry.shapes import Body
 from assur.planner.model.blendable import refuse_acceleration_time, refuse_unblendable
+from assur.planner.model.load import UNKNOWN, Load, LoadLimits, Tool, greatest_inertia
 from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Window
+from assur.planner.robots.facts import Limits, lowered
 from assur.planner.robots.robot import Robot
 
 __all__ = [
@@ -28,6 +30,7 @@ __all__ = [
     "Execution",
     "Follow",
     "Holding",
+    "LoadLimits",
     "Match",
     "Move",
     "Options",
@@ -44,15 +47,6 @@ __all__ = [
 
 WORLD = "world"
 """Name of the frame that does not move; every scene has it."""
-
-
-@dataclass(frozen=True, eq=False)
-class Tool:
-    """What is bolted to the flange: tool point `tcp` in the flange frame, bodies in the flange frame, mass."""
-
-    tcp: Pose
-    bodies: tuple[Body, ...] = ()
-    mass_kg: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,6 +190,7 @@ class Scene:
     execution: Execution = Execution()
     carry_acceleration: float | None = None
     """Limit of the tool point's acceleration while a part is held, m/s²."""
+    load_limits: LoadLimits = UNKNOWN
     assumptions: tuple[str, ...] = ()
     """Numbers of the robot that are estimated or second hand, in words; they are repeated in the outcome."""
     digest: str = ""
@@ -281,6 +276,33 @@ class Scene:
                 if not isinstance(frame.law, Fixed | Conveyor | Linear | Oscillation):
                     allowed = f"false: {frame.name} turns, so the yaw there depends on when it is met"
                     raise InputError(f"task[{i}].{type(step).__name__.lower()}.to.yaw_keep", True, allowed)
+
+    @cached_property
+    def loads(self) -> tuple[Load, ...]:
+        """What the flange carries: the tool alone, and with each part that is held from the start or from a pick on."""
+        tool = self.tool.mass_kg or 0.0
+        own = self.tool.inertia if self.robot.turns_load else None
+        found = [Load(-1, None, tool, own, self.load_limits.share(tool))]
+        holding = self.start.holding
+        taken = [] if holding is None else [(-1, holding.part, holding.grasp, 1)]
+        for number, step in enumerate(self.task):
+            if isinstance(step, Pick):
+                taken.append((number, step.part, step.grasp, self.index[step.part].yaw_symmetry))
+        for number, part, grasp, symmetry in taken:
+            body = self.index[part]
+            mass = body.mass_kg or 0.0
+            inertia = None if own is None else own + greatest_inertia(body.body, mass, self.tool.tcp, grasp, symmetry)
+            found.append(Load(number, part, tool + mass, inertia, self.load_limits.share(tool + mass)))
+        return tuple(found)
+
+    @cached_property
+    def _limits(self) -> dict[str | None, Limits]:
+        return {load.part: lowered(self.robot.limits, load.share) for load in self.loads}
+
+    def limits_with(self, part: str | None) -> Limits:
+        """The joints' limits while the gripper holds `part` (None: nothing): acceleration and jerk are scaled with the
+        load (G2)."""
+        return self._limits[part]
 
     def _check_wrist(self) -> None:
         """An arm that cannot turn its tool at will cannot lay down a part as it should lie."""

@@ -15,6 +15,7 @@ from assur.planner.model.refusal import (
     MotionLimit,
     Obstacle,
     OutOfReach,
+    Overload,
     Reason,
     Refusal,
     Refuted,
@@ -67,6 +68,8 @@ def because(scene: Scene, refusal: Refusal) -> str:
             return f"the part would be accelerated with {most} m/s², but only {limit} m/s² are allowed"
         case Inaccurate() as facts:
             return _inaccurate(facts)
+        case Overload() as facts:
+            return _overload(scene, refusal, facts)
         case Corrected() as facts:
             what = f"{facts.joint} beyond its range" if facts.joint else "the arm to a singular position"
             return f"the belt correction may shift the tool by {_mm(facts.shift_m)}, which would bring {what}"
@@ -82,6 +85,30 @@ def because(scene: Scene, refusal: Refusal) -> str:
             return (
                 f"the checker refuses the plan: {facts.code}, {facts.what}{f', {facts.where}' if facts.where else ''}"
             )
+
+
+def _overload(scene: Scene, refusal: Refusal, facts: Overload) -> str:
+    """What is carried, from when on, and what would help."""
+    unit, axis = "kg", ""
+    if facts.of == "max_inertia":
+        unit, axis = "kg·m²", f" about {scene.robot.joints[-1].name}"
+    value, limit, tool = (f"{number(x, 4)} {unit}" for x in (facts.value, facts.limit, facts.tool))
+    what, from_when = f"the tool has {value}{axis}", ""
+    if facts.part is not None:
+        part = f"{number(facts.part_value, 4)} {unit}"
+        what = f"tool and {facts.part} have {value}{axis} together ({tool} and {part})"
+        from_when = " from the start on" if refusal.stage is Stage.START else " from here on"
+    allowed = {
+        "max_load": f"the maximum load of {scene.robot.name} is {limit}",
+        "max_inertia": f"the maximum of {scene.robot.name} is {limit}",
+        "table": f"acceleration_by_load ends at {limit}",
+    }[facts.of]
+    left = facts.limit - facts.tool
+    help_ = "a lighter tool" if facts.of != "max_inertia" else "a tool that is lighter or nearer to the axis"
+    if facts.part is not None and left > 0.0:
+        help_ = f"a part of up to {number(left, 4)} {unit}, {help_}"
+    more = "a row for this mass" if facts.of == "table" else "a robot for this load"
+    return f"{what}{from_when}, but {allowed}; {help_} or {more} would help"
 
 
 def _inaccurate(facts: Inaccurate) -> str:

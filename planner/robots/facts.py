@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from assur.planner.errors import InputError
 from assur.planner.geometry.shapes import Body
 from assur.planner.robots.codes import Code
 
-__all__ = ["Code", "Inverse", "Joint", "Limits", "RobotBody"]
+__all__ = ["Code", "Inverse", "Joint", "Limits", "RobotBody", "lowered"]
 
 
 RANGE_SLACK = 1e-10
@@ -69,6 +69,15 @@ class Limits:
     def holds(self, q: FloatArray) -> BoolArray:
         """Whether q (..., n) keeps the position limits up to `slack`, (...); NaN does not."""
         return every((self.within[0] <= q) & (q <= self.within[1]))
+
+
+@lru_cache(maxsize=64)
+def lowered(limits: Limits, share: float) -> Limits:
+    """The limits with `share`, in (0, 1], of the accelerations and jerks; with 1 the limits themselves."""
+    if share == 1.0:
+        return limits
+    rates = limits.velocity, share * limits.acceleration, share * limits.jerk
+    return Limits(limits.lower, limits.upper, *rates)
 
 
 @dataclass(frozen=True, slots=True)

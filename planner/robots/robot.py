@@ -66,6 +66,11 @@ class Robot(ABC):
 
         return row_of(self)
 
+    @property
+    def turns_load(self) -> bool:
+        """Whether the last joint turns the flange, and what it carries, about the vertical."""
+        return "yaw" in self.coordinates and "pitch" not in self.coordinates
+
     @cached_property
     def revolute(self) -> FloatArray:
         """1 for joints (n,) that turn, 0 for those that slide; not to be written to."""

@@ -14,7 +14,7 @@ from assur.planner.legs.accuracy import arrival_error, too_far
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.legs.correction import shifted_out
 from assur.planner.legs.joint import JointMotion
-from assur.planner.legs.limits import beyond_limits
+from assur.planner.legs.limits import beyond_limits, parts
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.overlap import leaving
 from assur.planner.legs.slowed import slowed
@@ -39,6 +39,7 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
+from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
 from assur.planner.timing import TimingRefusal, time_joints
@@ -126,11 +127,12 @@ def _again(scene: Scene, made: TimedCandidate, share: float) -> TimedCandidate |
 def _slowed(scene: Scene, made: TimedCandidate, limit: float) -> Extension | None:
     """The extension by a candidate that is slowed down where it pulls too hard; None: its joints leave no room for
     that."""
+    before = made.before
     for share in GENTLER:
         gentle = made if share == 1.0 else _again(scene, made, share)
         if isinstance(gentle, Refusal):
             return None
-        motion = slowed(scene, made.before.step, gentle.reached.trajectory, limit)
+        motion = slowed(scene, before.step, gentle.reached.trajectory, limit, before.attached.limits(scene))
         if motion is not None:
             found = _extended(scene, replace(gentle, reached=replace(gentle.reached, trajectory=motion)))
             return None if isinstance(found, Refusal) else found
@@ -178,7 +180,8 @@ def _line(scene: Scene, partial: PartialPlan, point: ControlPoint, wait: float, 
 
     if mode != partial.mode:
         return mode_changes(scene, partial.step, state, (partial.mode, mode), left, met)
-    return straight(scene, partial.step, state, mode, left, met)
+    held = partial.attached.held
+    return straight(scene, partial.step, state, mode, left, met, None if held is None else held.part)
 
 
 def _continued(
@@ -209,7 +212,7 @@ def _continued(
     if missed is not None:
         return missed
     if final and scene.options.end == "rest" and not legs[-1].knots.last.resting:
-        stopped = _at_rest(scene, partial.step, legs, candidate.stop_pace)
+        stopped = _at_rest(partial.step, legs, candidate.stop_pace, point.limits_after)
         if isinstance(stopped, Refusal):
             return stopped
         legs = stopped
@@ -223,9 +226,11 @@ def _continued(
         trajectory = kept
     else:
         trajectory = Trajectory.of_knots(knots.table)
-        beyond = beyond_limits(scene, partial.step, trajectory)
-        if beyond is not None:
-            return beyond
+        spans = ((end, point.limits), (knots.end, point.limits_after))
+        for part, limits in parts(trajectory, spans):
+            beyond = beyond_limits(scene, partial.step, part, limits)
+            if beyond is not None:
+                return beyond
     lost = leaves_assembly(scene.robot, partial.step, trajectory)
     if lost is not None:
         return lost
@@ -284,7 +289,7 @@ def _window_refusal(point: ControlPoint, begin: float) -> Refusal | None:
     return window_missed(Stage.WINDOW, point.step, facts, amount=Quantity.of(off, "s"), interval=spans[0])
 
 
-def _at_rest(scene: Scene, step: int, legs: list[TimedLeg], pace: float) -> list[TimedLeg] | Refusal:
+def _at_rest(step: int, legs: list[TimedLeg], pace: float, limits: Limits) -> list[TimedLeg] | Refusal:
     """The legs, at rest in the end: to the bit where only rounding keeps them from it, else by a leg of its own, for
     what tracks a moving frame; that ends near where braking alone would."""
     last = legs[-1].knots.last
@@ -292,7 +297,6 @@ def _at_rest(scene: Scene, step: int, legs: list[TimedLeg], pace: float) -> list
         table = legs[-1].knots.table.copy()
         table[-1, 1 + len(last.q) :] = 0.0
         return [*legs[:-1], replace(legs[-1], knots=Knots(table))]
-    limits = scene.robot.limits
     duration = pace * float(np.max(np.abs(last.qd) / limits.acceleration + 2 * limits.acceleration / limits.jerk))
     # what an even braking over that time covers
     target = np.clip(last.q + last.qd * duration / 2, limits.lower, limits.upper)

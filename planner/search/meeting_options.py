@@ -36,7 +36,7 @@ class Option:
 def options(scene: Scene, partial: PartialPlan, found: list[tuple[float, Meetings]]) -> tuple[Option, ...]:
     """All branches of all turns of the part, those with the least possible duration first; of about the same duration
     the one that turns the wrist least (`SHARE_OF_A_TURN`)."""
-    state, limits = partial.state, scene.robot.limits
+    state, limits = partial.state, partial.attached.limits(scene)
     start = np.array([state.q, state.qd, state.qdd])
     result = []
     for yaw_offset, meeting in found:

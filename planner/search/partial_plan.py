@@ -21,6 +21,7 @@ from assur.planner.model.outcome import Arrival, Leg
 from assur.planner.model.phases import NOTHING_HANDLED, Handled, Phase, handled_at_start
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene
+from assur.planner.robots.facts import Limits
 from assur.planner.trajectory import Trajectory
 
 
@@ -45,7 +46,7 @@ class PartialPlan:
     """Whether the candidate that led here was to stop (`Candidate.stops`)."""
     tracked: ControlPoint | None = None
     """The control point above which a tracking leg ended: the arm still moves with its frame."""
-    paces: dict[tuple[float, float, bool, bool], Pace] = field(default_factory=dict)
+    paces: dict[tuple[float, float, Limits, bool, bool], Pace] = field(default_factory=dict)
     """Of joint legs (`paced`): one table for all partial plans of a search."""
     lines: dict[tuple[float, Tilt | None, float, int], TimedLeg | Refusal] = field(default_factory=dict)
     """Straight legs from here by yaw and tilt of the tool, wait and mode: full turns of the meeting make no other."""
@@ -131,13 +132,12 @@ def prepared(
 
 
 def paced(scene: Scene, partial: PartialPlan, shape: Shape, point: ControlPoint) -> Pace:
-    """The pace of joint legs of this shape to a point; made once a search. Where the lift moves at an end it has to go
-    on as it has begun: it has all of its limits then."""
+    """The pace of joint legs of this shape to a point, with what the gripper holds; made once a search. Where the lift
+    moves at an end it has to go on as it has begun: it has all of its limits then."""
     whole = partial.rises > 0.0 or point.entry is not None
-    carried = partial.attached.held is not None
-    key = shape.effort, shape.pull, whole, carried
+    carried, limits = partial.attached.held is not None, partial.attached.limits(scene)
+    key = shape.effort, shape.pull, limits, whole, carried
     if key not in partial.paces:
         most = lift_most(scene, carried=carried)
-        robot, lift_effort = scene.robot, 1.0 if whole else None
-        partial.paces[key] = Pace(robot.limits, robot.lift, shape.effort, lift_effort, most, shape.pull)
+        partial.paces[key] = Pace(limits, scene.robot.lift, shape.effort, 1.0 if whole else None, most, shape.pull)
     return partial.paces[key]

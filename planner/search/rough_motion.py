@@ -15,7 +15,7 @@ from assur.planner.kernels.candidates import (
     rough_motions,
     rough_positions,
 )
-from assur.planner.robots.robot import Robot
+from assur.planner.robots.facts import Limits
 from assur.planner.search.meeting_options import Option
 from assur.planner.search.partial_plan import PartialPlan
 
@@ -47,8 +47,8 @@ class Rough:
 class RoughMotions:
     """Times the candidates that continue one partial plan."""
 
-    def __init__(self, robot: Robot, partial: PartialPlan, options: tuple[Option, ...]) -> None:
-        self._limits, state = robot.limits.table, partial.state
+    def __init__(self, limits: Limits, partial: PartialPlan, options: tuple[Option, ...]) -> None:
+        self._limits, state = limits.table, partial.state
         self._start, self._time = np.array([state.q, state.qd]), float(state.time)
         first, rows, meetings = 0, [], []
         for branch in (option.branch for option in options):

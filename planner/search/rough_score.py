@@ -26,7 +26,7 @@ class CoarseScore:
 
     def __init__(self, prover: Prover, partial: PartialPlan, options: tuple[Option, ...]) -> None:
         self.prover, self.partial = prover, partial
-        self.rough = RoughMotions(prover.scene.robot, partial, options)
+        self.rough = RoughMotions(partial.attached.limits(prover.scene), partial, options)
         self.pairs = len(prover.pairs(prover.arrangement(partial.attached), self._way(partial.state.time)))
         """How many pairs of bodies must be kept apart on the way."""
         self.times: list[float] = []

@@ -12,6 +12,7 @@ import numpy as np
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece
+from assur.planner.model.load import LoadLimits
 from assur.planner.robots import five_axis_arm, five_bar, scara, tilting
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.facts import Limits, RobotBody
@@ -24,6 +25,7 @@ from assur.planner.robots.scara import Scara
 from assur.scenes.conventions import Conventions, JointConvention, JointKind, places
 from assur.scenes.faults import Refused, within
 from assur.scenes.reading.bodies import attached
+from assur.scenes.reading.loads import load_limits
 from assur.scenes.robot_facts import unnamed
 from assur.scenes.schema.robots import (
     Arm,
@@ -80,7 +82,7 @@ class BuiltArm:
     """An arm that does not stand anywhere yet: the maker's joint conventions, its own limits in the planner's order.
 
     `zero_m`: the planner's base origin above the mounting face; `z_down`: the flange frame that requests speak of is
-    turned by π about its x axis; `make`: the planner's robot of these limits and this base.
+    turned by π about its x axis; `load`: what it may carry; `make`: the planner's robot of these limits and this base.
     """
 
     name: str
@@ -88,6 +90,7 @@ class BuiltArm:
     limits: Limits
     zero_m: float
     z_down: bool
+    load: LoadLimits
     make: Callable[..., Robot]
 
     def robot(self, base: Pose, limits: Limits) -> Robot:
@@ -125,7 +128,7 @@ def built(family: Family, arm: Arm) -> BuiltArm:
         self_pairs=_pairs(family, arm),
         joint_names=tuple(conventions[int(i)].name for i in order),
     )
-    return BuiltArm(name, conventions, limits, zero, z_down, make)
+    return BuiltArm(name, conventions, limits, zero, z_down, load_limits(family, arm), make)
 
 
 def _maker(arm: Arm, **shared: Any) -> Callable[..., Robot]:

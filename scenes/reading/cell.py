@@ -11,12 +11,11 @@ from assur.planner.model.scene import (
     Options,
     Pick,
     Scene,
-    Step,
     check_tool_point,
 )
 from assur.scenes.conventions import Conventions
 from assur.scenes.faults import Refused, choices, located, within
-from assur.scenes.reading import bodies, frames, neighbours, robots, task
+from assur.scenes.reading import bodies, frames, loads, neighbours, robots, task
 from assur.scenes.reading.start import start_of
 from assur.scenes.schema.request import ExecutionDocument, OptionsDocument, RequestDocument
 
@@ -77,7 +76,8 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
     with within("start"):
         start = start_of(request.start, given, known, places)
     steps = task.steps_of(request.task, known, places, robot.coordinates, held)
-    _check_riders(request, steps)
+    taken_up = {step.part for step in steps if isinstance(step, Pick)} | ({held} if held else set())
+    _check_riders(request, taken_up)
     carry = None if request.carry is None else request.carry.acceleration_m_s2
     scene = Scene(
         robot=robot,
@@ -89,37 +89,30 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         options=_options(request.options, robot.modes, [*own, *(body.name for body in surroundings)]),
         execution=_execution(request.execution, given.conventions),
         carry_acceleration=carry,
+        load_limits=given.load,
         assumptions=(
             *robots.assumptions_of(document, request.robot),
             *frames.assumptions_of(request.frames),
-            *_unused(request),
+            *_left_out(request),
+            *loads.assumptions_of(robot, given.load, tool, [body for body in surroundings if body.name in taken_up]),
         ),
         digest=request.digest,
     )
     return Cell(scene, given, known, places, document)
 
 
-MASSES = "mass_kg is not used: no torque, no payload check"
-"""What an answer says where a mass is given."""
 NO_SOLIDS = "the tool has no bodies: nothing is kept clear of it between flange and tool point"
-"""... and where a tool has a length alone."""
+"""What an answer says where a tool has a length alone."""
 
 
-def _unused(request: RequestDocument) -> tuple[str, ...]:
-    """What the request states and no plan depends on, or leaves out and no plan knows. A mass of 0 is the same as
-    none."""
-    masses = [request.robot.tool.mass_kg, *(body.mass_kg for body in request.bodies)]
-    masses += [neighbour.robot.tool.mass_kg for neighbour in request.neighbours]
+def _left_out(request: RequestDocument) -> tuple[str, ...]:
+    """What the request leaves out and no plan knows."""
     tool = request.robot.tool
-    bare = any(tool.tcp_m) and not tool.bodies
-    return (*((MASSES,) if any(masses) else ()), *((NO_SOLIDS,) if bare else ()))
+    return (NO_SOLIDS,) if any(tool.tcp_m) and not tool.bodies else ()
 
 
-def _check_riders(request: RequestDocument, steps: tuple[Step, ...]) -> None:
+def _check_riders(request: RequestDocument, picked: set[str]) -> None:
     """A body whose place is told by a part would stay behind when that part is picked up."""
-    picked = {step.part for step in steps if isinstance(step, Pick)}
-    if request.start.holding is not None:
-        picked.add(request.start.holding.part)
     for i, body in enumerate(request.bodies):
         if body.pose is not None and body.pose.body in picked:
             raise Refused("a body that no step picks", "bodies", i, "pose", "body")

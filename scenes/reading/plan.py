@@ -8,6 +8,7 @@ from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.frames.law import PoseUncertainty
 from assur.planner.model.arrival_error import ArrivalError, Share
+from assur.planner.model.load import Carried
 from assur.planner.model.outcome import (
     Arrival,
     Certificate,
@@ -86,6 +87,25 @@ def nearest_of(plan: object) -> tuple[Nearest | None] | None:
     item: document.Nearest = read_normal(document.Nearest, given, given, (PLAN, "margins", "nearest"))
     one, other = item["bodies"]
     return (Nearest(item["gap_m"], item["time_s"], (one, other), item["phase"], item["gap_m"]),)
+
+
+def carried_of(plan: object) -> tuple[Carried, ...] | None:
+    """What a planned answer says of the loads; None: nothing. Raises `DocumentError` below "plan"."""
+    given = plan.get("load") if isinstance(plan, dict) else None
+    if given is None:
+        return None
+    item: document.LoadApplied = read_normal(document.LoadApplied, given, given, (PLAN, "load"))
+    return tuple(
+        Carried(
+            part=load["part"],
+            mass_kg=load["mass_kg"],
+            inertia_kgm2=load["inertia_kgm2"],
+            share=load["acceleration_share"],
+            t0=load["from_s"],
+            t1=load["to_s"],
+        )
+        for load in item["carried"]
+    )
 
 
 def _route(item: document.Route | None) -> Route | None:

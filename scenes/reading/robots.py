@@ -10,7 +10,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
-from assur.planner.model.scene import Tool
+from assur.planner.model.load import LoadLimits, Tool
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
 from assur.scenes.bounds import FAR_M
@@ -20,6 +20,7 @@ from assur.scenes.faults import Refused, as_written, within
 from assur.scenes.reading.arms import BuiltArm, built, turned_over
 from assur.scenes.reading.bodies import attached
 from assur.scenes.reading.frames import placed, pose_of
+from assur.scenes.reading.loads import replaced
 from assur.scenes.robot_facts import assumptions
 from assur.scenes.schema.request import LagDocument
 from assur.scenes.schema.robots import (
@@ -35,11 +36,13 @@ from assur.scenes.units import from_si, si_key, twin_of
 
 @dataclass(frozen=True, eq=False)
 class Equipped:
-    """A robot at its base with its limits narrowed, its tool, and the conventions in which its maker counts."""
+    """A robot at its base with its limits narrowed, its tool, the conventions in which its maker counts, and what the
+    robot may carry."""
 
     robot: Robot
     tool: Tool
     conventions: Conventions
+    load: LoadLimits
 
 
 _kept: dict[str, Equipped] = {}
@@ -55,9 +58,10 @@ def equipped(item: RobotDocument) -> Equipped:
         of = _arm(item)
         with within("limits"):
             limits = _narrowed(item.limits, of)
+            load = replaced(of.load, item.limits.acceleration_by_load)
         made = of.robot(pose_of(item.base), limits)
         with within("tool"):
-            found = Equipped(made, _tool(item.tool, of), of.conventions)
+            found = Equipped(made, _tool(item.tool, of), of.conventions, load)
         if len(item.text) <= LONGEST_KEPT:
             if len(_kept) >= MOST_KEPT:
                 _kept.clear()
@@ -98,7 +102,7 @@ def _tool(item: ToolDocument, of: BuiltArm) -> Tool:
     tcp = placed(item.tcp_m, item.tcp_yaw_rad)
     if of.z_down:
         bodies, tcp = tuple(turned_over(body) for body in bodies), Pose(tcp.x, -tcp.y, -tcp.z, -tcp.yaw)
-    return Tool(tcp, bodies, item.mass_kg)
+    return Tool(tcp, bodies, item.mass_kg, item.inertia_kgm2)
 
 
 def lag(item: LagDocument | None, conventions: Conventions) -> tuple[float, ...]:
@@ -169,7 +173,7 @@ def _ranges(ranges: dict[str, Sequence[float]], of: BuiltArm) -> tuple[FloatArra
     keys, own = [_key(joint) for joint in of.conventions], places(of.conventions)
     for key, (first, last) in ranges.items():
         if key not in keys:
-            allowed = ["velocity", "acceleration", "jerk", *keys]
+            allowed = ["velocity", "acceleration", "jerk", "acceleration_by_load", *keys]
             raise Refused(f"one of {', '.join(allowed)} (ranges also in deg, mm)", key)
         joint, i = of.conventions[keys.index(key)], int(own[keys.index(key)])
         low, high = sorted((joint.sign * first, joint.sign * last))

@@ -207,6 +207,31 @@ class Margins(TypedDict):
     jerk: Literal["limited", "unbounded"]
 
 
+@with_config(CLOSED)
+class Carried(TypedDict):
+    """What the flange carries for a time: tool and `part` (null: the tool alone), the inertia about the last joint's
+    axis (null: it turns nothing about the vertical), and the share of acceleration and jerk that the joints have."""
+
+    part: Text | None
+    mass_kg: Number
+    inertia_kgm2: Number | None
+    acceleration_share: Number
+    from_s: Number
+    to_s: Number
+
+
+@with_config(CLOSED)
+class LoadApplied(TypedDict):
+    """What is known of what the robot may carry (null: not known), the law by which acceleration and jerk are scaled,
+    and what is carried."""
+
+    rated_kg: Number | None
+    max_kg: Number | None
+    max_inertia_kgm2: Number | None
+    law: Literal["none", "rated_load", "table"]
+    carried: Annotated[list[Carried], Field(max_length=4 * bounds.MAX_STEPS)]
+
+
 class Refused(TypedDict):
     """What a refusal is about (bodies, a joint or a frame), its facts, and the same for people in `detail`."""
 
@@ -284,6 +309,7 @@ class PlannedAnswer(_Motion, _Common):
     start_s: Number
     contacts: list[Contact]
     margins: Margins
+    load: LoadApplied
     lower_bound_s: Number | None
     first_s: Number | None
 
@@ -314,6 +340,7 @@ class CheckedPlan(_Motion, total=False):
     duration_s: Number
     start_s: Number
     lower_bound_s: Number | None
+    load: LoadApplied
     request_digest: Text
 
 

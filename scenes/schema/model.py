@@ -172,6 +172,8 @@ Instant = Annotated[float, Field(ge=-bounds.LONG_S, le=bounds.LONG_S)]
 Duration = Annotated[float, Field(ge=0.0, le=bounds.LONG_S)]
 Span = Annotated[float, Field(gt=0.0, le=bounds.LONG_S)]
 Mass = Annotated[float, Field(ge=0.0, le=bounds.HEAVY_KG)]
+Load = Annotated[float, Field(gt=0.0, le=bounds.HEAVY_KG)]
+Inertia = Annotated[float, Field(ge=0.0, le=bounds.HEAVY_KGM2)]
 Scale = Annotated[float, Field(gt=0.0, le=1.0)]
 
 MOST_YAW_ERROR_RAD = 1.6

@@ -22,7 +22,9 @@ from assur.scenes.schema.model import (
     Document,
     Duration,
     Group,
+    Inertia,
     Instant,
+    Load,
     Mass,
     Mode,
     Name,
@@ -56,26 +58,41 @@ LengthFact = Annotated[Size | Stated[Size], FACT]
 HeightFact = Annotated[Coordinate | Stated[Coordinate], FACT]
 RangeFact = Annotated[Pair | Stated[Pair], FACT]
 LimitFact = Annotated[Positive | Stated[Positive], FACT]
+LoadFact = Annotated[Load | Stated[Load], FACT]
 JerkFact = Annotated[Jerk | Stated[Jerk], FACT]
 
 
 class ToolDocument(Document):
-    """What is bolted to the flange. The tool point must be given; bodies and tool point in the flange's frame."""
+    """What is bolted to the flange. The tool point must be given; bodies and tool point in the flange's frame.
+    `inertia_kgm2`: about the flange's z axis; else the mass is spread over the bodies by volume."""
 
     tcp_m: Point
     tcp_yaw_rad: Angle = 0.0
-    mass_kg: Mass = 0.0
+    mass_kg: Mass | None = None
+    inertia_kgm2: Inertia | None = None
     bodies: Annotated[list[AttachedBody], Field(max_length=bounds.MAX_TOOL_BODIES)] = Field(default_factory=list)
 
 
+class LoadShare(Document):
+    """With this load, tool and part together, the joints have this share of their acceleration and jerk."""
+
+    mass_kg: Mass
+    share: Scale
+
+
+LoadShares = Annotated[list[LoadShare], Field(min_length=1, max_length=bounds.MAX_LOAD_ROWS)]
+
+
 class LimitsDocument(ByName):
-    """Scales in (0, 1] of the robot's own limits, and narrower ranges by the maker's joint names (`j4_rad`)."""
+    """Scales in (0, 1] of the robot's own limits, the share of acceleration and jerk by mass in place of the robot's
+    own law, and narrower ranges by the maker's joint names (`j4_rad`)."""
 
     __pydantic_extra__: dict[str, Pair]
 
     velocity: Scale = 1.0
     acceleration: Scale = 1.0
     jerk: Scale = 1.0
+    acceleration_by_load: LoadShares | None = None
 
 
 class JointDocument(Document):
@@ -106,14 +123,18 @@ class JointDocument(Document):
 
 
 class AnyArm(Document):
-    """What arms of all families have in common: what they are called and who made them, the solids of their links, and
-    which links can meet (not those that are joined, which overlap by construction)."""
+    """What arms of all families have in common: what they are called and who made them, what they may carry (tool and
+    part together; the inertia is about the last joint's axis), the solids of their links, and which links can meet (not
+    those that are joined, which overlap by construction)."""
 
     name: ModelName | None = None
     title: Text | None = None
     maker: Text | None = None
     about: Text | None = None
-    payload_kg: Annotated[Mass | Stated[Mass], FACT] | None = None
+    rated_load_kg: LoadFact | None = None
+    max_load_kg: LoadFact | None = None
+    max_inertia_kgm2: Annotated[Inertia | Stated[Inertia], FACT] | None = None
+    acceleration_by_load: Annotated[LoadShares | Stated[LoadShares], FACT] | None = None
     bodies: Annotated[LinkBodies | Stated[LinkBodies], FACT]
     self_pairs: Annotated[
         list[Annotated[list[LinkName], Field(min_length=2, max_length=2)]], Field(max_length=bounds.MAX_TOOL_BODIES)

@@ -24,6 +24,7 @@ from assur.planner.model.refusal import (
     MotionLimit,
     Obstacle,
     OutOfReach,
+    Overload,
     Quantity,
     Reason,
     Refusal,
@@ -228,6 +229,29 @@ CASES: list[tuple[Refusal, str]] = [
     (
         of(Reason.CARRY_LIMIT, Carrying(acceleration=12.5, limit=10.0)),
         "the part would be accelerated with 12.5 m/s², but only 10 m/s² are allowed",
+    ),
+    (
+        of(
+            Reason.LOAD_LIMIT,
+            Overload(of="max_load", value=6.4, limit=6.0, tool=1.2, part="part", part_value=5.2),
+            stage=Stage.CONTROL_POINT,
+        ),
+        "tool and part have 6.4 kg together (1.2 kg and 5.2 kg) from here on, but the maximum load of test is 6 kg; "
+        "a part of up to 4.8 kg, a lighter tool or a robot for this load would help",
+    ),
+    (
+        of(Reason.LOAD_LIMIT, Overload(of="table", value=6.4, limit=6.0, tool=6.4), stage=Stage.START),
+        "the tool has 6.4 kg, but acceleration_by_load ends at 6 kg; a lighter tool or a row for this mass would help",
+    ),
+    (
+        of(
+            Reason.LOAD_LIMIT,
+            Overload(of="max_inertia", value=0.2, limit=0.12, tool=0.15, part="part", part_value=0.05),
+            stage=Stage.START,
+        ),
+        "tool and part have 0.2 kg·m² about theta4 together (0.15 kg·m² and 0.05 kg·m²) from the start on, but the "
+        "maximum of test is 0.12 kg·m²; a tool that is lighter or nearer to the axis or a robot for this load would "
+        "help",
     ),
     (
         of(

@@ -16,6 +16,7 @@ from assur.planner.checker import check
 from assur.planner.frames import Change, Conveyor, Fixed, Keyframes, Linear, Swing, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder, sphere
+from assur.planner.model.load import LoadLimits
 from assur.planner.model.outcome import Leg, LegKind, NotPlanned, Outcome, Planned
 from assur.planner.model.refusal import Reason, Stage
 from assur.planner.model.scene import Arch, Clearance, Execution, Follow, Move, Pick, Place, Scene, Target, Window
@@ -125,6 +126,11 @@ REASONS: dict[Reason, tuple[Callable[[], Scene], bool, str]] = {
         ),
         False,
         "mm off, but only 1 mm are allowed; most of it, 5 mm, is due to: frame",
+    ),
+    Reason.LOAD_LIMIT: (
+        lambda: replace(cell(go(0.35, 0.2), tool=replace(CUP, mass_kg=7.0)), load_limits=LoadLimits(max_kg=6.0)),
+        True,
+        "the tool has 7 kg, but the maximum load of test is 6 kg",
     ),
     Reason.CARRY_LIMIT: (
         # 0.1 m from the axis at 3 rad/s is 0.9 m/s² however gently one takes the part

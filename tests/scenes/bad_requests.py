@@ -142,6 +142,14 @@ def add(*path: str | int, value: Any) -> Change:
 
 PART, PICK, PLACE = ("bodies", 1), ("task", 0, "pick"), ("task", 1, "place")
 BELT, TOOL = ("frames", "belt", "conveyor"), ("robot", "tool")
+BY_LOAD = ("robot", "limits", "acceleration_by_load")
+
+
+def share(mass_kg: float, share: float) -> dict[str, float]:
+    """A row of a table of shares by mass."""
+    return {"mass_kg": mass_kg, "share": share}
+
+
 BOX = {"name": "extra", "shape": {"box": {"size_mm": [10, 10, 10]}}, "pose": {"at_mm": [0, -500, 5]}}
 OPEN_STL = (
     b"solid x\n" + b"facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\nendfacet\n" * 4
@@ -283,6 +291,41 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad("no tool point", drop(*TOOL, "tcp_mm"), "robot.tool.tcp_m"),
     Bad("two bodies of the tool of one name", _twin_cups, "robot.tool.bodies[0].name"),
     Bad("negative mass", put(*TOOL, "mass_kg", value=-1), "robot.tool.mass_kg"),
+    Bad("mass in grams", put(*TOOL, "mass_g", value=450), "robot.tool.mass_g", "did you mean mass_kg?"),
+    Bad("negative inertia", put(*TOOL, "inertia_kgm2", value=-0.1), "robot.tool.inertia_kgm2"),
+    Bad("no rows of shares", put(*BY_LOAD, value=[]), ".".join(BY_LOAD)),
+    Bad("share above one", put(*BY_LOAD, value=[share(1, 1.2)]), "robot.limits.acceleration_by_load[0].share"),
+    Bad("share of zero", put(*BY_LOAD, value=[share(1, 0)]), "robot.limits.acceleration_by_load[0].share"),
+    Bad(
+        "share of a negative mass", put(*BY_LOAD, value=[share(-1, 1)]), "robot.limits.acceleration_by_load[0].mass_kg"
+    ),
+    Bad(
+        "masses that do not increase",
+        put(*BY_LOAD, value=[share(3, 1), share(3, 0.5)]),
+        "robot.limits.acceleration_by_load[1].mass_kg",
+        "more than 3 kg",
+    ),
+    Bad(
+        "shares that increase",
+        put(*BY_LOAD, value=[share(3, 0.5), share(4, 0.6)]),
+        "robot.limits.acceleration_by_load[1].share",
+        "up to 0.5",
+    ),
+    Bad("rated load above the maximum", _inline(rated_load_kg=5, max_load_kg=3), "robot.scara.rated_load_kg", "3 kg"),
+    Bad(
+        "stated rated load above the maximum",
+        _inline(rated_load_kg={"value": 5, "status": "vendor", "source": "manual"}, max_load_kg=3),
+        "robot.scara.rated_load_kg.value",
+        "3 kg",
+    ),
+    Bad("maximum load of nothing", _inline(max_load_kg=0), "robot.scara.max_load_kg"),
+    Bad("maximum inertia of nothing", _inline(max_inertia_kgm2=0), "robot.scara.max_inertia_kgm2", "positive"),
+    Bad(
+        "an arm's shares that increase",
+        _inline(acceleration_by_load=[share(3, 0.5), share(4, 0.6)]),
+        "robot.scara.acceleration_by_load[1].share",
+        "up to 0.5",
+    ),
     Bad("scale above one", put("robot", "limits", "velocity", value=1.5), "robot.limits.velocity"),
     Bad("scale of zero", put("robot", "limits", "jerk", value=0), "robot.limits.jerk"),
     Bad("wider range", put("robot", "limits", "j4_deg", value=[-400, 270]), "robot.limits.j4_deg"),

@@ -65,16 +65,6 @@ def test_a_start_beyond_a_range_is_told_its_makers_joint_and_range(model: str, j
         scene_of(request)
 
 
-def test_masses_are_told_to_be_unused_wherever_one_is_given() -> None:
-    request = copy.deepcopy(GOOD_REQUEST)
-    told = "mass_kg is not used: no torque, no payload check"
-    assert scene_of(request).assumptions.count(told) == 1
-    del request["robot"]["tool"]["mass_kg"]
-    assert told in scene_of(request).assumptions
-    del request["bodies"][1]["mass_kg"]
-    assert told not in scene_of(request).assumptions
-
-
 def test_a_tool_that_has_a_length_and_no_bodies_is_told_to_be_kept_clear_of_nothing() -> None:
     request = copy.deepcopy(GOOD_REQUEST)
     told = "the tool has no bodies: nothing is kept clear of it between flange and tool point"

@@ -107,13 +107,13 @@ def test_a_shipped_robot_is_a_file_as_a_user_writes_one(model: str) -> None:
     assert own.document[own.family]["name"] == model
 
 
-LENGTHS = ("separation", "proximal", "distal", "l1", "l2", "l3", "height")
+OF_ARM = ("separation", "proximal", "distal", "l1", "l2", "l3", "height", "rated_load", "max_load", "max_inertia")
 
 
 @pytest.mark.parametrize("model", models())
 def test_every_number_has_a_source_and_a_status_and_is_an_assumption_unless_it_is_sure(model: str) -> None:
     listed, assumptions = LISTED[model], list(shipped_robot(model).assumptions)
-    numbers = [(model, listed[name]) for name in LENGTHS if name in listed]
+    numbers = [(model, listed[name]) for name in OF_ARM if name in listed]
     for joint in listed["joints"]:
         for name in ("lower", "upper", "velocity", "acceleration", "jerk", "zero"):
             if name in joint:

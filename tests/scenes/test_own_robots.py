@@ -92,15 +92,21 @@ def test_a_plain_number_is_digested_as_a_number_and_a_statement_with_its_status_
 
 
 def test_assumptions_say_what_was_stated_as_it_was_written_and_that_other_numbers_were_not() -> None:
-    assert cell_of(inline()).scene.assumptions == (OWN,)
+    unknown = (
+        "not known are rated load (accelerations are not scaled with the load), maximum load (no mass is refused), "
+        "maximum inertia about C (none is refused)"
+    )
+    assert cell_of(inline()).scene.assumptions == (OWN, f"inline-scara: {unknown}")
     assert cell_of(changed(l1_mm=stated(300), name="mine")).scene.assumptions == (
         "mine: length of link 1 300 mm, estimated: a ruler",
         "mine: numbers without a status are the request's own",
+        f"mine: {unknown}",
     )
     assert cell_of(changed(l1_mm=stated(300, "vendor"))).scene.assumptions == (
         "inline-scara: numbers without a status are the request's own",
+        f"inline-scara: {unknown}",
     )
-    (solids, rest) = cell_of(changed(bodies=stated(inline()["robot"]["scara"]["bodies"]))).scene.assumptions
+    (solids, rest, _) = cell_of(changed(bodies=stated(inline()["robot"]["scara"]["bodies"]))).scene.assumptions
     assert solids == (
         "inline-scara: solids in mm, estimated: a ruler: post cylinder 50 x 400 at 0, 0, 200; "
         "rod cylinder 9 x 300 at 0, 0, 150"

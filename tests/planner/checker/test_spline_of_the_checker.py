@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker import Code
-from assur.planner.checker.checking import limits
+from assur.planner.checker.limits import limits
 from assur.planner.checker.spline import COLUMNS, JERK, RATE, curve, cut, joints
 from assur.planner.checker.world import World
 from assur.planner.robots.facts import Limits

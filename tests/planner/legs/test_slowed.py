@@ -37,7 +37,7 @@ def motion(effort: float = 1.0, **ends: FloatArray) -> Trajectory:
 def test_a_slowed_motion_keeps_the_limit_its_way_and_its_ends(effort: float, share: float) -> None:
     here, whole = scene(), motion(effort)
     peak, _ = tool_peak(here, whole, whole.start, whole.end)
-    found = slowed(here, 0, whole, share * peak)
+    found = slowed(here, 0, whole, share * peak, LIMITS)
     assert found is not None
     slow, _ = tool_peak(here, found, found.start, found.end, 1e-4)
     assert slow <= share * peak
@@ -57,7 +57,7 @@ def test_a_slowed_motion_keeps_the_limit_its_way_and_its_ends(effort: float, sha
 def test_most_of_a_motion_that_is_slowed_down_is_near_the_limit() -> None:
     here, whole = scene(), motion()
     limit = 0.2 * tool_peak(here, whole, whole.start, whole.end)[0]
-    found = slowed(here, 0, whole, limit)
+    found = slowed(here, 0, whole, limit, LIMITS)
     assert found is not None
     times = np.linspace(found.start, found.end, 101)
     pulls = [tool_peak(here, found, a, b)[0] for a, b in pairwise(times.tolist())]
@@ -67,15 +67,17 @@ def test_most_of_a_motion_that_is_slowed_down_is_near_the_limit() -> None:
 def test_what_already_keeps_the_limit_is_not_slowed_down() -> None:
     here, whole = scene(), motion()
     peak, _ = tool_peak(here, whole, whole.start, whole.end)
-    assert slowed(here, 0, whole, 1.01 * peak / (1 - RESERVE)) is None
+    assert slowed(here, 0, whole, 1.01 * peak / (1 - RESERVE), LIMITS) is None
 
 
 def test_an_end_in_motion_is_kept_and_one_that_pulls_too_hard_itself_is_not_slowed() -> None:
     """A joint that lifts at the end, as above a point, pulls little; the first joint at full speed pulls inwards."""
     here = scene()
-    lifting = motion(first=np.array([0.0, 0.0, 0.05, 0.0]))
-    limit = 0.4 * tool_peak(here, lifting, lifting.start, lifting.end)[0]
-    found = slowed(here, 0, lifting, limit)
-    assert found is None or np.array_equal(found.knots[0], lifting.knots[0])
+    lifting = motion(0.7, first=np.array([0.0, 0.0, 0.05, 0.0]))
+    limit = 0.6 * tool_peak(here, lifting, lifting.start, lifting.end)[0]
+    found = slowed(here, 0, lifting, limit, LIMITS)
+    assert found is not None
+    assert found.duration > lifting.duration
+    assert np.array_equal(found.knots[0], lifting.knots[0])
     swinging = motion(last=np.array([LIMITS.velocity[0], 0.0, 0.0, 0.0]))
-    assert slowed(here, 0, swinging, 0.1) is None
+    assert slowed(here, 0, swinging, 0.1, LIMITS) is None

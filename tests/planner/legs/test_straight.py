@@ -254,7 +254,7 @@ def test_no_leg_is_slower_than_by_the_constant_law_and_what_that_refuses_is_refu
         if not np.isfinite(at.qdd).all():
             continue
         state = State(0.2, at.q, at.qd, at.qdd)
-        before = scaled(scene, 0, state, mode, left, met, constant_law, 0)
+        before = scaled(scene, 0, state, mode, left, met, constant_law, 0, scene.robot.limits)
         leg = straight(scene, 0, state, mode, left, met)
         if isinstance(before, Refusal) or isinstance(leg, Refusal):
             assert repr(leg) == repr(before)
@@ -318,7 +318,10 @@ def test_a_frame_that_stands_at_first_and_then_moves_is_followed() -> None:
 
     scene = cell(go(0.3, 0.0), robot=arm(j4=12.0))
     state, left = begin(scene, *still(0.3, -0.2), 0.0, 0), along(*still(0.3, -0.2))
-    leg, before = straight(scene, 0, state, 0, left, met), scaled(scene, 0, state, 0, left, met, constant_law, 0)
+    leg, before = (
+        straight(scene, 0, state, 0, left, met),
+        scaled(scene, 0, state, 0, left, met, constant_law, 0, scene.robot.limits),
+    )
     assert isinstance(leg, TimedLeg)
     assert isinstance(before, TimedLeg)
     assert path(leg).duration <= path(before).duration
@@ -347,7 +350,7 @@ def test_where_the_line_was_not_told_rightly_the_faster_leg_is_still_taken() -> 
         return TiltedMotion.of(Motion.still(goal, np.shape(t)), np.array([-0.7751324364, 0.0762509788]))
 
     scene, state = cell(go(0.3, 0.0), robot=robot, q=tuple(q.tolist())), State(0.0, q, none, none)
-    before = scaled(scene, 0, state, 1, left, met, constant_law, 0)
+    before = scaled(scene, 0, state, 1, left, met, constant_law, 0, scene.robot.limits)
     leg = straight(scene, 0, state, 1, left, met)
     assert isinstance(before, TimedLeg)
     assert isinstance(leg, TimedLeg)

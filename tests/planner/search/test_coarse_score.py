@@ -68,7 +68,7 @@ def test_rough_motions_begin_at_the_start_wait_as_told_pass_their_vias_and_end_a
     scene = walled()
     _, found, population = asked(scene)
     chain, rows = initial(scene), drawn(population, 60)
-    rough = RoughMotions(scene.robot, chain, found)(rows)
+    rough = RoughMotions(scene.robot.limits, chain, found)(rows)
     start = np.broadcast_to(chain.state.q, (60, 4))
     for t in (np.full((60, 1), chain.state.time), (chain.state.time + rows[:, WAIT])[:, None]):
         np.testing.assert_allclose(rough.at(every(rows), t)[:, 0], start, atol=1e-12)
@@ -90,7 +90,7 @@ def test_a_point_that_moves_is_met_where_it_is_at_the_end_of_the_motion() -> Non
     scene = belt_and_dial(go(0.35, 0.0, 0.12))
     _, found, population = asked(scene)
     rows = drawn(population, 80)
-    rough = RoughMotions(scene.robot, initial(scene), found)(rows)
+    rough = RoughMotions(scene.robot.limits, initial(scene), found)(rows)
     meets = np.flatnonzero(np.isfinite(rough.end))
     assert len(meets)
     for i in meets:
@@ -110,7 +110,7 @@ def test_a_later_candidate_reaches_a_moving_point_later() -> None:
     rows[:, LATE] = 0.0
     later = rows.copy()
     later[:, LATE] = 0.2
-    motions = RoughMotions(scene.robot, initial(scene), found)
+    motions = RoughMotions(scene.robot.limits, initial(scene), found)
     first, second = motions(rows).end, motions(later).end
     both = np.isfinite(first) & np.isfinite(second)
     assert both.any()
@@ -124,14 +124,14 @@ def test_a_motion_that_turns_round_beyond_a_limit_is_not_possible() -> None:
     middle = (chain.state.q + found[0].branch.q[0]) / 2
     row[0, VIAS], row[0, PACES] = 1, 0.0
     row[0, FIRST_VIA : FIRST_VIA + 4] = middle
-    motions = RoughMotions(scene.robot, chain, found)
+    motions = RoughMotions(scene.robot.limits, chain, found)
     assert np.isfinite(motions(row).end).all()
     upper = scene.robot.limits.upper[2]
     row[0, FIRST_VIA + 2] = upper
     assert np.isfinite(motions(row).end).all()
     # set out upwards from just below the top: the lift comes to rest only beyond it
     state = replace(chain.state, q=np.append(chain.state.q[:2], [upper - 1e-4, 0.0]), qd=np.array([0.0, 0.0, 0.5, 0.0]))
-    over = RoughMotions(scene.robot, replace(chain, state=state), found)
+    over = RoughMotions(scene.robot.limits, replace(chain, state=state), found)
     assert not np.isfinite(over(row).end).any()
 
 

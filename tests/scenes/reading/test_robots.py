@@ -164,7 +164,11 @@ def test_an_arm_of_the_catalogue_that_is_written_out_is_the_same_arm(model: str)
         for a, b in zip(mine_.body.pieces, other_.body.pieces, strict=True):
             assert a.shape == b.shape
             assert np.array_equal(a.position, b.position)
-    assert inline_cell.scene.assumptions == ("the robot's data are the request's own",)
+    assert inline_cell.scene.load_limits == named_cell.scene.load_limits
+    own, *of_load = inline_cell.scene.assumptions
+    assert own == "the robot's data are the request's own"
+    assert of_load == list(named_cell.scene.assumptions[-len(of_load) :])
+    assert of_load[0].startswith(f"{model}: not known ")
     # ... and its joints are in the planner's order: what lifts is third
     if model == "lab-scara":
         assert [joint.name for joint in here.joints] == ["j1", "j3", "j2", "j4"]
