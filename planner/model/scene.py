@@ -15,7 +15,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.pieces import Pieces, pieces
 from assur.planner.geometry.shapes import Body
 from assur.planner.model.blendable import refuse_acceleration_time, refuse_unblendable
-from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Window
+from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Trace, Window
 from assur.planner.robots.robot import Robot
 
 __all__ = [
@@ -36,6 +36,7 @@ __all__ = [
     "Step",
     "Target",
     "Tool",
+    "Trace",
     "Window",
     "WorldBody",
 ]

@@ -48,6 +48,18 @@ def sentence(scene: Scene, refusal: Refusal | None, line: CensusLine | None, cen
 
 def because(scene: Scene, refusal: Refusal) -> str:
     """What would happen, or what is missing: a sentence without its step and its full stop."""
+    return _on_path(refusal) + _because(scene, refusal)
+
+
+def _on_path(refusal: Refusal) -> str:
+    """Where on a path it happens."""
+    place = getattr(refusal.facts, "path_m", None)
+    if place is None:
+        return ""
+    return f"{_mm(-place)} before the path begins, " if place < 0.0 else f"{_mm(place)} along the path, "
+
+
+def _because(scene: Scene, refusal: Refusal) -> str:
     short = "" if refusal.amount is None else amount(refusal.amount.value, refusal.amount.unit)
     match refusal.facts:
         case OutOfReach() as facts:
@@ -202,6 +214,7 @@ OBSTACLES = {
     Obstacle.NO_SUCH_DURATION: "no motion was found that takes exactly the time to a meeting",
     Obstacle.STRAIGHT_FROM_MOTION: "a straight leg must begin at rest or while a frame is tracked",
     Obstacle.POINT_TOO_FAST: "the control point moves too fast to be met",
+    Obstacle.PROCESS_SPEED: "the joints cannot follow the path within 0.01 mm and 1 % of its speed: it bends too much",
 }
 """Obstacles that are no joint's rate."""
 

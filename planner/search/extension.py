@@ -20,6 +20,7 @@ from assur.planner.legs.state import Knots, TimedLeg
 from assur.planner.legs.straight import mode_changes, straight
 from assur.planner.legs.tilt import tilt_of
 from assur.planner.legs.tool_motion import RESERVE, carrying_peak
+from assur.planner.legs.tracing import left_at, trace, traced
 from assur.planner.legs.tracking import track
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.outcome import Arrival, Course, Leg, LegKind, Route
@@ -35,7 +36,7 @@ from assur.planner.model.refusal import (
     unmoved,
     window_missed,
 )
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Scene, Trace
 from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
 from assur.planner.timing import TimingRefusal, time_joints
@@ -156,7 +157,11 @@ def _continued(
         legs.insert(0, TimedLeg(LegKind.WAIT, standing, Route(Course.FOR_BODIES)))
     begin = end = way.knots.end
     if point.tracks:
-        there = track(scene, point, way.knots.last, candidate.branch.mode, candidate.tracking_effort)
+        last, mode = way.knots.last, candidate.branch.mode
+        tracing = isinstance(point.facts, Trace)
+        there = (
+            trace(scene, point, last, mode) if tracing else track(scene, point, last, mode, candidate.tracking_effort)
+        )
         if isinstance(there, Refusal):
             return there
         begin, end = there.begin, there.end
@@ -187,6 +192,11 @@ def _continued(
         return lost
     made = tuple(Leg(leg.kind, partial.step, leg.knots.begin, leg.knots.end, leg.route) for leg in legs)
     met = arrival(scene, point, partial, trajectory, begin, end)
+    if isinstance(point.facts, Trace):
+        told = traced(scene, point, trajectory, begin, end)
+        if isinstance(told, Refusal):
+            return told
+        met, point = replace(met, trace=told), left_at(point)
     inaccurate = too_far(scene, partial.step, met.error)
     if inaccurate is not None:
         return inaccurate

@@ -13,12 +13,13 @@ from assur.planner.legs.joint import Reached, Shape
 from assur.planner.legs.meeting import Meetings, meetings
 from assur.planner.legs.pace import Pace
 from assur.planner.legs.state import Knots, State, TimedLeg
+from assur.planner.legs.tracing import lead as lead_of_trace
 from assur.planner.legs.tracking import lead_time
 from assur.planner.model.attachments import AT_START, Attachments, at_start
 from assur.planner.model.outcome import Arrival, Leg
 from assur.planner.model.phases import NOTHING_HANDLED, Handled, Phase, handled_at_start
 from assur.planner.model.refusal import Refusal
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Scene, Trace
 from assur.planner.trajectory import Trajectory
 
 
@@ -104,8 +105,15 @@ def prepared(
 ) -> Meetings | Refusal:
     """How the next control point can be met from here."""
     point, state = control_point(scene, partial.step, partial.attached, yaw_offset, tilt), partial.state
-    lead = lead_time(scene, point, 1.0) if point.tracks else 0.0
-    return lead if isinstance(lead, Refusal) else meetings(scene, point, state.time, lead, modes, state.q)
+    lead = 0.0
+    if isinstance(point.facts, Trace):
+        lead = lead_of_trace(point)
+    elif point.tracks:
+        found = lead_time(scene, point, 1.0)
+        if isinstance(found, Refusal):
+            return found
+        lead = found
+    return meetings(scene, point, state.time, lead, modes, state.q)
 
 
 def paced(scene: Scene, partial: PartialPlan, effort: float) -> Pace:

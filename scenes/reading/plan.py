@@ -17,6 +17,7 @@ from assur.planner.model.outcome import (
     Nearest,
     Plan,
     Route,
+    Traced,
 )
 from assur.scenes.conventions import Conventions, converted
 from assur.scenes.faults import Refused, located, within
@@ -102,7 +103,12 @@ def _arrival(i: int, item: document.Arrival, conventions: Conventions) -> Arriva
         roll=item.get("roll_rad"),
         missed_by=_missed(i, item.get("missed_by"), conventions),
         error=_error(item.get("error")),
+        trace=_traced(item.get("trace")),
     )
+
+
+def _traced(item: document.Traced | None) -> Traced | None:
+    return None if item is None else Traced(**item)
 
 
 def _error(item: document.ArrivalError | None) -> ArrivalError | None:
