@@ -104,12 +104,13 @@ class Motion:
             ddw,
         )
 
-    def carrying(self, place: FloatArray, rate: FloatArray, bend: FloatArray, yaw: float = 0.0) -> Motion:
-        """Motion of a frame that moves in this one: its place (T, 3), velocity and acceleration in it; it is turned
-        against this one by `yaw`. The jerk is not known: NaN.
+    def carrying(self, place: FloatArray, rate: FloatArray, bend: FloatArray, *yaws: FloatArray | float) -> Motion:
+        """Motion of a frame that moves in this one: its place (T, 3), velocity and acceleration in it; `yaws`: by which
+        it is turned against this one, and two derivatives of that, 0 where left out. The jerk is not known: NaN.
 
         With r = R(yaw) place and so on:  v = ṗ + ω r⊥ + ṙ,  a = p̈ + α r⊥ − ω² r + 2 ω ṙ⊥ + r̈.
         """
+        yaw, yaw_d, yaw_dd = (*yaws, 0.0, 0.0, 0.0)[:3]
         c, s = np.cos(self.yaw), np.sin(self.yaw)
         r, rd, rdd = (
             np.stack([c * x[..., 0] - s * x[..., 1], s * x[..., 0] + c * x[..., 1], x[..., 2]], -1)
@@ -126,8 +127,8 @@ class Motion:
             self.a + dw * turned - w**2 * flat + 2 * w * turned_d + rdd,
             np.full_like(r, np.nan),
             self.yaw + yaw,
-            self.yaw_d,
-            self.yaw_dd,
+            self.yaw_d + yaw_d,
+            self.yaw_dd + yaw_dd,
             self.yaw_ddd,
         )
 

@@ -14,7 +14,7 @@ from assur.planner.arrays import FloatArray
 
 Along = tuple[FloatArray, FloatArray, FloatArray]
 """Point (T, 3) m, tangent (T, 3) of length 1, and derivative of the tangent by arc length (T, 3) 1/m."""
-STEPS = 32
+STEPS = 128
 """Parts of a polynomial curve whose lengths are tabled."""
 NEWTON = 6
 """Steps from an arc length to a parameter: from the table's line each squares an error of some percent."""

@@ -43,6 +43,8 @@ class Course(StrEnum):
     ARCH = "arch"
     """Up, over and down, in one motion."""
     STRAIGHT = "straight"
+    PATH = "path"
+    """Along a path of lines, arcs and splines."""
     BLENDS = "blends"
     """With parabolic blends."""
     TO_REST = "to rest"

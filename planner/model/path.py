@@ -80,6 +80,11 @@ class SplineThrough:
 PathPart = LineTo | ArcTo | SplineThrough
 
 
+def end_of(part: PathPart) -> Point:
+    """The last point of a part."""
+    return part.points[-1] if isinstance(part, SplineThrough) else part.to
+
+
 @dataclass(frozen=True, slots=True)
 class Junction:
     """Where two parts of a curve meet, `at` m from its beginning: how much the curvature differs, 1/m."""
@@ -160,7 +165,7 @@ class Path:
             tangent = None if not found else _end(found[-1])[1][0]
             pieces = _curves(number, part, here, tangent)
             found += self._rounded(number, found, pieces)
-            here = np.array(part.points[-1] if isinstance(part, SplineThrough) else part.to)
+            here = np.array(end_of(part))
         return PathCurve(found)
 
     @property
@@ -171,8 +176,7 @@ class Path:
     @property
     def end(self) -> Point:
         """The last point."""
-        last = self.parts[-1]
-        return last.points[-1] if isinstance(last, SplineThrough) else last.to
+        return end_of(self.parts[-1])
 
     def _rounded(
         self, number: int, before: list[tuple[Curve, float, float]], pieces: tuple[Curve, ...]

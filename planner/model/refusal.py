@@ -170,6 +170,12 @@ class Obstacle(StrEnum):
     """A straight leg would begin in motion, and not with a frame."""
     POINT_TOO_FAST = "point too fast"
     """The control point moves too fast to be met."""
+    OTHER_FRAME = "other frame"
+    """A leg along a path would begin in another frame than that of the path."""
+    OTHER_MODE = "other mode"
+    """A leg along a path would end in another working mode than it begins in."""
+    NO_PATH = "no path"
+    """From where a leg begins, its path cannot be (`assur.planner.model.path`)."""
     PROCESS_SPEED = "process speed"
     """The joints cannot follow a path within its tolerance at its process speed."""
 

@@ -14,7 +14,7 @@ from typing import ClassVar, Literal
 from assur.planner.errors import InputError
 from assur.planner.frames.law import PoseUncertainty
 from assur.planner.frames.motion import Pose
-from assur.planner.model.path import Path
+from assur.planner.model.path import Path, PathPart, Point, end_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +62,8 @@ class Arch:
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """Bring the tool point to `target`. `via`: flown by, never stopped at. `leg`: joint or cartesian (straight)."""
+    """Bring the tool point to `target`. `via`: flown by, never stopped at. `leg`: joint or cartesian: straight or, if
+    there is one, along a `path` in the target's frame that ends there, corners rounded within `blend_m`."""
 
     name: str
     target: Target
@@ -71,6 +72,8 @@ class Move:
     arch: Arch | None = None
     window: Window = Window()
     leg: Literal["joint", "cartesian"] = "joint"
+    path: tuple[PathPart, ...] = ()
+    blend_m: float = 0.0
 
     tracks: ClassVar[bool] = False
     part: ClassVar[None] = None
@@ -79,6 +82,19 @@ class Move:
     dwell_s: ClassVar[float] = 0.0
     tolerance: ClassVar[Tolerance] = ANY_ERROR
     contact_tolerance_m: ClassVar[float] = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.path:
+            return
+        if self.leg != "cartesian" or self.via or self.arch is not None:
+            raise InputError("path", self.path, "none: only a cartesian leg that is no via has one")
+        pose = self.target.pose
+        if end_of(self.path[-1]) != (pose.x, pose.y, pose.z):
+            raise InputError("path", end_of(self.path[-1]), "a path that ends at the target")
+
+    def path_from(self, begin: Point) -> Path:
+        """The path from a point in the target's frame. Raises `PathError` where there is none."""
+        return Path(begin, self.path, self.blend_m)
 
 
 @dataclass(frozen=True, slots=True)

@@ -214,6 +214,9 @@ OBSTACLES = {
     Obstacle.NO_SUCH_DURATION: "no motion was found that takes exactly the time to a meeting",
     Obstacle.STRAIGHT_FROM_MOTION: "a straight leg must begin at rest or while a frame is tracked",
     Obstacle.POINT_TOO_FAST: "the control point moves too fast to be met",
+    Obstacle.OTHER_FRAME: "a leg along a path must begin and end in the same frame, or in frames that stand still",
+    Obstacle.OTHER_MODE: "a leg along a path cannot change the working mode",
+    Obstacle.NO_PATH: "from where the leg begins there is no such path: points coincide, lie on a line, or turn back",
     Obstacle.PROCESS_SPEED: "the joints cannot follow the path within 0.01 mm and 1 % of its speed: it bends too much",
 }
 """Obstacles that are no joint's rate."""
@@ -316,6 +319,7 @@ COURSES = {
     Course.DIRECT: "direct",
     Course.ARCH: "arch",
     Course.STRAIGHT: "straight",
+    Course.PATH: "along its path",
     Course.BLENDS: "blends",
     Course.TO_REST: "comes to rest",
     Course.FOR_BODIES: "lets bodies pass",

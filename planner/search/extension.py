@@ -16,6 +16,7 @@ from assur.planner.legs.correction import shifted_out
 from assur.planner.legs.joint import JointMotion
 from assur.planner.legs.limits import beyond_limits
 from assur.planner.legs.meeting import Meetings
+from assur.planner.legs.path_leg import along_path
 from assur.planner.legs.state import Knots, TimedLeg
 from assur.planner.legs.straight import mode_changes, straight
 from assur.planner.legs.tilt import tilt_of
@@ -36,7 +37,7 @@ from assur.planner.model.refusal import (
     unmoved,
     window_missed,
 )
-from assur.planner.model.scene import Scene, Trace
+from assur.planner.model.scene import Move, Scene, Trace
 from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
 from assur.planner.timing import TimingRefusal, time_joints
@@ -116,6 +117,8 @@ def straight_extension(
 def _line(scene: Scene, partial: PartialPlan, point: ControlPoint, wait: float, mode: int) -> TimedLeg | Refusal:
     """A straight leg to the control point, from rest or from the frame that the tool tracks."""
     state = partial.state if wait <= 0 else Knots.standing(partial.state, partial.state.time + wait).last
+    if isinstance(point.facts, Move) and point.facts.path:
+        return along_path(scene, point, state, (partial.mode, mode), partial.tracked)
     if partial.tracked is not None:
         before = partial.tracked
 

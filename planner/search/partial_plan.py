@@ -42,6 +42,8 @@ class PartialPlan:
     """Of joint legs, by effort: one table for all partial plans of a search."""
     lines: dict[tuple[float, Tilt | None, float, int], TimedLeg | Refusal] = field(default_factory=dict)
     """Straight legs from here by yaw and tilt of the tool, wait and mode: full turns of the meeting make no other."""
+    traces: dict[Branch, Refusal] = field(default_factory=dict)
+    """Why the path of a frame that stands still cannot be traced in a branch, whenever the arm comes."""
 
 
 @dataclass(frozen=True, eq=False)

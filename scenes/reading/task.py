@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from assur.planner.errors import FaultError
 from assur.planner.frames import Conveyor, Linear
+from assur.planner.frames.motion import Pose
 from assur.planner.model.path import ArcTo, LineTo, Path, PathError, PathPart, Point, SplineThrough
 from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Step, Target, Trace, Window
 from assur.planner.model.task import Tolerance, lead_length
@@ -56,7 +57,15 @@ class _Task:
     def _move(self, name: str, item: MoveDocument) -> Step:
         target = self._target(item.to, free=True)
         arch = None if item.arch is None else Arch(item.arch.top_m)
-        return Move(name, target, item.match, item.via, arch, self._window(item, target.frame), item.leg)
+        window, path = self._window(item, target.frame), tuple[PathPart, ...]()
+        if item.path is None:
+            if item.blend_m > 0.0:
+                raise Refused("none: only a leg along a path has corners", "blend_m")
+        elif item.leg != "cartesian" or item.via or item.arch is not None:
+            raise Refused("none: only a move with leg: cartesian, without via and arch, goes along a path", "path")
+        else:
+            path = self._parts(item.path, item.to, target.pose)
+        return Move(name, target, item.match, item.via, arch, window, item.leg, path, item.blend_m)
 
     def _follow(self, name: str, item: FollowDocument) -> Step:
         target = self._target(item.to)
@@ -70,10 +79,18 @@ class _Task:
         leads = [lead_length(item.speed_m_s) if lead is None else lead for lead in (item.lead_in_m, item.lead_out_m)]
         return Trace(name, target, path, item.speed_m_s, leads[0], leads[1], self._window(item, target.frame))
 
-    def _parts(self, items: Sequence[PathPartDocument], place: TargetDocument) -> list[PathPart]:
-        """The parts of a path whose points are in the frame, or relative to the body, of `place`."""
+    def _parts(
+        self, items: Sequence[PathPartDocument], place: TargetDocument, to: Pose | None = None
+    ) -> tuple[PathPart, ...]:
+        """The parts of a path whose points are in the frame, or relative to the body, of `place`; the last part, which
+        then has no end of its own, ends at the pose `to`."""
 
         def there(at: list[float] | None, *keys: str | int) -> Point:
+            ends = to is not None and bool(keys) and keys[0] == len(items) - 1
+            if ends and to is not None:
+                if at is not None:
+                    raise Refused("none: the last part ends at the move's `to`", "path", *keys)
+                return to.x, to.y, to.z
             if at is None:
                 raise Refused("to_m or to_mm, which must be given", "path", *keys)
             _, pose = resolve(place.model_copy(update={"at_m": at}), 0.0, self.frames, self.places)
@@ -86,8 +103,11 @@ class _Task:
             elif item.arc is not None:
                 parts.append(ArcTo(there(item.arc.via_m), there(item.arc.to_m, k, "arc", "to_m")))
             elif item.spline is not None:
-                parts.append(SplineThrough(tuple(there(point) for point in item.spline.through_m)))
-        return parts
+                points = [there(point) for point in item.spline.through_m]
+                if to is not None and k == len(items) - 1:
+                    points.append((to.x, to.y, to.z))
+                parts.append(SplineThrough(tuple(points)))
+        return tuple(parts)
 
     def _pick(self, name: str, item: PickDocument) -> Step:
         if item.part not in self.places:

@@ -78,16 +78,6 @@ class WindowedStep(Document):
     window_m: Stretch | None = None
 
 
-class MoveDocument(WindowedStep):
-    """Bring the tool point to a pose; `via`: flown by."""
-
-    to: TargetDocument
-    match: Match = "velocity"
-    via: bool = False
-    arch: ArchDocument | None = None
-    leg: Literal["joint", "cartesian"] = "joint"
-
-
 class FollowDocument(WindowedStep):
     """Meet a pose with its velocity and track it."""
 
@@ -127,6 +117,19 @@ class PathPartDocument(Document):
 
 
 PathDocument = Annotated[list[PathPartDocument], Field(min_length=1, max_length=bounds.MAX_PATH_PARTS)]
+
+
+class MoveDocument(WindowedStep):
+    """Bring the tool point to a pose; `via`: flown by; `path`: of a cartesian leg, in place of a straight line, from
+    where the tool is to `to`, in whose frame its points are."""
+
+    to: TargetDocument
+    match: Match = "velocity"
+    via: bool = False
+    arch: ArchDocument | None = None
+    leg: Literal["joint", "cartesian"] = "joint"
+    path: PathDocument | None = None
+    blend_m: Distance = 0.0
 
 
 class TraceDocument(WindowedStep):

@@ -21,12 +21,13 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker import along
 from assur.planner.checker.along import TRACKED_M, TRACKED_RAD
 from assur.planner.checker.legs import TIME_S
+from assur.planner.checker.paths.along_path import along_path
 from assur.planner.checker.paths.curves import curves_of, length_of
 from assur.planner.checker.targets import Target
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
 from assur.planner.model.outcome import Arrival, Leg, LegKind, Traced
-from assur.planner.model.scene import Trace
+from assur.planner.model.scene import Move, Trace
 
 SPEED_SHARE = 0.01
 """The promise: by how much of itself the process speed may be missed."""
@@ -57,6 +58,8 @@ def traced(
         return findings  # it is not said of which point an arrival is
     for arrival, target in zip(arrivals, found, strict=True):
         name, step = target.step.name, target.step
+        if isinstance(step, Move) and step.path:
+            findings += along_path(world, legs, arrival, target)
         if not isinstance(step, Trace):
             if arrival.trace is not None:
                 findings.append(Finding(Code.ARRIVAL, f"{name} is said to be traced, and is no trace"))

@@ -213,16 +213,16 @@ def test_both_derivations_of_a_path_are_the_same_curve(parts: list[PathPart], bl
     except InputError:
         return
     own = curves_of(path)
-    assert length_of(path) == pytest.approx(path.length, rel=1e-9)
+    assert length_of(path) == pytest.approx(path.length, rel=1e-8)
     begin = 0.0
     for cut in own:
         s = np.linspace(0.0, cut.length, 33)[1:-1]
         p, tangent, bend = path.curve.at(begin + s)
-        assert np.abs(cut.place(s) - p).max() < 1e-9
+        assert np.abs(cut.place(s) - p).max() < 1e-8
         assert (np.linalg.norm(bend, axis=1) <= cut.part.bend * (1 + 1e-6) + 1e-6).all()
         step = 1e-6 * cut.length
         ahead, back = (path.curve.at(begin + s + off)[0] for off in (step, -step))
-        assert np.abs((ahead - back) / (2 * step) - tangent).max() < 1e-4
+        assert np.abs((ahead - back) / (2 * step) - tangent).max() < 1e-3
         begin += cut.length
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from assur.planner.arrays import FloatArray
 from assur.planner.checker import check
 from assur.planner.errors import InputError
-from assur.planner.frames import Conveyor, Fixed, Keyframes, Law, Swing, Turntable
+from assur.planner.frames import Conveyor, Fixed, Frame, Keyframes, Law, Swing, Turntable, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.frames.ramps import Change
 from assur.planner.model.outcome import LegKind, NotPlanned, Planned
@@ -19,6 +20,7 @@ from assur.planner.model.path import ArcTo, LineTo, Path, PathPart, SplineThroug
 from assur.planner.model.refusal import BeyondRange, MotionLimit, OutOfReach, Reason, Singular
 from assur.planner.model.scene import Move, Scene, Target, Trace
 from assur.planner.pipeline import plan
+from assur.scenes.requests import scene_of
 from tests.planner.cells import CRANKED, CUP, cell, frame
 
 TRACED_M, SPEED_SHARE = 1e-5, 0.01
@@ -55,7 +57,8 @@ def planned(scene: Scene) -> Planned:
 
 
 def refused(scene: Scene) -> NotPlanned:
-    found = plan(scene)
+    # few candidates: why the first of them is refused does not change
+    found = plan(replace(scene, options=replace(scene.options, max_candidates=24)))
     assert isinstance(found, NotPlanned)
     assert found.refusal is not None
     return found
@@ -255,3 +258,47 @@ def test_out_of_reach_is_told_where_the_margin_is_none() -> None:
     assert isinstance(found.facts, Singular | OutOfReach)
     assert found.facts.path_m is not None
     assert 0.2 < found.facts.path_m < 0.5
+
+
+def test_a_hand_with_pitch_and_roll_keeps_them_on_the_path() -> None:
+    request = {
+        "schema": "assur/1",
+        "robot": {"model": "mitsubishi-rv-m1", "tool": {"tcp_mm": [0, 0, 0]}},
+        "start": {"joints": {"j1_deg": 0, "j2_deg": 80, "j3_deg": -100, "j4_deg": -40, "j5_deg": 0}},
+        "frames": {"moving": {"linear": {"at_mm": [280, -80, 150], "velocity_mm_s": [0, 20, 0]}}},
+        "task": [
+            {
+                "trace": {
+                    "start": {"frame": "moving", "at_mm": [0, 0, 0], "pitch_deg": -80, "roll_deg": 10},
+                    "path": [
+                        {"line": {"to_mm": [30, 0, 0]}},
+                        {"arc": {"via_mm": [50, 20, 0], "to_mm": [30, 40, 0]}},
+                    ],
+                    "speed_mm_s": 30,
+                    "lead_in_mm": 10,
+                    "lead_out_mm": 10,
+                }
+            }
+        ],
+        "options": {"stop": "first", "budget_s": 60, "max_candidates": 60},
+    }
+    scene = scene_of(request)
+    made = planned(scene)
+    t = times(made)
+    q = made.plan.trajectory.evaluate(t)
+    # pitch and roll of the hand are sums of its joints
+    assert np.abs(q[:, 1] + q[:, 2] + q[:, 3] - math.radians(-80)).max() < 1e-4
+    assert np.abs(q[:, 4] - math.radians(10)).max() < 1e-4
+    w = seen(scene, made, t)
+    line = t - t[0] <= 1.0
+    assert np.abs(w[line][:, 1]).max() < TRACED_M
+    assert np.abs(np.hypot(w[~line][:, 0] - 0.03, w[~line][:, 1] - 0.02) - 0.02).max() < TRACED_M
+
+
+def test_what_is_not_known_of_the_belt_is_told_at_the_end_of_the_path() -> None:
+    belt = Frame("moving", LAWS["belt"], Uncertainty(position_m=1e-4, speed_m_s=1e-3))
+    step = tracing((LineTo((0.04, 0.0, 0.05)),), LAWS["belt"], tool=CUP).task[0]
+    made = planned(cell(step, frames=(belt,), tool=CUP))
+    arrival = made.plan.arrivals[0]
+    assert arrival.error is not None
+    assert arrival.error.position_m == pytest.approx(1e-4 + 1e-3 * arrival.until, abs=3e-6)
