@@ -25,6 +25,7 @@ from assur.planner.model.outcome import (
     Plan,
     Planned,
     Route,
+    Traced,
 )
 from assur.planner.model.refusal import Facts, Refusal
 from assur.planner.model.scene import Scene
@@ -187,12 +188,22 @@ def _arrival(cell: Cell, plan: Plan, arrival: Arrival) -> document.Arrival:
         "error": None if arrival.error is None else _error(arrival.error, cell.conventions),
         "joints": [number(x) for x in as_maker(q, cell.conventions).tolist()],
         "mode": robot.modes[mode] if mode >= 0 else None,
+        "trace": None if arrival.trace is None else _traced(arrival.trace),
     }
     if arrival.pitch is not None:
         written["pitch_rad"] = number(arrival.pitch)
     if arrival.roll is not None:
         written["roll_rad"] = number(arrival.roll)
     return written
+
+
+def _traced(trace: Traced) -> document.Traced:
+    return {
+        "length_m": number(trace.length_m),
+        "slowest_m_s": number(trace.slowest_m_s),
+        "fastest_m_s": number(trace.fastest_m_s),
+        "error_m": number(trace.error_m),
+    }
 
 
 def _error(error: ArrivalError, conventions: Conventions) -> document.ArrivalError:

@@ -14,6 +14,10 @@ MAX_FRAMES: Final = 256
 """Frames of the cell."""
 MAX_STEPS: Final = 64
 """Control points of one task."""
+MAX_PATH_PARTS: Final = 200
+"""Parts of one path of a step."""
+MAX_PATH_POINTS: Final = 200
+"""Points of one spline of a path."""
 MAX_TOOL_BODIES: Final = 64
 """Bodies of one tool, or of one inline robot."""
 MAX_NEIGHBOURS: Final = 8

@@ -97,6 +97,15 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
             beside or _met(answer["trajectory"], arrival),
         )
     yield from (arrivals, "")
+    followed = [arrival for arrival in answer["arrivals"] if arrival["trace"]]
+    if followed:
+        paths = table("traced path", ">mm", ">mm/s from", ">to", ">off by mm at most")
+        for arrival in followed:
+            path = arrival["trace"]
+            speeds = (f"{1e3 * path[key]:.2f}" for key in ("slowest_m_s", "fastest_m_s"))
+            off = f"{1e3 * path['error_m']:.4f}"
+            row(paths, arrival["control_point"], f"{1e3 * path['length_m']:.2f}", *speeds, off)
+        yield from (paths, "")
     unsure = [arrival for arrival in answer["arrivals"] if (arrival["error"] or {}).get("position_m")]
     if unsure:
         errors = table("may be off", ">mm", ">yaw deg", "by cause, mm")

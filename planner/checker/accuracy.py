@@ -8,6 +8,7 @@ joints at the ends of their lag, and in between the way is bent by no more than 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -23,7 +24,7 @@ from assur.planner.frames.law import EXACT
 from assur.planner.frames.motion import Pose
 from assur.planner.model.outcome import Arrival
 from assur.planner.model.phases import Handled, Phase
-from assur.planner.model.scene import Pick, Place
+from assur.planner.model.scene import Pick, Place, Trace
 from assur.planner.robots.scara import Scara
 
 STEPS = 64
@@ -40,6 +41,8 @@ def accuracies(
         return findings  # no error is asked for; or it is not said of which point an arrival is
     for arrival, target in zip(arrivals, found, strict=True):
         handled = next((phase.handled for phase in phases if phase.step == arrival.step), Handled())
+        if isinstance(target.step, Trace):
+            target = replace(target, point=target.step.end)  # where the tool is when it is done
         shifting = {belt for phase in phases if phase.step == arrival.step for belt in phase.corrected}
         shifting = set() if target.step.tracks else shifting - {target.frame}
         bound, said = _bound(world, arrival, target, handled, shifting), arrival.error

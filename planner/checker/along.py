@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.jets import F1, F2, F3, JET, TABLES, Jet, plus, scaled
+from assur.planner.checker.jets import F1, F2, F3, JET, TABLES, Jet, plus, product, scaled, squared_rate, times
 from assur.planner.checker.motion import (
     AXIS_COUNT,
     FAMILY,
@@ -221,6 +221,67 @@ def keeps(
         stack[top, 0], stack[top, 1], stack[top + 1, 0], stack[top + 1, 1] = middle, b, a, middle
         top += 2
     found[0], found[3] = 2.0, t0
+
+
+@kernel(f"Tuple(({JET}, {JET}, {JET}, {JET}, {JET}))({F3}, int64, int64, {F1})")
+def seen_from(jets: FloatArray, link: int, frame: int, tcp: FloatArray) -> tuple[Jet, Jet, Jet, Jet, Jet]:
+    """Position, and cosine and sine of the heading, of a pose `tcp` in a link as they are in a frame."""
+    x, y, z, cosine, sine = point(jets, link, tcp[0], tcp[1], tcp[2], tcp[3])
+    px, py, pz, c, s = point(jets, frame, 0.0, 0.0, 0.0, 0.0)
+    dx, dy, dz = plus(x, scaled(-1.0, px)), plus(y, scaled(-1.0, py)), plus(z, scaled(-1.0, pz))
+    return (
+        plus(times(c, dx), times(s, dy)),
+        plus(times(c, dy), scaled(-1.0, times(s, dx))),
+        dz,
+        plus(times(c, cosine), times(s, sine)),
+        plus(times(c, sine), scaled(-1.0, times(s, cosine))),
+    )
+
+
+PLACE, RATE, BEND, PULL, HEADING, SPIN, HAND, TILTS, RELATIVE = 0, 3, 6, 7, 8, 10, 11, 13, 14
+"""Columns of what `relative` finds: place and velocity of the tool point in a frame at the begin of an interval; bounds
+over it of its acceleration, and of the rate of its speed; cosine and sine of the heading there, and a bound of the rate
+at which they turn; pitch and roll, and a bound of their rates; how many columns."""
+
+
+@kernel(f"void({F2}, int64, {F1}, {TABLES}, {F2})", allocates=True)
+def relative(spans: FloatArray, on: int, tcp: FloatArray, tables: Tables, found: FloatArray) -> None:
+    """How the tool point `tcp` (4,) in the flange moves in the frame of carrier `on` over intervals (N, 2), into
+    `found` (N, RELATIVE). NaN where it is not known."""
+    jets, q, arm = all_jets(tables), np.zeros((8, 6)), tables[0][0]
+    link, hand = int(arm[LINKS]) - 1, int(arm[FAMILY]) == FIVE_AXIS
+    found[:] = np.nan
+    for i in range(len(spans)):
+        a, b, own = spans[i, 0], spans[i, 1], found[i]
+        if not (carry(on, a, a, tables, jets) and carry(0, a, a, tables, jets)):
+            continue
+        x, y, z, cosine, sine = seen_from(jets, link, on, tcp)
+        for k, jet in enumerate((x, y, z)):
+            own[PLACE + k], own[RATE + k] = jet[0], jet[2]
+        own[HEADING], own[HEADING + 1] = cosine[0], sine[0]
+        joints(tables[1], int(arm[FIRST_KNOT]), int(arm[LAST_KNOT]), int(arm[AXIS_COUNT]), a, b, q)
+        own[HAND], own[HAND + 1], own[TILTS] = 0.0, 0.0, 0.0
+        if hand:
+            joints(tables[1], int(arm[FIRST_KNOT]), int(arm[LAST_KNOT]), int(arm[AXIS_COUNT]), a, a, q)
+            own[HAND], own[HAND + 1] = q[1, 0] + q[2, 0] + q[3, 0], q[4, 0]
+            joints(tables[1], int(arm[FIRST_KNOT]), int(arm[LAST_KNOT]), int(arm[AXIS_COUNT]), a, b, q)
+            tilt = plus(plus(jet_of(q, 1), jet_of(q, 2)), jet_of(q, 3))
+            own[TILTS] = max(abs(tilt[2]), abs(tilt[3]), abs(q[4, 2]), abs(q[4, 3]))
+        if not (carry(on, a, b, tables, jets) and carry(0, a, b, tables, jets)):
+            continue
+        x, y, z, cosine, sine = seen_from(jets, link, on, tcp)
+        bend, least, low, high = 0.0, 0.0, 0.0, 0.0
+        for jet in (x, y, z):
+            bend += max(abs(jet[4]), abs(jet[5])) ** 2
+            least += squared_rate(jet)[0]
+            power = product(jet[2], jet[3], jet[4], jet[5])
+            low, high = low + power[0], high + power[1]
+        own[BEND] = math.sqrt(bend)
+        # d|v|/dt = v·a/|v|; a bound by |a| alone where the speed may vanish
+        own[PULL] = own[BEND]
+        if least > 0.0:
+            own[PULL] = min(own[BEND], max(abs(low), abs(high)) / math.sqrt(least))
+        own[SPIN] = max(abs(cosine[2]), abs(cosine[3])) + max(abs(sine[2]), abs(sine[3]))
 
 
 @kernel(f"void({F2}, {TABLES}, {F2})", allocates=True)

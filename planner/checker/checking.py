@@ -16,6 +16,7 @@ from assur.planner.checker.legs import ends, order
 from assur.planner.checker.limits import corrected, limits, loads
 from assur.planner.checker.meeting import meetings
 from assur.planner.checker.nearest import WITHIN_M, nearest
+from assur.planner.checker.paths.following import traced
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import CARRIER, Solids, solids
 from assur.planner.checker.targets import targets
@@ -63,6 +64,7 @@ def check(
     goals = targets(scene, plan.arrivals)
     findings += meetings(world, plan.legs, plan.arrivals, goals) + arches(world, plan.legs)
     findings += blends(world, plan.arrivals, goals) + tracked(world, plan.legs, goals)
+    findings += traced(world, plan.legs, plan.arrivals, goals)
     findings += straight(world, plan.legs, plan.arrivals)
     of_plan = phases(scene, plan.legs, plan.arrivals)
     findings += loads(world, of_plan, carried, blended=blended)

@@ -7,10 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from assur.planner.checker.paths.curves import length_of
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import REST, World
 from assur.planner.model.outcome import Leg, LegKind
-from assur.planner.model.scene import Follow, Move, Pick, Place, Step
+from assur.planner.model.scene import Follow, Move, Pick, Place, Step, Trace
 
 START = 1e-9
 """Greatest difference of the first knot from the given start, in s, rad or m, rad/s.., rad/s²..: what writing and
@@ -89,6 +90,8 @@ def pattern(step: Step, *, last: bool) -> str:
     rest = "M?" if last else ""
     if isinstance(step, Follow):
         return f"{way}F{rest}"
+    if isinstance(step, Trace):
+        return f"{way}DFU{rest}"
     return f"{way}{'D' if step.approach_m > 0 else ''}F{'U' if step.depart_m > 0 else ''}{rest}"
 
 
@@ -96,6 +99,8 @@ def dwell(step: Step) -> float:
     """How long the tool stays at its control point, s."""
     if isinstance(step, Follow):
         return step.duration_s
+    if isinstance(step, Trace):
+        return length_of(step.path) / step.speed_m_s
     return step.dwell_s if isinstance(step, Pick | Place) else 0.0
 
 

@@ -13,6 +13,7 @@ from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
 from assur.planner.frames import Conveyor, Linear
 from assur.planner.model.outcome import Arrival, Leg, LegKind
+from assur.planner.model.scene import Trace
 
 MEET_RAD = 1e-6
 """rad. As `MEET_M` (1 µm: a planner reaches 1e-9 m, no servo reaches this), for yaw, and for pitch and roll."""
@@ -86,7 +87,8 @@ def _met(world: World, arrival: Arrival, target: Target) -> list[Finding]:
     tool, goal, left, behind = world.states(
         [(c, pose, t) for t in (arrival.time, arrival.until) for c, pose in ((world.flange, tcp), (frame, target.tool))]
     )
-    if not (world.scene.options.blended and asks_passing(step)):  # checker.blends says by how much those are missed
+    # checker.blends says by how much vias are missed that are blended past, paths.following what a trace does
+    if not (isinstance(step, Trace) or (world.scene.options.blended and asks_passing(step))):
         hands = ((tool.pitch, tool.roll), (left.pitch, left.roll))
         findings += tilted(hands if target.tilt is not None else (), arrival, target)
         for here, there in ((tool, goal), (left, behind)):
@@ -96,6 +98,8 @@ def _met(world: World, arrival: Arrival, target: Target) -> list[Finding]:
     said = arrival.pose
     off = max(math.dist(tool.p, (said.x, said.y, said.z)), abs(math.remainder(tool.yaw - said.yaw, math.tau)))
     hold(Code.ARRIVAL, off, MEET_M, "m or rad", f"the arrival at {step.name} says another pose")
+    if isinstance(step, Trace):
+        return findings
     if asks_velocity(step) and not arrival.matched:
         findings.append(Finding(Code.MATCH, f"the velocity of {step.name} is asked to be matched", where=where))
     if arrival.matched or asks_velocity(step):

@@ -15,7 +15,7 @@ from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
 from assur.planner.model.outcome import TRACKING, Arrival, Leg, LegKind
 from assur.planner.model.phases import Phase
-from assur.planner.model.scene import Move, Pick, Place
+from assur.planner.model.scene import Move, Pick, Place, Trace
 
 HALF_RAD = 1e-6
 """rad. Ways that are so near to half a turn are as short one way round as the other: the one that was gone counts."""
@@ -28,8 +28,8 @@ def tracked(world: World, legs: tuple[Leg, ...], found: tuple[Target, ...]) -> l
     """Findings for the tracking legs that leave their point, their line, or do not go as high as asked."""
     findings = []
     for leg in legs:
-        if leg.kind not in TRACKING:
-            continue
+        if leg.kind not in TRACKING or isinstance(found[leg.step].step, Trace):
+            continue  # `paths.following` looks at traces
         target = found[leg.step]
         step, follows, height = target.step, leg.kind is LegKind.FOLLOW, 0.0
         if isinstance(step, Pick | Place) and not follows:

@@ -100,6 +100,13 @@ class World:
         motion.carry(carrier if carrier >= self.links else 0, t, t, self.tables, jets)
         return jets[carrier, :3, 0], jets[carrier, 3:, 0].reshape(3, 3).T
 
+    def relative(self, carrier: int, spans: FloatArray) -> FloatArray:
+        """How the tool point moves as it is seen from a frame, over intervals (N, 2): as `along.relative` has it."""
+        tcp, found = self.scene.tool.tcp, np.empty((len(spans), along.RELATIVE))
+        pose = np.array([tcp.x, tcp.y, tcp.z, tcp.yaw])
+        along.relative(np.ascontiguousarray(spans), carrier, pose, self.tables, found)
+        return found
+
     def keeps(self, kind: int, asked: Sequence[tuple[int, float]], t0: float, t1: float) -> Excess | None:
         """Whether nothing is exceeded over [t0, t1], `asked` having what is in some columns (`along`)."""
         row, found, tcp = np.zeros(along.NUMBERS), np.zeros(4), self.scene.tool.tcp

@@ -104,6 +104,34 @@ class Motion:
             ddw,
         )
 
+    def carrying(self, place: FloatArray, rate: FloatArray, bend: FloatArray, *yaws: FloatArray | float) -> Motion:
+        """Motion of a frame that moves in this one: its place (T, 3), velocity and acceleration in it; `yaws`: by which
+        it is turned against this one, and two derivatives of that, 0 where left out. The jerk is not known: NaN.
+
+        With r = R(yaw) place and so on:  v = ṗ + ω r⊥ + ṙ,  a = p̈ + α r⊥ − ω² r + 2 ω ṙ⊥ + r̈.
+        """
+        yaw, yaw_d, yaw_dd = (*yaws, 0.0, 0.0, 0.0)[:3]
+        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        r, rd, rdd = (
+            np.stack([c * x[..., 0] - s * x[..., 1], s * x[..., 0] + c * x[..., 1], x[..., 2]], -1)
+            for x in (place, rate, bend)
+        )
+        flat, turned, turned_d = r.copy(), np.zeros_like(r), np.zeros_like(r)
+        flat[..., 2] = 0.0
+        turned[..., 0], turned[..., 1] = -r[..., 1], r[..., 0]
+        turned_d[..., 0], turned_d[..., 1] = -rd[..., 1], rd[..., 0]
+        w, dw = self.yaw_d[..., None], self.yaw_dd[..., None]
+        return Motion(
+            self.p + r,
+            self.v + w * turned + rd,
+            self.a + dw * turned - w**2 * flat + 2 * w * turned_d + rdd,
+            np.full_like(r, np.nan),
+            self.yaw + yaw,
+            self.yaw_d + yaw_d,
+            self.yaw_dd + yaw_dd,
+            self.yaw_ddd,
+        )
+
     def __getitem__(self, key: object) -> Motion:
         """The motion at some of the times."""
         return Motion(*(getattr(self, name)[key] for name in Motion.__slots__))

@@ -24,7 +24,7 @@ from assur.planner.model.arrival_error import ArrivalError, Cause, Share
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.phases import Handled, on_way
 from assur.planner.model.refusal import Inaccurate, Quantity, Reason, Refusal, Stage
-from assur.planner.model.scene import Pick, Place, Scene
+from assur.planner.model.scene import Pick, Place, Scene, Trace
 from assur.planner.tables.laws import law_tables
 from assur.planner.tables.uncertainty import direction
 
@@ -66,6 +66,8 @@ def arrival_error(
         return None
     step, terms = scene.task[number], _Terms()
     name, local = attached.point(scene, step)
+    if isinstance(step, Trace):
+        local = step.end  # where the tool is when it is done
     here = scene.frames[name].law.motion(np.array(until)).at(local)
     corrected = step.tracks and scene.corrects(name)
     _add_frame(scene, name, here, until, corrected, terms)

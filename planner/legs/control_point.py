@@ -15,7 +15,7 @@ from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import Tilt, TiltedMotion
 from assur.planner.legs.moving_end import MovingEnd
 from assur.planner.model.attachments import Attachments
-from assur.planner.model.scene import Scene, Step, Window
+from assur.planner.model.scene import Scene, Step, Trace, Window
 from assur.planner.robots.facts import Limits
 
 HORIZON_S = 60.0
@@ -218,9 +218,18 @@ def control_point(
     scene: Scene, step: int, attached: Attachments, yaw_offset: float, tilt: Tilt | None = None
 ) -> ControlPoint:
     """The control point of a step that begins with `attached`; an arm with pitch and roll meets it with those of
-    `tilt`."""
+    `tilt`. Of a trace it is where the lead-in begins, and the dwell is that of the path."""
     what = scene.task[step]
     frame, pose = attached.flange(scene, what, yaw_offset)
+    if isinstance(what, Trace):
+        pose = _before(what, pose)
     target, (approach, depart) = attached.point(scene, what)[1], scene.straight(what)
     held = None if attached.held is None else attached.held.part
     return ControlPoint(scene, step, frame, pose, target, yaw_offset, tilt, approach, what.dwell_s, depart, held)
+
+
+def _before(step: Trace, pose: Pose) -> Pose:
+    """The pose, in the frame, of what has `pose` there at the beginning of a path, where the lead-in begins."""
+    _, tangent, _ = step.path.curve.at(np.zeros(1))
+    x, y, z = (step.lead_in_m * tangent[0]).tolist()
+    return Pose(pose.x - x, pose.y - y, pose.z - z, pose.yaw)

@@ -31,8 +31,8 @@ SLOWEST = 0.02
 
 
 def slowed(scene: Scene, step: int, motion: Trajectory, limit: float, limits: Limits) -> Trajectory | None:
-    """The motion on the same way, from rest or not, which pulls with `limit`, m/s², at most, within the joints' `limits`;
-    None: none was found.
+    """The motion on the same way, from rest or not, which pulls with `limit`, m/s², at most and keeps the joints' own
+    `limits`; None: none was found.
 
     At ends in motion the clock is not slowed: their states are kept, as all positions are.
     """

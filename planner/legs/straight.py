@@ -84,7 +84,7 @@ def straight(
     if standing:
         law, surely = _made_for(scene, mode, left(start), met(start), limits)
         if law is not None:
-            leg = scaled(scene, step, state, mode, left, met, _as_fast(law), CLOSE_ROUNDS, limits)
+            leg = scaled(scene, step, state, mode, left, met, as_fast(law), CLOSE_ROUNDS, limits)
         if law is not None and isinstance(leg, TimedLeg):
             t = leg.knots.time
             told = abs(_length(t) / law.duration - 1) <= AS_TOLD
@@ -97,13 +97,14 @@ def straight(
         # the line that is gone is rather that from where one frame is left to where the other is met
         law, _ = _made_for(scene, mode, left(start), met(plain.knots.time[-1:]), limits)
         if law is not None:
-            leg = scaled(scene, step, state, mode, left, met, _as_fast(law), CLOSE_ROUNDS, limits)
+            leg = scaled(scene, step, state, mode, left, met, as_fast(law), CLOSE_ROUNDS, limits)
     if isinstance(leg, TimedLeg) and _length(leg.knots.time) < _length(plain.knots.time):
         return leg
     return plain
 
 
-def _as_fast(law: PhaseLaw) -> Paced:
+def as_fast(law: PhaseLaw) -> Paced:
+    """A law made for a path, faster or slower."""
     return lambda scale: law.slower(1 / scale)
 
 
@@ -144,6 +145,10 @@ def _length(t: FloatArray) -> float:
     return float(t[-1] - t[0])
 
 
+Fit = Callable[[Phase], Trajectory | Refusal]
+"""The spline of the joints of a leg by a phase law."""
+
+
 def scaled(
     scene: Scene,
     step: int,
@@ -155,7 +160,18 @@ def scaled(
     closely: int,
     limits: Limits,
 ) -> TimedLeg | Refusal:
-    """The leg by a phase law, as fast as keeps the limits; in so many rounds to begin with, closely so."""
+    """The straight leg by a phase law, as in `by_law`."""
+
+    def fit(phase: Phase) -> Trajectory | Refusal:
+        return _spline(scene, step, state, mode, Line(left, met, phase, state.time))
+
+    return by_law(scene, step, fit, paced, closely, Course.STRAIGHT, limits)
+
+
+def by_law(
+    scene: Scene, step: int, fit: Fit, paced: Paced, closely: int, course: Course, limits: Limits
+) -> TimedLeg | Refusal:
+    """The leg by a phase law, as fast as keeps the joints' `limits`; in so many rounds to begin with, closely so."""
     scale = 1.0
     kept: TimedLeg | None = None
     for number in range(ROUNDS):
@@ -165,7 +181,7 @@ def scaled(
         phase = paced(scale)
         if isinstance(phase, TimingRefusal):
             return unmoved(Stage.STRAIGHT, step, Obstacle.NO_PROFILE)
-        spline = _spline(scene, step, state, mode, Line(left, met, phase, state.time))
+        spline = fit(phase)
         if isinstance(spline, Refusal):
             return spline
         fast = rates(scene, Stage.STRAIGHT, step, spline, limits)
@@ -174,7 +190,7 @@ def scaled(
         ratio = max(fast.velocity, fast.acceleration**0.5, fast.jerk ** (1 / 3))
         if LOOSE <= ratio <= 1.0:
             if kept is None or spline.duration < _length(kept.knots.time):
-                kept = TimedLeg(LegKind.MOVE, Knots.of(spline), Route(Course.STRAIGHT))
+                kept = TimedLeg(LegKind.MOVE, Knots.of(spline), Route(course))
             if ratio >= CLOSE:
                 break
         if not ratio > 0 or (ratio < LOOSE and scale > 1e3):

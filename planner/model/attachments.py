@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
-from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step
+from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Trace
 from assur.planner.robots.facts import Limits
 
 
@@ -73,7 +73,7 @@ class Attachments:
                 others = [each for each in self.placed if each[0] != step.part]
                 back = here == (start.frame, start.pose)
                 return Attachments(None, tuple(sorted(others if back else [*others, (step.part, *here)], key=_name)))
-            case Move() | Follow():
+            case Move() | Follow() | Trace():
                 return self
 
 

@@ -21,10 +21,11 @@ from assur.planner.model.outcome import (
     Arrival,
     Certificate,
     Leg,
+    Traced,
 )
 from assur.planner.trajectory import Trajectory
 
-FORMAT = "assur-plan-6"
+FORMAT = "assur-plan-7"
 """Changes whenever the meaning of a column, or the order of what follows, does."""
 
 
@@ -81,7 +82,12 @@ def _arrival(arrival: Arrival) -> list[Any]:
         *(None if value is None else float(value) + 0.0 for value in known),
         None if missed is None else _numbers(*missed.joints, missed.distance_m),
         None if arrival.error is None else _error(arrival.error),
+        None if arrival.trace is None else _trace(arrival.trace),
     ]
+
+
+def _trace(trace: Traced) -> list[float]:
+    return _numbers(trace.length_m, trace.slowest_m_s, trace.fastest_m_s, trace.error_m)
 
 
 def _error(error: ArrivalError) -> list[Any]:

@@ -44,6 +44,8 @@ class Course(StrEnum):
     ARCH = "arch"
     """Up, over and down, in one motion."""
     STRAIGHT = "straight"
+    PATH = "path"
+    """Along a path of lines, arcs and splines."""
     BLENDS = "blends"
     """With parabolic blends."""
     TO_REST = "to rest"
@@ -104,6 +106,24 @@ class Missed:
 
 
 @dataclass(frozen=True, slots=True)
+class Traced:
+    """How a path was traced: its length, m, the least and the greatest speed of the tool point in the path's frame,
+    m/s, and its largest distance from where it should be at that time, m. All are bounds.
+
+    Raises `InputError` for what is not a finite number.
+    """
+
+    length_m: float
+    slowest_m_s: float
+    fastest_m_s: float
+    error_m: float
+
+    def __post_init__(self) -> None:
+        for name in ("length_m", "slowest_m_s", "fastest_m_s", "error_m"):
+            _finite(f"arrival.trace.{name}", getattr(self, name))
+
+
+@dataclass(frozen=True, slots=True)
 class Arrival:
     """The tool point met a control point: `pose` of the tool point in the world at `time`.
 
@@ -113,7 +133,9 @@ class Arrival:
     turned about the part's vertical axis, where the part's symmetry (or a free yaw) leaves the choice. `pitch`, `roll`:
     with which the tool met it, rad; None for an arm that has none. `missed_by`: of a via with parabolic blends, whose
     `pose` is where the tool is at `time`, while pitch and roll are those of the pose it misses. `error`: how far the
-    tool may be from the control point at `until`; None where all is known.
+    tool may be from the control point at `until`; None where all is known. `trace`: of a trace, whose `time` and
+    `until` are those of the path's beginning and end; it is `matched` if the tool then has the process speed in the
+    frame.
     Raises `InputError` for what is no number of a step, no pose, no text, or not finite.
     """
 
@@ -130,6 +152,7 @@ class Arrival:
     roll: float | None = None
     missed_by: Missed | None = None
     error: ArrivalError | None = None
+    trace: Traced | None = None
 
     def __post_init__(self) -> None:
         _step("arrival.step", self.step)
@@ -142,6 +165,7 @@ class Arrival:
             ("pose", Pose),
             ("missed_by", Missed | None),
             ("error", ArrivalError | None),
+            ("trace", Traced | None),
         ):
             if not isinstance(getattr(self, name), kind):
                 raise InputError(f"arrival.{name}", getattr(self, name), f"{kind}")

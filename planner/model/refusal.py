@@ -113,7 +113,8 @@ def of_joint(kind: str, value: float, order: int = 0) -> Quantity | None:
 class OutOfReach:
     """`mode`: the assembly mode; `every_pitch`: at no pitch of the tool; `heights`: required and possible height of
     the flange, m; `from_axis`: its distance from the arm's axis, m; `pitch`: of the tool, rad; `modes`: a straight leg
-    would have to change from the first assembly mode to the second."""
+    would have to change from the first assembly mode to the second; `path_m`: it happens so far along a path, m
+    (negative: on the lead-in)."""
 
     kind: Literal["out_of_reach"] = "out_of_reach"
     mode: str | None = None
@@ -122,23 +123,25 @@ class OutOfReach:
     from_axis_m: float | None = None
     pitch_rad: float | None = None
     modes: tuple[str, str] | None = None
+    path_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BeyondRange:
     """JOINT_LIMIT. `mode`: the assembly mode; `above_m`: it happens so far above the point; `arch_top_m`: for an arch
-    of this height."""
+    of this height; `path_m`: as in `OutOfReach`."""
 
     kind: Literal["joint_limit"] = "joint_limit"
     mode: str | None = None
     above_m: float = 0.0
     arch_top_m: float | None = None
+    path_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Singular:
     """`margin` reached (None: it is crossed, or not known) and `required`; `positions`: names of the singular positions
-    met; `distance_m`: how near a straight leg comes; `modes`: as in `OutOfReach`."""
+    met; `distance_m`: how near a straight leg comes; `modes`, `path_m`: as in `OutOfReach`."""
 
     kind: Literal["singularity"] = "singularity"
     margin: float | None = None
@@ -147,6 +150,7 @@ class Singular:
     positions: tuple[str, ...] = ()
     distance_m: float | None = None
     modes: tuple[str, str] | None = None
+    path_m: float | None = None
 
 
 class Obstacle(StrEnum):
@@ -168,6 +172,14 @@ class Obstacle(StrEnum):
     """A straight leg would begin in motion, and not with a frame."""
     POINT_TOO_FAST = "point too fast"
     """The control point moves too fast to be met."""
+    OTHER_FRAME = "other frame"
+    """A leg along a path would begin in another frame than that of the path."""
+    OTHER_MODE = "other mode"
+    """A leg along a path would end in another working mode than it begins in."""
+    NO_PATH = "no path"
+    """From where a leg begins, its path cannot be (`assur.planner.model.path`)."""
+    PROCESS_SPEED = "process speed"
+    """The joints cannot follow a path within its tolerance at its process speed."""
 
 
 Rate = Literal["velocity", "acceleration", "jerk"]
@@ -176,13 +188,15 @@ RATES: tuple[Rate, Rate, Rate] = ("velocity", "acceleration", "jerk")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MotionLimit:
-    """`rate`: which limit of the joint is exceeded, where that is known; `frame`: which it would have to track."""
+    """`rate`: which limit of the joint is exceeded, where that is known; `frame`: which it would have to track;
+    `path_m`: as in `OutOfReach`."""
 
     kind: Literal["motion_limit"] = "motion_limit"
     obstacle: Obstacle
     rate: Rate | None = None
     mode: str | None = None
     frame: str | None = None
+    path_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

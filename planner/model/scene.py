@@ -18,7 +18,7 @@ from assur.planner.geometry.pieces import Pieces, pieces
 from assur.planner.geometry.shapes import Body
 from assur.planner.model.blendable import refuse_acceleration_time, refuse_unblendable
 from assur.planner.model.load import UNKNOWN, Load, LoadLimits, Tool, greatest_inertia
-from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Window
+from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Trace, Window
 from assur.planner.robots.facts import Limits, lowered
 from assur.planner.robots.robot import Robot
 
@@ -41,6 +41,7 @@ __all__ = [
     "Step",
     "Target",
     "Tool",
+    "Trace",
     "Window",
     "WorldBody",
 ]

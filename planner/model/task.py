@@ -11,8 +11,10 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+from assur.planner.errors import InputError
 from assur.planner.frames.law import PoseUncertainty
 from assur.planner.frames.motion import Pose
+from assur.planner.model.path import Path, PathPart, Point, end_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +64,8 @@ class Arch:
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """Bring the tool point to `target`. `via`: flown by, never stopped at. `leg`: joint or cartesian (straight)."""
+    """Bring the tool point to `target`. `via`: flown by, never stopped at. `leg`: joint or cartesian: straight or, if
+    there is one, along a `path` in the target's frame that ends there, corners rounded within `blend_m`."""
 
     name: str
     target: Target
@@ -71,6 +74,8 @@ class Move:
     arch: Arch | None = None
     window: Window = Window()
     leg: Literal["joint", "cartesian"] = "joint"
+    path: tuple[PathPart, ...] = ()
+    blend_m: float = 0.0
 
     tracks: ClassVar[bool] = False
     part: ClassVar[None] = None
@@ -81,6 +86,19 @@ class Move:
     dwell_s: ClassVar[float] = 0.0
     tolerance: ClassVar[Tolerance] = ANY_ERROR
     contact_tolerance_m: ClassVar[float] = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.path:
+            return
+        if self.leg != "cartesian" or self.via or self.arch is not None:
+            raise InputError("path", self.path, "none: only a cartesian leg that is no via has one")
+        pose = self.target.pose
+        if end_of(self.path[-1]) != (pose.x, pose.y, pose.z):
+            raise InputError("path", end_of(self.path[-1]), "a path that ends at the target")
+
+    def path_from(self, begin: Point) -> Path:
+        """The path from a point in the target's frame. Raises `PathError` where there is none."""
+        return Path(begin, self.path, self.blend_m)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +126,64 @@ class Follow:
     @property
     def dwell_s(self) -> float:
         return self.duration_s
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """Take the tool point along `path` in the target's frame, at `speed_m_s` relative to that frame.
+
+    `target`: frame, first point and yaw of the tool, which it keeps in the frame. The speed is reached on a straight
+    lead-in of `lead_in_m` along the first tangent before the path, and given up on a lead-out behind it.
+    """
+
+    name: str
+    target: Target
+    path: Path
+    speed_m_s: float
+    lead_in_m: float
+    lead_out_m: float
+    window: Window = Window()
+
+    tracks: ClassVar[bool] = True
+    match: ClassVar[Match] = "velocity"
+    via: ClassVar[bool] = False
+    arch: ClassVar[None] = None
+    leg: ClassVar[Literal["joint"]] = "joint"
+    part: ClassVar[None] = None
+    approach_m: ClassVar[float] = 0.0
+    depart_m: ClassVar[float] = 0.0
+    approach_stop: ClassVar[bool] = False
+    depart_stop: ClassVar[bool] = False
+    contact_tolerance_m: ClassVar[float] = 0.0
+    tolerance: ClassVar[Tolerance] = ANY_ERROR
+
+    def __post_init__(self) -> None:
+        for name in ("speed_m_s", "lead_in_m", "lead_out_m"):
+            value = getattr(self, name)
+            if not 0.0 < value < math.inf:
+                raise InputError(name.removesuffix("_m").removesuffix("_m_s"), value, "a finite number above 0")
+        pose = self.target.pose
+        if self.path.begin != (pose.x, pose.y, pose.z):
+            raise InputError("start", self.path.begin, "the first point of the path")
+
+    @property
+    def dwell_s(self) -> float:
+        """How long the path takes, without lead-in and lead-out, s."""
+        return self.path.length / self.speed_m_s
+
+    @property
+    def end(self) -> Pose:
+        """The pose in the frame that the tool has at the end of the path."""
+        return Pose(*self.path.end, self.target.pose.yaw)
+
+
+LEAD_ACCELERATION, LEAD_S = 3.0, 0.04
+"""m/s², s: a lead-in that is not stated is as long as this peak of the acceleration makes it, and takes so much."""
+
+
+def lead_length(speed: float) -> float:
+    """How long, m, a lead-in or a lead-out is that is not stated, for a speed in m/s (Q6)."""
+    return speed / 2.0 * max(1.5 * speed / LEAD_ACCELERATION, LEAD_S)
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,4 +249,4 @@ class Place:
         return self.to
 
 
-Step = Move | Follow | Pick | Place
+Step = Move | Follow | Trace | Pick | Place

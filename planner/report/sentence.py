@@ -49,6 +49,18 @@ def sentence(scene: Scene, refusal: Refusal | None, line: CensusLine | None, cen
 
 def because(scene: Scene, refusal: Refusal) -> str:
     """What would happen, or what is missing: a sentence without its step and its full stop."""
+    return _on_path(refusal) + _because(scene, refusal)
+
+
+def _on_path(refusal: Refusal) -> str:
+    """Where on a path it happens."""
+    place = getattr(refusal.facts, "path_m", None)
+    if place is None:
+        return ""
+    return f"{_mm(-place)} before the path begins, " if place < 0.0 else f"{_mm(place)} along the path, "
+
+
+def _because(scene: Scene, refusal: Refusal) -> str:
     short = "" if refusal.amount is None else amount(refusal.amount.value, refusal.amount.unit)
     match refusal.facts:
         case OutOfReach() as facts:
@@ -229,6 +241,10 @@ OBSTACLES = {
     Obstacle.NO_SUCH_DURATION: "no motion was found that takes exactly the time to a meeting",
     Obstacle.STRAIGHT_FROM_MOTION: "a straight leg must begin at rest or while a frame is tracked",
     Obstacle.POINT_TOO_FAST: "the control point moves too fast to be met",
+    Obstacle.OTHER_FRAME: "a leg along a path must begin and end in the same frame, or in frames that stand still",
+    Obstacle.OTHER_MODE: "a leg along a path cannot change the working mode",
+    Obstacle.NO_PATH: "from where the leg begins there is no such path: points coincide, lie on a line, or turn back",
+    Obstacle.PROCESS_SPEED: "the joints cannot follow the path within 0.01 mm and 1 % of its speed: it bends too much",
 }
 """Obstacles that are no joint's rate."""
 
@@ -330,6 +346,7 @@ COURSES = {
     Course.DIRECT: "direct",
     Course.ARCH: "arch",
     Course.STRAIGHT: "straight",
+    Course.PATH: "along its path",
     Course.BLENDS: "blends",
     Course.TO_REST: "comes to rest",
     Course.FOR_BODIES: "lets bodies pass",

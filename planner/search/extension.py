@@ -17,11 +17,13 @@ from assur.planner.legs.joint import JointMotion
 from assur.planner.legs.limits import beyond_limits, parts
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.overlap import leaving
+from assur.planner.legs.path_leg import along_path
 from assur.planner.legs.slowed import slowed
 from assur.planner.legs.state import Knots, TimedLeg
 from assur.planner.legs.straight import mode_changes, straight
 from assur.planner.legs.tilt import tilt_of
 from assur.planner.legs.tool_motion import RESERVE, carrying_peak
+from assur.planner.legs.tracing import left_at, trace, traced
 from assur.planner.legs.tracking import track
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.outcome import Arrival, Course, Leg, LegKind, Route
@@ -37,7 +39,7 @@ from assur.planner.model.refusal import (
     unmoved,
     window_missed,
 )
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Move, Scene, Trace
 from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
@@ -160,6 +162,8 @@ def straight_extension(
 def _line(scene: Scene, partial: PartialPlan, point: ControlPoint, wait: float, mode: int) -> TimedLeg | Refusal:
     """A straight leg to the control point, from rest or from the frame that the tool tracks."""
     state = partial.state if wait <= 0 else Knots.standing(partial.state, partial.state.time + wait).last
+    if isinstance(point.facts, Move) and point.facts.path:
+        return along_path(scene, point, state, (partial.mode, mode), partial.tracked)
     if partial.tracked is not None:
         before = partial.tracked
 
@@ -202,8 +206,12 @@ def _continued(
         legs.insert(0, TimedLeg(LegKind.WAIT, standing, Route(Course.FOR_BODIES)))
     begin = end = way.knots.end
     if point.tracks:
-        leaves = None if candidate.stops else leaving(scene, point, _lowered(scene, point, way.knots.last.q))
-        there = track(scene, point, way.knots.last, candidate.branch.mode, candidate.tracking_effort, leaves)
+        last, mode = way.knots.last, candidate.branch.mode
+        if isinstance(point.facts, Trace):
+            there = trace(scene, point, last, mode)
+        else:
+            leaves = None if candidate.stops else leaving(scene, point, _lowered(scene, point, last.q))
+            there = track(scene, point, last, mode, candidate.tracking_effort, leaves)
         if isinstance(there, Refusal):
             return there
         begin, end = there.begin, there.end
@@ -236,6 +244,11 @@ def _continued(
         return lost
     made = tuple(Leg(leg.kind, partial.step, leg.knots.begin, leg.knots.end, leg.route) for leg in legs)
     met = arrival(scene, point, partial, trajectory, begin, end)
+    if isinstance(point.facts, Trace):
+        told = traced(scene, point, trajectory, begin, end)
+        if isinstance(told, Refusal):
+            return told
+        met, point = replace(met, trace=told), left_at(point)
     inaccurate = too_far(scene, partial.step, met.error)
     if inaccurate is not None:
         return inaccurate

@@ -9,7 +9,7 @@ from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.tilt import pitch_free, roll_free, tilts
 from assur.planner.model.attachments import at_start
 from assur.planner.model.phases import yaw_offsets
-from assur.planner.model.scene import Pick, Place, Scene, Step
+from assur.planner.model.scene import Pick, Place, Scene, Step, Trace
 from assur.planner.robots.turns import equivalents
 from assur.planner.search.meeting_options import Option
 
@@ -38,7 +38,7 @@ def lower_bound(scene: Scene, first: tuple[Option, ...]) -> float:
                 here += _positions(scene, point)
         if before and here:
             total += min(_velocity_time(scene, a, b) for a in before for b in here)
-        before = here
+        before = [] if isinstance(step, Trace) else here
         if isinstance(step, Pick):
             # in which of several turns the part is held is not known: nor where it is put down from
             turned = len(offsets or ()) != 1

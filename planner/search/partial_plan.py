@@ -15,12 +15,13 @@ from assur.planner.legs.overlap import entering
 from assur.planner.legs.pace import Pace
 from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.legs.tool_motion import lift_most
+from assur.planner.legs.tracing import lead as lead_of_trace
 from assur.planner.legs.tracking import lead_time
 from assur.planner.model.attachments import AT_START, Attachments, at_start
 from assur.planner.model.outcome import Arrival, Leg
 from assur.planner.model.phases import NOTHING_HANDLED, Handled, Phase, handled_at_start
 from assur.planner.model.refusal import Refusal
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Scene, Trace
 from assur.planner.robots.facts import Limits
 from assur.planner.trajectory import Trajectory
 
@@ -50,6 +51,8 @@ class PartialPlan:
     """Of joint legs (`paced`): one table for all partial plans of a search."""
     lines: dict[tuple[float, Tilt | None, float, int], TimedLeg | Refusal] = field(default_factory=dict)
     """Straight legs from here by yaw and tilt of the tool, wait and mode: full turns of the meeting make no other."""
+    traces: dict[Branch, Refusal] = field(default_factory=dict)
+    """Why the path of a frame that stands still cannot be traced in a branch, whenever the arm comes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +126,11 @@ def prepared(
     moving, found = entering(scene, point, state.q), list[Meetings | Refusal]()
     for entry in (None,) if moving is None else (moving, None):
         entered = point if entry is None else replace(point, entry=entry)
-        lead = lead_time(scene, entered, 1.0) if point.tracks else 0.0
+        lead: float | Refusal = 0.0
+        if isinstance(point.facts, Trace):
+            lead = lead_of_trace(point)
+        elif point.tracks:
+            lead = lead_time(scene, entered, 1.0)
         if isinstance(lead, Refusal):
             found.append(lead)
         else:

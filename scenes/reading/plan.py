@@ -18,6 +18,7 @@ from assur.planner.model.outcome import (
     Nearest,
     Plan,
     Route,
+    Traced,
 )
 from assur.planner.robots.robot import Robot
 from assur.scenes.conventions import Conventions, as_counted, converted
@@ -127,7 +128,12 @@ def _arrival(i: int, item: document.Arrival, conventions: Conventions) -> Arriva
         roll=item.get("roll_rad"),
         missed_by=_missed(i, item.get("missed_by"), conventions),
         error=_error(item.get("error"), conventions),
+        trace=_traced(item.get("trace")),
     )
+
+
+def _traced(item: document.Traced | None) -> Traced | None:
+    return None if item is None else Traced(**item)
 
 
 def _error(item: document.ArrivalError | None, conventions: Conventions) -> ArrivalError | None:

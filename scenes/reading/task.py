@@ -8,18 +8,22 @@ from typing import Any
 
 from assur.planner.errors import FaultError
 from assur.planner.frames import Conveyor, Linear
-from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Step, Target, Window
-from assur.planner.model.task import Tolerance
+from assur.planner.frames.motion import Pose
+from assur.planner.model.path import ArcTo, LineTo, Path, PathError, PathPart, Point, SplineThrough
+from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Step, Target, Trace, Window
+from assur.planner.model.task import Tolerance, lead_length
 from assur.scenes.faults import Refused, choices, within
 from assur.scenes.reading.bodies import Places, resolve
 from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
 from assur.scenes.schema.task import (
     FollowDocument,
     MoveDocument,
+    PathPartDocument,
     PickDocument,
     PlaceDocument,
     StepDocument,
     TargetDocument,
+    TraceDocument,
     WindowedStep,
 )
 
@@ -39,7 +43,7 @@ class _Task:
         self.names: set[str] = set()
 
     def step(self, number: int, item: StepDocument) -> Step:
-        for key in ("move", "follow", "pick", "place"):
+        for key in ("move", "follow", "trace", "pick", "place"):
             spelt = getattr(item, key)
             if spelt is not None:
                 with within("task", number, key):
@@ -54,11 +58,57 @@ class _Task:
     def _move(self, name: str, item: MoveDocument) -> Step:
         target = self._target(item.to, free=True)
         arch = None if item.arch is None else Arch(item.arch.top_m)
-        return Move(name, target, item.match, item.via, arch, self._window(item, target.frame), item.leg)
+        window, path = self._window(item, target.frame), tuple[PathPart, ...]()
+        if item.path is None:
+            if item.blend_m > 0.0:
+                raise Refused("none: only a leg along a path has corners", "blend_m")
+        elif item.leg != "cartesian" or item.via or item.arch is not None:
+            raise Refused("none: only a move with leg: cartesian, without via and arch, goes along a path", "path")
+        else:
+            path = self._parts(item.path, item.to, target.pose)
+        return Move(name, target, item.match, item.via, arch, window, item.leg, path, item.blend_m)
 
     def _follow(self, name: str, item: FollowDocument) -> Step:
         target = self._target(item.to)
         return Follow(name, target, item.duration_s, self._window(item, target.frame), _tolerance(item))
+
+    def _trace(self, name: str, item: TraceDocument) -> Step:
+        with within("start"):
+            target = self._pose(item.start)
+        pose = target.pose
+        path = path_of((pose.x, pose.y, pose.z), self._parts(item.path, item.start), item.blend_m)
+        leads = [lead_length(item.speed_m_s) if lead is None else lead for lead in (item.lead_in_m, item.lead_out_m)]
+        return Trace(name, target, path, item.speed_m_s, leads[0], leads[1], self._window(item, target.frame))
+
+    def _parts(
+        self, items: Sequence[PathPartDocument], place: TargetDocument, to: Pose | None = None
+    ) -> tuple[PathPart, ...]:
+        """The parts of a path whose points are in the frame, or relative to the body, of `place`; the last part, which
+        then has no end of its own, ends at the pose `to`."""
+
+        def there(at: list[float] | None, *keys: str | int) -> Point:
+            ends = to is not None and bool(keys) and keys[0] == len(items) - 1
+            if ends and to is not None:
+                if at is not None:
+                    raise Refused("none: the last part ends at the move's `to`", "path", *keys)
+                return to.x, to.y, to.z
+            if at is None:
+                raise Refused("to_m or to_mm, which must be given", "path", *keys)
+            _, pose = resolve(place.model_copy(update={"at_m": at}), 0.0, self.frames, self.places)
+            return pose.x, pose.y, pose.z
+
+        parts = list[PathPart]()
+        for k, item in enumerate(items):
+            if item.line is not None:
+                parts.append(LineTo(there(item.line.to_m, k, "line", "to_m")))
+            elif item.arc is not None:
+                parts.append(ArcTo(there(item.arc.via_m), there(item.arc.to_m, k, "arc", "to_m")))
+            elif item.spline is not None:
+                points = [there(point) for point in item.spline.through_m]
+                if to is not None and k == len(items) - 1:
+                    points.append((to.x, to.y, to.z))
+                parts.append(SplineThrough(tuple(points)))
+        return tuple(parts)
 
     def _pick(self, name: str, item: PickDocument) -> Step:
         if item.part not in self.places:
@@ -108,25 +158,28 @@ class _Task:
     def _target(self, item: TargetDocument, free: bool = False, part: bool = False) -> Target:
         """`free`: whether a target that says nothing of the yaw leaves it free; `part`: whether a part is put there."""
         with within("to"):
-            if item.yaw_rad is not None and not self.has_yaw:
-                raise Refused(self.no_yaw, "yaw_rad")
-            for key in ("pitch_rad", "roll_rad"):
-                if key in item.model_fields_set and not self.has_tilt:
-                    raise Refused(NO_TILT.format(key.removesuffix("_rad")), key)
-            for key in ("yaw_free", "yaw_keep"):
-                if getattr(item, key) and not self.has_yaw:
-                    raise Refused(self.no_yaw, key)
-                if getattr(item, key) and part:
-                    raise Refused("a yaw_rad: a part is placed as it has to lie", key)
-            silent = item.yaw_rad is None and not item.yaw_free and not item.yaw_keep
-            if silent and self.has_yaw and not free:
-                raise Refused("yaw_rad or yaw_deg, which must be given", "yaw_rad")
-            yaw_free = item.yaw_free or item.yaw_keep or (silent and (free or not self.has_yaw))
-            if item.body is not None and item.body == self.held:
-                raise Refused("a body that is not in the gripper", "body")
-            frame, pose = resolve(item, item.yaw_rad or 0.0, self.frames, self.places)
-            tilt = _asked(item.pitch_rad), _asked(item.roll_rad)
-            return Target(frame, pose, yaw_free, *tilt, yaw_keep=item.yaw_keep)
+            return self._pose(item, free, part)
+
+    def _pose(self, item: TargetDocument, free: bool = False, part: bool = False) -> Target:
+        if item.yaw_rad is not None and not self.has_yaw:
+            raise Refused(self.no_yaw, "yaw_rad")
+        for key in ("pitch_rad", "roll_rad"):
+            if key in item.model_fields_set and not self.has_tilt:
+                raise Refused(NO_TILT.format(key.removesuffix("_rad")), key)
+        for key in ("yaw_free", "yaw_keep"):
+            if getattr(item, key) and not self.has_yaw:
+                raise Refused(self.no_yaw, key)
+            if getattr(item, key) and part:
+                raise Refused("a yaw_rad: a part is placed as it has to lie", key)
+        silent = item.yaw_rad is None and not item.yaw_free and not item.yaw_keep
+        if silent and self.has_yaw and not free:
+            raise Refused("yaw_rad or yaw_deg, which must be given", "yaw_rad")
+        yaw_free = item.yaw_free or item.yaw_keep or (silent and (free or not self.has_yaw))
+        if item.body is not None and item.body == self.held:
+            raise Refused("a body that is not in the gripper", "body")
+        frame, pose = resolve(item, item.yaw_rad or 0.0, self.frames, self.places)
+        tilt = _asked(item.pitch_rad), _asked(item.roll_rad)
+        return Target(frame, pose, yaw_free, *tilt, yaw_keep=item.yaw_keep)
 
     def _window(self, item: WindowedStep, frame: str) -> Window:
         for key, ends in (("window_s", item.window_s), ("window_m", item.window_m)):
@@ -152,6 +205,18 @@ def _corners(item: PickDocument | PlaceDocument) -> dict[str, Any]:
     """How the straight parts of a pick or place go over into the travel."""
     arch = None if item.arch is None else Arch(item.arch.top_m)
     return {"approach_stop": item.approach.stop, "depart_stop": item.depart.stop, "arch": arch}
+
+
+def path_of(begin: Point, parts: Sequence[PathPart], blend: float) -> Path:
+    """The path; what is wrong with a part of it is refused at that part."""
+    try:
+        return Path(begin, tuple(parts), blend)
+    except PathError as error:
+        part = parts[error.number]
+        kind = "line" if isinstance(part, LineTo) else "arc" if isinstance(part, ArcTo) else "spline"
+        keys = {"to": "to_m", "via": "via_m", "points": "through_m"}
+        where = (kind, keys[error.key]) if error.key else ()
+        raise Refused(error.allowed, "path", error.number, *where) from error
 
 
 def _tolerance(item: FollowDocument | PickDocument | PlaceDocument) -> Tolerance:

@@ -113,6 +113,17 @@ class ArrivalError(TypedDict):
 
 
 @with_config(CLOSED)
+class Traced(TypedDict):
+    """Of a path that was traced: its length; the least and the greatest speed of the tool point in the path's frame;
+    its largest distance from where it should be at that time. The last three are bounds."""
+
+    length_m: Number
+    slowest_m_s: Number
+    fastest_m_s: Number
+    error_m: Number
+
+
+@with_config(CLOSED)
 class Arrival(TypedDict):
     """Where and when the tool point reaches a control point, with which joints, in which assembly mode; pitch and roll
     of arms with five axes only."""
@@ -131,6 +142,7 @@ class Arrival(TypedDict):
     error: NotRequired[ArrivalError | None]
     joints: NotRequired[Annotated[list[Number], Field(max_length=bounds.MAX_JOINTS)]]
     mode: NotRequired[Text | None]
+    trace: NotRequired[Traced | None]
     pitch_rad: NotRequired[Angle | None]
     roll_rad: NotRequired[Angle | None]
 

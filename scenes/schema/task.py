@@ -81,16 +81,6 @@ class WindowedStep(Document):
     window_m: Stretch | None = None
 
 
-class MoveDocument(WindowedStep):
-    """Bring the tool point to a pose; `via`: flown by."""
-
-    to: TargetDocument
-    match: Match = "velocity"
-    via: bool = False
-    arch: ArchDocument | None = None
-    leg: Literal["joint", "cartesian"] = "joint"
-
-
 class FollowDocument(WindowedStep):
     """Meet a pose with its velocity and track it."""
 
@@ -98,6 +88,64 @@ class FollowDocument(WindowedStep):
     duration_s: Duration
     tolerance_m: Distance | None = None
     tolerance_rad: YawError | None = None
+
+
+class LineDocument(Document):
+    """Straight on to a point of the path's frame; the last part of a move's path has none: it ends at its `to`."""
+
+    to_m: Point | None = None
+
+
+class ArcDocument(Document):
+    """Along the circle through `via_m`; `to_m` as of a line."""
+
+    via_m: Point
+    to_m: Point | None = None
+
+
+class SplineDocument(Document):
+    """Along a cubic spline through points; the last is its end."""
+
+    through_m: Annotated[list[Point], Field(min_length=1, max_length=bounds.MAX_PATH_POINTS)]
+
+
+class PathPartDocument(Document):
+    """A part of a path: it begins where the one before it ends."""
+
+    exactly_one: ClassVar[tuple[Group, ...]] = (("line", "arc", "spline"),)
+
+    line: LineDocument | None = None
+    arc: ArcDocument | None = None
+    spline: SplineDocument | None = None
+
+
+PathDocument = Annotated[list[PathPartDocument], Field(min_length=1, max_length=bounds.MAX_PATH_PARTS)]
+
+
+class MoveDocument(WindowedStep):
+    """Bring the tool point to a pose; `via`: flown by; `path`: of a cartesian leg, in place of a straight line, from
+    where the tool is to `to`, in whose frame its points are."""
+
+    to: TargetDocument
+    match: Match = "velocity"
+    via: bool = False
+    arch: ArchDocument | None = None
+    leg: Literal["joint", "cartesian"] = "joint"
+    path: PathDocument | None = None
+    blend_m: Distance = 0.0
+
+
+class TraceDocument(WindowedStep):
+    """Take the tool point along a path in a frame at a process speed relative to that frame. `start`: first point of
+    the path, and the frame, or body, in which all its points are; the tool keeps its yaw there. `lead_in_m`,
+    `lead_out_m`: straight ways on which the speed is reached and given up; silence: by the speed."""
+
+    start: TargetDocument
+    path: PathDocument
+    blend_m: Distance = 0.0
+    speed_m_s: Annotated[float, Field(gt=0.0, le=bounds.FAST_M_S)]
+    lead_in_m: Annotated[float, Field(gt=0.0, le=bounds.FAR_M)] | None = None
+    lead_out_m: Annotated[float, Field(gt=0.0, le=bounds.FAR_M)] | None = None
 
 
 class _Handling(WindowedStep):
@@ -131,9 +179,10 @@ class PlaceDocument(_Handling):
 class StepDocument(Document):
     """One step."""
 
-    exactly_one: ClassVar[tuple[Group, ...]] = (("move", "follow", "pick", "place"),)
+    exactly_one: ClassVar[tuple[Group, ...]] = (("move", "follow", "trace", "pick", "place"),)
 
     move: MoveDocument | None = None
     follow: FollowDocument | None = None
+    trace: TraceDocument | None = None
     pick: PickDocument | None = None
     place: PlaceDocument | None = None

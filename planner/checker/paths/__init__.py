@@ -1,0 +1,1 @@
+"""What the checker holds paths to: its own curves, and whether the tool follows them."""

@@ -1,0 +1,236 @@
+"""Traces before the checker: its curves by another derivation, and tampering with what a trace promises."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from assur.planner.checker import Code, check
+from assur.planner.checker.paths.curves import Bezier, Turn, curves_of, length_of
+from assur.planner.errors import InputError
+from assur.planner.frames import Conveyor
+from assur.planner.frames.motion import Pose
+from assur.planner.model.outcome import LegKind, Plan, Planned, Traced
+from assur.planner.model.path import ArcTo, LineTo, Path, PathPart, SplineThrough
+from assur.planner.model.scene import Scene, Target, Trace
+from assur.planner.pipeline import plan
+from assur.planner.trajectory import Trajectory
+from tests.planner.cells import CUP, cell, frame
+from tests.planner.checker.hand_made import sealed
+
+V = 0.1
+PARTS: tuple[PathPart, ...] = (
+    LineTo((0.03, 0.0, 0.05)),
+    ArcTo((0.05, 0.02, 0.05), (0.03, 0.04, 0.05)),
+    SplineThrough(((0.0, 0.045, 0.05), (-0.02, 0.04, 0.06))),
+)
+SHORTER = (*PARTS[:2], SplineThrough(((-0.02, 0.04, 0.06),)))
+"""The same without a point of the spline."""
+
+
+def scene_of(
+    parts: tuple[PathPart, ...] = PARTS,
+    speed: float = V,
+    yaw: float = 0.3,
+    lead: float = 0.004,
+    begin: tuple[float, float, float] = (0.0, 0.0, 0.05),
+) -> Scene:
+    step = Trace("bead", Target("belt", Pose(*begin, yaw)), Path(begin, parts), speed, lead, lead)
+    return cell(step, frames=(frame("belt", Conveyor(Pose(-0.05, 0.35, 0.06), 0.12)),), tool=CUP)
+
+
+@cache
+def made(scene_number: int = 0) -> Plan:
+    found = plan((scene_of(), scene_of(SHORTER), scene_of(yaw=0.3005))[scene_number])
+    assert isinstance(found, Planned), found.sentence
+    return found.plan
+
+
+def told(scene: Scene, changed: Plan) -> dict[Code, str]:
+    """What is found, but for the rows of the certificate, which are of another motion."""
+    findings = check(scene, sealed(scene, changed)).findings
+    return {each.code: each.what for each in findings if each.code not in (Code.SEPARATION, Code.COVER, Code.ROW)}
+
+
+def claiming(changed: Plan, **claims: float) -> Plan:
+    first = changed.arrivals[0]
+    assert first.trace is not None
+    return replace(changed, arrivals=(replace(first, trace=replace(first.trace, **claims)), *changed.arrivals[1:]))
+
+
+def shifted(changed: Plan, row: int, off: float) -> Plan:
+    """The first joint is `off` rad elsewhere at one knot."""
+    path = changed.trajectory
+    q = path.q.copy()
+    q[row, 0] += off
+    return replace(changed, trajectory=Trajectory(path.time, q, path.qd, path.qdd))
+
+
+def inside(changed: Plan) -> int:
+    """A knot in the middle of the path."""
+    first = changed.arrivals[0]
+    return int(np.searchsorted(changed.trajectory.time, (first.time + first.until) / 2))
+
+
+def test_a_right_trace_is_right() -> None:
+    assert told(scene_of(), made()) == {}
+
+
+@pytest.mark.parametrize("off", [5e-5, -5e-5])
+def test_a_tool_that_leaves_the_path_at_one_knot_by_20_micrometres_is_found(off: float) -> None:
+    # 0.4 m from the axis; speed and place are both not kept, and the first that is not is told
+    assert "on the path" in told(scene_of(), shifted(made(), inside(made()), off))[Code.TRACKING]
+
+
+@pytest.mark.parametrize("off", [1.2e-5, -1.2e-5])
+def test_a_tool_that_goes_beside_the_path_with_its_speed_is_found(off: float) -> None:
+    """The very motion of a path that is 12 µm beside."""
+    beside = scene_of(begin=(0.0, 0.0, 0.05 + off), parts=tuple(lifted(part, off) for part in PARTS))
+    found = plan(beside)
+    assert isinstance(found, Planned), found.sentence
+    assert "is not where it should be on" in told(scene_of(), found.plan)[Code.TRACKING]
+
+
+def lifted(part: PathPart, off: float) -> PathPart:
+    def up(point: tuple[float, float, float]) -> tuple[float, float, float]:
+        return point[0], point[1], point[2] + off
+
+    if isinstance(part, LineTo):
+        return LineTo(up(part.to))
+    if isinstance(part, ArcTo):
+        return ArcTo(up(part.via), up(part.to))
+    return SplineThrough(tuple(up(point) for point in part.points))
+
+
+def test_a_lead_in_that_leaves_its_line_is_found() -> None:
+    leg = next(leg for leg in made().legs if leg.kind is LegKind.APPROACH)
+    row = int(np.searchsorted(made().trajectory.time, (leg.t0 + leg.t1) / 2))
+    assert "is not where it should be on" in told(scene_of(), shifted(made(), row, 1e-4))[Code.TRACKING]
+
+
+@pytest.mark.parametrize("share", [0.985, 1.015])
+def test_another_process_speed_is_found(share: float) -> None:
+    scene = scene_of(speed=share * V)
+    assert Code.LEGS in told(scene, made())
+
+
+def test_a_path_of_which_a_stretch_is_left_out_is_found() -> None:
+    assert length_of(Path((0.0, 0.0, 0.05), SHORTER)) < length_of(Path((0.0, 0.0, 0.05), PARTS))
+    found = told(scene_of(), made(1))
+    assert Code.LEGS in found
+
+
+def test_a_stretch_left_out_in_the_same_time_is_found() -> None:
+    """The shorter way, slower by so much that it takes as long, with legs that last as they should."""
+    long, short = length_of(Path((0.0, 0.0, 0.05), PARTS)), length_of(Path((0.0, 0.0, 0.05), SHORTER))
+    slow = V * short / long
+    lead = 0.004 * slow / V
+    found = plan(scene_of(SHORTER, slow, lead=lead))
+    assert isinstance(found, Planned), found.sentence
+    tampered = claiming(found.plan, length_m=long, slowest_m_s=0.99 * V, fastest_m_s=1.01 * V, error_m=1e-5)
+    findings = told(scene_of(), tampered)
+    assert Code.LEGS not in findings
+    assert "on the path" in findings[Code.TRACKING]
+
+
+@pytest.mark.parametrize(
+    ("claims", "word"),
+    [
+        ({"error_m": 1.1e-5}, "may leave the path"),
+        ({"slowest_m_s": 0.98 * V}, "too slowly"),
+        ({"fastest_m_s": 1.02 * V}, "too fast"),
+        ({"length_m": 0.1}, "another length"),
+        ({"error_m": 1e-7}, "is not where it should be on"),
+        ({"slowest_m_s": 1.0005 * V}, "too slow on"),
+        ({"fastest_m_s": 0.9995 * V}, "too fast on"),
+    ],
+)
+def test_a_claim_that_is_not_so_or_beyond_the_promise_is_found(claims: dict[str, float], word: str) -> None:
+    assert word in told(scene_of(), claiming(made(), **claims))[Code.TRACKING]
+
+
+def test_a_speed_that_swings_while_the_place_is_kept_is_found() -> None:
+    """Two extra knots 1 ms beside each other, 3 µm off: the place is kept within 0.01 mm, the speed is not."""
+    path = made().trajectory
+    first = made().arrivals[0]
+    t = (first.time + first.until) / 2 + np.array([0.0, 1e-3, 2e-3])
+    rows = [np.concatenate([[x], *(path.evaluate(np.array([x]), k)[0] for k in range(3))]) for x in t]
+    rows[1][1] += 8e-6
+    gone = (path.time > t[0]) & (path.time < t[2])
+    table = np.concatenate([path.knots[~gone], rows])
+    changed = replace(made(), trajectory=Trajectory.of_knots(np.ascontiguousarray(table[np.argsort(table[:, 0])])))
+    found = told(scene_of(), changed)
+    assert "on the path" in found[Code.TRACKING]
+    assert "too slow" in found[Code.TRACKING] or "too fast" in found[Code.TRACKING]
+
+
+def test_another_yaw_is_found() -> None:
+    found = told(scene_of(), made(2))
+    assert "is turned on" in found[Code.TRACKING]
+
+
+def test_a_trace_of_which_nothing_is_said_and_a_claim_of_what_is_none_are_found() -> None:
+    plan_ = made()
+    silent = replace(plan_, arrivals=(replace(plan_.arrivals[0], trace=None),))
+    assert "not said how" in told(scene_of(), silent)[Code.ARRIVAL]
+    unmatched = replace(plan_, arrivals=(replace(plan_.arrivals[0], matched=False),))
+    assert "not said how" in told(scene_of(), unmatched)[Code.ARRIVAL]
+
+
+@pytest.mark.parametrize("kind", [LegKind.APPROACH, LegKind.DEPART])
+def test_a_plan_without_its_lead_is_found(kind: LegKind) -> None:
+    plan_ = made()
+    legs = tuple(replace(leg, kind=LegKind.MOVE) if leg.kind is kind else leg for leg in plan_.legs)
+    assert Code.LEGS in told(scene_of(), replace(plan_, legs=legs))
+
+
+def test_a_claim_that_is_no_number_is_no_arrival() -> None:
+    with pytest.raises(InputError, match="slowest"):
+        Traced(0.1, float("nan"), 0.1, 0.0)
+    with pytest.raises(InputError, match="trace"):
+        replace(made().arrivals[0], trace="well")  # type: ignore[arg-type]
+
+
+COORDINATE = st.floats(-0.2, 0.2).map(lambda x: round(x, 4))
+POINT = st.tuples(COORDINATE, COORDINATE, COORDINATE)
+PART = st.one_of(
+    st.builds(LineTo, POINT),
+    st.builds(ArcTo, POINT, POINT),
+    st.builds(SplineThrough, st.lists(POINT, min_size=1, max_size=4).map(tuple)),
+)
+
+
+@given(parts=st.lists(PART, min_size=1, max_size=5), blend=st.floats(1e-4, 0.02))
+@settings(max_examples=100, deadline=None)
+def test_both_derivations_of_a_path_are_the_same_curve(parts: list[PathPart], blend: float) -> None:
+    try:
+        path = Path((0.0, 0.0, 0.0), tuple(parts), blend)
+    except InputError:
+        return
+    own = curves_of(path)
+    assert length_of(path) == pytest.approx(path.length, rel=1e-8)
+    begin = 0.0
+    for cut in own:
+        s = np.linspace(0.0, cut.length, 33)[1:-1]
+        p, tangent, bend = path.curve.at(begin + s)
+        assert np.abs(cut.place(s) - p).max() < 1e-8
+        assert (np.linalg.norm(bend, axis=1) <= cut.part.bend * (1 + 1e-6) + 1e-6).all()
+        step = 1e-6 * cut.length
+        ahead, back = (path.curve.at(begin + s + off)[0] for off in (step, -step))
+        assert np.abs((ahead - back) / (2 * step) - tangent).max() < 1e-3
+        begin += cut.length
+
+
+def test_an_arc_and_a_straight_polynomial_have_their_curvature() -> None:
+    arc = curves_of(Path((0.1, 0.0, 0.0), (ArcTo((0.0, 0.1, 0.0), (-0.1, 0.0, 0.0)),)))[0]
+    assert isinstance(arc.part, Turn)
+    assert arc.part.bend == pytest.approx(10.0)
+    assert arc.length == pytest.approx(0.1 * np.pi)
+    assert Bezier(np.outer(np.arange(4), [0.01, 0.0, 0.0])).bend == pytest.approx(0.0, abs=1e-9)
+    # a cusp has no bound
+    assert Bezier(np.array([[0.0, 0, 0], [1.0, 0, 0], [0.0, 0, 0], [1.0, 0.0, 0]])).bend == np.inf
