@@ -189,22 +189,27 @@ def _kinds(lines: list[dict[str, Any]]) -> Iterator[Table | str]:
         yield f"  and {len(lines) - CENSUS_LINES} more kinds of refusal"
 
 
-def assumed(assumptions: list[str]) -> Iterator[str]:
-    """What is assumed, without the sources: those are in the document and in `assur robots --json`."""
-    if assumptions:
-        yield ""
-        yield "assumed, not known (sources: --json):"
-        for assumption in assumptions:
-            yield "  " + ": ".join(assumption.split(": ")[:2])
+def assumed(assumptions: list[str], *, details: bool) -> Iterator[str]:
+    """How many numbers are assumed; with `details` each of them, without its source: that is in the document."""
+    count = len(assumptions)
+    if not count:
+        return
+    what = "assumption about the robot and the cell" if count == 1 else "assumptions about the robot and the cell"
+    if not details:
+        yield f"{count} {what} (--details lists {'it' if count == 1 else 'them'})"
+        return
+    yield f"{count} {what} (sources: --json):"
+    for assumption in assumptions:
+        yield "  " + ": ".join(assumption.split(": ")[:2])
 
 
-def everything(answer: dict[str, Any]) -> Iterator[Table | str]:
-    """The whole answer for people, but for what the checker says."""
+def everything(answer: dict[str, Any], *, details: bool = False) -> Iterator[Table | str]:
+    """The whole answer for people, but for what the checker says. `details`: with every assumption."""
     yield from planned(answer) if answer["status"] == "planned" else not_planned(answer)
     yield ""
     yield from census(answer["census"], planned=answer["status"] == "planned")
     if answer["cut_by_clock"]:
         yield "The clock cut the search off; another run may find another plan."
-    yield from assumed(answer["assumptions"])
+    yield from assumed(answer["assumptions"], details=details)
     yield ""
     yield answer["notice"]

@@ -58,6 +58,25 @@ def test_a_plan_is_told_in_the_words_of_the_shop_and_checked(small_file: Path) -
     assert errors == ""
 
 
+def test_assumptions_are_one_line_with_their_number_and_listed_when_asked_for(far_file: Path) -> None:
+    for file in ("rv-m1", str(far_file)):
+        answer = json.loads(run("plan", file, "--json")[1])
+        assumptions = answer["assumptions"]
+        assert len(assumptions) > 3
+        short = run("plan", file)[1].splitlines()
+        detailed = run("plan", file, "--details")[1].splitlines()
+        about = f"{len(assumptions)} assumptions about the robot and the cell"
+        assert f"{about} (--details lists them)" in short
+        where = detailed.index(f"{about} (sources: --json):") + 1
+        listed = [": ".join(text.split(": ")[:2]) for text in assumptions]
+        assert [line.strip() for line in detailed[where : where + len(listed)]] == listed
+        assert detailed[where + len(listed)] == ""
+        assert not {line.strip() for line in short} & set(listed)
+    one, none = (list(console_report.assumed(some, details=False)) for some in (["the robot's data: a"], []))
+    assert one == ["1 assumption about the robot and the cell (--details lists it)"]
+    assert none == list(console_report.assumed([], details=True)) == []
+
+
 def test_arrivals_of_an_arm_with_five_axes_have_pitch_and_roll_and_others_have_not(small_file: Path) -> None:
     code, output, _ = run("plan", "rv-m1")
     assert code == RIGHT
