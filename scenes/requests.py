@@ -7,6 +7,7 @@ planning does.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -86,6 +87,12 @@ def stated_budgets(document: dict[str, Any]) -> dict[str, float]:
     return found
 
 
+def _silent(document: object, option: str) -> bool:
+    """Whether a request, which is valid, says nothing of an option in any of its units."""
+    options = document.get("options") if isinstance(document, dict) else None
+    return not isinstance(options, dict) or (option not in options and twin_of(option) not in options)
+
+
 def request_digest(document: object) -> str:
     """SHA-256 of the request in SI with every default written out: the same for requests that mean the same."""
     return validate(document).digest
@@ -129,14 +136,24 @@ def plan_document(
 
 
 def plan_cell(
-    cell: Cell, *, certificate: Literal["full", "digest"] = "full", started: float | None = None
+    cell: Cell,
+    *,
+    certificate: Literal["full", "digest"] = "full",
+    started: float | None = None,
+    explain_budget_s: float | None = None,
 ) -> dict[str, Any]:
-    """The answer for a cell that has been read; as `plan_document`."""
+    """The answer for a cell that has been read; as `plan_document`.
+
+    `explain_budget_s`: that of a request that says nothing of it; None: the default of requests.
+    """
     from assur.planner.pipeline import plan
     from assur.scenes.answer import answer_of
 
+    scene = cell.scene
+    if explain_budget_s is not None and _silent(cell.document, "explain_budget_s"):
+        scene = replace(scene, options=replace(scene.options, explain_budget_s=explain_budget_s))
     with located(cell.document):
-        outcome = plan(cell.scene, started=started)
+        outcome = plan(scene, started=started)
     return dict(answer_of(cell, outcome, certificate))
 
 

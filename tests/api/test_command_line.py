@@ -22,7 +22,7 @@ from assur.api.version import version
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner.report import number_format
 from assur.scenes.catalogue import FOLDER
-from assur.scenes.requests import shipped_scenarios
+from assur.scenes.requests import load_scenario, shipped_scenarios
 
 ROOT = Path(__file__).parents[2]
 TIMES = ("elapsed_s", "first_s")
@@ -100,6 +100,29 @@ def test_a_refusal_says_by_how_much_and_what_was_tried_and_would_help() -> None:
     assert errors == ""
     for word in ("JOINT_LIMIT", "proved: no plan exists", "j1 would have to go", "deg", "what would help", "auto"):
         assert word in output
+
+
+def test_what_would_help_is_tried_where_a_request_says_nothing_of_it(tmp_path: Path, client: httpx.Client) -> None:
+    request = load_scenario(ROOT / "scenes" / "cells" / "behind-the-base-keep.yaml").request
+    file = tmp_path / "behind.json"
+    answers = {}
+    for key, value in (("", 0), ("explain_budget_s", 0), ("explain_budget_ms", 0.0), ("explain_budget_ms", 60_000)):
+        options = {name: each for name, each in request["options"].items() if not name.startswith("explain_budget")}
+        asked = {**request, "options": options | {"budget_s": 10} | ({key: value} if key else {})}
+        file.write_text(json.dumps(asked))
+        code, output, _ = run("plan", str(file), "--json")
+        assert code == WRONG
+        answers[key, value] = json.loads(output)
+        if not key:
+            # over HTTP and in Python nothing is tried that is not asked for; and the request stays the same
+            served = client.post("/v1/plans", json=asked).json()
+            assert (served["relaxation"], served["tried"]) == (None, [])
+            assert served["request_digest"] == answers[key, value]["request_digest"]
+    helps = {"what": "elbow", "value": "auto"}
+    for stated, answer in answers.items():
+        tried = stated[0] == "" or stated[1] > 0
+        assert (answer["relaxation"] is not None, answer["tried"] != []) == (tried, tried), stated
+        assert not tried or helps.items() <= answer["relaxation"].items()
 
 
 def test_an_answer_that_is_not_what_the_scenario_expects_is_told_so(tmp_path: Path) -> None:
