@@ -6,11 +6,12 @@ scene ─► what is impossible? ─► search (candidates ─► dyad ─► Ru
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from assur.planner.blends.search import searcher
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.necessary import start_collides, start_impossible
+from assur.planner.feasibility.odd_input import odd_input
 from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.legs.tilt import pitch_free
 from assur.planner.model.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Relaxation
@@ -47,6 +48,12 @@ def plan(scene: Scene, *, adaptive: bool = True, started: float | None = None) -
     """
     clock = _Clock(time.perf_counter() if started is None else started)
     prover = Prover(scene)
+    outcome = _outcome(scene, clock, prover, adaptive=adaptive)
+    return replace(outcome, warnings=odd_input(scene, prover))
+
+
+def _outcome(scene: Scene, clock: _Clock, prover: Prover, *, adaptive: bool) -> Outcome:
+    """A plan, or why there is none; without warnings."""
     never = start_impossible(scene, prover)
     if never is not None:
         return _not_planned(scene, clock, never, Counter().census(), proved=True, cut=False, deepest=never.step)

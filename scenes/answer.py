@@ -13,6 +13,7 @@ import numpy as np
 
 from assur.planner.errors import FaultError
 from assur.planner.model.arrival_error import ArrivalError
+from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.outcome import (
     Arrival,
     Census,
@@ -27,7 +28,7 @@ from assur.planner.model.outcome import (
 )
 from assur.planner.model.refusal import Facts, Refusal
 from assur.planner.model.scene import Scene
-from assur.planner.report.sentence import because, note
+from assur.planner.report.sentence import because, note, warned
 from assur.scenes.conventions import as_maker
 from assur.scenes.numbers import interval, number, optional
 from assur.scenes.reading.cell import Cell
@@ -81,6 +82,7 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAn
         "census": _census(cell.scene, outcome.census),
         "first_s": optional(outcome.first_s),
         "assumptions": list(outcome.assumptions),
+        "warnings": [_warning(each) for each in outcome.warnings],
         "seed": int(outcome.seed),
         "elapsed_s": number(outcome.elapsed_s),
         "cut_by_clock": bool(outcome.cut_by_clock),
@@ -105,11 +107,21 @@ def _not_planned(cell: Cell, outcome: NotPlanned) -> document.NotPlannedAnswer:
         "explain_budget_spent": bool(outcome.explain_budget_spent),
         "census": _census(cell.scene, outcome.census),
         "assumptions": list(outcome.assumptions),
+        "warnings": [_warning(each) for each in outcome.warnings],
         "seed": int(outcome.seed),
         "elapsed_s": number(outcome.elapsed_s),
         "cut_by_clock": bool(outcome.cut_by_clock),
         "request_digest": cell.scene.digest,
         "notice": NOTICE,
+    }
+
+
+def _warning(warning: InputWarning) -> document.InputWarning:
+    return {
+        "kind": warning.kind,
+        "bodies": list(warning.bodies),
+        "amount_m": number(warning.amount_m),
+        "detail": warned(warning),
     }
 
 

@@ -210,6 +210,8 @@ def everything(answer: dict[str, Any], *, details: bool = False) -> Iterator[Tab
     yield from census(answer["census"], planned=answer["status"] == "planned")
     if answer["cut_by_clock"]:
         yield "The clock cut the search off; another run may find another plan."
+    for warning in answer["warnings"]:
+        yield f"warning             {warning['detail']}"
     yield from assumed(answer["assumptions"], details=details)
     yield ""
     yield answer["notice"]

@@ -16,6 +16,7 @@ from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.model.arrival_error import ArrivalError
+from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.trajectory import Trajectory
 
@@ -328,6 +329,7 @@ class Planned:
     elapsed_s: float
     first_s: float
     cut_by_clock: bool
+    warnings: tuple[InputWarning, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -358,6 +360,7 @@ class NotPlanned:
     seed: int
     elapsed_s: float
     cut_by_clock: bool
+    warnings: tuple[InputWarning, ...] = ()
 
 
 Outcome = Planned | NotPlanned

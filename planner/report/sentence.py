@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.outcome import Census, CensusLine, Course, Route
 from assur.planner.model.refusal import (
     OF_CANDIDATES,
@@ -82,6 +83,15 @@ def because(scene: Scene, refusal: Refusal) -> str:
             return (
                 f"the checker refuses the plan: {facts.code}, {facts.what}{f', {facts.where}' if facts.where else ''}"
             )
+
+
+def warned(warning: InputWarning) -> str:
+    """What is probably not meant."""
+    first, second = warning.bodies
+    if warning.kind is Odd.PART_FLOATS:
+        return f"{first} is {_mm(warning.amount_m)} above {second} and rests on nothing"
+    by = f" by more than {_mm(warning.amount_m)} along the flange's axis" if warning.amount_m else ""
+    return f"{first}, a body of the tool, overlaps {second} of the arm{by}, and nothing keeps the two apart"
 
 
 def _inaccurate(facts: Inaccurate) -> str:

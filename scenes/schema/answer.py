@@ -13,6 +13,7 @@ from pydantic import ConfigDict, Field, with_config
 from typing_extensions import TypedDict
 
 from assur.planner.model.arrival_error import Cause
+from assur.planner.model.input_warning import Odd
 from assur.planner.model.outcome import (
     Course,
 )
@@ -254,6 +255,16 @@ class Relaxation(TypedDict):
     duration_s: Number | None
 
 
+@with_config(CLOSED)
+class InputWarning(TypedDict):
+    """What of the request is probably not meant, for programs and in words."""
+
+    kind: Annotated[Odd, Field(strict=False)]
+    bodies: Pair
+    amount_m: Number
+    detail: Text
+
+
 class _Motion(TypedDict):
     schema: Schema
     status: Literal["planned"]
@@ -265,6 +276,7 @@ class _Motion(TypedDict):
 class _Common(TypedDict):
     census: Census
     assumptions: list[Text]
+    warnings: list[InputWarning]
     seed: int
     elapsed_s: Number
     cut_by_clock: bool

@@ -77,6 +77,21 @@ def test_assumptions_are_one_line_with_their_number_and_listed_when_asked_for(fa
     assert none == list(console_report.assumed([], details=True)) == []
 
 
+def test_a_part_that_floats_is_a_warning_and_no_refusal(tmp_path: Path) -> None:
+    request = load_scenario(ROOT / "scenes" / "cells" / "transfer.yaml").request
+    (part,) = (body for body in request["bodies"] if body["name"] == "load")
+    x, y, z = part["pose"]["at_mm"]
+    file = tmp_path / "cell.json"
+    for height in (0, 3):
+        part["pose"]["at_mm"] = [x, y, z + height]
+        file.write_text(json.dumps(request))
+        code, output, _ = run("plan", str(file))
+        assert code == RIGHT
+        told = [line for line in output.splitlines() if line.startswith("warning ")]
+        assert len(told) == (height > 0)
+        assert all(line.startswith("warning             load is 3 mm above ") for line in told)
+
+
 def test_arrivals_of_an_arm_with_five_axes_have_pitch_and_roll_and_others_have_not(small_file: Path) -> None:
     code, output, _ = run("plan", "rv-m1")
     assert code == RIGHT
