@@ -221,6 +221,24 @@ def _margins(margins: Margins) -> document.Margins:
     return {
         "peaks": [_peak(peak) for peak in margins.peaks],
         "binds": margins.binds,
+        "busiest": None
+        if margins.busiest is None
+        else {
+            "kind": margins.busiest.kind,
+            "step": int(margins.busiest.step),
+            "from_s": number(margins.busiest.t0),
+            "to_s": number(margins.busiest.t1),
+            "at_limit_s": number(margins.busiest.at_limit_s),
+        },
+        "helps": margins.helps,
+        "tool": None
+        if margins.tool is None
+        else {
+            "speed_m_s": number(margins.tool.speed),
+            "speed_at_s": number(margins.tool.speed_time),
+            "acceleration_m_s2": number(margins.tool.acceleration),
+            "acceleration_at_s": number(margins.tool.acceleration_time),
+        },
         "nearest": None
         if nearest is None
         else {

@@ -107,6 +107,16 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
     least = f"; no plan takes less than {bound:.3f} s" if bound else "; no bound is known"
     yield f"duration            {answer['duration_s']:.3f} s{least}"
     yield f"what binds          {margins['binds']}{'; the jerk is unbounded' * (margins['jerk'] == 'unbounded')}"
+    busiest, tool = margins["busiest"], margins["tool"]
+    if busiest is not None:
+        to = f" to {names[busiest['step']]}" * (busiest["step"] in names)
+        long = f"{1e3 * busiest['at_limit_s']:.0f} of {1e3 * (busiest['to_s'] - busiest['from_s']):.0f} ms"
+        yield f"  most in           {busiest['kind']}{to} ({long}); {margins['helps']} would help"
+    if tool is not None:
+        yield (
+            f"tool point          up to {tool['speed_m_s']:.2f} m/s at {tool['speed_at_s']:.3f} s, "
+            f"{tool['acceleration_m_s2']:.1f} m/s² at {tool['acceleration_at_s']:.3f} s"
+        )
     nearest = margins["nearest"]
     yield "smallest clearance  " + (
         "nothing is near"

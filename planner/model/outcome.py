@@ -301,9 +301,31 @@ class Contact:
 
 
 @dataclass(frozen=True, slots=True)
+class Busiest:
+    """The part [t0, t1] of a plan, of this kind and for this step, in which the limit that binds is used most: for
+    `at_limit_s` the joint, or the tool point, is within a hundredth of its peak."""
+
+    kind: str
+    step: int
+    t0: float
+    t1: float
+    at_limit_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ToolPeaks:
+    """The largest speed, m/s, and acceleration, m/s², of the tool point over a plan, and when, s."""
+
+    speed: float
+    speed_time: float
+    acceleration: float
+    acceleration_time: float
+
+
+@dataclass(frozen=True, slots=True)
 class Margins:
-    """How much is left. `binds`: the joint and kind of limit that is used most. `parallel`: None without a loop.
-    `jerk`: whether it has bounds."""
+    """How much is left. `binds`: the joint and kind of limit that is used most; `busiest`: where; `helps`: what would
+    make that part quicker. `parallel`: None without a loop. `jerk`: whether it has bounds."""
 
     peaks: tuple[JointPeak, ...]
     binds: str
@@ -313,6 +335,9 @@ class Margins:
     singularity: float
     parallel: float | None = None
     jerk: Literal["limited", "unbounded"] = "limited"
+    busiest: Busiest | None = None
+    helps: str = ""
+    tool: ToolPeaks | None = None
 
 
 @dataclass(frozen=True, eq=False)

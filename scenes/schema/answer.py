@@ -192,11 +192,35 @@ class Nearest(TypedDict):
 
 
 @with_config(CLOSED)
+class Busiest(TypedDict):
+    """The leg in which the limit that binds is used most: for `at_limit_s` within a hundredth of its peak."""
+
+    kind: Text
+    step: Step
+    from_s: Number
+    to_s: Number
+    at_limit_s: Number
+
+
+@with_config(CLOSED)
+class ToolPeaks(TypedDict):
+    """The largest speed and acceleration of the tool point, and when."""
+
+    speed_m_s: Number
+    speed_at_s: Number
+    acceleration_m_s2: Number
+    acceleration_at_s: Number
+
+
+@with_config(CLOSED)
 class Margins(TypedDict):
     """What the plan leaves of its limits and distances."""
 
     peaks: list[Peak]
     binds: Text
+    busiest: Busiest | None
+    helps: Text
+    tool: ToolPeaks | None
     nearest: Nearest | None
     tool_acceleration_m_s2: Number | None
     tool_acceleration_limit_m_s2: Number | None

@@ -21,7 +21,7 @@ from assur.planner.kernels.postures import tool_peak as sampled_peak
 from assur.planner.legs.tool_motion import tool_peak
 from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.phases import Phase, phases
-from assur.planner.model.scene import Clearance
+from assur.planner.model.scene import Clearance, Tool
 from assur.planner.pipeline import plan
 from assur.planner.report.margins import contacts, margins
 from assur.planner.trajectory import Trajectory
@@ -107,6 +107,59 @@ def test_a_plan_with_a_clearance_has_it_left_outside_contacts() -> None:
         assert found is not None
         least = clearance.near_m if found.phase in (LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART) else 0.0
         assert found.gap_m >= max(least, min(clearance.near_m, clearance.travel_m))
+
+
+@pytest.mark.parametrize("tool", [CUP, CRANKED])
+def test_the_tools_peaks_are_those_of_its_point_by_differences(tool: Tool) -> None:
+    """Positions alone, from the second implementation of the arm, differentiated."""
+    scene = cell(go(0.35, -0.2), go(0.2, 0.4, name="b"), tool=tool)
+    outcome = plan(scene)
+    assert isinstance(outcome, Planned)
+    path, tcp, h = outcome.plan.trajectory, scene.tool.tcp, 2e-5
+    t = np.linspace(path.start + h, path.end - h, 60001)
+
+    def at(times: FloatArray) -> FloatArray:
+        q = path.evaluate(times)
+        turn, both = q[:, 0] + q[:, 1] + q[:, 3], q[:, 0] + q[:, 1]
+        x = 0.325 * np.cos(q[:, 0]) + 0.275 * np.cos(both) + np.cos(turn) * tcp.x - np.sin(turn) * tcp.y
+        y = 0.325 * np.sin(q[:, 0]) + 0.275 * np.sin(both) + np.sin(turn) * tcp.x + np.cos(turn) * tcp.y
+        return np.stack([x, y, q[:, 2]], -1)
+
+    before, here, after = at(t - h), at(t), at(t + h)
+    speed = np.linalg.norm(after - before, axis=1) / (2 * h)
+    pull = np.linalg.norm(after - 2 * here + before, axis=1) / h**2
+    told = outcome.margins.tool
+    assert told is not None
+    assert told.speed == pytest.approx(speed.max(), rel=1e-5)
+    assert told.acceleration == pytest.approx(pull.max(), rel=2e-3)
+    for time, value, sampled in (
+        (told.speed_time, told.speed, speed),
+        (told.acceleration_time, told.acceleration, pull),
+    ):
+        assert np.interp(time, t, sampled) == pytest.approx(value, rel=2e-3)
+
+
+def test_what_binds_is_told_with_the_leg_in_which_it_is_used_most() -> None:
+    scene = cell(go(0.35, -0.2), go(0.2, 0.4, name="b"))
+    outcome = plan(scene)
+    assert isinstance(outcome, Planned)
+    found, path = outcome.margins.busiest, outcome.plan.trajectory
+    assert found is not None
+    kind, joint = outcome.margins.binds.rsplit(" (", 1)[0].split(" of ")
+    number = [each.name for each in scene.robot.joints].index(joint)
+    order = {"velocity": 1, "acceleration": 2, "jerk": 3}[kind]
+    t = np.linspace(path.start, path.end, 100001)[:-1]
+    used = np.abs(path.evaluate(t, order)[:, number])
+    at_peak = used >= 0.99 * used.max()
+    long = {
+        (leg.kind, leg.step, leg.t0, leg.t1): float(at_peak[(t >= leg.t0) & (t < leg.t1)].sum() * (t[1] - t[0]))
+        for leg in outcome.plan.legs
+    }
+    most = max(long, key=lambda leg: long[leg])
+    assert (found.kind, found.step, found.t0, found.t1) == most
+    assert found.at_limit_s == pytest.approx(long[most], abs=0.004)
+    assert len(long) > 1
+    assert joint in outcome.margins.helps
 
 
 def test_contacts_of_phases_in_a_row_are_one() -> None:
