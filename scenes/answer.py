@@ -20,6 +20,7 @@ from assur.planner.model.outcome import (
     Certificate,
     JointPeak,
     Margins,
+    Nearest,
     NotPlanned,
     Outcome,
     Plan,
@@ -239,19 +240,23 @@ def _margins(margins: Margins) -> document.Margins:
             "acceleration_m_s2": number(margins.tool.acceleration),
             "acceleration_at_s": number(margins.tool.acceleration_time),
         },
-        "nearest": None
-        if nearest is None
-        else {
-            "gap_m": number(nearest.gap_m),
-            "time_s": number(nearest.time),
-            "bodies": list(nearest.bodies),
-            "phase": str(nearest.phase),
-        },
+        "nearest": None if nearest is None else _nearest(nearest),
+        "travel_pairs": [_nearest(each) for each in margins.travel_pairs],
+        "near_pairs": [_nearest(each) for each in margins.near_pairs],
         "tool_acceleration_m_s2": optional(margins.tool_acceleration),
         "tool_acceleration_limit_m_s2": optional(margins.tool_acceleration_limit),
         "singularity": optional(margins.singularity),
         "parallel": optional(margins.parallel),
         "jerk": margins.jerk,
+    }
+
+
+def _nearest(nearest: Nearest) -> document.Nearest:
+    return {
+        "gap_m": number(nearest.gap_m),
+        "time_s": number(nearest.time),
+        "bodies": list(nearest.bodies),
+        "phase": str(nearest.phase),
     }
 
 

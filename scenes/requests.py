@@ -141,10 +141,12 @@ def plan_cell(
     certificate: Literal["full", "digest"] = "full",
     started: float | None = None,
     explain_budget_s: float | None = None,
+    nearest_pairs: int = 0,
 ) -> dict[str, Any]:
     """The answer for a cell that has been read; as `plan_document`.
 
-    `explain_budget_s`: that of a request that says nothing of it; None: the default of requests.
+    `explain_budget_s`: that of a request that says nothing of it; None: the default of requests. `nearest_pairs`: for
+    how many pairs of bodies the answer says how near they come (64 at most), in travel and near a point.
     """
     from assur.planner.pipeline import plan
     from assur.scenes.answer import answer_of
@@ -153,7 +155,7 @@ def plan_cell(
     if explain_budget_s is not None and _silent(cell.document, "explain_budget_s"):
         scene = replace(scene, options=replace(scene.options, explain_budget_s=explain_budget_s))
     with located(cell.document):
-        outcome = plan(scene, started=started)
+        outcome = plan(scene, started=started, nearest_pairs=nearest_pairs)
     return dict(answer_of(cell, outcome, certificate))
 
 

@@ -124,6 +124,10 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
         else f"{1e3 * nearest['gap_m']:z.2f} mm at {nearest['time_s']:.3f} s, "
         f"{' and '.join(nearest['bodies'])} ({_phase(answer['legs'], nearest)})"
     )
+    for where, pairs in (("in travel", margins["travel_pairs"]), ("near a point", margins["near_pairs"])):
+        for pair in pairs:
+            both = " and ".join(pair["bodies"])
+            yield f"  {where:<16}  {1e3 * pair['gap_m']:z.2f} mm at {pair['time_s']:.3f} s, {both}"
 
 
 def _met(trajectory: dict[str, Any], arrival: dict[str, Any]) -> str:

@@ -325,7 +325,8 @@ class ToolPeaks:
 @dataclass(frozen=True, slots=True)
 class Margins:
     """How much is left. `binds`: the joint and kind of limit that is used most; `busiest`: where; `helps`: what would
-    make that part quicker. `parallel`: None without a loop. `jerk`: whether it has bounds."""
+    make that part quicker; `travel_pairs`, `near_pairs`: where pairs come nearest, by the clearance that counts there.
+    `parallel`: None without a loop. `jerk`: whether it has bounds."""
 
     peaks: tuple[JointPeak, ...]
     binds: str
@@ -338,6 +339,8 @@ class Margins:
     busiest: Busiest | None = None
     helps: str = ""
     tool: ToolPeaks | None = None
+    travel_pairs: tuple[Nearest, ...] = ()
+    near_pairs: tuple[Nearest, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.collision.nearest import nearest
+from assur.planner.collision.nearest import nearest, nearest_pairs
 from assur.planner.collision.proof import Prover
 from assur.planner.frames.motion import Pose
 from assur.planner.kernels.postures import least_margins
@@ -29,8 +29,9 @@ INSTANTS = 64
 """Times at which the margin to a singularity is looked for."""
 
 
-def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Margins:
-    """The margins of a plan. Peaks are exact extrema; clearance and tool acceleration are looked for at times."""
+def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...], pairs: int = 0) -> Margins:
+    """The margins of a plan, with so many `pairs` of bodies that come nearest. Peaks of joints are exact extrema; those
+    of the tool point are looked for at times."""
     peaks, (ratio, joint, kind) = _peaks(scene, trajectory)
     serial, parallel = least_margins(scene.robot.row, trajectory.edges, trajectory.coefficients, INSTANTS)
     limit, held = scene.carry_acceleration, carrying_peak(scene, trajectory, phases)
@@ -56,6 +57,8 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         busiest=_busiest(phases, t, used),
         helps=helps,
         tool=tool,
+        travel_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if not p.near), pairs),
+        near_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if p.near), pairs),
     )
 
 

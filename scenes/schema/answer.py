@@ -222,6 +222,8 @@ class Margins(TypedDict):
     helps: Text
     tool: ToolPeaks | None
     nearest: Nearest | None
+    travel_pairs: Annotated[list[Nearest], Field(max_length=64)]
+    near_pairs: Annotated[list[Nearest], Field(max_length=64)]
     tool_acceleration_m_s2: Number | None
     tool_acceleration_limit_m_s2: Number | None
     singularity: Number | None

@@ -161,8 +161,24 @@ def test_what_a_file_expects_beside_a_plan_changes_no_exit_code(tmp_path: Path) 
     assert errors.startswith("assur: not as the file expects: duration_s is ")
 
 
+PAIRS = ("travel_pairs", "near_pairs")
+
+
 def without_times(document: dict[str, Any]) -> bytes:
-    return to_json({name: value for name, value in document.items() if name not in TIMES})
+    """Without what takes time, and the pairs of bodies that the command line alone lists."""
+    margins = {name: value for name, value in document["margins"].items() if name not in PAIRS}
+    return to_json({name: value for name, value in {**document, "margins": margins}.items() if name not in TIMES})
+
+
+def test_the_pairs_that_come_nearest_are_listed_on_the_command_line(client: httpx.Client, small_file: Path) -> None:
+    told = json.loads(run("plan", str(small_file), "--json")[1])["margins"]
+    assert 0 < len(told["travel_pairs"]) <= 4
+    assert told["near_pairs"] == []  # nothing is tracked
+    assert told["travel_pairs"][0]["gap_m"] == pytest.approx(told["nearest"]["gap_m"], abs=1e-4)
+    lines = [line for line in run("plan", str(small_file))[1].splitlines() if line.startswith("  in travel")]
+    assert [" and ".join(each["bodies"]) for each in told["travel_pairs"]] == [line.split(", ")[1] for line in lines]
+    served = client.post("/v1/plans", json=FIRST_PLAN).json()["margins"]
+    assert [served[name] for name in PAIRS] == [[], []]
 
 
 def test_json_is_the_document_that_the_service_answers_with(client: httpx.Client, small_file: Path) -> None:

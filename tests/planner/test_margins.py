@@ -18,6 +18,7 @@ from assur.planner.geometry.shapes import box
 from assur.planner.kernels.links import L1
 from assur.planner.kernels.postures import least_margins
 from assur.planner.kernels.postures import tool_peak as sampled_peak
+from assur.planner.kernels.solids import REQUIRED
 from assur.planner.legs.tool_motion import tool_peak
 from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.phases import Phase, phases
@@ -160,6 +161,44 @@ def test_what_binds_is_told_with_the_leg_in_which_it_is_used_most() -> None:
     assert found.at_limit_s == pytest.approx(long[most], abs=0.004)
     assert len(long) > 1
     assert joint in outcome.margins.helps
+
+
+def test_the_nearest_pairs_are_those_of_dense_samples_pair_by_pair() -> None:
+    """The second implementation of solids and carriers, at 4,000 instants, for travel and near a point apart."""
+    scene = table_to_table(go(0.3, 0.0, 0.15))
+    outcome = plan(scene, nearest_pairs=4)
+    assert isinstance(outcome, Planned)
+    path, of_plan = outcome.plan.trajectory, phases(scene, outcome.plan.legs, outcome.plan.arrivals)
+    prover, told = Prover(scene), outcome.margins
+    for near, found in ((False, told.travel_pairs), (True, told.near_pairs)):
+        least: dict[tuple[str, ...], float] = {}
+        for phase in (each for each in of_plan if each.near is near):
+            arrangement = prover.of(phase)
+            rows = prover.pairs(arrangement, phase).every
+            t = np.linspace(phase.t0, phase.t1, 400)
+            where = carriers(scene, path.evaluate(t), t)
+            for row in rows[rows[:, REQUIRED] >= 0.0]:
+                units = [int(row[0]), int(row[1])]
+                names = tuple(sorted(arrangement.names[arrangement.body[unit]] for unit in units))
+                one, other = (place(arrangement, where, np.arange(len(t)), np.full(len(t), unit)) for unit in units)
+                for k in range(0, len(t), 4):
+                    apart = distance_by_gjk(one, other, k)[2]
+                    least[names] = min(least.get(names, np.inf), apart)
+        order = sorted(least.items(), key=lambda each: each[1])
+        assert len(found) == min(4, len(order))
+        for each, (_, sampled) in zip(found, order, strict=False):
+            mine = least[tuple(sorted(each.bodies))]
+            assert mine - 2e-3 <= each.gap_m <= mine + 1e-6
+            assert each.gap_m <= sampled + 5e-5
+            assert each.phase in (("APPROACH", "FOLLOW", "DEPART") if near else ("WAIT", "MOVE", "ARCH"))
+        assert len({tuple(sorted(each.bodies)) for each in found}) == len(found)
+        assert [each.distance_m for each in found] == sorted(each.distance_m for each in found)
+    assert told.nearest is not None
+    firsts = [pairs[0].gap_m for pairs in (told.travel_pairs, told.near_pairs)]
+    assert min(firsts) == pytest.approx(told.nearest.gap_m, abs=1e-4)
+    silent = plan(scene)
+    assert isinstance(silent, Planned)
+    assert (silent.margins.travel_pairs, silent.margins.near_pairs) == ((), ())
 
 
 def test_contacts_of_phases_in_a_row_are_one() -> None:
