@@ -100,6 +100,7 @@ def plan(
     certificate: Annotated[
         Literal["full", "digest"], typer.Option(help="The whole table of the proof in the answer, or its digest.")
     ] = "full",
+    details: Annotated[bool, typer.Option("--details", help="List every assumption, not only their number.")] = False,
 ) -> int:
     """Plan FILE, check the plan, and say what came out."""
     given = target(file)
@@ -118,7 +119,8 @@ def plan(
     if as_json:
         _print_json(answer)
     else:
-        _print(f"{given.name}: {'planned' if checked else 'not planned'}", "", *console_report.everything(answer))
+        title = f"{given.name}: {'planned' if checked else 'not planned'}"
+        _print(title, "", *console_report.everything(answer, details=details))
         if checked:
             _print("plan checked")
     for unmet in given.unmet(answer):

@@ -6,11 +6,12 @@ scene ─► what is impossible? ─► search (candidates ─► dyad ─► Ru
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from assur.planner.blends.search import searcher
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.necessary import start_collides, start_impossible
+from assur.planner.feasibility.odd_input import odd_input
 from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.legs.tilt import pitch_free
 from assur.planner.model.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Relaxation
@@ -34,19 +35,27 @@ class _Clock:
         return time.perf_counter() - self.started
 
 
-def plan(scene: Scene, *, adaptive: bool = True, started: float | None = None) -> Outcome:
+def plan(scene: Scene, *, adaptive: bool = True, started: float | None = None, nearest_pairs: int = 0) -> Outcome:
     """A trajectory through the scene's control points, proved free of collision, or why there is none.
 
     It is jerk-limited, unless the scene's timing is `parabolic_blend`.
 
     `started`: the reading of `time.perf_counter` from which the budget counts (None: now); a caller that has built the
     scene for this request says when it began.
+    `nearest_pairs`: for how many pairs of bodies the margins say how near they come, in travel and near a point; each
+    costs about as much as the smallest clearance of all.
     `adaptive=False` samples without learning from what was refused (for experiments). Every plan was accepted by the
     checker. What the prover accepted and the checker refuses is a defect of the planner: it is no answer, and the
     census counts it at the stage `checker`.
     """
     clock = _Clock(time.perf_counter() if started is None else started)
     prover = Prover(scene)
+    outcome = _outcome(scene, clock, prover, adaptive=adaptive, pairs=nearest_pairs)
+    return replace(outcome, warnings=odd_input(scene, prover))
+
+
+def _outcome(scene: Scene, clock: _Clock, prover: Prover, *, adaptive: bool, pairs: int) -> Outcome:
+    """A plan, or why there is none; without warnings."""
     never = start_impossible(scene, prover)
     if never is not None:
         return _not_planned(scene, clock, never, Counter().census(), proved=True, cut=False, deepest=never.step)
@@ -58,14 +67,14 @@ def plan(scene: Scene, *, adaptive: bool = True, started: float | None = None) -
             census = found.census.census()
             return _not_planned(scene, clock, never, census, proved=True, cut=False, deepest=never.step)
         return _not_found(scene, clock, found)
-    return _planned(scene, clock, prover, found, found.plan)
+    return _planned(scene, clock, prover, found, found.plan, pairs)
 
 
-def _planned(scene: Scene, clock: _Clock, prover: Prover, found: Found, made: Plan) -> Planned:
+def _planned(scene: Scene, clock: _Clock, prover: Prover, found: Found, made: Plan, pairs: int) -> Planned:
     of_plan = phases(scene, made.legs, made.arrivals)
     return Planned(
         plan=made,
-        margins=margins(scene, prover, made.trajectory, of_plan),
+        margins=margins(scene, prover, made.trajectory, of_plan, pairs),
         contacts=contacts(of_plan),
         carried=carried(scene, of_plan),
         lower_bound_s=lower_bound(scene, found.first_options),

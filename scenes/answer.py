@@ -13,6 +13,7 @@ import numpy as np
 
 from assur.planner.errors import FaultError
 from assur.planner.model.arrival_error import ArrivalError
+from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.load import Carried
 from assur.planner.model.outcome import (
     Arrival,
@@ -20,6 +21,7 @@ from assur.planner.model.outcome import (
     Certificate,
     JointPeak,
     Margins,
+    Nearest,
     NotPlanned,
     Outcome,
     Plan,
@@ -29,7 +31,7 @@ from assur.planner.model.outcome import (
 )
 from assur.planner.model.refusal import Facts, Refusal
 from assur.planner.model.scene import Scene
-from assur.planner.report.sentence import because, note
+from assur.planner.report.sentence import because, note, warned
 from assur.scenes.conventions import Conventions, as_counted, as_maker
 from assur.scenes.numbers import interval, number, optional
 from assur.scenes.reading.cell import Cell
@@ -84,6 +86,7 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAn
         "census": _census(cell.scene, outcome.census),
         "first_s": optional(outcome.first_s),
         "assumptions": list(outcome.assumptions),
+        "warnings": [_warning(each) for each in outcome.warnings],
         "seed": int(outcome.seed),
         "elapsed_s": number(outcome.elapsed_s),
         "cut_by_clock": bool(outcome.cut_by_clock),
@@ -108,11 +111,21 @@ def _not_planned(cell: Cell, outcome: NotPlanned) -> document.NotPlannedAnswer:
         "explain_budget_spent": bool(outcome.explain_budget_spent),
         "census": _census(cell.scene, outcome.census),
         "assumptions": list(outcome.assumptions),
+        "warnings": [_warning(each) for each in outcome.warnings],
         "seed": int(outcome.seed),
         "elapsed_s": number(outcome.elapsed_s),
         "cut_by_clock": bool(outcome.cut_by_clock),
         "request_digest": cell.scene.digest,
         "notice": NOTICE,
+    }
+
+
+def _warning(warning: InputWarning) -> document.InputWarning:
+    return {
+        "kind": warning.kind,
+        "bodies": list(warning.bodies),
+        "amount_m": number(warning.amount_m),
+        "detail": warned(warning),
     }
 
 
@@ -226,14 +239,27 @@ def _margins(margins: Margins) -> document.Margins:
     return {
         "peaks": [_peak(peak) for peak in margins.peaks],
         "binds": margins.binds,
-        "nearest": None
-        if nearest is None
+        "busiest": None
+        if margins.busiest is None
         else {
-            "gap_m": number(nearest.gap_m),
-            "time_s": number(nearest.time),
-            "bodies": list(nearest.bodies),
-            "phase": str(nearest.phase),
+            "kind": margins.busiest.kind,
+            "step": int(margins.busiest.step),
+            "from_s": number(margins.busiest.t0),
+            "to_s": number(margins.busiest.t1),
+            "at_limit_s": number(margins.busiest.at_limit_s),
         },
+        "helps": margins.helps,
+        "tool": None
+        if margins.tool is None
+        else {
+            "speed_m_s": number(margins.tool.speed),
+            "speed_at_s": number(margins.tool.speed_time),
+            "acceleration_m_s2": number(margins.tool.acceleration),
+            "acceleration_at_s": number(margins.tool.acceleration_time),
+        },
+        "nearest": None if nearest is None else _nearest(nearest),
+        "travel_pairs": [_nearest(each) for each in margins.travel_pairs],
+        "near_pairs": [_nearest(each) for each in margins.near_pairs],
         "tool_acceleration_m_s2": optional(margins.tool_acceleration),
         "tool_acceleration_limit_m_s2": optional(margins.tool_acceleration_limit),
         "singularity": optional(margins.singularity),
@@ -260,6 +286,15 @@ def _load(scene: Scene, carried: tuple[Carried, ...]) -> document.LoadApplied:
             }
             for load in carried
         ],
+    }
+
+
+def _nearest(nearest: Nearest) -> document.Nearest:
+    return {
+        "gap_m": number(nearest.gap_m),
+        "time_s": number(nearest.time),
+        "bodies": list(nearest.bodies),
+        "phase": str(nearest.phase),
     }
 
 

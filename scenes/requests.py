@@ -7,6 +7,7 @@ planning does.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -87,6 +88,12 @@ def stated_budgets(document: dict[str, Any]) -> dict[str, float]:
     return found
 
 
+def _silent(document: object, option: str) -> bool:
+    """Whether a request, which is valid, says nothing of an option in any of its units."""
+    options = document.get("options") if isinstance(document, dict) else None
+    return not isinstance(options, dict) or (option not in options and twin_of(option) not in options)
+
+
 def request_digest(document: object) -> str:
     """SHA-256 of the request in SI with every default written out: the same for requests that mean the same."""
     return validate(document).digest
@@ -130,14 +137,26 @@ def plan_document(
 
 
 def plan_cell(
-    cell: Cell, *, certificate: Literal["full", "digest"] = "full", started: float | None = None
+    cell: Cell,
+    *,
+    certificate: Literal["full", "digest"] = "full",
+    started: float | None = None,
+    explain_budget_s: float | None = None,
+    nearest_pairs: int = 0,
 ) -> dict[str, Any]:
-    """The answer for a cell that has been read; as `plan_document`."""
+    """The answer for a cell that has been read; as `plan_document`.
+
+    `explain_budget_s`: that of a request that says nothing of it; None: the default of requests. `nearest_pairs`: for
+    how many pairs of bodies the answer says how near they come (64 at most), in travel and near a point.
+    """
     from assur.planner.pipeline import plan
     from assur.scenes.answer import answer_of
 
+    scene = cell.scene
+    if explain_budget_s is not None and _silent(cell.document, "explain_budget_s"):
+        scene = replace(scene, options=replace(scene.options, explain_budget_s=explain_budget_s))
     with located(cell.document):
-        outcome = plan(cell.scene, started=started)
+        outcome = plan(scene, started=started, nearest_pairs=nearest_pairs)
     return dict(answer_of(cell, outcome, certificate))
 
 

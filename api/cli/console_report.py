@@ -120,6 +120,16 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
     least = f"; no plan takes less than {bound:.3f} s" if bound else "; no bound is known"
     yield f"duration            {answer['duration_s']:.3f} s{least}"
     yield f"what binds          {margins['binds']}{'; the jerk is unbounded' * (margins['jerk'] == 'unbounded')}"
+    busiest, tool = margins["busiest"], margins["tool"]
+    if busiest is not None:
+        to = f" to {names[busiest['step']]}" * (busiest["step"] in names)
+        long = f"{1e3 * busiest['at_limit_s']:.0f} of {1e3 * (busiest['to_s'] - busiest['from_s']):.0f} ms"
+        yield f"  most in           {busiest['kind']}{to} ({long}); {margins['helps']} would help"
+    if tool is not None:
+        yield (
+            f"tool point          up to {tool['speed_m_s']:.2f} m/s at {tool['speed_at_s']:.3f} s, "
+            f"{tool['acceleration_m_s2']:.1f} m/s² at {tool['acceleration_at_s']:.3f} s"
+        )
     yield f"load                {'; '.join(_loads(answer['load']))}"
     nearest = margins["nearest"]
     yield "smallest clearance  " + (
@@ -128,6 +138,10 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
         else f"{1e3 * nearest['gap_m']:z.2f} mm at {nearest['time_s']:.3f} s, "
         f"{' and '.join(nearest['bodies'])} ({_phase(answer['legs'], nearest)})"
     )
+    for where, pairs in (("in travel", margins["travel_pairs"]), ("near a point", margins["near_pairs"])):
+        for pair in pairs:
+            both = " and ".join(pair["bodies"])
+            yield f"  {where:<16}  {1e3 * pair['gap_m']:z.2f} mm at {pair['time_s']:.3f} s, {both}"
 
 
 def _met(trajectory: dict[str, Any], arrival: dict[str, Any]) -> str:
@@ -218,22 +232,29 @@ def _kinds(lines: list[dict[str, Any]]) -> Iterator[Table | str]:
         yield f"  and {len(lines) - CENSUS_LINES} more kinds of refusal"
 
 
-def assumed(assumptions: list[str]) -> Iterator[str]:
-    """What is assumed, without the sources: those are in the document and in `assur robots --json`."""
-    if assumptions:
-        yield ""
-        yield "assumed, not known (sources: --json):"
-        for assumption in assumptions:
-            yield "  " + ": ".join(assumption.split(": ")[:2])
+def assumed(assumptions: list[str], *, details: bool) -> Iterator[str]:
+    """How many numbers are assumed; with `details` each of them, without its source: that is in the document."""
+    count = len(assumptions)
+    if not count:
+        return
+    what = "assumption about the robot and the cell" if count == 1 else "assumptions about the robot and the cell"
+    if not details:
+        yield f"{count} {what} (--details lists {'it' if count == 1 else 'them'})"
+        return
+    yield f"{count} {what} (sources: --json):"
+    for assumption in assumptions:
+        yield "  " + ": ".join(assumption.split(": ")[:2])
 
 
-def everything(answer: dict[str, Any]) -> Iterator[Table | str]:
-    """The whole answer for people, but for what the checker says."""
+def everything(answer: dict[str, Any], *, details: bool = False) -> Iterator[Table | str]:
+    """The whole answer for people, but for what the checker says. `details`: with every assumption."""
     yield from planned(answer) if answer["status"] == "planned" else not_planned(answer)
     yield ""
     yield from census(answer["census"], planned=answer["status"] == "planned")
     if answer["cut_by_clock"]:
         yield "The clock cut the search off; another run may find another plan."
-    yield from assumed(answer["assumptions"])
+    for warning in answer["warnings"]:
+        yield f"warning             {warning['detail']}"
+    yield from assumed(answer["assumptions"], details=details)
     yield ""
     yield answer["notice"]

@@ -31,6 +31,13 @@ if TYPE_CHECKING:
     from assur.scenes.reading.cell import Cell
 
 
+EXPLAIN_BUDGET_S = 2.0
+"""For so long it is tried what would have helped, where a request says nothing of `explain_budget_s`."""
+
+NEAREST_PAIRS = 4
+"""For so many pairs of bodies it is said how near they come, in travel and near a point."""
+
+
 @dataclass(frozen=True)
 class Target:
     """A request to plan: its `name` for people, the document, the folder below which it may name mesh files, and
@@ -57,7 +64,7 @@ class Target:
         """The answer, with its certificate in full. Raises `InputError`, with the line in a scenario's file."""
         cell = self.cell
         with self._located():
-            return plan_cell(cell)
+            return plan_cell(cell, explain_budget_s=EXPLAIN_BUDGET_S, nearest_pairs=NEAREST_PAIRS)
 
     def _located(self) -> AbstractContextManager[None]:
         return nullcontext() if self.scenario is None else self.scenario.located()

@@ -13,6 +13,7 @@ from assur.planner.kernels.intervals import RESERVE_M
 from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT_PAIR
 from assur.planner.kernels.solids import EARLY, FIRST, LATE, SECOND, SET
 from assur.planner.model.attachments import Attachments
+from assur.planner.model.clearance import rule_of
 from assur.planner.model.phases import Contacts, Phase, pair
 from assur.planner.model.refusal import Separation
 from assur.planner.model.scene import Scene
@@ -49,7 +50,9 @@ def closest(
     first, second = (arrangement.names[arrangement.body[unit]] for unit in units)
     touching = bool(prover.touch(arrangement, stands, phase.t0, *units))
     apart = min(gap if touching else max(0.0, gap), need)
-    return (first, second), Separation(touching=touching, gap_m=apart, required_m=need)
+    rule, clearance = rule_of(scene, phase, first, second)
+    facts = Separation(touching=touching, gap_m=apart, required_m=need, rule=rule, clearance_m=clearance)
+    return (first, second), facts
 
 
 def _hanging(scene: Scene, arrangement: Arrangement, among: frozenset[str]) -> tuple[BoolArray, BoolArray]:

@@ -9,10 +9,11 @@ from assur.planner.collision.proof import Prover, Search
 from assur.planner.kernels.intervals import DONE, STATE_COLUMNS
 from assur.planner.kernels.nearest import LOWER, NEAREST_A, NEAREST_B, NEAREST_T, UPPER, sample_distance
 from assur.planner.kernels.planes import SIDES
-from assur.planner.kernels.solids import EARLY, LATE, REQUIRED, SET
+from assur.planner.kernels.solids import EARLY, FIRST, LATE, REQUIRED, SECOND, SET
 from assur.planner.kernels.walk import NEAREST
 from assur.planner.model.outcome import Nearest
-from assur.planner.model.phases import Phase
+from assur.planner.model.phases import Phase, pair
+from assur.planner.tables.bodies import Arrangement
 from assur.planner.trajectory import Trajectory
 
 INSTANTS = 16
@@ -24,8 +25,23 @@ MOST_CALLS = 50
 """Calls of the kernel for one phase: a search that is not over by then has no lower value but 0."""
 
 
-def nearest(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Nearest | None:
-    """The pair and time at which the distance is least over all of a motion. Allowed contacts do not count.
+def nearest_pairs(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...], most: int) -> tuple[Nearest, ...]:
+    """The smallest clearance of each of the `most` pairs that come nearest in these phases, nearest first: each is the
+    smallest of all pairs but those before it."""
+    found: list[Nearest] = []
+    while len(found) < most:
+        after = nearest(prover, trajectory, phases, frozenset(pair(*each.bodies) for each in found))
+        if after is None:
+            break
+        found.append(after)
+    return tuple(found)
+
+
+def nearest(
+    prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...], without: frozenset[tuple[str, str]] = frozenset()
+) -> Nearest | None:
+    """The pair and time at which the distance is least over all of a motion. Allowed contacts do not count, nor pairs
+    of names (in the order of `pair`) in `without`.
 
     None: there is nothing to keep apart.
     """
@@ -34,7 +50,7 @@ def nearest(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -
     where: Phase | None = None
     for phase in phases:
         before = float(state[UPPER])
-        _search(prover, trajectory, phase, state)
+        _search(prover, trajectory, phase, state, without)
         if state[UPPER] < before:
             where = phase
     if where is None:
@@ -47,7 +63,19 @@ def nearest(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -
     return Nearest(lower, time, (first, second), where.kind, upper)
 
 
-def _search(prover: Prover, trajectory: Trajectory, phase: Phase, state: FloatArray) -> None:
+def _others(arrangement: Arrangement, pairs: FloatArray, without: frozenset[tuple[str, str]]) -> FloatArray:
+    """The rows of pairs whose bodies are not in `without`."""
+    if not without:
+        return pairs
+    names, body = arrangement.names, arrangement.body
+    units = pairs[:, [FIRST, SECOND]].astype(np.int64).tolist()
+    kept = [pair(names[body[a]], names[body[b]]) not in without for a, b in units]
+    return np.ascontiguousarray(pairs[np.array(kept, dtype=bool)])
+
+
+def _search(
+    prover: Prover, trajectory: Trajectory, phase: Phase, state: FloatArray, without: frozenset[tuple[str, str]]
+) -> None:
     """Goes on with the search over one phase."""
     arrangement, spline = prover.of(phase), prover.spline(trajectory)
     motion, asked = prover.motion(spline), prover.pairs(arrangement, phase)
@@ -58,12 +86,14 @@ def _search(prover: Prover, trajectory: Trajectory, phase: Phase, state: FloatAr
         within = min(within, float(state[UPPER]))
         others = asked.others.copy()
         others[:, REQUIRED - 1], others[:, SET - 1] = within, -1.0
-        pairs = prover.not_behind(phase, asked, others, least)
+        close = prover.not_behind(phase, asked, others, least)
+        pairs = _others(arrangement, close, without)
         sample_distance(motion, arrangement.cell, pairs, phase.t0, phase.t1, INSTANTS, state)
-        if state[UPPER] <= within or len(pairs) == len(asked):
+        if state[UPPER] <= within or len(close) == len(asked):
             break
         within *= 2
     if not many:
+        pairs = _others(arrangement, pairs, without)
         sample_distance(motion, arrangement.cell, pairs, phase.t0, phase.t1, INSTANTS, state)
     pairs = pairs[pairs[:, REQUIRED] >= 0.0]
     if not len(pairs):

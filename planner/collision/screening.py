@@ -20,6 +20,7 @@ from assur.planner.kernels.intervals import RESERVE_M
 from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT_S, HIT_T
 from assur.planner.kernels.spline import spline_state
 from assur.planner.model.assembly_mode import leaves_assembly
+from assur.planner.model.clearance import rule_of
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separation, Stage
 from assur.planner.trajectory import Trajectory
@@ -102,14 +103,16 @@ def _encounter(prover: Prover, phase: Phase, hit: list[float], q: FloatArray) ->
     # the standstill after the last leg belongs to the last step
     step = phase.step if phase.step >= 0 else len(prover.scene.task) - 1
     gap, required = hit[HIT_GAP], hit[HIT_NEED] - RESERVE_M
+    names = arrangement.names[first], arrangement.names[second]
+    rule, clearance = rule_of(prover.scene, phase, *names)
     refusal = Refusal(
         stage=Stage.SCREENING,
         reason=Reason.SELF_COLLISION if arrangement.of_robot[second] else Reason.BODY_COLLISION,
         step=step,
-        subject=Bodies((arrangement.names[first], arrangement.names[second])),
+        subject=Bodies(names),
         interval=(t, t),
         amount=Quantity.of(max(0.0, required - gap), "m"),
-        facts=Separation(touching=not gap > 0.0, gap_m=gap, required_m=required),
+        facts=Separation(touching=not gap > 0.0, gap_m=gap, required_m=required, rule=rule, clearance_m=clearance),
     )
     # what has a gap does not touch
     return Encounter(refusal, None if gap > 0.0 else partial(prover.touching, arrangement, q, t, *units, hit[HIT_S]))

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.model.phases import CONTACT_M, Phase
+from assur.planner.model.phases import CONTACT_M, Phase, pair
+from assur.planner.model.refusal import Rule
 from assur.planner.model.scene import Scene
 
 
@@ -24,6 +25,19 @@ def clearances(scene: Scene, near: bool, ones: Sequence[str], others: Sequence[s
             other = np.array([not second or name in second for name in others], dtype=bool)
             found[np.ix_(one, other)] = distance
     return found
+
+
+def rule_of(scene: Scene, phase: Phase, first: str, second: str) -> tuple[Rule, float]:
+    """Which rule says how far two bodies must stay apart in a phase, before what is not known of them, and how far, m:
+    less than 0 for a pair that may touch."""
+    if pair(first, second) in phase.contacts:
+        return "contact", contact_gap(phase)
+    asked = scene.options.clearance
+    for rule in reversed(asked.exceptions):
+        for one, other in ((rule.first, rule.second), (rule.second, rule.first)):
+            if (not one or first in one) and (not other or second in other):
+                return "exception", rule.near_m if phase.near else rule.travel_m
+    return ("near", asked.near_m) if phase.near else ("travel", asked.travel_m)
 
 
 def contact_gap(phase: Phase) -> float:

@@ -16,6 +16,7 @@ from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.model.arrival_error import ArrivalError
+from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.load import Carried
 from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.trajectory import Trajectory
@@ -325,9 +326,32 @@ class Contact:
 
 
 @dataclass(frozen=True, slots=True)
+class Busiest:
+    """The part [t0, t1] of a plan, of this kind and for this step, in which the limit that binds is used most: for
+    `at_limit_s` the joint, or the tool point, is within a hundredth of its peak."""
+
+    kind: str
+    step: int
+    t0: float
+    t1: float
+    at_limit_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ToolPeaks:
+    """The largest speed, m/s, and acceleration, m/s², of the tool point over a plan, and when, s."""
+
+    speed: float
+    speed_time: float
+    acceleration: float
+    acceleration_time: float
+
+
+@dataclass(frozen=True, slots=True)
 class Margins:
-    """How much is left. `binds`: the joint and kind of limit that is used most. `parallel`: None without a loop.
-    `jerk`: whether it has bounds."""
+    """How much is left. `binds`: the joint and kind of limit that is used most; `busiest`: where; `helps`: what would
+    make that part quicker; `travel_pairs`, `near_pairs`: where pairs come nearest, by the clearance that counts there.
+    `parallel`: None without a loop. `jerk`: whether it has bounds."""
 
     peaks: tuple[JointPeak, ...]
     binds: str
@@ -337,6 +361,11 @@ class Margins:
     singularity: float
     parallel: float | None = None
     jerk: Literal["limited", "unbounded"] = "limited"
+    busiest: Busiest | None = None
+    helps: str = ""
+    tool: ToolPeaks | None = None
+    travel_pairs: tuple[Nearest, ...] = ()
+    near_pairs: tuple[Nearest, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -354,6 +383,7 @@ class Planned:
     elapsed_s: float
     first_s: float
     cut_by_clock: bool
+    warnings: tuple[InputWarning, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -384,6 +414,7 @@ class NotPlanned:
     seed: int
     elapsed_s: float
     cut_by_clock: bool
+    warnings: tuple[InputWarning, ...] = ()
 
 
 Outcome = Planned | NotPlanned

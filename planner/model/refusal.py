@@ -211,15 +211,23 @@ class AccelerationTime:
     enough_s: float | None = None
 
 
+Rule = Literal["near", "travel", "exception", "contact"]
+"""What says how far two bodies must stay apart: the clearance of approach, follow and depart, or that elsewhere; an
+exception that names them; or that they may touch."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Separation:
     """How near two bodies come: `gap_m` (negative: how deep, at most; None: not known) where `required_m` is
-    required; both are None where time ran out before they were known."""
+    required; both are None where time ran out before they were known. `required_m` is `clearance_m`, which `rule` says,
+    and what is not known of where the two are."""
 
     kind: Literal["separation"] = "separation"
     touching: bool
     gap_m: float | None
     required_m: float | None
+    rule: Rule | None = None
+    clearance_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,48 +2,106 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
-from assur.planner.collision.nearest import nearest
+from assur.planner.arrays import FloatArray
+from assur.planner.collision.nearest import nearest, nearest_pairs
 from assur.planner.collision.proof import Prover
+from assur.planner.frames.motion import Pose
 from assur.planner.kernels.postures import least_margins
 from assur.planner.legs.limits import parts
-from assur.planner.legs.tool_motion import carrying_peak, tool_peak
+from assur.planner.legs.tool_motion import carrying_peak
 from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.load import Carried, held_inertia
-from assur.planner.model.outcome import Contact, JointPeak, Margins
+from assur.planner.model.outcome import Busiest, Contact, JointPeak, Margins, ToolPeaks
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import RATES
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 
-STEP_S = 0.004
-"""Sampling of the tool's acceleration where nothing is carried, s."""
+FINE_S = 0.001
+"""Sampling of the tool point's speed and acceleration, and of what is used of the limit that binds, s."""
+AROUND = 41
+"""Instants at which a peak of the tool point is looked for again, between the samples beside the largest."""
+NEAR_PEAK = 0.01
+"""A limit is used within this share of its peak."""
+ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
 INSTANTS = 64
 """Times at which the margin to a singularity is looked for."""
 
 
-def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Margins:
-    """The margins of a plan. Peaks are exact extrema; clearance and tool acceleration are looked for at times."""
+def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...], pairs: int = 0) -> Margins:
+    """The margins of a plan, with so many `pairs` of bodies that come nearest. Peaks of joints are exact extrema; those
+    of the tool point are looked for at times."""
     peaks, (ratio, joint, kind) = _peaks(scene, trajectory, phases)
     serial, parallel = least_margins(scene.robot.row, trajectory.edges, trajectory.coefficients, INSTANTS)
     limit, held = scene.carry_acceleration, carrying_peak(scene, trajectory, phases)
-    pull = held[0] if held is not None else tool_peak(scene, trajectory, trajectory.start, trajectory.end, STEP_S)[0]
-    binds = f"{kind} of {joint} ({100 * ratio:.0f} %)"
+    binds, helps = f"{kind} of {joint} ({100 * ratio:.0f} %)", f"a higher limit of it, or a shorter way of {joint}"
+    t = np.linspace(trajectory.start, trajectory.end, max(2, math.ceil(trajectory.duration / FINE_S) + 1))
+    tool = _tool_peaks(scene, trajectory, t)
+    number = [each.name for each in scene.robot.joints].index(joint)
+    used = np.abs(trajectory.evaluate(t, ORDERS[kind])[:, number])
     if held is not None and limit is not None and held[0] / limit > ratio:
         binds = f"acceleration of the carried part ({100 * held[0] / limit:.0f} %)"
+        helps = "a higher limit of it (carry)"
+        carried = np.any([(t >= p.t0) & (t <= p.t1) for p in phases if p.attached.held is not None], axis=0)
+        used = np.where(carried, _of_tool(scene, trajectory, t)[1], 0.0)
     return Margins(
         peaks=peaks,
         binds=binds,
         nearest=nearest(prover, trajectory, phases),
-        tool_acceleration=pull,
+        tool_acceleration=tool.acceleration if held is None else held[0],
         tool_acceleration_limit=limit,
         singularity=serial,
         parallel=parallel if has_loop(scene.robot) else None,
         jerk="unbounded" if scene.options.blended else "limited",
+        busiest=_busiest(phases, t, used),
+        helps=helps,
+        tool=tool,
+        travel_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if not p.near), pairs),
+        near_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if p.near), pairs),
     )
+
+
+def _busiest(phases: tuple[Phase, ...], t: FloatArray, used: FloatArray) -> Busiest | None:
+    """The phase in which what is `used` (T,) of a limit at times t (T,) is longest within a hundredth of its peak."""
+    at_peak = used >= (1.0 - NEAR_PEAK) * float(used.max())
+    found: tuple[int, Phase] | None = None
+    for phase in phases:
+        count = int(np.count_nonzero(at_peak & (t >= phase.t0) & (t < phase.t1)))
+        if phase.step >= 0 and phase.t1 > phase.t0 and count > (0 if found is None else found[0]):
+            found = count, phase
+    if found is None:
+        return None
+    count, phase = found
+    return Busiest(
+        str(phase.kind), phase.step, phase.t0, phase.t1, min(count * float(t[1] - t[0]), phase.t1 - phase.t0)
+    )
+
+
+def _tool_peaks(scene: Scene, trajectory: Trajectory, t: FloatArray) -> ToolPeaks:
+    """The largest of the samples at t, sampled again more densely around each."""
+    tops = [int(rate.argmax()) for rate in _of_tool(scene, trajectory, t)]
+    closer = [np.append(np.linspace(t[max(0, k - 1)], t[min(len(t) - 1, k + 1)], AROUND), t[k]) for k in tops]
+    again = _of_tool(scene, trajectory, np.concatenate(closer))
+    speeds, pulls = again[0][: AROUND + 1], again[1][AROUND + 1 :]
+    fastest, hardest = int(speeds.argmax()), int(pulls.argmax())
+    return ToolPeaks(
+        float(speeds[fastest]), float(closer[0][fastest]), float(pulls[hardest]), float(closer[1][hardest])
+    )
+
+
+def _of_tool(scene: Scene, trajectory: Trajectory, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Speed, m/s, and acceleration, m/s², (T,) of the tool point at times t (T,)."""
+    q, qd, qdd = trajectory.states(t)
+    flange = len(scene.robot.links) - 1
+    moved = scene.robot.link_motion(flange, q, qd, qdd, np.zeros_like(q))
+    # a flange that tilts bears the tool point itself
+    moved = moved if scene.tool.tcp == Pose() else moved.at(scene.tool.tcp)
+    return np.asarray(np.linalg.norm(moved.v, axis=-1)), np.asarray(np.linalg.norm(moved.a, axis=-1))
 
 
 def _peaks(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.outcome import Census, CensusLine, Course, Route
 from assur.planner.model.refusal import (
     OF_CANDIDATES,
@@ -121,6 +122,15 @@ def _overload(scene: Scene, refusal: Refusal, facts: Overload) -> str:
         help_ = f"a part of up to {number(left, 4)} {unit}, {help_}"
     more = "a row for this mass" if facts.of == "table" else "a robot for this load"
     return f"{what}{from_when}, but {allowed}; {help_} or {more} would help"
+
+
+def warned(warning: InputWarning) -> str:
+    """What is probably not meant."""
+    first, second = warning.bodies
+    if warning.kind is Odd.PART_FLOATS:
+        return f"{first} is {_mm(warning.amount_m)} above {second} and rests on nothing"
+    by = f" by more than {_mm(warning.amount_m)} along the flange's axis" if warning.amount_m else ""
+    return f"{first}, a body of the tool, overlaps {second} of the arm{by}, and nothing keeps the two apart"
 
 
 def _inaccurate(facts: Inaccurate) -> str:
@@ -276,12 +286,9 @@ def _collision(refusal: Refusal, facts: Separation | Enclosed) -> str:
         what = f"{first} is inside {second}"
     elif refusal.reason is Reason.NOT_CERTIFIED:
         return f"{first} and {second} could not be proved to stay apart"
-    elif facts.touching:
-        what = f"{first} would hit {second}"
     else:
-        what = f"{first} would come too close to {second}"
-        if facts.gap_m is not None and facts.required_m is not None:
-            what += f": {_mm(facts.gap_m)}, required {_mm(facts.required_m)}"
+        what = f"{first} would hit {second}" if facts.touching else f"{first} would come too close to {second}"
+        what += _distances(facts)
     if refusal.reason is Reason.SELF_COLLISION:
         return f"the arm would hit itself: {what}"
     if refusal.reason is Reason.START_IN_COLLISION:
@@ -290,6 +297,30 @@ def _collision(refusal: Refusal, facts: Separation | Enclosed) -> str:
         return f"the control point cannot be met without a collision: {what}"
     return what
 
+
+RULES = {"near": "clearance near a point", "travel": "clearance in travel", "exception": "clearance of the exception"}
+"""What a required distance is made of, without what is not known."""
+
+
+def _distances(facts: Separation) -> str:
+    """The gap, what is required, and what that is made of."""
+    gap, required = facts.gap_m, facts.required_m
+    if gap is None or required is None:
+        return ""
+    there = f": overlap up to {_mm(-gap)}" if gap < 0.0 else f": gap {_mm(gap)}"
+    if facts.rule is None or facts.clearance_m is None:
+        return f"{there}, required {_mm(required)}"
+    unknown = required - facts.clearance_m
+    parts = [] if facts.rule == "contact" else [f"{RULES[facts.rule]} {_mm(facts.clearance_m)}"]
+    parts += [f"uncertainty {_mm(unknown)}"] * (unknown > LEAST_M)
+    made = f" ({', '.join(parts)})" if parts else ""
+    if required < 0.0:
+        return f"{there}, allowed {_mm(-required)}{made}"
+    return f"{there}, required {_mm(required)}{made}"
+
+
+LEAST_M = 1e-7
+"""Less than this of a required distance is rounding, m."""
 
 ON_ARRIVAL = frozenset({Miss.CLOSED_ON_ARRIVAL, Miss.NO_MEETING_LEFT, Miss.OUTSIDE})
 """Misses of what ends the time for a meeting: the window, or the latest end where there is no window."""

@@ -17,6 +17,7 @@ from assur.planner.collision.screening import Encounter, Screened, screen
 from assur.planner.feasibility.necessary import points_impossible
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
+from assur.planner.model.clearance import rule_of
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.refusal import Refusal
@@ -267,7 +268,7 @@ class Search:
         for phase in made.phases:
             rows = self.prover.prove(phase, made.trajectory)
             if isinstance(rows, Unproved):
-                return (Encounter(refused_proof(rows, made.before.step)),)
+                return (Encounter(refused_proof(rows, made.before.step, rule_of(self.scene, phase, *rows.bodies))),)
             proofs.append(rows)
         return replace(made.after, proofs=(*made.before.proofs, *proofs))
 

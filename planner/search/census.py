@@ -8,7 +8,18 @@ from dataclasses import dataclass, field, replace
 from assur.planner.collision.rows import Unproved
 from assur.planner.collision.screening import Encounter
 from assur.planner.model.outcome import Census, CensusLine
-from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separation, Stage, Subject, Unit, finite
+from assur.planner.model.refusal import (
+    Bodies,
+    Quantity,
+    Reason,
+    Refusal,
+    Rule,
+    Separation,
+    Stage,
+    Subject,
+    Unit,
+    finite,
+)
 
 _Kind = tuple[Stage, Reason, int, Subject | None, Unit | None]
 
@@ -76,8 +87,8 @@ class Counter:
         return Census(self.candidates, self.refused, tuple(lines))
 
 
-def refused_proof(unproved: Unproved, step: int) -> Refusal:
-    """A failed proof as a refusal."""
+def refused_proof(unproved: Unproved, step: int, rule: tuple[Rule, float]) -> Refusal:
+    """A failed proof as a refusal. `rule`: what says how far apart the two must stay, and how far, m (`rule_of`)."""
     reason = Reason.NOT_CERTIFIED
     if unproved.touching or unproved.gap <= unproved.required:
         reason = Reason.SELF_COLLISION if unproved.of_robot else Reason.BODY_COLLISION
@@ -89,5 +100,7 @@ def refused_proof(unproved: Unproved, step: int) -> Refusal:
         subject=Bodies(unproved.bodies),
         interval=(unproved.time, unproved.time),
         amount=Quantity.of(unproved.required - unproved.gap, "m"),
-        facts=Separation(touching=bool(unproved.touching), gap_m=gap, required_m=required),
+        facts=Separation(
+            touching=bool(unproved.touching), gap_m=gap, required_m=required, rule=rule[0], clearance_m=rule[1]
+        ),
     )

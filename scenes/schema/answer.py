@@ -13,6 +13,7 @@ from pydantic import ConfigDict, Field, with_config
 from typing_extensions import TypedDict
 
 from assur.planner.model.arrival_error import Cause
+from assur.planner.model.input_warning import Odd
 from assur.planner.model.outcome import (
     Course,
 )
@@ -206,12 +207,38 @@ class Nearest(TypedDict):
 
 
 @with_config(CLOSED)
+class Busiest(TypedDict):
+    """The leg in which the limit that binds is used most: for `at_limit_s` within a hundredth of its peak."""
+
+    kind: Text
+    step: Step
+    from_s: Number
+    to_s: Number
+    at_limit_s: Number
+
+
+@with_config(CLOSED)
+class ToolPeaks(TypedDict):
+    """The largest speed and acceleration of the tool point, and when."""
+
+    speed_m_s: Number
+    speed_at_s: Number
+    acceleration_m_s2: Number
+    acceleration_at_s: Number
+
+
+@with_config(CLOSED)
 class Margins(TypedDict):
     """What the plan leaves of its limits and distances."""
 
     peaks: list[Peak]
     binds: Text
+    busiest: Busiest | None
+    helps: Text
+    tool: ToolPeaks | None
     nearest: Nearest | None
+    travel_pairs: Annotated[list[Nearest], Field(max_length=64)]
+    near_pairs: Annotated[list[Nearest], Field(max_length=64)]
     tool_acceleration_m_s2: Number | None
     tool_acceleration_limit_m_s2: Number | None
     singularity: Number | None
@@ -294,6 +321,16 @@ class Relaxation(TypedDict):
     duration_s: Number | None
 
 
+@with_config(CLOSED)
+class InputWarning(TypedDict):
+    """What of the request is probably not meant, for programs and in words."""
+
+    kind: Annotated[Odd, Field(strict=False)]
+    bodies: Pair
+    amount_m: Number
+    detail: Text
+
+
 class _Motion(TypedDict):
     schema: Schema
     status: Literal["planned"]
@@ -305,6 +342,7 @@ class _Motion(TypedDict):
 class _Common(TypedDict):
     census: Census
     assumptions: list[Text]
+    warnings: list[InputWarning]
     seed: int
     elapsed_s: Number
     cut_by_clock: bool

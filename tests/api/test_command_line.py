@@ -22,7 +22,7 @@ from assur.api.version import version
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner.report import number_format
 from assur.scenes.catalogue import FOLDER
-from assur.scenes.requests import shipped_scenarios
+from assur.scenes.requests import load_scenario, shipped_scenarios
 
 ROOT = Path(__file__).parents[2]
 TIMES = ("elapsed_s", "first_s")
@@ -58,6 +58,40 @@ def test_a_plan_is_told_in_the_words_of_the_shop_and_checked(small_file: Path) -
     assert errors == ""
 
 
+def test_assumptions_are_one_line_with_their_number_and_listed_when_asked_for(far_file: Path) -> None:
+    for file in ("rv-m1", str(far_file)):
+        answer = json.loads(run("plan", file, "--json")[1])
+        assumptions = answer["assumptions"]
+        assert len(assumptions) > 3
+        short = run("plan", file)[1].splitlines()
+        detailed = run("plan", file, "--details")[1].splitlines()
+        about = f"{len(assumptions)} assumptions about the robot and the cell"
+        assert f"{about} (--details lists them)" in short
+        where = detailed.index(f"{about} (sources: --json):") + 1
+        listed = [": ".join(text.split(": ")[:2]) for text in assumptions]
+        assert [line.strip() for line in detailed[where : where + len(listed)]] == listed
+        assert detailed[where + len(listed)] == ""
+        assert not {line.strip() for line in short} & set(listed)
+    one, none = (list(console_report.assumed(some, details=False)) for some in (["the robot's data: a"], []))
+    assert one == ["1 assumption about the robot and the cell (--details lists it)"]
+    assert none == list(console_report.assumed([], details=True)) == []
+
+
+def test_a_part_that_floats_is_a_warning_and_no_refusal(tmp_path: Path) -> None:
+    request = load_scenario(ROOT / "scenes" / "cells" / "transfer.yaml").request
+    (part,) = (body for body in request["bodies"] if body["name"] == "load")
+    x, y, z = part["pose"]["at_mm"]
+    file = tmp_path / "cell.json"
+    for height in (0, 3):
+        part["pose"]["at_mm"] = [x, y, z + height]
+        file.write_text(json.dumps(request))
+        code, output, _ = run("plan", str(file))
+        assert code == RIGHT
+        told = [line for line in output.splitlines() if line.startswith("warning ")]
+        assert len(told) == (height > 0)
+        assert all(line.startswith("warning             load is 3 mm above ") for line in told)
+
+
 def test_arrivals_of_an_arm_with_five_axes_have_pitch_and_roll_and_others_have_not(small_file: Path) -> None:
     code, output, _ = run("plan", "rv-m1")
     assert code == RIGHT
@@ -83,6 +117,29 @@ def test_a_refusal_says_by_how_much_and_what_was_tried_and_would_help() -> None:
         assert word in output
 
 
+def test_what_would_help_is_tried_where_a_request_says_nothing_of_it(tmp_path: Path, client: httpx.Client) -> None:
+    request = load_scenario(ROOT / "scenes" / "cells" / "behind-the-base-keep.yaml").request
+    file = tmp_path / "behind.json"
+    answers = {}
+    for key, value in (("", 0), ("explain_budget_s", 0), ("explain_budget_ms", 0.0), ("explain_budget_ms", 60_000)):
+        options = {name: each for name, each in request["options"].items() if not name.startswith("explain_budget")}
+        asked = {**request, "options": options | {"budget_s": 10} | ({key: value} if key else {})}
+        file.write_text(json.dumps(asked))
+        code, output, _ = run("plan", str(file), "--json")
+        assert code == WRONG
+        answers[key, value] = json.loads(output)
+        if not key:
+            # over HTTP and in Python nothing is tried that is not asked for; and the request stays the same
+            served = client.post("/v1/plans", json=asked).json()
+            assert (served["relaxation"], served["tried"]) == (None, [])
+            assert served["request_digest"] == answers[key, value]["request_digest"]
+    helps = {"what": "elbow", "value": "auto"}
+    for stated, answer in answers.items():
+        tried = stated[0] == "" or stated[1] > 0
+        assert (answer["relaxation"] is not None, answer["tried"] != []) == (tried, tried), stated
+        assert not tried or helps.items() <= answer["relaxation"].items()
+
+
 def test_an_answer_that_is_not_what_the_scenario_expects_is_told_so(tmp_path: Path) -> None:
     shipped = (ROOT / "scenes" / "cells" / "behind-the-base-keep.yaml").read_text(encoding="utf-8")
     file = tmp_path / "cell.yaml"
@@ -104,8 +161,24 @@ def test_what_a_file_expects_beside_a_plan_changes_no_exit_code(tmp_path: Path) 
     assert errors.startswith("assur: not as the file expects: duration_s is ")
 
 
+PAIRS = ("travel_pairs", "near_pairs")
+
+
 def without_times(document: dict[str, Any]) -> bytes:
-    return to_json({name: value for name, value in document.items() if name not in TIMES})
+    """Without what takes time, and the pairs of bodies that the command line alone lists."""
+    margins = {name: value for name, value in document["margins"].items() if name not in PAIRS}
+    return to_json({name: value for name, value in {**document, "margins": margins}.items() if name not in TIMES})
+
+
+def test_the_pairs_that_come_nearest_are_listed_on_the_command_line(client: httpx.Client, small_file: Path) -> None:
+    told = json.loads(run("plan", str(small_file), "--json")[1])["margins"]
+    assert 0 < len(told["travel_pairs"]) <= 4
+    assert told["near_pairs"] == []  # nothing is tracked
+    assert told["travel_pairs"][0]["gap_m"] == pytest.approx(told["nearest"]["gap_m"], abs=1e-4)
+    lines = [line for line in run("plan", str(small_file))[1].splitlines() if line.startswith("  in travel")]
+    assert [" and ".join(each["bodies"]) for each in told["travel_pairs"]] == [line.split(", ")[1] for line in lines]
+    served = client.post("/v1/plans", json=FIRST_PLAN).json()["margins"]
+    assert [served[name] for name in PAIRS] == [[], []]
 
 
 def test_json_is_the_document_that_the_service_answers_with(client: httpx.Client, small_file: Path) -> None:

@@ -44,6 +44,7 @@ def test_a_request_is_planned_and_the_answer_has_what_a_controller_needs(
         "certificate",
         "census",
         "assumptions",
+        "warnings",
         "seed",
         "elapsed_s",
     }

@@ -8,7 +8,9 @@ from typing import Any, get_args
 
 import pytest
 
-from assur.planner.model.outcome import Census, CensusLine, Course, Route
+from assur.planner.frames.law import PoseUncertainty
+from assur.planner.geometry.shapes import cylinder
+from assur.planner.model.outcome import Census, CensusLine, Course, NotPlanned, Route
 from assur.planner.model.refusal import (
     AccelerationTime,
     BeyondRange,
@@ -33,11 +35,11 @@ from assur.planner.model.refusal import (
     Singular,
     Stage,
 )
-from assur.planner.model.scene import Window
+from assur.planner.model.scene import Clearance, ClearanceException, Follow, Window
 from assur.planner.model.window_missed import Miss, WindowMissed
-from assur.planner.pipeline import leading
+from assur.planner.pipeline import leading, plan
 from assur.planner.report.sentence import because, note, sentence
-from tests.planner.cells import cell, go
+from tests.planner.cells import at, cell, go, stands
 
 SCENE = cell(go(0.35, 0.2, name="drop"), go(0.3, 0.0, name="home"))
 NONE = Census(0, 0)
@@ -79,12 +81,66 @@ def said(refused: Refusal | CensusLine | None, census: Census = NONE, *, cut: bo
 
 def test_a_sentence_names_the_step_the_bodies_the_count_and_the_time() -> None:
     found = said(line(30), Census(40, 40, (line(30),)))
-    assert found == "drop: cup would hit gate (30 of 40 candidates, between 1.00 s and 2.00 s)."
+    assert found.startswith("drop: cup would hit gate: overlap up to 1 mm, required 11 mm (30 of 40 candidates, ")
+    assert found.endswith(", between 1.00 s and 2.00 s).")
     at_once = said(line(30, interval=(1.0, 1.001)), Census(40, 40, (line(30),)))
     assert "at 1.00 s" in at_once
     assert "the budget of" in said(line(30), Census(40, 40, (line(30),)), cut=True)
     also = line(20, subject=Bodies(("cup", "post")))
     assert "; likewise cup with post (30 of" in said(line(30), Census(60, 50, (line(30), also)))
+
+
+@pytest.mark.parametrize(
+    ("facts", "told"),
+    [
+        (("travel", 0.005), "gap 1 mm, required 13 mm (clearance in travel 5 mm, uncertainty 8 mm)"),
+        (("near", 0.013), "gap 1 mm, required 13 mm (clearance near a point 13 mm)"),
+        (("exception", 0.002), "gap 1 mm, required 13 mm (clearance of the exception 2 mm, uncertainty 11 mm)"),
+        ((None, None), "gap 1 mm, required 13 mm"),
+    ],
+)
+def test_a_required_distance_is_told_with_what_it_is_made_of(facts: Any, told: str) -> None:
+    apart = replace(APART, rule=facts[0], clearance_m=facts[1])
+    assert because(SCENE, refusal(facts=apart)) == f"cup would come too close to gate: {told}"
+
+
+def test_an_allowed_contact_that_is_too_deep_is_told_with_what_is_allowed() -> None:
+    deep = Separation(touching=True, gap_m=-0.003, required_m=-1e-4, rule="contact", clearance_m=-1e-4)
+    assert because(SCENE, refusal(facts=deep)) == "cup would hit gate: overlap up to 3 mm, allowed 0.1 mm"
+    unsure = replace(deep, required_m=0.0019)
+    told = because(SCENE, refusal(facts=unsure))
+    assert told == "cup would hit gate: overlap up to 3 mm, required 1.9 mm (uncertainty 2 mm)"
+
+
+RULES = {
+    "near": ((0.0, 0.006), "near"),
+    "travel": ((0.006, 0.0), "travel"),
+    "exception": ((0.0, 0.0), "exception"),
+}
+
+
+@pytest.mark.parametrize("name", sorted(RULES))
+@pytest.mark.parametrize("off", [0.0, 0.002])
+def test_the_rule_that_bound_is_that_of_the_phase_and_the_rest_is_what_is_not_known(name: str, off: float) -> None:
+    """A post 4 mm beside the quill at a point that is followed, where 6 mm are asked, and it may be `off` nearer."""
+    (travel, near), rule = RULES[name]
+    post = stands("post", cylinder(0.03, 0.2), 0.35 + 0.042 + 0.004, -0.2, 0.12)
+    post = replace(post, uncertainty=PoseUncertainty(off))
+    exceptions = (ClearanceException(frozenset(("post",)), frozenset(), 0.006, 0.006),) if name == "exception" else ()
+    step = go(0.35, -0.2) if name == "travel" else Follow("f", at(0.35, -0.2), 0.05)
+    asked = Clearance(travel, near, exceptions)
+    scene = cell(step, bodies=(post,), clearance=asked, max_candidates=30, budget_s=60.0)
+    outcome = plan(scene)
+    assert isinstance(outcome, NotPlanned)
+    told = [line.refusal.facts for line in outcome.census.lines] + [outcome.refusal and outcome.refusal.facts]
+    found = [each for each in told if isinstance(each, Separation)]
+    assert found
+    assert (rule, 0.006) in {(each.rule, each.clearance_m) for each in found}
+    for each in found:
+        assert each.clearance_m == (0.006 if each.rule == rule else 0.0)
+        # what is found at rest, before any candidate, is where all is where it is planned
+        assert any(each.required_m == pytest.approx(each.clearance_m + known, abs=1e-9) for known in (0.0, off))
+    assert "clearance" in outcome.sentence
 
 
 def test_what_no_candidate_refused_is_not_counted() -> None:
@@ -183,14 +239,20 @@ CASES: list[tuple[Refusal, str]] = [
     ),
     (of(Reason.NEAR_PARALLEL_SINGULARITY, Singular(margin=-0.1, required=0.1)), "would cross a position"),
     (of(Reason.NEAR_PARALLEL_SINGULARITY, Singular(required=0.1)), "would cross a position"),
-    (of(Reason.SELF_COLLISION, HIT), "the arm would hit itself: cup would hit gate"),
-    (of(Reason.BODY_COLLISION, HIT), "cup would hit gate"),
-    (of(Reason.BODY_COLLISION, APART), "cup would come too close to gate: 1 mm, required 13 mm"),
-    (of(Reason.START_IN_COLLISION, APART), "the arm collides at the start: cup would come too close to gate"),
+    (
+        of(Reason.SELF_COLLISION, HIT),
+        "the arm would hit itself: cup would hit gate: overlap up to 1 mm, required 11 mm",
+    ),
+    (of(Reason.BODY_COLLISION, HIT), "cup would hit gate: overlap up to 1 mm, required 11 mm"),
+    (of(Reason.BODY_COLLISION, APART), "cup would come too close to gate: gap 1 mm, required 13 mm"),
+    (
+        of(Reason.START_IN_COLLISION, APART),
+        "the arm collides at the start: cup would come too close to gate: gap 1 mm, required 13 mm",
+    ),
     (of(Reason.START_IN_COLLISION, Enclosed()), "the arm collides at the start: cup is inside gate"),
     (
         of(Reason.CONTROL_POINT_IN_COLLISION, HIT),
-        "the control point cannot be met without a collision: cup would hit gate",
+        "the control point cannot be met without a collision: cup would hit gate: overlap up to 1 mm, required 11 mm",
     ),
     (of(Reason.NOT_CERTIFIED, APART), "cup and gate could not be proved to stay apart"),
     (

@@ -18,10 +18,11 @@ from assur.planner.geometry.shapes import box
 from assur.planner.kernels.links import L1
 from assur.planner.kernels.postures import least_margins
 from assur.planner.kernels.postures import tool_peak as sampled_peak
+from assur.planner.kernels.solids import REQUIRED
 from assur.planner.legs.tool_motion import tool_peak
 from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.phases import Phase, phases
-from assur.planner.model.scene import Clearance
+from assur.planner.model.scene import Clearance, Tool
 from assur.planner.pipeline import plan
 from assur.planner.report.margins import contacts, margins
 from assur.planner.trajectory import Trajectory
@@ -107,6 +108,97 @@ def test_a_plan_with_a_clearance_has_it_left_outside_contacts() -> None:
         assert found is not None
         least = clearance.near_m if found.phase in (LegKind.APPROACH, LegKind.FOLLOW, LegKind.DEPART) else 0.0
         assert found.gap_m >= max(least, min(clearance.near_m, clearance.travel_m))
+
+
+@pytest.mark.parametrize("tool", [CUP, CRANKED])
+def test_the_tools_peaks_are_those_of_its_point_by_differences(tool: Tool) -> None:
+    """Positions alone, from the second implementation of the arm, differentiated."""
+    scene = cell(go(0.35, -0.2), go(0.2, 0.4, name="b"), tool=tool)
+    outcome = plan(scene)
+    assert isinstance(outcome, Planned)
+    path, tcp, h = outcome.plan.trajectory, scene.tool.tcp, 2e-5
+    t = np.linspace(path.start + h, path.end - h, 60001)
+
+    def at(times: FloatArray) -> FloatArray:
+        q = path.evaluate(times)
+        turn, both = q[:, 0] + q[:, 1] + q[:, 3], q[:, 0] + q[:, 1]
+        x = 0.325 * np.cos(q[:, 0]) + 0.275 * np.cos(both) + np.cos(turn) * tcp.x - np.sin(turn) * tcp.y
+        y = 0.325 * np.sin(q[:, 0]) + 0.275 * np.sin(both) + np.sin(turn) * tcp.x + np.cos(turn) * tcp.y
+        return np.stack([x, y, q[:, 2]], -1)
+
+    before, here, after = at(t - h), at(t), at(t + h)
+    speed = np.linalg.norm(after - before, axis=1) / (2 * h)
+    pull = np.linalg.norm(after - 2 * here + before, axis=1) / h**2
+    told = outcome.margins.tool
+    assert told is not None
+    assert told.speed == pytest.approx(speed.max(), rel=1e-5)
+    assert told.acceleration == pytest.approx(pull.max(), rel=2e-3)
+    for time, value, sampled in (
+        (told.speed_time, told.speed, speed),
+        (told.acceleration_time, told.acceleration, pull),
+    ):
+        assert np.interp(time, t, sampled) == pytest.approx(value, rel=2e-3)
+
+
+def test_what_binds_is_told_with_the_leg_in_which_it_is_used_most() -> None:
+    scene = cell(go(0.35, -0.2), go(0.2, 0.4, name="b"))
+    outcome = plan(scene)
+    assert isinstance(outcome, Planned)
+    found, path = outcome.margins.busiest, outcome.plan.trajectory
+    assert found is not None
+    kind, joint = outcome.margins.binds.rsplit(" (", 1)[0].split(" of ")
+    number = [each.name for each in scene.robot.joints].index(joint)
+    order = {"velocity": 1, "acceleration": 2, "jerk": 3}[kind]
+    t = np.linspace(path.start, path.end, 100001)[:-1]
+    used = np.abs(path.evaluate(t, order)[:, number])
+    at_peak = used >= 0.99 * used.max()
+    long = {
+        (leg.kind, leg.step, leg.t0, leg.t1): float(at_peak[(t >= leg.t0) & (t < leg.t1)].sum() * (t[1] - t[0]))
+        for leg in outcome.plan.legs
+    }
+    most = max(long, key=lambda leg: long[leg])
+    assert (found.kind, found.step, found.t0, found.t1) == most
+    assert found.at_limit_s == pytest.approx(long[most], abs=0.004)
+    assert len(long) > 1
+    assert joint in outcome.margins.helps
+
+
+def test_the_nearest_pairs_are_those_of_dense_samples_pair_by_pair() -> None:
+    """The second implementation of solids and carriers, at 4,000 instants, for travel and near a point apart."""
+    scene = table_to_table(go(0.3, 0.0, 0.15))
+    outcome = plan(scene, nearest_pairs=4)
+    assert isinstance(outcome, Planned)
+    path, of_plan = outcome.plan.trajectory, phases(scene, outcome.plan.legs, outcome.plan.arrivals)
+    prover, told = Prover(scene), outcome.margins
+    for near, found in ((False, told.travel_pairs), (True, told.near_pairs)):
+        least: dict[tuple[str, ...], float] = {}
+        for phase in (each for each in of_plan if each.near is near):
+            arrangement = prover.of(phase)
+            rows = prover.pairs(arrangement, phase).every
+            t = np.linspace(phase.t0, phase.t1, 400)
+            where = carriers(scene, path.evaluate(t), t)
+            for row in rows[rows[:, REQUIRED] >= 0.0]:
+                units = [int(row[0]), int(row[1])]
+                names = tuple(sorted(arrangement.names[arrangement.body[unit]] for unit in units))
+                one, other = (place(arrangement, where, np.arange(len(t)), np.full(len(t), unit)) for unit in units)
+                for k in range(0, len(t), 4):
+                    apart = distance_by_gjk(one, other, k)[2]
+                    least[names] = min(least.get(names, np.inf), apart)
+        order = sorted(least.items(), key=lambda each: each[1])
+        assert len(found) == min(4, len(order))
+        for each, (_, sampled) in zip(found, order, strict=False):
+            mine = least[tuple(sorted(each.bodies))]
+            assert mine - 2e-3 <= each.gap_m <= mine + 1e-6
+            assert each.gap_m <= sampled + 5e-5
+            assert each.phase in (("APPROACH", "FOLLOW", "DEPART") if near else ("WAIT", "MOVE", "ARCH"))
+        assert len({tuple(sorted(each.bodies)) for each in found}) == len(found)
+        assert [each.distance_m for each in found] == sorted(each.distance_m for each in found)
+    assert told.nearest is not None
+    firsts = [pairs[0].gap_m for pairs in (told.travel_pairs, told.near_pairs)]
+    assert min(firsts) == pytest.approx(told.nearest.gap_m, abs=1e-4)
+    silent = plan(scene)
+    assert isinstance(silent, Planned)
+    assert (silent.margins.travel_pairs, silent.margins.near_pairs) == ((), ())
 
 
 def test_contacts_of_phases_in_a_row_are_one() -> None:

@@ -19,6 +19,7 @@ from hypothesis.extra.numpy import arrays
 from pydantic import TypeAdapter, ValidationError
 
 from assur.planner.errors import FaultError, InputError
+from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.outcome import Census, CensusLine, Certificate, NotPlanned, Outcome, Plan, Planned, Relaxation
 from assur.planner.model.refusal import (
     Bodies,
@@ -124,6 +125,7 @@ def _refused() -> NotPlanned:
         elapsed_s=0.2,
         cut_by_clock=True,
         explain_budget_spent=True,
+        warnings=(InputWarning(Odd.PART_FLOATS, ("part", "bed"), 0.003),),
     )
 
 
@@ -295,7 +297,7 @@ def test_a_refusal_says_all_that_is_promised_and_its_missing_numbers_are_null() 
     refused = _refused()
     answer = through_json(answer_of(cell, refused))
     assert (answer["status"], answer["reason"], answer["proved"]) == ("not_planned", "WINDOW_MISSED", True)
-    assert answer["explain_budget_spent"] is True
+    assert (answer["explain_budget_spent"], answer["warnings"][0]["kind"]) == (True, "PART_FLOATS")
     assert answer["relaxation"] == {"what": "window", "value": "+20 mm", "duration_s": 1.25}
     assert (answer["refusal"]["amount"], answer["refusal"]["unit"]) == (0.034, "s")
     facts = {key: value for key, value in answer["refusal"]["facts"].items() if value is not None}
