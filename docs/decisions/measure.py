@@ -157,8 +157,9 @@ def scores(limit: int) -> None:
         free, seem, both, drawn, cost = 0, 0, 0, 0, []
         for _, scene in problems(name, limit):
             prover, chain, rng = Prover(scene), initial(scene), np.random.default_rng(0)
-            meeting = prepared(scene, chain, 0.0, None, tuple(range(len(scene.robot.modes))))
-            ways = () if isinstance(meeting, Refusal) else options(scene, chain, [(0.0, meeting)])[:MOST_OPTIONS]
+            found = prepared(scene, chain, 0.0, None, tuple(range(len(scene.robot.modes))))
+            met = [(0.0, meeting) for meeting in found if not isinstance(meeting, Refusal)]
+            ways = options(scene, chain, met)[:MOST_OPTIONS]
             if not ways:
                 continue
             population = Population(scene, chain, ways, CoarseScore(prover, chain, ways), rng, adaptive=False)

@@ -17,13 +17,13 @@ from assur.planner.legs.joint import JointMotion
 from assur.planner.legs.limits import beyond_limits, parts
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.overlap import leaving
-from assur.planner.legs.path_leg import along_path
+from assur.planner.legs.paths.path_leg import along_path
+from assur.planner.legs.paths.tracing import left_at, trace, traced
 from assur.planner.legs.slowed import slowed
 from assur.planner.legs.state import Knots, TimedLeg
 from assur.planner.legs.straight import mode_changes, straight
 from assur.planner.legs.tilt import tilt_of
 from assur.planner.legs.tool_motion import RESERVE, carrying_peak
-from assur.planner.legs.tracing import left_at, trace, traced
 from assur.planner.legs.tracking import track
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.outcome import Arrival, Course, Leg, LegKind, Route

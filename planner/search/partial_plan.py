@@ -13,9 +13,9 @@ from assur.planner.legs.joint import Reached, Shape
 from assur.planner.legs.meeting import Meetings, meetings
 from assur.planner.legs.overlap import entering
 from assur.planner.legs.pace import Pace
+from assur.planner.legs.paths.tracing import lead as lead_of_trace
 from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.legs.tool_motion import lift_most
-from assur.planner.legs.tracing import lead as lead_of_trace
 from assur.planner.legs.tracking import lead_time
 from assur.planner.model.attachments import AT_START, Attachments, at_start
 from assur.planner.model.outcome import Arrival, Leg

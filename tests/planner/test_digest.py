@@ -11,7 +11,7 @@ from assur.planner.frames.law import PoseUncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.model.arrival_error import ArrivalError, Cause, Share
 from assur.planner.model.digest import digest
-from assur.planner.model.outcome import Arrival, Certificate, Course, Leg, LegKind, Missed, Route
+from assur.planner.model.outcome import Arrival, Certificate, Course, Leg, LegKind, Missed, Route, Traced
 from assur.planner.trajectory import Trajectory
 
 KNOTS = Trajectory(np.array([0.0, 1.0]), np.zeros((2, 3)), np.zeros((2, 3)), np.zeros((2, 3)))
@@ -80,6 +80,7 @@ def test_every_number_and_every_word_counts() -> None:
         "roll": 0.0,
         "missed_by": Missed((0.1, 0.2, 0.3), 0.01),
         "error": ArrivalError(0.1, PoseUncertainty(0.1), (Share(Cause.LAG, 0.1, 0.0),), (("late start s", 0.1),)),
+        "trace": Traced(0.2, 0.1, 0.1, 1e-6),
     }
     assert set(arrived) == {field.name for field in fields(Arrival)}
     seen |= {of(arrivals=(replace(ARRIVALS[0], **{name: value}),)) for name, value in arrived.items()}

@@ -16,7 +16,7 @@ import assur.planner.collision.proof
 from assur.planner.collision.fcl_door import Collider
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
-from assur.planner.frames import Frame, Uncertainty
+from assur.planner.frames import Conveyor, Frame, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, box, cylinder, sphere
 from assur.planner.kernels.proof import ALONG, T0, T1
@@ -283,8 +283,7 @@ def test_what_is_certified_with_a_start_tolerance_stays_clear_however_late_it_st
 
 
 def test_belt_correction_leaves_nothing_towards_the_same_belt_and_counts_towards_the_rest() -> None:
-    fixed = cell(go(0.3, 0.0)).frames["world"].law
-    belt = Frame("belt", fixed, Uncertainty(0.004, 0.0))
+    belt = Frame("belt", Conveyor(Pose(), 0.0), Uncertainty(0.004, 0.0))
     shift = Execution(belt_correction=True)
     for on, tracked, corrected, need in (
         ("belt", None, (), 0.004),

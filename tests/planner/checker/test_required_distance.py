@@ -50,7 +50,8 @@ def read(scene: Scene, phase: Phase, one: str, other: str, t1: float, n: FloatAr
         if name not in links:
             own[phase.attached.pose_of(scene, name)[0]] = (1.0, 1.0)
         elif links[name] in (FLANGE, QUILL) and scene.execution.belt_correction:
-            for followed in phase.corrected if phase.tracked is None else (phase.tracked,):
+            tracked = isinstance(scene.frames[phase.tracked or "world"].law, Conveyor)
+            for followed in phase.corrected if phase.tracked is None else (phase.tracked,) * tracked:
                 own[followed] = (0.0 if phase.tracked is None else 1.0, 1.0)
         shares.append(own)
     both = one in links and other in links and all(links[name] in (FLANGE, QUILL) for name in (one, other))

@@ -18,9 +18,9 @@ from assur.planner.frames.fixed import Fixed
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import Tilt, TiltedMotion
 from assur.planner.legs.control_point import ControlPoint
-from assur.planner.legs.corner_law import SAMPLES, STEEPER, Bends, faster, slowed_at_bends
 from assur.planner.legs.line import Phase, Uniform
-from assur.planner.legs.path_knots import Jumps, Way, first_beyond, fitted, widths
+from assur.planner.legs.paths.corner_law import SAMPLES, STEEPER, Bends, faster, slowed_at_bends
+from assur.planner.legs.paths.path_knots import Jumps, Way, first_beyond, fitted, widths
 from assur.planner.legs.phase_law import TABLE, quickest
 from assur.planner.legs.spacing import spaced
 from assur.planner.legs.state import State, TimedLeg

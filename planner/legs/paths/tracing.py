@@ -18,7 +18,7 @@ from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.legs.limits import rates, too_fast
-from assur.planner.legs.path_knots import Jumps, Way, first_beyond, fitted, looks
+from assur.planner.legs.paths.path_knots import Jumps, Way, first_beyond, fitted, looks
 from assur.planner.legs.spacing import spaced
 from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.legs.tracking import SPACING_S, Tracked

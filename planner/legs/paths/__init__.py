@@ -1,0 +1,1 @@
+"""Legs along paths: traces at a process speed, and Cartesian legs along lines, arcs and splines."""
