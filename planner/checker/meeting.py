@@ -32,7 +32,7 @@ def meetings(
     findings, before = list[Finding](), world.start
     for arrival, target in zip(arrivals, found, strict=True):
         findings += _kept(world, before, arrival, target)
-        before = arrival.until
+        before = max((leg.t1 for leg in legs if leg.step == target.number), default=arrival.until)
         name = target.step.name
         at = f"{arrival.time:.6g} s"
         times = _times(legs, target.number)

@@ -20,7 +20,7 @@ from assur.planner.model.scene import Move, Pick, Place, Trace
 HALF_RAD = 1e-6
 """rad. Ways that are so near to half a turn are as short one way round as the other: the one that was gone counts."""
 WHAT = ("leaves its line or point", "goes below its point", "goes higher than asked", "is turned", "tilts or rolls")
-INSTANTS, ROUNDS = 64, 6
+INSTANTS, ROUNDS = 16, 9
 """Times at which the height of an arch is looked for, and rounds, each between the neighbours of the highest."""
 
 
@@ -71,6 +71,8 @@ def arches(world: World, legs: tuple[Leg, ...]) -> list[Finding]:
             z = [state.z for state in world.states([(world.flange, world.scene.tool.tcp, x) for x in t])]
             k = int(np.argmax(z))
             top, at, low, high = z[k], t[k], t[max(0, k - 1)], t[min(INSTANTS, k + 1)]
+            if top >= step.arch.top_m:
+                break
         missing = step.arch.top_m - top
         if not missing <= MEET_M:
             findings.append(Finding(Code.ARCH, f"the arch to {step.name} is too low", missing, "m", f"{at:.6g} s"))

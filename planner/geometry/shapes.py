@@ -150,10 +150,6 @@ class Piece:
         object.__setattr__(self, "rotation", rotation)
 
 
-LEVEL = 1e-9
-"""A face is level if the cosine of its slope is this near to 1: it slopes by less than 0.003 degrees."""
-
-
 @dataclass(frozen=True, eq=False)
 class Body:
     """A named solid: the union of convex pieces, in the body's own frame.
@@ -194,20 +190,6 @@ class Body:
         """Its lowest and its highest z, m."""
         up: FloatArray = np.array([0.0, 0.0, 1.0])
         return -max(support(piece, -up) for piece in self.pieces), max(support(piece, up) for piece in self.pieces)
-
-    @cached_property
-    def tops(self) -> tuple[float, ...]:
-        """Heights, m, at which something can stand on it: its highest z, and those of the faces of its surface that are
-        level and look upwards, such as the floor of a tray."""
-        if self.surface is None:
-            return (self.heights[1],)
-        vertices, faces = self.surface
-        corners_of = vertices[faces]
-        normal = np.cross(corners_of[:, 1] - corners_of[:, 0], corners_of[:, 2] - corners_of[:, 0])
-        level = normal[:, 2] >= (1 - LEVEL) * np.linalg.norm(normal, axis=1)
-        level &= normal[:, 2] > 0
-        found = np.unique(np.round(corners_of[level][:, :, 2].max(1), 6)) if level.any() else np.zeros(0)
-        return (*found.tolist(), self.heights[1])
 
 
 def support(piece: Piece, n: FloatArray) -> float:

@@ -171,8 +171,8 @@ def resting_on(
     attached: Attachments | None = None,
     time: float | None = None,
 ) -> frozenset[str]:
-    """What a part at `pose` in `frame` touches from above: the named bodies, or those under it with their top, or a
-    level face of theirs that looks upwards, at its bottom.
+    """What a part at `pose` in `frame` touches from above: the named bodies, or those under it with their top at its
+    bottom.
 
     `time` (None: the start) and `attached` (None: as at the start) say where each body is when the part is taken or put
     down, so that parts can be stacked. A body counts as under the part when the circles about both overlap; a pair that
@@ -202,7 +202,7 @@ def resting_on(
         other = None if body.name == part else in_world(*attached.pose_of(scene, body.name))
         if other is None or not math.hypot(other.x - there.x, other.y - there.y) <= around + body.body.radius:
             continue
-        if any(abs(other.z + top - bottom) <= CONTACT_M for top in body.body.tops):
+        if abs(other.z + body.body.heights[1] - bottom) <= CONTACT_M:
             found.add(body.name)
     return frozenset(found)
 

@@ -272,11 +272,12 @@ class Scene:
     def _check_kept(self) -> None:
         """A yaw that is kept has to be one in the frame of the target, whenever that is met."""
         for i, step in enumerate(self.task):
-            if isinstance(step, Move | Follow) and step.target.yaw_keep:
+            if isinstance(step, Move | Follow | Trace) and step.target.yaw_keep:
                 frame = self.frames[step.target.frame]
                 if not isinstance(frame.law, Fixed | Conveyor | Linear | Oscillation):
                     allowed = f"false: {frame.name} turns, so the yaw there depends on when it is met"
-                    raise InputError(f"task[{i}].{type(step).__name__.lower()}.to.yaw_keep", True, allowed)
+                    where = "start" if isinstance(step, Trace) else "to"
+                    raise InputError(f"task[{i}].{type(step).__name__.lower()}.{where}.yaw_keep", True, allowed)
 
     @cached_property
     def loads(self) -> tuple[Load, ...]:
@@ -330,6 +331,11 @@ class Scene:
         if execution.belt_correction and not scara:
             allowed = f"false: how a correction moves the links is known for SCARAs, and {self.robot.name} is none"
             raise InputError("execution.belt_correction", True, allowed)
+        for frame in self.frames.values() if execution.belt_correction else ():
+            rises = isinstance(frame.law, Linear) and frame.law.velocity[2] != 0.0
+            if rises and (frame.uncertainty.position_m > 0.0 or frame.uncertainty.speed_m_s > 0.0):
+                allowed = f"false: {frame.name} rises, and the range of the lift is not proved for corrections upwards"
+                raise InputError("execution.belt_correction", True, allowed)
 
     def _check_step(self, field: str, step: Step) -> None:
         target = step.target

@@ -24,6 +24,9 @@ from assur.planner.search.partial_plan import Candidate, PartialPlan
 from assur.planner.search.population import Population, at_the_point
 from assur.planner.search.rough_score import CoarseScore
 
+LEAST_RISE_M = 1e-3
+"""Over its ends an arch rises by so much at least, m."""
+
 
 @dataclass(eq=False)
 class Sampler:
@@ -122,9 +125,6 @@ class Sampler:
             return []
         upper = float(scene.robot.limits.upper[lift])
         arch = self.step.arch
-        if arch is not None:
-            asked = self._height(arch)
-            return [asked] if asked <= upper else []
         state, ends, stops = self.partial.state, [float(self.partial.state.q[lift])], list[float]()
         if state.qd[lift] > 0:
             stops.append(ends[0] + self.partial.rises)
@@ -133,8 +133,12 @@ class Sampler:
             entry = option.meeting.point.entry
             if entry is not None:
                 stops.append(ends[-1] + entry.far - entry.height)
+        if arch is not None:
+            # an arch that is lower than one of its ends is as high as it has to be anyway
+            asked = max(self._height(arch), min(upper, max([max(ends) + LEAST_RISE_M, *stops])))
+            return [asked] if asked <= upper else []
         tops = [upper, (max(ends) + upper) / 2, *([max(stops)] if stops else [])]
-        return [top for top in tops if top > max(ends) + 1e-3]
+        return [top for top in tops if top > max(ends) + LEAST_RISE_M]
 
     def too_high(self) -> Refusal | None:
         """Why the arch that is asked for cannot be: the lift ends below it; None: it can, or none is asked."""

@@ -109,6 +109,18 @@ def test_an_arch_that_a_place_asks_for_is_flown_and_checked() -> None:
     assert any(finding.startswith(Code.ARCH) for finding in refusals(higher, plan))
 
 
+def test_an_arch_that_is_lower_than_its_ends_is_no_hindrance() -> None:
+    """The pick begins 30 mm above its point; 20 mm, and a height below the table, are asked for."""
+    for top in (45, -100):
+        request = transfer()
+        del request["task"][2:]
+        request["task"][0]["pick"]["arch"] = {"top_mm": top}
+        request["task"][1]["place"]["arch"] = {"top_mm": top}
+        request["bodies"] = [body for body in request["bodies"] if body["name"] != "rail"]
+        _, plan = planned(request)
+        assert next(leg.kind for leg in plan.legs if leg.step == 1) is LegKind.ARCH
+
+
 def test_a_straight_part_is_long_enough_for_the_clearance_of_travel() -> None:
     """3 mm above the table the load would have to be 5 mm away from it."""
     request = transfer()

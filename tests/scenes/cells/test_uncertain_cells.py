@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from assur.planner.errors import InputError
 from assur.scenes.requests import check_document, plan_document, shipped
 
 CUP = {"name": "cup", "shape": {"cylinder": {"radius_mm": 12, "height_mm": 100}}, "at_mm": [0, 0, -50]}
@@ -328,3 +329,16 @@ def test_a_clearance_may_be_another_for_some_bodies() -> None:
     wider = {"between": ["cup"], "clearance_mm": {"travel": 300, "near": 300}}
     request["options"].update(clearance_mm={"travel": 2, "near": 1}, clearance_exceptions=[wider])
     refused(request)
+
+
+@pytest.mark.parametrize("rises", [0, 20])
+def test_a_correction_upwards_is_refused_for_the_range_of_the_lift_is_not_proved_for_it(rises: int) -> None:
+    law = {"at_mm": [350, 0, 100], "velocity_mm_s": [100, 0, rises]}
+    frames = {"ramp": {"linear": law, "uncertainty": {"position_mm": 1}}}
+    task = [{"follow": {"to": {"frame": "ramp", "at_mm": [0, 0, 0], "yaw_free": True}, "duration_ms": 50}}]
+    request = cell(frames=frames, task=task, execution={"belt_correction": True})
+    if not rises:
+        planned(request)
+        return
+    with pytest.raises(InputError, match="ramp rises"):
+        plan_document(request)

@@ -66,6 +66,17 @@ def test_a_yaw_is_kept_on_a_belt_from_the_start() -> None:
     assert math.remainder(arrival["yaw_rad"] - before, math.tau) == pytest.approx(0, abs=1e-9)
 
 
+def test_a_yaw_is_kept_from_the_end_of_a_depart_that_turned_with_a_dial() -> None:
+    request = copy.deepcopy(dict(shipped("transfer").request))
+    request["frames"] = {"dial": {"turntable": {"at_mm": [420, -150, 0], "rate_deg_s": 60}}}
+    load = next(body for body in request["bodies"] if body["name"] == "load")
+    load["pose"] = {"frame": "dial", "at_mm": [0, 0, 20]}
+    request["task"] = [request["task"][0], {"move": {"to": {"at_mm": [420, 100, 90], "yaw_keep": True}}}]
+    grip, away = planned(request)["arrivals"]
+    turned = math.degrees(math.remainder(away["yaw_rad"] - grip["yaw_rad"], math.tau))
+    assert 0.5 < turned < 3.0  # in the 20 ms of the depart the dial turns by more than a degree
+
+
 def test_a_plan_that_turns_a_tool_whose_yaw_is_kept_is_refused() -> None:
     """The plan for a free yaw, checked against the request that keeps it."""
     plan, _ = plan_of(planned(cell(yaw_free=True)), cell_of(cell()).conventions)
