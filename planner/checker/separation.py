@@ -51,6 +51,9 @@ MOST = 4_000_000
 """Pairs in parts of intervals in one check, after which all is refused: some seconds."""
 NEAR_M, STEPS = 1e-6, 32
 """A distance at an instant is known well enough to this, m; and steps after which its search ends in any case."""
+BOX_M = 1e-4
+"""Boxes that come as near as what is claimed and this, m, are opened. Else one whose distance at an end of an interval is
+exactly what is claimed could be neither proved there nor refuted."""
 SHORTEST_S = 1e-4
 """A shift that is shorter than this is not halved, s."""
 OPEN, HOLDS, FAILS, BOXES = range(4)
@@ -240,9 +243,9 @@ def claim_of(tables: Tables, jets: FloatArray, item: FloatArray, h: float, t: fl
     if low - sag >= state[CLAIMED]:
         return HOLDS
     high = distance(tables, jets[MIDDLE], item, state[CLAIMED])[1]
+    if (item[PIECES] > 0.0 or item[OTHERS] > 0.0) and high < state[CLAIMED] + BOX_M:
+        return BOXES
     if high < state[CLAIMED]:
-        if item[PIECES] > 0.0 or item[OTHERS] > 0.0:
-            return BOXES
         state[REACHED], state[WHEN], state[PAIR_ONE], state[PAIR_OTHER] = high, t, item[ONE], item[OTHER]
         return FAILS
     low, sag = least(tables, jets, item, h, vector(item, HINT))
