@@ -52,7 +52,7 @@ MOST = 4_000_000
 NEAR_M, STEPS = 1e-6, 32
 """A distance at an instant is known well enough to this, m; and steps after which its search ends in any case."""
 BOX_M = 1e-4
-"""Boxes that come as near as what is claimed and this, m, are opened. Else one whose distance at an end of an interval is
+"""Boxes that come as near as what is claimed and this, m, are opened: one whose distance at an end of an interval is
 exactly what is claimed could be neither proved there nor refuted."""
 SHORTEST_S = 1e-4
 """A shift that is shorter than this is not halved, s."""

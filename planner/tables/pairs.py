@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
 
 import numpy as np
 
@@ -68,8 +67,11 @@ class PairTables:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         number = scene.robot.links.index
-        self._wanted = {frozenset(map(number, pair)) for pair in scene.robot.self_pairs}
-        """Pairs of links between which bodies are required to stay apart."""
+        links = len(scene.robot.links)
+        self._wanted: BoolArray = np.zeros((links, links), dtype=np.bool_)
+        """(L, L) between the bodies of which links a distance is required."""
+        for one, other in (map(number, names) for names in scene.robot.self_pairs):
+            self._wanted[one, other] = self._wanted[other, one] = one != other
         arms = {"link1": ARM, "link2": ARM, "base": BASE}
         self._kinds = [arms.get(name, TOOL) for name in scene.robot.links]
         matrix = scene.robot.rate_matrix
@@ -154,16 +156,17 @@ class PairTables:
         self, arrangement: Arrangement, phase: Phase, ones: IntArray, kinds: IntArray, sets: Displacements
     ) -> list[tuple[float, ...]]:
         """Pairs within the robot."""
-        roots, names, carrier = arrangement.roots, arrangement.names, arrangement.rows[arrangement.roots, CARRIER]
-        asked = clearances(self.scene, phase.near, [names[b] for b in ones], [names[b] for b in ones])
-        found = list[tuple[float, ...]]()
-        for i, k in combinations(range(len(ones)), 2):
-            a, b = int(ones[i]), int(ones[k])
-            links = frozenset((int(carrier[a]), int(carrier[b])))
-            if len(links) == 2 and links in self._wanted:
-                touches = pair(names[a], names[b]) in phase.contacts
-                distance = contact_gap(phase) if touches else float(asked[i, k])
-                found.append((roots[a], roots[b], distance, sets.within_robot(int(kinds[i]), int(kinds[k])), 0.0, 0.0))
+        roots, names, carrier = arrangement.roots, arrangement.names, arrangement.carrier[arrangement.roots]
+        mine = [names[b] for b in ones]
+        asked = clearances(self.scene, phase.near, mine, mine)
+        on, found, known = carrier[ones], list[tuple[float, ...]](), dict[tuple[int, int], int]()
+        for i, k in np.argwhere(np.triu(self._wanted[on[:, None], on])).tolist():
+            touches = pair(mine[i], mine[k]) in phase.contacts
+            distance = contact_gap(phase) if touches else float(asked[i, k])
+            both = int(kinds[i]), int(kinds[k])
+            if both not in known:
+                known[both] = sets.within_robot(*both)
+            found.append((roots[ones[i]], roots[ones[k]], distance, known[both], 0.0, 0.0))
         return found
 
     def _put_down(

@@ -69,7 +69,8 @@ class Displacements:
             self.tool = dict.fromkeys(phase.corrected, (0.0, 1.0))
         elif scene.corrects(phase.tracked):
             self.tool[phase.tracked] = (1.0, 1.0)
-        self.known = not phase.handled.within and not any(map(self._unsure, scene.frames.values()))
+        exact = all(within == EXACT for _, within in phase.handled.within)
+        self.known = exact and not any(map(self._unsure, scene.frames.values()))
         """Whether there is nothing that is not known, so that no pair has a set."""
         self.known = self.known and all(body.uncertainty == EXACT for body in scene.bodies)
 
