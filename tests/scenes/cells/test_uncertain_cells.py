@@ -276,6 +276,20 @@ def test_an_error_that_is_said_to_be_smaller_is_found(what: str) -> None:
         assert codes >= {"ERROR", "DIGEST"}
 
 
+def test_a_plan_that_drops_what_is_not_known_of_the_held_part_is_found() -> None:
+    """The plan for a gripper that centres its part exactly, against requests in which the part may be off by more."""
+    uncertainty, exact = {"speed_mm_s": 5}, {"position_mm": 0, "yaw_deg": 0}
+    request = between_walls(uncertainty, {}, held_within=exact)
+    plan = planned(request)
+    assert check_document(request, plan)["ok"]
+    for within in ({"position_mm": 12, "yaw_deg": 0}, None):
+        of_pick = {} if within is None else {"held_within": within}
+        findings = check_document(between_walls(uncertainty, {}, **of_pick), plan)["findings"]
+        rows = [finding for finding in findings if finding["code"] == "SEPARATION"]
+        assert rows and "wall-" in rows[0]["what"]
+        assert rows[0]["amount"] > 0.001
+
+
 def beside_a_neighbour(tolerance_ms: float) -> Document:
     request = copy.deepcopy(dict(shipped("two-robots").request))
     request["execution"] = {"start_tolerance_ms": tolerance_ms}
