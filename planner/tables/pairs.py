@@ -81,6 +81,7 @@ class PairTables:
             lag[1, : matrix.shape[0]] = np.abs(matrix) @ scene.execution.lag
         self._lag = lag
         self._made: dict[tuple[object, ...], Pairs] = {}
+        self._shifts: FloatArray | None = None
 
     def __call__(self, arrangement: Arrangement, phase: Phase) -> Pairs:
         """The pairs of a phase, in the arrangement that it has."""
@@ -106,7 +107,9 @@ class PairTables:
         others[:, 0] = roots[around]
         others[:, REQUIRED - 1] = asked.max(0) if len(ones) else 0.0
         others[:, SET - 1] = -1.0 if sets.known else [sets.of_others(self._seat(phase, names[b])) for b in around]
-        shifts = self._shifts(arrangement)
+        if self._shifts is None:
+            self._shifts = self._all_shifts(arrangement)
+        shifts = self._shifts
         ahead = shifts[carrier[around] - arrangement.links]
         others[:, EARLY - 1 :] = ahead[:, :2]
         others[:, LATE - 1] += execution.start_tolerance_s * ahead[:, 2]
@@ -124,7 +127,7 @@ class PairTables:
         within = phase.handled.of(name) or world.uncertainty
         return Seat(frame, float(np.hypot(pose.x, pose.y)) + world.body.radius, world.body.radius, within)
 
-    def _shifts(self, arrangement: Arrangement) -> FloatArray:
+    def _all_shifts(self, arrangement: Arrangement) -> FloatArray:
         """Between which times, s, each frame may be ahead of its law, and whether it moves, (F, 3)."""
         moves = arrangement.bodies.still[arrangement.links :] == 0
         late = np.array([frame.uncertainty.shift_s for frame in self.scene.frames.values()]).reshape(-1, 2)
@@ -136,10 +139,11 @@ class PairTables:
     ) -> FloatArray:  # fmt: skip
         """Pairs of which less is required than `others` say: those that may be nearer, and those that may touch."""
         roots, found = arrangement.roots, dict[tuple[int, int], float]()
-        at = {int(unit): o for o, unit in enumerate(others[:, 0])}
-        for r, o in np.argwhere(asked < others[:, REQUIRED - 1]).tolist():
-            found[r, o] = asked[r, o]
-        mine = {int(roots[body]): r for r, body in enumerate(ones.tolist())}
+        if self.scene.options.clearance.exceptions:
+            for r, o in np.argwhere(asked < others[:, REQUIRED - 1]).tolist():
+                found[r, o] = asked[r, o]
+        at = {unit: o for o, unit in enumerate(others[:, 0].tolist())}
+        mine = {body: r for r, body in enumerate(roots[ones].tolist())}
         for names in sorted(phase.contacts):
             if all(name in arrangement.number for name in names):
                 one, other = (int(roots[arrangement.number[name]]) for name in names)
@@ -160,13 +164,16 @@ class PairTables:
         mine = [names[b] for b in ones]
         asked = clearances(self.scene, phase.near, mine, mine)
         on, found, known = carrier[ones], list[tuple[float, ...]](), dict[tuple[int, int], int]()
-        for i, k in np.argwhere(np.triu(self._wanted[on[:, None], on])).tolist():
+        distances, roots_of, kind_of = asked.tolist(), roots[ones].tolist(), kinds.tolist()
+        for i, k in np.argwhere(self._wanted[on[:, None], on]).tolist():
+            if i > k:
+                continue
             touches = pair(mine[i], mine[k]) in phase.contacts
-            distance = contact_gap(phase) if touches else float(asked[i, k])
-            both = int(kinds[i]), int(kinds[k])
+            both = kind_of[i], kind_of[k]
             if both not in known:
                 known[both] = sets.within_robot(*both)
-            found.append((roots[ones[i]], roots[ones[k]], distance, known[both], 0.0, 0.0))
+            distance = contact_gap(phase) if touches else distances[i][k]
+            found.append((roots_of[i], roots_of[k], distance, known[both], 0.0, 0.0))
         return found
 
     def _put_down(

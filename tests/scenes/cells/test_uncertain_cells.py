@@ -286,7 +286,8 @@ def test_a_plan_that_drops_what_is_not_known_of_the_held_part_is_found() -> None
         of_pick = {} if within is None else {"held_within": within}
         findings = check_document(between_walls(uncertainty, {}, **of_pick), plan)["findings"]
         rows = [finding for finding in findings if finding["code"] == "SEPARATION"]
-        assert rows and "wall-" in rows[0]["what"]
+        assert rows
+        assert "wall-" in rows[0]["what"]
         assert rows[0]["amount"] > 0.001
 
 
