@@ -150,6 +150,25 @@ def test_the_elbow_is_moved_by_more_than_the_tool() -> None:
     planned(request)
 
 
+@pytest.mark.parametrize(
+    ("lag", "accepted"), [({}, True), ({"j1_deg": 0.2}, True), ({"j2_deg": 5}, True), ({"j1_deg": 0.5}, False)]
+)
+def test_a_joint_that_lags_moves_the_links_behind_it_and_no_other(lag: Document, accepted: bool) -> None:
+    """A post is 2 mm farther from the side of link 1 than asked. It is beside the far end of the link, 370 mm from the
+    axis: 0.5 degrees of joint 1 are 3.2 mm there, 0.2 degrees 1.3 mm; joint 2 moves what is behind the elbow."""
+    post = {"box": {"size_mm": [20, 20, 100]}}
+    request = cell(
+        start={"joints": {"j1_deg": 0, "j2_deg": 90, "j3_mm": 300, "j4_deg": 0}},
+        bodies=[{"name": "post", "shape": post, "pose": {"at_mm": [360, -70 - 4 - 2 - 10, 325]}}],
+        task=[{"move": {"to": {"at_mm": [325, 275, 200], "yaw_free": True}}}],
+        execution={"lag": lag},
+    )
+    if accepted:
+        planned(request)
+    else:
+        assert "link-1" in refused(request)["sentence"]
+
+
 def on_the_way(speed_mm_s: float = 250) -> Document:
     """A point on a belt that the controller corrects for, a move, and a point in a nest that nobody measures."""
     return cell(
