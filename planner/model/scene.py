@@ -331,11 +331,17 @@ class Scene:
         if execution.belt_correction and not scara:
             allowed = f"false: how a correction moves the links is known for SCARAs, and {self.robot.name} is none"
             raise InputError("execution.belt_correction", True, allowed)
-        for frame in self.frames.values() if execution.belt_correction else ():
+        for frame in self._tracked() if execution.belt_correction else ():
             rises = isinstance(frame.law, Linear) and frame.law.velocity[2] != 0.0
             if rises and (frame.uncertainty.position_m > 0.0 or frame.uncertainty.speed_m_s > 0.0):
                 allowed = f"false: {frame.name} rises, and the range of the lift is not proved for corrections upwards"
                 raise InputError("execution.belt_correction", True, allowed)
+
+    def _tracked(self) -> list[Frame]:
+        """The frames that steps may track: those of their targets, and those of the parts that they take."""
+        names = [step.target.frame for step in self.task if step.target is not None]
+        names += [self.index[step.part].frame for step in self.task if step.part is not None]
+        return [self.frames[name] for name in dict.fromkeys(names)]
 
     def _check_step(self, field: str, step: Step) -> None:
         target = step.target
