@@ -25,7 +25,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.legs.control_point import travelled
 from assur.planner.model.clearance import clearances
 from assur.planner.model.outcome import Plan, Relaxation
-from assur.planner.model.refusal import Reason, Refusal, Separation
+from assur.planner.model.refusal import LawEnds, Reason, Refusal, Separation
 from assur.planner.model.scene import (
     WORLD,
     Clearance,
@@ -74,8 +74,9 @@ def relax(
     """
     tried: list[str] = []
     geometric = refusal is not None and refusal.reason in GEOMETRIC
+    ended = refusal is not None and refusal.reason is Reason.LAW_ENDS and proved
     for what, members in groupby(changes(scene, step, blocker, refusal), key=lambda change: change[0]):
-        if (proved and what == "budget") or (geometric and what not in OF_GEOMETRY):
+        if (proved and what == "budget") or (geometric and what not in OF_GEOMETRY) or (ended and what not in OF_LAW):
             continue
         family = list(members)
         left = deadline - time.perf_counter()
@@ -352,6 +353,8 @@ def _step(scene: Scene, number: int, step: Step) -> Scene:
 GEOMETRIC = frozenset({Reason.OUT_OF_REACH, Reason.JOINT_LIMIT})
 OF_GEOMETRY = frozenset({"elbow", "pitch", "heights"})
 """Where a point cannot be reached, only another posture or another height can help."""
+OF_LAW = frozenset({"window", "latest end", "dwell"})
+"""Where it is proved that the motion of a frame is known for too short a time, only what needs less of it can help."""
 FAR = 1e6
 """An end of a window, s or m, that is as good as none."""
 NARROWED = frozenset({"window", "latest end"})
@@ -359,6 +362,7 @@ NARROWED = frozenset({"window", "latest end"})
 IN_THE_WAY = ("pair clearance", "clearance", "heights", "without")
 ABOUT: dict[Reason, tuple[str, ...]] = {
     Reason.WINDOW_MISSED: ("window", "latest end", "dwell", "belt speed"),
+    Reason.LAW_ENDS: ("dwell", "window", "latest end"),
     Reason.BODY_COLLISION: IN_THE_WAY,
     Reason.CONTROL_POINT_IN_COLLISION: IN_THE_WAY,
     Reason.NOT_CERTIFIED: IN_THE_WAY,
@@ -375,5 +379,8 @@ HOPELESS = frozenset({Reason.START_IN_COLLISION, Reason.LAW_ENDS, Reason.LOAD_LI
 
 
 def worth_trying(refusal: Refusal | None) -> bool:
-    """Whether any change of the list could help."""
-    return refusal is None or refusal.reason not in HOPELESS
+    """Whether any change of the list could help: also where the motion of a frame is known for too short a time for a
+    control point."""
+    if refusal is None or refusal.reason not in HOPELESS:
+        return True
+    return isinstance(refusal.facts, LawEnds) and refusal.facts.tracked_s is not None

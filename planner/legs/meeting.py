@@ -59,11 +59,13 @@ LOOK_AHEAD_S = 20.0
 
 @dataclass(frozen=True, eq=False)
 class Meetings:
-    """All branches of a control point that are legal at some time, and why others are not."""
+    """All branches of a control point that are legal at some time, and why others are not. `last`: the last time that
+    was looked at, s, where the end of the frame's law makes it the last one."""
 
     point: ControlPoint
     branches: tuple[Branch, ...]
     refusals: tuple[Refusal, ...]
+    last: float | None = None
 
 
 def times(point: ControlPoint, earliest: float, lead: float) -> FloatArray:
@@ -111,7 +113,10 @@ def meetings(
         branches += here
         if not here:
             refusals.append(_refused(scene, point, lead, mode, looked))
-    return Meetings(point, tuple(branches), tuple(refusals))
+    ends = scene.frames[point.frame].law.valid[1]
+    high = point.intervals[-1][1]
+    by_law = high == ends - point.dwell and float(t[-1]) == high - lead
+    return Meetings(point, tuple(branches), tuple(refusals), float(t[-1]) if by_law else None)
 
 
 class _Evaluated:

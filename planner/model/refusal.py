@@ -264,11 +264,14 @@ class Overload:
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LawEnds:
     """A frame's motion is known on `known_s`, s (None: of which frame is not known; None for an end: for ever), and
-    needed at `needed_s`."""
+    needed at `needed_s`. `tracked_s`: for so long a control point must be tracked in the frame, s, until `needed_s` at
+    the earliest (None: it is not for a control point that it is needed); `on_arrival`: the arm comes no sooner."""
 
     kind: Literal["law_ends"] = "law_ends"
     known_s: tuple[float | None, float | None] | None = None
     needed_s: float
+    tracked_s: float | None = None
+    on_arrival: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -398,8 +401,11 @@ def law_ends(
     needed: float,
     *,
     interval: tuple[float, float] | None = None,
+    tracked: float | None = None,
+    on_arrival: bool = False,
 ) -> Refusal:
-    """The motion of a frame is known on `known`, s, and not at `needed`."""
+    """The motion of a frame is known on `known`, s, and not at `needed`; `tracked`, `on_arrival`: as in `LawEnds`."""
+    span = finite(known[0]), finite(known[1])
     return Refusal(
         stage=stage,
         reason=Reason.LAW_ENDS,
@@ -407,5 +413,5 @@ def law_ends(
         subject=FrameName(frame),
         interval=interval,
         amount=Quantity.of(max(known[0] - needed, needed - known[1]), "s"),
-        facts=LawEnds(known_s=(finite(known[0]), finite(known[1])), needed_s=needed),
+        facts=LawEnds(known_s=span, needed_s=needed, tracked_s=tracked, on_arrival=on_arrival),
     )

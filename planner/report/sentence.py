@@ -1,4 +1,4 @@
-"""Sentences for people, made of facts. No other module makes them, and no decision reads them."""
+"""Sentences for people, made of facts. No other room makes them, and no decision reads them."""
 
 from __future__ import annotations
 
@@ -24,9 +24,10 @@ from assur.planner.model.refusal import (
     Singular,
     Stage,
 )
-from assur.planner.model.scene import Pick, Place, Scene, Window
-from assur.planner.model.window_missed import Miss, WindowMissed
+from assur.planner.model.scene import Scene
+from assur.planner.model.window_missed import WindowMissed
 from assur.planner.report.number_format import amount, number
+from assur.planner.report.too_late import law_ended, window_missed
 
 
 def sentence(scene: Scene, refusal: Refusal | None, line: CensusLine | None, census: Census, *, cut: bool) -> str:
@@ -87,13 +88,9 @@ def _because(scene: Scene, refusal: Refusal) -> str:
             what = f"{facts.joint} beyond its range" if facts.joint else "the arm to a singular position"
             return f"the belt correction may shift the tool by {_mm(facts.shift_m)}, which would bring {what}"
         case WindowMissed() as facts:
-            return _window_missed(scene, refusal, facts, short)
+            return window_missed(scene, refusal, facts, short)
         case LawEnds() as facts:
-            if facts.known_s is None:
-                return f"the motion of a frame is not known at {facts.needed_s:g} s"
-            low, high = facts.known_s
-            known = " ".join(f"{word} {end:g} s" for word, end in (("from", low), ("to", high)) if end is not None)
-            return f"the motion of {refusal.frame} is known {known}, but it is needed at {facts.needed_s:g} s"
+            return law_ended(refusal, facts)
         case Refuted() as facts:
             return (
                 f"the checker refuses the plan: {facts.code}, {facts.what}{f', {facts.where}' if facts.where else ''}"
@@ -321,57 +318,6 @@ def _distances(facts: Separation) -> str:
 
 LEAST_M = 1e-7
 """Less than this of a required distance is rounding, m."""
-
-ON_ARRIVAL = frozenset({Miss.CLOSED_ON_ARRIVAL, Miss.NO_MEETING_LEFT, Miss.OUTSIDE})
-"""Misses of what ends the time for a meeting: the window, or the latest end where there is no window."""
-
-
-def _window_missed(scene: Scene, refusal: Refusal, facts: WindowMissed, short: str) -> str:
-    step = scene.task[refusal.step]
-    belt = "" if facts.belt_m is None else f", {_mm(facts.belt_m)} of belt"
-    if facts.miss in ON_ARRIVAL and step.window == Window() and scene.options.latest_end_s is not None:
-        return f"the arm comes at least {short} too late for latest_end_s"
-    match facts.miss:
-        case Miss.TOO_SHORT:
-            what = "part" if isinstance(step, Pick | Place) else "point"
-            needed, is_open = amount(facts.needed_s, "s"), amount(facts.open_s, "s")
-            when = "" if facts.searched_s is None else f" in the next {facts.searched_s:g} s"
-            return (
-                f"the {what} must be tracked for {needed}, but its window is open for only {is_open}{when} "
-                f"({short} short{belt})"
-            )
-        case Miss.OVER_BEFORE_START:
-            return f"the window closes {short} before the start"
-        case Miss.OPENS_AFTER_LATEST_END:
-            return f"the window opens {short} after latest_end_s"
-        case Miss.LATEST_END_BEFORE_START:
-            return f"latest_end_s is {short} before the start"
-        case Miss.ENTERS_AFTER_LATEST_END:
-            return f"the point enters its window {short} after latest_end_s"
-        case Miss.NEVER_INSIDE:
-            return f"the point never enters its window along the conveyor: it stays {short} away"
-        case Miss.NO_COMMON_INSTANT:
-            return f"the window in time and the window along the conveyor never overlap: they are {short} apart"
-        case Miss.OPENS_AFTER_LAW:
-            return "the window opens when the motion of the frame is no longer known"
-        case Miss.NOT_INSIDE_WHILE_KNOWN:
-            return "the point does not enter its window while the motion of its frame is known"
-        case Miss.NOT_INSIDE_SOON:
-            return f"the point does not enter its window in the next {facts.searched_s:g} s"
-        case Miss.CLOSED_ON_ARRIVAL:
-            return f"the arm comes at least {short} after the window has closed{belt}"
-        case Miss.LATEST_END_ON_ARRIVAL:
-            return f"the arm comes at least {short} too late to end by latest_end_s{belt}"
-        case Miss.ENDS_TOO_LATE:
-            return f"the motion ends at least {short} after latest_end_s"
-        case Miss.NO_MEETING_LEFT:
-            end = "to meet the point while it can be met" if step.window == Window() else "for the window"
-            return f"the arm comes at least {short} too late {end}"
-        case Miss.OUTSIDE:
-            return f"the point would be met {short} outside its window"
-        case Miss.NO_COMMON_BEGIN:
-            return "no start of the motion was found from which all windows are met"
-
 
 COURSES = {
     Course.DIRECT: "direct",

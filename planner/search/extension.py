@@ -16,6 +16,7 @@ from assur.planner.legs.correction import shifted_out
 from assur.planner.legs.joint import JointMotion
 from assur.planner.legs.limits import beyond_limits, parts
 from assur.planner.legs.meeting import Meetings
+from assur.planner.legs.missed import by_law
 from assur.planner.legs.overlap import leaving
 from assur.planner.legs.paths.path_leg import along_path
 from assur.planner.legs.paths.tracing import left_at, trace, traced
@@ -66,7 +67,7 @@ def timed(
     pace = paced(scene, partial, candidate.shape, meeting.point)
     reached = JointMotion(scene, partial.step, partial.state, candidate.shape, candidate.branch, ahead, pace).meet()
     if isinstance(reached, Refusal):
-        return reached
+        return by_law(meeting.point, meeting.last, reached)
     if not meeting.point.tracks:
         missed = _window_refusal(meeting.point, reached.end)
         if missed is not None:

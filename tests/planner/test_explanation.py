@@ -342,6 +342,16 @@ CASES: list[tuple[Refusal, str]] = [
         of(Reason.LAW_ENDS, LawEnds(known_s=(0.0, 2.0), needed_s=2.5), Quantity(0.5, "s")),
         "the motion of belt is known from 0 s to 2 s, but it is needed at 2.5 s",
     ),
+    (
+        of(Reason.LAW_ENDS, LawEnds(known_s=(None, 2.0), needed_s=2.5, tracked_s=0.8), Quantity(0.5, "s")),
+        "the motion of belt is known to 2 s, but it is needed until 2.5 s: the point must be tracked for 800 ms, "
+        "from 1.7 s on",
+    ),
+    (
+        of(Reason.LAW_ENDS, LawEnds(known_s=(0.0, 2.0), needed_s=2.5, tracked_s=0.0, on_arrival=True)),
+        "the motion of belt is known from 0 s to 2 s, but the point cannot be met before 2.5 s; the arm cannot be "
+        "there sooner",
+    ),
     (of(Reason.LAW_ENDS, LawEnds(needed_s=2.5), subject=None), "the motion of a frame is not known at 2.5 s"),
 ]
 CASES += [

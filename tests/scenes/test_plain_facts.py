@@ -95,7 +95,7 @@ CASES: dict[str, tuple[Change, str, int]] = {
     "place out of reach, taken in any yaw": (any_yaw_and_far, "OUT_OF_REACH", 1),
     "a later move out of reach": (also({"move": {"to": {"at_mm": [600, 0, 100]}}}), "OUT_OF_REACH", 2),
     "a later window that is too short": (also({"follow": FOLLOW}), "WINDOW_MISSED", 2),
-    "a later law that ends too soon": (belt_that_ends, "WINDOW_MISSED", 2),
+    "a later law that ends too soon": (belt_that_ends, "LAW_ENDS", 2),
 }
 
 
