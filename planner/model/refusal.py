@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal
 
+from typing_extensions import TypedDict
+
 from assur.planner.model.window_missed import WindowMissed
 
 
@@ -109,12 +111,33 @@ def of_joint(kind: str, value: float, order: int = 0) -> Quantity | None:
     return Quantity.of(value, (angular if kind == "revolute" else linear)[order])
 
 
+PathPart = Literal["lead-in", "path", "lead-out"]
+
+
+class Spot(TypedDict, total=False):
+    """A place on a path, as `OnPath` has it."""
+
+    path_m: float
+    path_part: PathPart
+    path_at_m: tuple[float, float, float]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OutOfReach:
+class OnPath:
+    """Where on a path something happens (None: on no path). `path_m`: the length from its first point, m, less than 0
+    on the lead-in of a trace and more than the path's length on its lead-out, which `path_part` says; `path_at_m`: the
+    place of the tool point in the path's frame, m."""
+
+    path_m: float | None = None
+    path_part: PathPart | None = None
+    path_at_m: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutOfReach(OnPath):
     """`mode`: the assembly mode; `every_pitch`: at no pitch of the tool; `heights`: required and possible height of
     the flange, m; `from_axis`: its distance from the arm's axis, m; `pitch`: of the tool, rad; `modes`: a straight leg
-    would have to change from the first assembly mode to the second; `path_m`: it happens so far along a path, m
-    (negative: on the lead-in)."""
+    would have to change from the first assembly mode to the second."""
 
     kind: Literal["out_of_reach"] = "out_of_reach"
     mode: str | None = None
@@ -123,25 +146,26 @@ class OutOfReach:
     from_axis_m: float | None = None
     pitch_rad: float | None = None
     modes: tuple[str, str] | None = None
-    path_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BeyondRange:
-    """JOINT_LIMIT. `mode`: the assembly mode; `above_m`: it happens so far above the point; `arch_top_m`: for an arch
-    of this height; `path_m`: as in `OutOfReach`."""
+class BeyondRange(OnPath):
+    """JOINT_LIMIT. `value` that the joint would have, and `limit`, the end of its range that this is beyond, rad or m,
+    as its maker counts it (None: not known); `mode`: the assembly mode; `above_m`: it happens so far above the point;
+    `arch_top_m`: for an arch of this height."""
 
     kind: Literal["joint_limit"] = "joint_limit"
     mode: str | None = None
     above_m: float = 0.0
     arch_top_m: float | None = None
-    path_m: float | None = None
+    value: float | None = None
+    limit: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Singular:
+class Singular(OnPath):
     """`margin` reached (None: it is crossed, or not known) and `required`; `positions`: names of the singular positions
-    met; `distance_m`: how near a straight leg comes; `modes`, `path_m`: as in `OutOfReach`."""
+    met; `distance_m`: how near a straight leg comes; `modes`: as in `OutOfReach`."""
 
     kind: Literal["singularity"] = "singularity"
     margin: float | None = None
@@ -150,7 +174,6 @@ class Singular:
     positions: tuple[str, ...] = ()
     distance_m: float | None = None
     modes: tuple[str, str] | None = None
-    path_m: float | None = None
 
 
 class Obstacle(StrEnum):
@@ -160,6 +183,8 @@ class Obstacle(StrEnum):
     """A joint would exceed its velocity, acceleration or jerk."""
     FRAME_TOO_FAST = "frame too fast"
     """... because a frame that must be tracked is too fast."""
+    PATH_TOO_FAST = "path too fast"
+    """... because a path in a frame is traced too fast."""
     NOT_SMOOTH = "not smooth"
     """The joints cannot follow the path: its motion is not smooth."""
     NO_PATH_LAW = "no path law"
@@ -187,16 +212,19 @@ RATES: tuple[Rate, Rate, Rate] = ("velocity", "acceleration", "jerk")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MotionLimit:
-    """`rate`: which limit of the joint is exceeded, where that is known; `frame`: which it would have to track;
-    `path_m`: as in `OutOfReach`."""
+class MotionLimit(OnPath):
+    """`rate`: which limit of the joint is exceeded, where that is known; `value` that the joint would have of it, and
+    the `limit`, both without a sign, rad or m per s, s² or s³; `frame`: which it would have to track; `speed_m_s`: with
+    which a path would be traced."""
 
     kind: Literal["motion_limit"] = "motion_limit"
     obstacle: Obstacle
     rate: Rate | None = None
     mode: str | None = None
     frame: str | None = None
-    path_m: float | None = None
+    value: float | None = None
+    limit: float | None = None
+    speed_m_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -196,6 +196,8 @@ class Scene:
     """Numbers of the robot that are estimated or second hand, in words; they are repeated in the outcome."""
     digest: str = ""
     """Digest of the request document, carried into the certificate."""
+    signs: tuple[float, ...] = ()
+    """What a value of each joint is multiplied by to be as its maker counts it, 1 or -1 (empty: 1 for all)."""
     index: dict[str, WorldBody] = field(init=False, repr=False)
     pieces: Pieces = field(init=False, repr=False)  # of robot, tool and surroundings, in this order
     seats: dict[str, tuple[str, Pose]] = field(init=False, repr=False)  # frame and pose of what stands around
@@ -249,6 +251,10 @@ class Scene:
         asked = ((step.approach_m, step.approach_stop), (step.depart_m, step.depart_stop))
         approach, depart = (length if stop or not length > 0.0 else max(length, clear) for length, stop in asked)
         return approach, depart
+
+    def counted(self, joint: int, value: float) -> float:
+        """The value of a joint as its maker counts it."""
+        return self.signs[joint] * value + 0.0 if self.signs else value
 
     @cached_property
     def exact(self) -> bool:

@@ -15,6 +15,7 @@ from assur.planner.model.refusal import (
     LawEnds,
     MotionLimit,
     Obstacle,
+    OnPath,
     OutOfReach,
     Overload,
     Reason,
@@ -24,9 +25,9 @@ from assur.planner.model.refusal import (
     Singular,
     Stage,
 )
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Scene, Trace
 from assur.planner.model.window_missed import WindowMissed
-from assur.planner.report.number_format import amount, number
+from assur.planner.report.number_format import amount, number, position
 from assur.planner.report.too_late import law_ended, window_missed
 
 
@@ -51,15 +52,25 @@ def sentence(scene: Scene, refusal: Refusal | None, line: CensusLine | None, cen
 
 def because(scene: Scene, refusal: Refusal) -> str:
     """What would happen, or what is missing: a sentence without its step and its full stop."""
-    return _on_path(refusal) + _because(scene, refusal)
+    return _on_path(scene, refusal) + _because(scene, refusal)
 
 
-def _on_path(refusal: Refusal) -> str:
-    """Where on a path it happens."""
-    place = getattr(refusal.facts, "path_m", None)
-    if place is None:
+def _on_path(scene: Scene, refusal: Refusal) -> str:
+    """Where on a path it happens: how far along it, and at which point of its frame."""
+    facts, target = refusal.facts, scene.task[refusal.step].target
+    if not isinstance(facts, OnPath) or facts.path_m is None or facts.path_at_m is None:
         return ""
-    return f"{_mm(-place)} before the path begins, " if place < 0.0 else f"{_mm(place)} along the path, "
+    frame = "" if target is None else f" in {target.frame}"
+    at = f"at [{', '.join(f'{1e3 * x:z.1f}' for x in facts.path_at_m)}] mm{frame}, "
+    if facts.path_part == "lead-in":
+        return f"on the lead-in, {_mm(-facts.path_m)} before the path begins, {at}"
+    if facts.path_part == "lead-out":
+        step = scene.task[refusal.step]
+        behind = (
+            f", {_mm(facts.path_m - step.path.length)} behind the end of the path" if isinstance(step, Trace) else ""
+        )
+        return f"on the lead-out{behind}, {at}"
+    return f"{_mm(facts.path_m)} along the path, {at}"
 
 
 def _because(scene: Scene, refusal: Refusal) -> str:
@@ -68,7 +79,7 @@ def _because(scene: Scene, refusal: Refusal) -> str:
         case OutOfReach() as facts:
             return _out_of_reach(refusal.stage, facts, short)
         case BeyondRange() as facts:
-            return _beyond_range(refusal, facts, short)
+            return _beyond_range(scene, refusal, facts, short)
         case Singular() as facts:
             return _singular(refusal, facts)
         case MotionLimit() as facts:
@@ -177,6 +188,9 @@ def _out_of_reach(stage: Stage, facts: OutOfReach, short: str) -> str:
     if facts.modes is not None:
         first, second = facts.modes
         return f"a straight leg cannot change from mode {first} to {second}, and its line leaves the workspace"
+    if facts.path_m is not None and stage is not Stage.CONTROL_POINT:
+        far = f"; from there on it is up to {short} out of reach" if short else ""
+        return f"the way of the tool leaves the reach of the arm{far}"
     if stage is Stage.STRAIGHT:
         return "the straight line leaves the workspace"
     if stage is Stage.TRACKING:
@@ -195,15 +209,23 @@ def _out_of_reach(stage: Stage, facts: OutOfReach, short: str) -> str:
     return f"{what}{_mode(facts.mode)}"
 
 
-def _beyond_range(refusal: Refusal, facts: BeyondRange, short: str) -> str:
+def _beyond_range(scene: Scene, refusal: Refusal, facts: BeyondRange, short: str) -> str:
     joint = refusal.joint or "a joint"
     if refusal.amount is not None and refusal.amount.unit == "1":
         short = f"{100 * refusal.amount.value:.3g} % of its range"
+    where = f"{short} beyond its limit" if short else "beyond its limit"
+    if facts.value is not None and facts.limit is not None:
+        kind = next((each.kind for each in scene.robot.joints if each.name == joint), "revolute")
+        value, limit = (position(x, kind) for x in (facts.value, facts.limit))
+        beyond = f"{short + ' ' if short else ''}beyond the end of its range at {limit}"
+        if refusal.stage is Stage.START:
+            return f"{joint} starts at {value}, {beyond}"
+        where = f"to {value}, {beyond}"
     if refusal.stage is Stage.START:
-        return f"{joint} starts {short} beyond its limit"
+        return f"{joint} starts {where}"
     arch = "" if facts.arch_top_m is None else f"for an arch up to {_mm(facts.arch_top_m)}, "
     above = f"{_mm(facts.above_m)} above the point, " if facts.above_m else ""
-    return f"{arch}{above}{joint} would have to go {short + ' ' if short else ''}beyond its limit{_mode(facts.mode)}"
+    return f"{arch}{above}{joint} would have to go {where}{_mode(facts.mode)}"
 
 
 POSITIONS = {
@@ -262,9 +284,19 @@ def _motion_limit(refusal: Refusal, facts: MotionLimit, short: str) -> str:
     if refusal.amount is not None and refusal.amount.unit == "1":
         short = f"{number(100 * refusal.amount.value, 3)} %"
     what, joint = facts.rate or "velocity, acceleration or jerk", refusal.joint or "a joint"
+    unit = None if refusal.amount is None else refusal.amount.unit
+    numbers = ""
+    if facts.value is not None and facts.limit is not None and unit not in (None, "1"):
+        numbers = f"{amount(facts.value, unit)}, but its limit is {amount(facts.limit, unit)}"
     if refusal.stage is Stage.START:
-        return f"the {what} of {joint} at the start exceeds its limit by {short}"
+        has = f"of {joint} at the start"
+        return f"the {what} {has} is {numbers}" if numbers else f"the {what} {has} exceeds its limit by {short}"
     tracking = "" if facts.frame is None else f"to move with {facts.frame}, "
+    if facts.obstacle is Obstacle.PATH_TOO_FAST:
+        speed = "the process speed" if facts.speed_m_s is None else amount(facts.speed_m_s, "m/s")
+        tracking = f"to go along the path at {speed}, "
+    if numbers:
+        return f"{tracking}{joint} would need a {what} of {numbers}{_mode(facts.mode)}"
     return f"{tracking}{joint} would have to exceed its limit of {what} by {short}{_mode(facts.mode)}"
 
 

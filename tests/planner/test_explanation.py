@@ -214,6 +214,14 @@ CASES: list[tuple[Refusal, str]] = [
     ),
     (of(Reason.JOINT_LIMIT, BeyondRange(), Quantity(0.02, "1")), "j1 would have to go 2 % of its range beyond"),
     (of(Reason.JOINT_LIMIT, BeyondRange(), Quantity(0.1, "m"), stage=Stage.START), "j1 starts 100 mm beyond its limit"),
+    (
+        of(
+            Reason.JOINT_LIMIT,
+            BeyondRange(value=math.radians(130), limit=math.radians(120)),
+            Quantity(math.radians(10), "rad"),
+        ),
+        "j1 would have to go to 130 deg, 10 deg beyond the end of its range at 120 deg",
+    ),
     (of(Reason.JOINT_LIMIT, BeyondRange(), subject=None), "a joint would have to go beyond its limit"),
     (
         of(Reason.NEAR_SINGULARITY, Singular(**MARGINS)),

@@ -134,3 +134,23 @@ def test_it_is_proved_after_one_round(name: str) -> None:
     assert (answer["reason"], answer["proved"]) == (reason, True), answer["sentence"]
     assert answer["refusal"]["step"] == step
     assert answer["census"]["candidates"] <= FEW
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "value", "limit"),
+    [
+        # J3 counts downwards, from 0 to 200 mm
+        ("place below the lift", "410 mm, 210 mm beyond the end of its range at 200 mm", 0.41, 0.2),
+        ("place above the lift with its approach", "-20 mm, 20 mm beyond the end of its range at 0 mm", -0.02, 0.0),
+    ],
+)
+def test_a_joint_beyond_its_range_is_told_as_its_maker_counts_it(
+    name: str, words: str, value: float, limit: float
+) -> None:
+    cell = copy.deepcopy(CELL)
+    CASES[name][0](cell)
+    answer = plan(cell)
+    assert f"j3 would have to go to {words}" in answer["sentence"]
+    facts = answer["refusal"]["facts"]
+    assert facts["value"] == pytest.approx(value)
+    assert facts["limit"] == pytest.approx(limit)
