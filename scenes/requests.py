@@ -26,8 +26,8 @@ from assur.scenes.units import twin_of
 
 if TYPE_CHECKING:
     from assur.planner.checker.verdict import Finding
-    from assur.planner.model.load import Carried
-    from assur.planner.model.outcome import Nearest, Plan
+    from assur.planner.model.claims import Claims
+    from assur.planner.model.outcome import Plan
     from assur.planner.model.scene import Scene
     from assur.scenes.reading.cell import Cell
 
@@ -195,33 +195,28 @@ def ik_schema() -> dict[str, Any]:
     return IkDocument.model_json_schema()
 
 
-def read_plan(
-    cell: Cell, plan: object
-) -> tuple[Plan, tuple[Finding, ...], tuple[Nearest | None] | None, tuple[Carried, ...] | None]:
-    """The plan in a planned answer with a full certificate, what the answer says of it that is not so, and what it says
-    of the smallest clearance and of the loads (`check`).
+def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...], Claims]:
+    """The plan in a planned answer with a full certificate, what the answer says that is not so and needs no checker to
+    see (what it repeats of the request among it), and what else it claims of the plan.
 
     Raises `InputError` naming the field.
     """
-    from assur.scenes.reading.plan import carried_of, nearest_of, plan_of
+    from assur.scenes.reading.claims import claims_of, untrue_repeats
+    from assur.scenes.reading.plan import plan_of
 
     answer = plain(plan)
-    return *plan_of(answer, cell.conventions, cell.scene.robot), nearest_of(answer), carried_of(answer)
+    made, told = plan_of(answer, cell.conventions, cell.scene.robot)
+    return made, told + untrue_repeats(answer, cell.scene), claims_of(answer)
 
 
-def check_plan(
-    cell: Cell,
-    made: Plan,
-    told: tuple[Finding, ...] = (),
-    said: tuple[Nearest | None] | None = None,
-    carried: tuple[Carried, ...] | None = None,
-) -> dict[str, Any]:
-    """The checker's verdict on a plan that has been read, on what is `said` of its smallest clearance, and on the loads
-    that are said to be `carried`. `told`: findings before the checker's, who knows no documents."""
+def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = (), claims: Claims | None = None) -> dict[str, Any]:
+    """The checker's verdict on a plan that has been read, and on what is claimed of it (None: nothing is). `told`:
+    findings before the checker's, who knows no documents."""
     from assur.planner.checker import check
+    from assur.planner.model.claims import NOTHING
     from assur.scenes.answer import NOTICE
 
-    verdict = check(cell.scene, made, said, carried)
+    verdict = check(cell.scene, made, claims or NOTHING)
     findings: list[written.Finding] = [
         {
             "code": str(finding.code),

@@ -18,6 +18,7 @@ from assur.planner.model.phases import phases
 from assur.planner.model.refusal import (
     RATES,
     BeyondRange,
+    Carrying,
     JointName,
     MotionLimit,
     Obstacle,
@@ -27,10 +28,15 @@ from assur.planner.model.refusal import (
     Stage,
 )
 from assur.planner.model.scene import Move, Scene
-from assur.planner.search.extension import arrival, ends_too_late
+from assur.planner.search.extension import arrival, ends_too_late, too_hard
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan
 from assur.planner.trajectory import Trajectory, check_limits
 from assur.planner.trajectory.joining import joined
+
+SLOWED = 8
+"""Times that a run which accelerates the held part too hard is timed again."""
+SLOWER = 0.97
+"""... with this share of what would be just enough."""
 
 
 def run_of(scene: Scene, step: int) -> range:
@@ -42,7 +48,24 @@ def run_of(scene: Scene, step: int) -> range:
 
 
 def blend_extension(scene: Scene, partial: PartialPlan, shape: BlendShape) -> Extension | Refusal:
-    """The extension through the stations of the next run of steps, within all limits but that of the jerk."""
+    """The extension through the stations of the next run of steps, within all limits but that of the jerk.
+
+    A run that accelerates a held part too hard is timed again, slower as a whole.
+    """
+    found, limit = _extended(scene, partial, shape), scene.carry_acceleration
+    slower, given = found, scene.options.acceleration_time_s is not None
+    for _ in range(SLOWED if limit is not None else 0):
+        if not (isinstance(slower, Refusal) and isinstance(slower.facts, Carrying)):
+            break
+        # the same way at a share of the speed has its square of the acceleration, unless the blends have a given time
+        share = SLOWER * slower.facts.limit / slower.facts.acceleration
+        shape = replace(shape, pace=shape.pace * (share if given else share**0.5))
+        slower = _extended(scene, partial, shape)
+    # where no slower motion will do, the limit is why: at its own pace there was a motion
+    return found if isinstance(slower, Refusal) else slower
+
+
+def _extended(scene: Scene, partial: PartialPlan, shape: BlendShape) -> Extension | Refusal:
     if not partial.state.resting:
         raise FaultError("parabolic blends begin at rest")
     found = blended(scene, partial.step, partial.state.time, partial.state.q, shape)
@@ -62,6 +85,9 @@ def blend_extension(scene: Scene, partial: PartialPlan, shape: BlendShape) -> Ex
     ours = phases(scene, after.legs, after.arrivals)[len(partial.legs) :]
     if after.step < len(scene.task):
         ours = ours[: len(legs)]  # the arm does not stand still here
+    heavy = too_hard(scene, partial.step, trajectory, tuple(ours))
+    if heavy is not None:
+        return heavy
     last = shape.stations[-1]
     candidate = Candidate(last.point.yaw_offset, last.branch, Shape(wait=shape.wait))
     return Extension(partial, candidate, trajectory, ours, after)

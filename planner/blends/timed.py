@@ -95,12 +95,14 @@ class Station:
 @dataclass(frozen=True, eq=False)
 class BlendShape:
     """A way through stations: wait first; `frees[k]` (each (n,)) are more poses on the way to station k; `effort`:
-    share of the limits of acceleration (velocity by its root) that is used, where no acceleration time is given."""
+    share of the limits of acceleration (velocity by its root) that is used, where no acceleration time is given;
+    `pace`: share of the speeds that is used, given time or not, so that a held part is not accelerated too hard."""
 
     stations: tuple[Station, ...]
     frees: tuple[tuple[FloatArray, ...], ...]
     wait: float = 0.0
     effort: float = 1.0
+    pace: float = 1.0
 
     @property
     def route(self) -> Route:
@@ -190,9 +192,10 @@ def _law(
     scene: Scene, step: int, poses: FloatArray, shape: BlendShape, proportions: FloatArray | None
 ) -> ParabolicBlend | Refusal:
     limits, given = at_start(scene).limits(scene), scene.options.acceleration_time_s
+    velocity, share = limits.velocity * shape.pace, shape.effort * shape.pace**2
     if given is None:
-        return fastest(poses, limits.velocity * shape.effort**0.5, limits.acceleration * shape.effort, proportions)
-    made = with_acceleration_time(poses, limits.velocity, limits.acceleration, given)
+        return fastest(poses, velocity * shape.effort**0.5, limits.acceleration * share, proportions)
+    made = with_acceleration_time(poses, velocity, limits.acceleration, given)
     if not isinstance(made, TooShort):
         return made
     joint = scene.robot.joints[made.joint]

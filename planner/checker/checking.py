@@ -11,11 +11,13 @@ import numpy as np
 
 from assur.planner.checker.accuracy import accuracies
 from assur.planner.checker.blends import blends
+from assur.planner.checker.claims.joints import peaks
+from assur.planner.checker.claims.tool import tool
 from assur.planner.checker.enclosure import enclosed
-from assur.planner.checker.legs import ends, order
+from assur.planner.checker.legs import TIME_S, ends, order
 from assur.planner.checker.limits import corrected, limits, loads
 from assur.planner.checker.meeting import meetings
-from assur.planner.checker.nearest import WITHIN_M, nearest
+from assur.planner.checker.nearest import WITHIN_M, nearest, pairs
 from assur.planner.checker.paths.following import traced
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import CARRIER, Solids, solids
@@ -24,21 +26,17 @@ from assur.planner.checker.tracking import arches, assembled, pulled, straight, 
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.checker.world import World
 from assur.planner.frames import ALWAYS
+from assur.planner.model.claims import NOTHING, Claims
 from assur.planner.model.digest import digest
-from assur.planner.model.load import Carried
-from assur.planner.model.outcome import Nearest, Plan, covered
+from assur.planner.model.outcome import Contact, Plan, covered
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Scene
 
 
 @np.errstate(all="ignore")
-def check(
-    scene: Scene, plan: Plan, said: tuple[Nearest | None] | None = None, carried: tuple[Carried, ...] | None = None
-) -> Verdict:
-    """Whether `plan` does what `scene` asks and is proved to, from both alone (docs/guarantees.md).
-
-    `said`: what is claimed of the smallest clearance, (None,) being that there is nothing to keep apart; None: nothing.
-    `carried`: what is claimed of the loads; None: nothing.
+def check(scene: Scene, plan: Plan, claims: Claims = NOTHING) -> Verdict:
+    """Whether `plan` does what `scene` asks and is proved to, from both alone (docs/guarantees.md), and whether what
+    else is said of it is so (`claims`).
 
     A plan of another task or robot gets findings, not exceptions. Not checked: that the plan is good; that a Cartesian
     leg is straight (that pitch and roll go along with it is); the working mode and the singularity margin, which are
@@ -67,16 +65,42 @@ def check(
     findings += traced(world, plan.legs, plan.arrivals, goals)
     findings += straight(world, plan.legs, plan.arrivals)
     of_plan = phases(scene, plan.legs, plan.arrivals)
-    findings += loads(world, of_plan, carried, blended=blended)
+    findings += loads(world, of_plan, claims.carried, blended=blended)
     findings += accuracies(world, plan.arrivals, goals, of_plan)
     findings += pulled(world, of_plan)
     table = solids(scene, of_plan)
     findings += corrected(world, of_plan, table)
     apart = Apart.of(scene, of_plan, table, world.tables)
+    said = claims.nearest
     claimed = -math.inf if said is None else math.inf if said[0] is None else said[0].gap_m - WITHIN_M
     apart_findings, against = apart.found(certificate, claimed)
     findings += _known(scene, table, of_plan) + apart_findings + enclosed(world, apart)
-    return Verdict.of(findings if said is None else findings + nearest(apart, said[0], against))
+    findings += [] if said is None else nearest(apart, said[0], against)
+    findings += pairs(apart, claims.pairs) + _touching(of_plan, claims.contacts)
+    return Verdict.of(findings + peaks(world, of_plan, claims) + tool(world, of_plan, claims))
+
+
+def _touching(phases: tuple[Phase, ...], said: tuple[Contact, ...] | None) -> list[Finding]:
+    """A finding if the contacts that are said are not those that the legs allow, each for as long as it lasts."""
+    if said is None:
+        return []
+    own: dict[tuple[str, ...], list[list[float]]] = {}
+    for phase in phases:
+        for bodies in phase.contacts:
+            spans = own.setdefault(tuple(sorted(bodies)), [])
+            if spans and phase.t0 - spans[-1][1] <= TIME_S:
+                spans[-1][1] = phase.t1
+            else:
+                spans.append([phase.t0, phase.t1])
+    true = sorted((bodies, t0, t1) for bodies, spans in own.items() for t0, t1 in spans)
+    told = sorted((tuple(sorted(each.bodies)), each.t0, each.t1) for each in said)
+    if [each[0] for each in true] == [each[0] for each in told]:
+        times = [(one[1:], other[1:]) for one, other in zip(true, told, strict=True)]
+        off = max((abs(a - b) for one, other in times for a, b in zip(one, other, strict=True)), default=0.0)
+        if off <= TIME_S:
+            return []
+    allowed = "; ".join(f"{' and '.join(bodies)} from {t0:.6g} s to {t1:.6g} s" for bodies, t0, t1 in true) or "none"
+    return [Finding(Code.CLAIM, f"the contacts are not those that the legs allow: {allowed}", where="contacts")]
 
 
 def _strange(scene: Scene, plan: Plan) -> list[Finding]:

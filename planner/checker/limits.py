@@ -44,7 +44,7 @@ def loads(world: World, phases: tuple[Phase, ...], said: tuple[Carried, ...] | N
     scene, findings, time = world.scene, list[Finding](), world.knots.time.tolist()
     # an inertia that nobody limits or tells of need not be known
     asked = said is not None or scene.load_limits.max_inertia_kgm2 is not None
-    own = [_carried(scene, list(group), turned=asked) for _, group in groupby(filter(_runs, phases), key=_held)]
+    own = weighed(scene, phases, turned=asked)
     for load in own:
         with_part, where = f" with {load.part or 'the tool'}", f"{load.t0:.6g} s"
         findings += _too_heavy(scene, load.mass_kg, where)
@@ -59,6 +59,12 @@ def loads(world: World, phases: tuple[Phase, ...], said: tuple[Carried, ...] | N
             told = f"{with_part} (share {load.share:.6g})"
             findings += _broken(world, first, last, load.share, told, blended=blended)
     return findings if said is None else findings + _said(own, said)
+
+
+def weighed(scene: Scene, phases: tuple[Phase, ...], *, turned: bool) -> list[Carried]:
+    """What the flange carries, one entry for all phases that follow each other with the same part; `turned`: with its
+    inertia."""
+    return [_carried(scene, list(group), turned=turned) for _, group in groupby(filter(_runs, phases), key=_held)]
 
 
 def _runs(phase: Phase) -> bool:

@@ -78,6 +78,18 @@ def nearest(apart: Apart, claim: Nearest | None, against: FloatArray) -> list[Fi
     return findings
 
 
+def pairs(apart: Apart, claims: tuple[Nearest, ...]) -> list[Finding]:
+    """A finding for each pair that is not as near as is said, at the time and in the phase that are said. That it comes
+    no nearer at any other time is not looked at: of all pairs together `nearest` says so."""
+    findings = []
+    for claim in claims:
+        off = min((_distance(apart, i, claim) for i in range(len(apart.phases))), default=math.inf) - claim.gap_m
+        if not -WITHIN_M <= off <= WITHIN_M:
+            what = f"{' and '.join(claim.bodies)} are not as near in {claim.phase} as is stated"
+            findings.append(Finding(Code.NEAREST, what, abs(off), "m", f"{claim.time:.6g} s"))
+    return findings
+
+
 def _body(apart: Apart, solid: float) -> int:
     """The body of a solid of the table."""
     seats = apart.table.seats

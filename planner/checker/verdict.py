@@ -39,6 +39,9 @@ class Code(StrEnum):
     CONTAINMENT = "CONTAINMENT"
     NEAREST = "NEAREST"
     """The smallest clearance is not what the answer says."""
+    CLAIM = "CLAIM"
+    """Something else that the answer says beside its plan is not so: contacts, peaks, or what it repeats of the
+    request."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,6 +25,9 @@ WINDOW_STEP_S = 0.005
 with the end again."""
 PARTS, ROUNDS = 64, 7
 """A step of the grid, parted as often, is below what doubles know of a time."""
+ROUNDED_S, ROUNDED = 1e-12, 8
+"""By so many seconds, and units in the last place of a clock that counts far, a window may seem too short for its
+dwell: its ends were read, converted from milliseconds, or found along a belt. In 1 ps a fast arm goes 10 pm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +132,15 @@ class ControlPoint:
         if self.window.along is not None:
             inside = self.inside(self.window.along)
             found = [(max(a, c), min(b, d)) for a, b in found for c, d in inside]
-        return [(a, b - self.dwell) for a, b in found if b - self.dwell >= a]
+        return [(a, max(a, b - self.dwell)) for a, b in found if self._fits(a, b)]
+
+    def _fits(self, a: float, b: float) -> bool:
+        """Whether the dwell fits between a and b, s. A window may be exactly as long as it: 1.4 − 0.3 rounds to less
+        than 1.1, and does not make the window shorter. A law that ends is kept to the bit."""
+        if b - self.dwell >= a:
+            return True
+        known = a + self.dwell <= self.scene.frames[self.frame].law.valid[1]
+        return known and a - (b - self.dwell) <= ROUNDED_S + ROUNDED * max(math.ulp(a), math.ulp(b))
 
     @property
     def outside_for_good(self) -> bool:

@@ -51,7 +51,7 @@ from assur.planner.trajectory import Trajectory
 STILL = 1e-9
 """A last joint rate below this is rounding, rad/s or m/s (an acceleration: a thousand times as much)."""
 WINDOW_S = 1e-12
-"""A window is kept up to this, s: rounding of times."""
+"""A window, and the latest end, are kept up to this, s: rounding of times."""
 SLOWED = 4
 """Times that a motion which pulls too hard at the held part is timed again."""
 GENTLER = (1.0, 0.7)
@@ -259,7 +259,7 @@ def _continued(
     lost = shifted_out(scene, partial.step, trajectory, ours)
     if lost is not None:
         return lost
-    heavy = _too_hard(scene, partial.step, trajectory, tuple(ours))
+    heavy = too_hard(scene, partial.step, trajectory, tuple(ours))
     if heavy is not None:
         return heavy
     after = PartialPlan(
@@ -324,7 +324,7 @@ def _at_rest(step: int, legs: list[TimedLeg], pace: float, limits: Limits) -> li
 def ends_too_late(scene: Scene, step: int, end: float) -> Refusal | None:
     """Whether the motion ends after the latest end, or after the law of a frame that bears a body."""
     latest = scene.options.latest_end_s
-    if latest is not None and not end <= latest:
+    if latest is not None and not end <= latest + WINDOW_S:
         facts = WindowMissed(miss=Miss.ENDS_TOO_LATE)
         return window_missed(Stage.TIMING, step, facts, amount=Quantity.of(end - latest, "s"))
     return laws_over(scene, step, end)
@@ -341,7 +341,7 @@ def laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
     return None
 
 
-def _too_hard(scene: Scene, step: int, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Refusal | None:
+def too_hard(scene: Scene, step: int, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Refusal | None:
     """Whether the held part would be accelerated harder than it may be."""
     limit = scene.carry_acceleration
     peak = carrying_peak(scene, trajectory, phases) if limit is not None else None
@@ -370,7 +370,7 @@ def arrival(
     p, yaw = scene.robot.forward(trajectory.evaluate(np.array(begin)))
     pose = Pose(float(p[0]), float(p[1]), float(p[2]), float(yaw)).then(scene.tool.tcp)
     along = point.along(np.array(begin))
-    left = [high - begin for low, high in point.intervals if low - WINDOW_S <= begin <= high + WINDOW_S]
+    left = [max(high - begin, 0.0) for low, high in point.intervals if low - WINDOW_S <= begin <= high + WINDOW_S]
     bounded = point.window.time is not None or point.window.along is not None
     return Arrival(
         step=point.step,

@@ -8,14 +8,12 @@ from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.frames.law import PoseUncertainty
 from assur.planner.model.arrival_error import ArrivalError, Share
-from assur.planner.model.load import Carried
 from assur.planner.model.outcome import (
     Arrival,
     Certificate,
     Leg,
     LegKind,
     Missed,
-    Nearest,
     Plan,
     Route,
     Traced,
@@ -40,7 +38,7 @@ REFUSAL = "planned; this answer is a refusal: its status is not_planned, so ther
 
 
 NOT_CHECKED = document.PlannedAnswer.__annotations__.keys() - document.CheckedPlan.__annotations__.keys()
-"""Fields of an answer that are no part of its plan: they may be left out, and hold anything (but `margins.nearest`)."""
+"""Fields of an answer that are no part of its plan: they may be left out, and what they claim is read by `claims`."""
 CERTIFICATE_DIGEST = frozenset(document.CertificateDigest.__annotations__)
 """Fields of a certificate that is not in full."""
 
@@ -49,7 +47,8 @@ def plan_of(plan: object, conventions: Conventions, robot: Robot | None = None) 
     """The plan in a planned answer with a full certificate, and what the answer says of its durations, and of the
     joints and modes of its arrivals (those of `robot`), that is not so.
 
-    Not checked: whether anything else in it is true; that is the checker's. Raises `DocumentError` below "plan".
+    Not looked at here: whether anything else in it is true (`claims`, and the checker). Raises `DocumentError` below
+    "plan".
     """
     with located({PLAN: plan}), within(PLAN):
         if isinstance(plan, dict):
@@ -74,39 +73,6 @@ def _made(item: document.CheckedPlan, conventions: Conventions) -> Plan:
     )
     arrivals = tuple(_arrival(i, arrival, conventions) for i, arrival in enumerate(item["arrivals"]))
     return Plan(trajectory, legs, arrivals, _certificate(item["certificate"]))
-
-
-def nearest_of(plan: object) -> tuple[Nearest | None] | None:
-    """What a planned answer says of the smallest clearance, (None,) being that there is nothing to keep apart; None:
-    nothing. Raises `DocumentError` below "plan"."""
-    margins = plan.get("margins") if isinstance(plan, dict) else None
-    if not isinstance(margins, dict) or "nearest" not in margins:
-        return None
-    given = margins["nearest"]
-    if given is None:
-        return (None,)
-    item: document.Nearest = read_normal(document.Nearest, given, given, (PLAN, "margins", "nearest"))
-    one, other = item["bodies"]
-    return (Nearest(item["gap_m"], item["time_s"], (one, other), item["phase"], item["gap_m"]),)
-
-
-def carried_of(plan: object) -> tuple[Carried, ...] | None:
-    """What a planned answer says of the loads; None: nothing. Raises `DocumentError` below "plan"."""
-    given = plan.get("load") if isinstance(plan, dict) else None
-    if given is None:
-        return None
-    item: document.LoadApplied = read_normal(document.LoadApplied, given, given, (PLAN, "load"))
-    return tuple(
-        Carried(
-            part=load["part"],
-            mass_kg=load["mass_kg"],
-            inertia_kgm2=load["inertia_kgm2"],
-            share=load["acceleration_share"],
-            t0=load["from_s"],
-            t1=load["to_s"],
-        )
-        for load in item["carried"]
-    )
 
 
 def _route(item: document.Route | None) -> Route | None:

@@ -14,6 +14,7 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.legs.limits import parts
+from assur.planner.model.claims import Claims
 from assur.planner.model.load import Carried, LoadLimits, Tool
 from assur.planner.model.outcome import NotPlanned, Plan, Planned
 from assur.planner.model.phases import phases
@@ -321,7 +322,7 @@ def test_a_sentence_of_an_overload_is_made_of_its_facts() -> None:
 
 
 def codes(scene: Scene, made: Plan, carried: tuple[Carried, ...] | None = None) -> set[Code]:
-    return {finding.code for finding in check(scene, made, None, carried).findings}
+    return {finding.code for finding in check(scene, made, Claims(carried=carried)).findings}
 
 
 def test_a_plan_that_was_made_without_its_load_is_refused_by_the_checker() -> None:

@@ -183,11 +183,22 @@ def test_a_verdict_is_what_its_model_reads() -> None:
         assert VERDICT.validate_python(verdict) == verdict
 
 
-@pytest.mark.parametrize("key", ["margins", "census", "notice", "first_s", "contacts"])
+@pytest.mark.parametrize("key", ["census", "warnings", "elapsed_s", "first_s", "cut_by_clock"])
 def test_what_the_checker_does_not_look_at_may_be_left_out_or_hold_anything(key: str) -> None:
+    """The table in docs/api.md says so; tests/scenes/test_what_is_verified.py holds it to all fields."""
     answer = through_json(answer_of(*good()))
     answer[key] = "anything"
     assert check_document(GOOD_REQUEST, answer)["ok"] is True
+    del answer[key]
+    assert check_document(GOOD_REQUEST, answer)["ok"] is True
+
+
+@pytest.mark.parametrize("key", ["margins", "load", "contacts"])
+def test_a_claim_that_cannot_be_read_is_refused_at_its_field(key: str) -> None:
+    answer = through_json(answer_of(*good()))
+    answer[key] = "anything"
+    with pytest.raises(InputError, match=rf"^plan\.{key}: "):
+        check_document(GOOD_REQUEST, answer)
     del answer[key]
     assert check_document(GOOD_REQUEST, answer)["ok"] is True
 

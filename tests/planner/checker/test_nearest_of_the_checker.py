@@ -20,6 +20,7 @@ from assur.planner.checker.solids import BALL, SOLID, TURN, farthest
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
 from assur.planner.geometry.shapes import box, capsule, cylinder
+from assur.planner.model.claims import Claims
 from assur.planner.model.outcome import Nearest, Plan
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import Scene
@@ -41,13 +42,13 @@ def stated(case: Callable[[], tuple[Scene, Plan]]) -> tuple[Scene, Plan, Nearest
 
 
 def codes(scene: Scene, plan: Plan, said: Nearest | None) -> set[Code]:
-    return {finding.code for finding in check(scene, plan, (said,)).findings}
+    return {finding.code for finding in check(scene, plan, Claims(nearest=(said,))).findings}
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_what_the_planner_finds_is_accepted(case: Callable[[], tuple[Scene, Plan]]) -> None:
     scene, plan, said = stated(case)
-    assert check(scene, plan, (said,)).findings == ()
+    assert check(scene, plan, Claims(nearest=(said,))).findings == ()
     first, second = said.bodies
     assert codes(scene, plan, replace(said, bodies=(second, first))) == set()
 

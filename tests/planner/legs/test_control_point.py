@@ -46,6 +46,26 @@ def test_a_window_in_seconds_holds_all_of_the_tracking() -> None:
     assert point(BELT, Window(time=(1.0, 2.0)), start=2.5).intervals == []
 
 
+@given(st.integers(0, 10**8), st.integers(1, 5000), st.sampled_from([BELT, Fixed(Pose())]))
+def test_a_window_that_is_exactly_as_long_as_the_dwell_is_open_once(opens: int, dwell: int, law: Law) -> None:
+    """Both in whole milliseconds, as they are read: differences of such numbers round to less than the dwell."""
+    first = opens / 1000
+    window = Window(time=(first, (opens + dwell) / 1000))
+    ((low, high),) = point(law, window, dwell / 1000).intervals
+    assert low == first
+    assert low <= high <= low + 1e-9
+    # a nanosecond more does not fit
+    assert point(law, window, dwell / 1000 + 1e-9 + 1e-7 * (opens > 10**6)).intervals == []
+
+
+def test_a_window_that_seems_shorter_by_rounding_is_open_but_no_law_is_asked_beyond_its_end() -> None:
+    assert 1.4 - 0.3 < 1.1
+    assert point(BELT, Window(time=(1.1, 1.4)), 0.3).intervals == [(1.1, 1.1)]
+    assert point(BELT, Window(time=(1.1, 2.0)), 0.3, latest_end_s=1.4).intervals == [(1.1, 1.1)]
+    ends = Conveyor(Pose(-0.3, 0.4, 0.05, 0.3), 0.25, valid=(0.0, 1.4))
+    assert point(ends, Window(time=(1.1, 2.0)), 0.3).intervals == []
+
+
 @given(st.floats(0.02, 0.6), st.floats(-0.3, 0.3), st.floats(0.0, 0.3), st.floats(0.0, 0.2))
 def test_a_window_along_a_belt_is_met_where_and_only_where_the_point_is_inside(
     speed: float, x: float, low: float, dwell: float

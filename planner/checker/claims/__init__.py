@@ -1,0 +1,1 @@
+"""Whether what an answer says of a plan, beside the plan itself, is so."""

@@ -1,0 +1,31 @@
+"""What an answer says of a plan beside the plan itself. What it leaves out is no claim."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from assur.planner.model.load import Carried
+from assur.planner.model.outcome import Contact, JointPeak, Nearest, ToolPeaks
+
+
+@dataclass(frozen=True, slots=True)
+class Claims:
+    """Claims about one plan, each None where nothing is said.
+
+    `nearest`: the smallest clearance, (None,) being that there is nothing to keep apart; `pairs`: how near pairs of
+    bodies come; `carried`: the loads; `contacts`: which bodies may touch; `peaks`, `binds`: of the joints; `tool`: of
+    the tool point over all of the motion, and `tool_acceleration`, m/s², the largest while a part is carried (where
+    none is: over all of the motion).
+    """
+
+    nearest: tuple[Nearest | None] | None = None
+    pairs: tuple[Nearest, ...] = ()
+    carried: tuple[Carried, ...] | None = None
+    contacts: tuple[Contact, ...] | None = None
+    peaks: tuple[JointPeak, ...] | None = None
+    binds: str | None = None
+    tool: ToolPeaks | None = None
+    tool_acceleration: float | None = None
+
+
+NOTHING = Claims()

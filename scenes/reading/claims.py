@@ -1,0 +1,149 @@
+"""What an answer says beside its plan: claims for the checker, and what it repeats of the request, held to that here.
+
+What an answer leaves out is no claim. Fields about the search (how long, what was refused), and what is advice for
+people, are read by nobody; docs/api.md has the list.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.claims import Claims
+from assur.planner.model.load import Carried
+from assur.planner.model.outcome import Contact, Course, JointPeak, Nearest, Route, ToolPeaks
+from assur.planner.model.scene import Scene
+from assur.planner.report.sentence import note
+from assur.scenes.reading.plan import PLAN
+from assur.scenes.schema import answer as document
+from assur.scenes.schema.read import read_normal
+
+MISSING = object()
+"""Stands for a field that is not there, where null says something."""
+
+
+def claims_of(plan: object) -> Claims:
+    """What a planned answer claims of its plan. Raises `DocumentError` below "plan"."""
+    margins, lasting = _below(plan, "margins"), _below(plan, "load")
+    nearest = margins.get("nearest", MISSING)
+    pairs = [
+        _nearest(each, "margins", key, i)
+        for key in ("travel_pairs", "near_pairs")
+        for i, each in enumerate(_items(margins.get(key), "margins", key))
+    ]
+    peaks, contacts = margins.get("peaks"), plan.get("contacts") if isinstance(plan, dict) else None
+    tool, pull = margins.get("tool"), margins.get("tool_acceleration_m_s2")
+    return Claims(
+        nearest=None if nearest is MISSING else (None if nearest is None else _nearest(nearest, "margins", "nearest"),),
+        pairs=tuple(pairs),
+        carried=_carried(lasting) if lasting else None,
+        contacts=None
+        if contacts is None
+        else tuple(_contact(i, each) for i, each in enumerate(_items(contacts, "contacts"))),
+        peaks=None
+        if peaks is None
+        else tuple(_peak(i, each) for i, each in enumerate(_items(peaks, "margins", "peaks"))),
+        binds=_read(document.Text, margins.get("binds"), "margins", "binds"),
+        tool=None if tool is None else _tool(tool),
+        tool_acceleration=_read(document.Number, pull, "margins", "tool_acceleration_m_s2"),
+    )
+
+
+def untrue_repeats(plan: object, scene: Scene) -> tuple[Finding, ...]:
+    """What an answer repeats of its request and is not so there: digest, seed, assumptions, what the robot may carry,
+    the limit of the tool's acceleration, whether jerk is limited; the notice; and notes that are not their routes'."""
+    from assur.scenes.answer import NOTICE
+
+    if not isinstance(plan, dict):
+        return ()
+    known, margins, lasting = scene.load_limits, _below(plan, "margins"), _below(plan, "load")
+    by_table = "table" if known.shares else "rated_load"
+    law = "none" if known.rated_kg is None and not known.shares else by_table
+    repeated: list[tuple[dict[str, Any], str, str, object]] = [
+        (plan, "", "request_digest", scene.digest),
+        (plan, "", "seed", scene.options.seed),
+        (plan, "", "assumptions", list(scene.assumptions)),
+        (plan, "", "notice", NOTICE),
+        (lasting, "load.", "rated_kg", known.rated_kg),
+        (lasting, "load.", "max_kg", known.max_kg),
+        (lasting, "load.", "max_inertia_kgm2", known.max_inertia_kgm2),
+        (lasting, "load.", "law", law),
+        (margins, "margins.", "tool_acceleration_limit_m_s2", scene.carry_acceleration),
+        (margins, "margins.", "jerk", "unbounded" if scene.options.blended else "limited"),
+    ]
+    found = [
+        Finding(Code.CLAIM, f"{above}{key} is {_short(inside[key])}, but of this request it is {_short(true)}",
+                where=f"{above}{key}")
+        for inside, above, key, true in repeated
+        if key in inside and not (inside[key] == true and isinstance(inside[key], bool) is isinstance(true, bool))
+    ]  # fmt: skip
+    for i, leg in enumerate(_items(plan.get("legs"), "legs")):
+        given = leg.get("route") if isinstance(leg, dict) else None
+        if isinstance(leg, dict) and "note" in leg and (given is None or isinstance(given, dict)):
+            told = note(None if given is None else _route(given))
+            if leg["note"] != told:
+                what = f"the note of leg {i} is {_short(leg['note'])}, but its route is {_short(told)}"
+                found.append(Finding(Code.CLAIM, what, where=f"legs[{i}].note"))
+    return tuple(found)
+
+
+def _short(value: object) -> str:
+    """A value as it is told, no longer than a line bears."""
+    return f"{value!r:.60}"
+
+
+def _route(given: dict[str, Any]) -> Route:
+    return Route(Course(given["course"]), given["vias"], given["after_wait"], given["later"])
+
+
+def _below(plan: object, key: str) -> dict[str, Any]:
+    """An object within the answer; empty where there is none. Raises `DocumentError` where something else is there."""
+    inside: dict[str, Any] = _read(dict[str, Any], plan.get(key) if isinstance(plan, dict) else None, key)
+    return inside or {}
+
+
+def _items(value: object, *path: str) -> list[Any]:
+    """A list within the answer; empty where there is none. Raises `DocumentError` where something else is there."""
+    items: list[Any] = _read(list[Any], value, *path)
+    return items or []
+
+
+def _read(model: Any, value: Any, *path: str | int) -> Any:
+    return None if value is None else read_normal(model, value, value, (PLAN, *path))
+
+
+def _nearest(value: object, *path: str | int) -> Nearest:
+    item: document.Nearest = _read(document.Nearest, value, *path)
+    one, other = item["bodies"]
+    return Nearest(item["gap_m"], item["time_s"], (one, other), item["phase"], item["gap_m"])
+
+
+def _carried(value: dict[str, Any]) -> tuple[Carried, ...]:
+    item: document.LoadApplied = _read(document.LoadApplied, value, "load")
+    return tuple(
+        Carried(
+            part=load["part"],
+            mass_kg=load["mass_kg"],
+            inertia_kgm2=load["inertia_kgm2"],
+            share=load["acceleration_share"],
+            t0=load["from_s"],
+            t1=load["to_s"],
+        )
+        for load in item["carried"]
+    )
+
+
+def _contact(i: int, value: object) -> Contact:
+    item: document.Contact = _read(document.Contact, value, "contacts", i)
+    one, other = item["bodies"]
+    return Contact((one, other), item["from_s"], item["to_s"])
+
+
+def _peak(i: int, value: object) -> JointPeak:
+    item: document.Peak = _read(document.Peak, value, "margins", "peaks", i)
+    return JointPeak(**item)
+
+
+def _tool(value: object) -> ToolPeaks:
+    item: document.ToolPeaks = _read(document.ToolPeaks, value, "margins", "tool")
+    return ToolPeaks(item["speed_m_s"], item["speed_at_s"], item["acceleration_m_s2"], item["acceleration_at_s"])

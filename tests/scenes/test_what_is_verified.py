@@ -1,0 +1,167 @@
+"""Every field of a planned answer is in the table of docs/api.md ("The verdict"), and the checker does with it what the
+table says: a changed value is refused, or refused by its digest alone, or not looked at."""
+
+from __future__ import annotations
+
+import copy
+import re
+from functools import cache
+from pathlib import Path
+from types import UnionType
+from typing import Annotated, Any, NotRequired, Required, Union, get_args, get_origin
+
+import pytest
+from typing_extensions import get_type_hints, is_typeddict
+
+from assur.planner.errors import InputError
+from assur.scenes.reading.cell import Cell
+from assur.scenes.requests import cell_of, check_plan, plan_cell, read_plan
+from assur.scenes.scenarios import shipped
+from assur.scenes.schema import answer as document
+
+PAGE = Path(__file__).parents[2] / "docs" / "api.md"
+VERIFIED, ONE_SIDE, BY_DIGEST, INFORMATION = range(4)
+"""The rows of the table, in their order."""
+CELLS = (
+    "transfer",
+    "parabolic-blend",
+    "bead-on-belt",
+    "rv-m1",
+    "two-robots-late",
+    "five-bar",
+    "shutter",
+    "heavy-casting",
+)
+"""Answers that together have a value in every field: errors, a load, a via that is missed, a trace, pitch and roll, a
+neighbour that may be late, a closed chain, a note."""
+EMPTY = frozenset({"warnings.kind", "warnings.bodies", "warnings.amount_m", "warnings.detail"})
+"""Fields below a list that is empty in all of these answers; the list itself is changed as a whole."""
+Path_ = tuple[str | int, ...]
+
+
+def leaves(kind: Any, path: tuple[str, ...] = ()) -> set[tuple[str, ...]]:
+    """Paths of all fields of a TypedDict that have no fields of their own; items of lists have the path of the list."""
+    if is_typeddict(kind):
+        hints = get_type_hints(kind, include_extras=False)
+        return {leaf for name, inner in hints.items() for leaf in leaves(inner, (*path, name))}
+    origin, inside = get_origin(kind), [each for each in get_args(kind) if each is not type(None)]
+    if origin in (Annotated, Required, NotRequired, list):
+        return leaves(inside[0], path)
+    if origin in (Union, UnionType):
+        return set.union(*(leaves(each, path) for each in inside))
+    return {path}
+
+
+FIELDS = sorted(".".join(leaf) for leaf in leaves(document.PlannedAnswer))
+
+
+def rows() -> list[list[str]]:
+    """The fields in each row of the table."""
+    text = PAGE.read_text(encoding="utf-8").split("\n## The verdict\n")[1]
+    lines = text.split("| fields | the checker |\n|---|---|\n")[1].split("\n\n")[0].splitlines()
+    return [re.findall(r"`([^`]+)`", line.split("|")[1]) for line in lines]
+
+
+def place(field: str) -> int:
+    """The row of a field: where its own name stands, or that of the nearest field above it."""
+    parts = field.split(".")
+    for count in range(len(parts), 0, -1):
+        found = [k for k, names in enumerate(rows()) if ".".join(parts[:count]) in names]
+        if found:
+            assert len(found) == 1, f"{field} is in two rows"
+            return found[0]
+    raise AssertionError(f"{field} is in no row of the table in docs/api.md: is it verified?")
+
+
+@cache
+def answered(name: str) -> tuple[Cell, dict[str, Any]]:
+    scenario = shipped(name)
+    cell = cell_of(scenario.request, folder=scenario.folder)
+    return cell, plan_cell(cell, nearest_pairs=2)
+
+
+def values(inside: Any, parts: tuple[str, ...], at: Path_ = ()) -> list[Path_]:
+    """Where in an answer a field has a value, scalars within lists one by one."""
+    if isinstance(inside, list):
+        return [found for i, item in enumerate(inside[:40]) for found in values(item, parts, (*at, i))]
+    if not parts:
+        return [at]
+    if not (isinstance(inside, dict) and parts[0] in inside):
+        return []
+    return values(inside[parts[0]], parts[1:], (*at, parts[0]))
+
+
+def held(answer: Any, where: Path_) -> Any:
+    for key in where:
+        answer = answer[key]
+    return answer
+
+
+def changed(value: Any) -> list[Any]:
+    """Other values of the same type, on both sides of a number."""
+    if isinstance(value, bool):
+        return [not value]
+    if isinstance(value, int):
+        return [value + 1, value - 1]
+    if isinstance(value, float):
+        by = max(0.1 * abs(value), 1e-3)
+        return [value + by, value - by, 10.0 * value + 1.0]
+    if value is None:
+        return [1.0, "x"]
+    return [{**value, "more": 1}] if isinstance(value, dict) else [f"{value}x"]
+
+
+def verdicts(field: str) -> list[set[str]]:
+    """The codes of what the checker finds for each change of one value of the field, of a null if there is no other;
+    what cannot be read is `FORM`."""
+    places = [(name, where) for name in CELLS for where in values(answered(name)[1], tuple(field.split(".")))]
+    full = [(name, where) for name, where in places if held(answered(name)[1], where) is not None]
+    assert places, f"no answer has the field {field}"
+    name, where = (full or places)[0]
+    cell, answer = answered(name)
+    codes = []
+    for other in changed(held(answer, where)):
+        forged = copy.deepcopy(answer)
+        held(forged, where[:-1])[where[-1]] = other
+        try:
+            codes.append({finding["code"] for finding in check_plan(cell, *read_plan(cell, forged))["findings"]})
+        except InputError:
+            codes.append({"FORM"})
+    return codes
+
+
+@pytest.mark.parametrize("name", CELLS)
+def test_the_answers_themselves_are_right(name: str) -> None:
+    cell, answer = answered(name)
+    assert answer["status"] == "planned"
+    assert check_plan(cell, *read_plan(cell, answer))["findings"] == []
+
+
+def test_the_table_names_only_fields_that_there_are() -> None:
+    above = {".".join(field.split(".")[:count]) for field in FIELDS for count in range(1, 9)}
+    assert [name for names in rows() for name in names if name not in above] == []
+
+
+@pytest.mark.parametrize("field", FIELDS)
+def test_the_checker_does_with_a_field_what_the_table_says(field: str) -> None:
+    row = place(field)
+    if field in EMPTY:
+        return
+    found = verdicts(field)
+    if row == VERIFIED:
+        assert all(found), "a changed value is not refused"
+    elif row == ONE_SIDE:
+        assert any(found), "no changed value is refused"
+    elif row == BY_DIGEST:
+        assert all(found)
+        assert all(codes <= {"DIGEST", "CLAIM", "FORM"} for codes in found)
+    else:
+        assert row == INFORMATION
+        assert not any(found), "it is looked at, after all"
+
+
+@pytest.mark.parametrize("field", ["contacts", "margins", "load", "assumptions", "seed", "request_digest", "notice"])
+def test_what_is_left_out_is_no_claim(field: str) -> None:
+    cell, answer = answered("transfer")
+    less = {key: value for key, value in answer.items() if key != field}
+    assert check_plan(cell, *read_plan(cell, less))["findings"] == []
