@@ -13,6 +13,7 @@ from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.forbidden_yaw import yaw_impossible
 from assur.planner.feasibility.necessary import start_collides, start_impossible
 from assur.planner.feasibility.odd_input import odd_input
+from assur.planner.feasibility.odd_places import odd_places
 from assur.planner.legs.meeting import every_turn
 from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.legs.tilt import pitch_free
@@ -53,7 +54,7 @@ def plan(scene: Scene, *, adaptive: bool = True, started: float | None = None, n
     clock = _Clock(time.perf_counter() if started is None else started)
     prover = Prover(scene)
     outcome = _outcome(scene, clock, prover, adaptive=adaptive, pairs=nearest_pairs)
-    return replace(outcome, warnings=odd_input(scene, prover))
+    return replace(outcome, warnings=(*odd_input(scene, prover), *odd_places(scene, prover)))
 
 
 def _outcome(scene: Scene, clock: _Clock, prover: Prover, *, adaptive: bool, pairs: int) -> Outcome:

@@ -12,6 +12,15 @@ def warned(warning: InputWarning) -> str:
     first, second = warning.bodies
     if warning.kind is Odd.PART_FLOATS:
         return f"{first} is {amount(warning.amount_m, 'm')} above {second} and rests on nothing"
+    if warning.kind is Odd.TOOL_OFF_PART:
+        return (
+            f"no body of the tool touches {second} where it is picked, nor would it if the part were moved by up to "
+            f"{amount(warning.amount_m, 'm')} along x, y or z: check grasp and tcp"
+        )
+    if warning.kind is Odd.RELEASED_IN_AIR:
+        return f"{first} is released {amount(warning.amount_m, 'm')} above {second} and rests on nothing there"
+    if warning.kind is Odd.BODIES_OVERLAP:
+        return f"{first} and {second} overlap by more than {amount(warning.amount_m, 'm')} where they are at the start"
     by = f" by more than {amount(warning.amount_m, 'm')} along the flange's axis" if warning.amount_m else ""
     return f"{first}, a body of the tool, overlaps {second} of the arm{by}, and nothing keeps the two apart"
 
