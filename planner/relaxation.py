@@ -374,7 +374,7 @@ ABOUT: dict[Reason, tuple[str, ...]] = {
     Reason.CARRY_LIMIT: ("belt speed", "heights"),
 }
 """Kinds of change that are about what a refusal is about, the likeliest first."""
-HOPELESS = frozenset({Reason.START_IN_COLLISION, Reason.LAW_ENDS, Reason.LOAD_LIMIT})
+HOPELESS = frozenset({Reason.START_IN_COLLISION, Reason.LAW_ENDS, Reason.LOAD_LIMIT, Reason.FORBIDDEN_YAW})
 """Reasons that no change of the list can mend."""
 
 

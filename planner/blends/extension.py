@@ -8,6 +8,7 @@ import numpy as np
 
 from assur.planner.blends.timed import Blended, BlendShape, Station, blended
 from assur.planner.errors import FaultError
+from assur.planner.legs.forbidden_yaw import turns_into
 from assur.planner.legs.joint import Shape
 from assur.planner.legs.state import Knots
 from assur.planner.model.assembly_mode import leaves_assembly
@@ -77,6 +78,7 @@ def _extended(scene: Scene, partial: PartialPlan, shape: BlendShape) -> Extensio
         return late
     trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd, jumps=True)
     beyond = _beyond(scene, partial.step, trajectory) or leaves_assembly(scene.robot, partial.step, trajectory)
+    beyond = beyond or turns_into(scene, partial.step, trajectory)
     if beyond is not None:
         return beyond
     legs = _legs(partial, shape, found, knots.end)

@@ -23,6 +23,7 @@ from assur.planner.kernels.meetings import (
 )
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint
+from assur.planner.legs.forbidden_yaw import allowed_branches
 from assur.planner.legs.missed import window_is_missed
 from assur.planner.legs.singular import Margins, Near, nearest
 from assur.planner.model.joint_range import beyond_at_nearest_turn
@@ -44,6 +45,7 @@ from assur.planner.model.refusal import (
 from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import Code, Limits
 from assur.planner.robots.kinematics import targets_of
+from assur.planner.robots.robot import Robot
 from assur.planner.robots.turns import beyond_range
 
 GRID_S = 0.004
@@ -54,6 +56,12 @@ MOST_TIMES = 2500
 """... and at most this many times, so a far horizon makes the grid coarser."""
 LOOK_AHEAD_S = 20.0
 """Meetings are looked for this long after they become possible, s."""
+
+
+def every_turn(robot: Robot) -> bool:
+    """Whether the turns that are tried are all there are, wherever the joints stand."""
+    ranges = (robot.limits.upper - robot.limits.lower)[robot.revolute > 0.0]
+    return bool((ranges <= MOST_TURNS * 2.0 * np.pi + 1e-9).all())
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,10 +116,10 @@ def meetings(
     branches: list[Branch] = []
     refusals: list[Refusal] = []
     for mode in modes:
-        here = looked.branches(mode, near, any_time=_any_time(point))
+        here, turned = allowed_branches(scene, point, looked.branches(mode, near, any_time=_any_time(point)))
         branches += here
         if not here:
-            refusals.append(_refused(scene, point, lead, mode, looked))
+            refusals.append(turned or _refused(scene, point, lead, mode, looked))
     ends = scene.frames[point.frame].law.valid[1]
     high = point.intervals[-1][1]
     by_law = high == ends - point.dwell and float(t[-1]) == high - lead

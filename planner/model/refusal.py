@@ -31,6 +31,8 @@ class Reason(StrEnum):
     CARRY_LIMIT = "CARRY_LIMIT"
     LOAD_LIMIT = "LOAD_LIMIT"
     """Tool and part are heavier, or have more inertia about the wrist's axis, than the robot may carry."""
+    FORBIDDEN_YAW = "FORBIDDEN_YAW"
+    """The tool would be in a forbidden range of yaw, or turn through it."""
     TOLERANCE = "TOLERANCE"
     """The tool may be farther off its control point than is allowed."""
     WINDOW_MISSED = "WINDOW_MISSED"
@@ -290,6 +292,21 @@ class Overload:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ForbiddenYaw:
+    """The tool would have the yaw `yaw_rad` in the world, where the range from `first_rad` counter-clockwise to
+    `last_rad` is forbidden; `on_the_way`: not there, but it would have to turn through the range. `lag_rad`: by how
+    much the range counts wider at both ends, for joints that lag."""
+
+    kind: Literal["forbidden_yaw"] = "forbidden_yaw"
+    first_rad: float
+    last_rad: float
+    yaw_rad: float
+    lag_rad: float = 0.0
+    on_the_way: bool = False
+    mode: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LawEnds:
     """A frame's motion is known on `known_s`, s (None: of which frame is not known; None for an end: for ever), and
     needed at `needed_s`. `tracked_s`: for so long a control point must be tracked in the frame, s, until `needed_s` at
@@ -346,6 +363,7 @@ Facts = (
     | Enclosed
     | Carrying
     | Corrected
+    | ForbiddenYaw
     | Inaccurate
     | Overload
     | WindowMissed

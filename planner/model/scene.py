@@ -11,12 +11,13 @@ from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.conveyor import Conveyor
 from assur.planner.frames.fixed import Fixed, Linear
+from assur.planner.frames.heading import constant_yaw
 from assur.planner.frames.law import EXACT, Frame, PoseUncertainty, Uncertainty
 from assur.planner.frames.motion import Pose
-from assur.planner.frames.oscillation import Oscillation
 from assur.planner.geometry.pieces import Pieces, pieces
 from assur.planner.geometry.shapes import Body
 from assur.planner.model.blendable import refuse_acceleration_time, refuse_unblendable
+from assur.planner.model.forbidden_yaw import YawRange, check_ranges
 from assur.planner.model.load import UNKNOWN, Load, LoadLimits, Tool, greatest_inertia
 from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Trace, Window
 from assur.planner.robots.facts import Limits, lowered
@@ -192,6 +193,8 @@ class Scene:
     carry_acceleration: float | None = None
     """Limit of the tool point's acceleration while a part is held, m/s²."""
     load_limits: LoadLimits = UNKNOWN
+    forbidden_yaw: tuple[YawRange, ...] = ()
+    """Ranges in which the yaw of the tool point in the world may be at no time."""
     assumptions: tuple[str, ...] = ()
     """Numbers of the robot that are estimated or second hand, in words; they are repeated in the outcome."""
     digest: str = ""
@@ -231,6 +234,7 @@ class Scene:
         self._check_wrist()
         self._check_kept()
         self._check_execution()
+        check_ranges(self.robot, self.forbidden_yaw, self.execution.lag)
         refuse_acceleration_time(self.options.timing, self.options.acceleration_time_s)
         if self.options.blended:
             refuse_unblendable(self.task, self.frames, moving=self.start.moving, end=self.options.end)
@@ -280,8 +284,9 @@ class Scene:
         for i, step in enumerate(self.task):
             if isinstance(step, Move | Follow | Trace) and step.target.yaw_keep:
                 frame = self.frames[step.target.frame]
-                if not isinstance(frame.law, Fixed | Conveyor | Linear | Oscillation):
-                    allowed = f"false: {frame.name} turns, so the yaw there depends on when it is met"
+                if constant_yaw(frame.law) is None:
+                    allowed = f"false, with yaw_free: true or a yaw_deg: {frame.name} turns, so the yaw there depends"
+                    allowed += " on when it is met"
                     where = "start" if isinstance(step, Trace) else "to"
                     raise InputError(f"task[{i}].{type(step).__name__.lower()}.{where}.yaw_keep", True, allowed)
 

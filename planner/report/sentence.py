@@ -1,9 +1,10 @@
-"""Sentences for people, made of facts. No other room makes them, and no decision reads them."""
+"""Sentences for people about refusals, made of facts. No decision reads them."""
 
 from __future__ import annotations
 
-from assur.planner.model.input_warning import InputWarning, Odd
-from assur.planner.model.outcome import Census, CensusLine, Course, Route
+import math
+
+from assur.planner.model.outcome import Census, CensusLine
 from assur.planner.model.refusal import (
     OF_CANDIDATES,
     AccelerationTime,
@@ -11,6 +12,7 @@ from assur.planner.model.refusal import (
     Carrying,
     Corrected,
     Enclosed,
+    ForbiddenYaw,
     Inaccurate,
     LawEnds,
     MotionLimit,
@@ -98,6 +100,8 @@ def _because(scene: Scene, refusal: Refusal) -> str:
         case Corrected() as facts:
             what = f"{facts.joint} beyond its range" if facts.joint else "the arm to a singular position"
             return f"the belt correction may shift the tool by {_mm(facts.shift_m)}, which would bring {what}"
+        case ForbiddenYaw() as facts:
+            return _forbidden_yaw(refusal, facts, short)
         case WindowMissed() as facts:
             return window_missed(scene, refusal, facts, short)
         case LawEnds() as facts:
@@ -132,15 +136,6 @@ def _overload(scene: Scene, refusal: Refusal, facts: Overload) -> str:
     return f"{what}{from_when}, but {allowed}; {help_} or {more} would help"
 
 
-def warned(warning: InputWarning) -> str:
-    """What is probably not meant."""
-    first, second = warning.bodies
-    if warning.kind is Odd.PART_FLOATS:
-        return f"{first} is {_mm(warning.amount_m)} above {second} and rests on nothing"
-    by = f" by more than {_mm(warning.amount_m)} along the flange's axis" if warning.amount_m else ""
-    return f"{first}, a body of the tool, overlaps {second} of the arm{by}, and nothing keeps the two apart"
-
-
 def _inaccurate(facts: Inaccurate) -> str:
     """How far the tool may be off, and why."""
     if facts.allowed_m is not None and facts.position_m > facts.allowed_m:
@@ -148,6 +143,24 @@ def _inaccurate(facts: Inaccurate) -> str:
     else:
         off, allowed, most = (amount(value, "rad") for value in (facts.yaw_rad, facts.allowed_rad or 0.0, facts.most))
     return f"the tool may be {off} off, but only {allowed} are allowed; most of it, {most}, is due to: {facts.cause}"
+
+
+def _forbidden_yaw(refusal: Refusal, facts: ForbiddenYaw, short: str) -> str:
+    """Which range the tool would be in, or turn through."""
+    first, last, yaw = (f"{math.degrees(angle):.6g} deg" for angle in (facts.first_rad, facts.last_rad, facts.yaw_rad))
+    ends = f"from {first} to {last}"
+    if facts.lag_rad > 0.0:
+        ends += f" ({amount(facts.lag_rad, 'rad')} wider at both ends, for joints that lag)"
+    if refusal.stage is Stage.START:
+        return (
+            f"the yaw of the tool at the start is {yaw}, in the forbidden range {ends}, {short} beyond its nearer end"
+        )
+    if not facts.on_the_way:
+        would = f"the yaw of the tool would be {yaw}, in the forbidden range {ends}, {short} beyond its nearer end"
+        return f"{would}{_mode(facts.mode)}"
+    if refusal.stage is Stage.INVERSE:
+        return f"to a yaw of {yaw} the tool would have to turn through the forbidden range {ends}{_mode(facts.mode)}"
+    return f"on its way the tool would turn into the forbidden range of yaw {ends}, by {short}"
 
 
 def _others(line: CensusLine, census: Census) -> str:
@@ -350,27 +363,3 @@ def _distances(facts: Separation) -> str:
 
 LEAST_M = 1e-7
 """Less than this of a required distance is rounding, m."""
-
-COURSES = {
-    Course.DIRECT: "direct",
-    Course.ARCH: "arch",
-    Course.STRAIGHT: "straight",
-    Course.PATH: "along its path",
-    Course.BLENDS: "blends",
-    Course.TO_REST: "comes to rest",
-    Course.FOR_BODIES: "lets bodies pass",
-    Course.FOR_POINT: "waits for the control point",
-}
-"""Notes of legs."""
-
-
-def note(route: Route | None) -> str:
-    """How a leg goes, or why the arm waits; nothing where there is nothing to say."""
-    if route is None:
-        return ""
-    vias = f"{route.vias} via point{'s' * (route.vias != 1)}" if route.vias else ""
-    if route.course is Course.DIRECT:
-        words = vias or COURSES[route.course]
-    else:
-        words = COURSES[route.course] + (f", {vias}" if vias else "")
-    return words + " after a wait" * route.after_wait + " later" * route.later

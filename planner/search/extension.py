@@ -13,6 +13,7 @@ from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.legs.accuracy import arrival_error, too_far
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.legs.correction import shifted_out
+from assur.planner.legs.forbidden_yaw import turns_into
 from assur.planner.legs.joint import JointMotion
 from assur.planner.legs.limits import beyond_limits, parts
 from assur.planner.legs.meeting import Meetings
@@ -72,7 +73,7 @@ def timed(
         missed = _window_refusal(meeting.point, reached.end)
         if missed is not None:
             return missed
-    unknown = laws_over(scene, partial.step, reached.end)
+    unknown = laws_over(scene, partial.step, reached.end) or turns_into(scene, partial.step, reached.trajectory)
     if unknown is not None:
         return unknown
     phase = Phase(
@@ -240,7 +241,7 @@ def _continued(
             beyond = beyond_limits(scene, partial.step, part, limits)
             if beyond is not None:
                 return beyond
-    lost = leaves_assembly(scene.robot, partial.step, trajectory)
+    lost = leaves_assembly(scene.robot, partial.step, trajectory) or turns_into(scene, partial.step, trajectory)
     if lost is not None:
         return lost
     made = tuple(Leg(leg.kind, partial.step, leg.knots.begin, leg.knots.end, leg.route) for leg in legs)

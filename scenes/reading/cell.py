@@ -90,6 +90,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         execution=_execution(request.execution, given.conventions),
         carry_acceleration=carry,
         load_limits=given.load,
+        forbidden_yaw=given.forbidden_yaw,
         assumptions=(
             *robots.assumptions_of(document, request.robot),
             *frames.assumptions_of(request.frames),

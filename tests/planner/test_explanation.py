@@ -19,6 +19,7 @@ from assur.planner.model.refusal import (
     Corrected,
     Enclosed,
     Facts,
+    ForbiddenYaw,
     FrameName,
     Inaccurate,
     JointName,
@@ -38,7 +39,8 @@ from assur.planner.model.refusal import (
 from assur.planner.model.scene import Clearance, ClearanceException, Follow, Window
 from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.pipeline import leading, plan
-from assur.planner.report.sentence import because, note, sentence
+from assur.planner.report.notes import note
+from assur.planner.report.sentence import because, sentence
 from tests.planner.cells import at, cell, go, stands
 
 SCENE = cell(go(0.35, 0.2, name="drop"), go(0.3, 0.0, name="home"))
@@ -181,6 +183,7 @@ def of(reason: Reason, facts: Facts, amount: Quantity | None = None, **more: Any
 
 
 MARGINS: dict[str, Any] = {"margin": 0.03, "required": 0.1}
+RANGE = ForbiddenYaw(first_rad=math.radians(-0.5), last_rad=math.radians(20), yaw_rad=math.radians(10))
 CASES: list[tuple[Refusal, str]] = [
     (of(Reason.OUT_OF_REACH, OutOfReach(mode="left")), "the point is out of reach (mode left)"),
     (
@@ -223,6 +226,22 @@ CASES: list[tuple[Refusal, str]] = [
         "j1 would have to go to 130 deg, 10 deg beyond the end of its range at 120 deg",
     ),
     (of(Reason.JOINT_LIMIT, BeyondRange(), subject=None), "a joint would have to go beyond its limit"),
+    (
+        of(Reason.FORBIDDEN_YAW, RANGE, Quantity(0.1, "rad"), stage=Stage.START),
+        "the yaw of the tool at the start is 10 deg, in the forbidden range from -0.5 deg to 20 deg, 5.73 deg beyond",
+    ),
+    (
+        of(Reason.FORBIDDEN_YAW, replace(RANGE, lag_rad=math.radians(2), mode="left"), Quantity(0.1, "rad")),
+        "in the forbidden range from -0.5 deg to 20 deg (2 deg wider at both ends, for joints that lag), 5.73 deg",
+    ),
+    (
+        of(Reason.FORBIDDEN_YAW, replace(RANGE, on_the_way=True), Quantity(0.1, "rad"), stage=Stage.INVERSE),
+        "to a yaw of 10 deg the tool would have to turn through the forbidden range from -0.5 deg to 20 deg",
+    ),
+    (
+        of(Reason.FORBIDDEN_YAW, replace(RANGE, on_the_way=True), Quantity(0.1, "rad"), stage=Stage.LIMITS),
+        "on its way the tool would turn into the forbidden range of yaw from -0.5 deg to 20 deg, by 5.73 deg",
+    ),
     (
         of(Reason.NEAR_SINGULARITY, Singular(**MARGINS)),
         "the arm would be too close to a singular position (singularity margin 0.030, required 0.100)",
