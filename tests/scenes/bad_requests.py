@@ -673,5 +673,23 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad("margin of one", put("options", "singularity_margin", value=1), "options.singularity_margin"),
     Bad("unknown elbow", put("options", "elbow", value="up"), "options.elbow"),
     Bad("text for a boolean", put("execution", value={"belt_correction": "yes"}), "execution.belt_correction"),
+    Bad(
+        "carry limit that only rounds",
+        put("carry", value={"acceleration_m_s2": 5e-324}),
+        "carry.acceleration_m_s2",
+        "at least 1e-12",
+    ),
+    Bad(
+        "scale that only rounds",
+        put("robot", "limits", "velocity", value=1e-310),
+        "robot.limits.velocity",
+        "at least 1e-12",
+    ),
+    Bad(
+        "approach that is 0 in metres",
+        put("task", 0, "pick", "approach", value={"mm": 5e-324}),
+        "task[0].pick.approach.mm",
+        "a number that is not rounded to 0 in m",
+    ),
     Bad("carry limit of zero", put("carry", value={"acceleration_m_s2": 0}), "carry.acceleration_m_s2"),
 )
