@@ -69,6 +69,9 @@ FAST_M_S: Final = 100.0
 """Speeds, m/s."""
 FAST_RAD_S: Final = 1_000.0
 """Turning rates, rad/s."""
+LEAST: Final = 1e-12
+"""What may not be 0 is at least this, SI: speeds, accelerations, jerks, durations, leads, loads, and scales. Below it
+only rounding happens."""
 STRONG: Final = 1e6
 """Accelerations and jerks of laws and joints, SI: beyond it only rounding happens."""
 LONG_S: Final = 100_000.0

@@ -15,7 +15,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.checker import motion
-from assur.planner.checker.doubts import line_of, stands
+from assur.planner.checker.doubts import counted, line_of, stands
 from assur.planner.checker.targets import Target
 from assur.planner.checker.uncertainty import sway
 from assur.planner.checker.verdict import Code, Finding
@@ -79,7 +79,7 @@ def _bound(
     signed = [(0.0, 0.0, known.vertical_m)]
     line, lasts = line_of(frame.law), max(until + late - scene.start.time, 0.0)
     along = known.position_m + known.speed_m_s * lasts
-    if scene.execution.belt_correction and step.tracks and line is not None:
+    if scene.execution.belt_correction and step.tracks and counted(frame.law):
         along = 0.0  # an encoder counts the way of a belt
     level = 0.0 if line is None else math.hypot(line[0], line[1])
     if line is None:

@@ -48,6 +48,13 @@ def line_of(law: Law) -> tuple[float, float, float] | None:
     return None
 
 
+def counted(law: Law) -> bool:
+    """Whether a frame travels along its line at any time, so that an encoder is sure to tell of its error there."""
+    if isinstance(law, Conveyor):
+        return law.speed != 0.0 or any(change.speed != 0.0 for change in law.changes)
+    return line_of(law) is not None
+
+
 def reaches(table: Solids) -> FloatArray:
     """How far the body of each seat reaches from the axis of its carrier (S,), m."""
     radius = np.array([table.bodies[body].radius for body in table.seats[:, BODY].tolist()])
@@ -90,7 +97,8 @@ def doubt_of(scene: Scene, phases: tuple[Phase, ...], table: Solids) -> Doubt:
             for name in followed:
                 if line_of(scene.frames[name].law) is None:
                     continue  # no encoder tells where it is
-                shares[i, number[name]] = 0.0 if phase.tracked is None else 1.0, 1.0
+                whole = phase.tracked is not None and counted(scene.frames[name].law)
+                shares[i, number[name]] = 1.0 if whole else 0.0, 1.0
     lag = np.zeros(max(len(scene.robot.joints), 4))
     lag[: len(execution.lag)] = execution.lag
     clock = np.zeros(CLOCK)

@@ -69,7 +69,7 @@ def arrival_error(
     if isinstance(step, Trace):
         local = step.end  # where the tool is when it is done
     here = scene.frames[name].law.motion(np.array(until)).at(local)
-    corrected = step.tracks and scene.corrects(name)
+    corrected = step.tracks and scene.corrects_all(name)
     _add_frame(scene, name, here, until, corrected, terms)
     if not step.tracks:
         _add_correction(scene, [belt for belt in on_way(scene, number) if belt != name], until, terms)

@@ -279,6 +279,13 @@ class Scene:
         travels = isinstance(law, Conveyor) or (isinstance(law, Linear) and any(law.velocity))
         return self.execution.belt_correction and travels
 
+    def corrects_all(self, frame: str) -> bool:
+        """Whether it shifts them by all of that error. Of a conveyor that always stands nobody knows: its encoder
+        counts nothing, but may tell where it stands."""
+        law = self.frames[frame].law
+        stands = isinstance(law, Conveyor) and not any((law.speed, *(change.speed for change in law.changes)))
+        return self.corrects(frame) and not stands
+
     def _check_kept(self) -> None:
         """A yaw that is kept has to be one in the frame of the target, whenever that is met."""
         for i, step in enumerate(self.task):

@@ -68,7 +68,7 @@ class Displacements:
         if phase.tracked is None:
             self.tool = dict.fromkeys(phase.corrected, (0.0, 1.0))
         elif scene.corrects(phase.tracked):
-            self.tool[phase.tracked] = (1.0, 1.0)
+            self.tool[phase.tracked] = (1.0 if scene.corrects_all(phase.tracked) else 0.0, 1.0)
         exact = all(within == EXACT for _, within in phase.handled.within)
         self.known = exact and not any(map(self._unsure, scene.frames.values()))
         """Whether there is nothing that is not known, so that no pair has a set."""

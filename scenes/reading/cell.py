@@ -16,7 +16,7 @@ from assur.planner.model.scene import (
 from assur.scenes.conventions import Conventions, signs
 from assur.scenes.faults import Refused, choices, located, within
 from assur.scenes.reading import bodies, frames, loads, neighbours, robots, task
-from assur.scenes.reading.start import start_of
+from assur.scenes.reading.start import check_loaded, start_of
 from assur.scenes.schema.request import ExecutionDocument, OptionsDocument, RequestDocument
 
 
@@ -100,6 +100,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         digest=request.digest,
         signs=signs(given.conventions),
     )
+    check_loaded(scene, given.conventions)
     return Cell(scene, given, known, places, document)
 
 

@@ -121,21 +121,24 @@ def lag(item: LagDocument | None, conventions: Conventions) -> tuple[float, ...]
     return tuple(found.tolist())
 
 
-def hold(values: FloatArray, ends: tuple[FloatArray, FloatArray], conventions: Conventions, rate: str) -> None:
-    """Raises `Refused` at the first joint beyond its limits, which are told as the joint was written."""
+def hold(
+    values: FloatArray, ends: tuple[FloatArray, FloatArray], conventions: Conventions, rate: str, why: str = ""
+) -> None:
+    """Raises `Refused` at the first joint beyond its limits, which are told as the joint was written; `why`: what is
+    told behind them."""
     for joint, i in zip(conventions, places(conventions), strict=True):
         value, lower, upper = float(values[i]), float(ends[0][i]), float(ends[1][i])
         if not lower <= value <= upper:
             signed = sorted(joint.sign * end + 0.0 for end in (lower, upper))
             key = _key(joint, rate)
             far = f"; did you mean {twin_of(key)}?" if joint.unit == "m" and abs(value) > FAR_M else ""
-            raise Refused(partial(_range_as_written, ends=signed, far=far), key)
+            raise Refused(partial(_range_as_written, ends=signed, far=far, why=why), key)
 
 
-def _range_as_written(key: str, _: object, ends: list[float], far: str) -> str:
+def _range_as_written(key: str, _: object, ends: list[float], far: str, why: str) -> str:
     unit = si_key(key)
     low, high = ends if unit is None else (from_si(end, unit[1]) for end in ends)
-    return f"{low:.6g} to {high:.6g}{far if unit is None else ''}"
+    return f"{low:.6g} to {high:.6g}{why}{far if unit is None else ''}"
 
 
 def joint_values(values: JointValues, conventions: Conventions, rate: str) -> FloatArray:

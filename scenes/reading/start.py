@@ -6,11 +6,11 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
-from assur.planner.model.scene import Holding, Start
+from assur.planner.model.scene import Holding, Scene, Start
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.solutions import solutions
-from assur.scenes.conventions import as_maker
+from assur.scenes.conventions import Conventions, as_maker
 from assur.scenes.faults import Refused, within
 from assur.scenes.reading.bodies import Places
 from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
@@ -56,6 +56,20 @@ def start_of(item: StartDocument, given: Equipped, frames: Frames, places: Place
         grasp = placed(item.holding.grasp_m, item.holding.grasp_yaw_rad)
         holding = Holding(item.holding.part, grasp, pose_uncertainty(item.holding.within))
     return Start(item.at_s, q, rates[0], rates[1], holding)
+
+
+def check_loaded(scene: Scene, conventions: Conventions) -> None:
+    """Raises `Refused` where the start accelerates harder than the load leaves it. A load that is too heavy for the
+    robot is refused by the planner, whatever the acceleration."""
+    held = None if scene.start.holding is None else scene.start.holding.part
+    load = next(load for load in scene.loads if load.step < 0 and load.part == held)
+    heaviest = scene.load_limits.most_kg
+    if load.share < 1.0 and (heaviest is None or load.mass_kg <= heaviest):
+        most = scene.limits_with(held).acceleration * (1 + START_RATIO)
+        left = f"{100 * load.share:.4g} % of their acceleration"
+        why = f" (with {load.mass_kg:.6g} kg at the flange the joints have {left})"
+        with within("start", "acceleration"):
+            hold(scene.start.qdd, (-most, most), conventions, "_s2", why)
 
 
 def position(item: JointValues, given: Equipped) -> FloatArray:

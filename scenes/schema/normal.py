@@ -13,7 +13,7 @@ import numpy as np
 
 from assur.scenes.bounds import MAX_DEPTH
 from assur.scenes.faults import DocumentError, Path, dotted
-from assur.scenes.units import si_key, to_si
+from assur.scenes.units import SI_UNITS, si_key, to_si, unit_of
 
 PLAIN = frozenset((str, float, int, bool))
 """Types of a document's values."""
@@ -27,7 +27,8 @@ OF_NAMES = "frames"
 def normal(document: object) -> Any:
     """The document in SI: `at_mm` becomes `at_m`, and what is below it is converted. The document is not changed.
 
-    Raises `DocumentError` at a key that is written in both its units, at a null, at a number that is not exactly one of
+    Raises `DocumentError` at a key that is written in both its units, at a number that is 0 in SI and not as it is
+    written, at a null, at a number that is not exactly one of
     Python's, and for nesting without end. Whatever else is no number is left for the model to refuse, NaN and infinity,
     too.
     """
@@ -89,7 +90,10 @@ def _mapping(mapping: dict[Any, Any], path: Path) -> dict[Any, Any]:
         elif twin[0] in mapping:
             raise DocumentError(dotted((*path, key)), mapping[key], f"{key} or {twin[0]}, not both")
         else:
-            found[twin[0]] = to_si(value, twin[1])
+            found[twin[0]] = converted = to_si(value, twin[1])
+            if converted == 0.0 and value != 0.0 and type(value) is float:
+                allowed = f"a number that is not rounded to 0 in {unit_of(twin[0], SI_UNITS)}"
+                raise DocumentError(dotted((*path, key)), value, allowed)
     return found
 
 

@@ -143,9 +143,9 @@ class TraceDocument(WindowedStep):
     start: TargetDocument
     path: PathDocument
     blend_m: Distance = 0.0
-    speed_m_s: Annotated[float, Field(gt=0.0, le=bounds.FAST_M_S)]
-    lead_in_m: Annotated[float, Field(gt=0.0, le=bounds.FAR_M)] | None = None
-    lead_out_m: Annotated[float, Field(gt=0.0, le=bounds.FAR_M)] | None = None
+    speed_m_s: Annotated[float, Field(ge=bounds.LEAST, le=bounds.FAST_M_S)]
+    lead_in_m: Annotated[float, Field(ge=bounds.LEAST, le=bounds.FAR_M)] | None = None
+    lead_out_m: Annotated[float, Field(ge=bounds.LEAST, le=bounds.FAR_M)] | None = None
 
 
 class _Handling(WindowedStep):

@@ -160,6 +160,12 @@ JOINT = {"name": "a", "range_deg": [-90, 90], "velocity_deg_s": 100, "accelerati
 LIFT = {"name": "c", "range_mm": [0, 100], "velocity_mm_s": 100, "acceleration_mm_s2": 1000, "jerk_mm_s3": 10000}
 
 
+def _loaded_start(document: dict[str, Any]) -> None:
+    """Half of the acceleration is left by any load; more of it at the start."""
+    put(*BY_LOAD, value=[share(0, 0.5), share(5, 0.5)])(document)
+    put("start", "acceleration", value={"j1_rad_s2": 40, "j2_rad_s2": 0, "j3_m_s2": 0, "j4_rad_s2": 0})(document)
+
+
 def _inline(**changes: Any) -> Change:
     """An inline robot in place of the model, spoilt by `changes`; the start is made to fit it."""
 
@@ -415,6 +421,12 @@ BAD_REQUESTS: tuple[Bad, ...] = (
         put("start", "acceleration", value={"j1_rad_s2": 80, "j2_rad_s2": 0, "j3_m_s2": 0, "j4_rad_s2": 0}),
         "start.acceleration.j1_rad_s2",
         "-75.384 to 75.384",  # 0.6 of the maker's
+    ),
+    Bad(
+        "a start that speeds up more than its load leaves",
+        _loaded_start,
+        "start.acceleration.j1_rad_s2",
+        "-37.692 to 37.692 (with 0.45 kg at the flange the joints have 50 % of their acceleration)",
     ),
     Bad("velocity of one joint only", put("start", "velocity", value={"j1_deg_s": 5}), "start.velocity.j2_rad_s"),
     # frames
@@ -681,5 +693,23 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad("margin of one", put("options", "singularity_margin", value=1), "options.singularity_margin"),
     Bad("unknown elbow", put("options", "elbow", value="up"), "options.elbow"),
     Bad("text for a boolean", put("execution", value={"belt_correction": "yes"}), "execution.belt_correction"),
+    Bad(
+        "carry limit that only rounds",
+        put("carry", value={"acceleration_m_s2": 5e-324}),
+        "carry.acceleration_m_s2",
+        "at least 1e-12",
+    ),
+    Bad(
+        "scale that only rounds",
+        put("robot", "limits", "velocity", value=1e-310),
+        "robot.limits.velocity",
+        "at least 1e-12",
+    ),
+    Bad(
+        "approach that is 0 in metres",
+        put("task", 0, "pick", "approach", value={"mm": 5e-324}),
+        "task[0].pick.approach.mm",
+        "a number that is not rounded to 0 in m",
+    ),
     Bad("carry limit of zero", put("carry", value={"acceleration_m_s2": 0}), "carry.acceleration_m_s2"),
 )

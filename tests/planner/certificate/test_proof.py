@@ -16,7 +16,7 @@ import assur.planner.collision.proof
 from assur.planner.collision.fcl_door import Collider
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
-from assur.planner.frames import Conveyor, Frame, Uncertainty
+from assur.planner.frames import Change, Conveyor, Frame, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, box, cylinder, sphere
 from assur.planner.kernels.proof import ALONG, T0, T1
@@ -282,12 +282,15 @@ def test_what_is_certified_with_a_start_tolerance_stays_clear_however_late_it_st
         assert min(delayed) - 0.01 <= 0.25  # what is far away is never refused
 
 
-def test_belt_correction_leaves_nothing_towards_the_same_belt_and_counts_towards_the_rest() -> None:
-    belt = Frame("belt", Conveyor(Pose(), 0.0), Uncertainty(0.004, 0.0))
+@pytest.mark.parametrize("runs", [True, False])
+def test_belt_correction_leaves_nothing_towards_the_same_belt_and_counts_towards_the_rest(runs: bool) -> None:
+    """Of a belt that never runs nobody knows whether it is corrected for."""
+    later = (Change(1000.0, 0.1, 0.5, 5.0),) if runs else ()
+    belt = Frame("belt", Conveyor(Pose(), 0.0, later), Uncertainty(0.004, 0.0))
     shift = Execution(belt_correction=True)
     for on, tracked, corrected, need in (
         ("belt", None, (), 0.004),
-        ("belt", "belt", (), 0.0),
+        ("belt", "belt", (), 0.0 if runs else 0.004),
         ("world", "belt", (), 0.004),
         ("world", None, ("belt",), 0.004),
         ("belt", None, ("belt",), 0.004),

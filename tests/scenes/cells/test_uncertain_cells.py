@@ -207,6 +207,49 @@ def test_what_stands_in_a_nest_is_not_where_a_correction_brings_the_tool() -> No
     assert planned(request)["margins"]["nearest"]["gap_m"] == pytest.approx(0.0055, abs=1e-4)
 
 
+def on_a_standing_belt(**changes: Any) -> Document:
+    """A point on a conveyor that never runs, 3 mm along which are not known, with belt correction."""
+    return cell(
+        frames={"belt": {"conveyor": {"at_mm": [380, 0, 50], "speed_mm_s": 0}, "uncertainty": {"position_mm": 3}}},
+        task=[{"follow": {"to": {"frame": "belt", "at_mm": [0, 0, 120], "yaw_free": True}, "duration_s": 0.1}}],
+        execution={"belt_correction": True},
+        options={**OPTIONS, "max_candidates": 40},
+        **changes,
+    )
+
+
+def test_a_conveyor_that_never_runs_is_not_told_to_be_corrected_for() -> None:
+    """Its encoder counts nothing, so the tool may miss a point on it by all that is not known of where it stands. One
+    that will run is a belt."""
+    plan = planned(on_a_standing_belt())
+    assert plan["arrivals"][0]["error"]["position_m"] == pytest.approx(0.003, abs=1e-5)
+    for changed in ({**plan["arrivals"][0]["error"], "position_m": 0.0}, None):
+        forged = copy.deepcopy(plan)
+        forged["arrivals"][0]["error"] = changed
+        assert "ERROR" in {finding["code"] for finding in check_document(on_a_standing_belt(), forged)["findings"]}
+    starts = on_a_standing_belt()
+    starts["frames"]["belt"]["conveyor"]["changes"] = [
+        {"at_s": 50, "speed_mm_s": 100, "acceleration_mm_s2": 500, "jerk_mm_s3": 5000}
+    ]
+    assert planned(starts)["arrivals"][0]["error"]["position_m"] == pytest.approx(0.0, abs=1e-5)
+
+
+@pytest.mark.parametrize("place", [{"at_mm": [380 + 27, 0, 150]}, {"frame": "belt", "at_mm": [27, 0, 100]}])
+@pytest.mark.parametrize(("unknown_mm", "found"), [(3, False), (0.5, True)])
+def test_beside_a_conveyor_that_never_runs_the_tool_may_be_shifted_or_not(
+    place: Document, unknown_mm: float, found: bool
+) -> None:
+    """A post is 5 mm beside the tool, and 4 mm is asked: one in the world is nearer if the tool is shifted, one on the
+    belt if it is not."""
+    post = {"name": "post", "shape": {"cylinder": {"radius_mm": 10, "height_mm": 80}}, "pose": place}
+    request = on_a_standing_belt(bodies=[post])
+    request["frames"]["belt"]["uncertainty"] = {"position_mm": unknown_mm}
+    if found:
+        planned(request)
+    else:
+        assert any(set(line["bodies"]) == {"cup", "post"} for line in refused(request)["census"]["lines"])
+
+
 def test_signs_of_the_worst_error_are_those_of_the_makers_joints() -> None:
     """The Fanuc counts its lift downwards: a nest that is off upwards is worst for a lift that is too low."""
     request = cell(
