@@ -24,6 +24,7 @@ from assur.planner.model.scene import Scene
 from assur.planner.relaxation import relax, worth_trying
 from assur.planner.report.margins import carried, contacts, margins
 from assur.planner.report.sentence import sentence
+from assur.planner.report.straight_parts import lengthened
 from assur.planner.search.beam import Found
 from assur.planner.search.census import Counter
 from assur.planner.search.lower_bound import lower_bound
@@ -82,7 +83,7 @@ def _planned(scene: Scene, clock: _Clock, prover: Prover, found: Found, made: Pl
         carried=carried(scene, of_plan),
         lower_bound_s=lower_bound(scene, found.first_options),
         census=found.census.census(),
-        assumptions=scene.assumptions,
+        assumptions=(*scene.assumptions, *lengthened(scene)),
         seed=scene.options.seed,
         elapsed_s=clock.elapsed,
         first_s=found.first_s,
@@ -162,7 +163,7 @@ def _not_planned(
         relaxation=relaxation,
         tried=tried,
         explain_budget_spent=spent,
-        assumptions=scene.assumptions,
+        assumptions=(*scene.assumptions, *lengthened(scene)),
         seed=options.seed,
         elapsed_s=clock.elapsed,
         cut_by_clock=cut,

@@ -24,6 +24,7 @@ from assur.planner.frames import Conveyor, Linear
 from assur.planner.frames.motion import Pose
 from assur.planner.legs.control_point import travelled
 from assur.planner.model.clearance import clearances
+from assur.planner.model.easier_path import rounder, slower
 from assur.planner.model.outcome import Plan, Relaxation
 from assur.planner.model.refusal import LawEnds, Reason, Refusal, Separation
 from assur.planner.model.scene import (
@@ -196,8 +197,9 @@ def changes(scene: Scene, step: int, blocker: str | None, refusal: Refusal | Non
 
 
 def _listed(scene: Scene, step: int, blocker: str | None, refusal: Refusal | None) -> Iterator[Change]:
-    """Changes in the order of a shop: window, latest end, acceleration time, budget, elbow, pitch, match, heights of
-    approach and depart, dwell, belt speed, clearance of a pair or of all, margin, a body or another robot left out."""
+    """Changes in the order of a shop: window, latest end, acceleration time, budget, elbow, pitch, match, process
+    speed, blend, heights of approach and depart, dwell, belt speed, clearance of a pair or of all, margin, a body or
+    another robot left out."""
     what, options = scene.task[step], scene.options
     if what.window != Window():
         span, along = what.window.time, what.window.along
@@ -219,6 +221,8 @@ def _listed(scene: Scene, step: int, blocker: str | None, refusal: Refusal | Non
         yield "pitch", "free", _step(scene, step, replace(what, target=replace(what.target, pitch=None)))
     if isinstance(what, Move) and what.match == "velocity":
         yield "match", "position", _step(scene, step, replace(what, match="position"))
+    for kind, steps in (("process speed", slower(what)), ("blend", rounder(what))):
+        yield from ((kind, value, _step(scene, step, changed)) for value, changed in steps)
     yield from _heights(scene, step, what)
     yield from _dwells(scene, step, what)
     yield from _belts(scene, what)
@@ -370,7 +374,7 @@ ABOUT: dict[Reason, tuple[str, ...]] = {
     Reason.OUT_OF_REACH: ("elbow", "pitch", "heights"),
     Reason.JOINT_LIMIT: ("elbow", "pitch", "heights"),
     Reason.NEAR_SINGULARITY: ("singularity margin", "elbow"),
-    Reason.MOTION_LIMIT: ("acceleration time", "match", "belt speed", "dwell"),
+    Reason.MOTION_LIMIT: ("process speed", "blend", "acceleration time", "match", "belt speed", "dwell"),
     Reason.CARRY_LIMIT: ("belt speed", "heights"),
 }
 """Kinds of change that are about what a refusal is about, the likeliest first."""

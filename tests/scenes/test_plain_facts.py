@@ -154,3 +154,15 @@ def test_a_joint_beyond_its_range_is_told_as_its_maker_counts_it(
     facts = answer["refusal"]["facts"]
     assert facts["value"] == pytest.approx(value)
     assert facts["limit"] == pytest.approx(limit)
+
+
+def test_a_straight_part_that_is_longer_than_asked_for_is_told() -> None:
+    cell = copy.deepcopy(CELL)
+    cell["task"][1]["place"]["approach"] = {"mm": 3}
+    cell["task"][1]["place"]["depart"] = {"mm": 3, "stop": True}
+    told = [text for text in plan(cell)["assumptions"] if "the straight part of" in text]
+    assert told == [
+        "place-2: the straight part of approach is 5.5 mm long, not 3 mm: at least 1.1 times the clearance of travel, "
+        "5 mm, unless it has stop: true"
+    ]
+    assert not [text for text in plan(CELL)["assumptions"] if "the straight part of" in text]

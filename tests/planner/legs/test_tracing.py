@@ -20,6 +20,7 @@ from assur.planner.model.path import ArcTo, LineTo, Path, PathPart, SplineThroug
 from assur.planner.model.refusal import BeyondRange, MotionLimit, OutOfReach, Reason, Singular
 from assur.planner.model.scene import Move, Scene, Target, Trace
 from assur.planner.pipeline import plan
+from assur.planner.relaxation import changes
 from assur.scenes.requests import scene_of
 from tests.planner.cells import CRANKED, CUP, cell, frame
 
@@ -254,6 +255,32 @@ def test_where_on_the_path_a_joint_is_too_fast_is_told() -> None:
     assert found.facts.speed_m_s == 0.4
     assert f"to go along the path at 400 mm/s, {found.joint} would need a {found.facts.rate} of" in answer.sentence
     assert "but its limit is" in answer.sentence
+
+
+def test_a_lower_process_speed_is_found_where_a_trace_is_too_fast() -> None:
+    # a rounded right angle asks for a jerk that grows with the speed's third power
+    parts = (LineTo((0.05, 0.0, 0.05)), LineTo((0.05, 0.05, 0.05)))
+    scene = tracing(parts, Fixed(Pose(0.3, 0.1, 0.06)), tool=CUP, blend=1e-3, speed=0.3, lead=0.03, margin=0.0)
+    scene = replace(scene, options=replace(scene.options, max_candidates=24, explain_budget_s=30.0))
+    found = plan(scene)
+    assert isinstance(found, NotPlanned)
+    assert found.reason is Reason.MOTION_LIMIT
+    assert found.relaxation is not None, (found.sentence, found.tried)
+    assert found.relaxation.what == "process speed"
+    speed = float(found.relaxation.value.split()[0]) / 1e3
+    step = scene.task[0]
+    assert isinstance(step, Trace)
+    assert speed < step.speed_m_s
+    assert isinstance(plan(replace(scene, task=(replace(step, speed_m_s=speed),))), Planned)
+    larger = [each for each in changes(scene, 0, None, found.refusal) if each[0] == "blend"]
+    assert [value for _, value, _ in larger] == ["1.5 mm", "2 mm", "4 mm"]
+
+
+def test_a_path_without_corners_has_no_larger_blend() -> None:
+    scene = tracing((LineTo((0.05, 0.0, 0.05)),), Fixed(Pose(0.3, 0.1, 0.06)), tool=CUP)
+    kinds = {kind for kind, _, _ in changes(scene, 0, None)}
+    assert "process speed" in kinds
+    assert "blend" not in kinds
 
 
 def test_a_path_that_leaves_a_belts_window_is_refused() -> None:
