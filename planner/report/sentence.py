@@ -68,8 +68,10 @@ def _on_path(scene: Scene, refusal: Refusal) -> str:
         return f"on the lead-in, {_mm(-facts.path_m)} before the path begins, {at}"
     if facts.path_part == "lead-out":
         step = scene.task[refusal.step]
-        length = step.path.length if isinstance(step, Trace) else facts.path_m
-        return f"on the lead-out, {_mm(facts.path_m - length)} behind the end of the path, {at}"
+        behind = (
+            f", {_mm(facts.path_m - step.path.length)} behind the end of the path" if isinstance(step, Trace) else ""
+        )
+        return f"on the lead-out{behind}, {at}"
     return f"{_mm(facts.path_m)} along the path, {at}"
 
 
@@ -200,8 +202,8 @@ def _out_of_reach(stage: Stage, facts: OutOfReach, short: str) -> str:
         first, second = facts.modes
         return f"a straight leg cannot change from mode {first} to {second}, and its line leaves the workspace"
     if facts.path_m is not None and stage is not Stage.CONTROL_POINT:
-        far = f"; the farthest place of its way is {short} out of reach" if short else ""
-        return f"the tool leaves the reach of the arm{far}"
+        far = f"; from there on it is up to {short} out of reach" if short else ""
+        return f"the way of the tool leaves the reach of the arm{far}"
     if stage is Stage.STRAIGHT:
         return "the straight line leaves the workspace"
     if stage is Stage.TRACKING:
