@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,13 @@ import pytest
 
 from assur.planner.checker import Code, check
 from assur.planner.errors import InputError
+from assur.planner.legs.forbidden_yaw import tool_yaw
+from assur.planner.model.scene import Start
 from assur.scenes.reading.plan import plan_of
+from assur.scenes.reading.robots import equipped
 from assur.scenes.requests import cell_of, check_document, plan_document, shipped
+from assur.scenes.schema.read import read
+from assur.scenes.schema.robots import RobotDocument
 from tests.scenes.cells.five_bar_plans import resealed
 
 Document = dict[str, Any]
@@ -192,6 +198,24 @@ def test_ranges_that_leave_no_yaw_are_refused_with_the_lags_too() -> None:
         cell_of(cell(*tight, execution=LAG))
     with pytest.raises(InputError, match="leave a yaw free"):
         cell_of(cell([0, 200], [180, 10]))
+
+
+SCARAS = ["mitsubishi-rh-6frh5520", "fanuc-sr-3ia", "lab-scara", "olier-scara", "fiuba-scara"]
+
+
+@pytest.mark.parametrize("model", SCARAS)
+def test_the_yaw_of_every_scara_is_that_of_its_forward_kinematics(model: str) -> None:
+    """The planner adds up joints 1, 2 and 4, the third lifts; the base is turned, and so is the tool point."""
+    robot = {"model": model, "base": {"at_mm": [100, 50, 20], "yaw_deg": 37}, "tool": {"tcp_mm": [30, 0, -100]}}
+    arm = equipped(read(RobotDocument, robot))
+    assert [joint.kind for joint in arm.robot.joints] == ["revolute", "revolute", "prismatic", "revolute"]
+    lower, upper = arm.robot.limits.lower, arm.robot.limits.upper
+    scene, none = cell_of(cell()).scene, np.zeros(4)
+    tool = replace(arm.tool, tcp=replace(arm.tool.tcp, yaw=0.4))
+    scene = replace(scene, robot=arm.robot, tool=tool, start=Start(0.0, (lower + upper) / 2, none, none))
+    q = np.random.default_rng(1).uniform(lower, upper, (200, 4))
+    off = tool_yaw(scene, q) - arm.robot.forward(q)[1] - 0.4
+    assert np.abs(np.sin(off / 2.0)).max() < 1e-12
 
 
 def five_bar(*ranges: Sequence[float]) -> Document:
