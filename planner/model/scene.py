@@ -338,7 +338,12 @@ class Scene:
         if execution.belt_correction and not scara:
             allowed = f"false: how a correction moves the links is known for SCARAs, and {self.robot.name} is none"
             raise InputError("execution.belt_correction", True, allowed)
-        for frame in self.frames.values() if execution.belt_correction else ():
+        # only what the tool goes to is corrected for; a frame that carries an obstacle may rise
+        followed = {
+            self.index[step.part].frame for step in self.task if isinstance(step, Pick) and step.part in self.index
+        }
+        followed |= {step.target.frame for step in self.task if step.target is not None}
+        for frame in [self.frames[name] for name in self.frames if name in followed and execution.belt_correction]:
             rises = isinstance(frame.law, Linear) and frame.law.velocity[2] != 0.0
             if rises and (frame.uncertainty.position_m > 0.0 or frame.uncertainty.speed_m_s > 0.0):
                 allowed = f"false: {frame.name} rises, and the range of the lift is not proved for corrections upwards"
