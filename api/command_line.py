@@ -15,7 +15,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, ParamSpec
 import typer
 
 from assur.api.cli import catalogue_table, console_report, ik_report, limits_report
-from assur.api.cli.inputs import Target, joints_in, json_file, log_file, robot_in_place, robot_named, target
+from assur.api.cli.inputs import (
+    Target,
+    joints_in,
+    json_file,
+    log_file,
+    robot_in_place,
+    robot_named,
+    target,
+    told_as_options,
+)
 from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import Problem, printable
@@ -174,7 +183,7 @@ def ik(
     at = None if at_mm is None else list(at_mm)
     pose = {"at_mm": at, "yaw_deg": yaw_deg, "pitch_deg": pitch_deg, "roll_deg": roll_deg, "frame": frame}
     if at_mm is None and joints is None:
-        raise InputError("--at-mm", NOTHING, "a position of the tool point, or joints (--joints), which must be given")
+        raise InputError("--at-mm", NOTHING, "a position of the tool point, or --joints; one of both must be given")
     question: dict[str, Any] = {"pose": _given(pose) or None, "at_s": at_s}
     if joints is not None:
         question["joints"] = joints_in(joints)
@@ -182,7 +191,8 @@ def ik(
     if robot is not None:
         question["robot"] = robot_in_place(robot, cell)
     _announce_compilation()
-    answer = requests.ik_cell(None if robot is not None else cell, _given(question))
+    with told_as_options():
+        answer = requests.ik_cell(None if robot is not None else cell, _given(question))
     if as_json:
         _print_json(answer)
     else:

@@ -10,17 +10,21 @@ from dataclasses import dataclass, replace
 
 from assur.planner.blends.search import searcher
 from assur.planner.collision.proof import Prover
+from assur.planner.feasibility.forbidden_yaw import yaw_impossible
 from assur.planner.feasibility.necessary import start_collides, start_impossible
 from assur.planner.feasibility.odd_input import odd_input
+from assur.planner.feasibility.odd_places import odd_places
+from assur.planner.legs.meeting import every_turn
 from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.legs.tilt import pitch_free
 from assur.planner.model.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Relaxation
 from assur.planner.model.phases import phases, yaw_offsets
-from assur.planner.model.refusal import OF_CANDIDATES, Reason, Refusal, Stage
+from assur.planner.model.refusal import OF_CANDIDATES, ForbiddenYaw, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene
 from assur.planner.relaxation import relax, worth_trying
 from assur.planner.report.margins import carried, contacts, margins
 from assur.planner.report.sentence import sentence
+from assur.planner.report.straight_parts import lengthened
 from assur.planner.search.beam import Found
 from assur.planner.search.census import Counter
 from assur.planner.search.lower_bound import lower_bound
@@ -51,12 +55,12 @@ def plan(scene: Scene, *, adaptive: bool = True, started: float | None = None, n
     clock = _Clock(time.perf_counter() if started is None else started)
     prover = Prover(scene)
     outcome = _outcome(scene, clock, prover, adaptive=adaptive, pairs=nearest_pairs)
-    return replace(outcome, warnings=odd_input(scene, prover))
+    return replace(outcome, warnings=(*odd_input(scene, prover), *odd_places(scene, prover)))
 
 
 def _outcome(scene: Scene, clock: _Clock, prover: Prover, *, adaptive: bool, pairs: int) -> Outcome:
     """A plan, or why there is none; without warnings."""
-    never = start_impossible(scene, prover)
+    never = start_impossible(scene, prover) or yaw_impossible(scene)
     if never is not None:
         return _not_planned(scene, clock, never, Counter().census(), proved=True, cut=False, deepest=never.step)
     found = searcher(scene, prover, clock.started, adaptive=adaptive).run()
@@ -79,7 +83,7 @@ def _planned(scene: Scene, clock: _Clock, prover: Prover, found: Found, made: Pl
         carried=carried(scene, of_plan),
         lower_bound_s=lower_bound(scene, found.first_options),
         census=found.census.census(),
-        assumptions=scene.assumptions,
+        assumptions=(*scene.assumptions, *lengthened(scene)),
         seed=scene.options.seed,
         elapsed_s=clock.elapsed,
         first_s=found.first_s,
@@ -117,6 +121,8 @@ def for_all_times(scene: Scene, refusal: Refusal) -> bool:
         return False  # some yaws, or pitches, were tried, not all
     if refusal.reason is Reason.NEAR_SINGULARITY and not (refusal.amount is not None and refusal.amount.value > 0):
         return False  # no margin was required: a stretched arm may stand there
+    if isinstance(refusal.facts, ForbiddenYaw) and refusal.facts.on_the_way and not every_turn(scene.robot):
+        return False
     return (
         refusal.stage is Stage.INVERSE and refusal.interval is not None and refusal.interval[0] == refusal.interval[1]
     )
@@ -157,7 +163,7 @@ def _not_planned(
         relaxation=relaxation,
         tried=tried,
         explain_budget_spent=spent,
-        assumptions=scene.assumptions,
+        assumptions=(*scene.assumptions, *lengthened(scene)),
         seed=options.seed,
         elapsed_s=clock.elapsed,
         cut_by_clock=cut,

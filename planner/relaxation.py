@@ -24,8 +24,9 @@ from assur.planner.frames import Conveyor, Linear
 from assur.planner.frames.motion import Pose
 from assur.planner.legs.control_point import travelled
 from assur.planner.model.clearance import clearances
+from assur.planner.model.easier_path import rounder, slower
 from assur.planner.model.outcome import Plan, Relaxation
-from assur.planner.model.refusal import Reason, Refusal, Separation
+from assur.planner.model.refusal import LawEnds, Reason, Refusal, Separation
 from assur.planner.model.scene import (
     WORLD,
     Clearance,
@@ -74,8 +75,9 @@ def relax(
     """
     tried: list[str] = []
     geometric = refusal is not None and refusal.reason in GEOMETRIC
+    ended = refusal is not None and refusal.reason is Reason.LAW_ENDS and proved
     for what, members in groupby(changes(scene, step, blocker, refusal), key=lambda change: change[0]):
-        if (proved and what == "budget") or (geometric and what not in OF_GEOMETRY):
+        if (proved and what == "budget") or (geometric and what not in OF_GEOMETRY) or (ended and what not in OF_LAW):
             continue
         family = list(members)
         left = deadline - time.perf_counter()
@@ -195,8 +197,9 @@ def changes(scene: Scene, step: int, blocker: str | None, refusal: Refusal | Non
 
 
 def _listed(scene: Scene, step: int, blocker: str | None, refusal: Refusal | None) -> Iterator[Change]:
-    """Changes in the order of a shop: window, latest end, acceleration time, budget, elbow, pitch, match, heights of
-    approach and depart, dwell, belt speed, clearance of a pair or of all, margin, a body or another robot left out."""
+    """Changes in the order of a shop: window, latest end, acceleration time, budget, elbow, pitch, match, process
+    speed, blend, heights of approach and depart, dwell, belt speed, clearance of a pair or of all, margin, a body or
+    another robot left out."""
     what, options = scene.task[step], scene.options
     if what.window != Window():
         span, along = what.window.time, what.window.along
@@ -218,6 +221,8 @@ def _listed(scene: Scene, step: int, blocker: str | None, refusal: Refusal | Non
         yield "pitch", "free", _step(scene, step, replace(what, target=replace(what.target, pitch=None)))
     if isinstance(what, Move) and what.match == "velocity":
         yield "match", "position", _step(scene, step, replace(what, match="position"))
+    for kind, steps in (("process speed", slower(what)), ("blend", rounder(what))):
+        yield from ((kind, value, _step(scene, step, changed)) for value, changed in steps)
     yield from _heights(scene, step, what)
     yield from _dwells(scene, step, what)
     yield from _belts(scene, what)
@@ -352,6 +357,8 @@ def _step(scene: Scene, number: int, step: Step) -> Scene:
 GEOMETRIC = frozenset({Reason.OUT_OF_REACH, Reason.JOINT_LIMIT})
 OF_GEOMETRY = frozenset({"elbow", "pitch", "heights"})
 """Where a point cannot be reached, only another posture or another height can help."""
+OF_LAW = frozenset({"window", "latest end", "dwell"})
+"""Where it is proved that the motion of a frame is known for too short a time, only what needs less of it can help."""
 FAR = 1e6
 """An end of a window, s or m, that is as good as none."""
 NARROWED = frozenset({"window", "latest end"})
@@ -359,6 +366,7 @@ NARROWED = frozenset({"window", "latest end"})
 IN_THE_WAY = ("pair clearance", "clearance", "heights", "without")
 ABOUT: dict[Reason, tuple[str, ...]] = {
     Reason.WINDOW_MISSED: ("window", "latest end", "dwell", "belt speed"),
+    Reason.LAW_ENDS: ("dwell", "window", "latest end"),
     Reason.BODY_COLLISION: IN_THE_WAY,
     Reason.CONTROL_POINT_IN_COLLISION: IN_THE_WAY,
     Reason.NOT_CERTIFIED: IN_THE_WAY,
@@ -366,14 +374,17 @@ ABOUT: dict[Reason, tuple[str, ...]] = {
     Reason.OUT_OF_REACH: ("elbow", "pitch", "heights"),
     Reason.JOINT_LIMIT: ("elbow", "pitch", "heights"),
     Reason.NEAR_SINGULARITY: ("singularity margin", "elbow"),
-    Reason.MOTION_LIMIT: ("acceleration time", "match", "belt speed", "dwell"),
+    Reason.MOTION_LIMIT: ("process speed", "blend", "acceleration time", "match", "belt speed", "dwell"),
     Reason.CARRY_LIMIT: ("belt speed", "heights"),
 }
 """Kinds of change that are about what a refusal is about, the likeliest first."""
-HOPELESS = frozenset({Reason.START_IN_COLLISION, Reason.LAW_ENDS, Reason.LOAD_LIMIT})
+HOPELESS = frozenset({Reason.START_IN_COLLISION, Reason.LAW_ENDS, Reason.LOAD_LIMIT, Reason.FORBIDDEN_YAW})
 """Reasons that no change of the list can mend."""
 
 
 def worth_trying(refusal: Refusal | None) -> bool:
-    """Whether any change of the list could help."""
-    return refusal is None or refusal.reason not in HOPELESS
+    """Whether any change of the list could help: also where the motion of a frame is known for too short a time for a
+    control point."""
+    if refusal is None or refusal.reason not in HOPELESS:
+        return True
+    return isinstance(refusal.facts, LawEnds) and refusal.facts.tracked_s is not None

@@ -7,7 +7,8 @@ everything else is SI and in the world frame. What has no number is null. Nothin
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Literal, cast
+from enum import StrEnum
+from typing import Literal, TypeVar, cast
 
 import numpy as np
 
@@ -31,13 +32,15 @@ from assur.planner.model.outcome import (
 )
 from assur.planner.model.refusal import Facts, Refusal
 from assur.planner.model.scene import Scene
-from assur.planner.report.sentence import because, note, warned
+from assur.planner.report.notes import note, warned
+from assur.planner.report.sentence import because
 from assur.scenes.conventions import Conventions, as_counted, as_maker
 from assur.scenes.numbers import interval, number, optional
 from assur.scenes.reading.cell import Cell
 from assur.scenes.schema import answer as document
 
 Detail = Literal["full", "digest"]
+Word = TypeVar("Word", bound=StrEnum)
 
 NOTICE = (
     "Proved against the model: robot data, time laws, shapes and uncertainties as requested and as listed under "
@@ -100,7 +103,7 @@ def _not_planned(cell: Cell, outcome: NotPlanned) -> document.NotPlannedAnswer:
     return {
         "schema": "assur/1",
         "status": "not_planned",
-        "reason": outcome.reason,
+        "reason": word(outcome.reason),
         "proved": bool(outcome.proved),
         "sentence": outcome.sentence,
         "refusal": None if outcome.refusal is None else _refusal(cell.scene, outcome.refusal),
@@ -122,7 +125,7 @@ def _not_planned(cell: Cell, outcome: NotPlanned) -> document.NotPlannedAnswer:
 
 def _warning(warning: InputWarning) -> document.InputWarning:
     return {
-        "kind": warning.kind,
+        "kind": word(warning.kind),
         "bodies": list(warning.bodies),
         "amount_m": number(warning.amount_m),
         "detail": warned(warning),
@@ -131,7 +134,7 @@ def _warning(warning: InputWarning) -> document.InputWarning:
 
 def _route(route: Route) -> document.Route:
     return {
-        "course": route.course,
+        "course": word(route.course),
         "vias": int(route.vias),
         "after_wait": bool(route.after_wait),
         "later": bool(route.later),
@@ -328,8 +331,8 @@ def _refusal(scene: Scene, refusal: Refusal) -> document.Refusal:
 def refused_document(scene: Scene, refusal: Refusal) -> document.Refused:
     """What a refusal is about, its facts, and the same for people."""
     return {
-        "stage": refusal.stage,
-        "reason": refusal.reason,
+        "stage": word(refusal.stage),
+        "reason": word(refusal.reason),
         "step": int(refusal.step),
         "bodies": list(refusal.bodies),
         "joint": refusal.joint,
@@ -342,5 +345,12 @@ def refused_document(scene: Scene, refusal: Refusal) -> document.Refused:
     }
 
 
+def word(value: Word) -> Word:
+    """The word of an enumeration as plain text, as readers, JSON and YAML have it."""
+    return cast(Word, value.value)
+
+
 def _plain(value: object) -> object:
+    if isinstance(value, StrEnum):
+        return value.value
     return [_plain(item) for item in value] if isinstance(value, tuple) else value

@@ -86,3 +86,5 @@ HEAVY_KGM2: Final = 1_000.0
 """Moments of inertia, kg·m²."""
 MAX_LOAD_ROWS: Final = 64
 """Rows of a table of shares by mass."""
+MAX_YAW_RANGES: Final = 16
+"""Forbidden ranges of yaw of one robot."""

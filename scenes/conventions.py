@@ -55,6 +55,13 @@ def as_maker(values: FloatArray, conventions: Conventions) -> FloatArray:
     return turned
 
 
+def signs(conventions: Conventions) -> tuple[float, ...]:
+    """What the planner's value of each joint, in its order, is multiplied by to be the maker's."""
+    found = np.empty(len(conventions))
+    found[places(conventions)] = _signs(conventions)
+    return tuple(found.tolist())
+
+
 def as_counted(signs: tuple[tuple[str, float], ...], conventions: Conventions) -> tuple[tuple[str, float], ...]:
     """Named signs, those of joints as the maker counts them in place of the planner's, or the other way round."""
     reversed_ = {joint.name for joint in conventions if joint.sign < 0}

@@ -64,6 +64,10 @@ def fit_limits(
     }
     if robot is not None:
         document |= {"robot": robot.listed()["model"], "limits": _limits(joints)}
+        logged = {joint["name"] for joint in joints}
+        document["not_logged"] = [
+            _not_logged(joint) for joint in robot.listed()["joints"] if joint["name"] not in logged
+        ]
     return document
 
 
@@ -79,6 +83,30 @@ def _of_robot(log: MotionLog, robot: RobotFile) -> dict[str, dict[str, float]]:
             allowed = f"{' or '.join(units)}, for this joint of the robot"
             raise DocumentError(f"{log.name}: column {logged.name}", logged.unit, allowed, 1)
     return {name: {rate: _in_si(joint[rate]) for rate in RATES} for name, joint in joints.items()}
+
+
+def _not_logged(joint: dict[str, Any]) -> dict[str, Any]:
+    """A joint of the robot of which the log says nothing: it keeps the limits of the robot's document."""
+    own = {rate: {"of_robot": _in_si(joint[rate]), "unit": _si_unit(joint[rate]["unit"])} for rate in RATES}
+    return {"name": joint["name"], **own}
+
+
+def _si_unit(unit: str) -> str:
+    return TWIN_UNITS.get(unit, unit)
+
+
+def kept(document: dict[str, Any]) -> list[str]:
+    """A sentence for each joint of the robot that is not in the log: what it keeps, and what the scales of `limits` do
+    to it."""
+    scales, found = document.get("limits", {}), []
+    for joint in document.get("not_logged", ()):
+        own = []
+        for rate in RATES:
+            value, unit = joint[rate]["of_robot"], joint[rate]["unit"].replace("_", "/")
+            scaled = f", with the scale {value * scales[rate]:.{DIGITS}g}" if rate in scales else ""
+            own.append(f"{rate} {value:.{DIGITS}g} {unit}{scaled}")
+        found.append(f"{joint['name']} is not in the log and keeps the limits of the robot: {'; '.join(own)}")
+    return found
 
 
 def _in_si(quantity: dict[str, Any]) -> float:
@@ -150,7 +178,8 @@ def part(document: dict[str, Any]) -> str:
                 lines.append(f"    {rate}_{estimate['unit']}: {{value: {low:g}, status: measured, source: {source}}}")
     if document.get("limits"):
         scales = ", ".join(f"{rate}: {scale:g}" for rate, scale in document["limits"].items())
-        lines += [f"# For the robot of a request, with model {document['robot']} as it is:", f"limits: {{{scales}}}"]
+        lines += [f"# For the robot of a request, with model {document['robot']} as it is; each holds for all joints:"]
+        lines += [*(f"# {sentence}" for sentence in kept(document)), f"limits: {{{scales}}}"]
     return "\n".join(lines) + "\n"
 
 

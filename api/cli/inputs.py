@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_JSON_BYTES
-from assur.scenes.faults import likeliest
+from assur.scenes.faults import NOTHING, likeliest
 from assur.scenes.motion_log import MotionLog, load_log
 from assur.scenes.requests import (
     RobotFile,
@@ -26,6 +27,7 @@ from assur.scenes.requests import (
     shipped_scenarios,
     unmet,
 )
+from assur.scenes.units import si_key, twin_of
 
 if TYPE_CHECKING:
     from assur.scenes.reading.cell import Cell
@@ -127,6 +129,30 @@ def joints_in(text: str) -> dict[str, float]:
             raise InputError("--joints", part, f"{name} once")
         found[name] = number
     return found
+
+
+OPTIONS = {"at_m": "--at-mm", "yaw_rad": "--yaw-deg", "pitch_rad": "--pitch-deg", "roll_rad": "--roll-deg"}
+"""Options of `ik` by the key of the pose that each gives."""
+
+
+@contextmanager
+def told_as_options() -> Iterator[None]:
+    """What is wrong with the question of `ik` is told of the option that asks it, as it is written there."""
+    try:
+        yield
+    except InputError as error:
+        about, _, key = error.field.partition(".")
+        si = (si_key(key) or (key,))[0]
+        if about == "joints" and error.value is NOTHING:
+            allowed = f"all joints, {key} (or {twin_of(key)}) among them, as in j1_deg=17,j2_deg=68,j3_mm=250"
+            raise InputError("--joints", NOTHING, allowed) from error
+        if about == "pose" and si in OPTIONS and error.value is NOTHING:
+            of, axis = OPTIONS[si], si.removesuffix("_rad")
+            allowed = f"a number, which must be given: the joints are found for a pose with its {axis}"
+            raise InputError(of, NOTHING, allowed) from error
+        if about == "pose" and (si in OPTIONS or key == "frame"):
+            raise InputError(OPTIONS.get(si, f"--{key}"), error.value, error.allowed) from error
+        raise
 
 
 def log_file(path: Path) -> MotionLog:

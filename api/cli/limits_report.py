@@ -8,7 +8,7 @@ from typing import Any
 from rich.table import Table
 
 from assur.api.cli.console_report import row, table
-from assur.scenes.fitted_limits import RATES, told
+from assur.scenes.fitted_limits import RATES, kept, told
 
 LEGEND = "unit: of positions; speed, acceleration and jerk are the same per s, s2 and s3; +-: the whole error"
 
@@ -48,3 +48,4 @@ def fitted(document: dict[str, Any]) -> Iterator[Table | str]:
     if of_robot:
         scales = ", ".join(f"{rate}: {scale:g}" for rate, scale in document["limits"].items())
         yield f"limits of a request with this robot: {scales or 'none, its own are not above what was found'}"
+        yield from kept(document)

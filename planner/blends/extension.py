@@ -8,10 +8,12 @@ import numpy as np
 
 from assur.planner.blends.timed import Blended, BlendShape, Station, blended
 from assur.planner.errors import FaultError
+from assur.planner.legs.forbidden_yaw import turns_into
 from assur.planner.legs.joint import Shape
 from assur.planner.legs.state import Knots
 from assur.planner.model.assembly_mode import leaves_assembly
 from assur.planner.model.attachments import at_start
+from assur.planner.model.joint_range import beyond
 from assur.planner.model.outcome import Arrival, Course, Leg, LegKind, Missed, Route
 from assur.planner.model.phases import phases
 from assur.planner.model.refusal import (
@@ -76,6 +78,7 @@ def _extended(scene: Scene, partial: PartialPlan, shape: BlendShape) -> Extensio
         return late
     trajectory = Trajectory(knots.time, knots.q, knots.qd, knots.qdd, jumps=True)
     beyond = _beyond(scene, partial.step, trajectory) or leaves_assembly(scene.robot, partial.step, trajectory)
+    beyond = beyond or turns_into(scene, partial.step, trajectory)
     if beyond is not None:
         return beyond
     legs = _legs(partial, shape, found, knots.end)
@@ -161,11 +164,20 @@ def _beyond(scene: Scene, step: int, trajectory: Trajectory) -> Refusal | None:
     first = next(check for check in report.checks if not check.ok)
     position = first.kind == "position"
     rate = next((rate for rate in RATES if rate == first.kind), None)
+    joint = first.joint or 0
+    low, high = float(first.lower[joint]), float(first.upper[joint])
+    facts: BeyondRange | MotionLimit
+    if position:
+        below = float(limits.lower[joint]) - low
+        facts = beyond(scene, joint, low if below > high - float(limits.upper[joint]) else high)
+    else:
+        limit = float((limits.velocity if rate == "velocity" else limits.acceleration)[joint])
+        facts = MotionLimit(obstacle=Obstacle.RATE, rate=rate, value=max(high, -low), limit=limit)
     return Refusal(
         stage=Stage.LIMITS,
         reason=Reason.JOINT_LIMIT if position else Reason.MOTION_LIMIT,
         step=step,
-        subject=JointName(scene.robot.joints[first.joint or 0].name),
+        subject=JointName(scene.robot.joints[joint].name),
         amount=Quantity.of(float(first.ratio.max()) - 1, "1"),
-        facts=BeyondRange() if position else MotionLimit(obstacle=Obstacle.RATE, rate=rate),
+        facts=facts,
     )

@@ -17,10 +17,10 @@ from assur.planner.blends.law import ParabolicBlend
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.model.attachments import at_start
+from assur.planner.model.joint_range import beyond
 from assur.planner.model.outcome import Course, Route
 from assur.planner.model.refusal import (
     AccelerationTime,
-    BeyondRange,
     JointName,
     Obstacle,
     Quantity,
@@ -68,8 +68,15 @@ class Station:
         turns = robot.revolute * np.round((self.branch.q[row] - found.q[0]) / (2 * np.pi))
         q = found.q[0] + 2 * np.pi * turns
         if not robot.within(q[None])[0]:
-            reason = Reason.JOINT_LIMIT
-            return Refusal(stage=Stage.TIMING, reason=reason, step=step, interval=(t, t), facts=BeyondRange())
+            joint = int(np.maximum(robot.limits.lower - q, q - robot.limits.upper).argmax())
+            return Refusal(
+                stage=Stage.TIMING,
+                reason=Reason.JOINT_LIMIT,
+                step=step,
+                subject=JointName(robot.joints[joint].name),
+                interval=(t, t),
+                facts=beyond(scene, joint, float(q[joint])),
+            )
         return np.asarray(q)
 
     def from_(self, t: float) -> float:

@@ -31,15 +31,16 @@ from assur.planner.checker.motion import (
 from assur.planner.checker.spline import joints
 from assur.planner.compiled import kernel
 
-TRACK, CARRY, STRAIGHT, ALONG, ASSEMBLED = range(5)
+TRACK, CARRY, STRAIGHT, ALONG, ASSEMBLED, YAW = range(6)
 """What is asked of the tool: it stays with its control point, or on the vertical over it; it does not accelerate harder
 than a held part allows; pitch and roll go the way between two; a point of a frame stays within a window; the chain
-stays assembled."""
+stays assembled; its yaw is in no forbidden range."""
 FRAME, POINT, TCP, FOLLOWS, HEIGHT, TURNS, PITCH, ROLL, NUMBERS = 0, 1, 5, 9, 10, 11, 12, 13, 16
 """Columns of what is asked: carrier of the frame; pose in it that the tool takes (x, y, z, yaw); tool point in the
 flange; whether the height counts; how high it may be; whether the yaw counts; pitch and roll. CARRY: HEIGHT is the
-limit. STRAIGHT: from (PITCH, ROLL) by the two numbers behind them. ALONG: the point is in FRAME, the tcp's x, y, z the
-direction, FOLLOWS and HEIGHT the window's ends, all against the origin of the world."""
+limit. STRAIGHT: from (PITCH, ROLL) by the two numbers behind them. YAW: PITCH and ROLL are the cosine and the sine of
+the middle of the range, HEIGHT is the cosine of half its width (V7). ALONG: the point is in FRAME, the tcp's x, y, z
+the direction, FOLLOWS and HEIGHT the window's ends, all against the origin of the world."""
 PITCHES, ROLLS = 5, 6
 """Rows of pitch and roll among the quantities looked at."""
 TRACKED_M, TRACKED_RAD, STRAIGHT_RAD, MEET_M, CARRY_SHARE = 1e-5, 1e-4, 1e-4, 1e-6, 1e-6
@@ -89,8 +90,8 @@ def quantities(
     e: FloatArray,
 ) -> bool:
     """Jets of what is looked at over [t0, t1] into the rows of e: x, y, z, cosine and sine of the heading of the tool
-    less those of its control point (CARRY: of the tool alone; ALONG: the way, ASSEMBLED: the squared margin, as x), and
-    pitch and roll of a hand. False: not known."""
+    less those of its control point (CARRY, YAW: of the tool alone; YAW: the cosine of the angle to the middle of the
+    range, ALONG: the way, ASSEMBLED: the squared margin, as x), and pitch and roll of a hand. False: not known."""
     arm, on = tables[0][0], int(asked[FRAME])
     joints(tables[1], int(arm[FIRST_KNOT]), int(arm[LAST_KNOT]), int(arm[AXIS_COUNT]), t0, t1, q)
     if kind == ASSEMBLED:
@@ -101,7 +102,8 @@ def quantities(
         write(e, ROLLS, jet_of(q, 4))
     if kind == STRAIGHT:
         return True
-    if kind != CARRY and not carry(on, t0, t1, tables, jets):
+    alone = kind in (CARRY, YAW)
+    if not alone and not carry(on, t0, t1, tables, jets):
         return False
     goal = point(jets, on, asked[POINT], asked[POINT + 1], asked[POINT + 2], asked[POINT + 3])
     if kind == ALONG:
@@ -112,7 +114,9 @@ def quantities(
         return False
     tool = point(jets, int(arm[LINKS]) - 1, asked[TCP], asked[TCP + 1], asked[TCP + 2], asked[TCP + 3])
     for k in range(5):
-        write(e, k, plus(tool[k], scaled(0.0 if kind == CARRY else -1.0, goal[k])))
+        write(e, k, plus(tool[k], scaled(0.0 if alone else -1.0, goal[k])))
+    if kind == YAW:
+        write(e, 0, plus(scaled(asked[PITCH], tool[3]), scaled(asked[ROLL], tool[4])))
     return True
 
 
@@ -132,6 +136,8 @@ def taken(kind: int, asked: FloatArray, hand: bool, e: FloatArray, found: FloatA
         now[0] = math.sqrt((x - share * way) ** 2 + (y - share * turn) ** 2) - STRAIGHT_RAD
     elif kind == CARRY:
         now[0] = math.sqrt(e[0, 4] ** 2 + e[1, 4] ** 2 + e[2, 4] ** 2) - asked[HEIGHT] * (1.0 + CARRY_SHARE)
+    elif kind == YAW:
+        now[0] = e[0, 0] - asked[HEIGHT]
     elif kind == ALONG:
         now[0], now[1] = asked[FOLLOWS] - e[0, 0] - MEET_M, e[0, 0] - asked[HEIGHT] - MEET_M
     else:
@@ -159,6 +165,8 @@ def bounded(kind: int, asked: FloatArray, e: FloatArray, h: float, found: FloatA
         found[0] += bend * math.sqrt(most[PITCHES] ** 2 + most[ROLLS] ** 2)
     elif kind == CARRY:
         found[0] = math.sqrt(most[0] ** 2 + most[1] ** 2 + most[2] ** 2) - asked[HEIGHT] * (1.0 + CARRY_SHARE)
+    elif kind == YAW:
+        found[0] += bend * most[0]
     else:
         high = most[0] if kind == ALONG else most[2]
         across = most[0] ** 2 if kind == ALONG else most[0] ** 2 + most[1] ** 2 + asked[FOLLOWS] * most[2] ** 2

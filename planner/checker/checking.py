@@ -22,7 +22,7 @@ from assur.planner.checker.paths.following import traced
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import CARRIER, Solids, solids
 from assur.planner.checker.targets import targets
-from assur.planner.checker.tracking import arches, assembled, pulled, straight, tracked
+from assur.planner.checker.tracking import arches, assembled, pulled, straight, tracked, turned_into
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.checker.world import World
 from assur.planner.frames import ALWAYS
@@ -67,7 +67,7 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING) -> Verdict:
     of_plan = phases(scene, plan.legs, plan.arrivals)
     findings += loads(world, of_plan, claims.carried, blended=blended)
     findings += accuracies(world, plan.arrivals, goals, of_plan)
-    findings += pulled(world, of_plan)
+    findings += pulled(world, of_plan) + turned_into(world)
     table = solids(scene, of_plan)
     findings += corrected(world, of_plan, table)
     apart = Apart.of(scene, of_plan, table, world.tables)

@@ -20,6 +20,8 @@ from assur.planner.model.scene import Move, Pick, Place, Trace
 
 HALF_RAD = 1e-6
 """rad. Ways that are so near to half a turn are as short one way round as the other: the one that was gone counts."""
+YAW_RAD = 1e-9
+"""rad. Forbidden ranges of yaw count wider by this at both ends, for rounding of sines and cosines."""
 WHAT = ("leaves its line or point", "goes below its point", "goes higher than asked", "is turned", "tilts or rolls")
 INSTANTS, ROUNDS = 16, 9
 """Times at which the height of an arch is looked for, and rounds, each between the neighbours of the highest."""
@@ -130,6 +132,31 @@ def _smooth(world: World, t0: float, t1: float) -> list[tuple[float, float]]:
     time = world.knots.time
     inside = np.unique(time[(time > t0) & (time < t1)]).tolist() if world.knots.jumps else []
     return list(pairwise([t0, *inside, t1]))
+
+
+def turned_into(world: World) -> list[Finding]:
+    """A finding for each forbidden range of yaw that the tool enters from the first knot to the last (V7): joints that
+    lag turn it by the sum of their lags at most, and a belt correction does not turn it, for the wrist turns back."""
+    scene, findings = world.scene, list[Finding]()
+    if not scene.forbidden_yaw:
+        return findings  # arms without a wrist among them: they have no fourth joint
+    lag = scene.execution.lag
+    slack = lag[0] + lag[1] + lag[3] if lag else 0.0  # of a SCARA; of a five-bar the first two do not lag here
+    for each in scene.forbidden_yaw:
+        half = math.fmod(each.last - each.first, math.tau)
+        half = (half if half > 0.0 else half + math.tau) / 2.0
+        middle, width = each.first + half, min(half + slack + YAW_RAD, math.pi)
+        asked = [(along.PITCH, math.cos(middle)), (along.ROLL, math.sin(middle)), (along.HEIGHT, math.cos(width))]
+        excess = world.keeps(along.YAW, asked, world.start, world.end)
+        if excess is None:
+            continue
+        yaw = world.tool(excess.time).yaw
+        deep = half + slack - abs(math.remainder(yaw - middle, math.tau))
+        ends = f"{math.degrees(each.first):.6g}° to {math.degrees(each.last):.6g}°"
+        what = f"the tool turns into the forbidden range of yaw from {ends}"
+        what += "" if excess.decided else " (or could not be shown not to)"
+        findings.append(Finding(Code.YAW, what, max(deep, 0.0), "rad", f"{excess.time:.6g} s"))
+    return findings
 
 
 def assembled(world: World) -> list[Finding]:

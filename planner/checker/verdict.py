@@ -27,6 +27,8 @@ class Code(StrEnum):
     WINDOW = "WINDOW"
     ARCH = "ARCH"
     CARRY = "CARRY"
+    YAW = "YAW"
+    """The yaw of the tool is in a forbidden range, or not shown to stay outside it."""
     BLEND = "BLEND"
     """Of a plan with parabolic blends: no parabola, not the asked acceleration time, not missed as it says."""
     LAW_ENDS = "LAW_ENDS"

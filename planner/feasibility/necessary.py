@@ -16,12 +16,12 @@ from assur.planner.legs.missed import never_in_window
 from assur.planner.legs.tilt import pitch_free, roll_free, tilts
 from assur.planner.model.assembly_mode import lost_at
 from assur.planner.model.attachments import Attachments, at_start
+from assur.planner.model.joint_range import beyond
 from assur.planner.model.load import SUMS
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase, contacts_of, yaw_offsets
 from assur.planner.model.refusal import (
     RATES,
-    BeyondRange,
     Bodies,
     Enclosed,
     JointName,
@@ -148,7 +148,7 @@ def _start_beyond_limits(scene: Scene) -> Refusal | None:
                 step=0,
                 subject=JointName(joint.name),
                 amount=of_joint(joint.kind, float(over[i])),
-                facts=BeyondRange(),
+                facts=beyond(scene, i, float(start.q[i])),
             )
         rates = (start.qd[i], limits.velocity[i]), (start.qdd[i], limits.acceleration[i])
         for order, (value, limit) in enumerate(rates, start=1):
@@ -159,7 +159,9 @@ def _start_beyond_limits(scene: Scene) -> Refusal | None:
                     step=0,
                     subject=JointName(joint.name),
                     amount=of_joint(joint.kind, float(abs(value) - limit), order),
-                    facts=MotionLimit(obstacle=Obstacle.RATE, rate=RATES[order - 1]),
+                    facts=MotionLimit(
+                        obstacle=Obstacle.RATE, rate=RATES[order - 1], value=abs(float(value)), limit=float(limit)
+                    ),
                 )
     at, robot = start.q[None], scene.robot
     if not robot.assembled(at, at).all():

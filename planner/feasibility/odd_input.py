@@ -7,14 +7,12 @@ touch nothing. FCL decides, on the true shapes, where everything is at the start
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
 from assur.planner.collision.fcl_door import Posed
 from assur.planner.collision.proof import Prover
-from assur.planner.frames.motion import Pose
+from assur.planner.feasibility.posed_bodies import moved, posed_body, touch, world_pose
 from assur.planner.model.attachments import AT_START, at_start
 from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.phases import CONTACT_M, resting_on
@@ -55,7 +53,7 @@ def _tools_in_the_arm(scene: Scene, prover: Prover) -> list[InputWarning]:
         for each in links:
             allowed = MOUNT_M if each.link in mounts else 0.0
             moves = (allowed * axis, -allowed * axis) if allowed else (np.zeros(3),)
-            if all(_touch(prover, _moved(posed[body.name], by), posed[each.body.name]) for by in moves):
+            if all(touch(prover, moved(posed[body.name], by), posed[each.body.name]) for by in moves):
                 found.append(InputWarning(Odd.TOOL_IN_ARM, (body.name, each.body.name), allowed))
     return found
 
@@ -81,24 +79,24 @@ def _just_below(scene: Scene, prover: Prover, part: str) -> tuple[str, float] | 
     """The first body that a part would touch if it sank, and how far it would sink, m; None: it touches one already,
     or none within `FLOAT_M`."""
     t, arrangement = scene.start.time, prover.arrangement(AT_START)
-    here = _world(scene, part, t)
+    here = world_pose(scene, part, t)
     if here is None:
         return None
     body = scene.index[part].body
     bottom = here.z + body.heights[0]
-    posed = _posed(scene, prover, part)
+    posed = posed_body(scene, prover, part)
     nearest: tuple[float, str] | None = None
     for other in scene.bodies:
-        there = None if other.name == part else _world(scene, other.name, t)
+        there = None if other.name == part else world_pose(scene, other.name, t)
         if there is None or math.hypot(there.x - here.x, there.y - here.y) > body.radius + other.body.radius:
             continue
         low, high = (there.z + height for height in other.body.heights)
         if high < bottom - FLOAT_M or low > bottom or other.name not in arrangement.number:
             continue
-        below = _posed(scene, prover, other.name)
+        below = posed_body(scene, prover, other.name)
 
         def sunk(by: float, below: list[Posed] = below) -> bool:
-            return _touch(prover, _moved(posed, np.array([0.0, 0.0, -by])), below)
+            return touch(prover, moved(posed, np.array([0.0, 0.0, -by])), below)
 
         if sunk(CONTACT_M):
             return None
@@ -109,25 +107,3 @@ def _just_below(scene: Scene, prover: Prover, part: str) -> tuple[str, float] | 
                 free, hit = (free, middle) if sunk(middle) else (middle, hit)
             nearest = min(nearest or (hit, other.name), (hit, other.name))
     return None if nearest is None else (nearest[1], nearest[0])
-
-
-def _world(scene: Scene, name: str, t: float) -> Pose | None:
-    """Where a body is at time t; None: its frame's motion is not known then."""
-    body = scene.index[name]
-    motion = scene.frames[body.frame].law.motion(np.array(t))
-    numbers = (*motion.p.tolist(), float(motion.yaw))
-    return Pose(*numbers).then(body.pose) if all(map(math.isfinite, numbers)) else None
-
-
-def _posed(scene: Scene, prover: Prover, name: str) -> list[Posed]:
-    arrangement = prover.arrangement(AT_START)
-    units = np.array(arrangement.pieces(arrangement.number[name]))
-    return prover.posed(arrangement, scene.start.q, scene.start.time, units)
-
-
-def _moved(posed: list[Posed], by: FloatArray) -> list[Posed]:
-    return [replace(each, position=each.position + by) for each in posed]
-
-
-def _touch(prover: Prover, ones: list[Posed], others: list[Posed]) -> bool:
-    return any(prover.collider.touch(one, other) for one in ones for other in others)

@@ -4,6 +4,7 @@ mode; and those on a frame that repeats its motion which stay out of reach for a
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,8 +15,9 @@ from assur.planner.kernels.carriers import point_bound
 from assur.planner.kernels.laws import bound_frame
 from assur.planner.kernels.links import BOUND_COLUMNS
 from assur.planner.legs.control_point import ControlPoint
+from assur.planner.legs.paths.tracing import lead_in_begin
+from assur.planner.model.joint_range import beyond_at_nearest_turn
 from assur.planner.model.refusal import (
-    BeyondRange,
     JointName,
     OutOfReach,
     Reason,
@@ -100,7 +102,9 @@ def _refused(scene: Scene, point: ControlPoint, above: float, mode: int) -> Refu
         step=point.step,
         subject=JointName(robot.joints[worst].name),
         amount=of_joint(robot.joints[worst].kind, float(over[worst])),
-        facts=BeyondRange(mode=robot.modes[mode], above_m=above),
+        facts=replace(
+            beyond_at_nearest_turn(scene, worst, q), mode=robot.modes[mode], above_m=above, **lead_in_begin(point)
+        ),
     )
 
 
@@ -111,12 +115,12 @@ def _far(scene: Scene, point: ControlPoint, motion: Motion, mode: int) -> Refusa
         has = float(robot.forward(scene.start.q)[0][2])
         off = abs(float(target[2]) - has)
         if off > EDGE_M:
-            facts = OutOfReach(heights_m=(float(target[2]), has))
+            facts = OutOfReach(heights_m=(float(target[2]), has), **lead_in_begin(point))
             return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=off, facts=facts)
     distance = float(np.hypot(target[0] - robot.base.x, target[1] - robot.base.y))
     short = float(np.maximum(-robot.reach_margin(motion, mode)[0], 0.0))
     pitch = float(motion.tilt[0, 0]) if isinstance(motion, TiltedMotion) else None
-    facts = OutOfReach(from_axis_m=distance, pitch_rad=pitch)
+    facts = OutOfReach(from_axis_m=distance, pitch_rad=pitch, **lead_in_begin(point))
     return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=facts)
 
 

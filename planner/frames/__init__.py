@@ -2,6 +2,7 @@
 
 from assur.planner.frames.conveyor import Conveyor
 from assur.planner.frames.fixed import Fixed, Linear, all_stand
+from assur.planner.frames.heading import constant_yaw
 from assur.planner.frames.indexer import Indexer
 from assur.planner.frames.keyframes import Keyframes
 from assur.planner.frames.law import Frame, Law, PoseUncertainty, Uncertainty
@@ -30,4 +31,5 @@ __all__ = [
     "Turntable",
     "Uncertainty",
     "all_stand",
+    "constant_yaw",
 ]

@@ -85,6 +85,11 @@ class Keyframes(KnownLaw):
         object.__setattr__(self, "coefficients", pieces)
         object.__setattr__(self, "slack", ROUNDING * _largest(knots, pieces))
 
+    @property
+    def turns(self) -> bool:
+        """Whether its yaw changes at all."""
+        return any(pose.yaw != self.poses[0].yaw for pose in self.poses)
+
     def _motion(self, t: FloatArray, /) -> Motion:
         turned = np.zeros(t.shape)
         if self.period:

@@ -10,9 +10,9 @@ from functools import lru_cache
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.model.joint_range import beyond
 from assur.planner.model.refusal import (
     RATES,
-    BeyondRange,
     JointName,
     MotionLimit,
     Obstacle,
@@ -101,16 +101,16 @@ def too_fast(scene: Scene, stage: Stage, step: int, fast: Rates, frame: str | No
     which the tool tracks."""
     limits = fast.limits
     kind, joint = (int(k) for k in np.unravel_index(int(fast.ratios.argmax()), fast.ratios.shape))
-    limit = (limits.velocity, limits.acceleration, limits.jerk)[kind]
-    what = scene.robot.joints[joint]
-    excess = float((fast.ratios[kind, joint] - 1) * limit[joint])
+    limit = float((limits.velocity, limits.acceleration, limits.jerk)[kind][joint])
+    what, value = scene.robot.joints[joint], float(fast.ratios[kind, joint]) * limit
+    obstacle = Obstacle.FRAME_TOO_FAST if frame else Obstacle.RATE
     return Refusal(
         stage=stage,
         reason=Reason.MOTION_LIMIT,
         step=step,
         subject=JointName(what.name),
-        amount=of_joint(what.kind, excess, kind + 1),
-        facts=MotionLimit(obstacle=Obstacle.FRAME_TOO_FAST if frame else Obstacle.RATE, rate=RATES[kind], frame=frame),
+        amount=of_joint(what.kind, value - limit, kind + 1),
+        facts=MotionLimit(obstacle=obstacle, rate=RATES[kind], frame=frame, value=value, limit=limit),
     )
 
 
@@ -127,5 +127,5 @@ def _beyond(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, posit
         subject=JointName(what.name),
         interval=(trajectory.start, trajectory.end),
         amount=of_joint(what.kind, max(below, above)),
-        facts=BeyondRange(),
+        facts=beyond(scene, joint, float((position.lower if below > above else position.upper)[joint])),
     )

@@ -7,7 +7,7 @@ dyad; the search for the earliest meeting then only has to ask Ruckig.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,11 +23,12 @@ from assur.planner.kernels.meetings import (
 )
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import ControlPoint
+from assur.planner.legs.forbidden_yaw import allowed_branches
 from assur.planner.legs.missed import window_is_missed
 from assur.planner.legs.singular import Margins, Near, nearest
+from assur.planner.model.joint_range import beyond_at_nearest_turn
 from assur.planner.model.refusal import (
     RATES,
-    BeyondRange,
     JointName,
     MotionLimit,
     Obstacle,
@@ -42,7 +43,7 @@ from assur.planner.model.refusal import (
     out_of_reach,
 )
 from assur.planner.model.scene import Scene
-from assur.planner.robots.facts import Code
+from assur.planner.robots.facts import Code, Limits
 from assur.planner.robots.kinematics import targets_of
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.turns import beyond_range
@@ -57,13 +58,21 @@ LOOK_AHEAD_S = 20.0
 """Meetings are looked for this long after they become possible, s."""
 
 
+def every_turn(robot: Robot) -> bool:
+    """Whether the turns that are tried are all there are, wherever the joints stand."""
+    ranges = (robot.limits.upper - robot.limits.lower)[robot.revolute > 0.0]
+    return bool((ranges <= MOST_TURNS * 2.0 * np.pi + 1e-9).all())
+
+
 @dataclass(frozen=True, eq=False)
 class Meetings:
-    """All branches of a control point that are legal at some time, and why others are not."""
+    """All branches of a control point that are legal at some time, and why others are not. `last`: the last time that
+    was looked at, s, where the end of the frame's law makes it the last one."""
 
     point: ControlPoint
     branches: tuple[Branch, ...]
     refusals: tuple[Refusal, ...]
+    last: float | None = None
 
 
 def times(point: ControlPoint, earliest: float, lead: float) -> FloatArray:
@@ -107,11 +116,14 @@ def meetings(
     branches: list[Branch] = []
     refusals: list[Refusal] = []
     for mode in modes:
-        here = looked.branches(mode, near, any_time=_any_time(point))
+        here, turned = allowed_branches(scene, point, looked.branches(mode, near, any_time=_any_time(point)))
         branches += here
         if not here:
-            refusals.append(_refused(scene, point, lead, mode, looked))
-    return Meetings(point, tuple(branches), tuple(refusals))
+            refusals.append(turned or _refused(scene, point, lead, mode, looked))
+    ends = scene.frames[point.frame].law.valid[1]
+    high = point.intervals[-1][1]
+    by_law = high == ends - point.dwell and float(t[-1]) == high - lead
+    return Meetings(point, tuple(branches), tuple(refusals), float(t[-1]) if by_law else None)
 
 
 class _Evaluated:
@@ -169,8 +181,8 @@ def _refused(scene: Scene, point: ControlPoint, lead: float, mode: int, looked: 
     if not slow.any():
         limits = looked.limits
         over = np.stack([np.abs(looked.joints(1)) / limits.velocity, np.abs(looked.joints(2)) / limits.acceleration])
-        return _too_fast(robot, point, t[safe], over[:, safe], robot.modes[mode])
-    return _beyond_limits(robot, point, t[slow], looked.joints(0)[slow], lead, mode)
+        return _too_fast(point, t[safe], over[:, safe], looked.limits, robot.modes[mode])
+    return _beyond_limits(point, t[slow], looked.joints(0)[slow], lead, mode)
 
 
 def _span(t: FloatArray) -> tuple[float, float]:
@@ -203,25 +215,34 @@ UNDIFFERENTIABLE = (Code.STRETCHED, Code.FOLDED, Code.INDETERMINATE, Code.ALIGNE
 """Codes of positions without derivatives."""
 
 
-def _too_fast(robot: Robot, point: ControlPoint, t: FloatArray, over: FloatArray, mode: str) -> Refusal:
+def _too_fast(point: ControlPoint, t: FloatArray, over: FloatArray, limits: Limits, mode: str) -> Refusal:
     """The joint that would have to be faster than it can be even when the point is slowest for it; a share of its
     limit of velocity or acceleration, `over` (2, T, n)."""
     row = int(np.argmin(over.max((0, 2))))
     kind, joint = (int(k) for k in np.unravel_index(int(over[:, row].argmax()), over[:, row].shape))
+    share, limit = float(over[kind, row, joint]), float((limits.velocity, limits.acceleration)[kind][joint])
     return Refusal(
         stage=Stage.INVERSE,
         reason=Reason.MOTION_LIMIT,
         step=point.step,
-        subject=JointName(robot.joints[joint].name),
+        subject=JointName(point.scene.robot.joints[joint].name),
         interval=_span(t),
-        amount=Quantity.of(float(over[kind, row, joint]) - 1, "1"),
-        facts=MotionLimit(obstacle=Obstacle.FRAME_TOO_FAST, rate=RATES[kind], mode=mode, frame=point.frame),
+        amount=Quantity.of(share - 1, "1"),
+        facts=MotionLimit(
+            obstacle=Obstacle.FRAME_TOO_FAST,
+            rate=RATES[kind],
+            mode=mode,
+            frame=point.frame,
+            value=share * limit,
+            limit=limit,
+        ),
     )
 
 
-def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArray, lead: float, mode: int) -> Refusal:
+def _beyond_limits(point: ControlPoint, t: FloatArray, q: FloatArray, lead: float, mode: int) -> Refusal:
     """The joint that is nearest to being legal, over all turns, and by how much it is not: of the point itself and
     the height `point.approach` over it, where q (T, n) is, whichever asks for more."""
+    robot = point.scene.robot
     worst, where = beyond_range(robot, q), np.full(len(t), point.approach)
     if point.approach:
         there = robot.inverse(point.flange(t + lead).at_rest(), mode, 0).q
@@ -230,6 +251,7 @@ def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArr
         if known.any():
             worst[~known] = np.inf  # the point is out of reach by then
         more = known & (at_point.max(1) >= worst.max(1))
+        q = np.where(more[:, None], there, q)
         worst, where = np.where(more[:, None], at_point, worst), np.where(more, 0.0, where)
     row = int(np.argmin(worst.max(1)))
     most = int(np.argmax(worst[row]))
@@ -240,5 +262,7 @@ def _beyond_limits(robot: Robot, point: ControlPoint, t: FloatArray, q: FloatArr
         subject=JointName(robot.joints[most].name),
         interval=_span(t),
         amount=of_joint(robot.joints[most].kind, float(worst[row, most])),
-        facts=BeyondRange(mode=robot.modes[mode], above_m=float(where[row])),
+        facts=replace(
+            beyond_at_nearest_turn(point.scene, most, q[row]), mode=robot.modes[mode], above_m=float(where[row])
+        ),
     )

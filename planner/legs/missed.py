@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from assur.planner.errors import FaultError
+from assur.planner.frames import Conveyor, Linear
 from assur.planner.legs.control_point import HORIZON_S, ControlPoint
 from assur.planner.model.refusal import LawEnds, Quantity, Refusal, Stage, law_ends, window_missed
 from assur.planner.model.scene import Scene
@@ -16,13 +17,13 @@ from assur.planner.model.window_missed import FOR_ALL_TIMES, Miss, WindowMissed
 
 def window_is_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refusal:
     """Why no meeting time is left: the window is over before `earliest`, or the dwell does not fit into it."""
-    intervals = point.intervals
+    intervals, valid = point.intervals, scene.frames[point.frame].law.valid
     if not intervals:
+        ended = _law_ends_too_soon(scene, point)
+        if ended is not None:
+            return ended
         whole = replace(point, dwell=0.0).intervals
         if not whole:
-            law = scene.frames[point.frame].law
-            if not law.valid[1] >= scene.start.time:
-                return law_ends(Stage.WINDOW, point.step, point.frame, law.valid, scene.start.time)
             amount, facts = _never_open(scene, point)
             return window_missed(Stage.WINDOW, point.step, facts, amount=amount)
         low, high = max(whole, key=lambda span: span[1] - span[0])
@@ -35,11 +36,58 @@ def window_is_missed(scene: Scene, point: ControlPoint, earliest: float) -> Refu
     low, high = intervals[-1]
     latest = scene.options.latest_end_s
     # the same difference as that of the intervals, to the bit
+    if high == valid[1] - point.dwell:
+        return law_ends_on_arrival(point, earliest + point.dwell, (low, high))
     by_latest = latest is not None and high == latest - point.dwell
     miss = Miss.LATEST_END_ON_ARRIVAL if by_latest else Miss.CLOSED_ON_ARRIVAL
     facts = WindowMissed(miss=miss, belt_m=_belt(point, high, earliest))
     late = Quantity.of(earliest - high, "s")
     return window_missed(Stage.WINDOW, point.step, facts, amount=late, interval=(low, high))
+
+
+def by_law(point: ControlPoint, last: float | None, refusal: Refusal) -> Refusal:
+    """The refusal of a way that takes too long for the last meeting; where that is at `last`, s, because the motion of
+    the frame is not known for longer, the frame is to blame."""
+    facts, late, interval = refusal.facts, refusal.amount, refusal.interval
+    if not (isinstance(facts, WindowMissed) and facts.miss is Miss.NO_MEETING_LEFT) or late is None or interval is None:
+        return refusal
+    if interval[1] != last:
+        return refusal
+    ends = point.scene.frames[point.frame].law.valid[1]
+    return replace(law_ends_on_arrival(point, ends + late.value, interval), stage=refusal.stage)
+
+
+def law_ends_on_arrival(point: ControlPoint, needed: float, interval: tuple[float, float] | None) -> Refusal:
+    """The refusal of an arm that comes so late that the motion of the point's frame would be needed until `needed`."""
+    valid = point.scene.frames[point.frame].law.valid
+    return law_ends(
+        Stage.WINDOW, point.step, point.frame, valid, needed, interval=interval, tracked=point.dwell, on_arrival=True
+    )
+
+
+def _law_ends_too_soon(scene: Scene, point: ControlPoint) -> Refusal | None:
+    """The refusal of a frame whose motion is known for too short a time: if it went on, the point could be met. None:
+    something else is to blame for it that the point is met at no time."""
+    frame = scene.frames[point.frame]
+    law = frame.law
+    if law.valid[1] == math.inf:
+        return None
+    if not law.valid[1] >= scene.start.time:
+        return law_ends(Stage.WINDOW, point.step, point.frame, law.valid, scene.start.time, tracked=point.dwell)
+    latest, closes = scene.options.latest_end_s, math.inf if point.window.time is None else point.window.time[1]
+    low, high = point.span[0], min(closes, math.inf if latest is None else latest)
+    spans = [(low, high)]
+    if point.window.along is not None:
+        if not isinstance(law, Conveyor | Linear):
+            return None  # no other law has a way along it
+        endless = replace(frame, law=replace(law, valid=(law.valid[0], math.inf)))
+        goes_on = replace(point, scene=replace(scene, frames={**scene.frames, point.frame: endless}))
+        spans = [(max(low, a), min(high, b)) for a, b in goes_on.inside(point.window.along)]
+    begins = [a for a, b in spans if b - point.dwell >= a]
+    if not begins:
+        return None
+    needed = min(begins) + point.dwell
+    return law_ends(Stage.WINDOW, point.step, point.frame, law.valid, needed, tracked=point.dwell)
 
 
 def never_in_window(scene: Scene, point: ControlPoint) -> Refusal | None:
@@ -54,7 +102,7 @@ def never_in_window(scene: Scene, point: ControlPoint) -> Refusal | None:
 def holds_for_all_times(refusal: Refusal) -> bool:
     """Whether the miss of a window does not depend on when, or whether, the arm comes."""
     # how early the arm can come depends on how it comes; that a window is over or too short does not
-    return isinstance(refusal.facts, LawEnds) or (
+    return (isinstance(refusal.facts, LawEnds) and not refusal.facts.on_arrival) or (
         isinstance(refusal.facts, WindowMissed)
         and refusal.facts.miss in FOR_ALL_TIMES
         and refusal.facts.searched_s is None

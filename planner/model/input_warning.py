@@ -13,12 +13,19 @@ class Odd(StrEnum):
     """A body of the tool overlaps a link of the arm from which nobody keeps it apart."""
     PART_FLOATS = "PART_FLOATS"
     """A part rests on nothing, and something is a few millimetres below it."""
+    TOOL_OFF_PART = "TOOL_OFF_PART"
+    """No body of the tool touches the part where it is picked, or comes near it."""
+    RELEASED_IN_AIR = "RELEASED_IN_AIR"
+    """A part is released above a body that it does not touch."""
+    BODIES_OVERLAP = "BODIES_OVERLAP"
+    """A part to be picked is inside another body."""
 
 
 @dataclass(frozen=True, slots=True)
 class InputWarning:
-    """`bodies`: the tool's body and the arm's, or the part and what is below it; `amount_m`: how far the part is above
-    it, or the overlap that a mount may have and that is exceeded (0: none)."""
+    """`bodies`: the tool's body and the arm's, the part and what is below it, the tool's first body and the part, or
+    two that overlap; `amount_m`: how far the part is above what is below it, the overlap that is allowed and exceeded
+    (0: none), or how far beside the tool the part was looked for."""
 
     kind: Odd
     bodies: tuple[str, str]

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal
 
+from typing_extensions import TypedDict
+
 from assur.planner.model.window_missed import WindowMissed
 
 
@@ -29,6 +31,8 @@ class Reason(StrEnum):
     CARRY_LIMIT = "CARRY_LIMIT"
     LOAD_LIMIT = "LOAD_LIMIT"
     """Tool and part are heavier, or have more inertia about the wrist's axis, than the robot may carry."""
+    FORBIDDEN_YAW = "FORBIDDEN_YAW"
+    """The tool would be in a forbidden range of yaw, or turn through it."""
     TOLERANCE = "TOLERANCE"
     """The tool may be farther off its control point than is allowed."""
     WINDOW_MISSED = "WINDOW_MISSED"
@@ -109,12 +113,33 @@ def of_joint(kind: str, value: float, order: int = 0) -> Quantity | None:
     return Quantity.of(value, (angular if kind == "revolute" else linear)[order])
 
 
+PathPart = Literal["lead-in", "path", "lead-out"]
+
+
+class Spot(TypedDict, total=False):
+    """A place on a path, as `OnPath` has it."""
+
+    path_m: float
+    path_part: PathPart
+    path_at_m: tuple[float, float, float]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OutOfReach:
+class OnPath:
+    """Where on a path something happens (None: on no path). `path_m`: the length from its first point, m, less than 0
+    on the lead-in of a trace and more than the path's length on its lead-out, which `path_part` says; `path_at_m`: the
+    place of the tool point in the path's frame, m."""
+
+    path_m: float | None = None
+    path_part: PathPart | None = None
+    path_at_m: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutOfReach(OnPath):
     """`mode`: the assembly mode; `every_pitch`: at no pitch of the tool; `heights`: required and possible height of
     the flange, m; `from_axis`: its distance from the arm's axis, m; `pitch`: of the tool, rad; `modes`: a straight leg
-    would have to change from the first assembly mode to the second; `path_m`: it happens so far along a path, m
-    (negative: on the lead-in)."""
+    would have to change from the first assembly mode to the second."""
 
     kind: Literal["out_of_reach"] = "out_of_reach"
     mode: str | None = None
@@ -123,25 +148,26 @@ class OutOfReach:
     from_axis_m: float | None = None
     pitch_rad: float | None = None
     modes: tuple[str, str] | None = None
-    path_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BeyondRange:
-    """JOINT_LIMIT. `mode`: the assembly mode; `above_m`: it happens so far above the point; `arch_top_m`: for an arch
-    of this height; `path_m`: as in `OutOfReach`."""
+class BeyondRange(OnPath):
+    """JOINT_LIMIT. `value` that the joint would have, and `limit`, the end of its range that this is beyond, rad or m,
+    as its maker counts it (None: not known); `mode`: the assembly mode; `above_m`: it happens so far above the point;
+    `arch_top_m`: for an arch of this height."""
 
     kind: Literal["joint_limit"] = "joint_limit"
     mode: str | None = None
     above_m: float = 0.0
     arch_top_m: float | None = None
-    path_m: float | None = None
+    value: float | None = None
+    limit: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Singular:
+class Singular(OnPath):
     """`margin` reached (None: it is crossed, or not known) and `required`; `positions`: names of the singular positions
-    met; `distance_m`: how near a straight leg comes; `modes`, `path_m`: as in `OutOfReach`."""
+    met; `distance_m`: how near a straight leg comes; `modes`: as in `OutOfReach`."""
 
     kind: Literal["singularity"] = "singularity"
     margin: float | None = None
@@ -150,7 +176,6 @@ class Singular:
     positions: tuple[str, ...] = ()
     distance_m: float | None = None
     modes: tuple[str, str] | None = None
-    path_m: float | None = None
 
 
 class Obstacle(StrEnum):
@@ -160,6 +185,8 @@ class Obstacle(StrEnum):
     """A joint would exceed its velocity, acceleration or jerk."""
     FRAME_TOO_FAST = "frame too fast"
     """... because a frame that must be tracked is too fast."""
+    PATH_TOO_FAST = "path too fast"
+    """... because a path in a frame is traced too fast."""
     NOT_SMOOTH = "not smooth"
     """The joints cannot follow the path: its motion is not smooth."""
     NO_PATH_LAW = "no path law"
@@ -187,16 +214,19 @@ RATES: tuple[Rate, Rate, Rate] = ("velocity", "acceleration", "jerk")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MotionLimit:
-    """`rate`: which limit of the joint is exceeded, where that is known; `frame`: which it would have to track;
-    `path_m`: as in `OutOfReach`."""
+class MotionLimit(OnPath):
+    """`rate`: which limit of the joint is exceeded, where that is known; `value` that the joint would have of it, and
+    the `limit`, both without a sign, rad or m per s, s² or s³; `frame`: which it would have to track; `speed_m_s`: with
+    which a path would be traced."""
 
     kind: Literal["motion_limit"] = "motion_limit"
     obstacle: Obstacle
     rate: Rate | None = None
     mode: str | None = None
     frame: str | None = None
-    path_m: float | None = None
+    value: float | None = None
+    limit: float | None = None
+    speed_m_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -262,13 +292,31 @@ class Overload:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ForbiddenYaw:
+    """The tool would have the yaw `yaw_rad` in the world, where the range from `first_rad` counter-clockwise to
+    `last_rad` is forbidden; `on_the_way`: not there, but it would have to turn through the range. `lag_rad`: by how
+    much the range counts wider at both ends, for joints that lag."""
+
+    kind: Literal["forbidden_yaw"] = "forbidden_yaw"
+    first_rad: float
+    last_rad: float
+    yaw_rad: float
+    lag_rad: float = 0.0
+    on_the_way: bool = False
+    mode: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LawEnds:
     """A frame's motion is known on `known_s`, s (None: of which frame is not known; None for an end: for ever), and
-    needed at `needed_s`."""
+    needed at `needed_s`. `tracked_s`: for so long a control point must be tracked in the frame, s, until `needed_s` at
+    the earliest (None: it is not for a control point that it is needed); `on_arrival`: the arm comes no sooner."""
 
     kind: Literal["law_ends"] = "law_ends"
     known_s: tuple[float | None, float | None] | None = None
     needed_s: float
+    tracked_s: float | None = None
+    on_arrival: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -315,6 +363,7 @@ Facts = (
     | Enclosed
     | Carrying
     | Corrected
+    | ForbiddenYaw
     | Inaccurate
     | Overload
     | WindowMissed
@@ -398,8 +447,11 @@ def law_ends(
     needed: float,
     *,
     interval: tuple[float, float] | None = None,
+    tracked: float | None = None,
+    on_arrival: bool = False,
 ) -> Refusal:
-    """The motion of a frame is known on `known`, s, and not at `needed`."""
+    """The motion of a frame is known on `known`, s, and not at `needed`; `tracked`, `on_arrival`: as in `LawEnds`."""
+    span = finite(known[0]), finite(known[1])
     return Refusal(
         stage=stage,
         reason=Reason.LAW_ENDS,
@@ -407,5 +459,5 @@ def law_ends(
         subject=FrameName(frame),
         interval=interval,
         amount=Quantity.of(max(known[0] - needed, needed - known[1]), "s"),
-        facts=LawEnds(known_s=(finite(known[0]), finite(known[1])), needed_s=needed),
+        facts=LawEnds(known_s=span, needed_s=needed, tracked_s=tracked, on_arrival=on_arrival),
     )

@@ -11,12 +11,13 @@ from assur.planner.arrays import FloatArray, frozen
 from assur.planner.errors import InputError
 from assur.planner.frames.conveyor import Conveyor
 from assur.planner.frames.fixed import Fixed, Linear
+from assur.planner.frames.heading import constant_yaw
 from assur.planner.frames.law import EXACT, Frame, PoseUncertainty, Uncertainty
 from assur.planner.frames.motion import Pose
-from assur.planner.frames.oscillation import Oscillation
 from assur.planner.geometry.pieces import Pieces, pieces
 from assur.planner.geometry.shapes import Body
 from assur.planner.model.blendable import refuse_acceleration_time, refuse_unblendable
+from assur.planner.model.forbidden_yaw import YawRange, check_ranges
 from assur.planner.model.load import UNKNOWN, Load, LoadLimits, Tool, greatest_inertia
 from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Trace, Window
 from assur.planner.robots.facts import Limits, lowered
@@ -192,10 +193,14 @@ class Scene:
     carry_acceleration: float | None = None
     """Limit of the tool point's acceleration while a part is held, m/s²."""
     load_limits: LoadLimits = UNKNOWN
+    forbidden_yaw: tuple[YawRange, ...] = ()
+    """Ranges in which the yaw of the tool point in the world may be at no time."""
     assumptions: tuple[str, ...] = ()
     """Numbers of the robot that are estimated or second hand, in words; they are repeated in the outcome."""
     digest: str = ""
     """Digest of the request document, carried into the certificate."""
+    signs: tuple[float, ...] = ()
+    """What a value of each joint is multiplied by to be as its maker counts it, 1 or -1 (empty: 1 for all)."""
     index: dict[str, WorldBody] = field(init=False, repr=False)
     pieces: Pieces = field(init=False, repr=False)  # of robot, tool and surroundings, in this order
     seats: dict[str, tuple[str, Pose]] = field(init=False, repr=False)  # frame and pose of what stands around
@@ -229,6 +234,7 @@ class Scene:
         self._check_wrist()
         self._check_kept()
         self._check_execution()
+        check_ranges(self.robot, self.forbidden_yaw, self.execution.lag)
         refuse_acceleration_time(self.options.timing, self.options.acceleration_time_s)
         if self.options.blended:
             refuse_unblendable(self.task, self.frames, moving=self.start.moving, end=self.options.end)
@@ -249,6 +255,10 @@ class Scene:
         asked = ((step.approach_m, step.approach_stop), (step.depart_m, step.depart_stop))
         approach, depart = (length if stop or not length > 0.0 else max(length, clear) for length, stop in asked)
         return approach, depart
+
+    def counted(self, joint: int, value: float) -> float:
+        """The value of a joint as its maker counts it."""
+        return self.signs[joint] * value + 0.0 if self.signs else value
 
     @cached_property
     def exact(self) -> bool:
@@ -281,8 +291,9 @@ class Scene:
         for i, step in enumerate(self.task):
             if isinstance(step, Move | Follow | Trace) and step.target.yaw_keep:
                 frame = self.frames[step.target.frame]
-                if not isinstance(frame.law, Fixed | Conveyor | Linear | Oscillation):
-                    allowed = f"false: {frame.name} turns, so the yaw there depends on when it is met"
+                if constant_yaw(frame.law) is None:
+                    allowed = f"false, with yaw_free: true or a yaw_deg: {frame.name} turns, so the yaw there depends"
+                    allowed += " on when it is met"
                     where = "start" if isinstance(step, Trace) else "to"
                     raise InputError(f"task[{i}].{type(step).__name__.lower()}.{where}.yaw_keep", True, allowed)
 
@@ -338,16 +349,17 @@ class Scene:
         if execution.belt_correction and not scara:
             allowed = f"false: how a correction moves the links is known for SCARAs, and {self.robot.name} is none"
             raise InputError("execution.belt_correction", True, allowed)
-        # only what the tool goes to is corrected for; a frame that carries an obstacle may rise
-        followed = {
-            self.index[step.part].frame for step in self.task if isinstance(step, Pick) and step.part in self.index
-        }
-        followed |= {step.target.frame for step in self.task if step.target is not None}
-        for frame in [self.frames[name] for name in self.frames if name in followed and execution.belt_correction]:
+        for frame in self._tracked() if execution.belt_correction else ():
             rises = isinstance(frame.law, Linear) and frame.law.velocity[2] != 0.0
             if rises and (frame.uncertainty.position_m > 0.0 or frame.uncertainty.speed_m_s > 0.0):
                 allowed = f"false: {frame.name} rises, and the range of the lift is not proved for corrections upwards"
                 raise InputError("execution.belt_correction", True, allowed)
+
+    def _tracked(self) -> list[Frame]:
+        """The frames that steps may track: those of their targets, and those of the parts that they take."""
+        names = [step.target.frame for step in self.task if step.target is not None]
+        names += [self.index[step.part].frame for step in self.task if step.part is not None]
+        return [self.frames[name] for name in dict.fromkeys(names)]
 
     def _check_step(self, field: str, step: Step) -> None:
         target = step.target

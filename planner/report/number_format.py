@@ -34,6 +34,12 @@ def amount(value: float | None, unit: str | None) -> str:
     return f"{number(value * factor, 3)} {name}".rstrip()
 
 
+def position(value: float, kind: str) -> str:
+    """The position of a joint of this kind, "revolute" or "prismatic", to a hundredth of a degree or millimetre."""
+    name, factor = SHOWN_AS["rad" if kind == "revolute" else "m"]
+    return f"{round(value * factor, 2) + 0.0:g} {name}"
+
+
 def number(value: float, digits: int) -> str:
     """A number with so many digits that count and no power of ten; whole ones lose none: 359934 → 359,900 (4)."""
     rounded = float(f"{value:.{digits}g}") + 0.0  # no -0

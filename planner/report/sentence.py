@@ -1,9 +1,10 @@
-"""Sentences for people, made of facts. No other module makes them, and no decision reads them."""
+"""Sentences for people about refusals, made of facts. No decision reads them."""
 
 from __future__ import annotations
 
-from assur.planner.model.input_warning import InputWarning, Odd
-from assur.planner.model.outcome import Census, CensusLine, Course, Route
+import math
+
+from assur.planner.model.outcome import Census, CensusLine
 from assur.planner.model.refusal import (
     OF_CANDIDATES,
     AccelerationTime,
@@ -11,10 +12,12 @@ from assur.planner.model.refusal import (
     Carrying,
     Corrected,
     Enclosed,
+    ForbiddenYaw,
     Inaccurate,
     LawEnds,
     MotionLimit,
     Obstacle,
+    OnPath,
     OutOfReach,
     Overload,
     Reason,
@@ -24,9 +27,10 @@ from assur.planner.model.refusal import (
     Singular,
     Stage,
 )
-from assur.planner.model.scene import Pick, Place, Scene, Window
-from assur.planner.model.window_missed import Miss, WindowMissed
-from assur.planner.report.number_format import amount, number
+from assur.planner.model.scene import Scene, Trace
+from assur.planner.model.window_missed import WindowMissed
+from assur.planner.report.number_format import amount, number, position
+from assur.planner.report.too_late import law_ended, window_missed
 
 
 def sentence(scene: Scene, refusal: Refusal | None, line: CensusLine | None, census: Census, *, cut: bool) -> str:
@@ -50,15 +54,23 @@ def sentence(scene: Scene, refusal: Refusal | None, line: CensusLine | None, cen
 
 def because(scene: Scene, refusal: Refusal) -> str:
     """What would happen, or what is missing: a sentence without its step and its full stop."""
-    return _on_path(refusal) + _because(scene, refusal)
+    return _on_path(scene, refusal) + _because(scene, refusal)
 
 
-def _on_path(refusal: Refusal) -> str:
-    """Where on a path it happens."""
-    place = getattr(refusal.facts, "path_m", None)
-    if place is None:
+def _on_path(scene: Scene, refusal: Refusal) -> str:
+    """Where on a path it happens: how far along it, and at which point of its frame."""
+    facts, target = refusal.facts, scene.task[refusal.step].target
+    if not isinstance(facts, OnPath) or facts.path_m is None or facts.path_at_m is None:
         return ""
-    return f"{_mm(-place)} before the path begins, " if place < 0.0 else f"{_mm(place)} along the path, "
+    frame = "" if target is None else f" in {target.frame}"
+    at = f"at [{', '.join(f'{1e3 * x:z.1f}' for x in facts.path_at_m)}] mm{frame}, "
+    if facts.path_part == "lead-in":
+        return f"on the lead-in, {_mm(-facts.path_m)} before the path begins, {at}"
+    if facts.path_part == "lead-out":
+        step = scene.task[refusal.step]
+        length = step.path.length if isinstance(step, Trace) else facts.path_m
+        return f"on the lead-out, {_mm(facts.path_m - length)} behind the end of the path, {at}"
+    return f"{_mm(facts.path_m)} along the path, {at}"
 
 
 def _because(scene: Scene, refusal: Refusal) -> str:
@@ -67,7 +79,7 @@ def _because(scene: Scene, refusal: Refusal) -> str:
         case OutOfReach() as facts:
             return _out_of_reach(refusal.stage, facts, short)
         case BeyondRange() as facts:
-            return _beyond_range(refusal, facts, short)
+            return _beyond_range(scene, refusal, facts, short)
         case Singular() as facts:
             return _singular(refusal, facts)
         case MotionLimit() as facts:
@@ -86,14 +98,12 @@ def _because(scene: Scene, refusal: Refusal) -> str:
         case Corrected() as facts:
             what = f"{facts.joint} beyond its range" if facts.joint else "the arm to a singular position"
             return f"the belt correction may shift the tool by {_mm(facts.shift_m)}, which would bring {what}"
+        case ForbiddenYaw() as facts:
+            return _forbidden_yaw(refusal, facts, short)
         case WindowMissed() as facts:
-            return _window_missed(scene, refusal, facts, short)
+            return window_missed(scene, refusal, facts, short)
         case LawEnds() as facts:
-            if facts.known_s is None:
-                return f"the motion of a frame is not known at {facts.needed_s:g} s"
-            low, high = facts.known_s
-            known = " ".join(f"{word} {end:g} s" for word, end in (("from", low), ("to", high)) if end is not None)
-            return f"the motion of {refusal.frame} is known {known}, but it is needed at {facts.needed_s:g} s"
+            return law_ended(refusal, facts)
         case Refuted() as facts:
             return (
                 f"the checker refuses the plan: {facts.code}, {facts.what}{f', {facts.where}' if facts.where else ''}"
@@ -124,15 +134,6 @@ def _overload(scene: Scene, refusal: Refusal, facts: Overload) -> str:
     return f"{what}{from_when}, but {allowed}; {help_} or {more} would help"
 
 
-def warned(warning: InputWarning) -> str:
-    """What is probably not meant."""
-    first, second = warning.bodies
-    if warning.kind is Odd.PART_FLOATS:
-        return f"{first} is {_mm(warning.amount_m)} above {second} and rests on nothing"
-    by = f" by more than {_mm(warning.amount_m)} along the flange's axis" if warning.amount_m else ""
-    return f"{first}, a body of the tool, overlaps {second} of the arm{by}, and nothing keeps the two apart"
-
-
 def _inaccurate(facts: Inaccurate) -> str:
     """How far the tool may be off, and why."""
     if facts.allowed_m is not None and facts.position_m > facts.allowed_m:
@@ -140,6 +141,24 @@ def _inaccurate(facts: Inaccurate) -> str:
     else:
         off, allowed, most = (amount(value, "rad") for value in (facts.yaw_rad, facts.allowed_rad or 0.0, facts.most))
     return f"the tool may be {off} off, but only {allowed} are allowed; most of it, {most}, is due to: {facts.cause}"
+
+
+def _forbidden_yaw(refusal: Refusal, facts: ForbiddenYaw, short: str) -> str:
+    """Which range the tool would be in, or turn through."""
+    first, last, yaw = (f"{math.degrees(angle):.6g} deg" for angle in (facts.first_rad, facts.last_rad, facts.yaw_rad))
+    ends = f"from {first} to {last}"
+    if facts.lag_rad > 0.0:
+        ends += f" ({amount(facts.lag_rad, 'rad')} wider at both ends, for joints that lag)"
+    if refusal.stage is Stage.START:
+        return (
+            f"the yaw of the tool at the start is {yaw}, in the forbidden range {ends}, {short} beyond its nearer end"
+        )
+    if not facts.on_the_way:
+        would = f"the yaw of the tool would be {yaw}, in the forbidden range {ends}, {short} beyond its nearer end"
+        return f"{would}{_mode(facts.mode)}"
+    if refusal.stage is Stage.INVERSE:
+        return f"to a yaw of {yaw} the tool would have to turn through the forbidden range {ends}{_mode(facts.mode)}"
+    return f"on its way the tool would turn into the forbidden range of yaw {ends}, by {short}"
 
 
 def _others(line: CensusLine, census: Census) -> str:
@@ -180,6 +199,9 @@ def _out_of_reach(stage: Stage, facts: OutOfReach, short: str) -> str:
     if facts.modes is not None:
         first, second = facts.modes
         return f"a straight leg cannot change from mode {first} to {second}, and its line leaves the workspace"
+    if facts.path_m is not None and stage is not Stage.CONTROL_POINT:
+        far = f"; the farthest place of its way is {short} out of reach" if short else ""
+        return f"the tool leaves the reach of the arm{far}"
     if stage is Stage.STRAIGHT:
         return "the straight line leaves the workspace"
     if stage is Stage.TRACKING:
@@ -198,15 +220,23 @@ def _out_of_reach(stage: Stage, facts: OutOfReach, short: str) -> str:
     return f"{what}{_mode(facts.mode)}"
 
 
-def _beyond_range(refusal: Refusal, facts: BeyondRange, short: str) -> str:
+def _beyond_range(scene: Scene, refusal: Refusal, facts: BeyondRange, short: str) -> str:
     joint = refusal.joint or "a joint"
     if refusal.amount is not None and refusal.amount.unit == "1":
         short = f"{100 * refusal.amount.value:.3g} % of its range"
+    where = f"{short} beyond its limit" if short else "beyond its limit"
+    if facts.value is not None and facts.limit is not None:
+        kind = next((each.kind for each in scene.robot.joints if each.name == joint), "revolute")
+        value, limit = (position(x, kind) for x in (facts.value, facts.limit))
+        beyond = f"{short + ' ' if short else ''}beyond the end of its range at {limit}"
+        if refusal.stage is Stage.START:
+            return f"{joint} starts at {value}, {beyond}"
+        where = f"to {value}, {beyond}"
     if refusal.stage is Stage.START:
-        return f"{joint} starts {short} beyond its limit"
+        return f"{joint} starts {where}"
     arch = "" if facts.arch_top_m is None else f"for an arch up to {_mm(facts.arch_top_m)}, "
     above = f"{_mm(facts.above_m)} above the point, " if facts.above_m else ""
-    return f"{arch}{above}{joint} would have to go {short + ' ' if short else ''}beyond its limit{_mode(facts.mode)}"
+    return f"{arch}{above}{joint} would have to go {where}{_mode(facts.mode)}"
 
 
 POSITIONS = {
@@ -265,9 +295,19 @@ def _motion_limit(refusal: Refusal, facts: MotionLimit, short: str) -> str:
     if refusal.amount is not None and refusal.amount.unit == "1":
         short = f"{number(100 * refusal.amount.value, 3)} %"
     what, joint = facts.rate or "velocity, acceleration or jerk", refusal.joint or "a joint"
+    unit = None if refusal.amount is None else refusal.amount.unit
+    numbers = ""
+    if facts.value is not None and facts.limit is not None and unit not in (None, "1"):
+        numbers = f"{amount(facts.value, unit)}, but its limit is {amount(facts.limit, unit)}"
     if refusal.stage is Stage.START:
-        return f"the {what} of {joint} at the start exceeds its limit by {short}"
+        has = f"of {joint} at the start"
+        return f"the {what} {has} is {numbers}" if numbers else f"the {what} {has} exceeds its limit by {short}"
     tracking = "" if facts.frame is None else f"to move with {facts.frame}, "
+    if facts.obstacle is Obstacle.PATH_TOO_FAST:
+        speed = "the process speed" if facts.speed_m_s is None else amount(facts.speed_m_s, "m/s")
+        tracking = f"to go along the path at {speed}, "
+    if numbers:
+        return f"{tracking}{joint} would need a {what} of {numbers}{_mode(facts.mode)}"
     return f"{tracking}{joint} would have to exceed its limit of {what} by {short}{_mode(facts.mode)}"
 
 
@@ -321,78 +361,3 @@ def _distances(facts: Separation) -> str:
 
 LEAST_M = 1e-7
 """Less than this of a required distance is rounding, m."""
-
-ON_ARRIVAL = frozenset({Miss.CLOSED_ON_ARRIVAL, Miss.NO_MEETING_LEFT, Miss.OUTSIDE})
-"""Misses of what ends the time for a meeting: the window, or the latest end where there is no window."""
-
-
-def _window_missed(scene: Scene, refusal: Refusal, facts: WindowMissed, short: str) -> str:
-    step = scene.task[refusal.step]
-    belt = "" if facts.belt_m is None else f", {_mm(facts.belt_m)} of belt"
-    if facts.miss in ON_ARRIVAL and step.window == Window() and scene.options.latest_end_s is not None:
-        return f"the arm comes at least {short} too late for latest_end_s"
-    match facts.miss:
-        case Miss.TOO_SHORT:
-            what = "part" if isinstance(step, Pick | Place) else "point"
-            needed, is_open = amount(facts.needed_s, "s"), amount(facts.open_s, "s")
-            when = "" if facts.searched_s is None else f" in the next {facts.searched_s:g} s"
-            return (
-                f"the {what} must be tracked for {needed}, but its window is open for only {is_open}{when} "
-                f"({short} short{belt})"
-            )
-        case Miss.OVER_BEFORE_START:
-            return f"the window closes {short} before the start"
-        case Miss.OPENS_AFTER_LATEST_END:
-            return f"the window opens {short} after latest_end_s"
-        case Miss.LATEST_END_BEFORE_START:
-            return f"latest_end_s is {short} before the start"
-        case Miss.ENTERS_AFTER_LATEST_END:
-            return f"the point enters its window {short} after latest_end_s"
-        case Miss.NEVER_INSIDE:
-            return f"the point never enters its window along the conveyor: it stays {short} away"
-        case Miss.NO_COMMON_INSTANT:
-            return f"the window in time and the window along the conveyor never overlap: they are {short} apart"
-        case Miss.OPENS_AFTER_LAW:
-            return "the window opens when the motion of the frame is no longer known"
-        case Miss.NOT_INSIDE_WHILE_KNOWN:
-            return "the point does not enter its window while the motion of its frame is known"
-        case Miss.NOT_INSIDE_SOON:
-            return f"the point does not enter its window in the next {facts.searched_s:g} s"
-        case Miss.CLOSED_ON_ARRIVAL:
-            return f"the arm comes at least {short} after the window has closed{belt}"
-        case Miss.LATEST_END_ON_ARRIVAL:
-            return f"the arm comes at least {short} too late to end by latest_end_s{belt}"
-        case Miss.ENDS_TOO_LATE:
-            return f"the motion ends at least {short} after latest_end_s"
-        case Miss.NO_MEETING_LEFT:
-            end = "to meet the point while it can be met" if step.window == Window() else "for the window"
-            return f"the arm comes at least {short} too late {end}"
-        case Miss.OUTSIDE:
-            return f"the point would be met {short} outside its window"
-        case Miss.NO_COMMON_BEGIN:
-            return "no start of the motion was found from which all windows are met"
-
-
-COURSES = {
-    Course.DIRECT: "direct",
-    Course.ARCH: "arch",
-    Course.STRAIGHT: "straight",
-    Course.PATH: "along its path",
-    Course.BLENDS: "blends",
-    Course.TO_REST: "comes to rest",
-    Course.FOR_BODIES: "lets bodies pass",
-    Course.FOR_POINT: "waits for the control point",
-}
-"""Notes of legs."""
-
-
-def note(route: Route | None) -> str:
-    """How a leg goes, or why the arm waits; nothing where there is nothing to say."""
-    if route is None:
-        return ""
-    vias = f"{route.vias} via point{'s' * (route.vias != 1)}" if route.vias else ""
-    if route.course is Course.DIRECT:
-        words = vias or COURSES[route.course]
-    else:
-        words = COURSES[route.course] + (f", {vias}" if vias else "")
-    return words + " after a wait" * route.after_wait + " later" * route.later

@@ -16,7 +16,8 @@ from assur.planner.kernels.drawing import FASTEST_THROUGH, NUDGED_TIME, SLOWEST_
 from assur.planner.legs.arched import Hop
 from assur.planner.legs.joint import Shape
 from assur.planner.legs.overlap import may_stop
-from assur.planner.model.refusal import BeyondRange, JointName, Quantity, Reason, Refusal, Stage
+from assur.planner.model.joint_range import beyond
+from assur.planner.model.refusal import JointName, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Arch, Scene, Step
 from assur.planner.search import tuning
 from assur.planner.search.meeting_options import Option
@@ -152,7 +153,7 @@ class Sampler:
             step=self.partial.step,
             subject=JointName(joint),
             amount=Quantity.of(over, "m"),
-            facts=BeyondRange(arch_top_m=arch.top_m),
+            facts=replace(beyond(scene, lift, self._height(arch)), arch_top_m=arch.top_m),
         )
 
     def _height(self, arch: Arch) -> float:

@@ -13,9 +13,11 @@ from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.legs.accuracy import arrival_error, too_far
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.legs.correction import shifted_out
+from assur.planner.legs.forbidden_yaw import turns_into
 from assur.planner.legs.joint import JointMotion
 from assur.planner.legs.limits import beyond_limits, parts
 from assur.planner.legs.meeting import Meetings
+from assur.planner.legs.missed import by_law
 from assur.planner.legs.overlap import leaving
 from assur.planner.legs.paths.path_leg import along_path
 from assur.planner.legs.paths.tracing import left_at, trace, traced
@@ -66,12 +68,12 @@ def timed(
     pace = paced(scene, partial, candidate.shape, meeting.point)
     reached = JointMotion(scene, partial.step, partial.state, candidate.shape, candidate.branch, ahead, pace).meet()
     if isinstance(reached, Refusal):
-        return reached
+        return by_law(meeting.point, meeting.last, reached)
     if not meeting.point.tracks:
         missed = _window_refusal(meeting.point, reached.end)
         if missed is not None:
             return missed
-    unknown = laws_over(scene, partial.step, reached.end)
+    unknown = laws_over(scene, partial.step, reached.end) or turns_into(scene, partial.step, reached.trajectory)
     if unknown is not None:
         return unknown
     phase = Phase(
@@ -239,7 +241,7 @@ def _continued(
             beyond = beyond_limits(scene, partial.step, part, limits)
             if beyond is not None:
                 return beyond
-    lost = leaves_assembly(scene.robot, partial.step, trajectory)
+    lost = leaves_assembly(scene.robot, partial.step, trajectory) or turns_into(scene, partial.step, trajectory)
     if lost is not None:
         return lost
     made = tuple(Leg(leg.kind, partial.step, leg.knots.begin, leg.knots.end, leg.route) for leg in legs)

@@ -8,8 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.errors import FaultError
+from assur.planner.frames import constant_yaw
 from assur.planner.legs.branch import Branch
 from assur.planner.legs.control_point import control_point
+from assur.planner.legs.forbidden_yaw import free_yaws_between
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
 from assur.planner.model.scene import Scene
@@ -69,12 +72,16 @@ def preference(robot: Robot, one: FloatArray, other: FloatArray) -> float:
 
 def free_yaws(scene: Scene, partial: PartialPlan, number: int, modes: tuple[int, ...]) -> tuple[float, ...]:
     """Yaws that are tried where the control point of step `number` leaves the yaw free: those for which the wrist stays
-    as it is if the point is met at once, one a mode, and `ANY_YAW` all round; or the one that is to be kept."""
+    as it is if the point is met at once, one a mode, those beside forbidden ranges, and `ANY_YAW` all round; or the one
+    that is to be kept."""
     robot, q, step = scene.robot, partial.state.q, scene.task[number]
     tilt, t = tilts(scene, step, q)[0], np.array([partial.state.time])
     if step.target is not None and step.target.yaw_keep:
-        there = control_point(scene, number, partial.attached, 0.0, tilt).flange(t)
-        return (math.remainder(float(robot.forward(q)[1]) - float(there.yaw[0]), math.tau),)
+        point = control_point(scene, number, partial.attached, 0.0, tilt)
+        there = constant_yaw(scene.frames[point.frame].law)
+        if there is None:
+            raise FaultError(f"the yaw in {point.frame} is to be kept, but this frame turns")
+        return (math.remainder(float(robot.forward(q)[1]) - (there + point.pose.yaw), math.tau),)
     found: list[float] = []
     for mode in modes if robot.revolute[-1] else ():
         offset = 0.0
@@ -88,6 +95,9 @@ def free_yaws(scene: Scene, partial: PartialPlan, number: int, modes: tuple[int,
                 found.append(offset)
                 break
             offset += off
+    if scene.forbidden_yaw:
+        here = float(control_point(scene, number, partial.attached, 0.0, tilt).flange(t).yaw[0])
+        found += [math.remainder(yaw - here, math.tau) for yaw in free_yaws_between(scene)]
     return tuple(dict.fromkeys([*found, *(2 * np.pi * np.arange(ANY_YAW) / ANY_YAW).tolist()]))
 
 

@@ -13,7 +13,7 @@ from assur.planner.model.scene import (
     Scene,
     check_tool_point,
 )
-from assur.scenes.conventions import Conventions
+from assur.scenes.conventions import Conventions, signs
 from assur.scenes.faults import Refused, choices, located, within
 from assur.scenes.reading import bodies, frames, loads, neighbours, robots, task
 from assur.scenes.reading.start import check_loaded, start_of
@@ -90,6 +90,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         execution=_execution(request.execution, given.conventions),
         carry_acceleration=carry,
         load_limits=given.load,
+        forbidden_yaw=given.forbidden_yaw,
         assumptions=(
             *robots.assumptions_of(document, request.robot),
             *frames.assumptions_of(request.frames),
@@ -97,6 +98,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
             *loads.assumptions_of(robot, given.load, tool, [body for body in surroundings if body.name in taken_up]),
         ),
         digest=request.digest,
+        signs=signs(given.conventions),
     )
     check_loaded(scene, given.conventions)
     return Cell(scene, given, known, places, document)

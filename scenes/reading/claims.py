@@ -13,7 +13,7 @@ from assur.planner.model.claims import Claims
 from assur.planner.model.load import Carried
 from assur.planner.model.outcome import Contact, Course, JointPeak, Nearest, Route, ToolPeaks
 from assur.planner.model.scene import Scene
-from assur.planner.report.sentence import note
+from assur.planner.report.notes import note
 from assur.scenes.reading.plan import PLAN
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.read import read_normal

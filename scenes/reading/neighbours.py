@@ -61,6 +61,8 @@ def add_neighbour(item: NeighbourDocument, frames: dict[str, Frame], places: Pla
         robot = given.robot
         if robot.tilting:
             raise Refused("an arm whose links stay upright, not one whose links tilt")
+        if given.forbidden_yaw:
+            raise Refused("none: a neighbour does what its trajectory says", "limits", "forbidden_yaw_rad")
     if item.trajectory is None:
         raise Refused("a trajectory in its place: a request never names a file", "plan", "file")
     shift = Uncertainty(shift_s=(-item.start_uncertainty_s, item.start_uncertainty_s))

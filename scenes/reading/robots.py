@@ -10,6 +10,7 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
+from assur.planner.model.forbidden_yaw import YawRange, check_ranges
 from assur.planner.model.load import LoadLimits, Tool
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
@@ -36,13 +37,14 @@ from assur.scenes.units import from_si, si_key, twin_of
 
 @dataclass(frozen=True, eq=False)
 class Equipped:
-    """A robot at its base with its limits narrowed, its tool, the conventions in which its maker counts, and what the
-    robot may carry."""
+    """A robot at its base with its limits narrowed, its tool, the conventions in which its maker counts, what the robot
+    may carry, and the ranges of yaw in which its tool may not be."""
 
     robot: Robot
     tool: Tool
     conventions: Conventions
     load: LoadLimits
+    forbidden_yaw: tuple[YawRange, ...] = ()
 
 
 _kept: dict[str, Equipped] = {}
@@ -60,8 +62,9 @@ def equipped(item: RobotDocument) -> Equipped:
             limits = _narrowed(item.limits, of)
             load = replaced(of.load, item.limits.acceleration_by_load)
         made = of.robot(pose_of(item.base), limits)
+        ranges = _forbidden_yaw(item.limits, made)
         with within("tool"):
-            found = Equipped(made, _tool(item.tool, of), of.conventions, load)
+            found = Equipped(made, _tool(item.tool, of), of.conventions, load, ranges)
         if len(item.text) <= LONGEST_KEPT:
             if len(_kept) >= MOST_KEPT:
                 _kept.clear()
@@ -167,6 +170,18 @@ def _narrowed(item: LimitsDocument, of: BuiltArm) -> Limits:
     return Limits(lower, upper, *(scale * rate for scale, rate in zip(scales, _rates(limits), strict=True)))
 
 
+def _forbidden_yaw(item: LimitsDocument, robot: Robot) -> tuple[YawRange, ...]:
+    """The ranges of yaw. Raises `Refused` at the range that is none, or at all of them for an arm without a yaw of its
+    own and for ranges that leave no yaw."""
+    found = []
+    for i, (first, last) in enumerate(item.forbidden_yaw_rad or ()):
+        with within("limits", "forbidden_yaw_rad", i):
+            found.append(YawRange(first, last))
+    with within("limits", "forbidden_yaw_rad"):
+        check_ranges(robot, found, ())
+    return tuple(found)
+
+
 def _rates(limits: Limits) -> tuple[FloatArray, FloatArray, FloatArray]:
     return limits.velocity, limits.acceleration, limits.jerk
 
@@ -176,7 +191,7 @@ def _ranges(ranges: dict[str, Sequence[float]], of: BuiltArm) -> tuple[FloatArra
     keys, own = [_key(joint) for joint in of.conventions], places(of.conventions)
     for key, (first, last) in ranges.items():
         if key not in keys:
-            allowed = ["velocity", "acceleration", "jerk", "acceleration_by_load", *keys]
+            allowed = ["velocity", "acceleration", "jerk", "acceleration_by_load", "forbidden_yaw_rad", *keys]
             raise Refused(f"one of {', '.join(allowed)} (ranges also in deg, mm)", key)
         joint, i = of.conventions[keys.index(key)], int(own[keys.index(key)])
         low, high = sorted((joint.sign * first, joint.sign * last))

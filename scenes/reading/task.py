@@ -28,6 +28,11 @@ from assur.scenes.schema.task import (
 )
 
 NO_YAW = "no yaw: the robot has no wrist"
+ANY_YAW = (
+    "yaw_deg (or yaw_rad) with a number, yaw_free: true (any yaw) or yaw_keep: true (the yaw that the tool has when "
+    "the step begins), one of which must be given"
+)
+PART_YAW = "yaw_deg (or yaw_rad) with a number, which must be given: a part is placed as it has to lie"
 NO_HEADING = "no yaw: the tool's heading follows from the position"
 NO_TILT = "no {}: only arms with five axes have one"
 
@@ -170,10 +175,11 @@ class _Task:
             if getattr(item, key) and not self.has_yaw:
                 raise Refused(self.no_yaw, key)
             if getattr(item, key) and part:
-                raise Refused("a yaw_rad: a part is placed as it has to lie", key)
+                raise Refused(PART_YAW, key)
         silent = item.yaw_rad is None and not item.yaw_free and not item.yaw_keep
         if silent and self.has_yaw and not free:
-            raise Refused("yaw_rad or yaw_deg, which must be given", "yaw_rad")
+            said: list[str] = [key for key in ("yaw_free", "yaw_keep") if key in item.model_fields_set]
+            raise Refused(PART_YAW if part else ANY_YAW, *(said or ["yaw_rad"])[:1])
         yaw_free = item.yaw_free or item.yaw_keep or (silent and (free or not self.has_yaw))
         if item.body is not None and item.body == self.held:
             raise Refused("a body that is not in the gripper", "body")

@@ -7,6 +7,7 @@ A fact about an arm may be stated with its status and source (`assur.scenes.sche
 from __future__ import annotations
 
 import marshal
+import math
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
@@ -80,12 +81,17 @@ class LoadShare(Document):
     share: Scale
 
 
+Heading = Annotated[float, Field(ge=-math.tau, le=math.tau)]
+YawRangeDocument = Annotated[list[Heading], Field(min_length=2, max_length=2)]
+YawRanges = Annotated[list[YawRangeDocument], Field(min_length=1, max_length=bounds.MAX_YAW_RANGES)]
+
 LoadShares = Annotated[list[LoadShare], Field(min_length=1, max_length=bounds.MAX_LOAD_ROWS)]
 
 
 class LimitsDocument(ByName):
     """Scales in (0, 1] of the robot's own limits, the share of acceleration and jerk by mass in place of the robot's
-    own law, and narrower ranges by the maker's joint names (`j4_rad`)."""
+    own law, and narrower ranges by the maker's joint names (`j4_rad`). `forbidden_yaw_rad`: ranges in which the yaw of
+    the tool point in the world is at no time, each counter-clockwise from its first end to its second."""
 
     __pydantic_extra__: dict[str, Pair]
 
@@ -93,6 +99,7 @@ class LimitsDocument(ByName):
     acceleration: Scale = 1.0
     jerk: Scale = 1.0
     acceleration_by_load: LoadShares | None = None
+    forbidden_yaw_rad: YawRanges | None = None
 
 
 class JointDocument(Document):

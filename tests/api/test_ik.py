@@ -129,18 +129,18 @@ def test_a_robots_file_may_be_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ((), "--at-mm: it is missing; allowed: a position of the tool point, or joints (--joints)"),
+        ((), "--at-mm: it is missing; allowed: a position of the tool point, or --joints; one of both must be given"),
         (("demo",), "--at-mm: it is missing"),
         (POSE, "request: it is missing; allowed: a request, or a robot"),
         (("nowhere.yaml", *POSE), 'FILE: got "nowhere.yaml"'),
         (("--robot", "nothing", *POSE), 'ROBOT: got "nothing"'),
         (("demo", *POSE, "--joints", "j1_deg=1"), "joints: got"),
-        (("demo", *POSE[:4]), "pose.yaw_rad: it is missing; allowed: yaw_rad or yaw_deg"),
+        (("demo", *POSE[:4]), "--yaw-deg: it is missing; allowed: a number, which must be given: the joints are found"),
         (
             ("demo", *POSE, "--frame", "blet"),
-            'pose.frame: got "blet"; allowed: one of belt, dial, gate, world; did',
+            '--frame: got "blet"; allowed: one of belt, dial, gate, world; did',
         ),
-        (("demo", *POSE, "--pitch-deg", "3"), "pose.pitch_deg: got 3.0; allowed: no pitch"),
+        (("demo", *POSE, "--pitch-deg", "3"), "--pitch-deg: got 3.0; allowed: no pitch"),
         (("demo", "--at-mm", "nan", "0", "0", "--yaw-deg", "0"), "pose.at_mm[0]: got"),
         (("demo", "--at-mm", "inf", "0", "0", "--yaw-deg", "0"), "pose.at_mm[0]: got"),
         (("demo", *POSE, "--at-s", "nan"), "at_s: got"),
@@ -149,7 +149,10 @@ def test_a_robots_file_may_be_named(tmp_path: Path) -> None:
         (("demo", "--joints", ""), '--joints: got ""'),
         (("demo", "--joints", "j1_deg=1,j1_deg=2"), '--joints: got "j1_deg=2"; allowed: j1_deg once'),
         (("demo", "--joints", "j1_deg=1,j1_rad=2"), "joints.j1_deg: got 1.0; allowed: j1_deg or j1_rad, not both"),
-        (("demo", "--joints", "j1_deg=1"), "joints.j2_rad: it is missing"),
+        (
+            ("demo", "--joints", "j1_deg=1"),
+            "--joints: it is missing; allowed: all joints, j2_rad (or j2_deg) among them",
+        ),
         (("demo", "--joints", "j1=1"), "joints.j1: got 1.0; allowed: one of j1_rad"),
         (
             ("demo", "--joints", "j1_deg=1,j2_deg=nan,j3_mm=250,j4_deg=0"),

@@ -19,6 +19,7 @@ from assur.planner.model.refusal import (
     Corrected,
     Enclosed,
     Facts,
+    ForbiddenYaw,
     FrameName,
     Inaccurate,
     JointName,
@@ -38,7 +39,8 @@ from assur.planner.model.refusal import (
 from assur.planner.model.scene import Clearance, ClearanceException, Follow, Window
 from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.pipeline import leading, plan
-from assur.planner.report.sentence import because, note, sentence
+from assur.planner.report.notes import note
+from assur.planner.report.sentence import because, sentence
 from tests.planner.cells import at, cell, go, stands
 
 SCENE = cell(go(0.35, 0.2, name="drop"), go(0.3, 0.0, name="home"))
@@ -181,6 +183,7 @@ def of(reason: Reason, facts: Facts, amount: Quantity | None = None, **more: Any
 
 
 MARGINS: dict[str, Any] = {"margin": 0.03, "required": 0.1}
+RANGE = ForbiddenYaw(first_rad=math.radians(-0.5), last_rad=math.radians(20), yaw_rad=math.radians(10))
 CASES: list[tuple[Refusal, str]] = [
     (of(Reason.OUT_OF_REACH, OutOfReach(mode="left")), "the point is out of reach (mode left)"),
     (
@@ -214,7 +217,31 @@ CASES: list[tuple[Refusal, str]] = [
     ),
     (of(Reason.JOINT_LIMIT, BeyondRange(), Quantity(0.02, "1")), "j1 would have to go 2 % of its range beyond"),
     (of(Reason.JOINT_LIMIT, BeyondRange(), Quantity(0.1, "m"), stage=Stage.START), "j1 starts 100 mm beyond its limit"),
+    (
+        of(
+            Reason.JOINT_LIMIT,
+            BeyondRange(value=math.radians(130), limit=math.radians(120)),
+            Quantity(math.radians(10), "rad"),
+        ),
+        "j1 would have to go to 130 deg, 10 deg beyond the end of its range at 120 deg",
+    ),
     (of(Reason.JOINT_LIMIT, BeyondRange(), subject=None), "a joint would have to go beyond its limit"),
+    (
+        of(Reason.FORBIDDEN_YAW, RANGE, Quantity(0.1, "rad"), stage=Stage.START),
+        "the yaw of the tool at the start is 10 deg, in the forbidden range from -0.5 deg to 20 deg, 5.73 deg beyond",
+    ),
+    (
+        of(Reason.FORBIDDEN_YAW, replace(RANGE, lag_rad=math.radians(2), mode="left"), Quantity(0.1, "rad")),
+        "in the forbidden range from -0.5 deg to 20 deg (2 deg wider at both ends, for joints that lag), 5.73 deg",
+    ),
+    (
+        of(Reason.FORBIDDEN_YAW, replace(RANGE, on_the_way=True), Quantity(0.1, "rad"), stage=Stage.INVERSE),
+        "to a yaw of 10 deg the tool would have to turn through the forbidden range from -0.5 deg to 20 deg",
+    ),
+    (
+        of(Reason.FORBIDDEN_YAW, replace(RANGE, on_the_way=True), Quantity(0.1, "rad"), stage=Stage.LIMITS),
+        "on its way the tool would turn into the forbidden range of yaw from -0.5 deg to 20 deg, by 5.73 deg",
+    ),
     (
         of(Reason.NEAR_SINGULARITY, Singular(**MARGINS)),
         "the arm would be too close to a singular position (singularity margin 0.030, required 0.100)",
@@ -341,6 +368,16 @@ CASES: list[tuple[Refusal, str]] = [
     (
         of(Reason.LAW_ENDS, LawEnds(known_s=(0.0, 2.0), needed_s=2.5), Quantity(0.5, "s")),
         "the motion of belt is known from 0 s to 2 s, but it is needed at 2.5 s",
+    ),
+    (
+        of(Reason.LAW_ENDS, LawEnds(known_s=(None, 2.0), needed_s=2.5, tracked_s=0.8), Quantity(0.5, "s")),
+        "the motion of belt is known to 2 s, but it is needed until 2.5 s: the point must be tracked for 800 ms, "
+        "from 1.7 s on",
+    ),
+    (
+        of(Reason.LAW_ENDS, LawEnds(known_s=(0.0, 2.0), needed_s=2.5, tracked_s=0.0, on_arrival=True)),
+        "the motion of belt is known from 0 s to 2 s, but the point cannot be met before 2.5 s; the arm cannot be "
+        "there sooner",
     ),
     (of(Reason.LAW_ENDS, LawEnds(needed_s=2.5), subject=None), "the motion of a frame is not known at 2.5 s"),
 ]

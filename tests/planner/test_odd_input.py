@@ -15,7 +15,7 @@ from assur.planner.geometry.shapes import Body, box, cylinder
 from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.scene import Holding, Pick, Scene, Tool
 from assur.planner.pipeline import plan
-from assur.planner.report.sentence import warned
+from assur.planner.report.notes import warned
 from tests.planner.cells import PART, Around, cell, go, mesh_box, solid, stands, table_to_table
 
 

@@ -14,7 +14,7 @@ from assur.planner.frames import Conveyor
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder
 from assur.planner.model.outcome import NotPlanned, Planned
-from assur.planner.model.refusal import Enclosed, Reason, Refusal, Stage
+from assur.planner.model.refusal import Enclosed, Reason, Refusal, Stage, law_ends
 from assur.planner.model.scene import Clearance, ClearanceException, Follow, Pick, Place, Scene, Target, Window
 from assur.planner.pipeline import plan
 from assur.planner.relaxation import changes, relax, worth_trying
@@ -258,6 +258,20 @@ def test_nothing_is_tried_without_a_budget_for_it_or_where_nothing_could_help() 
     for reason in Reason:
         hopeless = reason in (Reason.START_IN_COLLISION, Reason.LAW_ENDS, Reason.LOAD_LIMIT)
         assert worth_trying(Refusal(stage=Stage.TIMING, reason=reason, step=0, facts=Enclosed())) is not hopeless
+    for tracked in (None, 0.8):
+        ends = law_ends(Stage.WINDOW, 0, "belt", (0.0, 0.5), 0.8, tracked=tracked)
+        assert worth_trying(ends) is (tracked is not None)
+
+
+def test_a_law_that_ends_too_soon_for_a_follow_is_mended_by_a_shorter_dwell() -> None:
+    ends = frame("belt", Conveyor(Pose(0.1, 0.3, 0.1), 0.1, valid=(0.0, 1.2)))
+    step = Follow("f", at(0.0, 0.0, 0.1, 0.0, "belt"), 1.5)
+    late = plan(cell(step, frames=(ends,), **EXPLAIN))
+    assert isinstance(late, NotPlanned)
+    assert (late.reason, late.proved) == (Reason.LAW_ENDS, True)
+    assert late.relaxation is not None
+    assert late.relaxation.what == "dwell"
+    assert not {tried.split(":")[0] for tried in late.tried} - {"dwell", "window", "latest end"}
 
 
 def test_a_spent_budget_is_said() -> None:

@@ -17,7 +17,7 @@ from assur.planner import pipeline
 from assur.planner.model.outcome import NotPlanned, Outcome
 from assur.planner.model.scene import Scene
 from assur.planner.pipeline import plan
-from assur.planner.report import sentence
+from assur.planner.report import notes, sentence
 from assur.scenes import answer as answers
 from assur.scenes.requests import check_document, plan_document, shipped, shipped_scenarios
 from tests.planner.test_pipeline import PROVED, REASONS
@@ -35,10 +35,14 @@ def nonsense(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
     """Replaces every function that makes a sentence, wherever it has been imported."""
 
     def replace() -> None:
-        items = vars(sentence).items()
-        makers = [name for name, item in items if callable(item) and item.__module__ == sentence.__name__]
-        assert {"sentence", "because", "note"} <= set(makers)
-        for module in (sentence, pipeline, answers):
+        makers = [
+            name
+            for texts in (sentence, notes)
+            for name, item in vars(texts).items()
+            if callable(item) and item.__module__ == texts.__name__
+        ]
+        assert {"sentence", "because", "note", "warned"} <= set(makers)
+        for module in (sentence, notes, pipeline, answers):
             for name in set(makers) & vars(module).keys():
                 monkeypatch.setattr(module, name, lambda *_, **__: NONSENSE)
 

@@ -332,6 +332,26 @@ BAD_REQUESTS: tuple[Bad, ...] = (
         "robot.scara.acceleration_by_load[1].share",
         "up to 0.5",
     ),
+    *(
+        Bad(f"forbidden yaws: {name}", put("robot", "limits", "forbidden_yaw_deg", value=value), field, said)
+        for name, value, field, said in (
+            ("no list", 5, "robot.limits.forbidden_yaw_deg", ""),
+            ("text", "all", "robot.limits.forbidden_yaw_deg", ""),
+            ("empty", [], "robot.limits.forbidden_yaw_deg", ""),
+            ("a number", [10], "robot.limits.forbidden_yaw_deg[0]", ""),
+            ("one end", [[10]], "robot.limits.forbidden_yaw_deg[0]", ""),
+            ("three ends", [[10, 20, 30]], "robot.limits.forbidden_yaw_deg[0]", ""),
+            ("no number", [[10, "x"]], "robot.limits.forbidden_yaw_deg[0][1]", ""),
+            ("nothing", [[10, None]], "robot.limits.forbidden_yaw_deg[0][1]", ""),
+            ("true", [[True, 20]], "robot.limits.forbidden_yaw_deg[0][0]", ""),
+            ("too far", [[10, 20], [10, 361]], "robot.limits.forbidden_yaw_deg[1][1]", ""),
+            ("equal ends", [[10, 10]], "robot.limits.forbidden_yaw_deg[0]", "differ"),
+            ("a full turn", [[-180, 180]], "robot.limits.forbidden_yaw_deg[0]", "360° apart"),
+            ("too narrow", [[10, 10.05]], "robot.limits.forbidden_yaw_deg[0]", "0.1°"),
+            ("all of the circle", [[0, 200], [180, 10]], "robot.limits.forbidden_yaw_deg", "leave a yaw free"),
+            ("too many", [[i, i + 1] for i in range(17)], "robot.limits.forbidden_yaw_deg", ""),
+        )
+    ),
     Bad("scale above one", put("robot", "limits", "velocity", value=1.5), "robot.limits.velocity"),
     Bad("scale of zero", put("robot", "limits", "jerk", value=0), "robot.limits.jerk"),
     Bad("wider range", put("robot", "limits", "j4_deg", value=[-400, 270]), "robot.limits.j4_deg"),

@@ -11,7 +11,7 @@ import pytest
 
 from assur.scenes.catalogue import load_robot, shipped_robot
 from assur.scenes.faults import DocumentError
-from assur.scenes.fitted_limits import RATES, WHY, fit_limits, part, told
+from assur.scenes.fitted_limits import RATES, WHY, fit_limits, kept, part, told
 from assur.scenes.motion_log import LoggedJoint, MotionLog, load_log
 from assur.scenes.text.yaml_text import parse_yaml
 from benchmarks.recorded_motion import example
@@ -70,6 +70,29 @@ def test_the_limits_of_a_request_keep_every_joint_below_what_was_found(found: di
         assert 0 < scales[rate] <= 1
         ratios = [(one[rate]["value"] - one[rate]["error"]) / one[rate]["of_robot"] for one in found["joints"]]
         assert min(ratios) - 0.002 < scales[rate] <= min(ratios)
+
+
+def test_a_joint_that_is_not_in_the_log_is_named_with_the_limits_that_it_keeps(found: dict[str, Any]) -> None:
+    (joint,) = found["not_logged"]
+    (own,) = (each for each in shipped_robot("fanuc-sr-3ia").listed()["joints"] if each["name"] == "j4")
+    assert joint["name"] == "j4"
+    for rate in RATES:
+        assert own[rate]["unit"].startswith("deg")
+        assert joint[rate]["of_robot"] == pytest.approx(np.radians(own[rate]["value"]))
+        assert joint[rate]["unit"].startswith("rad")
+    (sentence,) = kept(found)
+    scaled = joint["jerk"]["of_robot"] * found["limits"]["jerk"]
+    assert sentence.startswith("j4 is not in the log and keeps the limits of the robot: acceleration ")
+    assert sentence.endswith(f"with the scale {scaled:.4g}")
+    assert f"# {sentence}" in part(found).splitlines()
+
+
+def test_a_log_of_every_joint_leaves_none_out_and_one_without_a_robot_knows_of_none() -> None:
+    joints = tuple(LoggedJoint(f"j{i + 1}", "m" if i == 2 else "rad", np.zeros(60)) for i in range(4))
+    log = MotionLog("all.csv", np.arange(0.0, 60) * 0.004, joints)
+    document = fit_limits(log, robot=shipped_robot("fanuc-sr-3ia"))
+    assert (document["not_logged"], kept(document)) == ([], [])
+    assert kept(fit_limits(few())) == []
 
 
 def test_a_robot_that_is_slower_than_what_was_found_is_not_narrowed(found: dict[str, Any]) -> None:

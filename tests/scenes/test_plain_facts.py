@@ -95,7 +95,7 @@ CASES: dict[str, tuple[Change, str, int]] = {
     "place out of reach, taken in any yaw": (any_yaw_and_far, "OUT_OF_REACH", 1),
     "a later move out of reach": (also({"move": {"to": {"at_mm": [600, 0, 100]}}}), "OUT_OF_REACH", 2),
     "a later window that is too short": (also({"follow": FOLLOW}), "WINDOW_MISSED", 2),
-    "a later law that ends too soon": (belt_that_ends, "WINDOW_MISSED", 2),
+    "a later law that ends too soon": (belt_that_ends, "LAW_ENDS", 2),
 }
 
 
@@ -134,3 +134,35 @@ def test_it_is_proved_after_one_round(name: str) -> None:
     assert (answer["reason"], answer["proved"]) == (reason, True), answer["sentence"]
     assert answer["refusal"]["step"] == step
     assert answer["census"]["candidates"] <= FEW
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "value", "limit"),
+    [
+        # J3 counts downwards, from 0 to 200 mm
+        ("place below the lift", "410 mm, 210 mm beyond the end of its range at 200 mm", 0.41, 0.2),
+        ("place above the lift with its approach", "-20 mm, 20 mm beyond the end of its range at 0 mm", -0.02, 0.0),
+    ],
+)
+def test_a_joint_beyond_its_range_is_told_as_its_maker_counts_it(
+    name: str, words: str, value: float, limit: float
+) -> None:
+    cell = copy.deepcopy(CELL)
+    CASES[name][0](cell)
+    answer = plan(cell)
+    assert f"j3 would have to go to {words}" in answer["sentence"]
+    facts = answer["refusal"]["facts"]
+    assert facts["value"] == pytest.approx(value)
+    assert facts["limit"] == pytest.approx(limit)
+
+
+def test_a_straight_part_that_is_longer_than_asked_for_is_told() -> None:
+    cell = copy.deepcopy(CELL)
+    cell["task"][1]["place"]["approach"] = {"mm": 3}
+    cell["task"][1]["place"]["depart"] = {"mm": 3, "stop": True}
+    told = [text for text in plan(cell)["assumptions"] if "the straight part of" in text]
+    assert told == [
+        "place-2: the straight part of approach is 5.5 mm long, not 3 mm: at least 1.1 times the clearance of travel, "
+        "5 mm, unless it has stop: true"
+    ]
+    assert not [text for text in plan(CELL)["assumptions"] if "the straight part of" in text]

@@ -6,6 +6,7 @@ between, and the quintic between them leaves the path by some micrometres, withi
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -28,6 +29,7 @@ from assur.planner.model.refusal import (
     Reason,
     Refusal,
     Singular,
+    Spot,
     Stage,
     out_of_reach,
 )
@@ -60,11 +62,11 @@ CLOSEST_S = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """A motion of the flange along a path over time, where on the path it is at a time, m, and for refusals the stage
+    """A motion of the flange along a path over time, where on the path it is at a time, and for refusals the stage
     and the step."""
 
     motion: Callable[[FloatArray], Motion]
-    place: Callable[[float], float]
+    place: Callable[[float], Spot]
     stage: Stage
     step: int
 
@@ -146,7 +148,7 @@ def fitted(scene: Scene, way: Way, state: State, mode: int, marks: FloatArray, j
         middle = ((grid.t[1:] + grid.t[:-1]) / 2)[off & (grid.over < 0)]
         marks = np.unique(np.append(marks, middle))
     obstacle = Obstacle.PROCESS_SPEED if way.stage is Stage.TRACKING else Obstacle.NOT_SMOOTH
-    facts = MotionLimit(obstacle=obstacle, path_m=way.place(worst))
+    facts = MotionLimit(obstacle=obstacle, **way.place(worst))
     span = (worst, worst)
     return Refusal(stage=way.stage, reason=Reason.MOTION_LIMIT, step=way.step, interval=span, facts=facts)
 
@@ -166,31 +168,53 @@ def _joints(scene: Scene, way: Way, state: State, mode: int, t: FloatArray) -> T
 
 
 def _unreached(scene: Scene, way: Way, t: FloatArray, mode: int, found: Inverse) -> Refusal | None:
-    """The first place on the path that the arm does not reach, or where it is too near a singularity."""
+    """The first place on the path that the arm does not reach, and how far the path goes out of reach; or else the
+    first where it is too near a singularity, and how near it comes."""
     asked, robot = scene.options.singularity_margin, scene.robot
-    bad = ~((found.code == Code.ASSEMBLED) & found.keeps(asked))
+
+    def lost(there: Inverse) -> BoolArray:
+        return np.asarray(~((there.code == Code.ASSEMBLED) & there.keeps(asked)))
+
+    def outside(there: Inverse) -> BoolArray:
+        return np.asarray(there.code == Code.OUT_OF_REACH)
+
+    bad = lost(found)
     if not bad.any():
         return None
-    rows = np.flatnonzero(bad)
-    low, high = float(t[max(0, rows[0] - 1)]), float(t[rows[0]])
-    for _ in range(ROUNDS_TO_PLACE):
-        inner = np.linspace(low, high, PARTS + 1)
-        there = robot.inverse(way.motion(inner), mode, 2)
-        lost = ~((there.code == Code.ASSEMBLED) & there.keeps(asked))
-        lost[-1] = True
-        first = int(lost.argmax())
-        low, high = float(inner[max(0, first - 1)]), float(inner[first])
-    there = robot.inverse(way.motion(np.array([high])), mode, 2)
-    code, span, place = there.code[0], (high, float(t[rows[-1]])), way.place(high)
-    if code == Code.OUT_OF_REACH:
-        return out_of_reach(way.stage, way.step, interval=span, facts=OutOfReach(path_m=place))
-    if code not in (Code.ASSEMBLED, Code.PARALLEL):
-        facts = Singular(path_m=place)
+    far = outside(found)
+    rows = np.flatnonzero(far if far.any() else bad)
+    when = _first(scene, way, t, mode, rows[0], outside if far.any() else lost)
+    span = (when, float(t[rows[-1]]))
+    if far.any():
+        short = float(-np.nanmin(robot.reach_margin(way.motion(t[rows]), mode)))
+        outer = OutOfReach(**way.place(when))
+        return out_of_reach(way.stage, way.step, short_m=short if short > 0.0 else math.nan, interval=span, facts=outer)
+    there = robot.inverse(way.motion(np.array([when])), mode, 2)
+    if there.code[0] not in (Code.ASSEMBLED, Code.PARALLEL):
+        facts = Singular(**way.place(when))
         return Refusal(stage=way.stage, reason=Reason.NEAR_SINGULARITY, step=way.step, interval=span, facts=facts)
-    refusal = nearest(robot, there, asked, np.zeros(1, dtype=int), best=False).refusal(way.stage, way.step, span)
+    # the kind of singularity is that of the first place; how near the arm comes is looked for among all
+    first = nearest(robot, there, asked, np.zeros(1, dtype=int), best=False)
+    known = rows[(found.code[rows] == Code.ASSEMBLED) & np.isfinite(found.margin[rows])]
+    if len(known):
+        worst = nearest(robot, found, asked, known, best=False)
+        first = worst if worst.reason is first.reason and worst.missing > first.missing else first
+    refusal = first.refusal(way.stage, way.step, span)
     if not isinstance(refusal.facts, Singular):
         raise FaultError("a singularity without its facts")
-    return replace(refusal, facts=replace(refusal.facts, path_m=place))
+    return replace(refusal, facts=replace(refusal.facts, **way.place(when)))
+
+
+def _first(scene: Scene, way: Way, t: FloatArray, mode: int, row: int, lost: Callable[[Inverse], BoolArray]) -> float:
+    """When the arm is lost first, s: it is so at `row` of times `t` (T,), and not one before."""
+    low, high = float(t[max(0, row - 1)]), float(t[row])
+    for _ in range(ROUNDS_TO_PLACE):
+        inner = np.linspace(low, high, PARTS + 1)
+        there = lost(scene.robot.inverse(way.motion(inner), mode, 2))
+        there[-1] = True
+        first = int(there.argmax())
+        low, high = float(inner[max(0, first - 1)]), float(inner[first])
+    return high
 
 
 def _off(scene: Scene, way: Way, trajectory: Trajectory, grid: _Times) -> BoolArray:

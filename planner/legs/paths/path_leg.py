@@ -29,7 +29,7 @@ from assur.planner.legs.tilt import tilt_of
 from assur.planner.legs.tracking import SPACING_S
 from assur.planner.model.outcome import Course
 from assur.planner.model.path import Path
-from assur.planner.model.refusal import BeyondRange, Obstacle, Refusal, Stage, unmoved
+from assur.planner.model.refusal import BeyondRange, Obstacle, Refusal, Spot, Stage, unmoved
 from assur.planner.model.scene import Move, Scene
 from assur.planner.robots.facts import Code, Limits
 from assur.planner.trajectory import Trajectory
@@ -73,10 +73,12 @@ class PathWay:
         rows = (one + s[:, None] * gone, sd[:, None] * gone, sdd[:, None] * gone)
         return TiltedMotion.of(motion, *rows, np.zeros_like(rows[0]))
 
-    def place(self, t: float) -> float:
-        """Where on the path the tool is at a time, m."""
+    def place(self, t: float) -> Spot:
+        """Where on the path the tool is at a time."""
         clock = np.clip(np.array([t]) - self.begin, 0.0, self.phase.duration)
-        return float(self.path.length * self.phase.states(clock)[0][0, 0])
+        length = float(self.path.length * self.phase.states(clock)[0][0, 0])
+        x, y, z = self.path.curve.at(np.array([length]))[0][0].tolist()
+        return {"path_m": length, "path_part": "path", "path_at_m": (x, y, z)}
 
     def when(self, places: FloatArray) -> FloatArray:
         """Times at which the tool is at some places of the path, m, to within a part of `FINE`."""
@@ -122,7 +124,7 @@ def along_path(
             return leg
         joint = [each.name for each in scene.robot.joints].index(leg.joint)
         when = first_beyond(scene, made, joint)
-        return replace(leg, facts=replace(leg.facts, path_m=replace(way, phase=law).place(when)))
+        return replace(leg, facts=replace(leg.facts, **replace(way, phase=law).place(when)))
 
     found: list[TimedLeg] = []
     for paced in _laws(scene, way, mode, point.limits):

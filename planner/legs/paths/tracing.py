@@ -17,21 +17,22 @@ from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.legs.control_point import ControlPoint
-from assur.planner.legs.limits import rates, too_fast
+from assur.planner.legs.limits import Rates, rates, too_fast
 from assur.planner.legs.paths.path_knots import Jumps, Way, first_beyond, fitted, looks
 from assur.planner.legs.spacing import spaced
 from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.legs.tracking import SPACING_S, Tracked
 from assur.planner.model.outcome import LegKind, Traced
 from assur.planner.model.refusal import (
-    RATES,
     BeyondRange,
     LawEnds,
     MotionLimit,
     Obstacle,
+    PathPart,
     Quantity,
     Reason,
     Refusal,
+    Spot,
     Stage,
     law_ends,
 )
@@ -85,9 +86,21 @@ class PathLaw:
             sdd[rows] = sign * v / lasts * 6.0 * u * (1.0 - u)
         return s, sd, sdd
 
-    def place(self, t: float) -> float:
-        """Arc length at a time, m; negative on the lead-in."""
-        return float(self.evaluate(np.array([t]))[0][0])
+    def place(self, t: float) -> Spot:
+        """Where the tool is at a time."""
+        return spot(self.step, float(self.evaluate(np.array([t]))[0][0]))
+
+
+def spot(step: Trace, s: float) -> Spot:
+    """The place at arc length `s` from the path's first point, m: less than 0 on the lead-in."""
+    x, y, z = step.path.curve.at(np.array([s]))[0][0].tolist()
+    part: PathPart = "lead-in" if s < 0.0 else "lead-out" if s > step.path.length else "path"
+    return {"path_m": s, "path_part": part, "path_at_m": (x, y, z)}
+
+
+def lead_in_begin(point: ControlPoint) -> Spot:
+    """Where the control point of a trace is: where its lead-in begins; nothing for one of another step."""
+    return spot(point.facts, -point.facts.lead_in_m) if isinstance(point.facts, Trace) else {}
 
 
 def lead(point: ControlPoint) -> float:
@@ -165,7 +178,8 @@ def _spline(scene: Scene, point: ControlPoint, law: PathLaw, state: State, mode:
     if not isinstance(made, Refusal):
         return made
     if isinstance(made.facts, MotionLimit):
-        return replace(made, facts=replace(made.facts, frame=point.frame))
+        made = replace(made, facts=replace(made.facts, frame=point.frame, speed_m_s=v))
+        return _too_fast(scene, point, law, mode, jumps.free(marks)) or made
     if isinstance(made.facts, LawEnds):
         valid, span = scene.frames[point.frame].law.valid, (law.begin, law.end)
         return law_ends(Stage.TRACKING, point.step, point.frame, valid, law.end, interval=span)
@@ -178,14 +192,39 @@ def _refused_rates(scene: Scene, point: ControlPoint, law: PathLaw, spline: Traj
     if isinstance(fast, Refusal):
         joint = [each.name for each in scene.robot.joints].index(fast.joint or "")
         when = first_beyond(scene, spline, joint)
-        return replace(fast, interval=(when, when), facts=BeyondRange(path_m=law.place(when)))
+        facts = fast.facts
+        if not isinstance(facts, BeyondRange):
+            raise FaultError("a joint beyond its range without its facts")
+        return replace(fast, interval=(when, when), facts=replace(facts, **law.place(when)))
     if fast.ok:
         return None
     kind, joint = (int(k) for k in np.unravel_index(int(fast.ratios.argmax()), fast.ratios.shape))
     t = looks(spline.time)
     when = float(t[int(np.abs(spline.evaluate(t, kind + 1)[:, joint]).argmax())])
-    refusal = too_fast(scene, Stage.TRACKING, point.step, fast, point.frame)
-    facts = MotionLimit(obstacle=Obstacle.FRAME_TOO_FAST, rate=RATES[kind], frame=point.frame, path_m=law.place(when))
+    return _at(law, too_fast(scene, Stage.TRACKING, point.step, fast, point.frame), when)
+
+
+def _too_fast(scene: Scene, point: ControlPoint, law: PathLaw, mode: int, t: FloatArray) -> Refusal | None:
+    """Which joint would be too fast for the exact motion at times `t` (T,), and where on the path it would be most."""
+    found, limits = scene.robot.inverse(flange(point, law, t), mode, 2), point.limits
+    needed = np.abs(np.stack([found.qd, found.qdd]))
+    ratios = needed / np.stack([limits.velocity, limits.acceleration])[:, None]
+    ratios[~np.isfinite(ratios)] = 0.0
+    kind, row, joint = (int(k) for k in np.unravel_index(int(ratios.argmax()), ratios.shape))
+    if not ratios[kind, row, joint] > 1.0:
+        return None
+    worst = np.zeros((3, ratios.shape[2]))
+    worst[:2] = ratios.max(1)
+    velocity, acceleration, jerk = worst.max(1).tolist()
+    fast = Rates(velocity, acceleration, jerk, ok=False, ratios=worst, limits=limits)
+    return _at(law, too_fast(scene, Stage.TRACKING, point.step, fast, point.frame), float(t[row]))
+
+
+def _at(law: PathLaw, refusal: Refusal, when: float) -> Refusal:
+    """A refusal of a joint that is too fast for a path, with where on it that is at its worst."""
+    if not isinstance(refusal.facts, MotionLimit):
+        raise FaultError("a joint too fast without its facts")
+    facts = replace(refusal.facts, obstacle=Obstacle.PATH_TOO_FAST, speed_m_s=law.step.speed_m_s, **law.place(when))
     return replace(refusal, interval=(when, when), facts=facts)
 
 
@@ -226,5 +265,5 @@ def traced(scene: Scene, point: ControlPoint, trajectory: Trajectory, begin: flo
         step=point.step,
         interval=(worst, worst),
         amount=Quantity.of(max(v - slowest, fastest - v) / v - SPEED_SHARE, "1"),
-        facts=MotionLimit(obstacle=Obstacle.PROCESS_SPEED, frame=point.frame, path_m=law.place(worst)),
+        facts=MotionLimit(obstacle=Obstacle.PROCESS_SPEED, frame=point.frame, speed_m_s=v, **law.place(worst)),
     )

@@ -15,10 +15,11 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.legs.control_point import HORIZON_S, control_point
 from assur.planner.legs.meeting import LOOK_AHEAD_S, Meetings, meetings, times
+from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import NotPlanned
-from assur.planner.model.refusal import BeyondRange, Reason
-from assur.planner.model.scene import Follow, Pick, Scene, Window
+from assur.planner.model.refusal import BeyondRange, LawEnds, Reason, Stage
+from assur.planner.model.scene import Follow, Pick, Scene, Step, Window
 from assur.planner.model.scene import WorldBody as Around
 from assur.planner.model.window_missed import FOR_ALL_TIMES, Miss, WindowMissed
 from assur.planner.pipeline import plan
@@ -175,11 +176,57 @@ def test_windows_that_never_open_say_how_far_they_are_from_it(
 
 def test_a_window_that_may_open_when_the_law_has_ended_has_no_number() -> None:
     ends = frame("belt", Linear(Pose(-0.3, 0.35, 0.05), (0.2, 0.0, 0.0), valid=(0.0, 5.0)))
-    for window in (Window(time=(6.0, 7.0)), Window(time=(4.0, 7.0), along=(0.1, 0.6))):
-        (refusal,) = met(cell(go(0.0, 0.0, 0.05, 0.0, "belt", window=window), frames=(ends,))).refusals
-        assert math.isnan(amount_of(refusal))
-        assert isinstance(refusal.facts, WindowMissed)
-        assert refusal.facts.miss not in FOR_ALL_TIMES
+    window = Window(time=(4.0, 7.0), along=(0.1, 0.6))
+    (refusal,) = met(cell(go(0.0, 0.0, 0.05, 0.0, "belt", window=window), frames=(ends,))).refusals
+    assert math.isnan(amount_of(refusal))
+    assert isinstance(refusal.facts, WindowMissed)
+    assert refusal.facts.miss not in FOR_ALL_TIMES
+
+
+TOO_SOON = frame("belt", Linear(Pose(-0.3, 0.35, 0.05), (0.2, 0.0, 0.0), valid=(0.0, 5.0)))
+
+
+@pytest.mark.parametrize(
+    ("step", "needed"),
+    [
+        (go(0.0, 0.0, 0.05, 0.0, "belt", window=Window(time=(6.0, 7.0))), 6.0),
+        (go(0.0, 0.0, 0.05, 0.0, "belt", window=Window(along=(1.1, 1.5))), 5.5),
+        (Follow("f", at(0.0, 0.0, 0.05, 0.0, "belt"), 0.5, Window(along=(0.9, 1.5))), 5.0),
+        (Follow("f", at(0.0, 0.0, 0.05, 0.0, "belt"), 0.6, Window(along=(0.9, 1.5))), 5.1),
+        (Follow("f", at(0.0, 0.0, 0.05, 0.0, "belt"), 5.5), 5.5),
+    ],
+)
+def test_a_law_that_ends_too_soon_is_what_refuses(step: Step, needed: float) -> None:
+    """... and not the window, which would be open for long enough; at the very end of the law nothing is refused."""
+    (*refusals,) = met(cell(step, frames=(TOO_SOON,))).refusals
+    if needed == 5.0:
+        assert all(refusal.stage is not Stage.WINDOW for refusal in refusals)
+        return
+    (refusal,) = refusals
+    assert (refusal.reason, refusal.frame) == (Reason.LAW_ENDS, "belt")
+    assert isinstance(refusal.facts, LawEnds)
+    assert refusal.facts.known_s == (0.0, 5.0)
+    assert refusal.facts.needed_s == pytest.approx(needed)
+    assert refusal.facts.tracked_s == step.dwell_s
+    assert holds_for_all_times(refusal)
+
+
+def test_a_window_that_is_too_short_is_not_put_down_to_a_law_that_ends() -> None:
+    short = Follow("f", at(0.0, 0.0, 0.05, 0.0, "belt"), 3.0, Window(time=(4.0, 5.5)))
+    (refusal,) = met(cell(short, frames=(TOO_SOON,))).refusals
+    assert (refusal.reason, refusal.facts) == (Reason.WINDOW_MISSED, refusal.facts)
+    assert isinstance(refusal.facts, WindowMissed)
+    assert refusal.facts.miss is Miss.TOO_SHORT
+
+
+def test_an_arm_that_comes_too_late_for_a_law_that_ends_proves_nothing() -> None:
+    late = met(cell(Follow("f", at(0.0, 0.0, 0.05, 0.0, "belt"), 4.0), frames=(TOO_SOON,)), earliest=1.5)
+    (refusal,) = late.refusals
+    assert (refusal.reason, refusal.frame) == (Reason.LAW_ENDS, "belt")
+    assert isinstance(refusal.facts, LawEnds)
+    assert refusal.facts.on_arrival
+    assert refusal.facts.needed_s == pytest.approx(5.5)
+    assert not holds_for_all_times(refusal)
 
 
 def test_an_arm_that_comes_too_late_for_the_latest_end_is_refused_for_that_and_not_for_a_window() -> None:

@@ -17,7 +17,7 @@ from assur.planner.frames import Conveyor, Fixed, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.model.outcome import Course, NotPlanned, Plan, Planned
 from assur.planner.model.path import ArcTo, LineTo, PathPart, SplineThrough
-from assur.planner.model.refusal import BeyondRange, MotionLimit, Obstacle, Reason, Singular
+from assur.planner.model.refusal import BeyondRange, MotionLimit, Obstacle, OutOfReach, Reason
 from assur.planner.model.scene import Arch, Follow, Move, Scene, Target
 from assur.planner.pipeline import plan
 from assur.planner.trajectory import Trajectory
@@ -158,12 +158,11 @@ def test_from_where_the_leg_begins_there_may_be_no_path(parts: tuple[PathPart, .
 def test_where_on_its_path_a_leg_is_lost_is_told() -> None:
     found = refused(going((LineTo((0.3, 0.6, 0.1)), LineTo((0.2, 0.6, 0.1)), LineTo(GOAL)), 1e-2))
     assert found.refusal is not None
-    assert found.refusal.reason in (Reason.NEAR_SINGULARITY, Reason.OUT_OF_REACH)
-    assert isinstance(found.refusal.facts, Singular)
-    assert found.refusal.facts.path_m is not None
-    reach = math.sqrt(0.325**2 + 0.275**2 + 2 * 0.325 * 0.275 * math.sqrt(1 - 0.05**2))
-    # the line from (300, −100) to (300, 600) leaves it at y = 519 mm
-    assert found.refusal.facts.path_m == pytest.approx(math.sqrt(reach**2 - 0.3**2) + 0.1, abs=1e-4)
+    assert found.refusal.reason is Reason.OUT_OF_REACH
+    assert isinstance(found.refusal.facts, OutOfReach)
+    # links of 325 and 275 mm: the line from (300, −100) to (300, 600) leaves their reach at y = 519.6 mm
+    assert found.refusal.facts.path_m == pytest.approx(math.sqrt(0.6**2 - 0.3**2) + 0.1, abs=1e-4)
+    assert found.refusal.facts.path_at_m == pytest.approx((0.3, math.sqrt(0.6**2 - 0.3**2), 0.1), abs=1e-4)
 
 
 def test_where_on_its_path_a_joint_ends_is_told() -> None:

@@ -20,6 +20,7 @@ from assur.planner.model.path import ArcTo, LineTo, Path, PathPart, SplineThroug
 from assur.planner.model.refusal import BeyondRange, MotionLimit, OutOfReach, Reason, Singular
 from assur.planner.model.scene import Move, Scene, Target, Trace
 from assur.planner.pipeline import plan
+from assur.planner.relaxation import changes
 from assur.scenes.requests import scene_of
 from tests.planner.cells import CRANKED, CUP, cell, frame
 
@@ -46,7 +47,8 @@ def tracing(parts: tuple[PathPart, ...], where: Law, *, speed: float = V, blend:
     begin = more.pop("begin", (0.0, 0.0, 0.05))
     lead, after = more.pop("lead", 0.004), more.pop("after", ())
     step = Trace("bead", Target("moving", Pose(*begin)), Path(begin, parts, blend), speed, lead, lead)
-    return cell(step, *after, frames=(frame("moving", where),), singularity_margin=0.05, **more)
+    margin = more.pop("margin", 0.05)
+    return cell(step, *after, frames=(frame("moving", where),), singularity_margin=margin, **more)
 
 
 def planned(scene: Scene) -> Planned:
@@ -177,15 +179,52 @@ def test_a_straight_leg_goes_on_from_the_end_of_a_lead_out_without_a_stop() -> N
 
 
 def test_where_on_the_path_the_arm_is_lost_is_told() -> None:
-    far = refused(tracing((LineTo((0.45, 0.0, 0.05)),), Fixed(Pose(0.3, 0.0, 0.06)), tool=CUP)).refusal
+    gone = refused(tracing((LineTo((0.45, 0.0, 0.05)),), Fixed(Pose(0.3, 0.0, 0.06)), tool=CUP))
+    far = gone.refusal
     assert far is not None
-    assert far.reason is Reason.NEAR_SINGULARITY
-    assert isinstance(far.facts, Singular)
+    assert far.reason is Reason.OUT_OF_REACH
+    assert isinstance(far.facts, OutOfReach)
+    # links of 325 and 275 mm reach 600 mm; the lead-out of 4 mm ends 754 mm from the base
+    assert far.facts.path_m == pytest.approx(0.3, abs=1e-5)
+    assert far.facts.path_part == "path"
+    assert far.facts.path_at_m == pytest.approx((0.3, 0.0, 0.05), abs=1e-5)
+    assert far.amount is not None
+    assert far.amount.value == pytest.approx(0.154, abs=1e-6)
+    assert "300 mm along the path, at [300.0, 0.0, 50.0] mm in moving" in gone.sentence
+    assert "up to 154 mm out of reach" in gone.sentence
+
+
+def test_a_path_too_near_a_singularity_is_told_where_it_comes_too_near() -> None:
+    # the path and its lead-out of 4 mm end 599.9 mm from the base: within reach, and not by the margin
+    near = refused(tracing((LineTo((0.2959, 0.0, 0.05)),), Fixed(Pose(0.3, 0.0, 0.06)), tool=CUP)).refusal
+    assert near is not None
+    assert near.reason is Reason.NEAR_SINGULARITY
+    assert isinstance(near.facts, Singular)
     # sin θ2 = 0.05 between links of 325 and 275 mm
     reach = math.sqrt(0.325**2 + 0.275**2 + 2 * 0.325 * 0.275 * math.sqrt(1 - 0.05**2))
-    assert far.facts.path_m == pytest.approx(reach - 0.3, abs=1e-5)
-    gone = refused(tracing((LineTo((0.45, 0.0, 0.05)),), Fixed(Pose(0.3, 0.0, 0.06)), tool=CUP))
-    assert "mm along the path" in gone.sentence
+    # that is on the lead-out, or just before it
+    assert near.facts.path_m == pytest.approx(reach - 0.3, abs=1e-5)
+    # the nearest place counts for the margin, not the first: sin θ2 at 599.9 mm
+    cosine = (0.5999**2 - 0.325**2 - 0.275**2) / (2 * 0.325 * 0.275)
+    assert near.facts.margin == pytest.approx(math.sqrt(1 - cosine**2), rel=0.05)
+
+
+def test_a_lead_out_that_leaves_the_reach_is_told_as_such() -> None:
+    gone = refused(tracing((LineTo((0.298, 0.0, 0.05)),), Fixed(Pose(0.3, 0.0, 0.06)), tool=CUP, margin=0.0))
+    assert gone.refusal is not None
+    assert isinstance(gone.refusal.facts, OutOfReach)
+    assert gone.refusal.facts.path_part == "lead-out"
+    assert "on the lead-out, 2 mm behind the end of the path, at [300.0, 0.0, 50.0] mm in moving" in gone.sentence
+    assert "up to 2 mm out of reach" in gone.sentence
+
+
+def test_a_lead_in_that_begins_out_of_reach_is_told_as_such() -> None:
+    gone = refused(tracing((LineTo((-0.05, 0.0, 0.05)),), Fixed(Pose(0.598, 0.0, 0.06)), tool=CUP, margin=0.0))
+    assert gone.refusal is not None
+    assert isinstance(gone.refusal.facts, OutOfReach)
+    assert gone.refusal.facts.path_part == "lead-in"
+    assert "on the lead-in, 4 mm before the path begins, at [4.0, 0.0, 50.0] mm in moving" in gone.sentence
+    assert "2 mm out of reach" in gone.sentence
 
 
 def test_where_on_the_path_a_joint_ends_is_told() -> None:
@@ -195,17 +234,53 @@ def test_where_on_the_path_a_joint_ends_is_told() -> None:
     assert found.reason is Reason.JOINT_LIMIT
     assert isinstance(found.facts, BeyondRange)
     assert found.facts.path_m == pytest.approx(0.08, abs=2e-3)
+    # the path goes on to z = 200 mm and its lead-out to 204 mm: the flange to 60 + 60 + 204 mm
+    assert found.facts.value == pytest.approx(0.324, abs=1e-4)
+    assert found.facts.limit == 0.25
 
 
 def test_where_on_the_path_a_joint_is_too_fast_is_told() -> None:
     parts = (LineTo((0.05, 0.0, 0.05)), ArcTo((0.052, 0.002, 0.05), (0.05, 0.004, 0.05)), LineTo((0.0, 0.004, 0.05)))
-    found = refused(tracing(parts, LAWS["table"], tool=CUP, speed=0.4, lead=0.03)).refusal
+    answer = refused(tracing(parts, LAWS["table"], tool=CUP, speed=0.4, lead=0.03))
+    found = answer.refusal
     assert found is not None
     assert found.reason is Reason.MOTION_LIMIT
     assert isinstance(found.facts, MotionLimit)
     assert found.joint is not None
     assert found.facts.rate is not None
     assert found.facts.path_m == pytest.approx(0.053, abs=6e-3)
+    assert found.facts.value is not None
+    assert found.facts.limit is not None
+    assert found.facts.value > found.facts.limit
+    assert found.facts.speed_m_s == 0.4
+    assert f"to go along the path at 400 mm/s, {found.joint} would need a {found.facts.rate} of" in answer.sentence
+    assert "but its limit is" in answer.sentence
+
+
+def test_a_lower_process_speed_is_found_where_a_trace_is_too_fast() -> None:
+    # a rounded right angle asks for a jerk that grows with the speed's third power
+    parts = (LineTo((0.05, 0.0, 0.05)), LineTo((0.05, 0.05, 0.05)))
+    scene = tracing(parts, Fixed(Pose(0.3, 0.1, 0.06)), tool=CUP, blend=1e-3, speed=0.3, lead=0.03, margin=0.0)
+    scene = replace(scene, options=replace(scene.options, max_candidates=24, explain_budget_s=30.0))
+    found = plan(scene)
+    assert isinstance(found, NotPlanned)
+    assert found.reason is Reason.MOTION_LIMIT
+    assert found.relaxation is not None, (found.sentence, found.tried)
+    assert found.relaxation.what == "process speed"
+    speed = float(found.relaxation.value.split()[0]) / 1e3
+    step = scene.task[0]
+    assert isinstance(step, Trace)
+    assert speed < step.speed_m_s
+    assert isinstance(plan(replace(scene, task=(replace(step, speed_m_s=speed),))), Planned)
+    larger = [each for each in changes(scene, 0, None, found.refusal) if each[0] == "blend"]
+    assert [value for _, value, _ in larger] == ["1.5 mm", "2 mm", "4 mm"]
+
+
+def test_a_path_without_corners_has_no_larger_blend() -> None:
+    scene = tracing((LineTo((0.05, 0.0, 0.05)),), Fixed(Pose(0.3, 0.1, 0.06)), tool=CUP)
+    kinds = {kind for kind, _, _ in changes(scene, 0, None)}
+    assert "process speed" in kinds
+    assert "blend" not in kinds
 
 
 def test_a_path_that_leaves_a_belts_window_is_refused() -> None:

@@ -183,7 +183,11 @@ def test_the_joint_that_is_too_slow_for_a_frame_is_named_with_what_it_lacks() ->
     assert isinstance(block, Refusal)
     assert (block.reason, block.joint, unit_of(block)) == (Reason.MOTION_LIMIT, "theta4", "rad/s")
     assert amount_of(block) == pytest.approx(5.0, abs=1e-3)
-    assert block.facts == MotionLimit(obstacle=Obstacle.FRAME_TOO_FAST, rate="velocity", frame="moving")
+    assert isinstance(block.facts, MotionLimit)
+    assert block.facts.value == pytest.approx(45.0)
+    assert block.facts.limit == pytest.approx(40.0)
+    told = replace(block.facts, value=None, limit=None)
+    assert told == MotionLimit(obstacle=Obstacle.FRAME_TOO_FAST, rate="velocity", frame="moving")
 
 
 def test_a_belt_that_leaves_the_workspace_during_tracking_is_out_of_reach() -> None:

@@ -419,7 +419,7 @@ def test_a_correction_upwards_is_refused_for_the_range_of_the_lift_is_not_proved
         return
     with pytest.raises(InputError, match="ramp rises"):
         plan_document(request)
-    # nothing is corrected for a frame that the tool does not go to
-    request["frames"]["table"] = {"fixed": {"at_mm": [350, 0, 100]}}
-    request["task"][0]["follow"]["to"]["frame"] = "table"
+    # a body that rises, and that no step follows, is not corrected for
+    request["frames"]["level"] = {"linear": {"at_mm": [350, 0, 100], "velocity_mm_s": [100, 0, 0]}}
+    request["task"][0]["follow"]["to"]["frame"] = "level"
     planned(request)

@@ -102,6 +102,39 @@ def test_a_yaw_that_cannot_be_kept_is_refused_by_its_field(change: Document, all
     assert allowed in f"{caught.value.field} {caught.value.allowed}" or "yaw" in caught.value.allowed
 
 
+def on_keyframes(second: float) -> Document:
+    """A yaw that is kept in a frame whose keyframes have yaws of 30° and of `second`."""
+    points = [{"time_s": 0, "at_mm": [350, -150, 150], "yaw_deg": 30}]
+    points.append({"time_s": 5, "at_mm": [350, -100, 150], "yaw_deg": second})
+    request = cell(yaw_keep=True, frame="lift", at_mm=[0, 0, 0])
+    request["frames"] = {"lift": {"keyframes": {"points": points}}}
+    return request
+
+
+def test_a_yaw_is_kept_on_keyframes_that_all_have_the_same_yaw() -> None:
+    first, second = planned(on_keyframes(30))["arrivals"]
+    assert math.remainder(second["yaw_rad"] - first["yaw_rad"], math.tau) == pytest.approx(0, abs=1e-9)
+
+
+def test_a_yaw_is_not_kept_on_keyframes_that_turn_and_the_error_says_what_else_may_be_given() -> None:
+    with pytest.raises(InputError, match=r"false, with yaw_free: true or a yaw_deg: lift turns") as caught:
+        cell_of(on_keyframes(31))
+    assert caught.value.field == "task[1].move.to.yaw_keep"
+
+
+@pytest.mark.parametrize(
+    ("said", "key"), [({}, "yaw_rad"), ({"yaw_keep": False}, "yaw_keep"), ({"yaw_free": False}, "yaw_free")]
+)
+def test_a_yaw_that_is_missing_is_refused_with_all_that_may_be_given(said: Document, key: str) -> None:
+    request = cell()
+    request["task"] = [{"follow": {"to": {"at_mm": [350, -150, 150], **said}, "duration_ms": 100}}]
+    with pytest.raises(InputError) as caught:
+        cell_of(request)
+    assert caught.value.field == f"task[0].follow.to.{key}"
+    for words in ("yaw_deg", "yaw_free: true", "yaw_keep: true", "must be given"):
+        assert words in caught.value.allowed
+
+
 def test_a_part_is_not_placed_with_a_kept_yaw() -> None:
     request = copy.deepcopy(dict(shipped("transfer").request))
     to = request["task"][1]["place"]["to"]

@@ -1,0 +1,50 @@
+"""Notes for people: how a leg goes, and what of a request is probably not meant. No decision reads them."""
+
+from __future__ import annotations
+
+from assur.planner.model.input_warning import InputWarning, Odd
+from assur.planner.model.outcome import Course, Route
+from assur.planner.report.number_format import amount
+
+
+def warned(warning: InputWarning) -> str:
+    """What is probably not meant."""
+    first, second = warning.bodies
+    if warning.kind is Odd.PART_FLOATS:
+        return f"{first} is {amount(warning.amount_m, 'm')} above {second} and rests on nothing"
+    if warning.kind is Odd.TOOL_OFF_PART:
+        return (
+            f"no body of the tool touches {second} where it is picked, nor would it if the part were moved by up to "
+            f"{amount(warning.amount_m, 'm')} along x, y or z: check grasp and tcp"
+        )
+    if warning.kind is Odd.RELEASED_IN_AIR:
+        return f"{first} is released {amount(warning.amount_m, 'm')} above {second} and rests on nothing there"
+    if warning.kind is Odd.BODIES_OVERLAP:
+        return f"{first} and {second} overlap by more than {amount(warning.amount_m, 'm')} where they are at the start"
+    by = f" by more than {amount(warning.amount_m, 'm')} along the flange's axis" if warning.amount_m else ""
+    return f"{first}, a body of the tool, overlaps {second} of the arm{by}, and nothing keeps the two apart"
+
+
+COURSES = {
+    Course.DIRECT: "direct",
+    Course.ARCH: "arch",
+    Course.STRAIGHT: "straight",
+    Course.PATH: "along its path",
+    Course.BLENDS: "blends",
+    Course.TO_REST: "comes to rest",
+    Course.FOR_BODIES: "lets bodies pass",
+    Course.FOR_POINT: "waits for the control point",
+}
+"""Notes of legs."""
+
+
+def note(route: Route | None) -> str:
+    """How a leg goes, or why the arm waits; nothing where there is nothing to say."""
+    if route is None:
+        return ""
+    vias = f"{route.vias} via point{'s' * (route.vias != 1)}" if route.vias else ""
+    if route.course is Course.DIRECT:
+        words = vias or COURSES[route.course]
+    else:
+        words = COURSES[route.course] + (f", {vias}" if vias else "")
+    return words + " after a wait" * route.after_wait + " later" * route.later

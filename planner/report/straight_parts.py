@@ -1,0 +1,21 @@
+"""Approaches and departs that are longer than they are asked for."""
+
+from __future__ import annotations
+
+from assur.planner.model.scene import STRAIGHT, Scene
+from assur.planner.report.number_format import amount
+
+
+def lengthened(scene: Scene) -> tuple[str, ...]:
+    """A sentence for each straight part that is lengthened so that it clears the clearance of travel."""
+    found = []
+    for step in scene.task:
+        asked = (("approach", step.approach_m), ("depart", step.depart_m))
+        for (name, wanted), length in zip(asked, scene.straight(step), strict=True):
+            if length > wanted:
+                travel, made = amount(scene.options.clearance.travel_m, "m"), amount(length, "m")
+                found.append(
+                    f"{step.name}: the straight part of {name} is {made} long, not {amount(wanted, 'm')}: "
+                    f"at least {STRAIGHT:g} times the clearance of travel, {travel}, unless it has stop: true"
+                )
+    return tuple(found)
