@@ -367,7 +367,7 @@ KINDS: dict[str, Callable[[np.random.Generator], Draft]] = {
     "part held at the start": _holding,
     "beside a robot": _beside,
     "follow": _following((*SCARAS, THREE_AXES, FIVE_BAR), corrected=False),
-    "follow, corrected": _following((*SCARAS, THREE_AXES), corrected=True),
+    "follow, corrected": _following(SCARAS, corrected=True),
     "five-bar": _transfer("table", "table", models=(FIVE_BAR,)),
     "five-bar, belt": _transfer("belt", "dial", models=(FIVE_BAR,)),
 }

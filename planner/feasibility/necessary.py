@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -19,7 +21,7 @@ from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.joint_range import beyond
 from assur.planner.model.load import SUMS
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Phase, contacts_of, yaw_offsets
+from assur.planner.model.phases import Contacts, Phase, contacts_of, yaw_offsets
 from assur.planner.model.refusal import (
     RATES,
     Bodies,
@@ -41,6 +43,8 @@ from assur.planner.robots.facts import Code
 
 MOST_WAYS = 64
 """Ways in which parts may sit in the gripper and where they were put down that are looked at, all together."""
+ROOM_M = 1e-4
+"""A straight part that is told to be long enough is so by this, m."""
 START_RATIO = 1e-9
 """A start velocity or acceleration may exceed its limit by this share: rounding of unit conversions."""
 
@@ -126,9 +130,10 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
             continue  # at another roll a body on the flange may be elsewhere
         if scene.options.blended and step.via:
             continue  # its pose is missed: that it collides there proves nothing
-        found = [(_point(scene, prover, point, attached), attached) for attached, point in points]
-        if all(r is not None and (not any_yaw or _whatever_the_yaw(scene, prover, r, held)) for r, held in found):
-            return found[0][0]
+        found = [_point(scene, prover, point, attached) for attached, point in points]
+        hits = [each for each in found if each is not None]
+        if len(hits) == len(found) and (not any_yaw or all(_whatever_the_yaw(scene, prover, *each) for each in hits)):
+            return hits[0][0]
         ways = tuple(dict.fromkeys(attached.after(scene, step, point.yaw_offset) for attached, point in points))
         if len(ways) > MOST_WAYS:
             return None
@@ -216,10 +221,63 @@ def _start_enclosed(scene: Scene, prover: Prover) -> Refusal | None:
     return _hit(Stage.START, Reason.START_IN_COLLISION, 0, within, Enclosed(), interval=(t, t))
 
 
-def _point(scene: Scene, prover: Prover, point: ControlPoint, attached: Attachments) -> Refusal | None:
-    """Whether the flange's bodies at the point touch, in every working mode, a body that never moves against it."""
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """The flange `above` a point, m, in a phase of this kind, with bodies as `attached` has them and pairs that may
+    touch; `end`: of which straight part it is the outer end."""
+
+    attached: Attachments
+    kind: LegKind
+    contacts: Contacts
+    above: float = 0.0
+    end: Literal["approach", "depart"] | None = None
+
+
+def _places(scene: Scene, point: ControlPoint, attached: Attachments) -> list[_Place]:
+    """Where the flange is on every way through a point, whatever comes before and after it: at the point, before and
+    after the part is taken or put down, and at the outer ends of the straight parts, where travel ends and begins."""
+    step = point.facts
+    if not point.tracks:
+        return [_Place(attached, LegKind.MOVE, frozenset())]
+    before, behind = contacts_of(scene, step, attached, None)
+    found = [_Place(attached, LegKind.FOLLOW, before)]
+    after = attached.after(scene, step, point.yaw_offset)
+    if step.part is not None:
+        found += [
+            _Place(after, LegKind.DEPART, behind),
+            _Place(attached, LegKind.MOVE, frozenset(), point.approach, "approach"),
+        ]
+        if point.step + 1 < len(scene.task):
+            found.append(_Place(after, LegKind.MOVE, frozenset(), point.depart, "depart"))
+    return found
+
+
+def _point(
+    scene: Scene, prover: Prover, point: ControlPoint, attached: Attachments
+) -> tuple[Refusal, Attachments] | None:
+    """Whether the flange's bodies at the point, or at the outer ends of its straight parts, are too near a body that
+    never moves against it, in every working mode; and where bodies sit then."""
     t = scene.start.time
     if not point.still and not _known(scene, point.frame, t):
+        return None
+    places = _places(scene, point, attached)
+    found = list[tuple[Refusal, Attachments]]()
+    for mode in range(len(scene.robot.modes)):
+        hit = next((hit for place in places if (hit := _in_the_way(scene, prover, point, place, mode))), None)
+        if hit is None:
+            return None
+        found.append(hit)
+    return found[0] if found else None
+
+
+def _in_the_way(
+    scene: Scene, prover: Prover, point: ControlPoint, place: _Place, mode: int
+) -> tuple[Refusal, Attachments] | None:
+    """What is in the way of the flange's bodies at one place and in one working mode; None: nothing, or it is not
+    known, as the place may be reached at another time."""
+    t, attached = scene.start.time, place.attached
+    solution = scene.robot.inverse(point.flange(np.array([t]), place.above).at_rest(), mode, 0)
+    if solution.code[0] not in (Code.ASSEMBLED, Code.STRETCHED, Code.FOLDED):
         return None
     fixed = isinstance(scene.frames[point.frame].law, Fixed)
     frames = {body.name: attached.pose_of(scene, body.name)[0] for body in scene.bodies}
@@ -228,23 +286,23 @@ def _point(scene: Scene, prover: Prover, point: ControlPoint, attached: Attachme
         for name, frame in frames.items()
         if frame == point.frame or (fixed and isinstance(scene.frames[frame].law, Fixed))
     )
-    kind = LegKind.FOLLOW if point.tracks else LegKind.MOVE
-    phase = Phase(t, t, kind, point.step, attached, tracked=point.frame if point.tracks else None)
-    contacts, _ = contacts_of(scene, point.facts, attached, None)
-    refusals = []
-    for mode in range(len(scene.robot.modes)):
-        solution = scene.robot.inverse(point.flange(np.array([t])).at_rest(), mode, 0)
-        if solution.code[0] not in (Code.ASSEMBLED, Code.STRETCHED, Code.FOLDED):
-            # seen at another time it may be reached, and collide in the same way; here nothing can be said
-            return None
-        q = solution.q[0]
-        found = closest(scene, prover, phase, q, contacts, among)
-        within = enclosed(scene, prover, attached, q, t, contacts, among) if fixed else None
-        hit = (within, Enclosed()) if within is not None else found
-        if hit is None:
-            return None
-        refusals.append(_hit(Stage.CONTROL_POINT, Reason.CONTROL_POINT_IN_COLLISION, point.step, *hit))
-    return refusals[0] if refusals else None
+    tracked = None if place.kind is LegKind.MOVE else point.frame
+    phase = Phase(t, t, place.kind, point.step, attached, tracked=tracked)
+    within = enclosed(scene, prover, attached, solution.q[0], t, place.contacts, among) if fixed else None
+    if within is not None:
+        return _hit(Stage.CONTROL_POINT, Reason.CONTROL_POINT_IN_COLLISION, point.step, within, Enclosed()), attached
+    hit = closest(scene, prover, phase, solution.q[0], place.contacts, among)
+    if hit is None:
+        return None
+    names, facts = hit
+    if place.end is not None:
+        facts = replace(facts, end=place.end, straight_m=place.above)
+        gap, required = facts.gap_m, facts.required_m
+        if gap is not None and required is not None:
+            longer = replace(place, above=place.above + required - max(gap, 0.0) + ROOM_M, end=None)
+            if _in_the_way(scene, prover, point, longer, mode) is None:
+                facts = replace(facts, least_m=longer.above)
+    return _hit(Stage.CONTROL_POINT, Reason.CONTROL_POINT_IN_COLLISION, point.step, names, facts), attached
 
 
 def _whatever_the_yaw(scene: Scene, prover: Prover, refusal: Refusal, attached: Attachments) -> bool:

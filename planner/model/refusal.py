@@ -258,6 +258,9 @@ class Separation:
     required_m: float | None
     rule: Rule | None = None
     clearance_m: float | None = None
+    end: Literal["approach", "depart"] | None = None
+    straight_m: float | None = None
+    least_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,6 +17,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.pieces import Pieces, pieces
 from assur.planner.geometry.shapes import Body
 from assur.planner.model.blendable import refuse_acceleration_time, refuse_unblendable
+from assur.planner.model.execution import AS_PLANNED, Execution, check_execution
 from assur.planner.model.forbidden_yaw import YawRange, check_ranges
 from assur.planner.model.load import UNKNOWN, Load, LoadLimits, Tool, greatest_inertia
 from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Trace, Window
@@ -137,21 +138,6 @@ class Clearance:
 
 
 @dataclass(frozen=True, slots=True)
-class Execution:
-    """How the plan will be run: how far each joint lags behind the trajectory, `lag` (n,) rad or m (empty: not at all),
-    dispatch up to `start_tolerance_s` late, and whether the controller shifts legs that track a belt by its live
-    encoder (`belt_correction`; `Scene.corrects`)."""
-
-    lag: tuple[float, ...] = ()
-    start_tolerance_s: float = 0.0
-    belt_correction: bool = False
-
-    @property
-    def lags(self) -> bool:
-        return any(self.lag)
-
-
-@dataclass(frozen=True, slots=True)
 class Options:
     """How to search. `stop`: at the first certified plan, or when the budget is spent."""
 
@@ -189,7 +175,7 @@ class Scene:
     bodies: tuple[WorldBody, ...]
     task: tuple[Step, ...]
     options: Options = Options()
-    execution: Execution = Execution()
+    execution: Execution = AS_PLANNED
     carry_acceleration: float | None = None
     """Limit of the tool point's acceleration while a part is held, m/s²."""
     load_limits: LoadLimits = UNKNOWN
@@ -233,7 +219,7 @@ class Scene:
         self._check_hands()
         self._check_wrist()
         self._check_kept()
-        self._check_execution()
+        check_execution(self.execution, self.robot, self._tracked())
         check_ranges(self.robot, self.forbidden_yaw, self.execution.lag)
         refuse_acceleration_time(self.options.timing, self.options.acceleration_time_s)
         if self.options.blended:
@@ -337,23 +323,6 @@ class Scene:
                         f"move and follow: {self.robot.name} turns and tilts its tool as it goes, and a part with it"
                     )
                 raise InputError(f"task[{i}].{type(step).__name__.lower()}", step.name, allowed)
-
-    def _check_execution(self) -> None:
-        """What is not known of the motion must be such that its bounds are known."""
-        execution, n = self.execution, len(self.robot.joints)
-        if execution.lag and len(execution.lag) != n:
-            raise InputError("execution.lag", len(execution.lag), f"{n} joints of {self.robot.name}")
-        if not all(0.0 <= amount < math.inf for amount in (*execution.lag, execution.start_tolerance_s)):
-            raise InputError("execution", execution.lag, "finite numbers from 0 on")
-        scara = self.robot.facts[0] == "scara"
-        if execution.belt_correction and not scara:
-            allowed = f"false: how a correction moves the links is known for SCARAs, and {self.robot.name} is none"
-            raise InputError("execution.belt_correction", True, allowed)
-        for frame in self._tracked() if execution.belt_correction else ():
-            rises = isinstance(frame.law, Linear) and frame.law.velocity[2] != 0.0
-            if rises and (frame.uncertainty.position_m > 0.0 or frame.uncertainty.speed_m_s > 0.0):
-                allowed = f"false: {frame.name} rises, and the range of the lift is not proved for corrections upwards"
-                raise InputError("execution.belt_correction", True, allowed)
 
     def _tracked(self) -> list[Frame]:
         """The frames that steps may track: those of their targets, and those of the parts that they take."""

@@ -331,6 +331,11 @@ def _collision(refusal: Refusal, facts: Separation | Enclosed) -> str:
     else:
         what = f"{first} would hit {second}" if facts.touching else f"{first} would come too close to {second}"
         what += _distances(facts)
+        if facts.end is not None and facts.straight_m is not None:
+            enough = ""
+            if facts.least_m is not None:
+                enough = f"; it must be at least {math.ceil(facts.least_m * 1e4 - 1e-6) / 10:g} mm"
+            return f"{facts.end} is too short: {_mm(facts.straight_m)} above the point {what}{enough}"
     if refusal.reason is Reason.SELF_COLLISION:
         return f"the arm would hit itself: {what}"
     if refusal.reason is Reason.START_IN_COLLISION:

@@ -84,6 +84,27 @@ def belt_that_ends(cell: dict[str, Any]) -> None:
     also({"follow": {"to": {"frame": "other", "at_mm": [0, 0, 80], "yaw_free": True}, "duration_s": 0.8}})(cell)
 
 
+def part_in_a_desk(cell: dict[str, Any]) -> None:
+    stand("desk", [120, 120, 40], [250, 120, 20])(cell)
+    cell["bodies"][2]["pose"] = {"at_mm": [250, 120, 45]}  # 5 mm deep
+    del cell["task"][0]["pick"]["contact_with"]
+
+
+def part_in_the_wall_of_a_tray(cell: dict[str, Any]) -> None:
+    tray = {"name": "tray", "shape": {"mesh": {"asset": "tray", "unit": "mm"}}, "pose": {"at_mm": [250, -150, 70]}}
+    cell["bodies"].append(tray)
+    put([250 + 100 - 15, -150, 56])(cell)  # the wall is 6 mm thick and 100 mm from the middle
+
+
+def straight(which: str, mm: float) -> Change:
+    return lambda cell: cell["task"][1]["place"].update({which: {"mm": mm, "stop": True}})
+
+
+def depart_and_away(cell: dict[str, Any]) -> None:
+    straight("depart", 3)(cell)
+    also({"move": {"to": {"at_mm": [250, 0, 120]}}})(cell)
+
+
 FOLLOW = {"to": {"frame": "belt", "at_mm": [0, 0, 80], "yaw_free": True}, "duration_s": 1.0, "window_mm": [300, 320]}
 CASES: dict[str, tuple[Change, str, int]] = {
     "place out of reach": (put([900, -500, 50]), "OUT_OF_REACH", 1),
@@ -96,6 +117,11 @@ CASES: dict[str, tuple[Change, str, int]] = {
     "a later move out of reach": (also({"move": {"to": {"at_mm": [600, 0, 100]}}}), "OUT_OF_REACH", 2),
     "a later window that is too short": (also({"follow": FOLLOW}), "WINDOW_MISSED", 2),
     "a later law that ends too soon": (belt_that_ends, "LAW_ENDS", 2),
+    "a part that is inside its support": (part_in_a_desk, "CONTROL_POINT_IN_COLLISION", 0),
+    "a place in the wall of a tray": (part_in_the_wall_of_a_tray, "CONTROL_POINT_IN_COLLISION", 1),
+    "an approach shorter than the clearance": (straight("approach", 2), "CONTROL_POINT_IN_COLLISION", 1),
+    "no approach": (straight("approach", 0), "CONTROL_POINT_IN_COLLISION", 1),
+    "a depart shorter than the clearance": (depart_and_away, "CONTROL_POINT_IN_COLLISION", 1),
 }
 
 
@@ -154,6 +180,36 @@ def test_a_joint_beyond_its_range_is_told_as_its_maker_counts_it(
     facts = answer["refusal"]["facts"]
     assert facts["value"] == pytest.approx(value)
     assert facts["limit"] == pytest.approx(limit)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (
+            straight("approach", 2),
+            ["approach is too short: 2 mm above the point", "gap 2 mm, required 5 mm (clearance in travel 5 mm)"],
+        ),
+        (
+            straight("approach", 0),
+            ["approach is too short: 0 mm above the point", "required 5 mm (clearance in travel 5 mm)"],
+        ),
+        (
+            depart_and_away,
+            ["depart is too short: 3 mm above the point", "gap 3 mm, required 5 mm (clearance in travel 5 mm)"],
+        ),
+    ],
+)
+def test_a_straight_part_that_is_too_short_is_told_with_one_that_is_long_enough(
+    change: Change, words: list[str]
+) -> None:
+    cell = copy.deepcopy(CELL)
+    change(cell)
+    sentence = plan(cell)["sentence"]
+    assert all(each in sentence for each in [*words, "; it must be at least 5.1 mm"]), sentence
+    enough = copy.deepcopy(CELL)
+    change(enough)
+    straight(words[0].split()[0], 5.1)(enough)
+    assert plan(enough)["status"] == "planned"
 
 
 def test_a_straight_part_that_is_longer_than_asked_for_is_told() -> None:
