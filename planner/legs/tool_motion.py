@@ -11,6 +11,8 @@ from assur.planner.trajectory import Trajectory
 
 STEP_S = 0.001
 """Sampling of the tool's acceleration while a part is carried, s."""
+LEAST = 33
+"""... and at least so many instants of an interval: a leg that lasts a millisecond has a peak, too."""
 RESERVE = 0.02
 """Share of the carry limit that is left for what lies between samples; the checker bounds it there."""
 
@@ -26,9 +28,9 @@ def lift_most(scene: Scene, *, carried: bool) -> float:
 
 
 def tool_peak(scene: Scene, trajectory: Trajectory, t0: float, t1: float, step: float = STEP_S) -> tuple[float, float]:
-    """Largest acceleration, m/s², of the tool point over [t0, t1], within the trajectory, by samples every `step` s,
-    and when."""
-    many, tcp = max(2, math.ceil((t1 - t0) / step) + 1), scene.tool.tcp
+    """Largest acceleration, m/s², of the tool point over [t0, t1], within the trajectory, by samples every `step` s
+    (`LEAST` at least), and when."""
+    many, tcp = max(LEAST, math.ceil((t1 - t0) / step) + 1), scene.tool.tcp
     return sampled_peak(scene.robot.row, trajectory.edges, trajectory.coefficients, tcp.x, tcp.y, t0, t1, many)
 
 

@@ -13,7 +13,6 @@ from assur.planner.collision.proof import Prover
 from assur.planner.frames.motion import Pose
 from assur.planner.kernels.postures import least_margins
 from assur.planner.legs.limits import parts
-from assur.planner.legs.tool_motion import carrying_peak
 from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.load import Carried, held_inertia
 from assur.planner.model.outcome import Busiest, Contact, JointPeak, Margins, ToolPeaks
@@ -24,6 +23,9 @@ from assur.planner.trajectory import Trajectory
 
 FINE_S = 0.001
 """Sampling of the tool point's speed and acceleration, and of what is used of the limit that binds, s."""
+PARTS = 8
+"""Parts of a short piece of the spline at whose ends peaks of the tool point are looked for. A depart of some
+micrometres is over in a few milliseconds, with the whole of its peak between two samples."""
 AROUND = 41
 """Instants at which a peak of the tool point is looked for again, between the samples beside the largest."""
 NEAR_PEAK = 0.01
@@ -38,14 +40,14 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     of the tool point are looked for at times."""
     peaks, (ratio, joint, kind) = _peaks(scene, trajectory, phases)
     serial, parallel = least_margins(scene.robot.row, trajectory.edges, trajectory.coefficients, INSTANTS)
-    limit, held = scene.carry_acceleration, carrying_peak(scene, trajectory, phases)
+    limit, instants = scene.carry_acceleration, _instants(trajectory)
+    tool, held = _tool_peaks(scene, trajectory, instants), _carried_peak(scene, trajectory, phases, instants)
     binds, helps = f"{kind} of {joint} ({100 * ratio:.0f} %)", f"a higher limit of it, or a shorter way of {joint}"
     t = np.linspace(trajectory.start, trajectory.end, max(2, math.ceil(trajectory.duration / FINE_S) + 1))
-    tool = _tool_peaks(scene, trajectory, t)
     number = [each.name for each in scene.robot.joints].index(joint)
     used = np.abs(trajectory.evaluate(t, ORDERS[kind])[:, number])
-    if held is not None and limit is not None and held[0] / limit > ratio:
-        binds = f"acceleration of the carried part ({100 * held[0] / limit:.0f} %)"
+    if held is not None and limit is not None and held / limit > ratio:
+        binds = f"acceleration of the carried part ({100 * held / limit:.0f} %)"
         helps = "a higher limit of it (carry)"
         carried = np.any([(t >= p.t0) & (t <= p.t1) for p in phases if p.attached.held is not None], axis=0)
         used = np.where(carried, _of_tool(scene, trajectory, t)[1], 0.0)
@@ -53,7 +55,7 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         peaks=peaks,
         binds=binds,
         nearest=nearest(prover, trajectory, phases),
-        tool_acceleration=tool.acceleration if held is None else held[0],
+        tool_acceleration=tool.acceleration if held is None else held,
         tool_acceleration_limit=limit,
         singularity=serial,
         parallel=parallel if has_loop(scene.robot) else None,
@@ -80,6 +82,26 @@ def _busiest(phases: tuple[Phase, ...], t: FloatArray, used: FloatArray) -> Busi
     return Busiest(
         str(phase.kind), phase.step, phase.t0, phase.t1, min(count * float(t[1] - t[0]), phase.t1 - phase.t0)
     )
+
+
+def _instants(trajectory: Trajectory) -> FloatArray:
+    """Times (T,) at which peaks of the tool point are looked for: every `FINE_S`, within each piece of the spline that
+    is so short that this would miss what it does, and on both sides of a jump."""
+    edges, length = trajectory.edges, np.diff(trajectory.edges)
+    grid = np.linspace(trajectory.start, trajectory.end, max(2, math.ceil(trajectory.duration / FINE_S) + 1))
+    short = length < PARTS * FINE_S
+    within = edges[:-1][short, None] + length[short, None] * np.linspace(0.0, 1.0, PARTS + 1)[1:-1]
+    before = np.nextafter(edges[1:], -np.inf) if trajectory.jumps else edges[1:]
+    return np.unique(np.concatenate([grid, edges, within.ravel(), before]))
+
+
+def _carried_peak(
+    scene: Scene, trajectory: Trajectory, phases: tuple[Phase, ...], instants: FloatArray
+) -> float | None:
+    """The largest acceleration, m/s², of the tool point while a part is carried; None: nothing is carried."""
+    held = [(p.t0, p.t1) for p in phases if p.attached.held is not None and p.t1 > p.t0 and p.step >= 0]
+    spans = [np.unique(np.append(instants[(instants >= t0) & (instants <= t1)], [t0, t1])) for t0, t1 in held]
+    return max((_tool_peaks(scene, trajectory, span).acceleration for span in spans), default=None)
 
 
 def _tool_peaks(scene: Scene, trajectory: Trajectory, t: FloatArray) -> ToolPeaks:

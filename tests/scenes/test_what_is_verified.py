@@ -165,3 +165,24 @@ def test_what_is_left_out_is_no_claim(field: str) -> None:
     cell, answer = answered("transfer")
     less = {key: value for key, value in answer.items() if key != field}
     assert check_plan(cell, *read_plan(cell, less))["findings"] == []
+
+
+@pytest.mark.parametrize("depart_mm", [1e-6, 0.01, 1, 20])
+def test_a_leg_of_some_milliseconds_has_its_peak_in_the_answer(depart_mm: float) -> None:
+    """What is claimed of the tool point while a part is carried is that of the DEPART alone here."""
+    request = {
+        "schema": "assur/1",
+        "robot": {"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_mm": [0, 0, -60]}},
+        "start": {"joints": {"j1_deg": 17, "j2_deg": 68, "j3_mm": 250, "j4_deg": 0}},
+        "bodies": [
+            {"name": "table", "shape": {"box": {"size_mm": [300, 300, 100]}}, "pose": {"at_mm": [300, -150, 50]}},
+            {"name": "part", "shape": {"box": {"size_mm": [30, 30, 20]}}, "pose": {"at_mm": [250, -100, 110]}},
+        ],
+        "task": [{"pick": {"part": "part", "grasp_mm": [0, 0, 10], "approach": {"mm": 20}, "dwell_ms": 50,
+                           "depart": {"mm": depart_mm}}}],
+        "options": {"stop": "first", "max_candidates": 50, "budget_s": 60},
+    }  # fmt: skip
+    cell = cell_of(request)
+    answer = plan_cell(cell)
+    assert answer["status"] == "planned"
+    assert check_plan(cell, *read_plan(cell, answer))["findings"] == []
