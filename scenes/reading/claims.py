@@ -11,9 +11,8 @@ from typing import Any
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.model.claims import Claims
 from assur.planner.model.load import Carried
-from assur.planner.model.outcome import Contact, Course, JointPeak, Nearest, Route, ToolPeaks
+from assur.planner.model.outcome import Contact, JointPeak, Nearest, ToolPeaks
 from assur.planner.model.scene import Scene
-from assur.planner.report.notes import note
 from assur.scenes.reading.plan import PLAN
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.read import read_normal
@@ -51,7 +50,7 @@ def claims_of(plan: object) -> Claims:
 
 def untrue_repeats(plan: object, scene: Scene) -> tuple[Finding, ...]:
     """What an answer repeats of its request and is not so there: digest, seed, assumptions, what the robot may carry,
-    the limit of the tool's acceleration, whether jerk is limited; the notice; and notes that are not their routes'."""
+    the limit of the tool's acceleration, whether jerk is limited; and the notice."""
     from assur.scenes.answer import NOTICE
 
     if not isinstance(plan, dict):
@@ -77,23 +76,12 @@ def untrue_repeats(plan: object, scene: Scene) -> tuple[Finding, ...]:
         for inside, above, key, true in repeated
         if key in inside and not (inside[key] == true and isinstance(inside[key], bool) is isinstance(true, bool))
     ]  # fmt: skip
-    for i, leg in enumerate(_items(plan.get("legs"), "legs")):
-        given = leg.get("route") if isinstance(leg, dict) else None
-        if isinstance(leg, dict) and "note" in leg and (given is None or isinstance(given, dict)):
-            told = note(None if given is None else _route(given))
-            if leg["note"] != told:
-                what = f"the note of leg {i} is {_short(leg['note'])}, but its route is {_short(told)}"
-                found.append(Finding(Code.CLAIM, what, where=f"legs[{i}].note"))
     return tuple(found)
 
 
 def _short(value: object) -> str:
     """A value as it is told, no longer than a line bears."""
     return f"{value!r:.60}"
-
-
-def _route(given: dict[str, Any]) -> Route:
-    return Route(Course(given["course"]), given["vias"], given["after_wait"], given["later"])
 
 
 def _below(plan: object, key: str) -> dict[str, Any]:

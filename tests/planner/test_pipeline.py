@@ -16,6 +16,7 @@ from assur.planner.checker import check
 from assur.planner.frames import Change, Conveyor, Fixed, Keyframes, Linear, Swing, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder, sphere
+from assur.planner.model.forbidden_yaw import YawRange
 from assur.planner.model.load import LoadLimits
 from assur.planner.model.outcome import Leg, LegKind, NotPlanned, Outcome, Planned
 from assur.planner.model.refusal import Reason, Stage
@@ -131,6 +132,11 @@ REASONS: dict[Reason, tuple[Callable[[], Scene], bool, str]] = {
         lambda: replace(cell(go(0.35, 0.2), tool=replace(CUP, mass_kg=7.0)), load_limits=LoadLimits(max_kg=6.0)),
         True,
         "the tool has 7 kg, but the maximum load of test is 6 kg",
+    ),
+    Reason.FORBIDDEN_YAW: (
+        lambda: replace(cell(go(0.35, 0.2, yaw=1.0)), forbidden_yaw=(YawRange(0.9, 1.2),)),
+        True,
+        "the yaw of the tool would be",
     ),
     Reason.CARRY_LIMIT: (
         # 0.1 m from the axis at 3 rad/s is 0.9 m/s² however gently one takes the part

@@ -256,7 +256,7 @@ def test_nothing_is_tried_without_a_budget_for_it_or_where_nothing_could_help() 
     assert silent.tried == ()
     assert silent.relaxation is None
     for reason in Reason:
-        hopeless = reason in (Reason.START_IN_COLLISION, Reason.LAW_ENDS, Reason.LOAD_LIMIT)
+        hopeless = reason in (Reason.START_IN_COLLISION, Reason.LAW_ENDS, Reason.LOAD_LIMIT, Reason.FORBIDDEN_YAW)
         assert worth_trying(Refusal(stage=Stage.TIMING, reason=reason, step=0, facts=Enclosed())) is not hopeless
     for tracked in (None, 0.8):
         ends = law_ends(Stage.WINDOW, 0, "belt", (0.0, 0.5), 0.8, tracked=tracked)

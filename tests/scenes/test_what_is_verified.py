@@ -33,7 +33,7 @@ CELLS = (
     "heavy-casting",
 )
 """Answers that together have a value in every field: errors, a load, a via that is missed, a trace, pitch and roll, a
-neighbour that may be late, a closed chain, a note."""
+neighbour that may be late, a closed chain."""
 EMPTY = frozenset({"warnings.kind", "warnings.bodies", "warnings.amount_m", "warnings.detail"})
 """Fields below a list that is empty in all of these answers; the list itself is changed as a whole."""
 Path_ = tuple[str | int, ...]
