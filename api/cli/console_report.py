@@ -206,7 +206,7 @@ def census(document: dict[str, Any], *, planned: bool) -> Iterator[Table | str]:
     yield f"{count} {'candidate' if count == 1 else 'candidates'}, {refused} refused{note}"
     others = document["candidates"] - refused
     if others > 0 and not planned:
-        yield f"not refused: {others}, which lead a part of the way, or were set aside for a quicker one"
+        yield f"not refused: {others}; they end before the last step, or a quicker one was found"
     yield from _kinds(lines)
     if before:
         yield "why control points cannot be met at some times or poses, found before any candidate:"

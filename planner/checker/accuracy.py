@@ -177,7 +177,8 @@ def _lagged(world: World, point: tuple[float, float, float], until: float) -> tu
     doubt = (np.zeros((0, 11)), np.zeros((1, 1, 2)), np.zeros((1, 0, 2)), np.append(lag, np.zeros(4)), np.zeros(4))
     if not sway(world.tables, doubt, until, until, jets):
         return np.full((1, 3), np.inf), math.inf, math.inf
-    bent = _second(jets[world.flange], float(np.sqrt((local**2).sum())))
+    # the flange stays upright: its own axis does not turn (of an arm that tilts the point is the flange's own)
+    bent = _second(jets[world.flange], math.hypot(*local[:2].tolist()))
     turn = max(turns)
     if tilts:
         turn = 0.0  # such an arm has no yaw to be asked for

@@ -145,6 +145,8 @@ def _in_window(world: World, arrival: Arrival, target: Target) -> list[Finding]:
             what = f"{name} is met outside its window"
             findings.append(Finding(Code.WINDOW, what, over, "s", f"{arrival.time:.6g} s"))
     if not isinstance(law, Conveyor | Linear):
+        if arrival.along_m is not None:
+            findings.append(Finding(Code.ARRIVAL, f"{name} is said to be along a conveyor, and is on none"))
         if window.along is not None:
             findings.append(Finding(Code.WINDOW, f"{name} has a window in metres, and is not on a conveyor"))
         return findings

@@ -36,7 +36,7 @@ from assur.planner.kernels.spline import spline_state
 
 LOWER, UPPER, NEAREST_T, NEAREST_A, NEAREST_B = 2, 3, 4, 5, 6
 """In `state`, besides TOP: the proved lower value, the smallest distance found, m, when and of which units it is."""
-WITHIN_M = 4e-5
+WITHIN_M = 3e-5
 """How far the lower value may be below the upper one, m: less than the 0.05 mm that is promised."""
 
 

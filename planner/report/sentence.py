@@ -27,7 +27,7 @@ from assur.planner.model.refusal import (
     Singular,
     Stage,
 )
-from assur.planner.model.scene import Scene, Trace
+from assur.planner.model.scene import Pick, Place, Scene, Trace
 from assur.planner.model.window_missed import WindowMissed
 from assur.planner.report.number_format import amount, number, position
 from assur.planner.report.too_late import law_ended, window_missed
@@ -89,7 +89,7 @@ def _because(scene: Scene, refusal: Refusal) -> str:
         case AccelerationTime() as facts:
             return _acceleration_time(refusal, facts)
         case Separation() | Enclosed() as facts:
-            return _collision(refusal, facts)
+            return _collision(scene, refusal, facts)
         case Carrying() as facts:
             most, limit = (number(value, 3) for value in (facts.acceleration, facts.limit))
             return f"the part would be accelerated with {most} m/s², but only {limit} m/s² are allowed"
@@ -322,7 +322,7 @@ def _acceleration_time(refusal: Refusal, facts: AccelerationTime) -> str:
     )
 
 
-def _collision(refusal: Refusal, facts: Separation | Enclosed) -> str:
+def _collision(scene: Scene, refusal: Refusal, facts: Separation | Enclosed) -> str:
     first, second = refusal.bodies
     if isinstance(facts, Enclosed):
         what = f"{first} is inside {second}"
@@ -341,8 +341,19 @@ def _collision(refusal: Refusal, facts: Separation | Enclosed) -> str:
     if refusal.reason is Reason.START_IN_COLLISION:
         return f"the arm collides at the start: {what}"
     if refusal.reason is Reason.CONTROL_POINT_IN_COLLISION:
-        return f"the control point cannot be met without a collision: {what}"
+        return f"the control point cannot be met without a collision: {what}{_may_touch(scene, refusal)}"
     return what
+
+
+def _may_touch(scene: Scene, refusal: Refusal) -> str:
+    """What to do where a part is to rest on the body that is in its way."""
+    step = scene.task[refusal.step]
+    if not isinstance(step, Pick | Place) or step.part not in refusal.bodies:
+        return ""
+    other = next(name for name in refusal.bodies if name != step.part)
+    if other not in scene.index:
+        return ""
+    return f"; if {step.part} is to rest on {other}, name it in contact_with"
 
 
 RULES = {"near": "clearance near a point", "travel": "clearance in travel", "exception": "clearance of the exception"}
@@ -355,12 +366,16 @@ def _distances(facts: Separation) -> str:
     if gap is None or required is None:
         return ""
     there = f": overlap up to {_mm(-gap)}" if gap < 0.0 else f": gap {_mm(gap)}"
+    if _mm(gap) == _mm(required):
+        there += f" ({_mm(required - gap)} less than required)"
     if facts.rule is None or facts.clearance_m is None:
         return f"{there}, required {_mm(required)}"
     unknown = required - facts.clearance_m
     parts = [] if facts.rule == "contact" else [f"{RULES[facts.rule]} {_mm(facts.clearance_m)}"]
     parts += [f"uncertainty {_mm(unknown)}"] * (unknown > LEAST_M)
     made = f" ({', '.join(parts)})" if parts else ""
+    if facts.rule == "contact":
+        made += ": a contact_tolerance_mm of the step allows more"
     if required < 0.0:
         return f"{there}, allowed {_mm(-required)}{made}"
     return f"{there}, required {_mm(required)}{made}"

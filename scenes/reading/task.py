@@ -28,6 +28,8 @@ from assur.scenes.schema.task import (
 )
 
 NO_YAW = "no yaw: the robot has no wrist"
+SHORTEST_S = 1e-4
+"""A point is followed for no time, or for this at least, s."""
 ANY_YAW = (
     "yaw_deg (or yaw_rad) with a number, yaw_free: true (any yaw) or yaw_keep: true (the yaw that the tool has when "
     "the step begins), one of which must be given"
@@ -75,6 +77,10 @@ class _Task:
 
     def _follow(self, name: str, item: FollowDocument) -> Step:
         target = self._target(item.to)
+        if 0.0 < item.duration_s < SHORTEST_S:
+            raise Refused(
+                f"0, or {1e3 * SHORTEST_S:g} ms and more: a shorter motion is no longer than rounding", "duration_s"
+            )
         return Follow(name, target, item.duration_s, self._window(item, target.frame), _tolerance(item))
 
     def _trace(self, name: str, item: TraceDocument) -> Step:

@@ -292,7 +292,7 @@ def test_the_census_is_a_table_with_a_row_for_each_kind_of_refusal() -> None:
     document = {"candidates": 7, "refused": 1, "lines": [LINE, {**LINE, "count": 3, "most": 0.004}]}
     first, second, _, *rows = shown(console_report.census(document, planned=False))
     assert first == "7 candidates, 1 refused; a candidate may be refused for several bodies"
-    assert second.startswith("not refused: 6, which lead a part of the way")
+    assert second.startswith("not refused: 6; they end before the last step")
     assert rows == ["1 1 screening cup would hit bar 2 mm", "3 1 screening cup would hit bar 2 mm to 4 mm"]
     told = shown(console_report.census({**document, "refused": 4}, planned=True))
     assert told[0] == "7 candidates, 4 refused"

@@ -108,10 +108,14 @@ def test_a_required_distance_is_told_with_what_it_is_made_of(facts: Any, told: s
 
 def test_an_allowed_contact_that_is_too_deep_is_told_with_what_is_allowed() -> None:
     deep = Separation(touching=True, gap_m=-0.003, required_m=-1e-4, rule="contact", clearance_m=-1e-4)
-    assert because(SCENE, refusal(facts=deep)) == "cup would hit gate: overlap up to 3 mm, allowed 0.1 mm"
+    assert (
+        because(SCENE, refusal(facts=deep))
+        == "cup would hit gate: overlap up to 3 mm, allowed 0.1 mm: a contact_tolerance_mm of the step allows more"
+    )
     unsure = replace(deep, required_m=0.0019)
-    told = because(SCENE, refusal(facts=unsure))
-    assert told == "cup would hit gate: overlap up to 3 mm, required 1.9 mm (uncertainty 2 mm)"
+    more = "a contact_tolerance_mm of the step allows more"
+    said = f"cup would hit gate: overlap up to 3 mm, required 1.9 mm (uncertainty 2 mm): {more}"
+    assert because(SCENE, refusal(facts=unsure)) == said
 
 
 RULES = {

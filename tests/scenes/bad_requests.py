@@ -104,6 +104,11 @@ GOOD_REQUEST: dict[str, Any] = {
 """A small pick and place, quickly planned."""
 
 
+def shortly_followed(request: dict[str, Any]) -> None:
+    point = {"frame": "belt", "at_mm": [0, 0, 100], "yaw_deg": 0}
+    request["task"].append({"follow": {"to": point, "duration_ms": 0.01}})
+
+
 def _at(*path: str | int) -> Callable[[dict[str, Any]], Any]:
     def find(document: Any) -> Any:
         for part in path:
@@ -261,6 +266,7 @@ def _rates(per: str, **given: float) -> dict[str, float]:
 
 BAD_REQUESTS: tuple[Bad, ...] = (
     # the document as such
+    Bad("a follow of no length", shortly_followed, "task[3].follow.duration_ms", "0, or 0.1 ms and more"),
     Bad("unknown field", put("color", value="red"), "color"),
     Bad("an answer", put("status", value="planned"), "status", "this is an answer, not a request"),
     Bad("expect in a request", put("expect", value={"status": "planned"}), "expect"),

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from assur.scenes import plan
+from assur.scenes import check, plan
 
 CUP = {"name": "cup", "shape": {"cylinder": {"radius_mm": 10, "height_mm": 80}}, "at_mm": [0, 0, -40]}
 CELL: dict[str, Any] = {
@@ -212,11 +212,19 @@ def test_a_straight_part_that_is_too_short_is_told_with_one_that_is_long_enough(
     assert plan(enough)["status"] == "planned"
 
 
+def test_a_part_that_is_to_rest_on_what_is_in_its_way_is_told_how_to_say_so() -> None:
+    cell = copy.deepcopy(CELL)
+    part_in_a_desk(cell)
+    assert plan(cell)["sentence"].endswith("; if part is to rest on desk, name it in contact_with.")
+
+
 def test_a_straight_part_that_is_longer_than_asked_for_is_told() -> None:
     cell = copy.deepcopy(CELL)
     cell["task"][1]["place"]["approach"] = {"mm": 3}
     cell["task"][1]["place"]["depart"] = {"mm": 3, "stop": True}
-    told = [text for text in plan(cell)["assumptions"] if "the straight part of" in text]
+    answer = plan(cell)
+    assert check(cell, answer)["ok"]
+    told = [text for text in answer["assumptions"] if "the straight part of" in text]
     assert told == [
         "place-2: the straight part of approach is 5.5 mm long, not 3 mm: at least 1.1 times the clearance of travel, "
         "5 mm, unless it has stop: true"

@@ -10,12 +10,15 @@ from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, NotRequired, Required, Union, get_args, get_origin
 
+import numpy as np
 import pytest
 from typing_extensions import get_type_hints, is_typeddict
 
+from assur.planner.checker.claims.tool import _at
+from assur.planner.checker.world import World
 from assur.planner.errors import InputError
 from assur.scenes.reading.cell import Cell
-from assur.scenes.requests import cell_of, check_plan, plan_cell, read_plan
+from assur.scenes.requests import cell_of, check_document, check_plan, plan_cell, plan_document, read_plan
 from assur.scenes.scenarios import shipped
 from assur.scenes.schema import answer as document
 
@@ -186,3 +189,33 @@ def test_a_leg_of_some_milliseconds_has_its_peak_in_the_answer(depart_mm: float)
     answer = plan_cell(cell)
     assert answer["status"] == "planned"
     assert check_plan(cell, *read_plan(cell, answer))["findings"] == []
+
+
+def test_a_point_that_is_on_no_conveyor_is_not_believed_to_be_along_one() -> None:
+    request = shipped("transfer").request
+    answer: Any = plan_document(request)
+    answer["arrivals"][0]["along_m"] = 1.0
+    assert "ARRIVAL" in {finding["code"] for finding in check_document(request, answer)["findings"]}
+
+
+def test_what_binds_is_not_believed_without_the_peaks() -> None:
+    answer: Any = plan_document(shipped("transfer").request)
+    del answer["margins"]["peaks"]
+    answer["margins"]["binds"] = "jerk of j9 (999 %)"
+    verdict = check_document(shipped("transfer").request, answer)
+    assert [(finding["code"], finding["where"]) for finding in verdict["findings"]] == [("CLAIM", "margins.binds")]
+    del answer["margins"]["binds"]
+    assert check_document(shipped("transfer").request, answer)["ok"]
+
+
+def test_an_acceleration_at_a_jump_may_be_told_a_digit_beside_its_knot() -> None:
+    """The larger of both sides counts, and a time that is rounded is still that of the jump."""
+    request = shipped("parabolic-blend").request
+    cell = cell_of(request)
+    world = World(cell.scene, read_plan(cell, plan_document(request))[0])
+    knots = np.unique(world.knots.time)[1:-1].tolist()
+    at = [_at(world, t, fast=False) for t in knots]
+    between = [_at(world, t + 1e-6, fast=False) for t in knots]
+    assert max(abs(one - other) for one, other in zip(at, between, strict=True)) > 1.0  # there are jumps
+    for beside in (-1e-12, 1e-12):
+        assert [_at(world, t + beside, fast=False) for t in knots] == at

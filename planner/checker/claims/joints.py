@@ -28,7 +28,8 @@ def peaks(world: World, phases: tuple[Phase, ...], claims: Claims) -> list[Findi
     """Findings about the peaks of the joints, their shares of the limits, and about which of them binds."""
     said, blended = claims.peaks, world.scene.options.blended
     if said is None:
-        return []
+        alone = "what binds cannot be verified without the peaks of the joints"
+        return [] if claims.binds is None else [Finding(Code.CLAIM, alone, where="margins.binds")]
     joints, count = world.scene.robot.joints, 2 if blended else 3
     if [peak.joint for peak in said] != [joint.name for joint in joints]:
         return [Finding(Code.CLAIM, f"there must be a peak of each joint: {', '.join(each.name for each in joints)}")]

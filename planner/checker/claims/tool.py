@@ -64,6 +64,9 @@ def _at(world: World, t: float, *, fast: bool) -> float:
     outside the motion."""
     if not world.start <= t <= world.end:
         return np.nan
+    near = world.knots.time[np.abs(world.knots.time - t) <= BEFORE_S]
+    if world.knots.jumps and len(near):
+        t = float(near[0])  # a time that is told may be off the knot by its last digit
     spans = np.array([(t, t), (max(t - BEFORE_S, world.start), t)])
     found = world.relative(world.frame[WORLD], spans)
     if fast:

@@ -169,6 +169,16 @@ def test_a_joint_that_lags_moves_the_links_behind_it_and_no_other(lag: Document,
         assert "link-1" in refused(request)["sentence"]
 
 
+@pytest.mark.parametrize("lag_deg", [0.1, 0.4, 2.0])
+def test_a_wrist_that_lags_turns_a_tool_on_its_axis_and_does_not_move_it(lag_deg: float) -> None:
+    """However far the point is below the flange, which stays upright."""
+    task = [{"move": {"to": {"at_mm": [300, 50, 150], "yaw_deg": 20}}}]
+    request = cell(task=task, execution={"lag": {"j4_deg": lag_deg}})
+    error = planned(request)["arrivals"][0]["error"]
+    assert error["yaw_rad"] == pytest.approx(math.radians(lag_deg), abs=1e-5)
+    assert error["position_m"] < 1e-5
+
+
 def on_the_way(speed_mm_s: float = 250) -> Document:
     """A point on a belt that the controller corrects for, a move, and a point in a nest that nobody measures."""
     return cell(
