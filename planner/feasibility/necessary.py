@@ -96,8 +96,8 @@ def overloaded(scene: Scene) -> Refusal | None:
 
 
 def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
-    """A start that collides, or a control point that can never be met: what hangs on the flange would be inside what
-    stands still around it.
+    """A start that collides, or a control point that can never be met: its window is missed, it is out of range, or
+    what hangs on the flange would be too near what stands still around it, there or where a straight part ends.
 
     Asked only when the first candidates have failed: where they have not, the arm can leave and the points can be met.
     """
