@@ -28,6 +28,7 @@ from assur.planner.checker.uncertainty import (
     Doubt,
 )
 from assur.planner.frames import ALWAYS, Conveyor, Fixed, Law, Linear
+from assur.planner.frames.law import EXACT
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 
@@ -55,8 +56,11 @@ def counted(law: Law) -> bool:
     return line_of(law) is not None
 
 
-def reaches(table: Solids) -> FloatArray:
-    """How far the body of each seat reaches from the axis of its carrier (S,), m."""
+def reaches(table: Solids, doubt: Doubt) -> FloatArray:
+    """How far the body of each seat reaches from the axis of its carrier (S,), m: zeros where nothing is uncertain, and
+    none is asked for."""
+    if doubt[4][ANY] == 0.0:
+        return np.zeros(len(table.seats))
     radius = np.array([table.bodies[body].radius for body in table.seats[:, BODY].tolist()])
     return np.asarray(np.hypot(table.offset[:, 0], table.offset[:, 1]) + radius)
 
@@ -86,6 +90,8 @@ def doubt_of(scene: Scene, phases: tuple[Phase, ...], table: Solids) -> Doubt:
     shares = np.zeros((len(phases), len(frames), 2))
     for item in scene.bodies:
         own, k = item.uncertainty, table.number[item.name]
+        if own == EXACT:
+            continue
         bodies[:, k, FLAT], bodies[:, k, HEIGHT] = own.position_m + own.yaw_rad * item.body.radius, own.vertical_m
     for i, phase in enumerate(phases):
         for part, within in phase.handled.within:

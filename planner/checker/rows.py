@@ -62,12 +62,13 @@ class Apart:
         kinds = np.array(
             [(float(p.near), float(p.robot), -CONTACT_M - p.contact_tolerance_m) for p in phases], dtype=np.float64
         ).reshape(-1, 3)
+        doubt = doubt_of(scene, phases, table)
         cell = (
             table.seat, table.seats, wanted, table.count, mine, robots[None], spans, kinds,
-            _clearances(scene, table, robots), reaches(table), ahead(scene, table.links),
+            _clearances(scene, table, robots), reaches(table, doubt), ahead(scene, table.links),
         )  # fmt: skip
         tables = (*tables[:4], table.table, table.vertices)
-        return Apart(phases, table, tables, cell, doubt_of(scene, phases, table), marks)
+        return Apart(phases, table, tables, cell, doubt, marks)
 
     def found(self, certificate: Certificate, claimed: float) -> tuple[list[Finding], FloatArray]:
         """Rows that mean or prove nothing, and pairs that are not kept apart; and what stands against the clearance

@@ -113,6 +113,8 @@ def _overlaps(scene: Scene, prover: Prover) -> list[InputWarning]:
     for step in scene.task:
         if isinstance(step, Pick) and (held is None or held.part != step.part):
             parts[step.part] = None
+    if not parts:
+        return []
     numbers = prover.arrangement(AT_START).number
     standing = [body for body in scene.bodies if isinstance(scene.frames[body.frame].law, Fixed)]
     standing = [body for body in standing if body.name in numbers and (held is None or held.part != body.name)]

@@ -10,6 +10,7 @@ box: h; sphere: rb; capsule along z: hz, rb; cylinder along z: hz, rd. A convex 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from operator import le
@@ -214,6 +215,13 @@ def corners(shape: Primitive | Hull) -> FloatArray:
 
 def radius(piece: Piece) -> float:
     """Horizontal distance, m, of the piece's points from the origin of its body's frame at most."""
-    points = piece.position + corners(piece.shape) @ piece.rotation.T
-    grown = piece.shape.disc + piece.shape.ball if isinstance(piece.shape, Primitive) else 0.0
-    return float(np.hypot(points[:, 0], points[:, 1]).max()) + grown
+    if isinstance(piece.shape, Hull):
+        points = piece.position + piece.shape.vertices @ piece.rotation.T
+        return float(np.hypot(points[:, 0], points[:, 1]).max())
+    (a, b, c), (d, e, f), _ = piece.rotation.tolist()
+    x, y, _ = piece.position.tolist()
+    hx, hy, hz = piece.shape.half
+    signs = ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0))
+    flat = ((a * hx + s * b * hy + t * c * hz, d * hx + s * e * hy + t * f * hz) for s, t in signs)
+    farthest = max(max(math.hypot(x + u, y + v), math.hypot(x - u, y - v)) for u, v in flat)
+    return farthest + piece.shape.disc + piece.shape.ball

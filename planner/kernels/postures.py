@@ -15,8 +15,8 @@ from assur.planner.kernels.intervals import Motion
 from assur.planner.kernels.inverse import LOOP, POSTURE_COLUMNS, SERIAL, posture
 from assur.planner.kernels.links import LINKS, PARALLEL_LEAST, assembled
 from assur.planner.kernels.motion import COORDINATES, ORDERS, link_motion
-from assur.planner.kernels.solids import MOTION, ROW, TABLE
-from assur.planner.kernels.spline import piece_motion, spline_state, sweep_bounds
+from assur.planner.kernels.solids import CUBE, MOTION, ROW, TABLE
+from assur.planner.kernels.spline import piece_at, piece_motion, piece_state, spline_state, sweep_bounds
 from assur.planner.kernels.uncertainty import (
     DOUBT,
     LAG_Q,
@@ -104,34 +104,80 @@ def correction_fits(motion: Motion, limits: FloatArray, doubt: Doubt, t0: float,
     return FITS
 
 
-@kernel(
-    "UniTuple(float64, 2)(float64[::1], float64[::1], float64[:, :, ::1], float64, float64, float64, float64, int64)",
-    allocates=True,
-)
-def tool_peak(
-    robot: FloatArray, tk: FloatArray, c: FloatArray, x: float, y: float, t0: float, t1: float, many: int
+@kernel(f"UniTuple(float64, 2)({ROW}, float64, float64, {TABLE}, {TABLE}, {TABLE})")
+def tool_rate(
+    robot: FloatArray, x: float, y: float, joints: FloatArray, out: FloatArray, work: FloatArray
 ) -> tuple[float, float]:
-    """Largest acceleration, m/s², of the tool point at `many` > 1 instants of [t0, t1], and when; NaN if any is.
+    """Speed, m/s, and acceleration, m/s², of the tool point where the joints are (`joints`, as `piece_motion` has it).
 
-    The tool point is at (x, y), m, across the flange, which turns about the vertical: r̈ = α r⊥ − ω² r.
+    The tool point is at (x, y), m, across the flange, which turns about the vertical: r̈ = α r⊥ − ω² r. A flange that
+    tilts bears the tool point itself. `out` and `work` are room to compute in.
     """
+    link_motion(robot, int(robot[LINKS]) - 1, joints, out, work)
+    cos, sin = math.cos(out[0, 3]), math.sin(out[0, 3])
+    rx, ry = cos * x - sin * y, sin * x + cos * y
+    omega, turn = out[1, 3], out[2, 3]
+    vx, vy, vz = out[1, 0] - omega * ry, out[1, 1] + omega * rx, out[1, 2]
+    square = omega * omega
+    ax, ay, az = out[2, 0] - turn * ry - square * rx, out[2, 1] + turn * rx - square * ry, out[2, 2]
+    return math.sqrt(vx * vx + vy * vy + vz * vz), math.sqrt(ax * ax + ay * ay + az * az)
+
+
+@kernel(f"void({ROW}, {ROW}, {CUBE}, float64, float64, {ROW}, {TABLE})", allocates=True)
+def tool_rates(
+    robot: FloatArray, tk: FloatArray, c: FloatArray, x: float, y: float, times: FloatArray, rates: FloatArray
+) -> None:
+    """`rates` (2, T) takes speeds and accelerations of the tool point (`tool_rate`) at `times` (T,)."""
     joints, out = np.zeros((ORDERS, c.shape[1])), np.empty((ORDERS, COORDINATES))
     work = np.empty((WORK_ROWS, RRR_COLUMNS))
-    flange, best, at = int(robot[LINKS]) - 1, -math.inf, t0
-    for k in range(many):
-        t = t0 + (t1 - t0) * k / (many - 1)
-        piece_motion(tk, c, t, joints)
-        link_motion(robot, flange, joints, out, work)
-        cos, sin = math.cos(out[0, 3]), math.sin(out[0, 3])
-        rx, ry = cos * x - sin * y, sin * x + cos * y
-        turn, square = out[2, 3], out[1, 3] * out[1, 3]
-        ax, ay, az = out[2, 0] - turn * ry - square * rx, out[2, 1] + turn * rx - square * ry, out[2, 2]
-        pull = math.sqrt(ax * ax + ay * ay + az * az)
-        if not pull <= best:
-            best, at = pull, t
-            if math.isnan(pull):
-                break
-    return best, at
+    for k in range(len(times)):
+        piece_motion(tk, c, times[k], joints)
+        rates[0, k], rates[1, k] = tool_rate(robot, x, y, joints, out, work)
+
+
+AROUND = 40
+"""Steps in which the surroundings of the largest sample are sampled again."""
+
+
+@kernel(f"void({ROW}, {ROW}, {CUBE}, float64, float64, float64, float64, float64, int64, {ROW})", allocates=True)
+def tool_peaks(
+    robot: FloatArray, tk: FloatArray, c: FloatArray, x: float, y: float, t0: float, t1: float, step: float,
+    parts: int, found: FloatArray,
+) -> None:  # fmt: skip
+    """The largest speed and acceleration of the tool point (`tool_rate`) over [t0, t1], and when: `found` (2, 2) flat.
+    NaN where one is none.
+
+    Each piece of the spline is sampled from its first to its last state, `step` s apart at most and in `parts` steps at
+    least, so both sides of a jump count. What is around the largest sample is sampled again more closely.
+    """
+    joints, out = np.zeros((ORDERS, c.shape[1])), np.empty((ORDERS, COORDINATES))
+    work, around = np.empty((WORK_ROWS, RRR_COLUMNS)), np.zeros(2)
+    found[0], found[1], found[2], found[3] = -math.inf, t0, -math.inf, t0
+    first, last = piece_at(tk, t0), piece_at(tk, t1)
+    if last > first and tk[last] >= t1:
+        last -= 1  # that piece follows on t1
+    for p in range(first, last + 1):
+        begin, end = max(t0, tk[p]), min(t1, tk[p + 1])
+        many = max(parts, math.ceil((end - begin) / step))
+        for k in range(many + 1):
+            t = begin + (end - begin) * k / many
+            piece_state(c, p, t - tk[p], joints)
+            for which, rate in enumerate(tool_rate(robot, x, y, joints, out, work)):
+                if rate != rate:
+                    found[2 * which], found[2 * which + 1] = rate, t
+                elif rate > found[2 * which]:
+                    found[2 * which], found[2 * which + 1] = rate, t
+                    around[which] = (end - begin) / many
+    for which in range(2):
+        begin = max(t0, found[2 * which + 1] - around[which])
+        end = min(t1, found[2 * which + 1] + around[which])
+        for k in range(AROUND + 1):
+            t = begin + (end - begin) * k / AROUND
+            p = min(piece_at(tk, t), last)
+            piece_state(c, p, t - tk[p], joints)
+            rate = tool_rate(robot, x, y, joints, out, work)[which]
+            if rate > found[2 * which]:
+                found[2 * which], found[2 * which + 1] = rate, t
 
 
 @kernel("UniTuple(float64, 2)(float64[::1], float64[::1], float64[:, :, ::1], int64)", allocates=True)

@@ -44,19 +44,24 @@ def spline_state(tk: FloatArray, c: FloatArray, t: float, q: FloatArray) -> None
         q[i] = c[p, i, 0] + u * (c[p, i, 1] + u * (c[p, i, 2] + u * (c[p, i, 3] + u * (c[p, i, 4] + u * c[p, i, 5]))))
 
 
-@kernel("void(float64[::1], float64[:, :, ::1], float64, float64[:, ::1])")
-def piece_motion(tk: FloatArray, c: FloatArray, t: float, state: FloatArray) -> None:
-    """Fills `state` (4, n) with q and its first three derivatives at time `t`, the later piece's at an inner knot, the
-    first or the last state for a time before or after all."""
-    held = min(max(t, tk[0]), tk[len(tk) - 1])
-    p = piece_at(tk, held)
-    u = held - tk[p]
+@kernel("void(float64[:, :, ::1], int64, float64, float64[:, ::1])")
+def piece_state(c: FloatArray, p: int, u: float, state: FloatArray) -> None:
+    """Fills `state` (4, n) with q and its first three derivatives `u` s after the begin of piece `p`."""
     for i in range(state.shape[1]):
         c1, c2, c3, c4, c5 = c[p, i, 1], c[p, i, 2], c[p, i, 3], c[p, i, 4], c[p, i, 5]
         state[0, i] = c[p, i, 0] + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5))))
         state[1, i] = c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))
         state[2, i] = 2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))
         state[3, i] = 6.0 * c3 + u * (24.0 * c4 + u * 60.0 * c5)
+
+
+@kernel("void(float64[::1], float64[:, :, ::1], float64, float64[:, ::1])")
+def piece_motion(tk: FloatArray, c: FloatArray, t: float, state: FloatArray) -> None:
+    """Fills `state` (4, n) with q and its first three derivatives at time `t`, the later piece's at an inner knot, the
+    first or the last state for a time before or after all."""
+    held = min(max(t, tk[0]), tk[len(tk) - 1])
+    p = piece_at(tk, held)
+    piece_state(c, p, held - tk[p], state)
 
 
 @kernel("void(float64[::1], float64[:, :, ::1], float64, float64[:, ::1])")

@@ -1,18 +1,24 @@
-"""How hard the tool point pulls at the part that it carries."""
+"""How fast the tool point is, and how hard it pulls at the part that it carries."""
 
 from __future__ import annotations
 
 import math
 
-from assur.planner.kernels.postures import tool_peak as sampled_peak
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.kernels.postures import tool_peaks as sampled_peaks
+from assur.planner.kernels.postures import tool_rates
+from assur.planner.model.outcome import ToolPeaks
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 
 STEP_S = 0.001
 """Sampling of the tool's acceleration while a part is carried, s."""
-LEAST = 33
-"""... and at least so many instants of an interval: a leg that lasts a millisecond has a peak, too."""
+PARTS = 8
+"""... and at least so many parts of a piece of the spline: a depart of some micrometres is over in a few milliseconds,
+with the whole of its peak between two samples."""
 RESERVE = 0.02
 """Share of the carry limit that is left for what lies between samples; the checker bounds it there."""
 
@@ -27,11 +33,26 @@ def lift_most(scene: Scene, *, carried: bool) -> float:
     return LIFTED * limit if carried and limit is not None else math.inf
 
 
+def tool_peaks(scene: Scene, trajectory: Trajectory, t0: float, t1: float, step: float = STEP_S) -> ToolPeaks:
+    """The largest speed and acceleration of the tool point over [t0, t1], within the trajectory, and when, by samples
+    every `step` s (`PARTS` of each piece of the spline at least) and closer ones around the largest."""
+    found, tcp = np.empty(4), scene.tool.tcp
+    row, edges, c = scene.robot.row, trajectory.edges, trajectory.coefficients
+    sampled_peaks(row, edges, c, tcp.x, tcp.y, t0, t1, step, PARTS, found)
+    return ToolPeaks(*found.tolist())
+
+
 def tool_peak(scene: Scene, trajectory: Trajectory, t0: float, t1: float, step: float = STEP_S) -> tuple[float, float]:
-    """Largest acceleration, m/s², of the tool point over [t0, t1], within the trajectory, by samples every `step` s
-    (`LEAST` at least), and when."""
-    many, tcp = max(LEAST, math.ceil((t1 - t0) / step) + 1), scene.tool.tcp
-    return sampled_peak(scene.robot.row, trajectory.edges, trajectory.coefficients, tcp.x, tcp.y, t0, t1, many)
+    """Largest acceleration, m/s², of the tool point over [t0, t1] (`tool_peaks`), and when."""
+    found = tool_peaks(scene, trajectory, t0, t1, step)
+    return found.acceleration, found.acceleration_time
+
+
+def tool_accelerations(scene: Scene, trajectory: Trajectory, t: FloatArray) -> FloatArray:
+    """Accelerations (T,), m/s², of the tool point at times t (T,)."""
+    rates, tcp = np.empty((2, len(t))), scene.tool.tcp
+    tool_rates(scene.robot.row, trajectory.edges, trajectory.coefficients, tcp.x, tcp.y, t, rates)
+    return np.asarray(rates[1])
 
 
 def carrying_peak(scene: Scene, trajectory: Trajectory, phases: tuple[Phase, ...]) -> tuple[float, float] | None:

@@ -10,24 +10,19 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.nearest import nearest, nearest_pairs
 from assur.planner.collision.proof import Prover
-from assur.planner.frames.motion import Pose
 from assur.planner.kernels.postures import least_margins
 from assur.planner.legs.limits import parts
+from assur.planner.legs.tool_motion import carrying_peak, tool_accelerations, tool_peaks
 from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.load import Carried, held_inertia
-from assur.planner.model.outcome import Busiest, Contact, JointPeak, Margins, ToolPeaks
+from assur.planner.model.outcome import Busiest, Contact, JointPeak, Margins
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import RATES
 from assur.planner.model.scene import Scene
 from assur.planner.trajectory import Trajectory
 
 FINE_S = 0.001
-"""Sampling of the tool point's speed and acceleration, and of what is used of the limit that binds, s."""
-PARTS = 8
-"""Parts of a short piece of the spline at whose ends peaks of the tool point are looked for. A depart of some
-micrometres is over in a few milliseconds, with the whole of its peak between two samples."""
-AROUND = 41
-"""Instants at which a peak of the tool point is looked for again, between the samples beside the largest."""
+"""Sampling of what is used of the limit that binds, s."""
 NEAR_PEAK = 0.01
 """A limit is used within this share of its peak."""
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
@@ -40,17 +35,19 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     of the tool point are looked for at times."""
     peaks, (ratio, joint, kind) = _peaks(scene, trajectory, phases)
     serial, parallel = least_margins(scene.robot.row, trajectory.edges, trajectory.coefficients, INSTANTS)
-    limit, instants = scene.carry_acceleration, _instants(trajectory)
-    tool, held = _tool_peaks(scene, trajectory, instants), _carried_peak(scene, trajectory, phases, instants)
+    limit, carrying = scene.carry_acceleration, carrying_peak(scene, trajectory, phases)
+    tool = tool_peaks(scene, trajectory, trajectory.start, trajectory.end)
+    held = None if carrying is None else carrying[0]
     binds, helps = f"{kind} of {joint} ({100 * ratio:.0f} %)", f"a higher limit of it, or a shorter way of {joint}"
-    t = np.linspace(trajectory.start, trajectory.end, max(2, math.ceil(trajectory.duration / FINE_S) + 1))
-    number = [each.name for each in scene.robot.joints].index(joint)
-    used = np.abs(trajectory.evaluate(t, ORDERS[kind])[:, number])
+    t = _even(trajectory)
     if held is not None and limit is not None and held / limit > ratio:
         binds = f"acceleration of the carried part ({100 * held / limit:.0f} %)"
         helps = "a higher limit of it (carry)"
         carried = np.any([(t >= p.t0) & (t <= p.t1) for p in phases if p.attached.held is not None], axis=0)
-        used = np.where(carried, _of_tool(scene, trajectory, t)[1], 0.0)
+        used = np.where(carried, tool_accelerations(scene, trajectory, t), 0.0)
+    else:
+        number = [each.name for each in scene.robot.joints].index(joint)
+        used = np.abs(trajectory.evaluate(t, ORDERS[kind])[:, number])
     return Margins(
         peaks=peaks,
         binds=binds,
@@ -84,46 +81,9 @@ def _busiest(phases: tuple[Phase, ...], t: FloatArray, used: FloatArray) -> Busi
     )
 
 
-def _instants(trajectory: Trajectory) -> FloatArray:
-    """Times (T,) at which peaks of the tool point are looked for: every `FINE_S`, within each piece of the spline that
-    is so short that this would miss what it does, and on both sides of a jump."""
-    edges, length = trajectory.edges, np.diff(trajectory.edges)
-    grid = np.linspace(trajectory.start, trajectory.end, max(2, math.ceil(trajectory.duration / FINE_S) + 1))
-    short = length < PARTS * FINE_S
-    within = edges[:-1][short, None] + length[short, None] * np.linspace(0.0, 1.0, PARTS + 1)[1:-1]
-    before = np.nextafter(edges[1:], -np.inf) if trajectory.jumps else edges[1:]
-    return np.unique(np.concatenate([grid, edges, within.ravel(), before]))
-
-
-def _carried_peak(
-    scene: Scene, trajectory: Trajectory, phases: tuple[Phase, ...], instants: FloatArray
-) -> float | None:
-    """The largest acceleration, m/s², of the tool point while a part is carried; None: nothing is carried."""
-    held = [(p.t0, p.t1) for p in phases if p.attached.held is not None and p.t1 > p.t0 and p.step >= 0]
-    spans = [np.unique(np.append(instants[(instants >= t0) & (instants <= t1)], [t0, t1])) for t0, t1 in held]
-    return max((_tool_peaks(scene, trajectory, span).acceleration for span in spans), default=None)
-
-
-def _tool_peaks(scene: Scene, trajectory: Trajectory, t: FloatArray) -> ToolPeaks:
-    """The largest of the samples at t, sampled again more densely around each."""
-    tops = [int(rate.argmax()) for rate in _of_tool(scene, trajectory, t)]
-    closer = [np.append(np.linspace(t[max(0, k - 1)], t[min(len(t) - 1, k + 1)], AROUND), t[k]) for k in tops]
-    again = _of_tool(scene, trajectory, np.concatenate(closer))
-    speeds, pulls = again[0][: AROUND + 1], again[1][AROUND + 1 :]
-    fastest, hardest = int(speeds.argmax()), int(pulls.argmax())
-    return ToolPeaks(
-        float(speeds[fastest]), float(closer[0][fastest]), float(pulls[hardest]), float(closer[1][hardest])
-    )
-
-
-def _of_tool(scene: Scene, trajectory: Trajectory, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Speed, m/s, and acceleration, m/s², (T,) of the tool point at times t (T,)."""
-    q, qd, qdd = trajectory.states(t)
-    flange = len(scene.robot.links) - 1
-    moved = scene.robot.link_motion(flange, q, qd, qdd, np.zeros_like(q))
-    # a flange that tilts bears the tool point itself
-    moved = moved if scene.tool.tcp == Pose() else moved.at(scene.tool.tcp)
-    return np.asarray(np.linalg.norm(moved.v, axis=-1)), np.asarray(np.linalg.norm(moved.a, axis=-1))
+def _even(trajectory: Trajectory) -> FloatArray:
+    """Times (T,), `FINE_S` apart at most."""
+    return np.linspace(trajectory.start, trajectory.end, max(2, math.ceil(trajectory.duration / FINE_S) + 1))
 
 
 def _peaks(

@@ -139,6 +139,8 @@ class PairTables:
     ) -> FloatArray:  # fmt: skip
         """Pairs of which less is required than `others` say: those that may be nearer, and those that may touch."""
         roots, found = arrangement.roots, dict[tuple[int, int], float]()
+        if not phase.contacts and not self.scene.options.clearance.exceptions:
+            return np.empty((0, PAIR_COLUMNS))
         if self.scene.options.clearance.exceptions:
             for r, o in np.argwhere(asked < others[:, REQUIRED - 1]).tolist():
                 found[r, o] = asked[r, o]
@@ -181,9 +183,11 @@ class PairTables:
     ) -> list[tuple[float, ...]]:
         """Pairs of a part that was put down and a body that moves against it: what does not, the part was proved to
         stay clear of while it was put down."""
-        names, roots, number = arrangement.names, arrangement.roots, arrangement.number
         held = None if phase.attached.held is None else phase.attached.held.part
         parts = [name for name, _ in phase.handled.within if name != held]
+        if not parts:
+            return []
+        names, roots, number = arrangement.names, arrangement.roots, arrangement.number
         found, done = list[tuple[float, ...]](), set[tuple[str, str]]()
         frames = arrangement.rows[roots, CARRIER].astype(np.int64) - arrangement.links
         moves: BoolArray = shifts[:, 2] > 0.0

@@ -16,10 +16,10 @@ from assur.planner.frames import Conveyor
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.kernels.links import L1
-from assur.planner.kernels.postures import least_margins
-from assur.planner.kernels.postures import tool_peak as sampled_peak
+from assur.planner.kernels.postures import least_margins, tool_peaks
 from assur.planner.kernels.solids import REQUIRED
-from assur.planner.legs.tool_motion import tool_peak
+from assur.planner.legs.tool_motion import tool_accelerations, tool_peak
+from assur.planner.legs.tool_motion import tool_peaks as tool_peaks_of
 from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Clearance, Tool
@@ -237,7 +237,26 @@ def test_the_tools_acceleration_is_that_of_its_point_by_differences() -> None:
         assert by_difference[-1] == pytest.approx(peak, rel=0.02, abs=0.1)
         assert by_difference.max() <= 1.05 * peak + 0.1
     found = margins(scene, Prover(scene), path, phases(scene, outcome.plan.legs, outcome.plan.arrivals))
-    assert found.tool_acceleration == pytest.approx(tool_peak(scene, path, path.start, path.end)[0], rel=0.02)
+    dense = np.linspace(path.start + h, path.end - h, 40_001)
+    pulls = np.linalg.norm(at(dense - h) - 2 * at(dense) + at(dense + h), axis=1) / h**2
+    speeds = np.linalg.norm(at(dense + h) - at(dense - h), axis=1) / (2 * h)
+    assert found.tool.speed == pytest.approx(speeds.max(), rel=1e-6)
+    assert found.tool.speed_time == pytest.approx(dense[speeds.argmax()], abs=1e-4)
+    assert found.tool_acceleration == found.tool.acceleration == pytest.approx(pulls.max(), rel=2e-3)
+    assert tool_accelerations(scene, path, dense) == pytest.approx(pulls, rel=0.02, abs=0.1)
+
+
+def test_of_both_sides_of_a_jump_the_larger_counts_unless_it_is_outside() -> None:
+    """Joint 1 speeds up at 1 rad/s² for a second, then brakes at 2: the tool point goes round the base."""
+    scene = cell(go(0.35, -0.2))
+    q, v, a = np.zeros((3, 4, 4))
+    q[:, 0], v[:, 0], a[:, 0] = [0.0, 0.5, 0.5, 0.75], [0.0, 1.0, 1.0, 0.0], [1.0, 1.0, -2.0, -2.0]
+    path = Trajectory(np.array([0.0, 1.0, 1.0, 1.5]), q, v, a, jumps=True)
+    reach = float(np.hypot(*scene.robot.forward(np.zeros(4))[0][:2]))
+    for end, pull, least in ((1.5, 5.0, 0.0), (1.5, 5.0, 1.0), (1.0, 2.0, 0.0)):
+        found = tool_peaks_of(scene, path, least, end)
+        assert (found.speed, found.speed_time) == pytest.approx((reach, 1.0))
+        assert (found.acceleration, found.acceleration_time) == pytest.approx((np.sqrt(pull) * reach, 1.0))
 
 
 def test_a_peak_of_what_is_not_known_is_not_a_number() -> None:
@@ -245,8 +264,9 @@ def test_a_peak_of_what_is_not_known_is_not_a_number() -> None:
     row = scene.robot.row.copy()
     row[L1] = np.nan
     path = Trajectory(np.array([0.0, 1.0]), *np.zeros((3, 2, 4)))
-    peak, _ = sampled_peak(row, path.edges, path.coefficients, 0.0, 0.0, 0.0, 1.0, 9)
-    assert np.isnan(peak)
+    peaks = np.zeros(4)
+    tool_peaks(row, path.edges, path.coefficients, 0.0, 0.0, 0.0, 1.0, 0.1, 8, peaks)
+    assert np.isnan(peaks[[0, 2]]).all()
     assert np.isnan(least_margins(scene.robot.row, path.edges, np.nan * path.coefficients, 9)[0])
 
 
