@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations_with_replacement
 
 import numpy as np
 
@@ -167,13 +168,14 @@ class PairTables:
         asked = clearances(self.scene, phase.near, mine, mine)
         on, found, known = carrier[ones], list[tuple[float, ...]](), dict[tuple[int, int], int]()
         distances, roots_of, kind_of = asked.tolist(), roots[ones].tolist(), kinds.tolist()
-        for i, k in np.argwhere(self._wanted[on[:, None], on]).tolist():
-            if i > k:
+        wanted = self._wanted[on[:, None], on].tolist()
+        for i, k in combinations_with_replacement(range(len(mine)), 2):
+            if not wanted[i][k]:
                 continue
             touches = pair(mine[i], mine[k]) in phase.contacts
             both = kind_of[i], kind_of[k]
             if both not in known:
-                known[both] = sets.within_robot(*both)
+                known[both] = -1 if sets.known else sets.within_robot(*both)
             distance = contact_gap(phase) if touches else distances[i][k]
             found.append((roots_of[i], roots_of[k], distance, known[both], 0.0, 0.0))
         return found
