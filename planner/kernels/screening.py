@@ -64,21 +64,17 @@ def note_hit(hits: FloatArray, state: FloatArray, items: FloatArray, i: int, t: 
     state[HITS] = max(state[HITS], count + 1.0)
 
 
-@kernel(f"float64({TABLE}, {TABLE}, {CUBE}, int64, int64, {TABLE}, int64, float64)")
+@kernel(f"UniTuple(float64, 4)({TABLE}, {TABLE}, {CUBE}, int64, int64, {TABLE}, int64, float64)")
 def widest(
     bodies: FloatArray, vertices: FloatArray, placed: FloatArray, a: int, b: int, sets: FloatArray, k: int, lasts: float
-) -> float:
+) -> tuple[float, float, float, float]:
     """How much two units are apart at the first instant beyond what is not known of them (set k), along the better of
-    the vertical and the likely normal."""
-    best = -math.inf
-    for attempt in range(2):
-        if attempt == 0:
-            nx, ny, nz = 0.0, 0.0, 1.0 if placed[0, b, 2] >= placed[0, a, 2] else -1.0
-            found = gap(bodies, vertices, placed, 0, a, b, nx, ny, nz)
-        else:
-            found, nx, ny, nz = likely(bodies, vertices, placed, 0, a, b, math.inf)
-        best = max(best, found - spread(sets, k, lasts, nx, ny, nz))
-    return best
+    the vertical and the likely normal, and that normal."""
+    up = 1.0 if placed[0, b, 2] >= placed[0, a, 2] else -1.0
+    above = gap(bodies, vertices, placed, 0, a, b, 0.0, 0.0, up) - spread(sets, k, lasts, 0.0, 0.0, up)
+    found, nx, ny, nz = likely(bodies, vertices, placed, 0, a, b, math.inf)
+    found -= spread(sets, k, lasts, nx, ny, nz)
+    return (found, nx, ny, nz) if found >= above else (above, 0.0, 0.0, up)
 
 
 @kernel(
@@ -140,12 +136,15 @@ def depths(
                 if spheres_apart(bodies, placed, 0, a, b, need):
                     continue
                 nx, ny, nz = normals[p, 0], normals[p, 1], normals[p, 2]
-                known = (nx != 0.0 or ny != 0.0 or nz != 0.0) and pairs[p, SET] < 0.0
-                if known and gap(bodies, vertices, placed, 0, a, b, nx, ny, nz) > need:
-                    continue
-                found, nx, ny, nz = likely(bodies, vertices, placed, 0, a, b, need)
-                if found > need and pairs[p, SET] >= 0.0:
-                    found = widest(bodies, vertices, placed, a, b, sets, int(pairs[p, SET]), lasts)
+                k = int(pairs[p, SET])
+                if nx != 0.0 or ny != 0.0 or nz != 0.0:
+                    spare = gap(bodies, vertices, placed, 0, a, b, nx, ny, nz) - need
+                    if spare > 0.0 and (k < 0 or spare > spread(sets, k, lasts, nx, ny, nz)):
+                        continue
+                if k < 0:
+                    found, nx, ny, nz = likely(bodies, vertices, placed, 0, a, b, need)
+                else:
+                    found, nx, ny, nz = widest(bodies, vertices, placed, a, b, sets, k, lasts)
                 if not found > need:
                     # what is not known counts as deep
                     depth[w] += min(1.0, (need - found) / deepest) if found > -math.inf else 1.0

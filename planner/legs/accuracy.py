@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 
@@ -47,8 +48,13 @@ class _Terms:
     upright: dict[Cause, float] = field(default_factory=dict)
     yaw: dict[Cause, float] = field(default_factory=dict)
 
+    @property
+    def tables(self) -> tuple[dict[Cause, float], ...]:
+        """What counts in full, by cause."""
+        return self.flat, self.upright, self.yaw
+
     def add(self, cause: Cause, flat: float = 0.0, upright: float = 0.0, yaw: float = 0.0) -> None:
-        for table, amount in ((self.flat, flat), (self.upright, upright), (self.yaw, yaw)):
+        for table, amount in zip(self.tables, (flat, upright, yaw), strict=True):
             if amount > 0.0:
                 table[cause] = table.get(cause, 0.0) + amount
 
@@ -192,16 +198,22 @@ def _worst(terms: _Terms, grasp: float) -> ArrivalError:
     return ArrivalError(position + RESERVE_M if position > 0.0 else 0.0, within, _shares(terms), tuple(worst))
 
 
+@cache
 def _signs(count: int) -> FloatArray:
     """All combinations of count signs (2^count, count)."""
     numbers = np.arange(2**count)[:, None] >> np.arange(count)[None, :]
-    return np.asarray(1.0 - 2.0 * (numbers & 1), dtype=np.float64)
+    signs = np.asarray(1.0 - 2.0 * (numbers & 1), dtype=np.float64)
+    signs.flags.writeable = False
+    return signs
 
 
 def _shares(terms: _Terms) -> tuple[Share, ...]:
     found = []
     for cause in Cause:
-        vectors = np.array([vector for own, _, vector in terms.signed if own is cause]).reshape(-1, 3)
+        signed = [vector for own, _, vector in terms.signed if own is cause]
+        if not signed and cause is not Cause.LATE and not any(cause in table for table in terms.tables):
+            continue
+        vectors = np.array(signed).reshape(-1, 3)
         sums = _signs(len(vectors)) @ vectors
         if cause is Cause.LATE:
             sums = terms.late
