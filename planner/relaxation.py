@@ -21,8 +21,8 @@ from assur.planner.blends.search import searcher
 from assur.planner.collision.proof import Prover
 from assur.planner.errors import InputError
 from assur.planner.frames import Conveyor, Linear
+from assur.planner.frames.belt_window import travelled
 from assur.planner.frames.motion import Pose
-from assur.planner.legs.control_point import travelled
 from assur.planner.model.clearance import clearances
 from assur.planner.model.easier_path import rounder, slower
 from assur.planner.model.outcome import Plan, Relaxation

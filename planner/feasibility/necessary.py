@@ -96,8 +96,8 @@ def overloaded(scene: Scene) -> Refusal | None:
 
 
 def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
-    """A start that collides, or a control point that can never be met: its window is missed, it is out of range, or
-    what hangs on the flange would be too near what stands still around it, there or where a straight part ends.
+    """A start that collides, or a control point that can never be met: it is out of range, or what hangs on the flange
+    would be too near what stands still around it, there or where a straight part ends.
 
     Asked only when the first candidates have failed: where they have not, the arm can leave and the points can be met.
     """
@@ -120,9 +120,6 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
             for attached in ways
             for turn in ((0.0,) if offsets is None else offsets)
         ]
-        late = [never_in_window(scene, point) for _, point in points]
-        if all(r is not None for r in late):
-            return late[0]
         beyond = [out_of_range(scene, point) for _, point in points]
         if all(r is not None and (not any_yaw or whatever_the_yaw(scene, r)) for r in beyond):
             return beyond[0]
@@ -139,6 +136,21 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
             return None
         if step.part is not None:
             turned = offsets is None and isinstance(step, Pick)
+    return None
+
+
+def windows_impossible(scene: Scene) -> Refusal | None:
+    """A step whose window, or what is known of whose frame's motion, is too short for it whenever the arm comes.
+
+    Where along its frame a point is does not depend on how the tool is turned: one way to hold the parts is looked at.
+    """
+    attached = at_start(scene)
+    for number, step in enumerate(scene.task):
+        point = control_point(scene, number, attached, 0.0, tilts(scene, step, scene.start.q)[0])
+        never = never_in_window(scene, point)
+        if never is not None:
+            return never
+        attached = attached.after(scene, step)
     return None
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.frames import Conveyor, Fixed, Linear
+from assur.planner.frames.belt_window import inside, outside_for_good, travelled
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import Tilt, TiltedMotion
 from assur.planner.legs.moving_end import MovingEnd
@@ -18,13 +19,6 @@ from assur.planner.model.attachments import Attachments
 from assur.planner.model.scene import Scene, Step, Trace, Window
 from assur.planner.robots.facts import Limits
 
-HORIZON_S = 60.0
-"""Windows along a conveyor are looked for this long after the start, s."""
-WINDOW_STEP_S = 0.005
-"""Sampling of a control point's way along its conveyor, s. Ends are then found by parting a step of it, and the part
-with the end again."""
-PARTS, ROUNDS = 64, 7
-"""A step of the grid, parted as often, is below what doubles know of a time."""
 ROUNDED_S, ROUNDED = 1e-12, 8
 """By so many seconds, and units in the last place of a clock that counts far, a window may seem too short for its
 dwell: its ends were read, converted from milliseconds, or found along a belt. In 1 ps a fast arm goes 10 pm."""
@@ -144,15 +138,11 @@ class ControlPoint:
 
     @property
     def outside_for_good(self) -> bool:
-        """Whether it stays outside its window along a conveyor after the time that is searched: its law is over then,
-        or does not change any more and leads away from the window, or nowhere."""
-        law, window, until = self.scene.frames[self.frame].law, self.window.along, self.scene.start.time + HORIZON_S
-        if window is None or law.valid[1] <= until:
+        """Whether it stays outside its window along a conveyor after the time that is searched."""
+        law, window = self.scene.frames[self.frame].law, self.window.along
+        if window is None or not isinstance(law, Conveyor | Linear):
             return True
-        if isinstance(law, Conveyor) and len(law.drive.switches) and law.drive.switches[-1] > until:
-            return False
-        last, later = self._ways(np.array([until, min(until + 1.0, law.valid[1])]), window).tolist()
-        return bool((last > window[1] and later >= last) or (last < window[0] and later <= last))
+        return outside_for_good(law, self.target, window, self.scene.start.time)
 
     def along(self, t: FloatArray) -> FloatArray | None:
         """Metres (...) of the control point along its conveyor from the conveyor's given pose; None: no conveyor."""
@@ -161,68 +151,12 @@ class ControlPoint:
             return None
         return travelled(law, self.target, t)
 
-    def inside(self, window: tuple[float, float]) -> list[tuple[float, float]]:
+    def inside(self, window: tuple[float, float]) -> tuple[tuple[float, float], ...]:
         """When the point is in `window`, m along its conveyor, in the next `HORIZON_S`; closed intervals in order."""
-        start = self.scene.start.time
-        grid = np.arange(start, start + HORIZON_S + WINDOW_STEP_S, WINDOW_STEP_S)
-        way = self._ways(grid, window)
-        # what passes the whole window between two times of the grid gets a third one, inside
-        side = np.sign(way - np.clip(way, *window))
-        passed = [self._passed(grid[i], grid[i + 1], window) for i in np.flatnonzero(side[1:] * side[:-1] < 0)]
-        grid = np.sort(np.concatenate([grid, passed]))
-        way = self._ways(grid, window)
-        inside = (way >= window[0]) & (way <= window[1])
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
-        return [(self._edge(grid, a, -1, window), self._edge(grid, b - 1, 1, window)) for a, b in edges.reshape(-1, 2)]
-
-    def _ways(self, t: FloatArray, window: tuple[float, float]) -> FloatArray:
-        way = self.along(t)
-        if way is None:
+        law = self.scene.frames[self.frame].law
+        if not isinstance(law, Conveyor | Linear):
             raise InputError(f"task[{self.step}].window_mm", window, "a window in millimetres only on a conveyor")
-        return way
-
-    def _passed(self, before: float, after: float, window: tuple[float, float]) -> float:
-        """A time inside the window, which is passed between the two; if no double is in it, one beside it."""
-        for _ in range(ROUNDS):
-            times = np.linspace(before, after, PARTS + 1)
-            way = self._ways(times, window)
-            inside = (way >= window[0]) & (way <= window[1])
-            if inside.any():
-                return float(times[inside.argmax()])
-            side = np.sign(way - window[0])
-            last = int(np.flatnonzero(side[1:] * side[0] < 0)[0])
-            before, after = float(times[last]), float(times[last + 1])
-        return before
-
-    def _edge(self, grid: FloatArray, index: int, side: int, window: tuple[float, float]) -> float:
-        """The last time inside the window between grid point `index`, inside, and its neighbour at `side`, outside."""
-        inner, neighbour = float(grid[index]), index + side
-        if not 0 <= neighbour < len(grid):
-            return inner
-        outer = float(grid[neighbour])
-        for _ in range(ROUNDS):
-            times = np.linspace(inner, outer, PARTS + 1)
-            way = self._ways(times, window)
-            outside = ~((way >= window[0]) & (way <= window[1]))
-            outside[0], outside[-1] = False, True
-            first = int(outside.argmax())
-            inner, outer = float(times[first - 1]), float(times[first])
-        return inner
-
-
-def travelled(law: Conveyor | Linear, point: Pose, t: FloatArray) -> FloatArray:
-    """Way (...) m of a point that is fixed in the frame, along the law's direction of travel, from the law's pose; NaN
-    where the law is not known. Neither frame turns, so the point's own part of the way is constant."""
-    t = np.asarray(t, dtype=np.float64)
-    known = law.knows(t)
-    held = np.where(known, t, law.at_time)
-    if isinstance(law, Conveyor):
-        return np.where(known, law.drive.evaluate(held)[0] + point.x, math.nan)
-    speed = math.hypot(*law.velocity)
-    direction = [part / speed for part in law.velocity] if speed > 0 else [1.0, 0.0, 0.0]
-    own = Pose(yaw=law.pose.yaw).then(point)
-    offset = own.x * direction[0] + own.y * direction[1] + own.z * direction[2]
-    return np.where(known, speed * (held - law.at_time) + offset, math.nan)
+        return inside(law, self.target, window, self.scene.start.time)
 
 
 def control_point(

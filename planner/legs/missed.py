@@ -9,7 +9,8 @@ import numpy as np
 
 from assur.planner.errors import FaultError
 from assur.planner.frames import Conveyor, Linear
-from assur.planner.legs.control_point import HORIZON_S, ControlPoint
+from assur.planner.frames.belt_window import HORIZON_S
+from assur.planner.legs.control_point import ControlPoint
 from assur.planner.model.refusal import LawEnds, Quantity, Refusal, Stage, law_ends, window_missed
 from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import FOR_ALL_TIMES, Miss, WindowMissed

@@ -240,6 +240,7 @@ def test_the_tools_acceleration_is_that_of_its_point_by_differences() -> None:
     dense = np.linspace(path.start + h, path.end - h, 40_001)
     pulls = np.linalg.norm(at(dense - h) - 2 * at(dense) + at(dense + h), axis=1) / h**2
     speeds = np.linalg.norm(at(dense + h) - at(dense - h), axis=1) / (2 * h)
+    assert found.tool is not None
     assert found.tool.speed == pytest.approx(speeds.max(), rel=1e-6)
     assert found.tool.speed_time == pytest.approx(dense[speeds.argmax()], abs=1e-4)
     assert found.tool_acceleration == found.tool.acceleration == pytest.approx(pulls.max(), rel=2e-3)

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 from assur.planner.errors import InputError
 from assur.planner.frames import Change, Conveyor, Fixed, Law, Linear, Turntable
+from assur.planner.frames.belt_window import travelled
 from assur.planner.frames.motion import Pose
-from assur.planner.legs.control_point import ControlPoint, control_point, travelled
+from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.model.attachments import AT_START
 from assur.planner.model.scene import Follow, Window
 from tests.planner.cells import CRANKED, at, cell, frame, go, table_to_table

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 
 from assur.experiments.differential import jacobian
 from assur.planner.frames import Change, Conveyor, Fixed, Linear, Turntable
+from assur.planner.frames.belt_window import HORIZON_S
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
-from assur.planner.legs.control_point import HORIZON_S, control_point
+from assur.planner.legs.control_point import control_point
 from assur.planner.legs.meeting import LOOK_AHEAD_S, Meetings, meetings, times
 from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.model.attachments import AT_START
