@@ -29,7 +29,8 @@ from assur.planner.model.refusal import (
     Stage,
 )
 from assur.planner.model.scene import Move, Scene
-from assur.planner.search.extension import arrival, ends_too_late, too_hard
+from assur.planner.search.extension import arrival, too_hard
+from assur.planner.search.late_end import ends_too_late
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan
 from assur.planner.trajectory import Trajectory, check_limits
 from assur.planner.trajectory.joining import joined

@@ -37,7 +37,6 @@ from assur.planner.model.refusal import (
     Reason,
     Refusal,
     Stage,
-    law_ends,
     unmoved,
     window_missed,
 )
@@ -45,14 +44,13 @@ from assur.planner.model.scene import Move, Scene, Trace
 from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
+from assur.planner.search.late_end import WINDOW_S, ends_too_late, laws_over, tracked_too_long
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, paced
 from assur.planner.timing import TimingRefusal, time_joints
 from assur.planner.trajectory import Trajectory
 
 STILL = 1e-9
 """A last joint rate below this is rounding, rad/s or m/s (an acceleration: a thousand times as much)."""
-WINDOW_S = 1e-12
-"""A window, and the latest end, are kept up to this, s: rounding of times."""
 SLOWED = 4
 """Times that a motion which pulls too hard at the held part is timed again."""
 GENTLER = (1.0, 0.7)
@@ -257,6 +255,9 @@ def _continued(
     ours, attached, handled = step_phases(scene, partial.attached, partial.handled, made, met)
     if final:
         ours += stay_phases(scene, trajectory.end, attached, handled)
+    unknown = tracked_too_long(scene, partial.step, ours)
+    if unknown is not None:
+        return unknown
     lost = shifted_out(scene, partial.step, trajectory, ours)
     if lost is not None:
         return lost
@@ -320,26 +321,6 @@ def _at_rest(step: int, legs: list[TimedLeg], pace: float, limits: Limits) -> li
     if isinstance(found, TimingRefusal):
         return unmoved(Stage.TIMING, step, Obstacle.NO_PROFILE)
     return [*legs, TimedLeg(LegKind.MOVE, Knots.of(found), Route(Course.TO_REST))]
-
-
-def ends_too_late(scene: Scene, step: int, end: float) -> Refusal | None:
-    """Whether the motion ends after the latest end, or after the law of a frame that bears a body."""
-    latest = scene.options.latest_end_s
-    if latest is not None and not end <= latest + WINDOW_S:
-        facts = WindowMissed(miss=Miss.ENDS_TOO_LATE)
-        return window_missed(Stage.TIMING, step, facts, amount=Quantity.of(end - latest, "s"))
-    return laws_over(scene, step, end)
-
-
-def laws_over(scene: Scene, step: int, end: float) -> Refusal | None:
-    """Whether the law of a frame that bears a body, or will, ends before the arm, started late, has stood still for as
-    long as is required."""
-    stay = scene.options.stay_safe_s if scene.options.end == "rest" else 0.0
-    needed = end + stay + scene.execution.start_tolerance_s
-    for name, valid in scene.ending:
-        if not needed <= valid[1]:
-            return law_ends(Stage.TIMING, step, name, valid, needed)
-    return None
 
 
 def too_hard(scene: Scene, step: int, trajectory: Trajectory, phases: tuple[Phase, ...]) -> Refusal | None:

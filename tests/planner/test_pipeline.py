@@ -499,6 +499,17 @@ def test_a_law_that_ends_ends_the_plan() -> None:
         assert outcome.reason is Reason.LAW_ENDS
 
 
+def test_a_frame_that_only_guides_the_tool_is_known_until_a_late_start_has_left_it() -> None:
+    follow = Follow("f", at(0.35, -0.2, 0.1, 0.0, "guide"), 0.4)
+    for late, may in ((0.0, True), (0.9, False)):
+        guide = frame("guide", dial(0.0, 0.0, 0.0, valid=(0.0, 1.5)))
+        outcome = plan(cell(follow, frames=(guide,), execution=Execution(start_tolerance_s=late), max_candidates=30))
+        assert isinstance(outcome, Planned) == may
+        if isinstance(outcome, NotPlanned):
+            assert outcome.refusal is not None
+            assert (outcome.reason, outcome.refusal.frame) == (Reason.LAW_ENDS, "guide")
+
+
 def test_keyframes_end_like_every_law() -> None:
     law = Keyframes([0.0, 1.0], (Pose(-0.3, -0.3, 0.1), Pose(-0.4, -0.3, 0.1)))
     gate = frame("gate", law)
