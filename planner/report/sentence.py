@@ -234,6 +234,8 @@ def _beyond_range(scene: Scene, refusal: Refusal, facts: BeyondRange, short: str
         if refusal.stage is Stage.START:
             return f"{joint} starts at {value}, {beyond}"
         where = f"to {value}, {beyond}"
+        if facts.path_m is not None:
+            return f"{joint} leaves its range; from there on it would have to go up to {value}, {beyond}"
     if refusal.stage is Stage.START:
         return f"{joint} starts {where}"
     arch = "" if facts.arch_top_m is None else f"for an arch up to {_mm(facts.arch_top_m)}, "
@@ -273,6 +275,9 @@ def _singular(refusal: Refusal, facts: Singular) -> str:
         return f"the straight line comes within {near} of a singular position ({at}{margins})"
     if facts.positions:
         return " or ".join(POSITIONS.get(name, name) for name in facts.positions) + _mode(facts.mode)
+    if facts.path_m is not None and facts.margin is not None and facts.required is not None:
+        least = f"the {kind} is {facts.margin:.3f} at the least, required {facts.required:.3f}"
+        return f"the arm comes too close to a singular position; from there on {least}"
     return "the arm would be too close to a singular position" + (f" ({margins})" if margins else "")
 
 

@@ -34,6 +34,7 @@ from assur.planner.model.refusal import (
     Refuted,
     Separation,
     Singular,
+    Spot,
     Stage,
 )
 from assur.planner.model.scene import Clearance, ClearanceException, Follow, Window
@@ -187,6 +188,7 @@ def of(reason: Reason, facts: Facts, amount: Quantity | None = None, **more: Any
 
 
 MARGINS: dict[str, Any] = {"margin": 0.03, "required": 0.1}
+PLACE: Spot = {"path_m": 0.062, "path_part": "path", "path_at_m": (0.3, 0.0, 0.05)}
 RANGE = ForbiddenYaw(first_rad=math.radians(-0.5), last_rad=math.radians(20), yaw_rad=math.radians(10))
 CASES: list[tuple[Refusal, str]] = [
     (of(Reason.OUT_OF_REACH, OutOfReach(mode="left")), "the point is out of reach (mode left)"),
@@ -229,6 +231,15 @@ CASES: list[tuple[Refusal, str]] = [
         ),
         "j1 would have to go to 130 deg, 10 deg beyond the end of its range at 120 deg",
     ),
+    (
+        of(
+            Reason.JOINT_LIMIT,
+            BeyondRange(value=math.radians(130), limit=math.radians(120), **PLACE),
+            Quantity(math.radians(10), "rad"),
+        ),
+        "62 mm along the path, at [300.0, 0.0, 50.0] mm in world, j1 leaves its range; from there on it would have to go up to "
+        "130 deg, 10 deg beyond the end of its range at 120 deg",
+    ),
     (of(Reason.JOINT_LIMIT, BeyondRange(), subject=None), "a joint would have to go beyond its limit"),
     (
         of(Reason.FORBIDDEN_YAW, RANGE, Quantity(0.1, "rad"), stage=Stage.START),
@@ -249,6 +260,11 @@ CASES: list[tuple[Refusal, str]] = [
     (
         of(Reason.NEAR_SINGULARITY, Singular(**MARGINS)),
         "the arm would be too close to a singular position (singularity margin 0.030, required 0.100)",
+    ),
+    (
+        of(Reason.NEAR_SINGULARITY, Singular(**MARGINS, **PLACE)),
+        "62 mm along the path, at [300.0, 0.0, 50.0] mm in world, the arm comes too close to a singular position; from there on "
+        "the singularity margin is 0.030 at the least, required 0.100",
     ),
     (of(Reason.NEAR_SINGULARITY, Singular()), "the arm would be too close to a singular position"),
     (
