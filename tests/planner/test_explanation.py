@@ -237,8 +237,8 @@ CASES: list[tuple[Refusal, str]] = [
             BeyondRange(value=math.radians(130), limit=math.radians(120), **PLACE),
             Quantity(math.radians(10), "rad"),
         ),
-        "62 mm along the path, at [300.0, 0.0, 50.0] mm in world, j1 leaves its range; from there on it would have to go up to "
-        "130 deg, 10 deg beyond the end of its range at 120 deg",
+        "62 mm along the path, at [300.0, 0.0, 50.0] mm in world, j1 leaves its range; from there on it would have to "
+        "go up to 130 deg, 10 deg beyond the end of its range at 120 deg",
     ),
     (of(Reason.JOINT_LIMIT, BeyondRange(), subject=None), "a joint would have to go beyond its limit"),
     (
@@ -263,8 +263,8 @@ CASES: list[tuple[Refusal, str]] = [
     ),
     (
         of(Reason.NEAR_SINGULARITY, Singular(**MARGINS, **PLACE)),
-        "62 mm along the path, at [300.0, 0.0, 50.0] mm in world, the arm comes too close to a singular position; from there on "
-        "the singularity margin is 0.030 at the least, required 0.100",
+        "62 mm along the path, at [300.0, 0.0, 50.0] mm in world, the arm comes too close to a singular position; from "
+        "there on the singularity margin is 0.030 at the least, required 0.100",
     ),
     (of(Reason.NEAR_SINGULARITY, Singular()), "the arm would be too close to a singular position"),
     (
