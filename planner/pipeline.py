@@ -19,6 +19,7 @@ from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.legs.tilt import pitch_free
 from assur.planner.model.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Relaxation
 from assur.planner.model.phases import phases, yaw_offsets
+from assur.planner.model.progress import Watch
 from assur.planner.model.refusal import OF_CANDIDATES, ForbiddenYaw, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene
 from assur.planner.relaxation import relax, worth_trying
@@ -31,15 +32,25 @@ from assur.planner.search.lower_bound import lower_bound
 
 
 @dataclass(frozen=True, slots=True)
-class _Clock:
+class _Run:
+    """When a run began, by `time.perf_counter`, and who watches it."""
+
     started: float
+    watch: Watch | None
 
     @property
     def elapsed(self) -> float:
         return time.perf_counter() - self.started
 
 
-def plan(scene: Scene, *, adaptive: bool = True, started: float | None = None, nearest_pairs: int = 0) -> Outcome:
+def plan(
+    scene: Scene,
+    *,
+    adaptive: bool = True,
+    started: float | None = None,
+    nearest_pairs: int = 0,
+    watch: Watch | None = None,
+) -> Outcome:
     """A trajectory through the scene's control points, proved free of collision, or why there is none.
 
     It is jerk-limited, unless the scene's timing is `parabolic_blend`.
@@ -48,33 +59,34 @@ def plan(scene: Scene, *, adaptive: bool = True, started: float | None = None, n
     scene for this request says when it began.
     `nearest_pairs`: for how many pairs of bodies the margins say how near they come, in travel and near a point; each
     costs about as much as the smallest clearance of all.
+    `watch` is told how far the search has come, at each of its rounds; what it raises ends the planning.
     `adaptive=False` samples without learning from what was refused (for experiments). Every plan was accepted by the
     checker. What the prover accepted and the checker refuses is a defect of the planner: it is no answer, and the
     census counts it at the stage `checker`.
     """
-    clock = _Clock(time.perf_counter() if started is None else started)
+    run = _Run(time.perf_counter() if started is None else started, watch)
     prover = Prover(scene)
-    outcome = _outcome(scene, clock, prover, adaptive=adaptive, pairs=nearest_pairs)
+    outcome = _outcome(scene, run, prover, adaptive=adaptive, pairs=nearest_pairs)
     return replace(outcome, warnings=(*odd_input(scene, prover), *odd_places(scene, prover)))
 
 
-def _outcome(scene: Scene, clock: _Clock, prover: Prover, *, adaptive: bool, pairs: int) -> Outcome:
+def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: int) -> Outcome:
     """A plan, or why there is none; without warnings."""
     never = start_impossible(scene, prover) or windows_impossible(scene) or yaw_impossible(scene)
     if never is not None:
-        return _not_planned(scene, clock, never, Counter().census(), proved=True, cut=False, deepest=never.step)
-    found = searcher(scene, prover, clock.started, adaptive=adaptive).run()
+        return _not_planned(scene, run, never, Counter().census(), proved=True, cut=False, deepest=never.step)
+    found = searcher(scene, prover, run.started, adaptive=adaptive, watch=run.watch).run()
     if found.plan is None:
         # the search may have ended before it asked
         never = found.never or start_collides(scene, prover)
         if never is not None:
             census = found.census.census()
-            return _not_planned(scene, clock, never, census, proved=True, cut=False, deepest=never.step)
-        return _not_found(scene, clock, found)
-    return _planned(scene, clock, prover, found, found.plan, pairs)
+            return _not_planned(scene, run, never, census, proved=True, cut=False, deepest=never.step)
+        return _not_found(scene, run, found)
+    return _planned(scene, run, prover, found, found.plan, pairs)
 
 
-def _planned(scene: Scene, clock: _Clock, prover: Prover, found: Found, made: Plan, pairs: int) -> Planned:
+def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan, pairs: int) -> Planned:
     of_plan = phases(scene, made.legs, made.arrivals)
     return Planned(
         plan=made,
@@ -85,20 +97,20 @@ def _planned(scene: Scene, clock: _Clock, prover: Prover, found: Found, made: Pl
         census=found.census.census(),
         assumptions=(*scene.assumptions, *lengthened(scene)),
         seed=scene.options.seed,
-        elapsed_s=clock.elapsed,
+        elapsed_s=run.elapsed,
         first_s=found.first_s,
         cut_by_clock=found.cut_by_clock,
     )
 
 
-def _not_found(scene: Scene, clock: _Clock, found: Found) -> NotPlanned:
+def _not_found(scene: Scene, run: _Run, found: Found) -> NotPlanned:
     census = found.census.census()
     line = leading(census, found.deepest)
     refusal = None if line is None else line.refusal
     nothing_tried = census.candidates == 0 and not found.cut_by_clock
     proved = nothing_tried and refusal is not None and for_all_times(scene, refusal)
     return _not_planned(
-        scene, clock, refusal, census, proved=proved, cut=found.cut_by_clock, deepest=found.deepest, line=line
+        scene, run, refusal, census, proved=proved, cut=found.cut_by_clock, deepest=found.deepest, line=line
     )
 
 
@@ -130,7 +142,7 @@ def for_all_times(scene: Scene, refusal: Refusal) -> bool:
 
 def _not_planned(
     scene: Scene,
-    clock: _Clock,
+    run: _Run,
     refusal: Refusal | None,
     census: Census,
     *,
@@ -152,6 +164,7 @@ def _not_planned(
             deadline,
             refusal,
             proved=proved,
+            watch=run.watch,
         )
     ended = Reason.TIMED_OUT if cut or not census.candidates else Reason.COUNT_SPENT
     return NotPlanned(
@@ -165,7 +178,7 @@ def _not_planned(
         explain_budget_spent=spent,
         assumptions=(*scene.assumptions, *lengthened(scene)),
         seed=options.seed,
-        elapsed_s=clock.elapsed,
+        elapsed_s=run.elapsed,
         cut_by_clock=cut,
     )
 

@@ -26,6 +26,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.model.clearance import clearances
 from assur.planner.model.easier_path import rounder, slower
 from assur.planner.model.outcome import Plan, Relaxation
+from assur.planner.model.progress import Watch
 from assur.planner.model.refusal import LawEnds, Reason, Refusal, Separation
 from assur.planner.model.scene import (
     WORLD,
@@ -67,6 +68,7 @@ def relax(
     refusal: Refusal | None = None,
     *,
     proved: bool = False,
+    watch: Watch | None = None,
 ) -> tuple[Relaxation | None, tuple[str, ...], bool]:
     """The first kind of change that works, as small as it was found to work; what was tried; and whether the time was
     spent before all of it was. `deadline` in monotonic seconds.
@@ -83,16 +85,22 @@ def relax(
         left = deadline - time.perf_counter()
         if left < FEWEST_S:
             return None, tuple(tried), True
-        strongest = _attempt(family[-1], deadline, tried)
+        strongest = _attempt(family[-1], deadline, tried, watch)
         if strongest is None:
             continue
-        relaxation, spent = _weakest(scene, step, family, strongest, deadline, tried)
+        relaxation, spent = _weakest(scene, step, family, strongest, deadline, tried, watch)
         return relaxation, tuple(tried), spent
     return None, tuple(tried), False
 
 
 def _weakest(
-    scene: Scene, step: int, family: list[Change], strongest: Plan, deadline: float, tried: list[str]
+    scene: Scene,
+    step: int,
+    family: list[Change],
+    strongest: Plan,
+    deadline: float,
+    tried: list[str],
+    watch: Watch | None,
 ) -> tuple[Relaxation, bool]:
     """The weakest member of a family whose strongest has the plan `strongest`; whether the time was spent before it was
     known to be the weakest."""
@@ -100,7 +108,7 @@ def _weakest(
     for weaker in family[:-1]:
         if deadline - time.perf_counter() < FEWEST_S:
             return _told(scene, change, made), True
-        found = _attempt(weaker, deadline, tried)
+        found = _attempt(weaker, deadline, tried, watch)
         if found is not None:
             change, made = weaker, found
             break
@@ -110,7 +118,7 @@ def _weakest(
         if narrow is not None:
             if deadline - time.perf_counter() < FEWEST_S:
                 return _told(scene, change, made), True
-            found = _attempt(narrow, deadline, tried)
+            found = _attempt(narrow, deadline, tried, watch)
             if found is not None:
                 change, made = narrow, found
     return _told(scene, change, made), False
@@ -120,7 +128,7 @@ def _told(scene: Scene, change: Change, made: Plan) -> Relaxation:
     return Relaxation(change[0], change[1], made.trajectory.end - scene.start.time)
 
 
-def _attempt(change: Change, deadline: float, tried: list[str]) -> Plan | None:
+def _attempt(change: Change, deadline: float, tried: list[str], watch: Watch | None = None) -> Plan | None:
     """The search that the changed request would cause, up to its first plan: what is found here, that request finds.
 
     A search that could only repeat what has failed, because no more time is left for it, is left out.
@@ -141,7 +149,8 @@ def _attempt(change: Change, deadline: float, tried: list[str]) -> Plan | None:
         longest = min(longest, options.budget_s)
     tried.append(f"{what}: {value}")
     changed = replace(scene, options=replace(options, budget_s=longest))
-    search = searcher(changed, Prover(changed), time.perf_counter())
+    told: Watch | None = None if watch is None else lambda progress: watch(replace(progress, stage="relaxation"))
+    search = searcher(changed, Prover(changed), time.perf_counter(), watch=told)
     search.until_first = True
     return search.run().plan
 

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from assur.planner.checker.verdict import Finding
     from assur.planner.model.claims import Claims
     from assur.planner.model.outcome import Plan
+    from assur.planner.model.progress import Watch
     from assur.planner.model.scene import Scene
     from assur.scenes.reading.cell import Cell
 
@@ -127,13 +128,15 @@ def plan_document(
     folder: Path | None = None,
     certificate: Literal["full", "digest"] = "full",
     started: float | None = None,
+    watch: Watch | None = None,
 ) -> dict[str, Any]:
     """The answer to a request: planned, or not planned and why. Raises `InputError` naming the field.
 
     `started`: the reading of `time.perf_counter` from which the budget counts. A service gives the time at which it
-    took the request up, so that building the scene counts, too; None: the budget is for the search alone.
+    took the request up, so that building the scene counts, too; None: the budget is for the search alone. `watch` is
+    told how far the search has come; what it raises ends the planning and is raised here.
     """
-    return plan_cell(cell_of(document, folder=folder), certificate=certificate, started=started)
+    return plan_cell(cell_of(document, folder=folder), certificate=certificate, started=started, watch=watch)
 
 
 def plan_cell(
@@ -143,6 +146,7 @@ def plan_cell(
     started: float | None = None,
     explain_budget_s: float | None = None,
     nearest_pairs: int = 0,
+    watch: Watch | None = None,
 ) -> dict[str, Any]:
     """The answer for a cell that has been read; as `plan_document`.
 
@@ -156,16 +160,22 @@ def plan_cell(
     if explain_budget_s is not None and _silent(cell.document, "explain_budget_s"):
         scene = replace(scene, options=replace(scene.options, explain_budget_s=explain_budget_s))
     with located(cell.document):
-        outcome = plan(scene, started=started, nearest_pairs=nearest_pairs)
+        outcome = plan(scene, started=started, nearest_pairs=nearest_pairs, watch=watch)
     return dict(answer_of(cell, outcome, certificate))
 
 
 def plan_scenario(
-    scenario: Scenario, *, certificate: Literal["full", "digest"] = "full", started: float | None = None
+    scenario: Scenario,
+    *,
+    certificate: Literal["full", "digest"] = "full",
+    started: float | None = None,
+    watch: Watch | None = None,
 ) -> dict[str, Any]:
     """The answer to a scenario's request; as `plan_document`. Raises `InputError` with the line in the file."""
     with scenario.located():
-        return plan_document(scenario.request, folder=scenario.folder, certificate=certificate, started=started)
+        return plan_document(
+            scenario.request, folder=scenario.folder, certificate=certificate, started=started, watch=watch
+        )
 
 
 def check_document(request: object, plan: object, *, folder: Path | None = None) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from assur.planner.legs.control_point import control_point
 from assur.planner.legs.meeting import meetings
 from assur.planner.legs.tilt import tilts
 from assur.planner.model.phases import yaw_offsets
+from assur.planner.model.progress import Watch
 from assur.planner.model.refusal import OF_CANDIDATES, AccelerationTime, Reason, Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.search.beam import Found, Search
@@ -27,8 +28,10 @@ from assur.planner.search.rough_score import score_of
 class BlendSearch(Search):
     """One run over one scene with `timing: parabolic_blend`."""
 
-    def __init__(self, scene: Scene, prover: Prover, started: float, *, adaptive: bool = True) -> None:
-        super().__init__(scene, prover, started, adaptive=adaptive)
+    def __init__(
+        self, scene: Scene, prover: Prover, started: float, *, adaptive: bool = True, watch: Watch | None = None
+    ) -> None:
+        super().__init__(scene, prover, started, adaptive=adaptive, watch=watch)
         self.known: dict[PartialPlan, BlendSampler] = {}
 
     def run(self) -> Found:
@@ -117,7 +120,9 @@ class BlendSearch(Search):
         return BlendSampler(self.scene, partial, tuple(choices), self.rng, self.adaptive)
 
 
-def searcher(scene: Scene, prover: Prover, started: float, *, adaptive: bool = True) -> Search:
-    """The search that the scene's timing asks for."""
+def searcher(
+    scene: Scene, prover: Prover, started: float, *, adaptive: bool = True, watch: Watch | None = None
+) -> Search:
+    """The search that the scene's timing asks for. `watch` is told how far it has come."""
     kind = BlendSearch if scene.options.blended else Search
-    return kind(scene, prover, started, adaptive=adaptive)
+    return kind(scene, prover, started, adaptive=adaptive, watch=watch)

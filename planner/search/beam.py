@@ -20,12 +20,14 @@ from assur.planner.legs.tilt import tilts
 from assur.planner.model.clearance import rule_of
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import yaw_offsets
+from assur.planner.model.progress import Progress, Watch
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.search.candidates import Sampler
 from assur.planner.search.census import Counter, refused_proof
 from assur.planner.search.completion import completed
 from assur.planner.search.extension import extended, straight_extension, timed, wrist_travel
+from assur.planner.search.lower_bound import lower_bound
 from assur.planner.search.meeting_options import Option, ahead, free_yaws, options
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, initial, prepared
 from assur.planner.search.rough_score import CoarseScore, score_of
@@ -52,8 +54,10 @@ class Found:
 class Search:
     """One run over one scene. `started`: the reading of `time.perf_counter` from which the budget counts."""
 
-    def __init__(self, scene: Scene, prover: Prover, started: float, *, adaptive: bool = True) -> None:
-        self.scene, self.prover, self.adaptive = scene, prover, adaptive
+    def __init__(
+        self, scene: Scene, prover: Prover, started: float, *, adaptive: bool = True, watch: Watch | None = None
+    ) -> None:
+        self.scene, self.prover, self.adaptive, self.watch = scene, prover, adaptive, watch
         self.started, self.deadline = started, started + scene.options.budget_s
         prover.deadline = self.deadline
         self.rng = np.random.default_rng(scene.options.seed)
@@ -62,6 +66,7 @@ class Search:
         self.until_first = scene.options.stop == "first"
         """Whether the first plan ends the search. It says nothing about how that one is found."""
         self.found = Found()
+        self._bound: float | None = None
 
     def run(self) -> Found:
         """Rounds over all lengths until something ends them."""
@@ -93,10 +98,26 @@ class Search:
         return (first + [partial for partial in every if partial not in first])[: min(width, BEAM)]
 
     def _over(self) -> bool:
+        if self.watch is not None:
+            self.watch(self._progress())
         if (self.until_first and self.found.best is not None) or self._left() <= 0:
             return True
         self.found.cut_by_clock = self._late()
         return self.found.cut_by_clock
+
+    def _progress(self) -> Progress:
+        found = self.found
+        if self._bound is None and found.first_options:
+            self._bound = lower_bound(self.scene, found.first_options)
+        best = None if found.best is None else found.best.state.time - self.scene.start.time
+        return Progress(
+            stage="search",
+            elapsed_s=time.perf_counter() - self.started,
+            candidates=found.census.candidates,
+            steps=found.deepest,
+            duration_s=best,
+            lower_bound_s=self._bound,
+        )
 
     def _late(self) -> bool:
         return time.perf_counter() >= self.deadline
