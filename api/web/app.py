@@ -16,6 +16,8 @@ from assur.api.documents import problem_response
 from assur.api.problems import Problem
 from assur.api.version import version
 from assur.api.web import openapi
+from assur.api.web.job_routes import job_bodies, job_router
+from assur.api.web.job_store import JobStore
 from assur.api.web.request_log import RequestLog
 from assur.api.web.routes import bodies, router
 from assur.api.web.service import Service
@@ -29,12 +31,15 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     """The service with `settings` (default: from the environment). Its workers start with its lifespan."""
     service = Service(Settings.from_environment() if settings is None else settings)
 
+    jobs = JobStore(service)
+
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         service.workers.start()
         try:
             yield
         finally:
+            await jobs.stop()
             await service.workers.stop()
 
     app: FastAPI = FastAPIOffline(
@@ -48,9 +53,11 @@ def create_app(settings: Settings | None = None) -> FastAPI:
             HTTPException: _on_http,
         },
     )
-    app.state.service = service
+    app.state.service, app.state.jobs = service, jobs
     app.include_router(bodies)
     app.include_router(router)
+    app.include_router(job_bodies)
+    app.include_router(job_router)
     app.add_middleware(RequestLog)
     described = app.openapi
 

@@ -39,7 +39,7 @@ router, bodies = APIRouter(), APIRouter(route_class=Direct)
 # Routes that read files are plain functions: FastAPI runs those beside the event loop.
 
 
-def _service(request: Request) -> Service:
+def service_of(request: Request) -> Service:
     service: Service = request.app.state.service
     return service
 
@@ -72,7 +72,7 @@ async def _gone(request: Request) -> None:
         pass
 
 
-async def _body(request: Request, limit: int, *parameters: str) -> bytes:
+async def read_admitted(request: Request, limit: int, *parameters: str) -> bytes:
     """The body, unless the queue is full already: what would be turned away need not be read.
 
     Raises `Problem`, also for a parameter of the address that is not one of `parameters`.
@@ -80,7 +80,7 @@ async def _body(request: Request, limit: int, *parameters: str) -> bytes:
     for name in request.query_params:
         if name not in parameters:
             raise Problem.of_input(InputError(name, request.query_params[name], _known(parameters)))
-    service = _service(request)
+    service = service_of(request)
     if service.workers.full:
         raise service.workers.busy()
     return await read_body(request, limit, service.settings.body_s, service.readers)
@@ -97,8 +97,8 @@ async def plan(request: Request) -> Response:
     certificate = request.query_params.get("certificate", "full")
     if certificate not in get_args(jobs.Detail):
         raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(jobs.Detail))))
-    body = await _body(request, PLAN_BODY_BYTES, "certificate")
-    return await _unless_gone(request, _service(request).plan(body, cast(jobs.Detail, certificate)))
+    body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
+    return await _unless_gone(request, service_of(request).plan(body, cast(jobs.Detail, certificate)))
 
 
 @bodies.post(
@@ -109,8 +109,8 @@ async def plan(request: Request) -> Response:
     openapi_extra=CHECK_BODY,
 )
 async def check(request: Request) -> Response:
-    body = await _body(request, CHECK_BODY_BYTES)
-    return await _unless_gone(request, _service(request).check(body))
+    body = await read_admitted(request, CHECK_BODY_BYTES)
+    return await _unless_gone(request, service_of(request).check(body))
 
 
 @bodies.post(
@@ -121,8 +121,8 @@ async def check(request: Request) -> Response:
     openapi_extra=IK_BODY,
 )
 async def ik(request: Request) -> Response:
-    body = await _body(request, PLAN_BODY_BYTES)
-    return await _unless_gone(request, _service(request).ik(body))
+    body = await read_admitted(request, PLAN_BODY_BYTES)
+    return await _unless_gone(request, service_of(request).ik(body))
 
 
 @router.get("/v1/robots", summary="The robot catalogue", responses=component("Document"))
@@ -165,7 +165,7 @@ async def live() -> Response:
     responses=problems("not-ready"),
 )
 async def ready(request: Request) -> Response:
-    workers = _service(request).workers
+    workers = service_of(request).workers
     if not workers.ready:
         detail = f"{workers.warmed} of {workers.total} workers have planned."
         raise Problem("not-ready", detail, headers={"Retry-After": "1"})

@@ -9,6 +9,7 @@ import asyncio
 import hashlib
 import logging
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
@@ -19,6 +20,7 @@ from assur.api.web.body_reader import READERS
 from assur.api.web.settings import Settings
 from assur.api.workers import jobs
 from assur.api.workers.pool import Workers
+from assur.api.workers.worker_process import Tell
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
 from assur.scenes.requests import shipped, stated_budgets
@@ -29,6 +31,18 @@ SMALL_BYTES = 32768
 Larger ones, and scenarios, which are files, are read beside the event loop."""
 STATED = re.compile(rb'"((?:explain_)?budget_m?s)"\s*:\s*(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)')
 """A budget in the text of a request. No other field of a request is called so."""
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What a worker is to do: the job and its arguments; the digest of the request; when it is killed, s; whether it
+    tells how far it has come, and can be called off."""
+
+    job: Callable[..., jobs.Reply]
+    arguments: tuple[Any, ...]
+    key: str
+    wall_s: float
+    watched: bool = False
 
 
 @dataclass
@@ -45,31 +59,33 @@ class Service:
 
     async def plan(self, body: bytes, certificate: jobs.Detail) -> jobs.Answer:
         """The answer to the request in `body`, or to the shipped scenario that it names. Raises `Problem`."""
+        return await self.do(await self.order(body, certificate))
+
+    async def order(self, body: bytes, certificate: jobs.Detail) -> Order:
+        """What is to be done about `body`, as `plan` has it. Raises `Problem`."""
         if len(body) <= SMALL_BYTES and b'"scenario"' not in body:
-            order = self._read(body, certificate)
-        else:
-            order = await asyncio.to_thread(self._read, body, certificate)
-        return await self._work(*order)
+            return self._read(body, certificate)
+        return await asyncio.to_thread(self._read, body, certificate)
 
     async def check(self, body: bytes) -> jobs.Answer:
         """The checker's verdict on the request and plan in `body`. Raises `Problem`."""
-        return await self._work(jobs.check, (body,), _digest("check", body), self.settings.check_s)
+        return await self.do(Order(jobs.check, (body,), _digest("check", body), self.settings.check_s))
 
     async def ik(self, body: bytes) -> jobs.Answer:
         """The joint positions, or the pose of the tool, that `body` asks for. Raises `Problem`."""
-        return await self._work(jobs.ik, (body,), _digest("ik", body), self.settings.check_s)
+        return await self.do(Order(jobs.ik, (body,), _digest("ik", body), self.settings.check_s))
 
-    def _read(self, body: bytes, certificate: jobs.Detail) -> tuple[Any, tuple[Any, ...], str, float]:
-        """What to do about `body`: job, its arguments, digest of the request, wall."""
+    def _read(self, body: bytes, certificate: jobs.Detail) -> Order:
         document = self._budgets(body) or jobs.request_in(body)
         if "scenario" not in document:
-            return jobs.plan, (body, certificate), _digest("request", body), self._wall(document)
+            wall_s = self._wall(document)
+            return Order(jobs.plan, (body, certificate), _digest("request", body), wall_s, watched=True)
         name = _scenario_name(document)
         try:
             wall_s = self._wall(scenario_request(name))
         except InputError as error:
             raise Problem.of_input(error) from error
-        return jobs.plan_shipped, (name, certificate), _digest("scenario", name), wall_s
+        return Order(jobs.plan_shipped, (name, certificate), _digest("scenario", name), wall_s, watched=True)
 
     def _budgets(self, body: bytes) -> dict[str, Any] | None:
         """A request with the budgets that stand in the text of one, which the worker validates, and nothing else.
@@ -97,16 +113,24 @@ class Service:
                 raise Problem.of_input(fault(document, ("options", name), allowed))
         return sum(budgets.values()) + self.settings.grace_s
 
-    async def _work(self, job: Any, arguments: tuple[Any, ...], key: str, wall_s: float) -> jobs.Answer:
-        reply: jobs.Reply = await self.workers.run(job, arguments, key, wall_s)
+    async def do(self, order: Order, told: Tell | None = None) -> jobs.Answer:
+        """The answer to an order; `told` takes how far it has come, if it is watched. Raises `Problem`."""
+        listener = (told or _nobody) if order.watched else None
+        reply: jobs.Reply = await self.workers.run(order.job, order.arguments, order.key, order.wall_s, listener)
         match reply:
             case jobs.Answer():
                 return reply
             case Problem():
                 raise reply
             case jobs.Fault():
-                event("a worker met a fault", logging.ERROR, fault=reply.name, where=list(reply.where), digest=key)
-                raise Problem("fault", f"The planner met a fault of its own; it is logged with digest {key}.")
+                event(
+                    "a worker met a fault", logging.ERROR, fault=reply.name, where=list(reply.where), digest=order.key
+                )
+                raise Problem("fault", f"The planner met a fault of its own; it is logged with digest {order.key}.")
+
+
+def _nobody(_: Any) -> None:
+    """Listens to a job only so that it can be called off."""
 
 
 @cache

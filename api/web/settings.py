@@ -91,6 +91,8 @@ class Settings:
     worker_memory_mib: int = _setting(
         4096, _whole(512, 1 << 20), "address space of a worker; beyond it the request ends with 503"
     )
+    jobs_kept: int = _setting(50, _whole(1, 10_000), "jobs that have ended and are kept; the oldest goes first")
+    job_kept_s: float = _setting(600.0, _seconds(1.0, 86_400.0), "time for which a job is kept that has ended")
     connections: int = _setting(512, _whole(1, 100_000), "connections at a time; one more gets 503")
     log_level: str = _setting("info", _one_of(*LOG_LEVELS), "least severity that is logged")
 

@@ -7,13 +7,15 @@ import gc
 import os
 import time
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import FieldError, Problem, shown
+from assur.api.workers.worker_process import CalledOffError, Tell
 from assur.planner.errors import FaultError, InputError
+from assur.planner.model.progress import Progress
 from assur.scenes.requests import check_document, ik_document, parse_json, plan_document, plan_scenario, shipped
 
 Detail = Literal["full", "digest"]
@@ -54,6 +56,8 @@ class Fault:
     where: tuple[str, ...]
 
 
+TOLD_S = 0.1
+"""How far a search has come is told this often, s."""
 BOTH = 'an object with the fields "request" and "plan" and no others'
 """What the body of a check is."""
 Reply = Answer | Problem | Fault
@@ -72,16 +76,37 @@ def warm() -> str:
     return "planned"
 
 
-def plan(body: bytes, certificate: Detail) -> Reply:
-    """The answer to the request in `body`; reading it counts in its budget, as it does in the wall's."""
-    started = time.perf_counter()
-    return _guarded(lambda: plan_document(request_in(body), certificate=certificate, started=started), "status")
+def plan(body: bytes, certificate: Detail, tell: Tell) -> Reply:
+    """The answer to the request in `body`; reading it counts in its budget, as it does in the wall's. `tell` takes how
+    far the search has come, as a document."""
+    started, watch = time.perf_counter(), _watch(tell)
+    return _guarded(
+        lambda: plan_document(request_in(body), certificate=certificate, started=started, watch=watch), "status"
+    )
 
 
-def plan_shipped(name: str, certificate: Detail) -> Reply:
-    """The answer to the request of the shipped scenario `name`, with the files that ship with it."""
-    started = time.perf_counter()
-    return _guarded(lambda: plan_scenario(shipped(name), certificate=certificate, started=started), "status")
+def plan_shipped(name: str, certificate: Detail, tell: Tell) -> Reply:
+    """The answer to the request of the shipped scenario `name`, with the files that ship with it. `tell`: as `plan`."""
+    started, watch = time.perf_counter(), _watch(tell)
+    return _guarded(
+        lambda: plan_scenario(shipped(name), certificate=certificate, started=started, watch=watch), "status"
+    )
+
+
+def _watch(tell: Tell) -> Callable[[Progress], None]:
+    """Tells every `TOLD_S`, and of each better plan; whether the job is called off is asked each time."""
+    last: Progress | None = None
+
+    def watch(progress: Progress) -> None:
+        nonlocal last
+        better = last is None or (progress.stage, progress.duration_s) != (last.stage, last.duration_s)
+        if better or last is None or progress.elapsed_s - last.elapsed_s >= TOLD_S:
+            last = progress
+            tell(asdict(progress))
+        else:
+            tell(None)
+
+    return watch
 
 
 def check(body: bytes) -> Reply:
@@ -124,6 +149,8 @@ def _guarded(work: Callable[[], dict[str, Any]], says: str) -> Reply:
         return Answer(to_json(document), str(document[says]))
     except Problem as problem:
         return problem
+    except CalledOffError:
+        raise
     except InputError as error:
         return Problem.of_input(error)
     except MemoryError:

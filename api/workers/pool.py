@@ -16,7 +16,7 @@ from typing import Any
 from assur.api.logs import LOGGER, event
 from assur.api.problems import Problem
 from assur.api.web.settings import Settings
-from assur.api.workers.worker_process import CrashedError, KilledError, NotBegunError, WorkerProcess
+from assur.api.workers.worker_process import CrashedError, KilledError, NotBegunError, Tell, WorkerProcess
 
 CRASHES = 2
 """So many crashes and a request is quarantined."""
@@ -82,10 +82,13 @@ class Workers:
         after = min(60, max(1, math.ceil(self._owed_s / len(self._processes))))
         return Problem("busy", f"Come again in {after} s.", headers={"Retry-After": str(after)})
 
-    async def run(self, job: Callable[..., Any], arguments: tuple[Any, ...], key: str, wall_s: float) -> Any:
-        """What `job(*arguments)` returns in a worker; `key` is the digest of the request, for the quarantine.
+    async def run(
+        self, job: Callable[..., Any], arguments: tuple[Any, ...], key: str, wall_s: float, told: Tell | None = None
+    ) -> Any:
+        """What `job(*arguments)` returns in a worker; `key` is the digest of the request, for the quarantine. `told`,
+        and what cancelling does: as `WorkerProcess.run` has it.
 
-        Raises `Problem`: busy, not-ready, quarantined, worker-crashed, worker-timeout. Cancelling it kills the job.
+        Raises `Problem`: busy, not-ready, quarantined, worker-crashed, worker-timeout.
         """
         if self._crashes.get(key, 0) >= CRASHES:
             raise Problem("quarantined", f"It did so {CRASHES} times. Tell us, and change it before you send it again.")
@@ -95,9 +98,9 @@ class Workers:
         self._owed_s += wall_s
         try:
             try:
-                return await self._in_a_process(job, arguments, wall_s)
+                return await self._in_a_process(job, arguments, wall_s, told)
             except NotBegunError:
-                return await self._in_a_process(job, arguments, wall_s)
+                return await self._in_a_process(job, arguments, wall_s, told)
         except CrashedError as crashed:
             raise self._crashed(key, crashed) from crashed
         except KilledError as killed:
@@ -107,10 +110,12 @@ class Workers:
             self._accepted -= 1
             self._owed_s -= wall_s
 
-    async def _in_a_process(self, job: Callable[..., Any], arguments: tuple[Any, ...], wall_s: float) -> Any:
+    async def _in_a_process(
+        self, job: Callable[..., Any], arguments: tuple[Any, ...], wall_s: float, told: Tell | None
+    ) -> Any:
         number = await self._free_process()
         try:
-            return await self._processes[number].run(job, arguments, wall_s)
+            return await self._processes[number].run(job, arguments, wall_s, told)
         finally:
             self._leave(number)
 

@@ -1,8 +1,9 @@
 """One worker process, reached by a socket pair: what happens to it happens to one request.
 
-The process is spawned, plans once, and then answers one job at a time: a length and a pickle in; a byte that says that
-the job has begun, then a length and a pickle out. A process that crashed, did not end in time or whose caller has gone
-is killed and never used again.
+The process is spawned, plans once, and then answers one job at a time. A message is a byte that says what it is, and,
+where there is something to say, a length and a pickle. In: a job; that the job is called off. Out: that the job has
+begun; how far it has come; its result. A process that crashed or did not end in time is killed and never used again, as
+is one whose job was called off and did not end soon.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import errno
 import multiprocessing
 import pickle
 import resource
+import select
 import signal
 import socket
 import struct
@@ -21,10 +23,21 @@ from contextlib import suppress
 from multiprocessing.context import SpawnProcess
 from typing import Any
 
-BEGUN = b"\x01"
-"""What a worker writes when it has read a job: from then on the job may have had effects."""
+JOB, CALL_OFF = b"J", b"C"
+"""What the web process writes: a job, and that the result of the job that runs is not wanted any more."""
+BEGUN, TOLD, RESULT = b"B", b"T", b"R"
+"""What a worker writes. `BEGUN`: it has read a job, which from then on may have had effects."""
 LENGTH = struct.Struct("!Q")
 """Stands before each pickle: its length in bytes."""
+ENDS_S = 2.0
+"""A job that was called off has so long to end, s, before its worker is killed. A search is asked at every round."""
+
+Tell = Callable[[Any], None]
+"""Takes how far a job has come; None: nothing to say, but the job may have been called off."""
+
+
+class CalledOffError(Exception):
+    """The result of the job is not wanted any more."""
 
 
 class CrashedError(Exception):
@@ -58,15 +71,52 @@ def prepare(memory_mib: int) -> None:
 def serve_jobs(end: socket.socket, memory_mib: int) -> None:
     """What a worker process does until the other end is closed: jobs, one after the other."""
     prepare(memory_mib)
-    with suppress(ConnectionError), end, end.makefile("rwb") as stream:
-        while head := stream.read(LENGTH.size):
-            job, arguments = pickle.loads(stream.read(*LENGTH.unpack(head)))  # noqa: S301 - from our own web process
-            stream.write(BEGUN)
-            stream.flush()
-            reply = pickle.dumps(_result(job, arguments))
-            stream.write(LENGTH.pack(len(reply)))
-            stream.write(reply)
-            stream.flush()
+    with suppress(ConnectionError), end:
+        while kind := _received(end, len(JOB)):
+            if kind == CALL_OFF:
+                continue  # of a job that has ended meanwhile
+            job, arguments, watched = pickle.loads(_received_pickle(end))  # noqa: S301 - from our own web process
+            end.sendall(BEGUN)
+            _send(end, RESULT, _result(job, (*arguments, _teller(end)) if watched else arguments))
+
+
+def _teller(end: socket.socket) -> Tell:
+    """What a job tells how far it has come. It raises `CalledOffError` if the job was called off."""
+
+    def tell(value: Any) -> None:
+        readable, _, _ = select.select([end], [], [], 0.0)
+        if readable:
+            _received(end, len(CALL_OFF))  # nothing else is sent while a job runs; or the other end is closed
+            raise CalledOffError
+        if value is not None:
+            _send(end, TOLD, value)
+
+    return tell
+
+
+def _send(end: socket.socket, kind: bytes, value: Any) -> None:
+    data = pickle.dumps(value)
+    end.sendall(kind + LENGTH.pack(len(data)) + data)
+
+
+def _received(end: socket.socket, size: int) -> bytes:
+    """So many bytes; none if the other end is closed."""
+    found = bytearray()
+    while len(found) < size:
+        part = end.recv(size - len(found))
+        if not part:
+            return b""
+        found += part
+    return bytes(found)
+
+
+def _received_pickle(end: socket.socket) -> bytes:
+    """A pickle behind its length. Raises `ConnectionError` where the other end is closed before its end."""
+    head = _received(end, LENGTH.size)
+    data = _received(end, *LENGTH.unpack(head)) if head else b""
+    if not data:
+        raise ConnectionError("the web process is gone")
+    return data
 
 
 def _result(job: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[bool, Any]:
@@ -93,6 +143,7 @@ class WorkerProcess:
         self._process: SpawnProcess | None = None
         self._streams: tuple[asyncio.StreamReader, asyncio.StreamWriter] | None = None
         self._spoilt = False
+        self._ended_early = False
         self.jobs = 0
         """Jobs that this worker has been given since it was started."""
 
@@ -119,7 +170,7 @@ class WorkerProcess:
             theirs.close()
         streams = await asyncio.open_connection(sock=ours)
         try:
-            succeeded, value = await self._exchange(streams, self._warm, (), self._warm_s)
+            succeeded, value = await self._in_time(streams, (self._warm, ()), self._warm_s)
             if not succeeded:
                 raise CrashedError(f"its first plan raised {type(value).__name__}") from value
         except BaseException:
@@ -128,21 +179,27 @@ class WorkerProcess:
             raise
         self._streams, self._spoilt, self.jobs = streams, False, 0
 
-    async def run(self, job: Callable[..., Any], arguments: tuple[Any, ...], wall_s: float) -> Any:
+    async def run(
+        self, job: Callable[..., Any], arguments: tuple[Any, ...], wall_s: float, told: Tell | None = None
+    ) -> Any:
         """What `job(*arguments)` returns, or raises, in the worker. Both are pickled.
 
-        Raises `CrashedError` when the worker dies and `KilledError` when it is killed after `wall_s`; after these,
-        and when cancelled, the process is closed until `start` is called again.
+        `told` is called with what the job tells, which then takes one more argument, a `Tell`. Cancelling calls such a
+        job off; the process stays, if the job ends soon. Any other job that is cancelled is killed.
+
+        Raises `CrashedError` when the worker dies and `KilledError` when it is killed after `wall_s`. A process that
+        died or was killed is closed until `start` is called again.
         """
         if self._streams is None:
             raise NotBegunError("was not started")
         self.jobs += 1
         try:
-            succeeded, value = await self._exchange(self._streams, job, arguments, wall_s)
+            succeeded, value = await self._in_time(self._streams, (job, arguments), wall_s, told)
         except BaseException:
-            self._spoilt = True
-            if self._process is not None:
-                self._process.kill()
+            if not self._ended_early:
+                self._spoilt = True
+                if self._process is not None:
+                    self._process.kill()
             raise
         if not succeeded:
             raise value
@@ -159,30 +216,54 @@ class WorkerProcess:
             await asyncio.shield(asyncio.to_thread(process.join))
             atexit.unregister(process.kill)
 
+    async def _in_time(
+        self,
+        streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
+        job: tuple[Callable[..., Any], tuple[Any, ...]],
+        wall_s: float,
+        told: Tell | None = None,
+    ) -> tuple[bool, Any]:
+        """The exchange of a job, within a time. A task of its own: cancelled, it would lose its place in the stream."""
+        self._ended_early = False
+        exchange = asyncio.ensure_future(self._exchange(streams, job, told))
+        try:
+            async with asyncio.timeout(wall_s):
+                return await asyncio.shield(exchange)
+        except TimeoutError as late:
+            raise KilledError(f"no result after {wall_s:g} s") from late
+        except asyncio.CancelledError:
+            if told is not None:
+                self._ended_early = await _ends_when_called_off(streams[1], exchange)
+            raise
+        finally:
+            exchange.cancel()
+
     async def _exchange(
         self,
         streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
-        job: Callable[..., Any],
-        arguments: tuple[Any, ...],
-        wall_s: float,
+        job: tuple[Callable[..., Any], tuple[Any, ...]],
+        told: Tell | None,
     ) -> tuple[bool, Any]:
         reader, writer = streams
-        data = pickle.dumps((job, arguments))
+        data = pickle.dumps((*job, told is not None))
         try:
-            async with asyncio.timeout(wall_s):
-                try:
-                    writer.write(LENGTH.pack(len(data)) + data)
-                    await writer.drain()
-                    await reader.readexactly(len(BEGUN))
-                except (asyncio.IncompleteReadError, ConnectionError) as gone:
-                    raise NotBegunError("was dead before it began") from gone
+            try:
+                writer.write(JOB + LENGTH.pack(len(data)) + data)
+                await writer.drain()
+                await reader.readexactly(len(BEGUN))
+            except (asyncio.IncompleteReadError, ConnectionError) as gone:
+                raise NotBegunError("was dead before it began") from gone
+            while True:
+                kind = await reader.readexactly(len(RESULT))
                 (length,) = LENGTH.unpack(await reader.readexactly(LENGTH.size))
-                reply: tuple[bool, Any] = pickle.loads(await reader.readexactly(length))  # noqa: S301 - our own worker's
-                return reply
+                value = pickle.loads(await reader.readexactly(length))  # noqa: S301 - from our own worker
+                if kind == RESULT:
+                    reply: tuple[bool, Any] = value
+                    return reply
+                if told is not None:
+                    told(value)
         except (asyncio.IncompleteReadError, ConnectionError) as gone:
             raise CrashedError(_how(await self._exit_code())) from gone
-        except TimeoutError as late:
-            raise KilledError(f"no result after {wall_s:g} s") from late
 
     async def _exit_code(self) -> int | None:
         """The exit code of a process whose end of the pair is closed."""
@@ -191,3 +272,14 @@ class WorkerProcess:
             return None
         await asyncio.to_thread(process.join, 1.0)
         return process.exitcode
+
+
+async def _ends_when_called_off(writer: asyncio.StreamWriter, exchange: asyncio.Future[Any]) -> bool:
+    """Tells a worker that its job is called off; whether it then ends in time and can be given another."""
+    try:
+        writer.write(CALL_OFF)
+        async with asyncio.timeout(ENDS_S):
+            await asyncio.shield(exchange)
+    except (TimeoutError, CrashedError, ConnectionError, asyncio.CancelledError):
+        return False
+    return True

@@ -76,7 +76,7 @@ def test_a_fault_in_a_worker_is_told_by_its_type_and_place_without_a_value(monke
         raise ZeroDivisionError("the secret of a request")
 
     monkeypatch.setattr("assur.api.workers.jobs.plan_document", broken)
-    reply = plan(b"{}", "full")
+    reply = plan(b"{}", "full", print)
     assert isinstance(reply, Fault)
     assert reply.name == "ZeroDivisionError"
     assert "secret" not in str(reply)
@@ -87,7 +87,7 @@ def test_an_answer_that_json_cannot_hold_is_a_fault_and_not_sent(monkeypatch: py
     monkeypatch.setattr(
         "assur.api.workers.jobs.plan_document", lambda *_, **__: {"status": "planned", "duration_s": float("nan")}
     )
-    assert isinstance(plan(b"{}", "full"), Fault)
+    assert isinstance(plan(b"{}", "full", print), Fault)
 
 
 def test_a_check_of_no_json_is_a_problem() -> None:
@@ -101,7 +101,7 @@ def test_a_worker_without_memory_ends_and_says_so() -> None:
 from assur.api.workers import jobs
 def broken(*_, **__): raise MemoryError
 jobs.plan_document = broken
-jobs.plan(b"{}", "full")
+jobs.plan(b"{}", "full", print)
 """
     run = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, timeout=60, check=False)
     assert run.returncode == errno.ENOMEM

@@ -36,12 +36,14 @@ def test_each_setting_is_read_from_its_own_variable() -> None:
         "ASSUR_BODY_S": "3",
         "ASSUR_MAX_TASKS": "10",
         "ASSUR_WORKER_MEMORY_MIB": "1024",
+        "ASSUR_JOBS_KEPT": "4",
+        "ASSUR_JOB_KEPT_S": "5",
         "ASSUR_CONNECTIONS": "9",
         "ASSUR_LOG_LEVEL": "warning",
     }
     assert {PREFIX + field.name.upper() for field in fields(Settings)} == set(given)
     assert Settings.from_environment(given) == Settings(
-        "0.0.0.0", 0, 3, 0, 1.5, 2.0, 0.25, 7.0, 60.0, 3.0, 10, 1024, 9, "warning"
+        "0.0.0.0", 0, 3, 0, 1.5, 2.0, 0.25, 7.0, 60.0, 3.0, 10, 1024, 4, 5.0, 9, "warning"
     )
 
 

@@ -1,0 +1,134 @@
+"""The addresses of jobs: a plan that is asked for now and fetched later, with its progress as server-sent events."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from typing import Any, Literal, cast, get_args
+
+from fastapi import APIRouter, Request
+from starlette.responses import Response, StreamingResponse
+from typing_extensions import TypedDict
+
+from assur.api.documents import json_response, to_json
+from assur.api.problems import Problem
+from assur.api.web.job_store import Job, JobStore
+from assur.api.web.openapi import PLAN_BODY, problems
+from assur.api.web.routes import BODY_PROBLEMS, Direct, read_admitted, service_of
+from assur.api.web.settings import PLAN_BODY_BYTES
+from assur.api.workers import jobs
+from assur.planner.errors import InputError
+from assur.scenes.schema.answer import Answer
+
+SILENCE_S = 15.0
+"""A stream of events with nothing to tell sends a comment this often, s, so that nobody between takes it for dead."""
+
+job_router, job_bodies = APIRouter(), APIRouter(route_class=Direct)
+
+
+class JobProgress(TypedDict):
+    """How far a search has come. `stage`: for a plan, or for a change of the request that would help. `steps` of the
+    task were passed; `duration_s` of the best plan so far; no plan takes less than `lower_bound_s`."""
+
+    stage: Literal["search", "relaxation"]
+    elapsed_s: float
+    candidates: int
+    steps: int
+    duration_s: float | None
+    lower_bound_s: float | None
+
+
+class JobDocument(TypedDict):
+    """A job. `progress`: null before a worker has begun; `outcome`: the status of its answer; `problem`: why there is
+    none, as the service would have said it at once."""
+
+    id: str
+    state: Literal["working", "done", "failed", "cancelled"]
+    progress: JobProgress | None
+    outcome: str | None
+    problem: dict[str, Any] | None
+
+
+def _store(request: Request) -> JobStore:
+    store: JobStore = request.app.state.jobs
+    return store
+
+
+def _told(job: Job, status: int = 200, headers: dict[str, str] | None = None) -> Response:
+    response = json_response(to_json(job.document()))
+    response.status_code = status
+    response.headers.update({"Cache-Control": "no-store", **(headers or {})})
+    return response
+
+
+@job_bodies.post(
+    "/v1/jobs",
+    summary="Plan a request, or a shipped scenario, while the client is elsewhere",
+    status_code=202,
+    response_model=JobDocument,
+    responses=problems(*BODY_PROBLEMS, "busy", "not-ready"),
+    openapi_extra=PLAN_BODY,
+)
+async def start(request: Request) -> Response:
+    certificate = request.query_params.get("certificate", "full")
+    if certificate not in get_args(jobs.Detail):
+        raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(jobs.Detail))))
+    body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
+    job = _store(request).start(await service_of(request).order(body, cast(jobs.Detail, certificate)))
+    # relative to this address, whatever prefix a proxy has put before it
+    return _told(job, 202, {"Location": f"jobs/{job.id}"})
+
+
+@job_router.get(
+    "/v1/jobs/{name}", summary="How far a job has come", response_model=JobDocument, responses=problems("job-lost")
+)
+async def show(request: Request, name: str) -> Response:
+    return _told(_store(request)[name])
+
+
+@job_router.get(
+    "/v1/jobs/{name}/answer",
+    summary="The answer of a job that is done, as POST /v1/plans would have given it",
+    response_model=Answer,
+    responses=problems("job-lost", "job-not-done", "bad-input", "quarantined", "fault", "worker-crashed", "busy",
+                       "worker-timeout"),
+)  # fmt: skip
+async def answer(request: Request, name: str) -> Response:
+    job = _store(request)[name]
+    if job.problem is not None:
+        raise job.problem
+    if job.answer is None:
+        raise Problem("job-not-done", f"The job is {job.state}.", headers={"Retry-After": "1"})
+    return json_response(job.answer.body)
+
+
+@job_router.get(
+    "/v1/jobs/{name}/events",
+    summary="The progress of a job as server-sent events, until it has ended",
+    responses={
+        200: {"content": {"text/event-stream": {}}, "description": "events called as the state; data as JobDocument"},
+        **problems("job-lost"),
+    },
+)
+async def events(request: Request, name: str) -> Response:
+    job = _store(request)[name]
+
+    async def stream() -> AsyncIterator[bytes]:
+        async for changed in job.news(SILENCE_S):
+            if changed:
+                yield b"event: " + job.state.encode() + b"\ndata: " + to_json(job.document()) + b"\n\n"
+            else:
+                yield b": still working\n\n"
+
+    # what stands between must pass each event on as it comes
+    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+    return StreamingResponse(stream(), media_type="text/event-stream", headers=headers)
+
+
+@job_router.delete(
+    "/v1/jobs/{name}",
+    summary="Call a job off, and forget it",
+    response_model=JobDocument,
+    responses=problems("job-lost"),
+)
+async def cancel(request: Request, name: str) -> Response:
+    return _told(_store(request).cancel(name))

@@ -1,0 +1,152 @@
+"""Jobs over HTTP: a plan that is asked for now and fetched later, with its progress, by a real service."""
+
+from __future__ import annotations
+
+import copy
+import json
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import httpx
+import pytest
+
+from assur.api.web.settings import Settings
+from tests.api.running import running
+
+
+@pytest.fixture(scope="module")
+def service() -> Iterator[httpx.Client]:
+    """A client of a service with one worker, which keeps three jobs."""
+    with running(Settings(workers=1, queue=2, max_budget_s=30.0, grace_s=30.0, jobs_kept=3)) as made:
+        yield made
+
+
+def long(request: dict[str, Any]) -> dict[str, Any]:
+    """The request, searched for 30 s whatever is found."""
+    lasting = copy.deepcopy(request)
+    lasting["options"] = {"budget_s": 30.0, "stop": "budget"}
+    return lasting
+
+
+def started(service: httpx.Client, request: dict[str, Any]) -> str:
+    response = service.post("/v1/jobs", json=request)
+    assert response.status_code == 202
+    told = response.json()
+    assert told["state"] == "working"
+    assert response.headers["location"] == f"jobs/{told['id']}"
+    return str(response.url.join(response.headers["location"]).path)
+
+
+def events(service: httpx.Client, job: str) -> Iterator[tuple[str, dict[str, Any]]]:
+    with service.stream("GET", job + "/events") as stream:
+        assert stream.headers["content-type"].startswith("text/event-stream")
+        name = ""
+        for line in stream.iter_lines():
+            if line.startswith("event: "):
+                name = line.removeprefix("event: ")
+            elif line.startswith("data: "):
+                yield name, json.loads(line.removeprefix("data: "))
+
+
+def test_a_job_ends_with_the_answer_that_a_plan_would_have(service: httpx.Client, small: dict[str, Any]) -> None:
+    at_once = service.post("/v1/plans", json=small).json()
+    job = started(service, small)
+    told = list(events(service, job))
+    assert [name for name, _ in told][-1] == "done"
+    assert {name for name, _ in told[:-1]} <= {"working"}
+    last = told[-1][1]
+    assert last == service.get(job).json()
+    assert (last["state"], last["outcome"], last["problem"]) == ("done", "planned", None)
+    assert last["progress"]["candidates"] >= 1
+    answer = service.get(job + "/answer").json()
+    assert {**answer, "elapsed_s": 0, "first_s": 0} == {**at_once, "elapsed_s": 0, "first_s": 0}
+
+
+def test_progress_is_told_while_the_search_goes_on(service: httpx.Client, small: dict[str, Any]) -> None:
+    job = started(service, long(small))
+    seen: list[dict[str, Any]] = []
+    for name, document in events(service, job):
+        if document["progress"] is not None:
+            seen.append(document["progress"])
+        if len(seen) == 5 and name == "working":
+            assert service.get(job + "/answer").status_code == 409
+            assert service.delete(job).json()["state"] == "cancelled"
+    assert len(seen) >= 5
+    assert [each["candidates"] for each in seen] == sorted(each["candidates"] for each in seen)
+    assert seen[-1]["duration_s"] >= seen[-1]["lower_bound_s"] >= 0
+
+
+def test_a_job_that_is_called_off_leaves_its_worker_to_others(service: httpx.Client, small: dict[str, Any]) -> None:
+    job = started(service, long(small))
+    while service.get(job).json()["progress"] is None:
+        time.sleep(0.02)
+    assert service.delete(job).json()["state"] == "cancelled"
+    gone = service.get(job)
+    assert (gone.status_code, gone.json()["type"]) == (404, "urn:assur:problem:job-lost")
+    # the only worker plans the next request; a new one would first have to load its libraries, and nothing be ready
+    assert service.post("/v1/plans", json=small).json()["status"] == "planned"
+    assert service.get("/readyz").status_code == 200
+
+
+def test_a_job_of_a_bad_request_fails_with_its_problem(service: httpx.Client, small: dict[str, Any]) -> None:
+    small["robot"] = {"model": "no-such-robot"}
+    job = started(service, small)
+    assert [name for name, _ in events(service, job)][-1] == "failed"
+    told = service.get(job).json()
+    assert told["problem"]["status"] == 422
+    answer = service.get(job + "/answer")
+    assert (answer.status_code, answer.json()) == (422, told["problem"])
+
+
+@pytest.mark.parametrize("body", [b'{"scenario": "no-such-scenario"}', b'{"options": {"budget_s": 31}}'])
+def test_what_can_be_refused_at_once_is_no_job(service: httpx.Client, body: bytes) -> None:
+    response = service.post("/v1/jobs", content=body, headers={"Content-Type": "application/json"})
+    assert response.status_code == 422
+    assert response.headers["content-type"] == "application/problem+json"
+
+
+@pytest.mark.parametrize(("body", "status"), [(b"{", 400), (b"[]", 422)])
+def test_what_only_a_worker_can_tell_fails_as_a_job(service: httpx.Client, body: bytes, status: int) -> None:
+    response = service.post("/v1/jobs", content=body, headers={"Content-Type": "application/json"})
+    job = f"/v1/jobs/{response.json()['id']}"
+    assert [name for name, _ in events(service, job)][-1] == "failed"
+    assert service.get(job).json()["problem"]["status"] == status
+
+
+@pytest.mark.parametrize("name", ["x", "0" * 32, "..%2f..", "%00"])
+@pytest.mark.parametrize("end", ["", "/answer", "/events"])
+def test_a_job_that_is_not_there_is_lost(service: httpx.Client, name: str, end: str) -> None:
+    response = service.get(f"/v1/jobs/{name}{end}")
+    assert response.status_code == 404
+
+
+def test_only_so_many_jobs_wait_and_only_so_many_are_kept(service: httpx.Client, small: dict[str, Any]) -> None:
+    running_jobs = [started(service, long(small)) for _ in range(3)]
+    refused = service.post("/v1/jobs", json=small)
+    assert (refused.status_code, refused.json()["type"]) == (503, "urn:assur:problem:busy")
+    assert int(refused.headers["retry-after"]) >= 1
+    for job in running_jobs:
+        assert service.delete(job).status_code == 200
+    ended = []
+    for _ in range(4):
+        ended.append(started(service, small))
+        list(events(service, ended[-1]))
+    assert service.get(ended[0]).status_code == 404
+    assert [service.get(job).json()["state"] for job in ended[1:]] == ["done"] * 3
+
+
+def test_a_client_that_leaves_the_events_does_not_end_the_job(service: httpx.Client, small: dict[str, Any]) -> None:
+    job = started(service, long(small))
+    for _ in events(service, job):
+        break
+    assert service.get(job).json()["state"] == "working"
+    assert service.delete(job).status_code == 200
+
+
+def test_a_client_that_leaves_its_plan_costs_no_worker(service: httpx.Client, small: dict[str, Any]) -> None:
+    with pytest.raises(httpx.ReadTimeout):
+        service.post("/v1/plans", json=long(small), timeout=0.5)
+    # long before 30 s, and by the same worker
+    assert service.post("/v1/plans", json=small, timeout=20.0).json()["status"] == "planned"
+    assert service.get("/readyz").status_code == 200
