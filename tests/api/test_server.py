@@ -55,7 +55,7 @@ class Server:
         return int(self.events("listening")[0]["port"])
 
     def client(self) -> httpx.Client:
-        return httpx.Client(base_url=f"http://127.0.0.1:{self.port}", timeout=60.0)
+        return httpx.Client(base_url=f"http://127.0.0.1:{self.port}", timeout=150.0)
 
     def ready(self) -> bool:
         with self.client() as client:
