@@ -46,16 +46,19 @@ STATUS = {
 
 @dataclass(frozen=True, slots=True)
 class FieldError:
-    """A field (dotted path), what it held (already fit to print; NOTHING: absent), and what would be accepted."""
+    """A field (dotted path), what it held (already fit to print; NOTHING: absent), what would be accepted, and the line
+    of the text in which the field stands, if it was written in one."""
 
     field: str
     value: Any
     allowed: str
+    line: int | None = None
 
     def document(self) -> dict[str, Any]:
         """The error as an element of `errors`; without `value` where the request has no such field."""
         value = {} if self.value is NOTHING else {"value": self.value}
-        return {"field": self.field, **value, "allowed": self.allowed}
+        line = {} if self.line is None else {"line": self.line}
+        return {"field": self.field, **value, "allowed": self.allowed, **line}
 
     def __str__(self) -> str:
         got = "it is missing" if self.value is NOTHING else f"got {json.dumps(self.value, ensure_ascii=False)}"
@@ -97,9 +100,13 @@ class Problem(Exception):
     @staticmethod
     def of_input(error: InputError, kind: str = "bad-input") -> Problem:
         """The problem that tells the caller of `error`, and of the further faults that it knows."""
-        first = FieldError(printable(error.field), shown(error.value), printable(error.allowed, LONGEST_ALLOWED))
         more = error.more[:MOST_ERRORS] if isinstance(error, DocumentError) else ()
-        others = [FieldError(printable(name), NOTHING, printable(allowed, LONGEST_ALLOWED)) for name, allowed in more]
+        line = error.line if isinstance(error, DocumentError) else None
+        first = FieldError(printable(error.field), shown(error.value), printable(error.allowed, LONGEST_ALLOWED), line)
+        others = [
+            FieldError(printable(name), NOTHING, printable(allowed, LONGEST_ALLOWED), where)
+            for name, allowed, where in more
+        ]
         return Problem(kind, str(first), (first, *others))
 
 

@@ -31,11 +31,16 @@ SILENT = ("match",)
 """Fields that a document may leave out, and whose silence can be the fault: they are named all the same."""
 
 
+Further = tuple[str, str, int | None]
+"""A further fault: field, what is allowed, and the line, if it is known."""
+
+
 class DocumentError(InputError):
-    """The caller's fault in a document. `line`: where in its file, if it came from one; `more`: further faults."""
+    """The caller's fault in a document. `line`: where in its file, if it came from one; `more`: further faults, each
+    with its field, what is allowed, and its line."""
 
     def __init__(
-        self, field: str, value: object, allowed: str, line: int | None = None, more: tuple[tuple[str, str], ...] = ()
+        self, field: str, value: object, allowed: str, line: int | None = None, more: tuple[Further, ...] = ()
     ) -> None:
         super().__init__(field, value, allowed)
         self.line = line

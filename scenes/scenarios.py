@@ -83,6 +83,11 @@ def load_scenario(path: Path) -> Scenario:
     """The scenario in a YAML file. Raises `DocumentError` with the line, or `OSError` for a file that is not there."""
     with path.open("rb") as file:
         text = file.read(MAX_YAML_BYTES + 1)
+    return scenario_in(text, path.stem, path.parent)
+
+
+def scenario_in(text: bytes, name: str, folder: Path) -> Scenario:
+    """The scenario in the YAML text of a file. Raises `DocumentError` with the line."""
     document, lines = parse_yaml(text)
     if isinstance(document, dict) and "request" not in document and {"robot", "task"} & document.keys():
         raise DocumentError("request", NOTHING, "a request; this file is one without it: put it under request:", 1)
@@ -91,7 +96,7 @@ def load_scenario(path: Path) -> Scenario:
     except InputError as error:
         raise with_line(error, lines) from error
     about = " ".join(document["about"].split())
-    return Scenario(path.stem, about, document["request"], document.get("expect", {}), path.parent, lines)
+    return Scenario(name, about, document["request"], document.get("expect", {}), folder, lines)
 
 
 @lru_cache(maxsize=1)
@@ -106,6 +111,11 @@ def shipped(name: str) -> Scenario:
     if name not in names:
         raise InputError("scenario", name, f"one of {likeliest(name, names)}")
     return load_scenario(CELLS / f"{name}.yaml")
+
+
+def scenario_text(name: str) -> str:
+    """The YAML of a shipped scenario. Raises `InputError` for a name that is none."""
+    return (CELLS / f"{shipped(name).name}.yaml").read_text(encoding="utf-8")
 
 
 def with_files(request: Any, folder: Path) -> Any:

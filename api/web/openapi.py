@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 from typing_extensions import TypedDict
 
 from assur.api.problems import MEDIA_TYPE, STATUS
 from assur.api.web.service import scenario_request
 from assur.scenes.requests import ik_schema, request_schema
+from assur.scenes.scenarios import scenario_text
 
 TEXT = """\
 Plans jerk-limited motion of SCARA-class robots through moving control points among moving bodies, proved free of
@@ -35,6 +36,7 @@ PROBLEM_SCHEMA: dict[str, Any] = {
                     "field": {"type": "string", "description": "dotted path, as in task[0].pick.part"},
                     "value": {"description": "what the field held, shortened; not there when the field is missing"},
                     "allowed": {"type": "string"},
+                    "line": {"type": "integer", "description": "of the field, in a text that was posted"},
                 },
             },
         },
@@ -53,6 +55,14 @@ class Scenes(TypedDict):
     """The shipped scenarios."""
 
     scenes: list[SceneAbout]
+
+
+class Parsed(TypedDict):
+    """What a scenario's text means: why the cell exists, and the request, ready to be posted."""
+
+    status: Literal["parsed"]
+    about: str
+    request: dict[str, Any]
 
 
 class Live(TypedDict):
@@ -128,6 +138,16 @@ CHECK_BODY = body(
     {},
 )
 
+
+PARSE_BODY = body(
+    {
+        "type": "object",
+        "required": ["text"],
+        "properties": {"text": {"type": "string", "description": "a scenario in YAML"}},
+        "additionalProperties": False,
+    },
+    {"a scenario": {"text": scenario_text("transfer")}},
+)
 
 IK_BODY = body(
     {"$ref": "#/components/schemas/IkQuestion"},

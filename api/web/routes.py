@@ -8,18 +8,30 @@ from typing import Any, cast, get_args
 
 from fastapi import APIRouter, Request
 from fastapi.routing import APIRoute
-from starlette.responses import Response
+from starlette.responses import PlainTextResponse, Response
 
 from assur.api.documents import json_response, to_json
 from assur.api.problems import Problem
 from assur.api.web.body_reader import read_body
-from assur.api.web.openapi import CHECK_BODY, IK_BODY, PLAN_BODY, Live, Ready, Scenes, component, problems
+from assur.api.web.openapi import (
+    CHECK_BODY,
+    IK_BODY,
+    PARSE_BODY,
+    PLAN_BODY,
+    Live,
+    Parsed,
+    Ready,
+    Scenes,
+    component,
+    problems,
+)
 from assur.api.web.request_log import CLIENT_GONE, FACTS
 from assur.api.web.service import Service, scenario_request
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
 from assur.api.workers import jobs
 from assur.planner.errors import InputError
 from assur.scenes.requests import request_schema, robots, shipped_scenarios
+from assur.scenes.scenarios import scenario_text
 from assur.scenes.schema.answer import Answer, Verdict
 from assur.scenes.schema.ik import IkAnswer
 
@@ -146,6 +158,31 @@ def show_scene(name: str) -> Response:
         return json_response(to_json(scenario_request(name)))
     except InputError as error:
         raise Problem.of_input(error, "not-found") from error
+
+
+@router.get(
+    "/v1/scenes/{name}/text",
+    summary="The text of a shipped scenario, as it is in its file",
+    response_class=PlainTextResponse,
+    responses={200: {"content": {"application/yaml": {}}}, **problems("not-found")},
+)
+def show_scene_text(name: str) -> Response:
+    try:
+        return Response(scenario_text(name), media_type="application/yaml")
+    except InputError as error:
+        raise Problem.of_input(error, "not-found") from error
+
+
+@bodies.post(
+    "/v1/scenes/parse",
+    summary="The request that the text of a scenario means, or its faults with their lines",
+    response_model=Parsed,
+    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
+    openapi_extra=PARSE_BODY,
+)
+async def parse(request: Request) -> Response:
+    body = await read_admitted(request, PLAN_BODY_BYTES)
+    return await _unless_gone(request, service_of(request).parse(body))
 
 
 @router.get("/v1/schema", summary="JSON Schema of the request", responses=component("Document"))

@@ -75,6 +75,10 @@ class Service:
         """The joint positions, or the pose of the tool, that `body` asks for. Raises `Problem`."""
         return await self.do(Order(jobs.ik, (body,), _digest("ik", body), self.settings.check_s))
 
+    async def parse(self, body: bytes) -> jobs.Answer:
+        """What the text of a scenario in `body` means. Raises `Problem`."""
+        return await self.do(Order(jobs.parse, (body,), _digest("parse", body), self.settings.check_s))
+
     def _read(self, body: bytes, certificate: jobs.Detail) -> Order:
         document = self._budgets(body) or jobs.request_in(body)
         if "scenario" not in document:

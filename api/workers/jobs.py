@@ -16,7 +16,16 @@ from assur.api.problems import FieldError, Problem, shown
 from assur.api.workers.worker_process import CalledOffError, Tell
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.progress import Progress
-from assur.scenes.requests import check_document, ik_document, parse_json, plan_document, plan_scenario, shipped
+from assur.scenes.requests import (
+    cell_of,
+    check_document,
+    ik_document,
+    parse_json,
+    plan_document,
+    plan_scenario,
+    shipped,
+)
+from assur.scenes.scenarios import CELLS, scenario_in, with_files
 
 Detail = Literal["full", "digest"]
 
@@ -122,6 +131,27 @@ def ik(body: bytes) -> Reply:
         # null is left for the question to refuse
         request = question.pop("request") if question.get("request") is not None else None
         return ik_document(request, question)
+
+    return _guarded(work, "status")
+
+
+TEXT = 'an object with the field "text", a scenario in YAML, and no others'
+"""What the body of a parse is."""
+
+
+def parse(body: bytes) -> Reply:
+    """What the scenario in `body`, {"text": YAML}, means: why it exists, and its request with what the shipped files
+    hold that it names. Everything that can be told without planning is told now, with its line."""
+
+    def work() -> dict[str, Any]:
+        text = _parsed(body, TEXT, {"text"})["text"]
+        if not isinstance(text, str):
+            raise Problem.of_input(InputError("text", text, "a text"))
+        scenario = scenario_in(text.encode("utf-8", "surrogatepass"), "text", CELLS)
+        with scenario.located():
+            cell_of(scenario.request, folder=scenario.folder)
+            request = with_files(scenario.request, scenario.folder)
+        return {"status": "parsed", "about": scenario.about, "request": request}
 
     return _guarded(work, "status")
 

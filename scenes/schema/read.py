@@ -69,7 +69,7 @@ def read_normal(model: Any, normal_document: object, document: object, prefix: P
         faults.sort(key=lambda fault: 0 if fault[1] == "extra_forbidden" else 1)
         told = [_fault(model, document, *fault) for fault in faults[:MAX_FAULTS]]
         first = told[0]
-        more = tuple((dotted((*prefix, *path)), allowed) for path, _, allowed in told[1:])
+        more = tuple((dotted((*prefix, *path)), allowed, None) for path, _, allowed in told[1:])
         raise DocumentError(dotted((*prefix, *first[0])), first[1], first[2], more=more) from None
 
 

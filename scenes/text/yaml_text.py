@@ -42,12 +42,17 @@ def with_line(error: InputError, lines: Lines, prefix: str = "") -> DocumentErro
     if line is not None:
         return DocumentError(error.field, error.value, error.allowed, line=line, more=more)
     named = error.field if error.field == WHOLE else prefix + error.field
-    field = named
+    others = tuple((prefix + other, allowed, line_of(prefix + other, lines)) for other, allowed, _ in more)
+    return DocumentError(named, error.value, error.allowed, line=line_of(named, lines), more=others)
+
+
+def line_of(field: str, lines: Lines) -> int:
+    """The line of a field, or of the innermost mapping or list around it that the file has."""
+    line = None
     while line is None and field:
         line = lines.get(field)
         field = field[: max(field.rfind("."), field.rfind("["), 0)]
-    others = tuple((prefix + other, allowed) for other, allowed in more)
-    return DocumentError(named, error.value, error.allowed, line=line or 1, more=others)
+    return line or 1
 
 
 class _Open:

@@ -154,6 +154,8 @@ def test_the_description_of_the_service_is_whole(client: httpx.Client) -> None:
         "/v1/robots",
         "/v1/scenes",
         "/v1/scenes/{name}",
+        "/v1/scenes/{name}/text",
+        "/v1/scenes/parse",
         "/v1/schema",
         "/livez",
         "/readyz",

@@ -32,11 +32,11 @@ def test_a_fault_of_the_caller_becomes_a_problem_that_names_field_value_and_what
 
 
 def test_a_field_that_is_missing_has_no_value() -> None:
-    error = DocumentError("robot.tool", NOTHING, "a mapping", more=(("start", "a mapping"),))
+    error = DocumentError("robot.tool", NOTHING, "a mapping", more=(("start", "a mapping", 7),))
     document = Problem.of_input(error).document()
     assert document["errors"] == [
         {"field": "robot.tool", "allowed": "a mapping"},
-        {"field": "start", "allowed": "a mapping"},
+        {"field": "start", "allowed": "a mapping", "line": 7},
     ]
     assert document["detail"] == "robot.tool: it is missing; allowed: a mapping"
 
