@@ -419,6 +419,9 @@ def test_a_robot_that_is_not_there_or_not_right_is_one_line(tmp_path: Path) -> N
     code, output, errors = run("robots", "fanuc-sr3ia")
     assert (code, output, errors.count("\n")) == (BAD_INPUT, "", 1)
     assert "did you mean fanuc-sr-3ia?" in errors
+    errors = run("robots", "mitsubishi-rh6")[2]
+    assert errors.endswith("; did you mean mitsubishi-rh-6crh6020 or mitsubishi-rh-6frh5520?\n")
+    assert "did you mean" not in run("robots", "nosuch")[2]
     file = tmp_path / "mine.yaml"
     file.write_text((FOLDER / "fanuc-sr-3ia.yaml").read_text().replace("l1_mm: {value: 200,", "l1_mm: {value: far,"))
     code, output, errors = run("robots", str(file))
