@@ -518,6 +518,35 @@ def test_text_that_is_no_json_is_told_with_line_and_column(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize(
+    ("arguments", "allowed"),
+    [
+        (("plan", "none.yaml"), "a scenario: YAML with about"),
+        (("plan", "none.json"), "a request, as JSON"),
+        (("check", "none.json", "small.json"), "a request, as JSON"),
+        (("check", "small.json", "none.json"), "an answer with a plan, as JSON"),
+        (("robots", "none.yaml"), "a robot: YAML with one of scara"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
+)
+@pytest.mark.parametrize("text", ["", " \n\n"])
+def test_an_empty_file_is_told_to_be_empty_by_its_name(
+    tmp_path: Path, small_file: Path, arguments: tuple[str, ...], allowed: str, text: str
+) -> None:
+    for name in ("none.yaml", "none.json"):
+        (tmp_path / name).write_text(text)
+    none = next(name for name in arguments if name.startswith("none"))
+    code, output, errors = run(*(str(tmp_path / name) if "." in name else name for name in arguments))
+    assert (code, output) == (BAD_INPUT, "")
+    assert errors.startswith(f'assur: {none}: got "an empty file"; allowed: {allowed}')
+
+
+def test_a_file_with_comments_alone_is_empty_and_one_with_null_is_told_the_same(tmp_path: Path) -> None:
+    for text in ("# to do\n", "null\n"):
+        (tmp_path / "none.yaml").write_text(text)
+        assert 'none.yaml: got "an empty file"' in run("plan", str(tmp_path / "none.yaml"))[2]
+
+
+@pytest.mark.parametrize(
     ("arguments", "said"),
     [
         (("plan", "nowhere.yaml"), b"assur: FILE: got "),
