@@ -19,6 +19,7 @@ from assur.api.command_line import BAD_INPUT, FAULT, INTERRUPTED, RIGHT, WRONG, 
 from assur.api.documents import to_json
 from assur.api.version import version
 from assur.api.workers.jobs import FIRST_PLAN
+from assur.planner.relaxation import ABOUT
 from assur.planner.report import number_format
 from assur.scenes.catalogue import FOLDER
 from assur.scenes.requests import load_scenario, shipped_scenarios
@@ -343,12 +344,27 @@ def test_what_was_tried_in_vain_is_listed_without_what_is_no_change() -> None:
     answer = {"reason": "OUT_OF_REACH", "proved": False, "sentence": "", "relaxation": None}
     spent = {**answer, "explain_budget_spent": True}
     told = list(console_report.not_planned({**spent, "tried": ["window: open"]}))
-    assert told[-1] == "what would not help  window: open; the explain budget was spent"
+    assert told[-3:] == [
+        "what would not help, each tried by itself:",
+        "  another window  open",
+        "  the explain budget was spent: other changes were not tried",
+    ]
     assert "nothing was tried" in shown(console_report.not_planned({**spent, "tried": []}))[-1]
-    told = list(
-        console_report.not_planned({**answer, "tried": ["window: open", "elbow: auto"], "explain_budget_spent": False})
-    )
-    assert told[-1] == "what would not help  window: open, elbow: auto"
+    tried = ["without: gate", "pair clearance: cup and bar: travel 0 mm, near 0 mm", "without: post", "new: 1"]
+    told = list(console_report.not_planned({**answer, "tried": tried, "explain_budget_spent": False}))
+    assert told[-5:] == [
+        "what would not help, each tried by itself:",
+        "  leaving out a body or robot  gate",
+        "                               post",
+        "  less clearance of one pair   cup and bar: travel 0 mm, near 0 mm",
+        "  new                          1",
+    ]
+
+
+def test_every_kind_of_change_has_words() -> None:
+    kinds = {kind for about in ABOUT.values() for kind in about}
+    assert kinds <= console_report.CHANGED.keys()
+    assert "budget" in console_report.CHANGED
 
 
 @pytest.mark.parametrize(
