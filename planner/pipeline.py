@@ -12,6 +12,7 @@ from assur.planner.blends.search import searcher
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.forbidden_yaw import yaw_impossible
 from assur.planner.feasibility.necessary import arches_impossible, start_collides, start_impossible, windows_impossible
+from assur.planner.feasibility.odd_arrivals import odd_arrivals
 from assur.planner.feasibility.odd_input import odd_input
 from assur.planner.feasibility.odd_places import odd_places
 from assur.planner.legs.meeting import every_turn
@@ -55,7 +56,8 @@ def plan(scene: Scene, *, adaptive: bool = True, started: float | None = None, n
     clock = _Clock(time.perf_counter() if started is None else started)
     prover = Prover(scene)
     outcome = _outcome(scene, clock, prover, adaptive=adaptive, pairs=nearest_pairs)
-    return replace(outcome, warnings=(*odd_input(scene, prover), *odd_places(scene, prover)))
+    missed = odd_arrivals(scene, outcome.plan.arrivals) if isinstance(outcome, Planned) else ()
+    return replace(outcome, warnings=(*odd_input(scene, prover), *odd_places(scene, prover), *missed))
 
 
 def _outcome(scene: Scene, clock: _Clock, prover: Prover, *, adaptive: bool, pairs: int) -> Outcome:
