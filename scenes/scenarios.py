@@ -15,7 +15,7 @@ from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_TEXT, MAX_YAML_BYTES
 from assur.scenes.catalogue import with_robots
 from assur.scenes.faults import NOTHING, DocumentError, likeliest
-from assur.scenes.files import with_meshes, with_plans
+from assur.scenes.files import empty, with_meshes, with_plans
 from assur.scenes.schema.model import Document, Instant
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
@@ -84,6 +84,8 @@ def load_scenario(path: Path) -> Scenario:
     with path.open("rb") as file:
         text = file.read(MAX_YAML_BYTES + 1)
     document, lines = parse_yaml(text)
+    if document is None:
+        raise empty(path, "a scenario: YAML with about, request and, if something is expected of the answer, expect")
     if isinstance(document, dict) and "request" not in document and {"robot", "task"} & document.keys():
         raise DocumentError("request", NOTHING, "a request; this file is one without it: put it under request:", 1)
     try:
