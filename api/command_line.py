@@ -146,7 +146,7 @@ def check(
 ) -> int:
     """Check a PLAN against FILE with the checker, which trusts no planner."""
     given = target(file)
-    read = requests.read_plan(_read(given), json_file(plan, "PLAN"))
+    read = requests.read_plan(_read(given), json_file(plan, "PLAN", "an answer with a plan"))
     _announce_compilation()
     with console_report.working(f"checking {plan.name}"):
         verdict = requests.check_plan(given.cell, *read)

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 from assur.planner.blends.search import searcher
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.forbidden_yaw import yaw_impossible
-from assur.planner.feasibility.necessary import start_collides, start_impossible, windows_impossible
+from assur.planner.feasibility.necessary import arches_impossible, start_collides, start_impossible, windows_impossible
+from assur.planner.feasibility.odd_arrivals import odd_arrivals
 from assur.planner.feasibility.odd_input import odd_input
 from assur.planner.feasibility.odd_places import odd_places
 from assur.planner.legs.meeting import every_turn
@@ -67,12 +68,18 @@ def plan(
     run = _Run(time.perf_counter() if started is None else started, watch)
     prover = Prover(scene)
     outcome = _outcome(scene, run, prover, adaptive=adaptive, pairs=nearest_pairs)
-    return replace(outcome, warnings=(*odd_input(scene, prover), *odd_places(scene, prover)))
+    missed = odd_arrivals(scene, outcome.plan.arrivals) if isinstance(outcome, Planned) else ()
+    return replace(outcome, warnings=(*odd_input(scene, prover), *odd_places(scene, prover), *missed))
 
 
 def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: int) -> Outcome:
     """A plan, or why there is none; without warnings."""
-    never = start_impossible(scene, prover) or windows_impossible(scene) or yaw_impossible(scene)
+    never = (
+        start_impossible(scene, prover)
+        or arches_impossible(scene)
+        or windows_impossible(scene)
+        or yaw_impossible(scene)
+    )
     if never is not None:
         return _not_planned(scene, run, never, Counter().census(), proved=True, cut=False, deepest=never.step)
     found = searcher(scene, prover, run.started, adaptive=adaptive, watch=run.watch).run()

@@ -24,12 +24,13 @@ def load(name: str | Path) -> dict[str, Any]:
     there comes before a scenario's name. Raises `InputError` naming the field (in YAML with its line), or `OSError` for
     a file that cannot be read.
     """
-    from assur.scenes.requests import load_scenario, parse_json, shipped
+    from assur.scenes.files import json_in
+    from assur.scenes.requests import load_scenario, shipped
     from assur.scenes.scenarios import with_files
 
     path = Path(name)
     if path.suffix.lower() == ".json":
-        document: dict[str, Any] = with_files(parse_json(path.read_bytes()), path.parent)
+        document: dict[str, Any] = with_files(json_in(path, "a request, as JSON"), path.parent)
         return document
     is_file = path.is_file() or path.suffix.lower() in (".yaml", ".yml")
     scenario = load_scenario(path) if is_file else shipped(str(name))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from assur.planner.errors import FaultError, InputError
 from assur.scenes.bounds import MAX_YAML_BYTES
 from assur.scenes.faults import DocumentError, dotted, likeliest, located, within
-from assur.scenes.files import below, with_meshes
+from assur.scenes.files import below, empty, with_meshes
 from assur.scenes.robot_facts import assumptions, listed
 from assur.scenes.schema.read import read
 from assur.scenes.schema.robots import FAMILIES, Arm, ArmDocument, Family
@@ -83,13 +83,15 @@ def load_robot(path: Path) -> RobotFile:
     """
     try:
         document, lines = _parsed(path)
+        if document is None:
+            raise empty(path, f"a robot: YAML with one of {', '.join(FAMILIES)}")
         try:
             found = _robot_file(with_meshes(document, path.parent))
             found.built()
         except InputError as error:
             raise with_line(error, lines) from error
     except DocumentError as error:
-        field = path.name if error.field in WHOLE else f"{path.name}: {error.field}"
+        field = path.name if error.field in (*WHOLE, path.name) else f"{path.name}: {error.field}"
         raise DocumentError(field, error.value, error.allowed, error.line, error.more) from error
     return found
 

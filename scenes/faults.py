@@ -97,13 +97,30 @@ def fault(document: object, path: Sequence[str | int], allowed: str) -> Document
     return DocumentError(dotted(written), value, allowed)
 
 
+MOST_MEANT = 4
+"""So many names that hold what was given are suggested."""
+LEAST_HELD = 3
+"""Characters that what was given has at least, if it is looked for within names."""
+
+
+def _meant(given: str, names: Sequence[str]) -> str:
+    """The names that were probably meant by `given`, as a question: up to `MOST_MEANT` that hold it (`rh-6`), capitals
+    and marks left out, else the one that is spelt nearest; nothing if there is none."""
+    spoken, known = _spoken(given), {_spoken(name): name for name in names}
+    near = [name for name in names if spoken in _spoken(name)] if len(spoken) >= LEAST_HELD else []
+    near = near or difflib.get_close_matches(given, names, n=1)
+    near = near or [known[each] for each in difflib.get_close_matches(spoken, known, n=1)]
+    return f"; did you mean {' or '.join(sorted(near))}?" if 0 < len(near) <= MOST_MEANT else ""
+
+
+def _spoken(name: str) -> str:
+    return "".join(c for c in name.lower() if c.isalnum())
+
+
 def likeliest(value: str, names: Iterable[str]) -> str:
-    """The names that there are, in words, and the one that was probably meant by `value`."""
+    """The names that there are, in words, and those that were probably meant by `value`."""
     listed = list(names)
-    plain = {name.replace("-", ""): name for name in listed}
-    spoken = "".join(c for c in value.lower() if c.isalnum())
-    close = difflib.get_close_matches(spoken, plain, n=1)
-    return ", ".join(listed) + (f"; did you mean {plain[close[0]]}?" if close else "")
+    return ", ".join(listed) + _meant(value, listed)
 
 
 MOST_CHOICES = 12
@@ -111,13 +128,11 @@ MOST_CHOICES = 12
 
 
 def choices(names: Collection[str], given: str) -> str:
-    """Names that a document gives, in words, the first `MOST_CHOICES` of them, and the one that `given` probably
+    """Names that a document gives, in words, the first `MOST_CHOICES` of them, and those that `given` probably
     means."""
-    close = difflib.get_close_matches(given, list(names), n=1)
-    meant = f"; did you mean {close[0]}?" if close else ""
     shown = sorted(names)
     more = f" and {len(shown) - MOST_CHOICES} more" if len(shown) > MOST_CHOICES else ""
-    return ", ".join(shown[:MOST_CHOICES]) + more + meant if shown else "none is there"
+    return ", ".join(shown[:MOST_CHOICES]) + more + _meant(given, shown) if shown else "none is there"
 
 
 class Refused(Exception):

@@ -19,6 +19,20 @@ FORMATS = {".stl": "stl", ".obj": "obj", ".ply": "ply", ".glb": "glb"}
 """Endings of the mesh files that a document may name."""
 
 
+def empty(path: Path, allowed: str) -> DocumentError:
+    """The error for a file that says nothing: it has no bytes, or blanks and comments alone."""
+    return DocumentError(path.name, "an empty file", allowed)
+
+
+def json_in(path: Path, allowed: str) -> Any:
+    """The value that the JSON in a file spells. Raises `DocumentError`: for an empty file with its name and what is
+    `allowed`, for a fault of the text as `parse_json` does; or `OSError`."""
+    data = path.read_bytes()
+    if not data.strip():
+        raise empty(path, allowed)
+    return parse_json(data)
+
+
 def below(folder: Path, name: str, field: str, endings: Collection[str], most_bytes: int) -> Path:
     """The file that `name` leads to from `folder`. Raises `DocumentError` at `field` unless it is a regular file of up
     to `most_bytes` below `folder`, with one of `endings`."""
@@ -75,7 +89,7 @@ def _with_plan(other: Any, i: int, folder: Path) -> Any:
     field = dotted(("neighbours", i, "plan", "file"))
     found = below(folder, plan["file"], field, (".json",), MAX_JSON_BYTES)
     try:
-        answer = parse_json(found.read_bytes())
+        answer = json_in(found, "JSON")
         status = answer.get("status") if isinstance(answer, dict) else NOTHING
         if status != "planned":
             raise InputError("status", status, "planned")

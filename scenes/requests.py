@@ -211,12 +211,13 @@ def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...], Clai
 
     Raises `InputError` naming the field.
     """
-    from assur.scenes.reading.claims import claims_of, untrue_repeats
+    from assur.scenes.reading.claims import claims_of, untrue_arrivals, untrue_repeats
     from assur.scenes.reading.plan import plan_of
 
     answer = plain(plan)
     made, told = plan_of(answer, cell.conventions, cell.scene.robot)
-    return made, told + untrue_repeats(answer, cell.scene), claims_of(answer)
+    told += untrue_repeats(answer, cell.scene) + untrue_arrivals(made.arrivals, cell.scene)
+    return made, told, claims_of(answer)
 
 
 def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = (), claims: Claims | None = None) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_TEXT, MAX_YAML_BYTES
 from assur.scenes.catalogue import with_robots
 from assur.scenes.faults import NOTHING, DocumentError, likeliest
-from assur.scenes.files import with_meshes, with_plans
+from assur.scenes.files import empty, with_meshes, with_plans
 from assur.scenes.schema.model import Document, Instant
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
@@ -83,12 +83,14 @@ def load_scenario(path: Path) -> Scenario:
     """The scenario in a YAML file. Raises `DocumentError` with the line, or `OSError` for a file that is not there."""
     with path.open("rb") as file:
         text = file.read(MAX_YAML_BYTES + 1)
-    return scenario_in(text, path.stem, path.parent)
+    return scenario_in(text, path)
 
 
-def scenario_in(text: bytes, name: str, folder: Path) -> Scenario:
-    """The scenario in the YAML text of a file. Raises `DocumentError` with the line."""
+def scenario_in(text: bytes, path: Path) -> Scenario:
+    """The scenario in the YAML text of a file, which is not opened. Raises `DocumentError` with the line."""
     document, lines = parse_yaml(text)
+    if document is None:
+        raise empty(path, "a scenario: YAML with about, request and, if something is expected of the answer, expect")
     if isinstance(document, dict) and "request" not in document and {"robot", "task"} & document.keys():
         raise DocumentError("request", NOTHING, "a request; this file is one without it: put it under request:", 1)
     try:
@@ -96,7 +98,7 @@ def scenario_in(text: bytes, name: str, folder: Path) -> Scenario:
     except InputError as error:
         raise with_line(error, lines) from error
     about = " ".join(document["about"].split())
-    return Scenario(name, about, document["request"], document.get("expect", {}), folder, lines)
+    return Scenario(path.stem, about, document["request"], document.get("expect", {}), path.parent, lines)
 
 
 @lru_cache(maxsize=1)

@@ -189,10 +189,45 @@ def not_planned(answer: dict[str, Any]) -> Iterator[Table | str]:
             f"(then {relaxation['duration_s']:.3f} s; tried)"
         )
     elif answer["tried"]:
-        spent = "; the explain budget was spent" * answer["explain_budget_spent"]
-        yield f"what would not help  {', '.join(answer['tried'])}{spent}"
+        yield "what would not help, each tried by itself:"
+        yield from _in_vain(answer["tried"])
+        if answer["explain_budget_spent"]:
+            yield "  the explain budget was spent: other changes were not tried"
     elif answer["explain_budget_spent"]:
         yield "what would help     nothing was tried: the explain budget was spent"
+
+
+CHANGED = {
+    "window": "another window",
+    "latest end": "a later end",
+    "acceleration time": "another acceleration time",
+    "elbow": "another elbow side",
+    "pitch": "another pitch",
+    "match": "no match of the velocity",
+    "process speed": "a lower process speed",
+    "blend": "a larger blend",
+    "singularity margin": "a smaller singularity margin",
+    "without": "leaving out a body or robot",
+    "pair clearance": "less clearance of one pair",
+    "clearance": "less clearance of all pairs",
+    "budget": "a longer search",
+    "heights": "a shorter approach or depart",
+    "dwell": "a shorter dwell",
+    "belt speed": "a slower belt",
+}
+"""What each kind of change changes."""
+
+
+def _in_vain(tried: list[str]) -> Iterator[str]:
+    """A line for each change, those of one kind together below the first, which says what is changed."""
+    groups: dict[str, list[str]] = {}
+    for change in tried:
+        what, _, value = change.partition(": ")
+        groups.setdefault(CHANGED.get(what, what), []).append(value)
+    width = max(map(len, groups), default=0)
+    for what, values in groups.items():
+        for k, value in enumerate(values):
+            yield f"  {'' if k else what:{width}}  {printable(value)}"
 
 
 def census(document: dict[str, Any], *, planned: bool) -> Iterator[Table | str]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_JSON_BYTES
 from assur.scenes.faults import NOTHING, likeliest
+from assur.scenes.files import json_in
 from assur.scenes.motion_log import MotionLog, load_log
 from assur.scenes.requests import (
     RobotFile,
@@ -20,7 +21,6 @@ from assur.scenes.requests import (
     load_robot,
     load_scenario,
     models,
-    parse_json,
     plan_cell,
     shipped,
     shipped_robot,
@@ -87,7 +87,7 @@ def target(text: str) -> Target:
             raise InputError("FILE", text, f"a file, or a shipped scenario: {likeliest(text, shipped_scenarios())}")
         scenario = shipped(text)
     elif path.suffix.lower() == ".json":
-        return Target(path.stem, json_file(path, "FILE"), path.parent)
+        return Target(path.stem, json_file(path, "FILE", "a request"), path.parent)
     else:
         scenario = load_scenario(path)
     return Target(scenario.name, scenario.request, scenario.folder, scenario)
@@ -162,16 +162,19 @@ def log_file(path: Path) -> MotionLog:
     return load_log(path)
 
 
-def json_file(path: Path, name: str) -> Any:
-    """The document in the JSON file that was given as `name`. Raises `InputError` or `OSError`."""
+def json_file(path: Path, name: str, what: str) -> Any:
+    """The document in the JSON file that was given as `name`, which should hold `what`. Raises `InputError` or
+    `OSError`."""
     if not _is_file(path):
         raise InputError(name, str(path), "a file")
     size = path.stat().st_size
     if size > MAX_JSON_BYTES:
         raise InputError(name, f"{size} bytes", f"at most {MAX_JSON_BYTES} bytes")
     try:
-        return parse_json(path.read_bytes())
+        return json_in(path, f"{what}, as JSON")
     except InputError as error:
+        if error.field == path.name:
+            raise
         raise InputError(name, error.value, error.allowed) from error
 
 

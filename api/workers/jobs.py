@@ -147,7 +147,7 @@ def parse(body: bytes) -> Reply:
         text = _parsed(body, TEXT, {"text"})["text"]
         if not isinstance(text, str):
             raise Problem.of_input(InputError("text", text, "a text"))
-        scenario = scenario_in(text.encode("utf-8", "surrogatepass"), "text", CELLS)
+        scenario = scenario_in(text.encode("utf-8", "surrogatepass"), CELLS / "text")
         with scenario.located():
             cell_of(scenario.request, folder=scenario.folder)
             request = with_files(scenario.request, scenario.folder)

@@ -80,7 +80,7 @@ def campaign(
         kind = list(KINDS)[number % len(KINDS)]
         own = seed * 1_000_000 + number // len(KINDS)
         number += 1
-        accepted += _one(found[kind], kind, own, out, realisations, checked)
+        accepted += counted(found[kind], kind, own, random_cell(kind, own), out, realisations, checked)
         yield found
 
 
@@ -95,12 +95,20 @@ def as_si(document: object) -> Document:
     return dict(validate(document).model_dump(mode="json", exclude_unset=True, by_alias=True))
 
 
-def _one(tally: Tally, kind: str, seed: int, out: Path | None, realisations: int, checked: bool) -> bool:
-    """Whether a cell's plan was accepted, which was run then."""
+def counted(
+    tally: Tally,
+    kind: str,
+    seed: int,
+    request: Document,
+    out: Path | None = None,
+    realisations: int = REALISATIONS,
+    checked: bool = False,
+) -> bool:
+    """Whether the plan of a cell of this kind and seed was accepted, which was run then; the tally counts it, or why it
+    was refused. Raises `InputError` for a request that is at fault in anything but `ELBOW`."""
     from assur.planner.errors import InputError
     from assur.scenes.requests import check_document, plan_document
 
-    request = random_cell(kind, seed)
     try:
         answer = plan_document(request, certificate="full" if checked else "digest")
     except InputError as error:

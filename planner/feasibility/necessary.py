@@ -13,8 +13,10 @@ from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.reach import beyond_every_pitch, out_of_range, whatever_the_yaw
 from assur.planner.frames import Fixed
 from assur.planner.kernels.solids import REACH
+from assur.planner.legs.arched import too_high
 from assur.planner.legs.control_point import ControlPoint, control_point
 from assur.planner.legs.missed import never_in_window
+from assur.planner.legs.paths.path_leg import path_from, tool_in
 from assur.planner.legs.tilt import pitch_free, roll_free, tilts
 from assur.planner.model.assembly_mode import lost_at
 from assur.planner.model.attachments import Attachments, at_start
@@ -38,13 +40,15 @@ from assur.planner.model.refusal import (
     law_ends,
     of_joint,
 )
-from assur.planner.model.scene import Pick, Scene
+from assur.planner.model.scene import Move, Pick, Scene
 from assur.planner.robots.facts import Code
 
 MOST_WAYS = 64
 """Ways in which parts may sit in the gripper and where they were put down that are looked at, all together."""
 ROOM_M = 1e-4
 """A straight part that is told to be long enough is so by this, m."""
+HEIGHT_M = 1e-9
+"""An arch is proved to be above the range of the lift from this much on, m: rounding of heights."""
 START_RATIO = 1e-9
 """A start velocity or acceleration may exceed its limit by this share: rounding of unit conversions."""
 
@@ -54,7 +58,13 @@ def start_impossible(scene: Scene, prover: Prover) -> Refusal | None:
 
     Whether the arm collides where it stands is `start_collides`: the proof of any candidate shows that it does not.
     """
-    return overloaded(scene) or _start_beyond_limits(scene) or _laws_over(scene) or _start_enclosed(scene, prover)
+    return (
+        overloaded(scene)
+        or _start_beyond_limits(scene)
+        or _laws_over(scene)
+        or _start_enclosed(scene, prover)
+        or _no_path(scene)
+    )
 
 
 def overloaded(scene: Scene) -> Refusal | None:
@@ -137,6 +147,12 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
         if step.part is not None:
             turned = offsets is None and isinstance(step, Pick)
     return None
+
+
+def arches_impossible(scene: Scene) -> Refusal | None:
+    """The first step whose arch is above the range of the lift."""
+    tops = (too_high(scene, number, scene.start.q, HEIGHT_M) for number in range(len(scene.task)))
+    return next((refusal for refusal in tops if refusal is not None), None)
 
 
 def windows_impossible(scene: Scene) -> Refusal | None:
@@ -231,6 +247,15 @@ def _start_enclosed(scene: Scene, prover: Prover) -> Refusal | None:
     if within is None:
         return None
     return _hit(Stage.START, Reason.START_IN_COLLISION, 0, within, Enclosed(), interval=(t, t))
+
+
+def _no_path(scene: Scene) -> Refusal | None:
+    """Whether the first step goes along a path that cannot be, from where the tool stands at the start."""
+    move, start = scene.task[0], scene.start
+    if not isinstance(move, Move) or not move.path or not isinstance(scene.frames[move.target.frame].law, Fixed):
+        return None
+    made = path_from(move, 0, tool_in(scene, move.target.frame, start.q, start.time))
+    return made if isinstance(made, Refusal) else None
 
 
 @dataclass(frozen=True, slots=True)

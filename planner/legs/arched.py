@@ -5,11 +5,16 @@ On a standard cycle of 25/300/25 mm, overlapping the corners takes half of the t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from assur.planner.arrays import FloatArray
 from assur.planner.legs.pace import Pace, part
+from assur.planner.model.joint_range import beyond
+from assur.planner.model.refusal import JointName, Quantity, Reason, Refusal, Stage
+from assur.planner.model.scene import Scene
+from assur.planner.model.task import Arch
 from assur.planner.timing import Numbers, RawProfile, TimingRefusal
 
 SPARE_S = 1e-12
@@ -25,6 +30,32 @@ class Hop:
     top: float
     rise: float
     fall: float
+
+
+def height_of(scene: Scene, arch: Arch, q: FloatArray) -> float:
+    """The lift joint's value at the top of an arch, m; `q` (n,): any joint position: the lift moves the flange one to
+    one, so heights differ by a constant."""
+    flange, _ = scene.robot.forward(q)
+    return arch.top_m - scene.tool.tcp.z - (float(flange[2]) - float(q[scene.robot.lift or 0]))
+
+
+def too_high(scene: Scene, number: int, q: FloatArray, rounding: float = 0.0) -> Refusal | None:
+    """Why the arch that step `number` asks for cannot be: the lift ends more than `rounding`, m, below it;
+    None: it can, or none is asked. `q` (n,): any joint position."""
+    lift, arch = scene.robot.lift, scene.task[number].arch
+    if lift is None or arch is None:
+        return None
+    over = height_of(scene, arch, q) - float(scene.robot.limits.upper[lift])
+    if not over > rounding:
+        return None
+    return Refusal(
+        stage=Stage.INVERSE,
+        reason=Reason.JOINT_LIMIT,
+        step=number,
+        subject=JointName(scene.robot.joints[lift].name),
+        amount=Quantity.of(over, "m"),
+        facts=replace(beyond(scene, lift, height_of(scene, arch, q)), arch_top_m=arch.top_m),
+    )
 
 
 Vertical = tuple[RawProfile, RawProfile]

@@ -19,14 +19,19 @@ class Odd(StrEnum):
     """A part is released above a body that it does not touch."""
     BODIES_OVERLAP = "BODIES_OVERLAP"
     """A part to be picked is inside another body."""
+    MAY_MISS = "MAY_MISS"
+    """The tool may miss the part that it picks, and no tolerance is stated."""
 
 
 @dataclass(frozen=True, slots=True)
 class InputWarning:
     """`bodies`: the tool's body and the arm's, the part and what is below it, the tool's first body and the part, or
     two that overlap; `amount_m`: how far the part is above what is below it, the overlap that is allowed and exceeded
-    (0: none), or how far beside the tool the part was looked for."""
+    (0: none), how far beside the tool the part was looked for, or how far off the tool may be. `step`, `cause`:
+    of a pick that may miss its part, the name of the step and what adds most to the error."""
 
     kind: Odd
     bodies: tuple[str, str]
     amount_m: float
+    step: str = ""
+    cause: str = ""

@@ -7,8 +7,10 @@ The facts are what a request says (`LineTo`, `ArcTo`, `SplineThrough`); the curv
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,6 +18,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.geometry.curves import (
     Along,
+    Circular,
     Curve,
     Polynomial,
     Straight,
@@ -231,34 +234,65 @@ def _corner(last: tuple[Curve, float, float], first: tuple[Curve, float, float],
     return joining(ends, begins, PULL * taken)
 
 
+def never(parts: Sequence[PathPart]) -> None:
+    """Raises `PathError` for what is wrong with the points of a path wherever it begins."""
+    here = None
+    for number, part in enumerate(parts):
+        _points(number, part, here)
+        here = np.array(end_of(part))
+
+
 def _curves(number: int, part: PathPart, here: FloatArray, tangent: FloatArray | None) -> tuple[Curve, ...]:
     """The curves of one part that begins at `here` (3,), behind one that ends along `tangent`."""
+    arc = _points(number, part, here)
     if isinstance(part, SplineThrough):
         points = np.array([here, *part.points])
-        for k in range(1, len(points)):
-            _apart(number, "points", points[k - 1], points[k])
         splines = spline_through(points, tangent)
         for k, spline in enumerate(splines):
             if not spline.slowest >= CUSP * float(np.linalg.norm(points[k + 1] - points[k])):
                 allowed = "points through which a spline has no cusp: nearer to each other where it turns"
                 raise PathError(number, "points", part.points[k], allowed)
         return splines
+    if arc is not None:
+        return (arc,)
     to = np.array(part.to)
-    _apart(number, "to", here, to)
+    length = float(np.linalg.norm(to - here))
+    return (Straight(here, (to - here) / length, length),)
+
+
+def _points(number: int, part: PathPart, here: FloatArray | None) -> Circular | None:
+    """The circle of an arc, if it is known where it begins (3,). Raises `PathError` where points coincide, and where
+    those of an arc are on a line."""
+    if isinstance(part, SplineThrough):
+        points = [*([] if here is None else [tuple(here.tolist())]), *part.points]
+        for one, other in pairwise(points):
+            _apart(number, "points", other, one, "the one before it")
+        return None
+    if here is not None:
+        _apart(number, "to", part.to, tuple(here.tolist()), "where the part begins")
     if isinstance(part, LineTo):
-        length = float(np.linalg.norm(to - here))
-        return (Straight(here, (to - here) / length, length),)
-    via = np.array(part.via)
-    _apart(number, "via", here, via)
-    _apart(number, "via", via, to)
-    arc = circle_through(here, via, to)
+        return None
+    if here is not None:
+        _apart(number, "via", part.via, tuple(here.tolist()), "where the arc begins")
+    _apart(number, "via", part.via, part.to, "where the arc ends")
+    if here is None:
+        return None
+    arc = circle_through(here, np.array(part.via), np.array(part.to))
     if arc is None or not arc.radius <= LARGEST_RADIUS_M:
-        allowed = f"a point beside the line from end to end, on a circle of {LARGEST_RADIUS_M:g} m at most; or a line"
+        allowed = (
+            f"a point beside the line from {_told(here.tolist())} to {_told(part.to)}, on a circle of "
+            f"{LARGEST_RADIUS_M:g} m at most; or a line"
+        )
         raise PathError(number, "via", part.via, allowed)
-    return (arc,)
+    return arc
 
 
-def _apart(number: int, key: str, one: FloatArray, other: FloatArray) -> None:
-    if not np.linalg.norm(other - one) > CLOSEST_M:
-        allowed = f"points that are more than {1e3 * CLOSEST_M:g} mm apart"
-        raise PathError(number, key, tuple(other.tolist()), allowed)
+def _apart(number: int, key: str, point: Point, other: Point, told: str) -> None:
+    """Raises `PathError` at a point that is too near another one, which is what is `told`."""
+    if not math.dist(point, other) > CLOSEST_M:
+        allowed = f"points that are more than {1e3 * CLOSEST_M:g} mm apart; {_told(other)} is {told}"
+        raise PathError(number, key, point, allowed)
+
+
+def _told(point: Sequence[float]) -> str:
+    return "({}) mm".format(", ".join(f"{round(1e3 * x, 4) + 0.0:g}" for x in point))

@@ -21,6 +21,12 @@ def warned(warning: InputWarning) -> str:
         return f"{first} is released {amount(warning.amount_m, 'm')} above {second} and rests on nothing there"
     if warning.kind is Odd.BODIES_OVERLAP:
         return f"{first} and {second} overlap by more than {amount(warning.amount_m, 'm')} where they are at the start"
+    if warning.kind is Odd.MAY_MISS:
+        most = f", mainly due to: {warning.cause}" if warning.cause else ""
+        return (
+            f"the tool may miss {second} by {amount(warning.amount_m, 'm')}{most}; state tolerance_mm for step "
+            f"{warning.step} to have it refused"
+        )
     by = f" by more than {amount(warning.amount_m, 'm')} along the flange's axis" if warning.amount_m else ""
     return f"{first}, a body of the tool, overlaps {second} of the arm{by}, and nothing keeps the two apart"
 

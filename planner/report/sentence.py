@@ -239,6 +239,9 @@ def _beyond_range(scene: Scene, refusal: Refusal, facts: BeyondRange, short: str
     if refusal.stage is Stage.START:
         return f"{joint} starts {where}"
     arch = "" if facts.arch_top_m is None else f"for an arch up to {_mm(facts.arch_top_m)}, "
+    if facts.arch_top_m is not None and refusal.amount is not None and refusal.amount.unit == "m":
+        most = facts.arch_top_m - refusal.amount.value
+        arch = f"for an arch up to {_mm(facts.arch_top_m)} (the lift allows {_mm(most)}), "
     above = f"{_mm(facts.above_m)} above the point, " if facts.above_m else ""
     return f"{arch}{above}{joint} would have to go {where}{_mode(facts.mode)}"
 

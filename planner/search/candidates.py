@@ -13,12 +13,11 @@ import numpy as np
 
 from assur.planner.frames import all_stand
 from assur.planner.kernels.drawing import FASTEST_THROUGH, NUDGED_TIME, SLOWEST_THROUGH, TIME_NUDGE_S, WAIT_S
-from assur.planner.legs.arched import Hop
+from assur.planner.legs.arched import Hop, height_of, too_high
 from assur.planner.legs.joint import Shape
 from assur.planner.legs.overlap import may_stop
-from assur.planner.model.joint_range import beyond
-from assur.planner.model.refusal import JointName, Quantity, Reason, Refusal, Stage
-from assur.planner.model.scene import Arch, Scene, Step
+from assur.planner.model.refusal import Refusal
+from assur.planner.model.scene import Scene, Step
 from assur.planner.search import tuning
 from assur.planner.search.meeting_options import Option
 from assur.planner.search.partial_plan import Candidate, PartialPlan
@@ -136,32 +135,14 @@ class Sampler:
                 stops.append(ends[-1] + entry.far - entry.height)
         if arch is not None:
             # an arch that is lower than one of its ends is as high as it has to be anyway
-            asked = max(self._height(arch), min(upper, max([max(ends) + LEAST_RISE_M, *stops])))
+            asked = max(height_of(scene, arch, state.q), min(upper, max([max(ends) + LEAST_RISE_M, *stops])))
             return [asked] if asked <= upper else []
         tops = [upper, (max(ends) + upper) / 2, *([max(stops)] if stops else [])]
         return [top for top in tops if top > max(ends) + LEAST_RISE_M]
 
     def too_high(self) -> Refusal | None:
         """Why the arch that is asked for cannot be: the lift ends below it; None: it can, or none is asked."""
-        scene, lift, arch = self.scene, self.scene.robot.lift, self.step.arch
-        if lift is None or arch is None or self._tops():
-            return None
-        joint, over = scene.robot.joints[lift].name, self._height(arch) - float(scene.robot.limits.upper[lift])
-        return Refusal(
-            stage=Stage.INVERSE,
-            reason=Reason.JOINT_LIMIT,
-            step=self.partial.step,
-            subject=JointName(joint),
-            amount=Quantity.of(over, "m"),
-            facts=replace(beyond(scene, lift, self._height(arch)), arch_top_m=arch.top_m),
-        )
-
-    def _height(self, arch: Arch) -> float:
-        """The lift joint's value at the top of an arch."""
-        scene, q = self.scene, self.partial.state.q
-        flange, _ = scene.robot.forward(q)
-        # the lift joint moves the flange one to one, so heights differ by a constant
-        return arch.top_m - scene.tool.tcp.z - (float(flange[2]) - float(q[scene.robot.lift or 0]))
+        return too_high(self.scene, self.partial.step, self.partial.state.q)
 
     @property
     def step(self) -> Step:

@@ -6,12 +6,15 @@ people, are read by nobody; docs/api.md has the list.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+from assur.planner.checker.targets import asks_velocity, targets
 from assur.planner.checker.verdict import Code, Finding
+from assur.planner.frames import Conveyor, Linear
 from assur.planner.model.claims import Claims
 from assur.planner.model.load import Carried
-from assur.planner.model.outcome import Contact, JointPeak, Nearest, ToolPeaks
+from assur.planner.model.outcome import Arrival, Contact, JointPeak, Nearest, ToolPeaks
 from assur.planner.model.scene import Scene
 from assur.planner.report.straight_parts import lengthened
 from assur.scenes.reading.plan import PLAN
@@ -77,6 +80,25 @@ def untrue_repeats(plan: object, scene: Scene) -> tuple[Finding, ...]:
         for inside, above, key, true in repeated
         if key in inside and not (inside[key] == true and isinstance(inside[key], bool) is isinstance(true, bool))
     ]  # fmt: skip
+    return tuple(found)
+
+
+def untrue_arrivals(arrivals: Sequence[Arrival], scene: Scene) -> tuple[Finding, ...]:
+    """What arrivals repeat of the task and is not so there: whether a velocity is to be matched, and which points are
+    on a conveyor, as how far they have come along it is then said."""
+    asked = targets(scene, ())
+    found = list[Finding]()
+    for i, arrival in enumerate(arrivals):
+        if not 0 <= arrival.step < len(asked):
+            continue  # of another task, which the checker finds
+        target = asked[arrival.step]
+        name, matches = target.step.name, asks_velocity(target.step)
+        if arrival.matched is not matches:
+            what = f"the velocity of {name} is {'' if matches else 'not '}to be matched, and it is said otherwise"
+            found.append(Finding(Code.CLAIM, what, where=f"arrivals[{i}].matched"))
+        if arrival.along_m is None and isinstance(scene.frames[target.frame].law, Conveyor | Linear):
+            what = f"{name} is on a conveyor, and it is not said how far along"
+            found.append(Finding(Code.CLAIM, what, where=f"arrivals[{i}].along_m"))
     return tuple(found)
 
 

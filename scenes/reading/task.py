@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from assur.planner.errors import FaultError
 from assur.planner.frames import Conveyor, Linear
 from assur.planner.frames.motion import Pose
-from assur.planner.model.path import ArcTo, LineTo, Path, PathError, PathPart, Point, SplineThrough
+from assur.planner.model.path import ArcTo, LineTo, Path, PathError, PathPart, Point, SplineThrough, never
 from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Step, Target, Trace, Window
 from assur.planner.model.task import Tolerance, lead_length
 from assur.scenes.faults import Refused, choices, within
@@ -48,6 +49,8 @@ class _Task:
         self.no_yaw = NO_HEADING if self.has_tilt else NO_YAW
         self.held = held
         self.names: set[str] = set()
+        self.at: tuple[str, Point] | None = None
+        """Frame, and the tool point in it, where the last step ends, if the request says it."""
 
     def step(self, number: int, item: StepDocument) -> Step:
         for key in ("move", "follow", "trace", "pick", "place"):
@@ -59,6 +62,7 @@ class _Task:
                         raise Refused("a name that no other step has", "name")
                     self.names.add(name)
                     made: Step = getattr(self, f"_{key}")(name, spelt)
+                    self.at = _where(made)
                     return made
         raise FaultError(f"step {number} without a kind passed its model")
 
@@ -73,6 +77,10 @@ class _Task:
             raise Refused("none: only a move with leg: cartesian, without via and arch, goes along a path", "path")
         else:
             path = self._parts(item.path, item.to, target.pose)
+            with _at_part(path, ends=("to", "at_m")):
+                never(path)
+                if self.at is not None and self.at[0] == target.frame:
+                    Path(self.at[1], path, item.blend_m)
         return Move(name, target, item.match, item.via, arch, window, item.leg, path, item.blend_m)
 
     def _follow(self, name: str, item: FollowDocument) -> Step:
@@ -87,7 +95,9 @@ class _Task:
         with within("start"):
             target = self._pose(item.start)
         pose = target.pose
-        path = path_of((pose.x, pose.y, pose.z), self._parts(item.path, item.start), item.blend_m)
+        parts = self._parts(item.path, item.start)
+        with _at_part(parts):
+            path = Path((pose.x, pose.y, pose.z), parts, item.blend_m)
         leads = [lead_length(item.speed_m_s) if lead is None else lead for lead in (item.lead_in_m, item.lead_out_m)]
         return Trace(name, target, path, item.speed_m_s, leads[0], leads[1], self._window(item, target.frame))
 
@@ -219,12 +229,24 @@ def _corners(item: PickDocument | PlaceDocument) -> dict[str, Any]:
     return {"approach_stop": item.approach.stop, "depart_stop": item.depart.stop, "arch": arch}
 
 
-def path_of(begin: Point, parts: Sequence[PathPart], blend: float) -> Path:
-    """The path; what is wrong with a part of it is refused at that part."""
+def _where(step: Step) -> tuple[str, Point] | None:
+    """Frame, and the tool point in it, where a step ends; None where that takes more than the request."""
+    if isinstance(step, Follow) or (isinstance(step, Move) and not step.via):
+        pose = step.target.pose
+        return step.target.frame, (pose.x, pose.y, pose.z)
+    return None
+
+
+@contextmanager
+def _at_part(parts: Sequence[PathPart], ends: tuple[str, ...] = ()) -> Iterator[None]:
+    """What is wrong with a part of a path is refused at that part. `ends`: the keys of the end of the last part, if it
+    is not in that part."""
     try:
-        return Path(begin, tuple(parts), blend)
+        yield
     except PathError as error:
         part = parts[error.number]
+        if ends and error.key == "to" and error.number == len(parts) - 1:
+            raise Refused(error.allowed, *ends) from error
         kind = "line" if isinstance(part, LineTo) else "arc" if isinstance(part, ArcTo) else "spline"
         keys = {"to": "to_m", "via": "via_m", "points": "through_m"}
         where = (kind, keys[error.key]) if error.key else ()

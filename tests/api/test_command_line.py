@@ -19,6 +19,7 @@ from assur.api.command_line import BAD_INPUT, FAULT, INTERRUPTED, RIGHT, WRONG, 
 from assur.api.documents import to_json
 from assur.api.version import version
 from assur.api.workers.jobs import FIRST_PLAN
+from assur.planner.relaxation import ABOUT
 from assur.planner.report import number_format
 from assur.scenes.catalogue import FOLDER
 from assur.scenes.requests import load_scenario, shipped_scenarios
@@ -343,12 +344,27 @@ def test_what_was_tried_in_vain_is_listed_without_what_is_no_change() -> None:
     answer = {"reason": "OUT_OF_REACH", "proved": False, "sentence": "", "relaxation": None}
     spent = {**answer, "explain_budget_spent": True}
     told = list(console_report.not_planned({**spent, "tried": ["window: open"]}))
-    assert told[-1] == "what would not help  window: open; the explain budget was spent"
+    assert told[-3:] == [
+        "what would not help, each tried by itself:",
+        "  another window  open",
+        "  the explain budget was spent: other changes were not tried",
+    ]
     assert "nothing was tried" in shown(console_report.not_planned({**spent, "tried": []}))[-1]
-    told = list(
-        console_report.not_planned({**answer, "tried": ["window: open", "elbow: auto"], "explain_budget_spent": False})
-    )
-    assert told[-1] == "what would not help  window: open, elbow: auto"
+    tried = ["without: gate", "pair clearance: cup and bar: travel 0 mm, near 0 mm", "without: post", "new: 1"]
+    told = list(console_report.not_planned({**answer, "tried": tried, "explain_budget_spent": False}))
+    assert told[-5:] == [
+        "what would not help, each tried by itself:",
+        "  leaving out a body or robot  gate",
+        "                               post",
+        "  less clearance of one pair   cup and bar: travel 0 mm, near 0 mm",
+        "  new                          1",
+    ]
+
+
+def test_every_kind_of_change_has_words() -> None:
+    kinds = {kind for about in ABOUT.values() for kind in about}
+    assert kinds <= console_report.CHANGED.keys()
+    assert "budget" in console_report.CHANGED
 
 
 @pytest.mark.parametrize(
@@ -419,6 +435,9 @@ def test_a_robot_that_is_not_there_or_not_right_is_one_line(tmp_path: Path) -> N
     code, output, errors = run("robots", "fanuc-sr3ia")
     assert (code, output, errors.count("\n")) == (BAD_INPUT, "", 1)
     assert "did you mean fanuc-sr-3ia?" in errors
+    errors = run("robots", "mitsubishi-rh6")[2]
+    assert errors.endswith("; did you mean mitsubishi-rh-6crh6020 or mitsubishi-rh-6frh5520?\n")
+    assert "did you mean" not in run("robots", "nosuch")[2]
     file = tmp_path / "mine.yaml"
     file.write_text((FOLDER / "fanuc-sr-3ia.yaml").read_text().replace("l1_mm: {value: 200,", "l1_mm: {value: far,"))
     code, output, errors = run("robots", str(file))
@@ -512,6 +531,35 @@ def test_text_that_is_no_json_is_told_with_line_and_column(tmp_path: Path) -> No
         BAD_INPUT,
         'assur: FILE: got "Expecting value at line 2, column 11"; allowed: JSON\n',
     )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "allowed"),
+    [
+        (("plan", "none.yaml"), "a scenario: YAML with about"),
+        (("plan", "none.json"), "a request, as JSON"),
+        (("check", "none.json", "small.json"), "a request, as JSON"),
+        (("check", "small.json", "none.json"), "an answer with a plan, as JSON"),
+        (("robots", "none.yaml"), "a robot: YAML with one of scara"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
+)
+@pytest.mark.parametrize("text", ["", " \n\n"])
+def test_an_empty_file_is_told_to_be_empty_by_its_name(
+    tmp_path: Path, small_file: Path, arguments: tuple[str, ...], allowed: str, text: str
+) -> None:
+    for name in ("none.yaml", "none.json"):
+        (tmp_path / name).write_text(text)
+    none = next(name for name in arguments if name.startswith("none"))
+    code, output, errors = run(*(str(tmp_path / name) if "." in name else name for name in arguments))
+    assert (code, output) == (BAD_INPUT, "")
+    assert errors.startswith(f'assur: {none}: got "an empty file"; allowed: {allowed}')
+
+
+def test_a_file_with_comments_alone_is_empty_and_one_with_null_is_told_the_same(tmp_path: Path) -> None:
+    for text in ("# to do\n", "null\n"):
+        (tmp_path / "none.yaml").write_text(text)
+        assert 'none.yaml: got "an empty file"' in run("plan", str(tmp_path / "none.yaml"))[2]
 
 
 @pytest.mark.parametrize(

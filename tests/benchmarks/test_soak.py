@@ -13,11 +13,12 @@ import fcl
 import numpy as np
 import pytest
 
+from assur.planner.errors import InputError
 from assur.scenes import ik, load
 from assur.scenes.requests import plan_document, scene_of, shipped
 from benchmarks.soak import exact
 from benchmarks.soak.arms import Arm, robot_file
-from benchmarks.soak.campaign import Tally, as_si, campaign, written
+from benchmarks.soak.campaign import ELBOW, Tally, as_si, campaign, counted, written
 from benchmarks.soak.laws import frames_of
 from benchmarks.soak.poses import Document, Poses
 from benchmarks.soak.random_cells import KINDS, random_cell
@@ -303,6 +304,25 @@ def test_twenty_plans_keep_what_they_promise(tmp_path: Path) -> None:
     assert min(total.ratios) >= 1.0 - 1e-6
     assert total.median is not None
     assert total.median <= 1.3
+
+
+def test_a_cell_whose_arm_cannot_stand_with_its_elbow_there_is_counted_as_refused(tmp_path: Path) -> None:
+    kind, seed, tally = "table to table", 211, Tally()  # a right elbow, with which j1 would be beyond its range
+    request = random_cell(kind, seed)
+    assert not counted(tally, kind, seed, request, tmp_path)
+    assert (tally.planned, tally.runs, dict(tally.refused)) == (0, 0, {ELBOW: 1})
+    assert not list(tmp_path.iterdir())
+    assert tally.clean  # no plan was run, so none broke a promise
+    request["start"]["elbow"] = "left"  # the other side is within the ranges
+    assert counted(tally, kind, seed, request, tmp_path, 8) or set(tally.refused) > {ELBOW}
+
+
+def test_any_other_fault_of_a_cell_is_raised() -> None:
+    kind, seed, tally = "table to table", 211, Tally()
+    request = random_cell(kind, seed)
+    request["robot"]["model"] = "no-robot"
+    with pytest.raises(InputError, match=r"robot\.model"):
+        counted(tally, kind, seed, request)
 
 
 def test_a_case_that_fails_is_written_as_a_scenario(tmp_path: Path) -> None:

@@ -219,7 +219,7 @@ CASES: list[tuple[Refusal, str]] = [
     ),
     (
         of(Reason.JOINT_LIMIT, BeyondRange(arch_top_m=0.4), Quantity(0.07, "m")),
-        "for an arch up to 400 mm, j1 would have to go 70 mm beyond its limit",
+        "for an arch up to 400 mm (the lift allows 330 mm), j1 would have to go 70 mm beyond its limit",
     ),
     (of(Reason.JOINT_LIMIT, BeyondRange(), Quantity(0.02, "1")), "j1 would have to go 2 % of its range beyond"),
     (of(Reason.JOINT_LIMIT, BeyondRange(), Quantity(0.1, "m"), stage=Stage.START), "j1 starts 100 mm beyond its limit"),

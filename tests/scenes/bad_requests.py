@@ -296,6 +296,8 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     ),
     # robot
     Bad("unknown model", put("robot", "model", value="fanuc-sr-3a"), "robot.model", "did you mean fanuc-sr-3ia?"),
+    Bad("model by its short name", put("robot", "model", value="6frh"), "robot.model", "mean mitsubishi-rh-6frh5520?"),
+    Bad("beginning of two models", put("robot", "model", value="mitsubishi-rh"), "robot.model", "rh-6crh6020 or mitsu"),
     Bad("model in capitals", put("robot", "model", value="RH-6FRH5520"), "robot.model", "mean mitsubishi-rh-6frh5520?"),
     Bad("model and inline", put("robot", "scara", value={}), "robot.scara"),
     Bad("neither model nor inline", drop("robot", "model"), "robot"),

@@ -105,12 +105,17 @@ def depart_and_away(cell: dict[str, Any]) -> None:
     also({"move": {"to": {"at_mm": [250, 0, 120]}}})(cell)
 
 
+def arch(top_mm: float) -> Change:
+    return lambda cell: cell["task"][1]["place"].update(arch={"top_mm": top_mm})
+
+
 FOLLOW = {"to": {"frame": "belt", "at_mm": [0, 0, 80], "yaw_free": True}, "duration_s": 1.0, "window_mm": [300, 320]}
 CASES: dict[str, tuple[Change, str, int]] = {
     "place out of reach": (put([900, -500, 50]), "OUT_OF_REACH", 1),
     "place below the lift": (put([250, -150, -250]), "JOINT_LIMIT", 1),
     "place above the lift with its approach": (put([250, -150, 160]), "JOINT_LIMIT", 1),
     "place into the table": (put([250, -150, 45]), "CONTROL_POINT_IN_COLLISION", 1),
+    "an arch above the lift": (arch(400), "JOINT_LIMIT", 1),
     "something in the nest": (stand("block", [60, 60, 60], [250, -150, 70]), "CONTROL_POINT_IN_COLLISION", 1),
     "a lid over the nest": (stand("lid", [80, 80, 5], [250, -150, 75]), "CONTROL_POINT_IN_COLLISION", 1),
     "place out of reach, taken in any yaw": (any_yaw_and_far, "OUT_OF_REACH", 1),
@@ -160,6 +165,20 @@ def test_it_is_proved_after_one_round(name: str) -> None:
     assert (answer["reason"], answer["proved"]) == (reason, True), answer["sentence"]
     assert answer["refusal"]["step"] == step
     assert answer["census"]["candidates"] <= FEW
+
+
+def test_an_arch_above_the_lift_is_told_with_the_highest_that_fits_and_needs_no_search() -> None:
+    cell = copy.deepcopy(CELL)
+    arch(400)(cell)
+    answer = plan(cell)
+    assert answer["census"]["candidates"] == 0
+    most = 400 - 1e3 * answer["refusal"]["amount"]
+    told = f"for an arch up to 400 mm (the lift allows {most:.4g} mm), j3 would have to go to "
+    assert answer["sentence"].startswith(f"place-2: {told}")
+    arch(most)(cell)
+    assert plan(cell)["status"] == "planned"
+    arch(most + 0.01)(cell)
+    assert plan(cell)["proved"]
 
 
 @pytest.mark.parametrize(

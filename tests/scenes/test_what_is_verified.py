@@ -14,9 +14,11 @@ import numpy as np
 import pytest
 from typing_extensions import get_type_hints, is_typeddict
 
-from assur.planner.checker.claims.tool import _at
+from assur.planner.checker.claims.tool import tool
 from assur.planner.checker.world import World
 from assur.planner.errors import InputError
+from assur.planner.model.claims import Claims
+from assur.planner.model.outcome import ToolPeaks
 from assur.scenes.reading.cell import Cell
 from assur.scenes.requests import cell_of, check_document, check_plan, plan_cell, plan_document, read_plan
 from assur.scenes.scenarios import shipped
@@ -198,6 +200,32 @@ def test_a_point_that_is_on_no_conveyor_is_not_believed_to_be_along_one() -> Non
     assert "ARRIVAL" in {finding["code"] for finding in check_document(request, answer)["findings"]}
 
 
+def untrue(cell: Cell, answer: dict[str, Any]) -> list[str]:
+    """Where an answer claims what is not so, whatever its digest."""
+    findings = check_plan(cell, *read_plan(cell, answer))["findings"]
+    return [finding["where"] for finding in findings if finding["code"] == "CLAIM"]
+
+
+@pytest.mark.parametrize("name", ["parabolic-blend", "dense-flow", "transfer"])
+def test_whether_a_velocity_is_matched_is_what_the_task_says(name: str) -> None:
+    """Of a via with parabolic blends, which turns back at rest, nothing but the task says that it is not."""
+    cell, answer = answered(name)
+    for i, arrival in enumerate(answer["arrivals"]):
+        forged = copy.deepcopy(answer)
+        forged["arrivals"][i]["matched"] = not arrival["matched"]
+        assert untrue(cell, forged) == [f"arrivals[{i}].matched"]
+
+
+def test_how_far_a_point_is_along_its_conveyor_must_be_said() -> None:
+    cell, answer = answered("dense-flow")
+    on = [i for i, arrival in enumerate(answer["arrivals"]) if arrival["along_m"] is not None]
+    assert on
+    for i in on:
+        forged = copy.deepcopy(answer)
+        forged["arrivals"][i]["along_m"] = None
+        assert untrue(cell, forged) == [f"arrivals[{i}].along_m"]
+
+
 def test_what_binds_is_not_believed_without_the_peaks() -> None:
     answer: Any = plan_document(shipped("transfer").request)
     del answer["margins"]["peaks"]
@@ -208,14 +236,21 @@ def test_what_binds_is_not_believed_without_the_peaks() -> None:
     assert check_document(shipped("transfer").request, answer)["ok"]
 
 
+def acceleration(world: World, t: float) -> float:
+    """What the checker takes for the tool point's acceleration at an instant, m/s²: so much a claim of none is off."""
+    findings = tool(world, (), Claims(tool=ToolPeaks(0.0, t, 0.0, t)))
+    off = [each.amount for each in findings if each.what.startswith("the acceleration of the tool point is not")]
+    return off[0] if off and off[0] is not None else 0.0
+
+
 def test_an_acceleration_at_a_jump_may_be_told_a_digit_beside_its_knot() -> None:
     """The larger of both sides counts, and a time that is rounded is still that of the jump."""
     request = shipped("parabolic-blend").request
     cell = cell_of(request)
     world = World(cell.scene, read_plan(cell, plan_document(request))[0])
     knots = np.unique(world.knots.time)[1:-1].tolist()
-    at = [_at(world, t, fast=False) for t in knots]
-    between = [_at(world, t + 1e-6, fast=False) for t in knots]
+    at = [acceleration(world, t) for t in knots]
+    between = [acceleration(world, t + 1e-6) for t in knots]
     assert max(abs(one - other) for one, other in zip(at, between, strict=True)) > 1.0  # there are jumps
     for beside in (-1e-12, 1e-12):
-        assert [_at(world, t + beside, fast=False) for t in knots] == at
+        assert [acceleration(world, t + beside) for t in knots] == at

@@ -148,21 +148,34 @@ def _way(
     still = isinstance(scene.frames[point.frame].law, Fixed)
     if not (still if tracked is None else tracked.frame == point.frame):
         return unmoved(Stage.STRAIGHT, point.step, Obstacle.OTHER_FRAME)
-    position, yaw = scene.robot.forward(state.q)
-    flange = Pose(float(position[0]), float(position[1]), float(position[2]), float(yaw))
-    at = scene.frames[point.frame].law.motion(np.array(state.time))
-    frame = Pose(float(at.p[0]), float(at.p[1]), float(at.p[2]), float(at.yaw))
-    begin = frame.inverse().then(flange.then(scene.tool.tcp))
-    try:
-        path = move.path_from((begin.x, begin.y, begin.z))
-        path.curve  # noqa: B018 - what is wrong with a path is found when it is made
-    except InputError:
-        return unmoved(Stage.STRAIGHT, point.step, Obstacle.NO_PATH)
+    begin = tool_in(scene, point.frame, state.q, state.time)
+    path = path_from(move, point.step, begin)
+    if isinstance(path, Refusal):
+        return path
     end = point.pose.then(scene.tool.tcp)
     turn = float(np.remainder(end.yaw - begin.yaw + np.pi, 2 * np.pi) - np.pi)
     before = tilt_of(scene.robot, state.q)
     tilts = None if before is None or point.tilt is None else (before, point.tilt)
     return PathWay(scene, point.frame, path, (begin.yaw, turn), tilts, Uniform(), state.time)
+
+
+def tool_in(scene: Scene, frame: str, q: FloatArray, t: float) -> Pose:
+    """The pose of the tool in a frame with the joints `q` (n,) at a time."""
+    position, yaw = scene.robot.forward(q)
+    flange = Pose(float(position[0]), float(position[1]), float(position[2]), float(yaw))
+    at = scene.frames[frame].law.motion(np.array(t))
+    there = Pose(float(at.p[0]), float(at.p[1]), float(at.p[2]), float(at.yaw))
+    return there.inverse().then(flange.then(scene.tool.tcp))
+
+
+def path_from(move: Move, step: int, begin: Pose) -> Path | Refusal:
+    """The path of a move, which is step number `step`, from a pose of the tool in its frame, if there is one."""
+    try:
+        path = move.path_from((begin.x, begin.y, begin.z))
+        path.curve  # noqa: B018 - what is wrong with a path is found when it is made
+    except InputError:
+        return unmoved(Stage.STRAIGHT, step, Obstacle.NO_PATH)
+    return path
 
 
 def _laws(scene: Scene, way: PathWay, mode: int, limits: Limits) -> list[Paced]:

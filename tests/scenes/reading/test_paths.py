@@ -11,7 +11,7 @@ import pytest
 from assur.planner.errors import InputError
 from assur.planner.model.path import ArcTo, LineTo, SplineThrough
 from assur.planner.model.scene import Move, Trace
-from assur.scenes.requests import scene_of
+from assur.scenes.requests import plan_document, scene_of
 
 REQUEST: dict[str, Any] = {
     "schema": "assur/1",
@@ -125,7 +125,7 @@ TRACE, MOVE = "task[0].trace", "task[1].move"
         (
             request(path=[{"arc": {"via_mm": [10, 0, 40], "to_mm": [20, 0, 40]}}]),
             f"{TRACE}.path[0].arc.via_mm",
-            "or a line",
+            "a point beside the line from (0, 0, 40) mm to (20, 0, 40) mm, on a circle of 100 m at most; or a line",
         ),
         (
             request(path=[{"line": {"to_mm": [50, 0, 40]}}, {"line": {"to_mm": [50, 50, 40]}}]),
@@ -158,6 +158,80 @@ def test_what_cannot_be_is_refused_at_its_field(made: dict[str, Any], field: str
         scene_of(made)
     assert error.value.field.startswith(field)
     assert word in error.value.allowed
+
+
+def legs(*parts: dict[str, Any], before: dict[str, Any] | None = None) -> dict[str, Any]:
+    """A move to (350, 0, 150) mm, or what is given, and from there along parts to (350, 100, 150) mm."""
+    made = copy.deepcopy(REQUEST)
+    first = {"to": {"at_mm": [350, 0, 150]}} if before is None else before
+    path = {"to": {"at_mm": [350, 100, 150]}, "leg": "cartesian", "path": list(parts), "blend_mm": 5}
+    made["task"] = [{"move": first}, {"move": path}]
+    return made
+
+
+@pytest.mark.parametrize(
+    ("made", "field", "words"),
+    [
+        (legs({"arc": {"via_mm": [350, 40, 150]}}), f"{MOVE}.path[0].arc.via_mm", "beside the line from (350, 0, 150)"),
+        (legs({"arc": {"via_mm": [350, 0, 150]}}), f"{MOVE}.path[0].arc.via_mm", "(350, 0, 150) mm is where the arc b"),
+        (legs({"arc": {"via_mm": [350, 100, 150]}}), f"{MOVE}.path[0].arc.via_mm", "mm is where the arc ends"),
+        (legs({"line": {}}, before={"to": {"at_mm": [350, 100, 150]}}), f"{MOVE}.to.at_mm", "where the part begins"),
+        (
+            legs({"line": {"to_mm": [350, 50, 150]}}, {"line": {"to_mm": [350, 0, 150]}}, {"line": {}}),
+            f"{MOVE}.path[1]",
+            "a corner of 170 deg at most",
+        ),
+    ],
+)
+def test_a_leg_whose_beginning_is_known_is_refused_at_its_part(made: dict[str, Any], field: str, words: str) -> None:
+    with pytest.raises(InputError) as error:
+        scene_of(made)
+    assert error.value.field == field
+    assert words in error.value.allowed
+
+
+@pytest.mark.parametrize(
+    ("parts", "field", "words"),
+    [
+        (
+            ({"line": {"to_mm": [350, 0, 150]}}, {"arc": {"via_mm": [350, 50, 150]}}),
+            f"{MOVE}.path[1].arc.via_mm",
+            "to (350, 100, 150) mm, on a circle",
+        ),
+        (({"line": {"to_mm": [350, 100, 150]}}, {"line": {}}), f"{MOVE}.to.at_mm", "0.01 mm apart"),
+        (({"arc": {"via_mm": [350, 100, 150]}},), f"{MOVE}.path[0].arc.via_mm", "0.01 mm apart"),
+        (({"spline": {"through_mm": [[300, 9, 150], [300, 9, 150]]}},), f"{MOVE}.path[0].spline", "0.01 mm apart"),
+    ],
+)
+def test_what_is_wrong_wherever_a_leg_begins_is_refused_at_its_part(
+    parts: tuple[dict[str, Any], ...], field: str, words: str
+) -> None:
+    for made in (moving(path=list(parts)), legs(*parts, before={"to": {"at_mm": [350, 0, 150]}, "via": True})):
+        with pytest.raises(InputError) as error:
+            scene_of(made)
+        assert error.value.field.startswith(field)
+        assert words in error.value.allowed
+
+
+def test_a_leg_that_begins_in_another_frame_or_at_a_via_is_not_refused_for_where_it_begins() -> None:
+    arc = {"arc": {"via_mm": [350, 40, 150]}}
+    for before in (
+        {"to": {"at_mm": [350, 0, 150]}, "via": True},
+        {"to": {"frame": "belt", "at_mm": [350, 0, 150]}},
+    ):
+        assert len(scene_of(legs(arc, before=before)).task) == 2
+
+
+def test_a_first_leg_whose_points_are_on_a_line_is_refused_without_a_search() -> None:
+    for via, proved in (([300, 50, 100], True), ([320, 50, 100], None)):
+        made = copy.deepcopy(REQUEST)
+        made["start"] = {"tool": {"at_mm": [300, 0, 100], "yaw_deg": 0}, "elbow": "right"}
+        to = {"at_mm": [300, 100, 100], "yaw_deg": 0}
+        made["task"] = [{"move": {"leg": "cartesian", "to": to, "path": [{"arc": {"via_mm": via}}]}}]
+        made["options"] = {"stop": "first", "max_candidates": 50}
+        answer: Any = plan_document(made)
+        assert answer.get("proved") is proved
+        assert answer["census"]["candidates"] == 0 or not proved
 
 
 def test_a_blend_without_a_path_is_refused() -> None:
