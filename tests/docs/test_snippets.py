@@ -15,8 +15,7 @@ from assur.scenes import load, plan
 from assur.scenes.requests import load_robot, load_scenario, parse_json, plan_scenario, unmet
 from assur.scenes.schema.robots import FAMILIES
 from assur.scenes.text.yaml_text import parse_yaml
-from tests.docs.pages import PAGES, Block, blocks, of_language, save_files
-from tests.docs.test_commands import ENVIRONMENT
+from tests.docs.pages import ENVIRONMENT, HOST, PAGES, Block, blocks, of_language, save_files
 
 ELSEWHERE = ("docs/request.md",)
 """Its fragments are built into scenes by tests/scenes/test_request_docs.py."""
@@ -32,10 +31,13 @@ def ids(shown: list[Block]) -> list[str]:
 
 
 @pytest.mark.parametrize("block", PYTHON, ids=ids(PYTHON))
-def test_every_python_block_runs_by_itself(block: Block, tmp_path: Path) -> None:
+def test_every_python_block_runs_by_itself(block: Block, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     save_files(block.page, tmp_path)
+    program = block.text
+    if HOST in program:
+        program = program.replace(HOST, request.getfixturevalue("service"))
     ran = subprocess.run(
-        [sys.executable, "-W", "error", "-c", block.text],
+        [sys.executable, "-W", "error", "-c", program],
         cwd=tmp_path,
         env=ENVIRONMENT,
         capture_output=True,
