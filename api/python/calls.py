@@ -84,7 +84,9 @@ def plain_request(request: object) -> object:
 
 def plain_answer(answer: object) -> object:
     """An answer as its document; what is none stays, for its reader to refuse."""
-    return answer.document if isinstance(answer, Answer) else answer
+    if isinstance(answer, Answer):
+        return answer.document
+    return dict(answer) if isinstance(answer, Mapping) and not isinstance(answer, dict) else answer
 
 
 def plain_parts(question: dict[str, object]) -> dict[str, object]:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from assur.api.python.service_errors import ProblemError, RemoteInputError, ServiceError
     from assur.planner.errors import AssurError, InputError
 
+    __version__: str
+
 __all__ = [
     "Answer",
     "AssurError",

@@ -153,9 +153,9 @@ class Request(RequestDocument):
     schema_: Literal["assur/1"] = Field(default="assur/1", alias="schema")
 
     @classmethod
-    def of(cls, document: Mapping[str, Any]) -> Request:
+    def of(cls, document: object) -> Request:
         """The request in a plain document, in whichever units. Raises `InputError` naming the field."""
-        return cast(Request, read(cls, dict(document)))
+        return cast(Request, read(cls, dict(document) if isinstance(document, Mapping) else document))
 
     def document(self) -> dict[str, Any]:
         return {"schema": self.schema_, **super().document()}

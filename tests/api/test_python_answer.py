@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import pickle
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -69,6 +70,7 @@ def test_a_refusal_says_why_and_has_no_plan(refused: assur.Answer) -> None:
 def test_the_checker_takes_the_answer_and_its_document(request_: dict[str, Any], answer: assur.Answer) -> None:
     assert assur.check(request_, answer)["ok"]
     assert assur.check(request_, answer.document)["ok"]
+    assert assur.check(MappingProxyType(request_), MappingProxyType(answer.document))["ok"]
     slower = copy.deepcopy(answer.document)
     slower["arrivals"] = slower["arrivals"][1:]
     assert not assur.check(request_, assur.Answer(slower))["ok"]

@@ -221,6 +221,12 @@ def test_a_plain_document_that_is_not_right_is_refused_at_its_field() -> None:
         Request.of({**PLAIN, "robot": {**PLAIN["robot"], "tool": {"tcp_mm": [0, 0]}}})
 
 
+@pytest.mark.parametrize("document", [None, [], "demo", {}, {"status": "planned"}])
+def test_what_is_no_request_is_refused(document: object) -> None:
+    with pytest.raises(assur.InputError):
+        Request.of(document)
+
+
 def test_the_parts_of_a_document_are_documents() -> None:
     assert isinstance(BUILT.robot, Document)
     assert BUILT.robot.tool.document() == {"tcp_m": [0.0, 0.0, -0.06]}

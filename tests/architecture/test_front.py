@@ -42,7 +42,7 @@ def test_completion_lists_every_name_and_each_is_there() -> None:
     assert [name for name in assur.__all__ if getattr(assur, name, None) is None] == []
     assert {"plan", "check", "load", "robots", "Client"} <= set(assur.__all__)
     assert assur.request.Request.__module__ == "assur.request"
-    assert isinstance(assur.__version__, str)  # type: ignore[attr-defined]
+    assert isinstance(assur.__version__, str)
 
 
 def test_type_checkers_are_told_of_the_same_names() -> None:
