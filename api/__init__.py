@@ -1,1 +1,2 @@
-"""The borders of the planner: the HTTP service and the command line. No mathematics lives here."""
+"""The borders of the planner: the HTTP service, the command line, and what `import assur` gives. No mathematics lives
+here."""

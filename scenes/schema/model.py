@@ -71,6 +71,10 @@ class Document(BaseModel):
         """Itself: it is frozen, so whatever has it as its default may share it."""
         return self
 
+    def document(self) -> dict[str, Any]:
+        """What was given, as the plain document that it is, in SI. What was left out is left out."""
+        return self.model_dump(by_alias=True, exclude_unset=True, exclude_none=True)
+
     @classmethod
     def _has(cls, key: object) -> bool:
         return any(key in (name, field.alias) for name, field in cls.model_fields.items())
@@ -157,7 +161,7 @@ def _strange(keys: list[str], group: Group) -> str:
 
 def _refusal(kind: str, keys: list[str], allowed: str) -> PydanticCustomError:
     # Braces in a name would be read as a template by PydanticCustomError: the text travels in the context only.
-    return PydanticCustomError(kind, "not allowed", {"keys": keys, "allowed": allowed})
+    return PydanticCustomError(kind, "allowed: {allowed}", {"keys": keys, "allowed": allowed})
 
 
 Coordinate = Annotated[float, Field(ge=-bounds.FAR_M, le=bounds.FAR_M)]

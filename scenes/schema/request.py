@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, field_serializer
 
@@ -73,6 +73,10 @@ class LagDocument(ByName):
     """How far each joint may be from the trajectory, by the maker's joint names (`j1_rad`, `j3_m`); silence: 0."""
 
     __pydantic_extra__: dict[str, Distance]
+
+    if TYPE_CHECKING:  # keywords of any name, which a type checker does not see otherwise
+
+        def __init__(self, **values: float) -> None: ...
 
 
 class ExecutionDocument(Document):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import marshal
 import math
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import Field, ModelWrapValidatorHandler, model_validator
 
@@ -100,6 +100,19 @@ class LimitsDocument(ByName):
     jerk: Scale = 1.0
     acceleration_by_load: LoadShares | None = None
     forbidden_yaw_rad: YawRanges | None = None
+
+    if TYPE_CHECKING:  # the fields, and keywords of any name, which a type checker does not see otherwise
+
+        def __init__(
+            self,
+            *,
+            velocity: Scale = ...,
+            acceleration: Scale = ...,
+            jerk: Scale = ...,
+            acceleration_by_load: LoadShares | None = ...,
+            forbidden_yaw_rad: YawRanges | None = ...,
+            **ranges: Pair,
+        ) -> None: ...
 
 
 class JointDocument(Document):
@@ -269,6 +282,10 @@ class JointValues(ByName):
     """A number for each joint, by the maker's joint name and unit: `j1_rad`, `j3_m`, `j1_rad_s`."""
 
     __pydantic_extra__: dict[str, Strength]
+
+    if TYPE_CHECKING:  # keywords of any name, which a type checker does not see otherwise
+
+        def __init__(self, **values: float) -> None: ...
 
 
 class HoldingDocument(Document):

@@ -9,8 +9,10 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PRODUCT = ("planner", "scenes", "api", "experiments")
-"""The packages that are installed, as assur.planner and so on."""
+FRONT = "src/assur"
+"""What `import assur` and `assur.request` are; the packages are linked there."""
+PRODUCT = ("planner", "scenes", "api", "experiments", FRONT)
+"""The packages that are installed, as assur.planner and so on, and what names them."""
 BESIDE = ("benchmarks", "tests")
 """What is only in the repository."""
 
@@ -36,7 +38,9 @@ def sources(*packages: str) -> tuple[Source, ...]:
             if parts[-1] == "__init__":
                 parts.pop()
             text = path.read_text(encoding="utf-8")
-            name = ".".join(["assur", *parts] if package in PRODUCT else parts)
+            if package in PRODUCT:
+                parts = parts[1:] if package == FRONT else ["assur", *parts]
+            name = ".".join(parts)
             found.append(Source(name, relative.as_posix(), text, ast.parse(text)))
     return tuple(found)
 

@@ -10,10 +10,8 @@ from importlib.metadata import packages_distributions
 from tests.architecture.source_tree import BESIDE, PRODUCT, ROOT, imports, sources
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-OPTIONAL = frozenset({"matplotlib"})
-"""Imported only behind an extra of its own name's purpose (`plot`)."""
-
-
+EXTRAS = ("plot", "client")
+"""Extras of the product; whoever calls what needs one that is not there is told its name."""
 PEERS = ("benchmarks/peers/ompl_rrtconnect.py", "benchmarks/peers/mplib_planner.py", "benchmarks/peers/toppra_legs.py")
 """Programs that are not run in the environment of the project."""
 BROUGHT = {"pydantic-core": "pydantic"}
@@ -39,20 +37,25 @@ def _imported(*packages: str) -> dict[str, str]:
     return found
 
 
+def _declared(*extras: str) -> set[str]:
+    """What is installed with these extras, by name."""
+    optional = PROJECT["optional-dependencies"]
+    return {_plain(each) for each in [*PROJECT["dependencies"], *(each for name in extras for each in optional[name])]}
+
+
 def test_every_library_that_the_product_imports_is_declared() -> None:
-    declared = {_plain(requirement) for requirement in PROJECT["dependencies"]}
-    extra = {name: where for name, where in _imported(*PRODUCT).items() if name not in declared | OPTIONAL}
+    declared = _declared(*EXTRAS)
+    extra = {name: where for name, where in _imported(*PRODUCT).items() if name not in declared}
     assert extra == {}
 
 
 def test_every_library_that_is_declared_is_imported() -> None:
-    declared = {_plain(requirement) for requirement in PROJECT["dependencies"]}
-    assert declared - set(_imported(*PRODUCT)) == set()
+    assert _declared(*EXTRAS) - set(_imported(*PRODUCT)) == set()
 
 
 def test_every_library_that_tests_and_benchmarks_import_comes_with_their_extra() -> None:
-    given = [*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["test"]]
-    declared = {_plain(requirement) for requirement in given}
+    assert f"assur[{','.join(sorted(EXTRAS))}]" in PROJECT["optional-dependencies"]["test"]
+    declared = _declared("test", *EXTRAS)
     extra = {name: where for name, where in _imported(*BESIDE).items() if name not in declared}
     # the peers' programs run in an environment of their own: tests/benchmarks/test_peers.py holds them to it
     assert {name: where for name, where in extra.items() if not where.startswith(PEERS)} == {}

@@ -14,9 +14,10 @@ DOORS = {
     "ruckig": ("assur.planner.timing",),
     "trimesh": ("assur.scenes.meshes",),
     "fastapi": ("assur.api",),
-    "pydantic": ("assur.scenes", "assur.api"),
+    "pydantic": ("assur.scenes", "assur.request", "assur.api"),
     "yaml": ("assur.scenes.text.yaml_text",),
     "typer": ("assur.api",),
+    "httpx": ("assur.api.python.client",),
 }
 """Library → the modules (with what is below them) that may import it in the product."""
 

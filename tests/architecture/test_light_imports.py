@@ -17,6 +17,9 @@ NATIVE = {"fcl", "ruckig", "trimesh", "scipy", "numba", "llvmlite"}
 DOORS = {
     "reading": "import assur.scenes.requests as r; r.validate(r.shipped('demo').request)",
     "listing": "import assur.scenes.requests as r; r.robots(); r.shipped_scenarios(); r.request_schema()",
+    "naming": "import assur; dir(assur); assert all(hasattr(assur, name) for name in assur.__all__)",
+    "building": "from assur.request import Joints, Start, deg; Start(joints=Joints(j1_rad=deg(17)))",
+    "a client": "import assur; assur.Client('http://127.0.0.1:8000').close()",
     "parsing": "import assur.scenes.requests as r; r.parse_json(b'{}')",
     "digest": "import assur.scenes.requests as r; r.request_digest(r.shipped('demo').request)",
     "loading": "from assur.scenes import check, load, plan\nload('demo')",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,6 +12,14 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 PAGES = ("README.md", "CHANGELOG.md", *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs").rglob("*.md")))
 """Every page that is written for readers of the project."""
+ENVIRONMENT = {
+    **{name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")},
+    "PYTHONPATH": str(ROOT),
+    "COLUMNS": "110",
+}
+"""In which what the pages show is run."""
+HOST = "http://127.0.0.1:8000"
+"""Where the pages say that the service is; what they show is sent to a service of the tests."""
 
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SAVED = re.compile(r"[Ss]ave as `([\w.-]+)`:\s*\Z")

@@ -3,36 +3,26 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import shlex
 import shutil
-import signal
 import subprocess
 import sys
-import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
 
-from tests.docs.pages import PAGES, ROOT, Command, commands, of_language, save_files
+from tests.docs.pages import ENVIRONMENT, HOST, PAGES, ROOT, Command, commands, of_language, save_files
 
 ELSEWHERE = ("docs/service.md",)
 """Its commands are run by tests/api/test_service_page.py."""
 SHOWN = [command for page in PAGES if page not in ELSEWHERE for command in commands(page)]
 RUN = ("assur", "python")
 """Programs that are run here; `curl` is, against a service of its own."""
-ENVIRONMENT = {
-    **{name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")},
-    "PYTHONPATH": str(ROOT),
-    "COLUMNS": "110",
-}
 OURS = ("benchmarks/", "docs/", "scenes/")
 """Folders of the repository: what a command names below them is there already; everything else it makes."""
-HOST = "http://127.0.0.1:8000"
 SHORTER = {
     "benchmarks.run_problems": ["--limit", "2"],
     "benchmarks.recheck": ["--partial"],
@@ -100,31 +90,6 @@ def test_every_target_of_make_that_is_shown_is_there() -> None:
     shown = {command.line.split()[1] for command in SHOWN if command.program == "make"}
     assert shown >= {"demo", "test"}
     assert shown <= targets
-
-
-@pytest.fixture(scope="module")
-def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """`assur serve` as a process of its own on a free port; its address."""
-    log = tmp_path_factory.mktemp("service") / "log"
-    command = [sys.executable, "-m", "assur.api.command_line", "serve", "--port", "0"]
-    settings = {**ENVIRONMENT, "ASSUR_WORKERS": "1", "ASSUR_GRACE_S": "30"}
-    with log.open("wb") as stream:
-        process = subprocess.Popen(command, cwd=ROOT, env=settings, stderr=stream)
-    try:
-        end = time.monotonic() + 120
-        while '"ready": true' not in log.read_text(encoding="utf-8"):
-            assert process.poll() is None, log.read_text(encoding="utf-8")
-            assert time.monotonic() < end
-            time.sleep(0.1)
-        (port,) = re.findall(r'"event": "listening".*"port": (\d+)', log.read_text(encoding="utf-8"))
-        address = f"http://127.0.0.1:{port}"
-        assert httpx.get(f"{address}/readyz").status_code == 200
-        yield address
-        process.send_signal(signal.SIGTERM)
-        assert process.wait(60) == 0
-    finally:
-        process.kill()
-        process.wait()
 
 
 def sent(line: str, folder: Path, address: str) -> Any:

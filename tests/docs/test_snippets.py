@@ -15,8 +15,7 @@ from assur.scenes import load, plan
 from assur.scenes.requests import load_robot, load_scenario, parse_json, plan_scenario, unmet
 from assur.scenes.schema.robots import FAMILIES
 from assur.scenes.text.yaml_text import parse_yaml
-from tests.docs.pages import PAGES, Block, blocks, of_language, save_files
-from tests.docs.test_commands import ENVIRONMENT
+from tests.docs.pages import ENVIRONMENT, HOST, PAGES, ROOT, Block, blocks, of_language, save_files
 
 ELSEWHERE = ("docs/request.md",)
 """Its fragments are built into scenes by tests/scenes/test_request_docs.py."""
@@ -32,10 +31,13 @@ def ids(shown: list[Block]) -> list[str]:
 
 
 @pytest.mark.parametrize("block", PYTHON, ids=ids(PYTHON))
-def test_every_python_block_runs_by_itself(block: Block, tmp_path: Path) -> None:
+def test_every_python_block_runs_by_itself(block: Block, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     save_files(block.page, tmp_path)
+    program = block.text
+    if HOST in program:
+        program = program.replace(HOST, request.getfixturevalue("service"))
     ran = subprocess.run(
-        [sys.executable, "-W", "error", "-c", block.text],
+        [sys.executable, "-W", "error", "-c", program],
         cwd=tmp_path,
         env=ENVIRONMENT,
         capture_output=True,
@@ -93,3 +95,9 @@ def test_no_block_is_of_a_language_that_nothing_executes() -> None:
 def test_readme_shows_five_lines_of_python() -> None:
     (block,) = (block for block in PYTHON if block.page == "README.md")
     assert len([line for line in block.text.splitlines() if line.strip()]) <= 5
+
+
+def test_the_example_of_typed_requests_is_the_file_that_is_type_checked() -> None:
+    (block,) = (block for block in PYTHON if "from assur.request import" in block.text)
+    assert block.page == "docs/python.md"
+    assert block.text == (ROOT / "tests" / "docs" / "belt_pick.py").read_text(encoding="utf-8")

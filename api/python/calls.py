@@ -1,0 +1,94 @@
+"""The calls of `import assur`. Each takes a request as a plain document or as built of `assur.request`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, cast
+
+from assur.api.python.answer import Answer
+
+if TYPE_CHECKING:
+    from assur.request import Request
+    from assur.scenes.schema.answer import Verdict
+    from assur.scenes.schema.ik import IkAnswer
+
+
+def load(name: str | Path) -> dict[str, Any]:
+    """The request in a scenario file (YAML), in a request file (``.json``), or in the shipped scenario of that name.
+
+    A plain document of its own each time: change it, plan it, post it. What the files hold that a scenario names (of
+    robots, plans and meshes), which must lie below its folder, is in it already. A file that is there comes before a
+    scenario's name. Raises `InputError` naming the field (in YAML with its line), or `OSError` for a file that cannot
+    be read.
+    """
+    from assur.scenes import load as read
+
+    return read(name)
+
+
+def plan(request: Mapping[str, Any] | Request, *, certificate: Literal["full", "digest"] = "full") -> Answer:
+    """The answer to a request: ``answer.planned``, or not, and then ``answer.sentence`` says why.
+
+    `certificate`: the whole table of the proof, which `check` needs, or its digest and size.
+    Raises `InputError` naming the field that is not right.
+    """
+    from assur.scenes.requests import plan_document
+
+    return Answer(plan_document(plain_request(request), certificate=certificate))
+
+
+def check(request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Verdict:
+    """What the checker, which trusts no planner, says of a planned answer: ``{"ok": ..., "findings": [...]}``.
+
+    Raises `InputError` for what is no plan with a certificate in full.
+    """
+    from assur.scenes.requests import check_document
+
+    return cast("Verdict", check_document(plain_request(request), plain_answer(answer)))
+
+
+def ik(request: Mapping[str, Any] | Request | None = None, **question: object) -> IkAnswer:
+    """All joint positions of a request's robot at ``pose={"at_mm": ..., "yaw_deg": ..., "frame": ...}``, with their
+    margins; or the pose of its tool at ``joints={"j1_deg": ..., ...}``. At the time ``at_s``, or that of the start.
+
+    Without a request ``robot={"model": ..., "tool": ...}`` says which robot. What is built of `assur.request` may stand
+    in place of the mappings. Raises `InputError` naming the field that is not right.
+    """
+    from assur.scenes.requests import ik_document
+
+    return cast("IkAnswer", ik_document(None if request is None else plain_request(request), plain_parts(question)))
+
+
+def robots() -> list[dict[str, Any]]:
+    """The shipped robots as plain data: ``model``, ``family``, and each number with unit, status and source."""
+    from assur.scenes.requests import robots as listed
+
+    return listed()
+
+
+def scenarios() -> dict[str, str]:
+    """Name and purpose of each shipped scenario; `load` takes the names."""
+    from assur.scenes.requests import shipped_scenarios
+
+    return shipped_scenarios()
+
+
+def plain_request(request: object) -> object:
+    """A request as its document; what is no request stays, for its reader to refuse."""
+    document = getattr(request, "document", None)
+    if callable(document):
+        return document()
+    return dict(request) if isinstance(request, Mapping) and not isinstance(request, dict) else request
+
+
+def plain_answer(answer: object) -> object:
+    """An answer as its document; what is none stays, for its reader to refuse."""
+    if isinstance(answer, Answer):
+        return answer.document
+    return dict(answer) if isinstance(answer, Mapping) and not isinstance(answer, dict) else answer
+
+
+def plain_parts(question: dict[str, object]) -> dict[str, object]:
+    """The parts of a question as documents."""
+    return {key: plain_request(value) for key, value in question.items()}

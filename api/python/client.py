@@ -1,0 +1,200 @@
+"""Clients of the service: what `import assur` does in this process, done by another one over HTTP.
+
+Both are thin: `assur.api.python.exchange` says what is sent and what is made of the answers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
+
+from assur.api.python import exchange
+from assur.api.python.answer import Answer
+from assur.api.python.exchange import Exchange, Health
+from assur.api.python.service_errors import ServiceError
+from assur.planner.errors import InputError
+
+try:
+    import httpx
+except ModuleNotFoundError as error:
+    if error.name != "httpx":
+        raise
+    raise ModuleNotFoundError(
+        "assur.Client and assur.AsyncClient need httpx, which is not installed: pip install 'assur[client]'",
+        name="httpx",
+    ) from error
+
+if TYPE_CHECKING:
+    from assur.request import Request
+    from assur.scenes.schema.answer import Verdict
+    from assur.scenes.schema.ik import IkAnswer
+
+T = TypeVar("T")
+
+TIMEOUT_S = 120.0
+"""Longest wait for an answer, if the caller names none: a service gives a plan up to twice 60 s by its own defaults."""
+
+
+class _Door:
+    """Where the service is, and how long to wait for it."""
+
+    def __init__(self, url: str, *, timeout: float = TIMEOUT_S, headers: Mapping[str, str] | None = None) -> None:
+        """`url`: address of the service, such as ``http://127.0.0.1:8000``; `timeout`: longest wait for an answer, s,
+        longer than the budgets of a request; `headers`: sent with each request, for a proxy that asks for them.
+
+        Raises `InputError` for an address of another form.
+        """
+        try:
+            is_address = httpx.URL(url).scheme in ("http", "https") and httpx.URL(url).host
+        except httpx.InvalidURL:
+            is_address = False
+        if not is_address:
+            raise InputError("url", url, "an address such as http://127.0.0.1:8000")
+        if not timeout > 0:
+            raise InputError("timeout", timeout, "a time in s, more than 0")
+        self.url = url
+        self._timeout = timeout
+        self._settings: dict[str, Any] = {"base_url": url, "timeout": timeout, "headers": dict(headers or {})}
+
+    def _result(self, asked: Exchange[T], response: httpx.Response) -> T:
+        return asked.result(self.url, response.status_code, response.headers, response.content)
+
+    def _lost(self, error: httpx.RequestError) -> ServiceError:
+        if isinstance(error, httpx.TimeoutException):
+            return ServiceError(self.url, f"no answer within {self._timeout:g} s; a longer timeout may help")
+        return ServiceError(self.url, f"not reached ({error}); see whether `assur serve` runs there")
+
+
+def _sent(asked: Exchange[T]) -> dict[str, Any]:
+    return {
+        "method": asked.method,
+        "url": asked.path,
+        "params": dict(asked.parameters),
+        "content": asked.body,
+        "headers": asked.headers,
+    }
+
+
+class Client(_Door):
+    """A client of the service at `url`. It keeps connections: use it in a ``with`` block, or call `close`.
+
+    Each method raises `RemoteInputError`, which is an `InputError`, for a request with a field that is not right,
+    another `ProblemError` for what else the service cannot do, and `ServiceError` if it is not there.
+    """
+
+    def __init__(self, url: str, *, timeout: float = TIMEOUT_S, headers: Mapping[str, str] | None = None) -> None:
+        super().__init__(url, timeout=timeout, headers=headers)
+        self._http = httpx.Client(**self._settings)
+
+    __init__.__doc__ = _Door.__init__.__doc__
+
+    def plan(self, request: Mapping[str, Any] | Request, *, certificate: Literal["full", "digest"] = "full") -> Answer:
+        """The answer to a request, or to the shipped scenario that ``{"scenario": name}`` names; as `assur.plan`."""
+        return self._ask(exchange.planning(request, certificate))
+
+    def check(self, request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Verdict:
+        """The checker's verdict on a planned answer with its certificate in full; as `assur.check`."""
+        found: Verdict = self._ask(exchange.checking(request, answer))
+        return found
+
+    def ik(self, request: Mapping[str, Any] | Request | None = None, **question: object) -> IkAnswer:
+        """The joint positions at a pose, or the pose at joints; as `assur.ik`."""
+        found: IkAnswer = self._ask(exchange.kinematics(request, question))
+        return found
+
+    def robots(self) -> list[dict[str, Any]]:
+        """The robots that the service knows, each number with unit, status and source."""
+        return self._ask(exchange.robots())
+
+    def scenarios(self) -> dict[str, str]:
+        """Name and purpose of each scenario that the service ships."""
+        return self._ask(exchange.scenarios())
+
+    def load(self, name: str) -> dict[str, Any]:
+        """The request of a scenario that the service ships, as a plain document of its own."""
+        return self._ask(exchange.loading(name))
+
+    def health(self) -> Health:
+        """Whether the service takes requests; raises `ServiceError` if nothing is there."""
+        return self._ask(exchange.health())
+
+    def close(self) -> None:
+        """Closes the connections."""
+        self._http.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _ask(self, asked: Exchange[T]) -> T:
+        try:
+            response = self._http.request(**_sent(asked))
+        except httpx.RequestError as error:
+            raise self._lost(error) from error
+        return self._result(asked, response)
+
+
+class AsyncClient(_Door):
+    """`Client` for asyncio: the same methods, to be awaited. Use it in an ``async with`` block, or await `aclose`."""
+
+    def __init__(self, url: str, *, timeout: float = TIMEOUT_S, headers: Mapping[str, str] | None = None) -> None:
+        super().__init__(url, timeout=timeout, headers=headers)
+        self._http = httpx.AsyncClient(**self._settings)
+
+    __init__.__doc__ = _Door.__init__.__doc__
+
+    async def plan(
+        self, request: Mapping[str, Any] | Request, *, certificate: Literal["full", "digest"] = "full"
+    ) -> Answer:
+        """The answer to a request, or to the shipped scenario that ``{"scenario": name}`` names; as `assur.plan`."""
+        return await self._ask(exchange.planning(request, certificate))
+
+    async def check(self, request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Verdict:
+        """The checker's verdict on a planned answer with its certificate in full; as `assur.check`."""
+        found: Verdict = await self._ask(exchange.checking(request, answer))
+        return found
+
+    async def ik(self, request: Mapping[str, Any] | Request | None = None, **question: object) -> IkAnswer:
+        """The joint positions at a pose, or the pose at joints; as `assur.ik`."""
+        found: IkAnswer = await self._ask(exchange.kinematics(request, question))
+        return found
+
+    async def robots(self) -> list[dict[str, Any]]:
+        """The robots that the service knows, each number with unit, status and source."""
+        return await self._ask(exchange.robots())
+
+    async def scenarios(self) -> dict[str, str]:
+        """Name and purpose of each scenario that the service ships."""
+        return await self._ask(exchange.scenarios())
+
+    async def load(self, name: str) -> dict[str, Any]:
+        """The request of a scenario that the service ships, as a plain document of its own."""
+        return await self._ask(exchange.loading(name))
+
+    async def health(self) -> Health:
+        """Whether the service takes requests; raises `ServiceError` if nothing is there."""
+        return await self._ask(exchange.health())
+
+    async def aclose(self) -> None:
+        """Closes the connections."""
+        await self._http.aclose()
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.aclose()
+
+    async def _ask(self, asked: Exchange[T]) -> T:
+        try:
+            response = await self._http.request(**_sent(asked))
+        except httpx.RequestError as error:
+            raise self._lost(error) from error
+        return self._result(asked, response)

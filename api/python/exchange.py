@@ -1,0 +1,143 @@
+"""What is sent to the service and what is made of its answers: the same for the client that waits and the one that is
+awaited. Knows no library of HTTP."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, Literal, TypeVar, cast
+
+from assur.api.python.answer import Answer
+from assur.api.python.calls import plain_answer, plain_parts, plain_request
+from assur.api.python.service_errors import KIND, ProblemError, RemoteInputError, ServiceError
+from assur.planner.errors import InputError
+from assur.scenes.faults import dotted
+from assur.scenes.schema.normal import plain
+
+T = TypeVar("T")
+Parts = tuple[str | int, ...]
+
+PROBLEM = "application/problem+json"
+OK, NOT_READY = 200, 503
+
+
+@dataclass(frozen=True)
+class Health:
+    """Whether the service runs and takes requests: `ready` when each of its `workers` has planned once; `detail` says
+    what it waits for until then."""
+
+    ready: bool
+    workers: int | None
+    detail: str
+
+
+@dataclass(frozen=True)
+class Exchange(Generic[T]):
+    """A request of HTTP, and what is made of the document that answers it. `accepted`: further kinds of problem that
+    are answers, too."""
+
+    method: Literal["GET", "POST"]
+    path: str
+    made: Callable[[Any], T]
+    body: bytes | None = None
+    parameters: tuple[tuple[str, str], ...] = ()
+    accepted: frozenset[str] = frozenset()
+
+    @property
+    def headers(self) -> dict[str, str]:
+        return {} if self.body is None else {"Content-Type": "application/json"}
+
+    def result(self, url: str, status: int, headers: Mapping[str, str], content: bytes) -> T:
+        """What the response means. Raises `ProblemError` for a problem, `ServiceError` for what is none of ours."""
+        try:
+            document = json.loads(content)
+        except ValueError as error:
+            raise ServiceError(url, _stranger(status, headers)) from error
+        if status == OK:
+            return self.made(document)
+        kind = document.get("type") if isinstance(document, dict) else None
+        if not (isinstance(kind, str) and kind.startswith(KIND)):
+            raise ServiceError(url, _stranger(status, headers))
+        if kind.removeprefix(KIND) in self.accepted:
+            return self.made(document)
+        later = headers.get("Retry-After")
+        raised = RemoteInputError if document.get("errors") else ProblemError
+        raise raised(url, document, float(later) if later is not None else None)
+
+
+def planning(request: object, certificate: str) -> Exchange[Answer]:
+    return Exchange("POST", "v1/plans", Answer, _json(plain_request(request)), (("certificate", certificate),))
+
+
+def checking(request: object, answer: object) -> Exchange[Any]:
+    body = {"request": plain_request(request), "plan": plain_answer(answer)}
+    return Exchange("POST", "v1/plans/check", _same, _json(body))
+
+
+def kinematics(request: object | None, question: dict[str, object]) -> Exchange[Any]:
+    of = {} if request is None else {"request": plain_request(request)}
+    return Exchange("POST", "v1/ik", _same, _json({**of, **plain_parts(question)}))
+
+
+def robots() -> Exchange[list[dict[str, Any]]]:
+    return Exchange("GET", "v1/robots", lambda document: cast("list[dict[str, Any]]", document["robots"]))
+
+
+def scenarios() -> Exchange[dict[str, str]]:
+    return Exchange("GET", "v1/scenes", lambda document: {each["name"]: each["about"] for each in document["scenes"]})
+
+
+def loading(name: str) -> Exchange[dict[str, Any]]:
+    from urllib.parse import quote
+
+    return Exchange("GET", f"v1/scenes/{quote(name, safe='')}", _same)
+
+
+def health() -> Exchange[Health]:
+    return Exchange("GET", "readyz", _health, accepted=frozenset({"not-ready"}))
+
+
+def _same(document: Any) -> Any:
+    return document
+
+
+def _health(document: dict[str, Any]) -> Health:
+    ready = document.get("ready") is True
+    return Health(ready, int(document["workers"]) if ready else None, str(document.get("detail", "")))
+
+
+def _stranger(status: int, headers: Mapping[str, str]) -> str:
+    kind = headers.get("Content-Type", "nothing of a stated kind")
+    return f"answered {status} with {kind}, as no service of assur does; see whether this is its address"
+
+
+def _json(document: object) -> bytes:
+    """A document as the body of a request. Raises `InputError` at what JSON has no form for."""
+    body = plain(document)
+    try:
+        return json.dumps(body, allow_nan=False).encode("ascii")
+    except (TypeError, ValueError) as error:
+        path, value = _not_json(body, ())
+        allowed = "a finite number" if isinstance(value, float) else "text, a number, true, false, a list or a mapping"
+        raise InputError(dotted(path), value, allowed) from error
+
+
+def _not_json(value: object, path: Parts) -> tuple[Parts, object]:
+    """The first place in a document for which JSON has no form, and what is there."""
+    items: list[tuple[str | int, object]] = []
+    if isinstance(value, dict):
+        items = [(key if isinstance(key, str) else repr(key), item) for key, item in value.items()]
+    elif isinstance(value, list):
+        items = list(enumerate(value))
+    found = (_not_json(item, (*path, key)) for key, item in items)
+    return next((there for there in found if not _is_json(there[1])), (path, value))
+
+
+def _is_json(value: object) -> bool:
+    return (
+        value is None
+        or isinstance(value, str | bool | int | dict | list)
+        or (isinstance(value, float) and math.isfinite(value))
+    )
