@@ -129,6 +129,24 @@ CHECK_BODY = body(
 )
 
 
+VIEW_BODY = body(
+    {
+        "type": "object",
+        "required": ["request", "plan"],
+        "properties": {
+            "request": {"$ref": "#/components/schemas/Request"},
+            "plan": {
+                "oneOf": [
+                    {"$ref": "#/components/schemas/PlannedAnswer"},
+                    {"$ref": "#/components/schemas/NotPlannedAnswer"},
+                ]
+            },
+        },
+        "additionalProperties": False,
+    },
+    {},
+)
+
 IK_BODY = body(
     {"$ref": "#/components/schemas/IkQuestion"},
     {

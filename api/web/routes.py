@@ -13,7 +13,17 @@ from starlette.responses import Response
 from assur.api.documents import json_response, to_json
 from assur.api.problems import Problem
 from assur.api.web.body_reader import read_body
-from assur.api.web.openapi import CHECK_BODY, IK_BODY, PLAN_BODY, Live, Ready, Scenes, component, problems
+from assur.api.web.openapi import (
+    CHECK_BODY,
+    IK_BODY,
+    PLAN_BODY,
+    VIEW_BODY,
+    Live,
+    Ready,
+    Scenes,
+    component,
+    problems,
+)
 from assur.api.web.request_log import CLIENT_GONE, FACTS
 from assur.api.web.service import Service, scenario_request
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
@@ -22,6 +32,7 @@ from assur.planner.errors import InputError
 from assur.scenes.requests import request_schema, robots, shipped_scenarios
 from assur.scenes.schema.answer import Answer, Verdict
 from assur.scenes.schema.ik import IkAnswer
+from assur.scenes.schema.view import ViewDocument
 
 BODY_PROBLEMS = ("bad-syntax", "too-slow", "too-large", "wrong-media-type", "bad-input", "quarantined", "fault")
 WORKER_PROBLEMS = ("worker-crashed", "busy", "not-ready", "worker-timeout")
@@ -111,6 +122,18 @@ async def plan(request: Request) -> Response:
 async def check(request: Request) -> Response:
     body = await _body(request, CHECK_BODY_BYTES)
     return await _unless_gone(request, _service(request).check(body))
+
+
+@bodies.post(
+    "/v1/plans/view",
+    summary="What a viewer plays of a plan, or of a refusal: poses over time, meshes, curves",
+    response_model=ViewDocument,
+    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
+    openapi_extra=VIEW_BODY,
+)
+async def view(request: Request) -> Response:
+    body = await _body(request, CHECK_BODY_BYTES)
+    return await _unless_gone(request, _service(request).view(body))
 
 
 @bodies.post(

@@ -14,7 +14,15 @@ from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import FieldError, Problem, shown
 from assur.planner.errors import FaultError, InputError
-from assur.scenes.requests import check_document, ik_document, parse_json, plan_document, plan_scenario, shipped
+from assur.scenes.requests import (
+    check_document,
+    ik_document,
+    parse_json,
+    plan_document,
+    plan_scenario,
+    shipped,
+    view_document,
+)
 
 Detail = Literal["full", "digest"]
 
@@ -55,7 +63,7 @@ class Fault:
 
 
 BOTH = 'an object with the fields "request" and "plan" and no others'
-"""What the body of a check is."""
+"""What the body of a check, and of a view, is."""
 Reply = Answer | Problem | Fault
 
 
@@ -87,6 +95,11 @@ def plan_shipped(name: str, certificate: Detail) -> Reply:
 def check(body: bytes) -> Reply:
     """The checker's verdict on the plan in `body`, {"request": ..., "plan": ...}."""
     return _guarded(lambda: check_document(**_parsed(body, BOTH, {"request", "plan"})), "ok")
+
+
+def view(body: bytes) -> Reply:
+    """What a viewer plays of the plan in `body`, {"request": ..., "plan": ...}."""
+    return _guarded(lambda: view_document(**_parsed(body, BOTH, {"request", "plan"})), "status")
 
 
 def ik(body: bytes) -> Reply:

@@ -43,7 +43,7 @@ def distances(
     prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...], also: tuple[float, ...] = ()
 ) -> tuple[Nearby, ...]:
     """The nearest pair at instants of all phases, in order, and at those of `also`. Pairs that may touch do not count
-    while they may; where nothing is to be kept apart there is no entry."""
+    while they may, nor pairs that both stand for ever; where nothing is to be kept apart there is no entry."""
     phases = tuple(phase for phase in phases if phase.robot and phase.t1 >= phase.t0)
     if not phases:
         return ()
@@ -60,7 +60,7 @@ def distances(
 
 def _of_phase(prover: Prover, trajectory: Trajectory, phase: Phase, times: list[float]) -> list[Nearby]:
     arrangement = prover.of(phase)
-    pairs = _pieces(arrangement, prover.pairs(arrangement, phase).every)
+    pairs = _pieces(arrangement, prover.pairs(arrangement, phase).every, prover.scene.robot.links.index("base"))
     if not len(pairs):
         return []
     found = list[Nearby]()
@@ -94,10 +94,15 @@ def _nearby(
     return Nearby(t, (first, second), float(state[UPPER]), required, points)
 
 
-def _pieces(arrangement: Arrangement, pairs: FloatArray) -> FloatArray:
-    """Pairs that may not touch, bodies of several pieces replaced by these."""
+def _pieces(arrangement: Arrangement, pairs: FloatArray, base: int) -> FloatArray:
+    """Pairs that may not touch and of which one at least can move, bodies of several pieces replaced by these. The
+    distance of what never moves says nothing of a motion."""
     found = list[tuple[float, ...]]()
-    for row in pairs[pairs[:, REQUIRED] >= 0.0]:
+    still = arrangement.bodies.still.astype(bool)
+    still[base] = True
+    stands = still[arrangement.carrier]
+    units = pairs[:, FIRST : SECOND + 1].astype(np.int64)
+    for row in pairs[(pairs[:, REQUIRED] >= 0.0) & ~stands[units].all(1)]:
         one, other = (arrangement.pieces(int(arrangement.body[int(row[column])])) for column in (FIRST, SECOND))
         found += [(a, b, *row[SECOND + 1 :]) for a in one for b in other]
     return np.array(found, dtype=np.float64).reshape(-1, PAIR_COLUMNS)

@@ -10,10 +10,10 @@ from assur.planner.frames import Fixed
 from assur.planner.model.phases import phases
 from assur.planner.tracks.tracks import Tracks, standing, tracks
 from assur.scenes.conventions import Conventions, as_maker
-from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading.cell import Cell
-from assur.scenes.reading.plan import PLAN, motion_of
+from assur.scenes.reading.plan import motion_of
 from assur.scenes.schema import view as document
+from assur.scenes.view.answer_form import answer_in
 from assur.scenes.view.display_meshes import displays, written
 from assur.scenes.view.packing import floats, words
 
@@ -23,10 +23,10 @@ STILL_S = 1.0
 """The same where nothing moves."""
 
 
-def view_of(cell: Cell, answer: dict[str, Any]) -> document.ViewDocument:
+def view_of(cell: Cell, given: object) -> document.ViewDocument:
     """The view of an answer to the request of a cell. What the answer says is shown as it is said; whether it is so,
     the checker knows. Raises `DocumentError` below "plan"."""
-    _hold_to_request(cell, answer)
+    answer = answer_in(given, cell.scene)
     scene, motion = cell.scene, _motion_in(answer)
     refusal = answer.get("refusal") or {}
     also = [each["time_s"] for each in _nearest_said(answer)]
@@ -99,17 +99,6 @@ def view_of(cell: Cell, answer: dict[str, Any]) -> document.ViewDocument:
         "request_digest": scene.digest,
         "notice": answer.get("notice", ""),
     }
-
-
-def _hold_to_request(cell: Cell, answer: dict[str, Any]) -> None:
-    """Raises `DocumentError` for what is no answer, or is one to another request."""
-    with located({PLAN: answer}), within(PLAN):
-        if answer.get("status") not in ("planned", "not_planned"):
-            raise Refused("planned or not_planned", "status")
-        if answer.get("request_digest", cell.scene.digest) != cell.scene.digest:
-            raise Refused(f"{cell.scene.digest}, that of the request; this answer is one to another", "request_digest")
-        if not isinstance(answer.get("census"), dict):
-            raise Refused("the census of an answer", "census")
 
 
 def _motion_in(answer: dict[str, Any]) -> dict[str, Any] | None:

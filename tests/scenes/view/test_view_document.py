@@ -90,6 +90,8 @@ def test_an_answer_to_another_request_is_refused_by_its_digest() -> None:
         ({"status": "perhaps"}, "plan.status"),
         ({"trajectory": {}}, "plan.trajectory.joint_names"),
         ({"census": None}, "plan.census"),
+        ({"margins": {"nearest": 3}}, "plan.margins.peaks"),
+        ({"legs": [{"kind": "FLY"}]}, "plan.legs[0].kind"),
     ],
 )
 def test_what_is_no_answer_is_refused_by_its_field(change: dict[str, object], field: str) -> None:
