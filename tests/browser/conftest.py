@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import time
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -27,6 +28,8 @@ FLAGS = (
     "--no-first-run",
 )
 """So that WebGL is computed on any machine, and the browser itself asks for nothing."""
+PATIENCE_S = 60.0
+"""How long a page may take, s: a guard against a hang."""
 SIZE = {"width": 1400, "height": 860}
 
 
@@ -59,6 +62,13 @@ class Opened:
         """The value of an expression of JavaScript."""
         return self.page.evaluate(expression)
 
+    def until(self, condition: str) -> None:
+        """Waits until an expression is true. The page's policy forbids what playwright has for this."""
+        end = time.monotonic() + PATIENCE_S
+        while not self.ask(condition):
+            assert time.monotonic() < end, condition
+            self.page.wait_for_timeout(20)
+
     def shot(self) -> bytes:
         """The canvas as a PNG, nothing over it."""
         for part in ("#labels", ".views", ".shows", "#legend"):
@@ -78,7 +88,7 @@ def opened(browser: Browser, tmp_path: Path) -> Iterator[Any]:
         pages.append(page)
         found = Opened(page)
         page.goto(path.as_uri())
-        page.wait_for_function("document.documentElement.dataset.ready === 'yes'", timeout=60_000)
+        found.until("document.documentElement.dataset.ready === 'yes'")
         return found
 
     yield open_report
