@@ -1,5 +1,6 @@
 # make demo    plan the shipped demo on a fresh environment and check the plan
 # make test    all tests, on two processes, then the kernels' tests as plain Python with coverage
+# make test-browser  the reports of all shipped scenarios in a real Chromium (Debian: apt-get install chromium)
 # make kernels compile the inner loops once, for this processor; demo and test do it by themselves
 # make check   ruff, mypy, import rules
 # make serve   the HTTP service on 127.0.0.1:8000
@@ -24,7 +25,7 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.13 python3.12 python3.11 py
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo kernels test check format serve problems bench bench-quick soak clean
+.PHONY: help demo kernels test test-browser check format serve problems bench bench-quick soak clean
 
 help:
 	@sed -n '/^# make/s/^# //p' $(firstword $(MAKEFILE_LIST))
@@ -59,11 +60,24 @@ demo: kernels
 	@mkdir -p $(OUT)
 	$(BIN)/assur plan scenes/cells/$(SCENE).yaml --out $(OUT)/$(SCENE).json
 	$(BIN)/assur check scenes/cells/$(SCENE).yaml $(OUT)/$(SCENE).json
+	$(BIN)/assur report scenes/cells/$(SCENE).yaml $(OUT)/$(SCENE).json --out $(OUT)/$(SCENE).html
 
 test: $(VENV)/installed-test
 	$(BIN)/assur kernels
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 $(PLAIN) --cov=planner/kernels --cov-report=term
+	@test -n "$(CHROMIUM)" || echo "not run: the tests of the report in a browser, for there is no Chromium (Debian: apt-get install chromium; then make test-browser)"
+
+# The browser that runs the reports; none is downloaded.
+CHROMIUM ?= $(firstword $(foreach name,chromium chromium-browser google-chrome,$(shell command -v $(name) 2>/dev/null)))
+
+$(VENV)/installed-browser: $(BIN)/python pyproject.toml
+	$(call install,.[browser])
+
+test-browser: $(VENV)/installed-browser
+	@test -n "$(CHROMIUM)" || { echo "there is no Chromium (Debian: apt-get install chromium); or say: make test-browser CHROMIUM=/path/to/it" >&2; exit 2; }
+	$(BIN)/assur kernels
+	CHROMIUM="$(CHROMIUM)" $(BIN)/python -m pytest -n 2 --dist worksteal tests/browser
 
 check: $(VENV)/installed-dev
 	$(BIN)/ruff check .

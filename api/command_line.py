@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, ParamSpec
 
 import typer
 
-from assur.api.cli import catalogue_table, console_report, ik_report, limits_report
+from assur.api.cli import catalogue_table, console_report, ik_report, limits_report, report_file
 from assur.api.cli.inputs import (
     Target,
+    given_options,
     joints_in,
     json_file,
     log_file,
@@ -24,6 +25,7 @@ from assur.api.cli.inputs import (
     robot_named,
     target,
     told_as_options,
+    writable,
 )
 from assur.api.documents import to_json
 from assur.api.logs import where
@@ -110,17 +112,18 @@ def plan(
         Literal["full", "digest"], typer.Option(help="The whole table of the proof in the answer, or its digest.")
     ] = "full",
     details: Annotated[bool, typer.Option("--details", help="List every assumption, not only their number.")] = False,
+    show: Annotated[bool, typer.Option("--open", help="Show the report of the answer in a browser.")] = False,
 ) -> int:
     """Plan FILE, check the plan, and say what came out."""
     given = target(file)
-    _writable(out)
-    cell = _read(given)
+    writable(out)
+    _read(given)
     _announce_compilation()
     with console_report.working(f"planning {given.name}"):
         answer = given.plan()
         checked = answer["status"] == "planned"
-        if checked:
-            _hold_to_checker(requests.check_plan(cell, *requests.read_plan(cell, answer)))
+        verdict = _held_to_checker(report_file.verdict_on(given, answer))
+        page = report_file.page(given, answer, verdict) if show else None
     if checked and certificate == "digest":
         answer["certificate"] = {key: answer["certificate"][key] for key in ("digest", "rows", "covers")}
     if out is not None:
@@ -132,6 +135,8 @@ def plan(
         _print(title, "", *console_report.everything(answer, details=details))
         if checked:
             _print("plan checked")
+    if page is not None:
+        _say(report_file.show(report_file.kept(given.name, page)))
     for unmet in given.unmet(answer):
         _say(f"not as the file expects: {unmet}")
     return RIGHT if checked else WRONG
@@ -165,6 +170,29 @@ def check(
 
 @app.command()
 @_bordered
+def report(
+    file: File,
+    plan: Annotated[Path | None, typer.Argument(help="An answer to FILE; without one FILE is planned.")] = None,
+    out: Annotated[Path, typer.Option("--out", help="Write the report to this file.")] = Path("report.html"),
+    show: Annotated[bool, typer.Option("--open", help="Show the report in a browser.")] = False,
+) -> int:
+    """Write a page that plays the answer to FILE and says all of it; it needs no network."""
+    given = target(file)
+    writable(out)
+    _read(given)
+    read = None if plan is None else json_file(plan, "PLAN", "an answer")
+    _announce_compilation()
+    with console_report.working(f"planning {given.name}" if read is None else f"reading {given.name}"):
+        page, right = report_file.made(given, given.plan() if read is None else read)
+    out.write_bytes(page)
+    _print(f"report of {given.name}: {out}, {len(page) / 1000:.0f} kB, opens in a browser without network")
+    if show:
+        _say(report_file.show(out))
+    return RIGHT if right else _say("the checker refuses this plan; the report says why", WRONG)
+
+
+@app.command()
+@_bordered
 def ik(
     file: Annotated[str | None, typer.Argument(help="As of `plan`: robot, tool, frames and bodies are its.")] = None,
     robot: Annotated[
@@ -184,7 +212,7 @@ def ik(
     pose = {"at_mm": at, "yaw_deg": yaw_deg, "pitch_deg": pitch_deg, "roll_deg": roll_deg, "frame": frame}
     if at_mm is None and joints is None:
         raise InputError("--at-mm", NOTHING, "a position of the tool point, or --joints; one of both must be given")
-    question: dict[str, Any] = {"pose": _given(pose) or None, "at_s": at_s}
+    question: dict[str, Any] = {"pose": given_options(pose) or None, "at_s": at_s}
     if joints is not None:
         question["joints"] = joints_in(joints)
     cell = None if file is None else _read(target(file))
@@ -192,7 +220,7 @@ def ik(
         question["robot"] = robot_in_place(robot, cell)
     _announce_compilation()
     with told_as_options():
-        answer = requests.ik_cell(None if robot is not None else cell, _given(question))
+        answer = requests.ik_cell(None if robot is not None else cell, given_options(question))
     if as_json:
         _print_json(answer)
     else:
@@ -272,7 +300,7 @@ def fit_limits(
 ) -> int:
     """Find the limits of acceleration and jerk of each joint in a LOG of recorded motion."""
     given, of = log_file(log), None if robot is None else robot_named(robot)
-    _writable(out)
+    writable(out)
     with console_report.working(f"fitting {log.name}"):
         found = fitted_limits.fit_limits(given, commanded=commanded, robot=of)
     if out is not None:
@@ -337,22 +365,11 @@ def _say(text: str, code: int = RIGHT, line: int | None = None) -> int:
     return code
 
 
-def _given(options: dict[str, Any]) -> dict[str, Any]:
-    """The options that were given."""
-    return {key: value for key, value in options.items() if value is not None}
-
-
 def _read(given: Target) -> Cell:
     """The cell of what was given, read; only a start at a pose takes the kernels for it."""
     if given.starts_at_a_pose:
         _announce_compilation()
     return given.cell
-
-
-def _writable(out: Path | None) -> None:
-    """Accepts no file, and one that can be written."""
-    if out is not None and (out.is_dir() or not out.parent.is_dir()):
-        raise InputError("--out", str(out), "a file in a folder that exists")
 
 
 @cache
@@ -372,9 +389,10 @@ def _print_json(document: Any) -> None:
     sys.stdout.buffer.write(to_json(document) + b"\n")
 
 
-def _hold_to_checker(verdict: dict[str, Any]) -> None:
-    if not verdict["ok"]:
+def _held_to_checker(verdict: dict[str, Any] | None) -> dict[str, Any] | None:
+    if verdict is not None and not verdict["ok"]:
         raise FaultError("the checker refuses this plan: " + "; ".join(f["what"] for f in verdict["findings"]))
+    return verdict
 
 
 if __name__ == "__main__":

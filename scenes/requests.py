@@ -49,6 +49,7 @@ __all__ = [
     "plan_document",
     "plan_scenario",
     "read_plan",
+    "report_page",
     "request_digest",
     "request_schema",
     "robots",
@@ -59,6 +60,7 @@ __all__ = [
     "stated_budgets",
     "unmet",
     "validate",
+    "view_document",
 ]
 
 
@@ -182,6 +184,24 @@ def check_document(request: object, plan: object, *, folder: Path | None = None)
     """The checker's verdict on a planned answer with a full certificate. Raises `InputError` naming the field."""
     cell = cell_of(request, folder=folder)
     return check_plan(cell, *read_plan(cell, plan))
+
+
+def view_document(request: object, plan: object, *, folder: Path | None = None) -> dict[str, Any]:
+    """What a viewer plays of an answer: poses over time, meshes, curves (`docs/viewer.md`). What the answer says is not
+    checked. Raises `InputError` naming the field."""
+    from assur.scenes.view.document import view_of
+
+    return dict(view_of(cell_of(request, folder=folder), plan))
+
+
+def report_page(
+    cell: Cell, answer: dict[str, Any], *, title: str, about: str = "", verdict: dict[str, Any] | None, version: str
+) -> str:
+    """The report of an answer to the request of a cell, a page of HTML that needs no network. `verdict`: of the checker
+    (None: it was not asked). Raises `InputError` naming the field."""
+    from assur.scenes.report.report import report_of
+
+    return report_of(cell, answer, title=title, about=about, verdict=verdict, version=version)
 
 
 def ik_document(request: object | None, question: object, *, folder: Path | None = None) -> dict[str, Any]:

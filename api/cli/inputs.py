@@ -178,6 +178,17 @@ def json_file(path: Path, name: str, what: str) -> Any:
         raise InputError(name, error.value, error.allowed) from error
 
 
+def given_options(options: dict[str, Any]) -> dict[str, Any]:
+    """The options that were given."""
+    return {key: value for key, value in options.items() if value is not None}
+
+
+def writable(out: Path | None) -> None:
+    """Accepts no file, and one that can be written. Raises `InputError`."""
+    if out is not None and (out.is_dir() or not out.parent.is_dir()):
+        raise InputError("--out", str(out), "a file in a folder that exists")
+
+
 def _is_file(path: Path) -> bool:
     """Whether there is a regular file: no folder, no device, no pipe, and not a name that no file can have."""
     try:

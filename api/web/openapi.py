@@ -149,6 +149,24 @@ PARSE_BODY = body(
     {"a scenario": {"text": scenario_text("transfer")}},
 )
 
+VIEW_BODY = body(
+    {
+        "type": "object",
+        "required": ["request", "plan"],
+        "properties": {
+            "request": {"$ref": "#/components/schemas/Request"},
+            "plan": {
+                "oneOf": [
+                    {"$ref": "#/components/schemas/PlannedAnswer"},
+                    {"$ref": "#/components/schemas/NotPlannedAnswer"},
+                ]
+            },
+        },
+        "additionalProperties": False,
+    },
+    {},
+)
+
 IK_BODY = body(
     {"$ref": "#/components/schemas/IkQuestion"},
     {

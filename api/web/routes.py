@@ -18,6 +18,7 @@ from assur.api.web.openapi import (
     IK_BODY,
     PARSE_BODY,
     PLAN_BODY,
+    VIEW_BODY,
     Live,
     Parsed,
     Ready,
@@ -34,6 +35,7 @@ from assur.scenes.requests import request_schema, robots, shipped_scenarios
 from assur.scenes.scenarios import scenario_text
 from assur.scenes.schema.answer import Answer, Verdict
 from assur.scenes.schema.ik import IkAnswer
+from assur.scenes.schema.view import ViewDocument
 
 BODY_PROBLEMS = ("bad-syntax", "too-slow", "too-large", "wrong-media-type", "bad-input", "quarantined", "fault")
 WORKER_PROBLEMS = ("worker-crashed", "busy", "not-ready", "worker-timeout")
@@ -123,6 +125,18 @@ async def plan(request: Request) -> Response:
 async def check(request: Request) -> Response:
     body = await read_admitted(request, CHECK_BODY_BYTES)
     return await _unless_gone(request, service_of(request).check(body))
+
+
+@bodies.post(
+    "/v1/plans/view",
+    summary="What a viewer plays of a plan, or of a refusal: poses over time, meshes, curves",
+    response_model=ViewDocument,
+    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
+    openapi_extra=VIEW_BODY,
+)
+async def view(request: Request) -> Response:
+    body = await read_admitted(request, CHECK_BODY_BYTES)
+    return await _unless_gone(request, service_of(request).view(body))
 
 
 @bodies.post(

@@ -71,6 +71,10 @@ class Service:
         """The checker's verdict on the request and plan in `body`. Raises `Problem`."""
         return await self.do(Order(jobs.check, (body,), _digest("check", body), self.settings.check_s))
 
+    async def view(self, body: bytes) -> jobs.Answer:
+        """What a viewer plays of the request and plan in `body`. Raises `Problem`."""
+        return await self.do(Order(jobs.view, (body,), _digest("view", body), self.settings.check_s))
+
     async def ik(self, body: bytes) -> jobs.Answer:
         """The joint positions, or the pose of the tool, that `body` asks for. Raises `Problem`."""
         return await self.do(Order(jobs.ik, (body,), _digest("ik", body), self.settings.check_s))

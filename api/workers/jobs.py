@@ -24,6 +24,7 @@ from assur.scenes.requests import (
     plan_document,
     plan_scenario,
     shipped,
+    view_document,
 )
 from assur.scenes.scenarios import CELLS, scenario_in, with_files
 
@@ -68,7 +69,7 @@ class Fault:
 TOLD_S = 0.1
 """How far a search has come is told this often, s."""
 BOTH = 'an object with the fields "request" and "plan" and no others'
-"""What the body of a check is."""
+"""What the body of a check, and of a view, is."""
 Reply = Answer | Problem | Fault
 
 
@@ -121,6 +122,11 @@ def _watch(tell: Tell) -> Callable[[Progress], None]:
 def check(body: bytes) -> Reply:
     """The checker's verdict on the plan in `body`, {"request": ..., "plan": ...}."""
     return _guarded(lambda: check_document(**_parsed(body, BOTH, {"request", "plan"})), "ok")
+
+
+def view(body: bytes) -> Reply:
+    """What a viewer plays of the plan in `body`, {"request": ..., "plan": ...}."""
+    return _guarded(lambda: view_document(**_parsed(body, BOTH, {"request", "plan"})), "status")
 
 
 def ik(body: bytes) -> Reply:

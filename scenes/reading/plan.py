@@ -19,6 +19,7 @@ from assur.planner.model.outcome import (
     Traced,
 )
 from assur.planner.robots.robot import Robot
+from assur.planner.trajectory import Trajectory
 from assur.scenes.conventions import Conventions, as_counted, converted
 from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading.frames import placed
@@ -63,16 +64,36 @@ def plan_of(plan: object, conventions: Conventions, robot: Robot | None = None) 
         return made, _untrue(item) + _untrue_joints(item, made, conventions, robot)
 
 
+def motion_of(
+    answer: dict[str, object], conventions: Conventions
+) -> tuple[Trajectory, tuple[Leg, ...], tuple[Arrival, ...]]:
+    """Trajectory, legs and arrivals of an answer, or of a candidate in it, whatever else is there: for those who show a
+    motion and believe nothing of it. Raises `DocumentError` below "plan"."""
+    with located({PLAN: answer}), within(PLAN):
+        shown = {key: answer[key] for key in document.ShownMotion.__annotations__ if key in answer}
+        item: document.ShownMotion = read_normal(document.ShownMotion, shown, shown, (PLAN,))
+        _hold_to_robot(item, conventions)
+        with within("trajectory"):
+            trajectory = trajectory_of(item["trajectory"], conventions)
+        return trajectory, _legs(item), _arrivals(item, conventions)
+
+
 def _made(item: document.CheckedPlan, conventions: Conventions) -> Plan:
     _hold_to_robot(item, conventions)
     with within("trajectory"):
         trajectory = trajectory_of(item["trajectory"], conventions)
-    legs = tuple(
+    return Plan(trajectory, _legs(item), _arrivals(item, conventions), _certificate(item["certificate"]))
+
+
+def _legs(item: document.ShownMotion | document.CheckedPlan) -> tuple[Leg, ...]:
+    return tuple(
         Leg(LegKind(leg["kind"]), leg["step"], leg["from_s"], leg["to_s"], _route(leg.get("route")))
         for leg in item["legs"]
     )
-    arrivals = tuple(_arrival(i, arrival, conventions) for i, arrival in enumerate(item["arrivals"]))
-    return Plan(trajectory, legs, arrivals, _certificate(item["certificate"]))
+
+
+def _arrivals(item: document.ShownMotion | document.CheckedPlan, conventions: Conventions) -> tuple[Arrival, ...]:
+    return tuple(_arrival(i, arrival, conventions) for i, arrival in enumerate(item["arrivals"]))
 
 
 def _route(item: document.Route | None) -> Route | None:
@@ -113,7 +134,7 @@ def _error(item: document.ArrivalError | None, conventions: Conventions) -> Arri
     )
 
 
-def _hold_to_robot(item: document.CheckedPlan, conventions: Conventions) -> None:
+def _hold_to_robot(item: document.ShownMotion | document.CheckedPlan, conventions: Conventions) -> None:
     """Raises `Refused` for a plan of other joints than the request's robot has."""
     names = [joint.name for joint in conventions]
     if item["trajectory"]["joint_names"] != names:

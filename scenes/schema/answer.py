@@ -331,12 +331,18 @@ class InputWarning(TypedDict):
     detail: Text
 
 
-class _Motion(TypedDict):
-    schema: Schema
-    status: Literal["planned"]
+@with_config(CLOSED)
+class ShownMotion(TypedDict):
+    """What is read of an answer, or of a candidate in it, by those who show how it moves."""
+
     trajectory: Trajectory
     legs: Annotated[list[Leg], Field(max_length=8 * bounds.MAX_STEPS)]
     arrivals: Annotated[list[Arrival], Field(max_length=bounds.MAX_STEPS)]
+
+
+class _Motion(ShownMotion):
+    schema: Schema
+    status: Literal["planned"]
 
 
 class _Common(TypedDict):

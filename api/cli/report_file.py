@@ -1,0 +1,47 @@
+"""The report that a command writes, and a browser that shows it."""
+
+from __future__ import annotations
+
+import tempfile
+import webbrowser
+from pathlib import Path
+from typing import Any
+
+from assur.api.cli.inputs import Target
+from assur.api.version import version
+from assur.scenes import requests
+
+
+def made(given: Target, answer: dict[str, Any]) -> tuple[bytes, bool]:
+    """The report of an answer that was read or made, and whether the checker has nothing against it."""
+    verdict = verdict_on(given, answer)
+    return page(given, answer, verdict), verdict is None or bool(verdict["ok"])
+
+
+def verdict_on(given: Target, answer: dict[str, Any]) -> dict[str, Any] | None:
+    """What the checker says of an answer that was read; None where there is nothing to check: a refusal, or a plan with
+    the digest of its certificate. Raises `InputError` naming the field."""
+    certificate = answer.get("certificate")
+    if answer.get("status") != "planned" or not (isinstance(certificate, dict) and "normal" in certificate):
+        return None
+    return requests.check_plan(given.cell, *requests.read_plan(given.cell, answer))
+
+
+def page(given: Target, answer: dict[str, Any], verdict: dict[str, Any] | None) -> bytes:
+    """The report of an answer to what was given."""
+    about = "" if given.scenario is None else given.scenario.about
+    text = requests.report_page(given.cell, answer, title=given.name, about=about, verdict=verdict, version=version())
+    return text.encode()
+
+
+def show(path: Path) -> str:
+    """Opens a report in the browser of this machine; says where it is, and that there is none."""
+    opened = webbrowser.open(path.resolve().as_uri())
+    return f"the report is {path}" if opened else f"no browser was found here; open {path} in one"
+
+
+def kept(name: str, page: bytes) -> Path:
+    """The file of a report that is only looked at, in a folder of its own among the temporary files."""
+    path = Path(tempfile.mkdtemp(prefix="assur-")) / f"{name}.html"
+    path.write_bytes(page)
+    return path

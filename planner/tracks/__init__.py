@@ -1,0 +1,1 @@
+"""What is shown of a motion: poses over time, distances over time, shapes as triangles."""

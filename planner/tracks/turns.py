@@ -1,0 +1,64 @@
+"""Attitudes as unit quaternions (x, y, z, w): out of rotation matrices, interpolated, and how far two are apart."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+
+STRAIGHT = 1e-6
+"""Between attitudes nearer than this (rad) a straight line is as good as an arc, and does not divide by nothing."""
+
+
+def of_matrices(r: FloatArray) -> FloatArray:
+    """Quaternions (..., 4) of rotation matrices (..., 3, 3); of each pair q and -q one of both."""
+    trace = np.trace(r, axis1=-2, axis2=-1)
+    diagonal = np.diagonal(r, axis1=-2, axis2=-1)
+    # four times the squares of w, x, y, z; the greatest is divided by
+    squares = np.stack([1.0 + trace, *(1.0 + 2.0 * diagonal[..., k] - trace for k in range(3))], -1)
+    best = np.argmax(squares, -1)
+    cross = np.stack([r[..., 2, 1] - r[..., 1, 2], r[..., 0, 2] - r[..., 2, 0], r[..., 1, 0] - r[..., 0, 1]], -1)
+    sums = r + np.swapaxes(r, -1, -2)
+    forms = np.empty((*r.shape[:-2], 4, 4))
+    forms[..., 0, :3], forms[..., 0, 3] = cross, squares[..., 0]
+    for k in range(3):
+        forms[..., k + 1, :3] = sums[..., k, :]
+        forms[..., k + 1, k], forms[..., k + 1, 3] = squares[..., k + 1], cross[..., k]
+    chosen = np.take_along_axis(forms, best[..., None, None], -2)[..., 0, :]
+    found: FloatArray = chosen / np.linalg.norm(chosen, axis=-1, keepdims=True)
+    return found
+
+
+def of_yaws(yaw: FloatArray) -> FloatArray:
+    """Quaternions (..., 4) of turns about the vertical, rad (...)."""
+    found = np.zeros((*yaw.shape, 4))
+    found[..., 2], found[..., 3] = np.sin(yaw / 2), np.cos(yaw / 2)
+    return found
+
+
+def between(first: FloatArray, last: FloatArray, share: FloatArray) -> FloatArray:
+    """The attitudes (T, 4) on the shorter arc from `first` to `last` (4,), at shares (T,) of it."""
+    cosine = float(first @ last)
+    if cosine < 0.0:
+        last, cosine = -last, -cosine
+    angle = 2.0 * math.asin(min(1.0, float(np.linalg.norm(first - last)) / 2.0))
+    if angle < STRAIGHT:
+        found = first + share[:, None] * (last - first)
+    else:
+        found = (np.sin((1.0 - share) * angle)[:, None] * first + np.sin(share * angle)[:, None] * last) / np.sin(angle)
+    return np.asarray(found / np.linalg.norm(found, axis=-1, keepdims=True))
+
+
+def apart(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Angles (T,), rad, by which attitudes (T, 4) differ."""
+    near = np.minimum(np.linalg.norm(one - other, axis=-1), np.linalg.norm(one + other, axis=-1))
+    return np.asarray(4.0 * np.arcsin(np.minimum(1.0, near / 2.0)))
+
+
+def turned(q: FloatArray, points: FloatArray) -> FloatArray:
+    """Points (..., 3) turned by quaternions (..., 4)."""
+    u, w = q[..., :3], q[..., 3:]
+    once = np.cross(u, points)
+    return np.asarray(points + 2.0 * (w * once + np.cross(u, once)))

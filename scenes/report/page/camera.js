@@ -1,0 +1,146 @@
+// The eye: around a target, moved by mouse, fingers and keys.
+import { add, clamp, cross, lookAt, multiply, orthographic, perspective, subtract, unit } from "./numbers.js";
+
+const ANGLE = (32 * Math.PI) / 180;
+const STEEPEST = 1.553;
+// So far to the side of the direction in which the arm works, rad, the eye is at first.
+const ASIDE = 0.6;
+export const VIEWS = {
+  room: { azimuth: 0, elevation: 0.58, flat: false },
+  top: { azimuth: -Math.PI / 2, elevation: Math.PI / 2, flat: true },
+  side: { azimuth: -Math.PI / 2, elevation: 0, flat: true },
+  front: { azimuth: 0, elevation: 0, flat: true },
+};
+
+export class Camera {
+  constructor(box) {
+    this.box = box;
+    this.aspect = 1;
+    this.look("room");
+  }
+
+  // One of VIEWS, from so far that the box of what moves is seen as a whole.
+  look(name) {
+    Object.assign(this, VIEWS[name]);
+    if (name === "room") this.azimuth = this.box.work - ASIDE;
+    const { low, high } = this.box;
+    this.target = [0, 1, 2].map((k) => (low[k] + high[k]) / 2);
+    this.fit();
+  }
+
+  fit() {
+    const { low, high } = this.box;
+    const { right, up, back } = this.axes();
+    let most = 0.05;
+    for (let k = 0; k < 8; k += 1) {
+      const corner = [0, 1, 2].map((i) => (k & (1 << i) ? high[i] : low[i]) - this.target[i]);
+      const along = (axis) => Math.abs(corner[0] * axis[0] + corner[1] * axis[1] + corner[2] * axis[2]);
+      const nearer = this.flat ? 0 : corner[0] * back[0] + corner[1] * back[1] + corner[2] * back[2];
+      most = Math.max(most, Math.max(along(right) / this.aspect, along(up)) + nearer * Math.tan(ANGLE / 2));
+    }
+    this.distance = (1.08 * most) / Math.tan(ANGLE / 2);
+  }
+
+  axes() {
+    const level = Math.cos(this.elevation);
+    const back = [
+      level * Math.cos(this.azimuth),
+      level * Math.sin(this.azimuth),
+      Math.sin(this.elevation),
+    ];
+    // straight from above the direction to the eye says nothing of what is up on the screen
+    const right = [-Math.sin(this.azimuth), Math.cos(this.azimuth), 0];
+    return { back, right, up: cross(back, right) };
+  }
+
+  eye() {
+    return add(this.target, this.axes().back, this.distance);
+  }
+
+  matrix() {
+    const { up } = this.axes();
+    const eye = this.eye();
+    const near = Math.max(0.01, this.distance / 50);
+    const far = this.distance * 4 + 20;
+    const half = this.distance * Math.tan(ANGLE / 2);
+    const lens = this.flat ? orthographic(half, this.aspect, -far, far) : perspective(ANGLE, this.aspect, near, far);
+    return multiply(lens, lookAt(eye, this.target, unit(up)));
+  }
+
+  orbit(dx, dy) {
+    this.flat = false;
+    this.azimuth -= dx;
+    this.elevation = clamp(this.elevation + dy, -0.4, STEEPEST);
+  }
+
+  // By shares of the height of the picture.
+  pan(dx, dy) {
+    const { right, up } = this.axes();
+    const whole = 2 * this.distance * Math.tan(ANGLE / 2);
+    this.target = add(add(this.target, right, -dx * whole), up, dy * whole);
+  }
+
+  zoom(factor) {
+    this.distance = clamp(this.distance * factor, 0.05, 60);
+  }
+}
+
+// Lets pointers and keys move a camera; `changed` is called after each move.
+export function steer(canvas, camera, changed) {
+  const pointers = new Map();
+  const middle = () => {
+    const all = [...pointers.values()];
+    const x = all.reduce((sum, p) => sum + p.x, 0) / all.length;
+    const y = all.reduce((sum, p) => sum + p.y, 0) / all.length;
+    return { x, y, spread: Math.hypot(all[0].x - x, all[0].y - y) };
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    canvas.setPointerCapture(event.pointerId);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!pointers.has(event.pointerId)) return;
+    const before = middle();
+    pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    const after = middle();
+    const height = canvas.clientHeight;
+    const [dx, dy] = [(after.x - before.x) / height, (after.y - before.y) / height];
+    if (pointers.size > 1) {
+      camera.pan(dx, dy);
+      if (before.spread > 0 && after.spread > 0) camera.zoom(before.spread / after.spread);
+    } else if (event.shiftKey || event.buttons & 6) camera.pan(dx, dy);
+    else camera.orbit(3 * dx, 3 * dy);
+    changed();
+  });
+  const leave = (event) => pointers.delete(event.pointerId);
+  canvas.addEventListener("pointerup", leave);
+  canvas.addEventListener("pointercancel", leave);
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      camera.zoom(Math.exp(event.deltaY * (event.ctrlKey ? 0.01 : 0.0015)));
+      changed();
+    },
+    { passive: false },
+  );
+  const keys = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+  canvas.addEventListener("keydown", (event) => {
+    if (keys[event.key]) {
+      const [x, y] = keys[event.key];
+      if (event.shiftKey) camera.pan(0.05 * x, 0.05 * y);
+      else camera.orbit(0.1 * x, 0.1 * y);
+    } else if (event.key === "+" || event.key === "=") camera.zoom(0.9);
+    else if (event.key === "-") camera.zoom(1.1);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+    changed();
+  });
+}
+
+// How far the eye is from a point.
+export function away(camera, point) {
+  return Math.hypot(...subtract(camera.eye(), point));
+}

@@ -1,0 +1,253 @@
+// The page: one clock, and all that follows it.
+import { Camera, steer } from "./camera.js";
+import { charts } from "./charts.js";
+import { clamp } from "./numbers.js";
+import { Renderer } from "./renderer.js";
+import { census, Timeline } from "./timeline.js";
+import { Tracks } from "./tracks.js";
+
+const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2];
+const KINDS = { robot: "robot", tool: "tool", part: "parts", body: "bodies", neighbour: "other robots" };
+const find = (id) => document.getElementById(id);
+
+function labels(renderer, tracks, camera, host) {
+  const made = tracks.view.control_points.map((point) => {
+    const label = document.createElement("span");
+    label.className = "label";
+    label.textContent = point.name;
+    host.append(label);
+    return label;
+  });
+  const distance = document.createElement("span");
+  distance.className = "label distance";
+  host.append(distance);
+  const put = (label, p, shown) => {
+    const { x, y, ahead } = renderer.onPage(p);
+    label.hidden = !shown || !ahead;
+    label.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+  };
+  return (t, show, pair) => {
+    const carriers = tracks.carrierPoses(t);
+    tracks.view.control_points.forEach((point, k) => {
+      made[k].classList.toggle("done", point.until_s !== null && t > point.until_s);
+      put(made[k], tracks.pointPose(point, t, carriers).p, show.points);
+    });
+    if (!pair) distance.hidden = true;
+    else {
+      distance.textContent = `${(1000 * pair.gap).toFixed(1)} mm`;
+      put(distance, pair.points[0].map((x, k) => (x + pair.points[1][k]) / 2), show.pair);
+    }
+  };
+}
+
+function refusal(host, view, seek) {
+  const { refusal: why } = view;
+  if (!why) return;
+  host.hidden = false;
+  const sentence = document.createElement("p");
+  sentence.className = "sentence";
+  sentence.textContent = why.sentence;
+  host.append(sentence);
+  if (why.met) {
+    const met = document.createElement("p");
+    const when = why.at_s === null ? "" : `, first at ${(view.start_s + why.at_s).toFixed(3)} s`;
+    met.textContent = `Too near: ${why.met.join(" and ")}${when}.`;
+    host.append(met);
+    if (why.at_s !== null) {
+      const go = document.createElement("button");
+      go.textContent = "Show this instant";
+      go.addEventListener("click", () => seek(why.at_s));
+      host.append(go);
+    }
+  }
+  if (why.helps) {
+    const helps = document.createElement("p");
+    helps.textContent = `This change was tried and works: ${why.helps}.`;
+    host.append(helps);
+  }
+  census(host, view);
+}
+
+class Player {
+  constructor(view) {
+    this.view = view;
+    this.tracks = new Tracks(view);
+    this.t = 0;
+    this.speed = 0.25;
+    this.playing = false;
+    this.show = { path: true, points: true, pair: true, unknown: false, clearance: false };
+    const canvas = find("stage");
+    this.renderer = new Renderer(canvas, this.tracks);
+    this.camera = new Camera(this.renderer.box);
+    steer(canvas, this.camera, () => this.draw());
+    const seek = (t) => this.seek(t);
+    this.charts = charts(find("charts"), this.tracks, seek);
+    this.timeline = new Timeline(find("timeline"), this.tracks, seek);
+    this.label = labels(this.renderer, this.tracks, this.camera, find("labels"));
+    refusal(find("refusal"), view, seek);
+    this.legend();
+    this.controls();
+    const { w, h } = this.renderer.resize();
+    this.camera.aspect = w && h ? w / h : 1;
+    this.camera.look("room");
+    const met = view.refusal && view.refusal.at_s;
+    this.seek(met || 0);
+    new ResizeObserver(() => this.draw()).observe(canvas);
+    for (const chart of this.charts) new ResizeObserver(() => chart.draw(this.t)).observe(chart.canvas);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.restyle());
+  }
+
+  legend() {
+    const kinds = new Set(this.view.bodies.map((body) => body.kind));
+    for (const [kind, name] of Object.entries(KINDS)) {
+      if (!kinds.has(kind)) continue;
+      const item = document.createElement("span");
+      item.className = `swatch of-${kind}`;
+      item.textContent = this.view.candidate && kind === "robot" ? "best candidate" : name;
+      find("legend").append(item);
+    }
+  }
+
+  controls() {
+    const times = find("time");
+    times.max = String(this.view.lasts_s);
+    times.addEventListener("input", () => this.seek(Number(times.value)));
+    find("play").addEventListener("click", () => this.toggle());
+    find("back").addEventListener("click", () => this.step(-1));
+    find("next").addEventListener("click", () => this.step(1));
+    const speed = find("speed");
+    for (const value of SPEEDS) speed.append(new Option(`${value} ×`, String(value), false, value === this.speed));
+    speed.addEventListener("change", () => (this.speed = Number(speed.value)));
+    document.querySelectorAll("[data-view]").forEach((button) =>
+      button.addEventListener("click", () => this.look(button.dataset.view)),
+    );
+    document.querySelectorAll("[data-show]").forEach((box) => {
+      box.checked = this.show[box.dataset.show];
+      box.addEventListener("change", () => {
+        this.show[box.dataset.show] = box.checked;
+        this.draw();
+      });
+    });
+    find("theme").addEventListener("click", () => this.changeTheme());
+    document.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const of = event.target.closest("input, select, textarea, summary");
+    if (of && !(of.type === "checkbox" && event.key !== " ")) return;
+    const acts = {
+      " ": () => this.toggle(),
+      ArrowLeft: () => this.step(-1),
+      ArrowRight: () => this.step(1),
+      Home: () => this.seek(0),
+      End: () => this.seek(this.view.lasts_s),
+      "[": () => this.faster(-1),
+      "]": () => this.faster(1),
+      1: () => this.look("room"),
+      2: () => this.look("top"),
+      3: () => this.look("side"),
+      4: () => this.look("front"),
+    };
+    if (!acts[event.key] || (event.key === " " && event.target.closest("button"))) return;
+    event.preventDefault();
+    acts[event.key]();
+  }
+
+  look(name) {
+    this.camera.look(name);
+    this.draw();
+  }
+
+  faster(by) {
+    const next = clamp(SPEEDS.indexOf(this.speed) + by, 0, SPEEDS.length - 1);
+    this.speed = SPEEDS[next];
+    find("speed").value = String(this.speed);
+  }
+
+  changeTheme() {
+    const root = document.documentElement;
+    const dark = root.dataset.theme ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+    root.dataset.theme = dark ? "light" : "dark";
+    this.restyle();
+  }
+
+  restyle() {
+    this.renderer.readTheme();
+    this.charts.forEach((chart) => chart.forget());
+    this.draw();
+  }
+
+  // Knots, or hundredths of the whole where nothing has knots.
+  stops() {
+    if (this.tracks.curves) return Array.from(this.tracks.curves.knots);
+    return Array.from({ length: 101 }, (_, k) => (k / 100) * this.view.lasts_s);
+  }
+
+  step(by) {
+    this.pause();
+    const stops = this.stops();
+    const next = by > 0 ? stops.find((t) => t > this.t + 1e-6) : stops.findLast((t) => t < this.t - 1e-6);
+    if (next !== undefined) this.seek(next);
+  }
+
+  toggle() {
+    if (this.playing) this.pause();
+    else this.play();
+  }
+
+  play() {
+    if (this.t >= this.view.lasts_s - 1e-6) this.t = 0;
+    this.playing = true;
+    this.last = null;
+    find("play").classList.add("on");
+    find("play").setAttribute("aria-label", "Pause");
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  pause() {
+    this.playing = false;
+    find("play").classList.remove("on");
+    find("play").setAttribute("aria-label", "Play");
+  }
+
+  frame(now) {
+    if (!this.playing) return;
+    const since = this.last === null ? 0 : Math.min(0.1, (now - this.last) / 1000);
+    this.last = now;
+    this.t = Math.min(this.view.lasts_s, this.t + since * this.speed);
+    this.draw();
+    if (this.t >= this.view.lasts_s) this.pause();
+    else requestAnimationFrame((next) => this.frame(next));
+  }
+
+  seek(t) {
+    this.t = clamp(t, 0, this.view.lasts_s);
+    this.draw();
+  }
+
+  draw() {
+    const { t } = this;
+    const pair = this.tracks.nearest(t);
+    this.renderer.draw(t, this.camera, this.show, pair);
+    this.label(t, this.show, pair);
+    this.charts.forEach((chart) => chart.draw(t));
+    this.timeline.draw(t);
+    find("time").value = String(t);
+    find("now").textContent = (this.view.start_s + t).toFixed(3);
+    const leg = this.tracks.leg(t);
+    const point = leg && this.view.control_points[leg.step];
+    find("leg").textContent = leg ? `${leg.kind}${point ? `, ${point.name}` : ""}` : "the arm stands";
+  }
+}
+
+try {
+  const view = JSON.parse(find("view").textContent);
+  // for tests, and for who looks into a page with the tools of a browser
+  window.assur = new Player(view);
+  document.documentElement.dataset.ready = "yes";
+} catch (error) {
+  find("failed").hidden = false;
+  find("failed").textContent = `Nothing can be drawn here: ${error.message} The tables below need no graphics.`;
+  console.error(error);
+}

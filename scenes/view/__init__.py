@@ -1,0 +1,1 @@
+"""What a viewer plays: the tracks of a motion as a document."""

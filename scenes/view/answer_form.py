@@ -1,0 +1,49 @@
+"""Whether a document is an answer as this version writes it, and one to a request: before anything in it is shown."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from assur.planner.model.scene import Scene
+from assur.scenes.faults import NOTHING, DocumentError, Refused, dotted, located, within
+from assur.scenes.reading.plan import CERTIFICATE_DIGEST, PLAN
+from assur.scenes.schema import answer as document
+from assur.scenes.schema.normal import plain
+
+FORMS = {"planned": document.PlannedAnswer, "not_planned": document.NotPlannedAnswer}
+
+
+@cache
+def _form(status: str) -> TypeAdapter[Any]:
+    return TypeAdapter(FORMS[status])
+
+
+def answer_in(given: object, scene: Scene) -> dict[str, Any]:
+    """An answer to the request of a scene, with the digest of its certificate in place of the rows.
+
+    Raises `DocumentError` below "plan" at the first field that is not as an answer has it. What it says is not checked.
+    """
+    answer = plain(given)
+    with located({PLAN: answer}), within(PLAN):
+        if not isinstance(answer, dict):
+            raise Refused("an answer, as `assur plan --out` writes it")
+        if answer.get("status") not in FORMS:
+            raise Refused("planned or not_planned: an answer, as `assur plan --out` writes it", "status")
+        if answer.get("request_digest") not in (None, scene.digest):
+            raise Refused(f"{scene.digest}, that of the request; this answer is one to another", "request_digest")
+    certificate = answer.get("certificate")
+    if isinstance(certificate, dict):
+        brief = {key: value for key, value in certificate.items() if key in CERTIFICATE_DIGEST}
+        answer = {**answer, "certificate": brief}
+    try:
+        # by way of JSON: in it enumerations and facts are text and mappings, as they are here
+        _form(answer["status"]).validate_json(json.dumps(answer))
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        where = dotted((PLAN, *first["loc"]))
+        raise DocumentError(where, NOTHING, f"what an answer has there ({first['msg']})") from None
+    return dict(answer)
