@@ -122,7 +122,7 @@ def plan(
     with console_report.working(f"planning {given.name}"):
         answer = given.plan()
         checked = answer["status"] == "planned"
-        verdict = _held_to_checker(report_file.verdict_on(given, answer))
+        verdict = _held_to_checker(requests.verdict_on(given.cell, answer))
         page = report_file.page(given, answer, verdict) if show else None
     if checked and certificate == "digest":
         answer["certificate"] = {key: answer["certificate"][key] for key in ("digest", "rows", "covers")}

@@ -194,6 +194,15 @@ def view_document(request: object, plan: object, *, folder: Path | None = None) 
     return dict(view_of(cell_of(request, folder=folder), plan))
 
 
+def verdict_on(cell: Cell, answer: dict[str, Any]) -> dict[str, Any] | None:
+    """What the checker says of an answer; None where there is nothing to check: a refusal, or a plan with the digest of
+    its certificate. Raises `InputError` naming the field."""
+    certificate = answer.get("certificate")
+    if answer.get("status") != "planned" or not (isinstance(certificate, dict) and "normal" in certificate):
+        return None
+    return check_plan(cell, *read_plan(cell, answer))
+
+
 def report_page(
     cell: Cell, answer: dict[str, Any], *, title: str, about: str = "", verdict: dict[str, Any] | None, version: str
 ) -> str:

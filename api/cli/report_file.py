@@ -14,17 +14,8 @@ from assur.scenes import requests
 
 def made(given: Target, answer: dict[str, Any]) -> tuple[bytes, bool]:
     """The report of an answer that was read or made, and whether the checker has nothing against it."""
-    verdict = verdict_on(given, answer)
+    verdict = requests.verdict_on(given.cell, answer)
     return page(given, answer, verdict), verdict is None or bool(verdict["ok"])
-
-
-def verdict_on(given: Target, answer: dict[str, Any]) -> dict[str, Any] | None:
-    """What the checker says of an answer that was read; None where there is nothing to check: a refusal, or a plan with
-    the digest of its certificate. Raises `InputError` naming the field."""
-    certificate = answer.get("certificate")
-    if answer.get("status") != "planned" or not (isinstance(certificate, dict) and "normal" in certificate):
-        return None
-    return requests.check_plan(given.cell, *requests.read_plan(given.cell, answer))
 
 
 def page(given: Target, answer: dict[str, Any], verdict: dict[str, Any] | None) -> bytes:

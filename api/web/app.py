@@ -22,6 +22,7 @@ from assur.api.web.request_log import RequestLog
 from assur.api.web.routes import bodies, router
 from assur.api.web.service import Service
 from assur.api.web.settings import Settings
+from assur.api.web.studio_routes import studio_router
 
 HTTP_KINDS = {404: "not-found", 405: "method-not-allowed"}
 """What Starlette itself refuses, by status."""
@@ -58,6 +59,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.include_router(router)
     app.include_router(job_bodies)
     app.include_router(job_router)
+    app.include_router(studio_router)
     app.add_middleware(RequestLog)
     described = app.openapi
 

@@ -149,20 +149,30 @@ PARSE_BODY = body(
     {"a scenario": {"text": scenario_text("transfer")}},
 )
 
-VIEW_BODY = body(
-    {
-        "type": "object",
-        "required": ["request", "plan"],
-        "properties": {
-            "request": {"$ref": "#/components/schemas/Request"},
-            "plan": {
-                "oneOf": [
-                    {"$ref": "#/components/schemas/PlannedAnswer"},
-                    {"$ref": "#/components/schemas/NotPlannedAnswer"},
-                ]
-            },
+VIEWED: dict[str, Any] = {
+    "type": "object",
+    "required": ["request", "plan"],
+    "properties": {
+        "request": {"$ref": "#/components/schemas/Request"},
+        "plan": {
+            "oneOf": [
+                {"$ref": "#/components/schemas/PlannedAnswer"},
+                {"$ref": "#/components/schemas/NotPlannedAnswer"},
+            ]
         },
-        "additionalProperties": False,
+    },
+    "additionalProperties": False,
+}
+VIEW_BODY = body(VIEWED, {})
+
+REPORT_BODY = body(
+    {
+        **VIEWED,
+        "properties": {
+            **VIEWED["properties"],
+            "title": {"type": "string"},
+            "about": {"type": "string", "description": "why the cell exists"},
+        },
     },
     {},
 )

@@ -8,7 +8,7 @@ from typing import Any, cast, get_args
 
 from fastapi import APIRouter, Request
 from fastapi.routing import APIRoute
-from starlette.responses import PlainTextResponse, Response
+from starlette.responses import HTMLResponse, PlainTextResponse, Response
 
 from assur.api.documents import json_response, to_json
 from assur.api.problems import Problem
@@ -18,6 +18,7 @@ from assur.api.web.openapi import (
     IK_BODY,
     PARSE_BODY,
     PLAN_BODY,
+    REPORT_BODY,
     VIEW_BODY,
     Live,
     Parsed,
@@ -58,7 +59,9 @@ def service_of(request: Request) -> Service:
     return service
 
 
-async def _unless_gone(request: Request, work: Awaitable[jobs.Answer]) -> Response:
+async def _unless_gone(
+    request: Request, work: Awaitable[jobs.Answer], media_type: str = "application/json"
+) -> Response:
     """The response to `work`, which is cancelled as soon as the client closes the connection."""
     working = asyncio.ensure_future(work)
     leaving = asyncio.ensure_future(_gone(request))
@@ -73,7 +76,7 @@ async def _unless_gone(request: Request, work: Awaitable[jobs.Answer]) -> Respon
         leaving.cancel()
         working.cancel()
     request.scope[FACTS]["outcome"] = answer.outcome
-    return json_response(answer.body)
+    return Response(answer.body, media_type=media_type)
 
 
 def _known(parameters: tuple[str, ...]) -> str:
@@ -137,6 +140,18 @@ async def check(request: Request) -> Response:
 async def view(request: Request) -> Response:
     body = await read_admitted(request, CHECK_BODY_BYTES)
     return await _unless_gone(request, service_of(request).view(body))
+
+
+@bodies.post(
+    "/v1/plans/report",
+    summary="A page that plays a plan, or a refusal, and says all of it",
+    response_class=HTMLResponse,
+    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
+    openapi_extra=REPORT_BODY,
+)
+async def report(request: Request) -> Response:
+    body = await read_admitted(request, CHECK_BODY_BYTES)
+    return await _unless_gone(request, service_of(request).report(body), "text/html")
 
 
 @bodies.post(

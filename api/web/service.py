@@ -75,6 +75,10 @@ class Service:
         """What a viewer plays of the request and plan in `body`. Raises `Problem`."""
         return await self.do(Order(jobs.view, (body,), _digest("view", body), self.settings.check_s))
 
+    async def report(self, body: bytes) -> jobs.Answer:
+        """The page that plays the request and plan in `body`. Raises `Problem`."""
+        return await self.do(Order(jobs.report, (body,), _digest("report", body), self.settings.check_s))
+
     async def ik(self, body: bytes) -> jobs.Answer:
         """The joint positions, or the pose of the tool, that `body` asks for. Raises `Problem`."""
         return await self.do(Order(jobs.ik, (body,), _digest("ik", body), self.settings.check_s))

@@ -13,6 +13,7 @@ from typing import Any, Literal
 from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import FieldError, Problem, shown
+from assur.api.version import version
 from assur.api.workers.worker_process import CalledOffError, Tell
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.progress import Progress
@@ -23,7 +24,9 @@ from assur.scenes.requests import (
     parse_json,
     plan_document,
     plan_scenario,
+    report_page,
     shipped,
+    verdict_on,
     view_document,
 )
 from assur.scenes.scenarios import CELLS, scenario_in, with_files
@@ -52,7 +55,7 @@ FIRST_PLAN: dict[str, Any] = {
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """A document as JSON, and in a word what it says, for the log."""
+    """A document as JSON, or a page, and in a word what it says, for the log."""
 
     body: bytes
     outcome: str
@@ -129,6 +132,33 @@ def view(body: bytes) -> Reply:
     return _guarded(lambda: view_document(**_parsed(body, BOTH, {"request", "plan"})), "status")
 
 
+LONGEST_TEXT = 2000
+"""Longest title of a report, characters."""
+REPORTED = 'an object with the fields "request" and "plan", and, if it likes, "title" and "about"'
+"""What the body of a report is."""
+
+
+def report(body: bytes) -> Reply:
+    """The page that plays the plan in `body`, {"request": ..., "plan": ...}, which may have a title and say what it is
+    about."""
+
+    def work() -> Answer:
+        document = {"title": "plan", "about": "", **_parsed(body, REPORTED)}
+        if document.keys() != {"request", "plan", "title", "about"}:
+            raise Problem.of_input(InputError("body", sorted(document), REPORTED))
+        for name in ("title", "about"):
+            if not (isinstance(document[name], str) and len(document[name]) <= LONGEST_TEXT):
+                raise Problem.of_input(InputError(name, document[name], f"a text of up to {LONGEST_TEXT} characters"))
+        if not isinstance(document["plan"], dict):
+            raise Problem.of_input(InputError("plan", document["plan"], "an answer"))
+        cell, plan = cell_of(document["request"]), document["plan"]
+        told = {name: document[name] for name in ("title", "about")}
+        page = report_page(cell, plan, **told, verdict=verdict_on(cell, plan), version=version())
+        return Answer(page.encode(), "reported")
+
+    return _bordered(work)
+
+
 def ik(body: bytes) -> Reply:
     """The answer to the question in `body`, {"request": ..., "pose": ...} and the like."""
 
@@ -180,9 +210,16 @@ def _parsed(body: bytes, allowed: str, fields: Collection[str] = ()) -> dict[str
 
 
 def _guarded(work: Callable[[], dict[str, Any]], says: str) -> Reply:
-    try:
+    def answered() -> Answer:
         document = work()
         return Answer(to_json(document), str(document[says]))
+
+    return _bordered(answered)
+
+
+def _bordered(work: Callable[[], Answer]) -> Reply:
+    try:
+        return work()
     except Problem as problem:
         return problem
     except CalledOffError:

@@ -146,6 +146,7 @@ def test_the_description_of_the_service_is_whole(client: httpx.Client) -> None:
     assert set(described["paths"]) == {
         "/v1/plans",
         "/v1/plans/check",
+        "/v1/plans/report",
         "/v1/jobs",
         "/v1/jobs/{name}",
         "/v1/jobs/{name}/answer",
