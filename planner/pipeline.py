@@ -28,6 +28,7 @@ from assur.planner.report.margins import carried, contacts, margins
 from assur.planner.report.sentence import sentence
 from assur.planner.report.straight_parts import lengthened
 from assur.planner.search.beam import Found
+from assur.planner.search.best_candidate import best_candidate
 from assur.planner.search.census import Counter
 from assur.planner.search.lower_bound import lower_bound
 
@@ -116,9 +117,10 @@ def _not_found(scene: Scene, run: _Run, found: Found) -> NotPlanned:
     refusal = None if line is None else line.refusal
     nothing_tried = census.candidates == 0 and not found.cut_by_clock
     proved = nothing_tried and refusal is not None and for_all_times(scene, refusal)
-    return _not_planned(
+    without = _not_planned(
         scene, run, refusal, census, proved=proved, cut=found.cut_by_clock, deepest=found.deepest, line=line
     )
+    return replace(without, best=best_candidate(scene, found.furthest, found.longest))
 
 
 def leading(census: Census, deepest: int) -> CensusLine | None:

@@ -18,14 +18,15 @@ from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.load import Carried
 from assur.planner.model.outcome import (
     Arrival,
+    BestCandidate,
     Census,
     Certificate,
     JointPeak,
+    Leg,
     Margins,
     Nearest,
     NotPlanned,
     Outcome,
-    Plan,
     Planned,
     Route,
     Traced,
@@ -34,6 +35,7 @@ from assur.planner.model.refusal import Facts, Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.report.notes import note, warned
 from assur.planner.report.sentence import because
+from assur.planner.trajectory import Trajectory
 from assur.scenes.conventions import Conventions, as_counted, as_maker
 from assur.scenes.numbers import interval, number, optional
 from assur.scenes.reading.cell import Cell
@@ -65,19 +67,9 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAn
         "status": "planned",
         "duration_s": number(plan.trajectory.end - plan.trajectory.start),
         "start_s": number(plan.trajectory.start),
-        "trajectory": trajectory_document(cell, plan),
-        "arrivals": [_arrival(cell, plan, arrival) for arrival in plan.arrivals],
-        "legs": [
-            {
-                "kind": leg.kind.value,
-                "step": int(leg.step),
-                "from_s": number(leg.t0),
-                "to_s": number(leg.t1),
-                "note": note(leg.route),
-                "route": None if leg.route is None else _route(leg.route),
-            }
-            for leg in plan.legs
-        ],
+        "trajectory": trajectory_document(cell, plan.trajectory),
+        "arrivals": [_arrival(cell, plan.trajectory, arrival) for arrival in plan.arrivals],
+        "legs": [_leg(leg) for leg in plan.legs],
         "contacts": [
             {"bodies": list(contact.bodies), "from_s": number(contact.t0), "to_s": number(contact.t1)}
             for contact in outcome.contacts
@@ -111,6 +103,7 @@ def _not_planned(cell: Cell, outcome: NotPlanned) -> document.NotPlannedAnswer:
         if relaxation is None
         else {"what": relaxation.what, "value": relaxation.value, "duration_s": optional(relaxation.duration_s)},
         "tried": list(outcome.tried),
+        "best_candidate": None if outcome.best is None else _best(cell, outcome.best),
         "explain_budget_spent": bool(outcome.explain_budget_spent),
         "census": _census(cell.scene, outcome.census),
         "assumptions": list(outcome.assumptions),
@@ -120,6 +113,29 @@ def _not_planned(cell: Cell, outcome: NotPlanned) -> document.NotPlannedAnswer:
         "cut_by_clock": bool(outcome.cut_by_clock),
         "request_digest": cell.scene.digest,
         "notice": NOTICE,
+    }
+
+
+def _best(cell: Cell, best: BestCandidate) -> document.BestCandidate:
+    return {
+        "trajectory": trajectory_document(cell, best.trajectory),
+        "legs": [_leg(leg) for leg in best.legs],
+        "arrivals": [_arrival(cell, best.trajectory, arrival) for arrival in best.arrivals],
+        "at_s": None if best.at is None else number(best.at),
+        "bodies": None if best.bodies is None else list(best.bodies),
+        "gap_m": optional(best.gap_m),
+        "required_m": optional(best.required_m),
+    }
+
+
+def _leg(leg: Leg) -> document.Leg:
+    return {
+        "kind": leg.kind.value,
+        "step": int(leg.step),
+        "from_s": number(leg.t0),
+        "to_s": number(leg.t1),
+        "note": note(leg.route),
+        "route": None if leg.route is None else _route(leg.route),
     }
 
 
@@ -141,9 +157,8 @@ def _route(route: Route) -> document.Route:
     }
 
 
-def trajectory_document(cell: Cell, plan: Plan) -> document.Trajectory:
+def trajectory_document(cell: Cell, trajectory: Trajectory) -> document.Trajectory:
     """The knots in the maker's convention. Reading them back gives the planner's knots, bit by bit."""
-    trajectory = plan.trajectory
     written = as_maker(np.stack([trajectory.q, trajectory.qd, trajectory.qdd]), cell.conventions)
     if not np.isfinite(written).all():
         raise FaultError("a trajectory is not finite")
@@ -180,9 +195,9 @@ def certificate_document(certificate: Certificate, detail: Detail) -> document.C
     }
 
 
-def _arrival(cell: Cell, plan: Plan, arrival: Arrival) -> document.Arrival:
+def _arrival(cell: Cell, trajectory: Trajectory, arrival: Arrival) -> document.Arrival:
     missed, robot = arrival.missed_by, cell.scene.robot
-    q = plan.trajectory.evaluate(arrival.time)
+    q = trajectory.evaluate(arrival.time)
     mode = int(robot.mode_of(q))
     written: document.Arrival = {
         "control_point": arrival.control_point,

@@ -396,10 +396,28 @@ class Relaxation:
 
 
 @dataclass(frozen=True, eq=False)
+class BestCandidate:
+    """What of a refused search came furthest: a motion that is not a plan. It may end before the task does.
+
+    `at`: the instant, s, at which `bodies` are nearer (`gap_m`) than they must be (`required_m`); None: it was refused
+    for something else, or it is the proved beginning that no candidate goes on from.
+    """
+
+    trajectory: Trajectory
+    legs: tuple[Leg, ...]
+    arrivals: tuple[Arrival, ...]
+    at: float | None = None
+    bodies: tuple[str, str] | None = None
+    gap_m: float | None = None
+    required_m: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class NotPlanned:
     """No plan: the leading reason, whether it is proved for all times and modes, and a sentence for an operator.
 
-    `tried`: changes of the request that were tried; `explain_budget_spent`: before all of them were.
+    `tried`: changes of the request that were tried; `explain_budget_spent`: before all of them were; `best`: the
+    candidate that came furthest (None: nothing was timed).
     """
 
     reason: Reason
@@ -415,6 +433,7 @@ class NotPlanned:
     elapsed_s: float
     cut_by_clock: bool
     warnings: tuple[InputWarning, ...] = ()
+    best: BestCandidate | None = None
 
 
 Outcome = Planned | NotPlanned

@@ -23,6 +23,7 @@ from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.progress import Progress, Watch
 from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene
+from assur.planner.search.best_candidate import RefusedMotion
 from assur.planner.search.candidates import Sampler
 from assur.planner.search.census import Counter, refused_proof
 from assur.planner.search.completion import completed
@@ -49,6 +50,18 @@ class Found:
     never: Refusal | None = None
     """A necessary condition that does not hold, if that is what ended the search."""
     census: Counter = field(default_factory=Counter)
+    furthest: RefusedMotion | None = None
+    """The refused motion that came furthest, while there is no plan."""
+    longest: PartialPlan | None = None
+    """The partial plan through most steps, the first of them."""
+
+    def refused(self, motion: TimedCandidate | Extension, encounters: tuple[Encounter, ...]) -> tuple[Encounter, ...]:
+        """Remembers a motion that was refused, if none came further; the encounters again."""
+        if self.best is None:
+            new = RefusedMotion(motion, encounters[0].refusal)
+            if self.furthest is None or new.rank > self.furthest.rank:
+                self.furthest = new
+        return encounters
 
 
 class Search:
@@ -264,7 +277,7 @@ class Search:
         """
         screened = screen(self.prover, motion)
         if screened.encounters:
-            self.found.census.add_all(screened.encounters)
+            self.found.census.add_all(self.found.refused(motion, screened.encounters))
             return screened, False
         if not self._of_use(motion):
             return screened, None
@@ -279,17 +292,18 @@ class Search:
         """The partial plan that a motion leads to, with the proofs of all its phases; or why there is none."""
         made = extended(self.scene, motion) if isinstance(motion, TimedCandidate) else motion
         if isinstance(made, Refusal):
-            return (Encounter(made),)
+            return self.found.refused(motion, (Encounter(made),))
         if len(made.phases) > len(motion.phases):
             # only the leg to the point has been screened, not what follows there
             rest = screen(self.prover, made)
             if rest.encounters:
-                return rest.encounters
+                return self.found.refused(made, rest.encounters)
         proofs: list[Rows] = []
         for phase in made.phases:
             rows = self.prover.prove(phase, made.trajectory)
             if isinstance(rows, Unproved):
-                return (Encounter(refused_proof(rows, made.before.step, rule_of(self.scene, phase, *rows.bodies))),)
+                why = refused_proof(rows, made.before.step, rule_of(self.scene, phase, *rows.bodies))
+                return self.found.refused(made, (Encounter(why),))
             proofs.append(rows)
         return replace(made.after, proofs=(*made.before.proofs, *proofs))
 
@@ -312,3 +326,5 @@ class Search:
         pool.sort(key=lambda each: each.state.time)
         del pool[KEPT_PLANS:]
         self.found.deepest = max(self.found.deepest, partial.step)
+        if self.found.longest is None or partial.step > self.found.longest.step:
+            self.found.longest = partial

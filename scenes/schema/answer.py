@@ -371,6 +371,17 @@ class PlannedAnswer(_Motion, _Common):
 
 
 @with_config(CLOSED)
+class BestCandidate(ShownMotion):
+    """The candidate that came furthest, which is no plan and may end before the task does: `bodies` are nearer at
+    `at_s` than required; null: it was refused for something else, or is a proved beginning that nothing continues."""
+
+    at_s: Number | None
+    bodies: Pair | None
+    gap_m: Number | None
+    required_m: Number | None
+
+
+@with_config(CLOSED)
 class NotPlannedAnswer(_Common):
     """No plan, and why there is none."""
 
@@ -383,6 +394,7 @@ class NotPlannedAnswer(_Common):
     relaxation: Relaxation | None
     tried: list[Text]
     explain_budget_spent: bool
+    best_candidate: NotRequired[BestCandidate | None]
 
 
 Answer = Annotated[PlannedAnswer | NotPlannedAnswer, Field(discriminator="status")]

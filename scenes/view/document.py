@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from assur.planner.frames import Fixed
 from assur.planner.model.phases import phases
-from assur.planner.tracks.tracks import Tracks, standing, tracks
 from assur.scenes.conventions import Conventions, as_maker
 from assur.scenes.reading.cell import Cell
 from assur.scenes.reading.plan import motion_of
@@ -16,6 +15,9 @@ from assur.scenes.schema import view as document
 from assur.scenes.view.answer_form import answer_in
 from assur.scenes.view.display_meshes import displays, written
 from assur.scenes.view.packing import floats, words
+
+if TYPE_CHECKING:
+    from assur.planner.tracks.tracks import Tracks
 
 STANDS_S = 3.0
 """For how long frames are shown where nothing was planned, s."""
@@ -26,6 +28,9 @@ STILL_S = 1.0
 def view_of(cell: Cell, given: object) -> document.ViewDocument:
     """The view of an answer to the request of a cell. What the answer says is shown as it is said; whether it is so,
     the checker knows. Raises `DocumentError` below "plan"."""
+    # the planner's libraries come with the first view, not with this module
+    from assur.planner.tracks.tracks import standing, tracks
+
     answer = answer_in(given, cell.scene)
     scene, motion = cell.scene, _motion_in(answer)
     refusal = answer.get("refusal") or {}

@@ -12,7 +12,7 @@ import pytest
 from assur.api.documents import to_json
 from assur.api.problems import MEDIA_TYPE
 from assur.api.web.settings import Settings
-from assur.scenes.requests import check_document, robots, shipped_scenarios, validate
+from assur.scenes.requests import check_document, robots, shipped_scenarios, validate, view_document
 
 TIMES = ("elapsed_s", "first_s")
 """What differs between two runs of the same request."""
@@ -57,6 +57,25 @@ def test_an_answer_over_http_is_accepted_by_the_checker_over_http(client: httpx.
     assert verdict.status_code == 200
     assert verdict.json()["ok"] is True
     assert check_document(small, answer)["ok"] is True
+
+
+def test_a_view_over_http_is_the_view_in_python_with_the_certificate_in_full_or_as_a_digest(
+    client: httpx.Client, small: dict[str, Any]
+) -> None:
+    answer = planned(client, small)
+    shown = client.post("/v1/plans/view", json={"request": small, "plan": answer})
+    assert shown.status_code == 200
+    assert shown.json() == json.loads(json.dumps(view_document(small, answer)))
+    brief = {**answer, "certificate": {key: answer["certificate"][key] for key in ("digest", "rows", "covers")}}
+    assert client.post("/v1/plans/view", json={"request": small, "plan": brief}).json() == shown.json()
+
+
+def test_what_is_no_answer_is_not_shown_and_named(client: httpx.Client, small: dict[str, Any]) -> None:
+    for plan, field in (({}, "plan.status"), ([], "plan"), ({"status": "planned"}, "plan.trajectory")):
+        told = client.post("/v1/plans/view", json={"request": small, "plan": plan})
+        assert told.status_code == 422
+        assert told.json()["errors"][0]["field"] == field
+    assert client.post("/v1/plans/view", json={"request": small}).status_code == 422
 
 
 def test_a_plan_that_was_tampered_with_is_refused_with_findings(client: httpx.Client, small: dict[str, Any]) -> None:
@@ -146,6 +165,7 @@ def test_the_description_of_the_service_is_whole(client: httpx.Client) -> None:
     assert set(described["paths"]) == {
         "/v1/plans",
         "/v1/plans/check",
+        "/v1/plans/view",
         "/v1/plans/report",
         "/v1/jobs",
         "/v1/jobs/{name}",
@@ -189,7 +209,10 @@ def test_every_field_of_the_answers_is_typed_so_that_a_client_can_be_generated(c
     assert answers["discriminator"]["propertyName"] == "status"
     assert {reference.rpartition("/")[2] for reference in references(answers)} == {"PlannedAnswer", "NotPlannedAnswer"}
     verdict = described["paths"]["/v1/plans/check"]["post"]["responses"]["200"]["content"]["application/json"]["schema"]
-    waiting, known = ["PlannedAnswer", "NotPlannedAnswer", "IkAnswer", verdict["$ref"].rpartition("/")[2]], set()
+    waiting, known = (
+        ["PlannedAnswer", "NotPlannedAnswer", "IkAnswer", "ViewDocument", verdict["$ref"].rpartition("/")[2]],
+        set(),
+    )
     while waiting:
         name = waiting.pop()
         known.add(name)

@@ -8,7 +8,6 @@ import json
 import math
 from dataclasses import replace
 from functools import cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -300,7 +299,7 @@ def test_a_trajectory_that_is_not_finite_never_leaves() -> None:
         q = qd = qdd = np.full((2, 4), np.nan)
 
     with pytest.raises(FaultError):
-        trajectory_document(cell, SimpleNamespace(trajectory=Broken()))  # type: ignore[arg-type]
+        trajectory_document(cell, Broken())  # type: ignore[arg-type]
 
 
 def test_a_refusal_says_all_that_is_promised_and_its_missing_numbers_are_null() -> None:

@@ -1,0 +1,84 @@
+"""The candidate that came furthest, of a search that finds no plan: what is shown of a refusal."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from assur.planner.legs.state import Knots
+from assur.planner.model.outcome import Arrival, BestCandidate, Course, Leg, LegKind, Route
+from assur.planner.model.refusal import Refusal, Separation
+from assur.planner.model.scene import Scene
+from assur.planner.search.partial_plan import Extension, PartialPlan, TimedCandidate
+from assur.planner.trajectory import Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class RefusedMotion:
+    """A motion that was timed, and why it was refused. It refers to what the search has anyway: keeping one costs
+    nothing."""
+
+    motion: TimedCandidate | Extension
+    refusal: Refusal
+
+    @property
+    def rank(self) -> tuple[int, bool, bool, float]:
+        """The greater the further it came: by steps, then those that met a body, then those that came to their point,
+        then those that lack least."""
+        facts = self.refusal.facts
+        met = isinstance(facts, Separation)
+        lacks = math.inf
+        if isinstance(facts, Separation) and facts.gap_m is not None and facts.required_m is not None:
+            lacks = facts.required_m - facts.gap_m
+        return self.motion.before.step, met, isinstance(self.motion, Extension), -lacks
+
+
+def best_candidate(scene: Scene, refused: RefusedMotion | None, proved: PartialPlan | None) -> BestCandidate | None:
+    """What came furthest: a motion that was refused, behind what was proved before it; or, where none was timed from
+    there, the longest partial plan that was `proved`. None: there is neither."""
+    if refused is not None and (proved is None or refused.motion.before.step >= proved.step):
+        return _of_motion(scene, refused)
+    if proved is None or proved.knots is None:
+        return None
+    return BestCandidate(_trajectory(scene, proved.knots), proved.legs, proved.arrivals)
+
+
+def _of_motion(scene: Scene, refused: RefusedMotion) -> BestCandidate:
+    motion, facts, interval = refused.motion, refused.refusal.facts, refused.refusal.interval
+    if isinstance(motion, Extension):
+        knots, legs, arrivals = motion.after.knots, motion.after.legs, motion.after.arrivals
+    else:
+        knots, legs, arrivals = None, *_leg_of(motion)
+    if knots is None:
+        own, before = Knots.of(motion.trajectory), motion.before
+        if own.begin > before.state.time:
+            own = Knots.standing(before.state, own.begin).then(own)
+        knots = own if before.knots is None else before.knots.then(own)
+    met = isinstance(facts, Separation)
+    bodies = refused.refusal.bodies
+    return BestCandidate(
+        trajectory=_trajectory(scene, knots),
+        legs=legs,
+        arrivals=arrivals,
+        at=interval[0] if met and interval is not None else None,
+        bodies=(bodies[0], bodies[1]) if met and len(bodies) == 2 else None,
+        gap_m=facts.gap_m if isinstance(facts, Separation) else None,
+        required_m=facts.required_m if isinstance(facts, Separation) else None,
+    )
+
+
+def _leg_of(motion: TimedCandidate) -> tuple[tuple[Leg, ...], tuple[Arrival, ...]]:
+    """The legs up to a control point that a timed candidate comes to, and the arrivals before it."""
+    before, shape, step = motion.before, motion.candidate.shape, motion.before.step
+    begin, end = motion.trajectory.start, motion.trajectory.end
+    legs = before.legs
+    if begin > before.state.time:
+        legs += (Leg(LegKind.WAIT, step, before.state.time, begin, Route(Course.FOR_BODIES)),)
+    kind = LegKind.ARCH if shape.hop else LegKind.MOVE
+    return (*legs, Leg(kind, step, begin, end, shape.route)), before.arrivals
+
+
+def _trajectory(scene: Scene, knots: Knots) -> Trajectory:
+    if scene.options.blended:
+        return Trajectory(knots.time, knots.q, knots.qd, knots.qdd, jumps=True)
+    return Trajectory.of_knots(knots.table)
