@@ -387,7 +387,9 @@ function marksOf(tracks, all) {
     const way = [0, 1, 2].map((k) => places[last + k] - places[k]);
     const turned = [0, 1, 2, 3].some((k) => Math.abs(turns[k] - turns[turns.length - 4 + k]) > 1e-6);
     const on = all.find((batch) => !batch.body && batch.carrier === number);
-    if (turned && on) {
+    // what swings beside its pivot shows by itself how it moves
+    const around = on && [0, 1].every((k) => on.low[k] < 0 && on.high[k] > 0);
+    if (turned && around) {
       const radius = Math.max(...[0, 1].map((k) => Math.max(Math.abs(on.low[k]), Math.abs(on.high[k]))));
       found.push({ carrier: number, lines: spokes(radius, on.high[2] + 5e-4) });
     } else if (!turned && Math.hypot(...way) > 1e-3) {
