@@ -107,11 +107,11 @@ def test_open_shows_the_page_in_a_browser(
     opened = list[str]()
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
 
-    def noted(address: str) -> bool:
+    def shown(address: str) -> bool:
         opened.append(address)
         return True
 
-    monkeypatch.setattr(webbrowser, "open", noted)
+    monkeypatch.setattr(webbrowser, "open", shown)
     code, _, errors = run("plan", str(files[0]), "--open")
     assert code == RIGHT
     assert len(opened) == 1
@@ -161,7 +161,7 @@ def test_every_module_of_the_page_is_in_the_script_behind_what_it_imports() -> N
 
 
 def test_the_page_names_no_address_of_a_network() -> None:
+    address = re.compile(r"https?://|//\w+\.\w+/|fetch\(|XMLHttpRequest|WebSocket|import\(")
+    assert address.search("fetch('x')")
     for path in PAGE.iterdir():
-        assert not re.search(
-            r"https?://|//\w+\.\w+/|fetch\(|XMLHttpRequest|WebSocket|import\(", path.read_text("utf-8")
-        )
+        assert not address.search(path.read_text(encoding="utf-8"))

@@ -58,7 +58,8 @@ void main() {
   float sky = 0.5 + 0.5 * n.z;
   float gloss = pow(max(dot(n, normalize(light + toEye)), 0.0), 42.0);
   float rim = pow(1.0 - max(dot(n, toEye), 0.0), 3.0);
-  vec3 shade = base * (0.34 + 0.26 * sky + 0.5 * key) + vec3(0.10 * gloss + 0.05 * rim);
+  float fill = max(dot(n, toEye), 0.0);
+  vec3 shade = base * (0.26 + 0.24 * sky + 0.38 * key + 0.2 * fill) + vec3(0.10 * gloss + 0.05 * rim);
   colour = vec4(shade, alpha);
 }`;
 
