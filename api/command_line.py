@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, ParamSpec
 
 import typer
 
-from assur.api.cli import catalogue_table, console_report, ik_report, limits_report
+from assur.api.cli import catalogue_table, console_report, ik_report, limits_report, trajectories
 from assur.api.cli.inputs import (
     Target,
     joints_in,
-    json_file,
     log_file,
+    plan_file,
     robot_in_place,
     robot_named,
     target,
@@ -146,7 +146,7 @@ def check(
 ) -> int:
     """Check a PLAN against FILE with the checker, which trusts no planner."""
     given = target(file)
-    read = requests.read_plan(_read(given), json_file(plan, "PLAN"))
+    read = requests.read_plan(_read(given), plan_file(plan))
     _announce_compilation()
     with console_report.working(f"checking {plan.name}"):
         verdict = requests.check_plan(given.cell, *read)
@@ -283,6 +283,10 @@ def fit_limits(
         _print(*limits_report.fitted(found))
     identified = any(joint[rate]["status"] == "identified" for joint in found["joints"] for rate in fitted_limits.RATES)
     return RIGHT if identified else WRONG
+
+
+app.command()(_bordered(trajectories.export))
+app.command("check-trajectory")(_bordered(trajectories.check_trajectory))
 
 
 @app.command()

@@ -21,6 +21,7 @@ from assur.planner.model.outcome import (
     Census,
     Certificate,
     JointPeak,
+    Leg,
     Margins,
     Nearest,
     NotPlanned,
@@ -67,17 +68,7 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAn
         "start_s": number(plan.trajectory.start),
         "trajectory": trajectory_document(cell, plan),
         "arrivals": [_arrival(cell, plan, arrival) for arrival in plan.arrivals],
-        "legs": [
-            {
-                "kind": leg.kind.value,
-                "step": int(leg.step),
-                "from_s": number(leg.t0),
-                "to_s": number(leg.t1),
-                "note": note(leg.route),
-                "route": None if leg.route is None else _route(leg.route),
-            }
-            for leg in plan.legs
-        ],
+        "legs": [_leg(leg) for leg in plan.legs],
         "contacts": [
             {"bodies": list(contact.bodies), "from_s": number(contact.t0), "to_s": number(contact.t1)}
             for contact in outcome.contacts
@@ -95,6 +86,32 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAn
         "cut_by_clock": bool(outcome.cut_by_clock),
         "request_digest": cell.scene.digest,
         "notice": NOTICE,
+    }
+
+
+def proved_document(cell: Cell, plan: Plan) -> document.CheckedPlan:
+    """A plan with its proof and nothing else: as much of an answer as the checker judges."""
+    return {
+        "schema": "assur/1",
+        "status": "planned",
+        "duration_s": number(plan.trajectory.end - plan.trajectory.start),
+        "start_s": number(plan.trajectory.start),
+        "trajectory": trajectory_document(cell, plan),
+        "arrivals": [_arrival(cell, plan, arrival) for arrival in plan.arrivals],
+        "legs": [_leg(leg) for leg in plan.legs],
+        "certificate": cast(document.Certificate, certificate_document(plan.certificate, "full")),
+        "request_digest": cell.scene.digest,
+    }
+
+
+def _leg(leg: Leg) -> document.Leg:
+    return {
+        "kind": leg.kind.value,
+        "step": int(leg.step),
+        "from_s": number(leg.t0),
+        "to_s": number(leg.t1),
+        "note": note(leg.route),
+        "route": None if leg.route is None else _route(leg.route),
     }
 
 
