@@ -13,7 +13,18 @@ from starlette.responses import Response
 from assur.api.documents import json_response, to_json
 from assur.api.problems import Problem
 from assur.api.web.body_reader import read_body
-from assur.api.web.openapi import CHECK_BODY, IK_BODY, PLAN_BODY, Live, Ready, Scenes, component, problems
+from assur.api.web.openapi import (
+    CHECK_BODY,
+    EXPORT_BODY,
+    IK_BODY,
+    PLAN_BODY,
+    TRAJECTORY_BODY,
+    Live,
+    Ready,
+    Scenes,
+    component,
+    problems,
+)
 from assur.api.web.request_log import CLIENT_GONE, FACTS
 from assur.api.web.service import Service, scenario_request
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
@@ -21,6 +32,7 @@ from assur.api.workers import jobs
 from assur.planner.errors import InputError
 from assur.scenes.requests import request_schema, robots, shipped_scenarios
 from assur.scenes.schema.answer import Answer, Verdict
+from assur.scenes.schema.export import ExportAnswer, TrajectoryVerdict
 from assur.scenes.schema.ik import IkAnswer
 
 BODY_PROBLEMS = ("bad-syntax", "too-slow", "too-large", "wrong-media-type", "bad-input", "quarantined", "fault")
@@ -111,6 +123,30 @@ async def plan(request: Request) -> Response:
 async def check(request: Request) -> Response:
     body = await _body(request, CHECK_BODY_BYTES)
     return await _unless_gone(request, _service(request).check(body))
+
+
+@bodies.post(
+    "/v1/plans/export",
+    summary="A plan as a controller's file, proved on the points of the file",
+    response_model=ExportAnswer,
+    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
+    openapi_extra=EXPORT_BODY,
+)
+async def export(request: Request) -> Response:
+    body = await _body(request, CHECK_BODY_BYTES)
+    return await _unless_gone(request, _service(request).export(body))
+
+
+@bodies.post(
+    "/v1/trajectories/check",
+    summary="Prove or refute a trajectory that was made elsewhere",
+    response_model=TrajectoryVerdict,
+    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
+    openapi_extra=TRAJECTORY_BODY,
+)
+async def check_trajectory(request: Request) -> Response:
+    body = await _body(request, CHECK_BODY_BYTES)
+    return await _unless_gone(request, _service(request).check_trajectory(body))
 
 
 @bodies.post(

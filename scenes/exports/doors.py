@@ -50,3 +50,8 @@ def check_trajectory_document(
         cell = cell_of(document)
     made = None if plan is None else read_plan(cell, plan)[0]
     return dict(verdict(cell, document, how, made))
+
+
+def export_schemas() -> tuple[dict[str, Any], dict[str, Any]]:
+    """JSON Schemas of what is asked of an export, and of a check of a trajectory, beside request and plan."""
+    return ExportDocument.model_json_schema(), TrajectoryDocument.model_json_schema()

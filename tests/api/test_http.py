@@ -146,6 +146,8 @@ def test_the_description_of_the_service_is_whole(client: httpx.Client) -> None:
     assert set(described["paths"]) == {
         "/v1/plans",
         "/v1/plans/check",
+        "/v1/plans/export",
+        "/v1/trajectories/check",
         "/v1/ik",
         "/v1/robots",
         "/v1/scenes",
