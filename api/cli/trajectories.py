@@ -20,8 +20,8 @@ def export(
     file: Cell,
     plan: Annotated[Path, typer.Argument(help="An answer, as `assur plan --out` writes it.")],
     form: Annotated[
-        Literal["csv", "ros2", "ros2-json"],
-        typer.Option("--format", help="Comma-separated values, or a ROS 2 JointTrajectory as YAML or JSON."),
+        Literal["csv", "ros2", "ros2-json", "spel", "melfa"],
+        typer.Option("--format", help="CSV, a ROS 2 JointTrajectory (YAML, JSON), a recipe in SPEL+ or MELFA-BASIC."),
     ],
     tick_ms: Annotated[
         float | None, typer.Option("--tick-ms", help="The controller's step; else the points are the plan's knots.")

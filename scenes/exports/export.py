@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from assur.planner.trajectory import Trajectory
     from assur.scenes.reading.cell import Cell
 
+RECIPES = ("spel", "melfa")
+"""Formats that hold no motion, but what a controller needs to make one of its own."""
 SPARE = 1e-6
 """Share by which a limit is raised above the jerk that is proved against it: for rounding."""
 MOST_FINDINGS = 4
@@ -52,6 +54,8 @@ def motion_for(
     from assur.planner.resampling.grid import on_nanoseconds, on_ticks
 
     trajectory = made.trajectory
+    if tick_s is not None and form in RECIPES:
+        raise InputError("tick_s", tick_s, f"none: {form} is a recipe, and its controller makes the motion itself")
     if form.startswith("ros2"):
         if trajectory.jumps:
             allowed = "csv: parabolic blends have two knots at one time, which joint_trajectory_controller refuses"
@@ -177,15 +181,22 @@ def exported(cell: Cell, request: dict[str, Any], made: Plan, asked: ExportDocum
     Raises `InputError` for a motion that cannot be proved, or that the format cannot hold.
     """
     from assur.scenes.answer import NOTICE, proved_document
-    from assur.scenes.exports import motion_text
+    from assur.scenes.exports import motion_text, recipe
 
     motion = motion_for(cell, request, made, asked.format, asked.tick_s, asked.jerk)
-    text = {"csv": motion_text.csv_text, "ros2": motion_text.ros2_yaml, "ros2-json": motion_text.ros2_json}
+    text = {
+        "csv": motion_text.csv_text,
+        "ros2": motion_text.ros2_yaml,
+        "ros2-json": motion_text.ros2_json,
+        "spel": recipe.spel,
+        "melfa": recipe.melfa,
+    }
+    notes = list(recipe.NOTES) if asked.format in RECIPES else []
     return {
         "schema": "assur/1",
         "format": asked.format,
         "file": text[asked.format](motion),
-        "statement": statement(motion),
+        "statement": notes + statement(motion),
         **motion.facts,  # type: ignore[typeddict-item]
         "request": motion.request,
         "plan": proved_document(motion.cell, motion.plan),

@@ -11,7 +11,7 @@ from assur.scenes import bounds
 from assur.scenes.schema.answer import CLOSED, CheckedPlan, Finding, Nearest, Number, Pair, Schema, Text
 from assur.scenes.schema.model import Document, Duration, Instant
 
-Form = Literal["csv", "ros2", "ros2-json"]
+Form = Literal["csv", "ros2", "ros2-json", "spel", "melfa"]
 JerkRule = Literal["limit", "report"]
 
 
