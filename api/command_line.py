@@ -8,28 +8,28 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache, wraps
+from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, ParamSpec
 
 import typer
 
-from assur.api.cli import catalogue_table, console_report, ik_report, limits_report, report_file
+from assur.api.cli import catalogue_table, console_report, ik_report, limits_report, report_file, trajectories
 from assur.api.cli.inputs import (
-    Target,
     given_options,
     joints_in,
-    json_file,
     log_file,
+    plan_file,
     robot_in_place,
     robot_named,
     target,
     told_as_options,
     writable,
 )
+from assur.api.cli.output import announce_compilation, read_cell, say, tell, tell_json
 from assur.api.documents import to_json
 from assur.api.logs import where
-from assur.api.problems import Problem, printable
+from assur.api.problems import Problem
 from assur.api.version import version
 from assur.planner.errors import FaultError, InputError
 from assur.planner.report.number_format import amount
@@ -38,7 +38,7 @@ from assur.scenes import kernels as compiled_kernels
 from assur.scenes.faults import NOTHING
 
 if TYPE_CHECKING:
-    from assur.scenes.reading.cell import Cell
+    pass
 
 RIGHT, WRONG, BAD_INPUT, FAULT = 0, 1, 2, 3
 INTERRUPTED, PIPE_CLOSED = 128 + signal.SIGINT, 128 + signal.SIGPIPE
@@ -75,18 +75,18 @@ def _code(run: Callable[[], int]) -> int:
         sys.stdout.flush()
         return code
     except InputError as error:
-        return _say(Problem.of_input(error).detail, BAD_INPUT, line=getattr(error, "line", None))
+        return say(Problem.of_input(error).detail, BAD_INPUT, line=getattr(error, "line", None))
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # so that the flush at exit is silent too
         return PIPE_CLOSED
     except KeyboardInterrupt:
-        return _say("interrupted", INTERRUPTED)
+        return say("interrupted", INTERRUPTED)
     except Exception as error:  # noqa: BLE001 - the border: a user gets one line, with what a report of it needs
         if isinstance(error, OSError) and error.filename is not None:
-            return _say(f"{error.filename}: {error.strerror}", BAD_INPUT)
+            return say(f"{error.filename}: {error.strerror}", BAD_INPUT)
         last = "".join(where(error.__traceback__)[-1:])
         said = f" ({error})" if isinstance(error, FaultError) else ""
-        return _say(f"a fault of assur itself: {type(error).__name__} in {last}{said}; please report it", FAULT)
+        return say(f"a fault of assur itself: {type(error).__name__} in {last}{said}; please report it", FAULT)
 
 
 def _version(asked: bool) -> None:
@@ -117,8 +117,8 @@ def plan(
     """Plan FILE, check the plan, and say what came out."""
     given = target(file)
     writable(out)
-    _read(given)
-    _announce_compilation()
+    read_cell(given)
+    announce_compilation()
     with console_report.working(f"planning {given.name}"):
         answer = given.plan()
         checked = answer["status"] == "planned"
@@ -129,16 +129,16 @@ def plan(
     if out is not None:
         out.write_bytes(to_json(answer) + b"\n")
     if as_json:
-        _print_json(answer)
+        tell_json(answer)
     else:
         title = f"{given.name}: {'planned' if checked else 'not planned'}"
-        _print(title, "", *console_report.everything(answer, details=details))
+        tell(title, "", *console_report.everything(answer, details=details))
         if checked:
-            _print("plan checked")
+            tell("plan checked")
     if page is not None:
-        _say(report_file.show(report_file.kept(given.name, page)))
+        say(report_file.show(report_file.kept(given.name, page)))
     for unmet in given.unmet(answer):
-        _say(f"not as the file expects: {unmet}")
+        say(f"not as the file expects: {unmet}")
     return RIGHT if checked else WRONG
 
 
@@ -151,20 +151,20 @@ def check(
 ) -> int:
     """Check a PLAN against FILE with the checker, which trusts no planner."""
     given = target(file)
-    read = requests.read_plan(_read(given), json_file(plan, "PLAN", "an answer with a plan"))
-    _announce_compilation()
+    read = requests.read_plan(read_cell(given), plan_file(plan))
+    announce_compilation()
     with console_report.working(f"checking {plan.name}"):
         verdict = requests.check_plan(given.cell, *read)
     if as_json:
-        _print_json(verdict)
+        tell_json(verdict)
     elif verdict["ok"]:
-        _print("plan right: everything that it promises holds against the model", verdict["notice"])
+        tell("plan right: everything that it promises holds against the model", verdict["notice"])
     else:
         findings = console_report.table("what is wrong", ">by", "where")
         for finding in verdict["findings"]:
             by = amount(finding["amount"], finding["unit"])
             console_report.row(findings, finding["what"], by, finding["where"])
-        _print("plan wrong", "", findings)
+        tell("plan wrong", "", findings)
     return RIGHT if verdict["ok"] else WRONG
 
 
@@ -179,16 +179,16 @@ def report(
     """Write a page that plays the answer to FILE and says all of it; it needs no network."""
     given = target(file)
     writable(out)
-    _read(given)
-    read = None if plan is None else json_file(plan, "PLAN", "an answer")
-    _announce_compilation()
+    read_cell(given)
+    read = None if plan is None else plan_file(plan, "an answer")
+    announce_compilation()
     with console_report.working(f"planning {given.name}" if read is None else f"reading {given.name}"):
         page, right = report_file.made(given, given.plan() if read is None else read)
     out.write_bytes(page)
-    _print(f"report of {given.name}: {out}, {len(page) / 1000:.0f} kB, opens in a browser without network")
+    tell(f"report of {given.name}: {out}, {len(page) / 1000:.0f} kB, opens in a browser without network")
     if show:
-        _say(report_file.show(out))
-    return RIGHT if right else _say("the checker refuses this plan; the report says why", WRONG)
+        say(report_file.show(out))
+    return RIGHT if right else say("the checker refuses this plan; the report says why", WRONG)
 
 
 @app.command()
@@ -215,16 +215,16 @@ def ik(
     question: dict[str, Any] = {"pose": given_options(pose) or None, "at_s": at_s}
     if joints is not None:
         question["joints"] = joints_in(joints)
-    cell = None if file is None else _read(target(file))
+    cell = None if file is None else read_cell(target(file))
     if robot is not None:
         question["robot"] = robot_in_place(robot, cell)
-    _announce_compilation()
+    announce_compilation()
     with told_as_options():
         answer = requests.ik_cell(None if robot is not None else cell, given_options(question))
     if as_json:
-        _print_json(answer)
+        tell_json(answer)
     else:
-        _print(*ik_report.everything(answer))
+        tell(*ik_report.everything(answer))
     return RIGHT if answer["status"] == "reached" else WRONG
 
 
@@ -234,11 +234,11 @@ def robots(robot: Robot = None, as_json: AsJson = False) -> int:
     """List the shipped robots, or show every number of one ROBOT with its status and source."""
     listed = requests.robots() if robot is None else [robot_named(robot).listed()]
     if as_json:
-        _print_json({"robots": listed})
+        tell_json({"robots": listed})
         return RIGHT
-    _print(catalogue_table.catalogue(listed), "", catalogue_table.LEGEND)
+    tell(catalogue_table.catalogue(listed), "", catalogue_table.LEGEND)
     if robot is not None:
-        _print("", catalogue_table.sources(listed[0]))
+        tell("", catalogue_table.sources(listed[0]))
     return RIGHT
 
 
@@ -248,12 +248,12 @@ def scenes(as_json: AsJson = False) -> int:
     """List the shipped scenarios and why each exists."""
     shipped = requests.shipped_scenarios()
     if as_json:
-        _print_json({"scenes": [{"name": name, "about": about} for name, about in shipped.items()]})
+        tell_json({"scenes": [{"name": name, "about": about} for name, about in shipped.items()]})
         return RIGHT
     made = console_report.table("scene", "about")
     for name, about in shipped.items():
         console_report.row(made, name, about)
-    _print(made)
+    tell(made)
     return RIGHT
 
 
@@ -261,7 +261,7 @@ def scenes(as_json: AsJson = False) -> int:
 @_bordered
 def schema() -> int:
     """Print the JSON Schema of the request."""
-    _print_json(requests.request_schema())
+    tell_json(requests.request_schema())
     return RIGHT
 
 
@@ -274,11 +274,11 @@ def kernels(
 ) -> int:
     """Compile the planner's inner loops once, so that no request waits for it."""
     if not check and compiled_kernels.is_compiled():
-        _print(f"kernels are compiled, in {compiled_kernels.folder()}")
+        tell(f"kernels are compiled, in {compiled_kernels.folder()}")
         return RIGHT
-    _announce_compilation()
+    announce_compilation()
     loaded = compiled_kernels.load()
-    _print(
+    tell(
         f"{loaded.count} kernels, {len(loaded.compiled)} compiled now, {loaded.seconds:.1f} s, in {loaded.folder}",
         *loaded.compiled,
     )
@@ -306,11 +306,15 @@ def fit_limits(
     if out is not None:
         out.write_text(fitted_limits.part(found), encoding="utf-8")
     if as_json:
-        _print_json(found)
+        tell_json(found)
     else:
-        _print(*limits_report.fitted(found))
+        tell(*limits_report.fitted(found))
     identified = any(joint[rate]["status"] == "identified" for joint in found["joints"] for rate in fitted_limits.RATES)
     return RIGHT if identified else WRONG
+
+
+app.command()(_bordered(trajectories.export))
+app.command("check-trajectory")(_bordered(trajectories.check_trajectory))
 
 
 @app.command()
@@ -324,8 +328,8 @@ def reproduce(
 
     for done in run(name, out):
         place = f"{done.number} of {done.count}, " if done.count > 1 else ""
-        _print(f"{place}{done.entry.name}: {done.entry.title}, {done.elapsed_s:.1f} s", done.paragraph)
-        _print(*(str(path) for path in done.files), "")
+        tell(f"{place}{done.entry.name}: {done.entry.title}, {done.elapsed_s:.1f} s", done.paragraph)
+        tell(*(str(path) for path in done.files), "")
     return RIGHT
 
 
@@ -341,7 +345,7 @@ def serve(
 
     settings = Settings.from_environment()
     if not compiled_kernels.is_compiled():
-        _announce_compilation()
+        announce_compilation()
         # in a process of its own: the web process never loads the compiler
         command = [sys.executable, "-m", "assur.api.command_line", "kernels"]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)  # noqa: S603 - no word of it comes from outside
@@ -356,37 +360,6 @@ def main() -> None:
         if reconfigure is not None:
             reconfigure(errors="backslashreplace")  # a terminal in ASCII gets escapes, not a traceback
     app()
-
-
-def _say(text: str, code: int = RIGHT, line: int | None = None) -> int:
-    """One line on standard error; returns `code`."""
-    at = "" if line is None else f"line {line}: "
-    print(f"assur: {at}{printable(text, 2500)}", file=sys.stderr)
-    return code
-
-
-def _read(given: Target) -> Cell:
-    """The cell of what was given, read; only a start at a pose takes the kernels for it."""
-    if given.starts_at_a_pose:
-        _announce_compilation()
-    return given.cell
-
-
-@cache
-def _announce_compilation() -> None:
-    """Says, once, that the first command of an installation takes longer, and why."""
-    if not compiled_kernels.is_compiled():
-        _say(f"compiling the planner's kernels once, about a minute; they are kept in {compiled_kernels.folder()}")
-
-
-def _print(*parts: Any) -> None:
-    console = console_report.console()
-    for part in parts:
-        console.print(part, soft_wrap=isinstance(part, str))
-
-
-def _print_json(document: Any) -> None:
-    sys.stdout.buffer.write(to_json(document) + b"\n")
 
 
 def _held_to_checker(verdict: dict[str, Any] | None) -> dict[str, Any] | None:

@@ -27,6 +27,7 @@ from assur.planner.model.outcome import (
     Nearest,
     NotPlanned,
     Outcome,
+    Plan,
     Planned,
     Route,
     Traced,
@@ -90,6 +91,32 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAn
     }
 
 
+def proved_document(cell: Cell, plan: Plan) -> document.CheckedPlan:
+    """A plan with its proof and nothing else: as much of an answer as the checker judges."""
+    return {
+        "schema": "assur/1",
+        "status": "planned",
+        "duration_s": number(plan.trajectory.end - plan.trajectory.start),
+        "start_s": number(plan.trajectory.start),
+        "trajectory": trajectory_document(cell, plan.trajectory),
+        "arrivals": [_arrival(cell, plan.trajectory, arrival) for arrival in plan.arrivals],
+        "legs": [_leg(leg) for leg in plan.legs],
+        "certificate": cast(document.Certificate, certificate_document(plan.certificate, "full")),
+        "request_digest": cell.scene.digest,
+    }
+
+
+def _leg(leg: Leg) -> document.Leg:
+    return {
+        "kind": leg.kind.value,
+        "step": int(leg.step),
+        "from_s": number(leg.t0),
+        "to_s": number(leg.t1),
+        "note": note(leg.route),
+        "route": None if leg.route is None else _route(leg.route),
+    }
+
+
 def _not_planned(cell: Cell, outcome: NotPlanned) -> document.NotPlannedAnswer:
     relaxation = outcome.relaxation
     return {
@@ -125,17 +152,6 @@ def _best(cell: Cell, best: BestCandidate) -> document.BestCandidate:
         "bodies": None if best.bodies is None else list(best.bodies),
         "gap_m": optional(best.gap_m),
         "required_m": optional(best.required_m),
-    }
-
-
-def _leg(leg: Leg) -> document.Leg:
-    return {
-        "kind": leg.kind.value,
-        "step": int(leg.step),
-        "from_s": number(leg.t0),
-        "to_s": number(leg.t1),
-        "note": note(leg.route),
-        "route": None if leg.route is None else _route(leg.route),
     }
 
 

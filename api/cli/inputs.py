@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
-from assur.scenes.bounds import MAX_JSON_BYTES
-from assur.scenes.faults import NOTHING, likeliest
+from assur.scenes.bounds import MAX_JSON_BYTES, MAX_LOG_BYTES
+from assur.scenes.faults import NOTHING, DocumentError, likeliest
 from assur.scenes.files import json_in
 from assur.scenes.motion_log import MotionLog, load_log
 from assur.scenes.requests import (
@@ -160,6 +160,26 @@ def log_file(path: Path) -> MotionLog:
     if not _is_file(path):
         raise InputError("LOG", str(path), "a file")
     return load_log(path)
+
+
+def plan_file(path: Path, what: str = "an answer with a plan") -> Any:
+    """The answer in a file that `assur plan --out` wrote. Raises `InputError` or `OSError`."""
+    return json_file(path, "PLAN", what)
+
+
+def text_file(path: Path, name: str) -> str:
+    """The text in the file that was given as `name`. Raises `InputError`, with the line, or `OSError`."""
+    if not _is_file(path):
+        raise InputError(name, str(path), "a file")
+    with path.open("rb") as file:
+        data = file.read(MAX_LOG_BYTES + 1)
+    if len(data) > MAX_LOG_BYTES:
+        raise InputError(name, f"more than {MAX_LOG_BYTES} bytes", f"at most {MAX_LOG_BYTES} bytes")
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise DocumentError(name, f"byte {error.start} of the file", "text in UTF-8", line) from None
 
 
 def json_file(path: Path, name: str, what: str) -> Any:

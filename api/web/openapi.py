@@ -8,6 +8,7 @@ from typing_extensions import TypedDict
 
 from assur.api.problems import MEDIA_TYPE, STATUS
 from assur.api.web.service import scenario_request
+from assur.scenes.exports.doors import export_schemas
 from assur.scenes.requests import ik_schema, request_schema
 from assur.scenes.scenarios import scenario_text
 
@@ -177,6 +178,9 @@ REPORT_BODY = body(
     {},
 )
 
+EXPORT_BODY = body({"$ref": "#/components/schemas/ExportQuestion"}, {})
+TRAJECTORY_BODY = body({"$ref": "#/components/schemas/TrajectoryQuestion"}, {})
+
 IK_BODY = body(
     {"$ref": "#/components/schemas/IkQuestion"},
     {
@@ -190,8 +194,13 @@ IK_BODY = body(
 
 def complete(document: dict[str, Any]) -> dict[str, Any]:
     """FastAPI's own description with our schemas and the demo's whole request as an example."""
-    request, question = request_schema(), ik_schema()
-    parts = {name: _moved(part) for of in (request, question) for name, part in of.pop("$defs", {}).items()}
+    request, question, export, trajectory = request_schema(), ik_schema(), *export_schemas()
+    every = request, question, export, trajectory
+    parts = {name: _moved(part) for of in every for name, part in of.pop("$defs", {}).items()}
+    for asked, needed in ((export, ["request", "plan"]), (trajectory, ["request"])):
+        asked["properties"]["request"] = {"$ref": "#/components/schemas/Request"}
+        asked["properties"]["plan"] = {"$ref": "#/components/schemas/PlannedAnswer"}
+        asked["required"] = [*needed, *asked.get("required", [])]
     question["properties"]["request"] = {"$ref": "#/components/schemas/Request"}
     question["allOf"].append({"oneOf": [{"required": ["request"]}, {"required": ["robot"]}]})
     request.pop("$schema", None)
@@ -199,6 +208,8 @@ def complete(document: dict[str, Any]) -> dict[str, Any]:
         parts,
         Request=_moved(request),
         IkQuestion=_moved(question),
+        ExportQuestion=_moved(export),
+        TrajectoryQuestion=_moved(trajectory),
         Document={"description": "a JSON document"},
         Problem=PROBLEM_SCHEMA,
     )

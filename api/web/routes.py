@@ -15,10 +15,12 @@ from assur.api.problems import Problem
 from assur.api.web.body_reader import read_body
 from assur.api.web.openapi import (
     CHECK_BODY,
+    EXPORT_BODY,
     IK_BODY,
     PARSE_BODY,
     PLAN_BODY,
     REPORT_BODY,
+    TRAJECTORY_BODY,
     VIEW_BODY,
     Live,
     Parsed,
@@ -35,6 +37,7 @@ from assur.planner.errors import InputError
 from assur.scenes.requests import request_schema, robots, shipped_scenarios
 from assur.scenes.scenarios import scenario_text
 from assur.scenes.schema.answer import Answer, Verdict
+from assur.scenes.schema.export import ExportAnswer, TrajectoryVerdict
 from assur.scenes.schema.ik import IkAnswer
 from assur.scenes.schema.view import ViewDocument
 
@@ -152,6 +155,30 @@ async def view(request: Request) -> Response:
 async def report(request: Request) -> Response:
     body = await read_admitted(request, CHECK_BODY_BYTES)
     return await _unless_gone(request, service_of(request).report(body), "text/html")
+
+
+@bodies.post(
+    "/v1/plans/export",
+    summary="A plan as a controller's file, proved on the points of the file",
+    response_model=ExportAnswer,
+    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
+    openapi_extra=EXPORT_BODY,
+)
+async def export(request: Request) -> Response:
+    body = await read_admitted(request, CHECK_BODY_BYTES)
+    return await _unless_gone(request, service_of(request).export(body))
+
+
+@bodies.post(
+    "/v1/trajectories/check",
+    summary="Prove or refute a trajectory that was made elsewhere",
+    response_model=TrajectoryVerdict,
+    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
+    openapi_extra=TRAJECTORY_BODY,
+)
+async def check_trajectory(request: Request) -> Response:
+    body = await read_admitted(request, CHECK_BODY_BYTES)
+    return await _unless_gone(request, service_of(request).check_trajectory(body))
 
 
 @bodies.post(

@@ -79,6 +79,14 @@ class Service:
         """The page that plays the request and plan in `body`. Raises `Problem`."""
         return await self.do(Order(jobs.report, (body,), _digest("report", body), self.settings.check_s))
 
+    async def export(self, body: bytes) -> jobs.Answer:
+        """The plan in `body` as a controller's file. Raises `Problem`."""
+        return await self.do(Order(jobs.export, (body,), _digest("export", body), self.settings.check_s))
+
+    async def check_trajectory(self, body: bytes) -> jobs.Answer:
+        """The verdict on the trajectory in `body`. Raises `Problem`."""
+        return await self.do(Order(jobs.check_trajectory, (body,), _digest("trajectory", body), self.settings.check_s))
+
     async def ik(self, body: bytes) -> jobs.Answer:
         """The joint positions, or the pose of the tool, that `body` asks for. Raises `Problem`."""
         return await self.do(Order(jobs.ik, (body,), _digest("ik", body), self.settings.check_s))

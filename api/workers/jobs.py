@@ -17,6 +17,8 @@ from assur.api.version import version
 from assur.api.workers.worker_process import CalledOffError, Tell
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.progress import Progress
+from assur.scenes.exports.doors import check_trajectory_document, export_document
+from assur.scenes.faults import NOTHING
 from assur.scenes.requests import (
     cell_of,
     check_document,
@@ -73,6 +75,7 @@ TOLD_S = 0.1
 """How far a search has come is told this often, s."""
 BOTH = 'an object with the fields "request" and "plan" and no others'
 """What the body of a check, and of a view, is."""
+BOTH_AND = 'an object with the fields "request" and "plan"'
 Reply = Answer | Problem | Fault
 
 
@@ -190,6 +193,35 @@ def parse(body: bytes) -> Reply:
         return {"status": "parsed", "about": scenario.about, "request": request}
 
     return _guarded(work, "status")
+
+
+def export(body: bytes) -> Reply:
+    """The export of the plan in `body`, {"request": ..., "plan": ..., "format": ...}."""
+
+    def work() -> dict[str, Any]:
+        asked = _parsed(body, f"{BOTH_AND} and how to export it")
+        request, plan = _taken(asked, "request"), _taken(asked, "plan")
+        return export_document(request, plan, asked)
+
+    return _guarded(work, "format")
+
+
+def check_trajectory(body: bytes) -> Reply:
+    """The verdict on the trajectory in `body`, {"request": ..., "file": ..., "format": ...}."""
+
+    def work() -> dict[str, Any]:
+        asked = _parsed(body, "a request, a file and its format")
+        request, plan = _taken(asked, "request"), asked.pop("plan", None)
+        return check_trajectory_document(request, asked, plan)
+
+    return _guarded(work, "ok")
+
+
+def _taken(document: dict[str, Any], field: str) -> Any:
+    """The value of a field, taken out of a document. Raises `InputError` where it is missing."""
+    if field not in document:
+        raise InputError(field, NOTHING, f"a {field}, which must be given")
+    return document.pop(field)
 
 
 def request_in(body: bytes) -> dict[str, Any]:

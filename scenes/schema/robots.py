@@ -52,7 +52,9 @@ ModelName = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
 
 Separation = Annotated[float, Field(ge=0.0, le=LARGEST_M)]
 BothSides = Annotated[list[Size], Field(min_length=2, max_length=2)]
-Jerk = Annotated[float, Field(ge=bounds.LEAST, le=1e9)]
+MOST_JERK = 1e9
+"""rad/s³ or m/s³; beyond it only rounding happens."""
+Jerk = Annotated[float, Field(ge=bounds.LEAST, le=MOST_JERK)]
 LinkBodies = Annotated[list[LinkBody], Field(max_length=bounds.MAX_TOOL_BODIES)]
 
 LengthFact = Annotated[Size | Stated[Size], FACT]

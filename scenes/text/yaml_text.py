@@ -63,10 +63,10 @@ class _Open:
         self.key: str | None = None
 
 
-def parse_yaml(data: bytes) -> tuple[Any, Lines]:
+def parse_yaml(data: bytes, *, limit_bytes: int = MAX_YAML_BYTES) -> tuple[Any, Lines]:
     """The document and the line of each of its values. Raises `DocumentError` with field and line."""
-    if len(data) > MAX_YAML_BYTES:
-        raise DocumentError("scenario", f"{len(data)} bytes", f"up to {MAX_YAML_BYTES} bytes")
+    if len(data) > limit_bytes:
+        raise DocumentError("scenario", f"{len(data)} bytes", f"up to {limit_bytes} bytes")
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError as error:

@@ -171,6 +171,8 @@ def test_the_description_of_the_service_is_whole(client: httpx.Client) -> None:
         "/v1/jobs/{name}",
         "/v1/jobs/{name}/answer",
         "/v1/jobs/{name}/events",
+        "/v1/plans/export",
+        "/v1/trajectories/check",
         "/v1/ik",
         "/v1/robots",
         "/v1/scenes",

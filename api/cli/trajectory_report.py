@@ -1,0 +1,48 @@
+"""The verdict on a trajectory that was made elsewhere, for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rich.table import Table
+
+from assur.api.cli.console_report import row, table
+from assur.planner.report.number_format import amount
+
+PLAN_HINT = (
+    "judged as one motion in travel: nothing is gripped or let go, and nothing may touch; --plan judges it with the "
+    "legs of a plan"
+)
+
+
+def lines(name: str, verdict: dict[str, Any]) -> Iterator[Table | str]:
+    """What a verdict says, the first violation before all findings."""
+    said = "proved" if verdict["ok"] else "refused"
+    yield (
+        f"{name}: {said}, {verdict['points']} points from {verdict['start_s']:.6g} s, "
+        f"{verdict['duration_s']:.6g} s long, up to {1e3 * verdict['start_tolerance_s']:.6g} ms late"
+    )
+    if verdict["judged_as"] == "travel":
+        yield PLAN_HINT
+    first = verdict["first"]
+    if first is not None:
+        by = "" if first["amount"] is None else f", by {amount(first['amount'], first['unit'])}"
+        yield f"first violation     {first['time_s']:.6g} s: {first['what']}{by}"
+    nearest = verdict["clearance"]
+    if nearest is not None:
+        bodies = " and ".join(nearest["bodies"])
+        yield f"smallest clearance  {1e3 * nearest['gap_m']:.2f} mm at {nearest['time_s']:.3f} s, {bodies}"
+    jerks = [
+        f"{each['joint']} {each['highest']:.6g}, limit {each['of_request']:.6g}"
+        for each in verdict["jerk"]
+        if each["highest"] is not None
+    ]
+    yield f"highest jerk        {'; '.join(jerks) or 'no bound'}"
+    if verdict["findings"]:
+        found = table("what is wrong", ">by", "where")
+        for finding in verdict["findings"]:
+            row(found, finding["what"], amount(finding["amount"], finding["unit"]), finding["where"])
+        yield ""
+        yield found
+    yield verdict["notice"]

@@ -1,0 +1,189 @@
+"""A motion that was made elsewhere: whether it keeps the limits, and keeps everything apart, as one motion in travel.
+
+It has no legs, so nothing is gripped or let go on its way: what is held at the start stays held, nothing may touch, and
+the clearances are those of travel. Limits, separation and what is enclosed are judged by the checker's own means, on
+rows that the prover finds; the planner only looks for what is violated first, and for where the motion comes nearest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from assur.planner.checker import check
+from assur.planner.checker.enclosure import enclosed
+from assur.planner.checker.limits import limits, loads
+from assur.planner.checker.rows import Apart
+from assur.planner.checker.solids import CARRIER, Solids, solids
+from assur.planner.checker.tracking import assembled, pulled, turned_into
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.checker.world import World
+from assur.planner.collision.nearest import nearest
+from assur.planner.collision.proof import Prover
+from assur.planner.collision.rows import Rows, Unproved, written
+from assur.planner.frames import ALWAYS
+from assur.planner.kernels.limits import NONE, first_beyond
+from assur.planner.kernels.proof import ROW_COLUMNS
+from assur.planner.model.attachments import at_start
+from assur.planner.model.outcome import Arrival, Leg, LegKind, Nearest, Plan
+from assur.planner.model.phases import Phase, handled_at_start, phases, stay_phases
+from assur.planner.model.scene import Scene
+from assur.planner.resampling.certifying import kept_legs, unproved
+from assur.planner.robots.facts import Limits
+from assur.planner.trajectory import Trajectory, accepted_bands
+
+NARROW_S = 1e-3
+"""s. How near to the first violation its time is told: nothing before that time less this is violated."""
+RATES = ("position", "velocity", "acceleration", "jerk")
+
+
+@dataclass(frozen=True, slots=True)
+class First:
+    """What is violated first: `what`, at `time`, by how much; the pair that comes too near, or the joint."""
+
+    what: str
+    time: float
+    amount: float
+    unit: str
+    bodies: tuple[str, str] | None = None
+    joint: int | None = None
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What came of a motion: nothing found means that it is proved. `clearance`: where it comes nearest to anything,
+    with no error of what is not known; None where nothing has to be kept apart, or the motion is not known."""
+
+    findings: tuple[Finding, ...]
+    first: First | None
+    clearance: Nearest | None
+
+
+def travel(scene: Scene, trajectory: Trajectory) -> tuple[Phase, ...]:
+    """The phases of a motion without legs: one in travel, and the standstill behind it that the request asks for."""
+    attached, handled = at_start(scene), handled_at_start(scene)
+    one = Phase(trajectory.start, trajectory.end, LegKind.MOVE, 0, attached, handled=handled)
+    rest = stay_phases(scene, trajectory.end, attached, handled) if trajectory.rest_at_end else []
+    return (one, *(phase for phase in rest if phase.robot))
+
+
+@np.errstate(all="ignore")
+def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> Judged:
+    """Whether a motion of the robot of `scene` keeps the limits and keeps everything apart. Its times are those of the
+    scene's clock; it may be late by what the scene says (`start_tolerance_s`), and its joints may lag as that says.
+
+    `plan`: whose legs the motion has, and whose arrivals it promises; None: it is one motion in travel.
+    """
+    legs: tuple[Leg, ...] = (Leg(LegKind.MOVE, 0, trajectory.start, trajectory.end),)
+    arrivals: tuple[Arrival, ...] = ()
+    if plan is None:
+        of_motion = travel(scene, trajectory)
+    else:
+        legs, arrivals = kept_legs(plan, trajectory)
+        of_motion = phases(scene, legs, arrivals)
+    prover, proofs, resisted = Prover(scene), list[Rows](), None
+    for phase in of_motion:
+        rows = prover.prove(phase, trajectory)
+        if isinstance(rows, Unproved):
+            resisted = phase, rows
+            break
+        proofs.append(rows)
+    none = Rows(prover.of(of_motion[0]), np.zeros((0, ROW_COLUMNS)))
+    made = Plan(trajectory, legs, arrivals, written(scene, trajectory, legs, arrivals, proofs or [none]))
+    first = [beyond(scene, of_motion, trajectory)]
+    if resisted is not None:
+        earliest = _earliest(prover, *resisted, trajectory)
+        findings = limits(World(scene, made), blended=trajectory.jumps)
+        findings.append(unproved(earliest, "travel" if plan is None else resisted[0].kind))
+        amount = earliest.required - earliest.gap
+        first.append(First(findings[-1].what, earliest.time, amount, "m", earliest.bodies))
+    elif plan is None:
+        findings = _in_travel(scene, made, of_motion)
+    else:
+        findings = list(check(scene, made).findings)
+    found = [each for each in first if each is not None]
+    clearance = nearest(prover, trajectory, of_motion)
+    return Judged(tuple(findings), min(found, key=_when, default=None), clearance)
+
+
+def _when(first: First) -> float:
+    return first.time
+
+
+def _in_travel(scene: Scene, made: Plan, of_motion: tuple[Phase, ...]) -> list[Finding]:
+    """What the checker finds of a motion without legs: all that it looks at but for what a task asks."""
+    world, blended = World(scene, made), made.trajectory.jumps
+    findings, broken = limits(world, blended=blended), assembled(world)
+    if broken:
+        return findings + broken
+    table = solids(scene, of_motion)
+    findings += loads(world, of_motion, None, blended=blended) + pulled(world, of_motion) + turned_into(world)
+    findings += _unknown(scene, table, of_motion)
+    apart = Apart.of(scene, of_motion, table, world.tables)
+    return findings + apart.found(made.certificate, -np.inf)[0] + enclosed(world, apart)
+
+
+def _earliest(prover: Prover, phase: Phase, resisted: Unproved, trajectory: Trajectory) -> Unproved:
+    """What resists first, up to `NARROW_S`: the phase up to that time less this is proved."""
+    low, high, found = phase.t0, min(max(resisted.time, phase.t0), phase.t1), resisted
+    while high - low > NARROW_S:
+        middle = (low + high) / 2.0
+        rows = prover.prove(replace(phase, t0=low, t1=middle), trajectory)
+        if isinstance(rows, Unproved):
+            high, found = min(middle, rows.time), rows
+        else:
+            low = middle
+    return found
+
+
+def beyond(scene: Scene, of_motion: tuple[Phase, ...], trajectory: Trajectory) -> First | None:
+    """The first piece on which a joint exceeds a limit, with the load that is carried then; None: none does."""
+    for phase in of_motion:
+        first = max(int(np.searchsorted(trajectory.time, phase.t0, side="right")) - 1, 0)
+        last = min(int(np.searchsorted(trajectory.time, phase.t1)), len(trajectory.time) - 1)
+        if last > first:
+            found = _beyond(scene, phase.attached.limits(scene), trajectory, first, last)
+            if found is not None:
+                return found
+    return None
+
+
+def _beyond(scene: Scene, own: Limits, trajectory: Trajectory, low: int, high: int) -> First | None:
+    """The same between two knots, with these limits."""
+    jerk = None if trajectory.jumps else own.jerk
+    bands = accepted_bands(own.lower, own.upper, own.velocity, own.acceleration, jerk)
+    knots = trajectory.knots
+    if first_beyond(np.ascontiguousarray(knots[low : high + 1]), bands) == NONE:
+        return None
+    while high - low > 1:
+        middle = (low + high) // 2
+        if first_beyond(np.ascontiguousarray(knots[low : middle + 1]), bands) == NONE:
+            low = middle
+        else:
+            high = middle
+    kind, joint = divmod(int(first_beyond(np.ascontiguousarray(knots[low : high + 1]), bands)), trajectory.n)
+    columns = (trajectory.time, trajectory.q, trajectory.qd, trajectory.qdd)
+    least, most = Trajectory(*(each[low : high + 1] for each in columns), jumps=trajectory.jumps).extrema(kind)
+    over = max(float(most[joint] - bands[kind, 1, joint]), float(bands[kind, 0, joint] - least[joint]))
+    unit = ("rad" if scene.robot.joints[joint].kind == "revolute" else "m") + ("", "/s", "/s²", "/s³")[kind]
+    what = f"{scene.robot.joints[joint].name} breaks its {RATES[kind]} limit"
+    return First(what, float(trajectory.time[low]), over, unit, joint=joint)
+
+
+def _unknown(scene: Scene, table: Solids, phases: tuple[Phase, ...]) -> list[Finding]:
+    """A finding for each frame that bears a body and whose motion is not known for as long as the motion lasts."""
+    late, carriers, findings = scene.execution.start_tolerance_s, table.seats[table.seat, CARRIER], []
+    for k, (name, frame) in enumerate(scene.frames.items(), start=table.links):
+        first, last = frame.law.valid
+        if (first, last) == ALWAYS:
+            continue
+        missing = [
+            max(first - phase.t0, phase.t1 + late - last)
+            for i, phase in enumerate(phases)
+            if (carriers[i] == k).any() and not (first <= phase.t0 and phase.t1 + late <= last)
+        ]
+        if missing:
+            what = f"the motion of {name} is not known long enough"
+            findings.append(Finding(Code.LAW_ENDS, what, max(missing), "s", name))
+    return findings

@@ -1,0 +1,57 @@
+"""The doors of this folder: what the service, the command line and Python call. Documents in, documents out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from assur.planner.errors import InputError
+from assur.scenes.requests import cell_of, read_plan
+from assur.scenes.scenarios import with_files
+from assur.scenes.schema.export import ExportDocument, TrajectoryDocument
+from assur.scenes.schema.read import read
+
+TOLERANCE = ("start_tolerance_s", "start_tolerance_ms")
+
+
+def export_document(request: object, plan: object, asked: object, *, folder: Path | None = None) -> dict[str, Any]:
+    """The export of a planned answer with a full certificate, as `asked` says: {"format": ...} (docs/export.md).
+
+    `folder`: below which the request may name files. Raises `InputError` naming the field: for what is wrong with a
+    document, for a plan that is not right, and for a motion that cannot be proved on the grid that is asked for.
+    """
+    from assur.scenes.exports.export import exported, told
+
+    how: ExportDocument = read(ExportDocument, asked)
+    document: Any = request if folder is None else with_files(request, folder)
+    cell = cell_of(document)
+    made, untrue, _ = read_plan(cell, plan)
+    if untrue:
+        raise InputError("plan", "this answer", f"one that is right: {told(untrue)}")
+    return dict(exported(cell, document, made, how))
+
+
+def check_trajectory_document(
+    request: object, asked: object, plan: object | None = None, *, folder: Path | None = None
+) -> dict[str, Any]:
+    """The verdict on a trajectory in a file: `asked` is {"file": TEXT, "format": "csv" or "ros2", ...}
+    (docs/export.md). `plan`: a planned answer whose legs it has; None: it is one motion in travel.
+
+    `folder`: below which the request may name files. Raises `InputError` naming the field, in files with the line.
+    """
+    from assur.scenes.exports.foreign import verdict
+
+    how: TrajectoryDocument = read(TrajectoryDocument, asked)
+    document: Any = request if folder is None else with_files(request, folder)
+    cell = cell_of(document)
+    if how.start_tolerance_s is not None:
+        execution = {key: value for key, value in (document.get("execution") or {}).items() if key not in TOLERANCE}
+        document = {**document, "execution": {**execution, TOLERANCE[0]: how.start_tolerance_s}}
+        cell = cell_of(document)
+    made = None if plan is None else read_plan(cell, plan)[0]
+    return dict(verdict(cell, document, how, made))
+
+
+def export_schemas() -> tuple[dict[str, Any], dict[str, Any]]:
+    """JSON Schemas of what is asked of an export, and of a check of a trajectory, beside request and plan."""
+    return ExportDocument.model_json_schema(), TrajectoryDocument.model_json_schema()

@@ -1,0 +1,211 @@
+"""A plan as a controller's file: on the grid that it runs, proved on it anew, and what that came to.
+
+What is exported is what was proved: the numbers in the file are those of the plan in the export, whose certificate the
+checker has accepted against the request in the export.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from assur.planner.errors import InputError
+from assur.scenes.conventions import as_maker, places
+from assur.scenes.exports.raised import raised, scale_of
+from assur.scenes.numbers import number
+from assur.scenes.schema.export import Deviation, ExportAnswer, ExportDocument, JerkProved, JerkRule
+
+if TYPE_CHECKING:
+    from assur.planner.arrays import FloatArray
+    from assur.planner.checker.verdict import Finding
+    from assur.planner.model.outcome import Plan
+    from assur.planner.trajectory import Trajectory
+    from assur.scenes.reading.cell import Cell
+
+RECIPES = ("spel", "melfa")
+"""Formats that hold no motion, but what a controller needs to make one of its own."""
+SPARE = 1e-6
+"""Share by which a limit is raised above the jerk that is proved against it: for rounding."""
+MOST_FINDINGS = 4
+"""So many findings are told where a motion is not proved."""
+ALLOW_NONZERO = "allow_nonzero_velocity_at_trajectory_end"
+"""The parameter of joint_trajectory_controller without which it refuses a motion that does not end at rest."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A motion that is proved: the cell against whose request it is, the plan, and what is to be said of it."""
+
+    cell: Cell
+    request: dict[str, Any]
+    plan: Plan
+    facts: dict[str, Any]
+
+
+def motion_for(
+    cell: Cell, request: dict[str, Any], made: Plan, form: str, tick_s: float | None, jerk: JerkRule = "limit"
+) -> Motion:
+    """The motion of a plan as a file of a format holds it, proved. `request`: that of the cell, with what files hold.
+
+    `jerk`: whether it must keep the robot's limit, or may be proved against a higher one, which is stated.
+    Raises `InputError` for a motion that cannot be proved, or that the format cannot hold.
+    """
+    from assur.planner.resampling.certifying import kept_legs
+    from assur.planner.resampling.grid import on_nanoseconds, on_ticks
+
+    trajectory = made.trajectory
+    if tick_s is not None and form in RECIPES:
+        raise InputError("tick_s", tick_s, f"none: {form} is a recipe, and its controller makes the motion itself")
+    if form.startswith("ros2"):
+        if trajectory.jumps:
+            allowed = "csv: parabolic blends have two knots at one time, which joint_trajectory_controller refuses"
+            raise InputError("format", form, allowed)
+        trajectory = on_nanoseconds(trajectory)
+        if tick_s is not None and abs(tick_s / 1e-9 - round(tick_s / 1e-9)) > 1e-3:
+            raise InputError("tick_s", tick_s, "whole nanoseconds, for ROS times are")
+    if tick_s is not None:
+        legs, arrivals = kept_legs(made, trajectory)
+        base = replace(made, trajectory=trajectory, legs=legs, arrivals=arrivals)
+        trajectory = on_ticks(cell.scene, base, tick_s)
+    return _proved(cell, request, made, trajectory, tick_s, jerk)
+
+
+def _proved(
+    cell: Cell, request: dict[str, Any], made: Plan, trajectory: Trajectory, tick_s: float | None, jerk: JerkRule
+) -> Motion:
+    from assur.planner.model.phases import phases
+    from assur.planner.resampling.certifying import Refuted, kept_legs, recertified
+    from assur.planner.resampling.measured import deviation, ratios
+
+    of_plan = phases(cell.scene, *kept_legs(made, trajectory))
+    share = ratios(cell.scene, of_plan, trajectory)[2]
+    worst, own = int(share.argmax()), cell.scene.robot.limits.jerk
+    factor = 1.0
+    if tick_s is not None and share[worst] > 1.0:
+        joint = cell.scene.robot.joints[worst].name
+        if jerk == "limit" and scale_of(request) * share[worst] > 1.0:
+            allowed = (
+                f"a motion that keeps its limits: between ticks the jerk of {joint} is {share[worst]:.3f} times its "
+                f"limit; say jerk report to have it proved against a higher limit, take a shorter tick, or plan with "
+                f"limits: {{jerk: {0.99 * scale_of(request) / share[worst]:.2f}}}"
+            )
+            raise InputError("tick_s", tick_s, allowed)
+        factor = float(share[worst]) * (1.0 + SPARE)
+        request = raised(request, factor)
+        cell = cell_in(request)
+    proved = recertified(cell.scene, made, trajectory)
+    if isinstance(proved, Refuted):
+        raise InputError("plan", "this motion", f"one that can be proved; the checker says: {told(proved.findings)}")
+    limits = cell.scene.robot.limits.jerk
+    highest = abs(share * own)
+    off, of_maker = deviation(made.trajectory, trajectory), places(cell.conventions)
+    peaks: list[JerkProved] = [
+        {
+            "joint": joint.name,
+            "highest": None if trajectory.jumps else number(highest[i] + 0.0),
+            "limit": number(limits[i]),
+            "of_request": number(own[i]),
+        }
+        for joint, i in zip(cell.conventions, of_maker.tolist(), strict=True)
+    ]
+    offs: list[Deviation] = [
+        {"joint": joint.name, "at_most": number(x)}
+        for joint, x in zip(cell.conventions, off[of_maker].tolist(), strict=True)
+    ]
+    facts = {
+        "knots": len(trajectory.time),
+        "start_s": number(trajectory.start),
+        "duration_s": number(trajectory.duration),
+        "tick_s": tick_s,
+        "shortest_step_s": number((trajectory.time[1:] - trajectory.time[:-1]).min()),
+        "deviation": offs,
+        "jerk": peaks,
+        "jerk_raised": number(factor),
+        "ends_moving": not trajectory.rest_at_end,
+        "request_digest": cell.scene.digest,
+        "certificate_digest": proved.certificate.digest,
+    }
+    return Motion(cell, request, proved, facts)
+
+
+def cell_in(request: dict[str, Any]) -> Cell:
+    """The cell of a request in which no file is named."""
+    from assur.scenes.reading.cell import cell_of
+    from assur.scenes.requests import validate
+
+    return cell_of(request, validate(request))
+
+
+def told(findings: tuple[Finding, ...]) -> str:
+    """The first findings, in words."""
+    said = [f"{each.what} ({each.where})" if each.where else each.what for each in findings[:MOST_FINDINGS]]
+    more = len(findings) - MOST_FINDINGS
+    return "; ".join(said) + (f"; and {more} more" if more > 0 else "")
+
+
+def statement(motion: Motion) -> list[str]:
+    """What an export says of itself, in short lines; files of text begin with it."""
+    facts, conventions = motion.facts, motion.cell.conventions
+    from assur.scenes.answer import NOTICE
+
+    jerks = []
+    for joint, peak in zip(conventions, facts["jerk"], strict=True):
+        if peak["highest"] is None:
+            jerks.append(f"{joint.name} has no bound")
+            continue
+        more = "" if peak["limit"] == peak["of_request"] else f" (limit of the request {peak['of_request']:.6g})"
+        jerks.append(f"{joint.name} {peak['highest']:.6g} of {peak['limit']:.6g} {joint.unit}/s3{more}")
+    off = [
+        f"{joint.name} {x['at_most']:.2g} {joint.unit}"
+        for joint, x in zip(conventions, facts["deviation"], strict=True)
+    ]
+    grid = "knots of the plan" if facts["tick_s"] is None else f"ticks of {1e3 * facts['tick_s']:g} ms"
+    lines = [
+        f"{facts['knots']} points at {grid}, {1e3 * facts['shortest_step_s']:.6g} ms apart at the least",
+        f"starts at {facts['start_s']:.9g} s of the cell's clock, lasts {facts['duration_s']:.9g} s",
+        f"highest jerk and the limit that it is proved against: {', '.join(jerks)}",
+        f"deviates from the plan by at most: {', '.join(off)}",
+        "quintic between points: any other interpolation is another motion, and is not proved",
+        f"request {facts['request_digest']}",
+        f"certificate {facts['certificate_digest']}",
+        NOTICE,
+    ]
+    if facts["ends_moving"]:
+        lines.insert(2, f"does not end at rest: joint_trajectory_controller takes it only with {ALLOW_NONZERO}: true")
+    return lines
+
+
+def exported(cell: Cell, request: dict[str, Any], made: Plan, asked: ExportDocument) -> ExportAnswer:
+    """The export of a plan that has been read; `request`: that of the cell, with what files hold in it.
+
+    Raises `InputError` for a motion that cannot be proved, or that the format cannot hold.
+    """
+    from assur.scenes.answer import NOTICE, proved_document
+    from assur.scenes.exports import motion_text, recipe
+
+    motion = motion_for(cell, request, made, asked.format, asked.tick_s, asked.jerk)
+    text = {
+        "csv": motion_text.csv_text,
+        "ros2": motion_text.ros2_yaml,
+        "ros2-json": motion_text.ros2_json,
+        "spel": recipe.spel,
+        "melfa": recipe.melfa,
+    }
+    notes = list(recipe.NOTES) if asked.format in RECIPES else []
+    return {
+        "schema": "assur/1",
+        "format": asked.format,
+        "file": text[asked.format](motion),
+        "statement": notes + statement(motion),
+        **motion.facts,  # type: ignore[typeddict-item]
+        "request": motion.request,
+        "plan": proved_document(motion.cell, motion.plan),
+        "notice": NOTICE,
+    }
+
+
+def columns(motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Times (K,) and q, q̇, q̈ (K, n) as the maker counts the joints, rad or m."""
+    trajectory, conventions = motion.plan.trajectory, motion.cell.conventions
+    q, qd, qdd = (as_maker(each, conventions) for each in (trajectory.q, trajectory.qd, trajectory.qdd))
+    return trajectory.time, q, qd, qdd

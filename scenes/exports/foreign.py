@@ -1,0 +1,117 @@
+"""The verdict on a trajectory that we did not make, as a document."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from assur.planner.errors import InputError
+from assur.scenes.conventions import places
+from assur.scenes.exports.export import SPARE, cell_in
+from assur.scenes.exports.raised import raised
+from assur.scenes.exports.trajectory_file import trajectory_from
+from assur.scenes.numbers import number, optional
+from assur.scenes.schema.export import JerkProved, TrajectoryVerdict
+from assur.scenes.schema.robots import MOST_JERK
+
+if TYPE_CHECKING:
+    from assur.planner.model.outcome import Nearest, Plan
+    from assur.planner.resampling.foreign import First
+    from assur.planner.trajectory import Trajectory
+    from assur.scenes.reading.cell import Cell
+    from assur.scenes.schema import answer as written
+    from assur.scenes.schema.export import FirstViolation, TrajectoryDocument
+
+EARLY_S = 1e-9
+"""By how much a trajectory may begin before the request does, s: rounding of its times."""
+
+
+def verdict(cell: Cell, request: dict[str, Any], asked: TrajectoryDocument, plan: Plan | None) -> TrajectoryVerdict:
+    """Whether the trajectory in a file keeps the limits and keeps everything apart. `request`: that of the cell, with
+    what files hold in it; `plan`: whose legs it has, and whose promises it must keep. Raises `InputError`."""
+    from assur.planner.model.phases import phases
+    from assur.planner.resampling.certifying import kept_legs
+    from assur.planner.resampling.foreign import judged, travel
+    from assur.planner.resampling.measured import ratios
+    from assur.scenes.answer import NOTICE
+
+    scene = cell.scene
+    start = scene.start.time if asked.start_s is None else asked.start_s
+    if asked.start_s is not None and asked.format == "csv":
+        raise InputError("start_s", asked.start_s, "none for csv, whose time_s is the cell's clock")
+    trajectory = trajectory_from(
+        asked.file.encode(), asked.format, cell.conventions, start, jumps=scene.options.blended
+    )
+    if not trajectory.start >= scene.start.time - EARLY_S:
+        allowed = f"times from {scene.start.time:g} s on, when the request begins"
+        raise InputError("file", trajectory.start, allowed)
+    if plan is not None:
+        _hold_to(plan, trajectory)
+    of_motion = travel(scene, trajectory) if plan is None else phases(scene, *kept_legs(plan, trajectory))
+    own, share = scene.robot.limits.jerk, ratios(scene, of_motion, trajectory)[2]
+    if asked.jerk == "report" and not trajectory.jumps and share.max() > 1.0:
+        # beyond what a robot's document may say the jerk is a violation all the same
+        factor = min(float(share.max()) * (1.0 + SPARE), MOST_JERK / float(own.max()))
+        cell = cell_in(raised(request, factor)) if factor > 1.0 else cell
+    found = judged(cell.scene, trajectory, plan)
+    limits = cell.scene.robot.limits.jerk
+    jerk: list[JerkProved] = [
+        {
+            "joint": joint.name,
+            "highest": None if trajectory.jumps else optional(abs(share[i] * own[i])),
+            "limit": number(limits[i]),
+            "of_request": number(own[i]),
+        }
+        for joint, i in zip(cell.conventions, places(cell.conventions).tolist(), strict=True)
+    ]
+    findings: list[written.Finding] = [
+        {
+            "code": str(each.code),
+            "what": each.what,
+            "amount": optional(each.amount),
+            "unit": each.unit,
+            "where": each.where,
+        }
+        for each in found.findings
+    ]
+    return {
+        "schema": "assur/1",
+        "ok": not findings,
+        "judged_as": "travel" if plan is None else "plan",
+        "findings": findings,
+        "first": None if found.first is None else _first(found.first),
+        "clearance": None if found.clearance is None else _nearest(found.clearance),
+        "jerk": jerk,
+        "points": len(trajectory.time),
+        "start_s": number(trajectory.start),
+        "duration_s": number(trajectory.duration),
+        "start_tolerance_s": number(scene.execution.start_tolerance_s),
+        "request_digest": scene.digest,
+        "notice": NOTICE,
+    }
+
+
+def _hold_to(plan: Plan, trajectory: Trajectory) -> None:
+    """Raises `InputError` for a trajectory that cannot have the legs of a plan."""
+    own, last = plan.trajectory, max((each.until for each in plan.arrivals), default=plan.trajectory.end)
+    if abs(trajectory.start - own.start) > EARLY_S or not trajectory.end >= last - EARLY_S:
+        allowed = f"a motion from {own.start:.9g} s until {last:.9g} s at least, as the plan's legs last"
+        raise InputError("file", (trajectory.start, trajectory.end), allowed)
+
+
+def _first(first: First) -> FirstViolation:
+    return {
+        "what": first.what,
+        "time_s": number(first.time),
+        "amount": optional(first.amount),
+        "unit": first.unit,
+        "bodies": None if first.bodies is None else list(first.bodies),
+    }
+
+
+def _nearest(nearest: Nearest) -> written.Nearest:
+    return {
+        "gap_m": number(nearest.gap_m),
+        "time_s": number(nearest.time),
+        "bodies": list(nearest.bodies),
+        "phase": str(nearest.phase),
+    }

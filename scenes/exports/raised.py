@@ -1,0 +1,43 @@
+"""A request with a higher limit of jerk: that against which a motion on a coarse grid is proved, as it is said."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from assur.scenes.catalogue import shipped_robot
+from assur.scenes.schema.robots import FAMILIES
+
+JERKS = ("jerk_rad_s3", "jerk_m_s3", "jerk_deg_s3", "jerk_mm_s3")
+
+
+def scale_of(request: dict[str, Any]) -> float:
+    """The scale of the robot's own jerks that a request sets."""
+    return float((request["robot"].get("limits") or {}).get("jerk", 1.0))
+
+
+def raised(request: dict[str, Any], factor: float) -> dict[str, Any]:
+    """The request with `factor` times the jerks, which is above 1; what files hold must stand in it.
+
+    A scale of the jerk below 1 is raised; beyond that the arm is written out, with higher jerks.
+    """
+    robot = dict(request["robot"])
+    limits = dict(robot.get("limits") or {})
+    scale = scale_of(request) * factor
+    limits["jerk"] = min(1.0, scale)
+    robot["limits"] = limits
+    if scale > 1.0:
+        if "model" in robot:
+            robot.update(shipped_robot(robot.pop("model")).document)
+        family = next(name for name in FAMILIES if name in robot)
+        joints = [_raised(joint, scale) for joint in robot[family]["joints"]]
+        robot[family] = {**robot[family], "joints": joints}
+    return {**request, "robot": robot}
+
+
+def _raised(joint: dict[str, Any], factor: float) -> dict[str, Any]:
+    found = dict(joint)
+    for key in JERKS:
+        if key in found:
+            fact = found[key]
+            found[key] = {**fact, "value": factor * fact["value"]} if isinstance(fact, dict) else factor * fact
+    return found

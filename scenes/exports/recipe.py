@@ -1,0 +1,213 @@
+"""A plan as a recipe in the language of a maker's controller: points, speeds, accelerations and arches, with notes.
+
+It is not executed here, and nothing of it is proved: the controller makes a motion of its own from it. It says at which
+points, at what speeds and how high the plan goes, for who writes the program.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from assur.planner.errors import InputError
+from assur.scenes.conventions import as_maker
+
+if TYPE_CHECKING:
+    from assur.planner.checker.world import World
+    from assur.planner.model.outcome import Leg
+    from assur.scenes.exports.export import Motion
+
+NOTES = (
+    "RECIPE, NOT EXECUTED AND NOT PROVED HERE: the controller makes its own motion from it.",
+    "Try it at low speed. Points are those of the plan, in mm and deg in the robot's base frame, with its tool.",
+    "Speeds and accelerations are the highest of the plan in each leg; per cent are of the limits in the model.",
+)
+"""What a recipe says first."""
+INSTANTS = 200
+"""Times of a leg at which its path is looked at."""
+UPRIGHT_M = 1e-3
+"""An arch counts as vertical while the tool is within this distance, m, of where it began or ends."""
+MOVING = 1e-3
+"""rad/s or m/s: a joint that is faster when a leg ends does not stop there."""
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How a controller writes comments, points (name, x, y, z, yaw, whether right-handed) and motions."""
+
+    comment: str
+    point: str
+    hands: tuple[str, str]
+    joint_rates: str
+    line_rates: str
+    arch: str
+    jump: str
+    go: str
+    line: str
+    on: tuple[str, str]
+    wait: str
+    first: tuple[str, ...]
+    last: tuple[str, ...]
+
+
+SPEL = Dialect(
+    comment="' ",
+    point="P{n} = XY({x:.3f}, {y:.3f}, {z:.3f}, {u:.3f}) {hand}",
+    hands=("/L", "/R"),
+    joint_rates="Speed {speed}: Accel {accel}, {accel}",
+    line_rates="SpeedS {mm_s}: AccelS {mm_s2}, {mm_s2}",
+    arch="Arch 0, {up:.1f}, {down:.1f}",
+    jump="Jump P{n} LimZ {top:.1f} C0",
+    go="Go P{n}{on}",
+    line="Move P{n}{on}",
+    on=("", " CP"),
+    wait="Wait {s:.3f}",
+    first=("Function main",),
+    last=("Fend",),
+)
+MELFA = Dialect(
+    comment="' ",
+    point="P{n}=({x:.3f},{y:.3f},{z:.3f},0,0,{u:.3f})({hand},0)",
+    hands=("0", "4"),
+    joint_rates="JOvrd {speed}\nAccel {accel},{accel}",
+    line_rates="Spd {mm_s}",
+    arch="' arch: straight up {up:.1f} mm, straight down {down:.1f} mm (Arch of the controller, if it has one)",
+    jump="PTOP=P{n}\nPTOP.Z={top:.1f}\nMov PTOP\nMov P{n}",
+    go="Mov P{n}",
+    line="Mvs P{n}",
+    on=("Cnt 0", "Cnt 1"),
+    wait="Dly {s:.3f}",
+    first=("Servo On",),
+    last=("End",),
+)
+
+
+def spel(motion: Motion) -> str:
+    """The recipe in SPEL+. Raises `InputError` for an arm that is no SCARA with a wrist."""
+    return _recipe(motion, SPEL, "spel")
+
+
+def melfa(motion: Motion) -> str:
+    """The recipe in MELFA-BASIC. Raises `InputError` for an arm that is no SCARA with a wrist."""
+    return _recipe(motion, MELFA, "melfa")
+
+
+def _recipe(motion: Motion, dialect: Dialect, form: str) -> str:
+    from assur.planner.checker.world import World
+
+    scene = motion.cell.scene
+    if scene.robot.facts[0] != "scara" or "yaw" not in scene.robot.coordinates:
+        raise InputError("format", form, f"csv, ros2 or ros2-json: {scene.robot.name} is no SCARA with a wrist")
+    world, legs = World(scene, motion.plan), motion.plan.legs
+    facts = motion.facts
+    notes = [*NOTES, f"{scene.robot.name}; request {facts['request_digest']}"]
+    notes.append(
+        f"the plan starts at {facts['start_s']:.3f} s of the cell's clock and lasts {facts['duration_s']:.3f} s"
+    )
+    points = [_point(motion, world, dialect, 0, motion.plan.trajectory.start)]
+    steps: list[str] = []
+    for number, leg in enumerate(legs, start=1):
+        points.append(_point(motion, world, dialect, number, leg.t1))
+        steps += _leg(motion, world, dialect, number, leg)
+    notes = [f"{dialect.comment}{note}" for note in notes]
+    if form == "melfa":
+        return "\n".join([*notes, *points, *dialect.first, *steps, *dialect.last]) + "\n"
+    return "\n".join([*notes, *dialect.first, *points, *steps, *dialect.last]) + "\n"
+
+
+def _point(motion: Motion, world: World, dialect: Dialect, number: int, t: float) -> str:
+    scene = motion.cell.scene
+    tool, base = world.tool(t), scene.robot.base
+    dx, dy, c, s = tool.x - base.x, tool.y - base.y, math.cos(base.yaw), math.sin(base.yaw)
+    x, y = c * dx + s * dy, c * dy - s * dx
+    yaw = math.degrees(math.remainder(tool.yaw - base.yaw, math.tau))
+    q = motion.plan.trajectory.evaluate(t)
+    mode = int(scene.robot.mode_of(q))
+    name = scene.robot.modes[mode] if mode >= 0 else "none"
+    own = as_maker(q, motion.cell.conventions)
+    joints = ", ".join(
+        f"{joint.name} {math.degrees(value):.3f} deg" if joint.unit == "rad" else f"{joint.name} {1e3 * value:.3f} mm"
+        for joint, value in zip(motion.cell.conventions, own.tolist(), strict=True)
+    )
+    hand = dialect.hands[name == "right"]
+    made = dialect.point.format(n=number, x=1e3 * x, y=1e3 * y, z=1e3 * (tool.z - base.z), u=yaw, hand=hand)
+    return f"{made}  {dialect.comment}{t:.4f} s, {name}: {joints}"
+
+
+def _leg(motion: Motion, world: World, dialect: Dialect, number: int, leg: Leg) -> list[str]:
+    from assur.planner.legs.tool_motion import tool_peaks
+    from assur.planner.model.outcome import TRACKING, Course, LegKind
+
+    scene, trajectory, step = motion.cell.scene, motion.plan.trajectory, motion.cell.scene.task[leg.step]
+    told = [f"{dialect.comment}{leg.kind} for {step.name}, {leg.t0:.4f} to {leg.t1:.4f} s"]
+    if leg.kind is LegKind.WAIT or (leg.kind is LegKind.FOLLOW and not _moves(world, leg)):
+        return [*told, dialect.wait.format(s=leg.t1 - leg.t0)]
+    if leg.kind in TRACKING and _frame_moves(motion, leg):
+        told.append(f"{dialect.comment}  the point moves: the controller must track its frame here; P{number} is where")
+        told.append(f"{dialect.comment}  the plan is at {leg.t1:.4f} s of the cell's clock")
+    t = np.linspace(leg.t0, leg.t1, INSTANTS)
+    limits = scene.robot.limits
+    speed = float((np.abs(trajectory.evaluate(t, 1)) / limits.velocity).max())
+    accel = float((np.abs(trajectory.evaluate(t, 2)) / limits.acceleration).max())
+    peaks = tool_peaks(scene, trajectory, leg.t0, leg.t1)
+    straight = leg.kind in TRACKING or (leg.route is not None and leg.route.course in (Course.STRAIGHT, Course.PATH))
+    on = dialect.on[bool((np.abs(trajectory.evaluate(leg.t1, 1)) > MOVING).any())]
+    rates = dialect.line_rates if straight else dialect.joint_rates
+    told.append(
+        rates.format(
+            speed=_share(speed), accel=_share(accel), mm_s=_whole(peaks.speed), mm_s2=_whole(peaks.acceleration)
+        )
+    )
+    if not on.startswith(" ") and on:
+        told.append(on)
+        on = ""
+    if leg.kind is LegKind.ARCH:
+        up, down, top = _arch(world, leg)
+        told.append(dialect.arch.format(up=up, down=down))
+        jumped = dialect.jump.format(n=number, top=top - 1e3 * scene.robot.base.z)
+        return told + jumped.split("\n")
+    return "\n".join([*told, (dialect.line if straight else dialect.go).format(n=number, on=on)]).split("\n")
+
+
+def _share(ratio: float) -> int:
+    """Per cent, rounded down, 1 at least."""
+    return max(1, min(100, int(100 * ratio)))
+
+
+def _whole(si: float) -> int:
+    """mm, rounded down, 1 at least."""
+    return max(1, int(1e3 * si))
+
+
+def _moves(world: World, leg: Leg) -> bool:
+    one, other = world.tool(leg.t0), world.tool(leg.t1)
+    return math.dist(one.p, other.p) > UPRIGHT_M or math.hypot(*one.v) > MOVING
+
+
+def _frame_moves(motion: Motion, leg: Leg) -> bool:
+    from assur.planner.model.phases import phases
+
+    scene = motion.cell.scene
+    tracked = {
+        phase.tracked for phase in phases(scene, motion.plan.legs, motion.plan.arrivals) if phase.step == leg.step
+    }
+    for name in tracked - {None}:
+        found = scene.frames[str(name)].law.motion(np.array([leg.t0, leg.t1]))
+        if float(np.abs(found.p[1] - found.p[0]).max()) > UPRIGHT_M or abs(float(found.yaw[1] - found.yaw[0])) > MOVING:
+            return True
+    return False
+
+
+def _arch(world: World, leg: Leg) -> tuple[float, float, float]:
+    """How far up the tool goes straight, how far down, and the height of the top in the world, mm."""
+    path = np.array([world.tool(t).p for t in np.linspace(leg.t0, leg.t1, INSTANTS).tolist()])
+    from_begin = np.hypot(*(path[:, :2] - path[0, :2]).T) <= UPRIGHT_M
+    from_end = np.hypot(*(path[:, :2] - path[-1, :2]).T) <= UPRIGHT_M
+    leaves = int(np.argmin(from_begin)) if not from_begin.all() else len(path) - 1
+    enters = len(path) - 1 - (int(np.argmin(from_end[::-1])) if not from_end.all() else len(path) - 1)
+    up, down = path[leaves, 2] - path[0, 2], path[enters, 2] - path[-1, 2]
+    top = path[:, 2].max()
+    return 1e3 * max(up, 0.0), 1e3 * max(down, 0.0), 1e3 * top

@@ -1,0 +1,119 @@
+"""Exports, and verdicts on trajectories of others, on the command line and over HTTP: as in Python."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from typer.testing import CliRunner
+
+from assur.api.command_line import BAD_INPUT, RIGHT, WRONG, app
+from assur.api.workers.jobs import FIRST_PLAN
+from assur.scenes import plan
+from assur.scenes.exports.doors import check_trajectory_document, export_document
+
+
+def run(*arguments: str) -> tuple[int, str, str]:
+    """Exit code, standard output, standard error."""
+    result = CliRunner().invoke(app, list(arguments))
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.stdout, result.stderr
+
+
+@pytest.fixture(scope="module")
+def answer() -> dict[str, Any]:
+    return plan(FIRST_PLAN)
+
+
+@pytest.fixture
+def files(tmp_path: Path, answer: dict[str, Any]) -> tuple[str, str]:
+    cell, made = tmp_path / "cell.json", tmp_path / "plan.json"
+    cell.write_text(json.dumps(FIRST_PLAN))
+    made.write_text(json.dumps(answer))
+    return str(cell), str(made)
+
+
+def test_an_export_and_its_proof_pass_assur_check(tmp_path: Path, files: tuple[str, str]) -> None:
+    cell, made = files
+    out, request, proof = (str(tmp_path / name) for name in ("motion.csv", "request.json", "proof.json"))
+    options = ("--format", "csv", "--tick-ms", "2", "--jerk", "report")
+    outs = ("--out", out, "--request-out", request, "--plan-out", proof)
+    code, output, errors = run("export", cell, made, *options, *outs)
+    assert (code, errors) == (RIGHT, "")
+    assert "highest jerk and the limit that it is proved against" in output
+    assert run("check", request, proof)[0] == RIGHT
+    code, output, _ = run("check-trajectory", cell, out, "--jerk", "report")
+    assert code == RIGHT
+    assert "smallest clearance" in output
+    code, output, _ = run("check-trajectory", cell, out, "--jerk", "report", "--plan", made, "--json")
+    assert (code, json.loads(output)["judged_as"]) == (RIGHT, "plan")
+    lines = Path(out).read_text().splitlines()
+    row = next(i for i, line in enumerate(lines) if line.startswith("time_s")) + 20
+    cells = lines[row].split(",")
+    cells[2] = "9000"
+    Path(out).write_text("\n".join([*lines[:row], ",".join(cells), *lines[row + 1 :]]))
+    code, output, _ = run("check-trajectory", cell, out, "--jerk", "report")
+    assert code == WRONG
+    assert "j1 breaks its velocity limit" in output.splitlines()[2]
+
+
+def test_without_out_the_file_is_printed_and_nothing_else(files: tuple[str, str], answer: dict[str, Any]) -> None:
+    code, output, errors = run("export", *files, "--format", "ros2-json")
+    assert (code, errors) == (RIGHT, "")
+    assert output == export_document(FIRST_PLAN, answer, {"format": "ros2-json"})["file"]
+
+
+def test_what_cannot_be_read_or_written_is_told(tmp_path: Path, files: tuple[str, str]) -> None:
+    cell, made = files
+    nowhere = str(tmp_path / "no" / "x.csv")
+    code, _, errors = run("export", cell, made, "--format", "csv", "--out", nowhere)
+    assert (code, "--out" in errors) == (BAD_INPUT, True)
+    code, _, errors = run("check-trajectory", cell, nowhere)
+    assert (code, "TRAJECTORY" in errors) == (BAD_INPUT, True)
+    (tmp_path / "x.csv").write_bytes(b"time_s\n\xff")
+    code, _, errors = run("check-trajectory", cell, str(tmp_path / "x.csv"))
+    assert (code, "line 2" in errors) == (BAD_INPUT, True)
+
+
+def test_over_http_as_in_python(client: httpx.Client, answer: dict[str, Any]) -> None:
+    asked = {"format": "ros2", "tick_ms": 4, "jerk": "report"}
+    found = client.post("/v1/plans/export", json={"request": FIRST_PLAN, "plan": answer, **asked})
+    assert found.status_code == 200
+    assert found.json() == json.loads(json.dumps(export_document(FIRST_PLAN, answer, asked)))
+    question = {"file": found.json()["file"], "format": "ros2", "jerk": "report"}
+    verdict = client.post("/v1/trajectories/check", json={"request": FIRST_PLAN, **question})
+    assert verdict.status_code == 200
+    assert verdict.json() == json.loads(json.dumps(check_trajectory_document(FIRST_PLAN, question)))
+    assert verdict.json()["ok"] is True
+    with_legs = client.post("/v1/trajectories/check", json={"request": FIRST_PLAN, "plan": answer, **question})
+    assert (with_legs.json()["ok"], with_legs.json()["judged_as"]) == (True, "plan")
+
+
+@pytest.mark.parametrize(
+    ("address", "body", "field"),
+    [
+        ("/v1/plans/export", {"format": "csv", "plan": {}}, "request"),
+        ("/v1/plans/export", {"format": "csv", "request": FIRST_PLAN}, "plan"),
+        ("/v1/plans/export", {"format": "dxf", "request": FIRST_PLAN, "plan": {}}, "format"),
+        ("/v1/trajectories/check", {"format": "csv", "file": ""}, "request"),
+        ("/v1/trajectories/check", {"format": "csv", "request": FIRST_PLAN}, "file"),
+        ("/v1/trajectories/check", {"format": "csv", "request": FIRST_PLAN, "file": ""}, "file"),
+    ],
+)
+def test_what_is_wrong_is_a_problem_at_its_field(
+    client: httpx.Client, address: str, body: dict[str, Any], field: str
+) -> None:
+    found = client.post(address, json=body)
+    assert found.status_code == 422
+    assert found.json()["errors"][0]["field"] == field
+
+
+def test_the_description_has_what_is_asked_and_answered(client: httpx.Client) -> None:
+    described = client.get("/openapi.json").json()
+    schemas = described["components"]["schemas"]
+    assert schemas["ExportQuestion"]["required"][:2] == ["request", "plan"]
+    assert {"file", "statement", "jerk", "plan", "request"} <= schemas["ExportAnswer"]["properties"].keys()
+    assert {"first", "clearance", "findings"} <= schemas["TrajectoryVerdict"]["properties"].keys()
