@@ -11,6 +11,9 @@ from typing import Any
 Document = dict[str, Any]
 Cell = tuple[str, bool]
 """Text of a cell, and whether it is a number."""
+RESTING = 1e-9
+"""A joint's velocity in rad/s or m/s up to which it is at rest, and a time in s up to which a knot is that of an
+arrival."""
 RATES = ("velocity", "acceleration", "jerk")
 
 
@@ -91,7 +94,7 @@ def arrivals(answer: Document) -> str:
             *(millimetres(x) for x in each["at_m"]),
             degrees(each["yaw_rad"]),
             text(each.get("mode")),
-            text(_met(each)),
+            text(_met(answer["trajectory"], each)),
             number(each["window_left_s"], 3),
             millimetres((each.get("error") or {}).get("position_m"), 2),
         ]
@@ -100,10 +103,15 @@ def arrivals(answer: Document) -> str:
     return table(head, rows)
 
 
-def _met(arrival: Document) -> str:
+def _met(trajectory: Document, arrival: Document) -> str:
+    """How a point is met: at rest, with its velocity, or in position alone."""
     missed = arrival.get("missed_by")
     if missed is not None and missed["distance_m"] > 0.0:
         return f"missed by {1000 * missed['distance_m']:.1f} mm"
+    times = zip(trajectory["time_s"], trajectory["velocity"], strict=True)
+    there = [rates for time, rates in times if abs(time - arrival["time_s"]) <= RESTING]
+    if any(all(abs(rate) <= RESTING for rate in rates) for rates in there):
+        return "at rest"
     return "with its velocity" if arrival["matched"] else "in position"
 
 

@@ -213,6 +213,12 @@ def test_mouse_orbits_pans_and_zooms(opened: Any) -> None:
 def test_a_refusal_shows_its_sentence_and_its_census(opened: Any) -> None:
     shown = opened("shut-gate")
     assert shown.page.locator("#refusal .sentence").inner_text() == answer("shut-gate")["sentence"]
+    # the cursor stands where the two bodies met, and both are those that are red
+    best = answer("shut-gate")["best_candidate"]
+    assert shown.ask("assur.t + assur.view.start_s") == pytest.approx(best["at_s"], abs=1e-6)
+    red = shown.ask("assur.renderer.hot.map((number) => assur.view.bodies[number].name)")
+    assert sorted(red) == sorted(best["bodies"])
+    assert shown.ask("assur.renderer.hotShare") > 0.5
     counts = shown.page.locator(".census .count").all_inner_texts()
     assert [int(text) for text in counts] == [line["count"] for line in answer("shut-gate")["census"]["lines"]]
     widths = [box["width"] for box in (bar.bounding_box() for bar in shown.page.locator(".census .filled").all())]

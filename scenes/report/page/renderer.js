@@ -11,7 +11,7 @@ const IDENTITY = matrixOf({ p: [0, 0, 0], q: [0, 0, 0, 1] });
 const CROSS_M = 0.018;
 // Arrows on what travels, so far apart, for so far before and behind its frame, m.
 const ARROWS_M = 0.1;
-const BELT_M = 0.6;
+const BELT_M = 0.5;
 
 function colourOf(name) {
   const text = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -54,6 +54,9 @@ export class Renderer {
     this.traces = tracks.view.control_points.map((point) => point.path && this.ribbon(traceOf(point)));
     this.marks = marksOf(tracks, this.batches).map(({ carrier, lines }) => ({ carrier, line: this.ribbon(lines, true) }));
     this.empty = gl.createVertexArray();
+    // of a refusal without a motion: the two bodies that would meet
+    const met = (tracks.view.refusal && !tracks.view.moves && tracks.view.refusal.met) || [];
+    this.met = met.map((name) => tracks.view.bodies.findIndex((body) => body.name === name));
     this.readTheme();
     this.box = boxOf(tracks, this.batches);
     this.ground = Math.min(0, this.box.floor);
@@ -127,10 +130,10 @@ export class Renderer {
     const poses = this.batches.map((batch) =>
       matrixOf(batch.body ? this.tracks.bodyPose(batch.body, t, carriers) : carriers[batch.carrier]),
     );
-    const hot = show.pair && pair ? pair.bodies : [-1, -1];
+    const hot = show.pair && pair ? pair.bodies : this.met.length ? this.met : [-1, -1];
     this.focus = this.tracks.toolPose(t, carriers).p;
     // what is too near is red; what is merely nearest has a touch of it, for a table may be large
-    const hotShare = pair && pair.gap < pair.required - 1e-5 ? 0.75 : 0.22;
+    const hotShare = !pair || pair.gap < pair.required - 1e-5 ? 0.75 : 0.22;
     Object.assign(this, { matrix, poses, t, ratio, size: [w, h], hot, hotShare });
     gl.viewport(0, 0, w, h);
     gl.clearColor(...theme.background, 1);
