@@ -28,7 +28,7 @@ FLAGS = (
     "--no-first-run",
 )
 """So that WebGL is computed on any machine, and the browser itself asks for nothing."""
-PATIENCE_S = 60.0
+PATIENCE_S = 240.0
 """How long a page may take, s: a guard against a hang."""
 SIZE = {"width": 1400, "height": 860}
 

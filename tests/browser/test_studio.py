@@ -1,0 +1,123 @@
+"""The studio in a real Chromium, against a real service: it plans, shows a refusal, and tells a fault at its line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import httpx
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.api.running import PATIENT, running
+from tests.browser.conftest import PATIENCE_S, SIZE, Opened
+
+
+@pytest.fixture(scope="module")
+def service() -> Iterator[httpx.Client]:
+    with running(PATIENT) as made:
+        yield made
+
+
+@pytest.fixture
+def studio(browser: Browser, service: httpx.Client) -> Iterator[Opened]:
+    page = browser.new_page(viewport={"width": SIZE["width"], "height": SIZE["height"]})
+    page.set_default_timeout(1e3 * PATIENCE_S)
+    opened = Opened(page)
+    page.goto(str(service.base_url.join("/studio")))
+    page.wait_for_selector("html[data-ready=yes]")
+    yield opened
+    page.close()
+
+
+def write(page: Page, old: str, new: str) -> None:
+    """Changes the text in the editor."""
+    text = page.input_value("#text")
+    assert old in text
+    page.fill("#text", text.replace(old, new))
+
+
+IDLE = "!document.getElementById('plan').disabled"
+OTHER = "!document.getElementById('text').value.includes('dial')"
+"""Whether the text is no longer that of the demo."""
+
+
+def plan(studio: Opened) -> None:
+    """Plans and waits until the answer is there."""
+    studio.page.click("#plan")
+    studio.until(IDLE)
+
+
+def test_the_demo_is_planned_and_played(studio: Opened, service: httpx.Client) -> None:
+    page = studio.page
+    assert page.input_value("#text") == service.get("/v1/scenes/demo/text").text
+    plan(studio)
+    player = page.frame_locator("iframe")
+    player.locator("html[data-ready=yes]").wait_for()
+    assert page.locator("figcaption").inner_text().startswith("demo 1")
+    assert "planned, 1.4" in page.locator("figcaption").inner_text()
+    assert player.locator("#now").inner_text() == "0.000"
+    page.frames[-1].evaluate("window.assur.seek(0.9)")
+    assert player.locator("#now").inner_text() == "0.900"
+    assert page.locator("#faults").inner_text() == ""
+    assert studio.said == []
+    host = str(service.base_url)
+    assert {address for address in studio.asked if not address.startswith((host, "data:", "about:"))} == set()
+
+
+def test_two_plans_are_compared_with_one_clock(studio: Opened) -> None:
+    page = studio.page
+    page.select_option("#scenario", "transfer")
+    studio.until(OTHER)
+    plan(studio)
+    page.click("#keep")
+    plan(studio)
+    assert page.locator("iframe").count() == 2
+    for k in range(2):
+        page.frame_locator("iframe").nth(k).locator("html[data-ready=yes]").wait_for()
+    first, second = page.frames[-2:]
+    page.wait_for_timeout(500)  # both clocks have been looked at
+    first.evaluate("window.assur.seek(0.25)")
+    studio.until("[...document.querySelectorAll('iframe')].every((frame) => frame.contentWindow.assur.t === 0.25)")
+    second.evaluate("window.assur.seek(0.5)")
+    studio.until("[...document.querySelectorAll('iframe')].every((frame) => frame.contentWindow.assur.t === 0.5)")
+
+
+def test_a_refusal_is_shown_with_its_reason(studio: Opened) -> None:
+    page = studio.page
+    page.select_option("#scenario", "bead-beyond-reach")
+    studio.until(OTHER)
+    plan(studio)
+    player = page.frame_locator("iframe")
+    player.locator("html[data-ready=yes]").wait_for()
+    told = player.locator("#refusal").inner_text()
+    assert "reach" in told
+    assert "reach" in page.locator("figcaption").inner_text()
+
+
+def test_a_fault_of_the_text_is_told_at_its_line(studio: Opened) -> None:
+    page = studio.page
+    write(page, "mitsubishi-rh-6frh5520", "mitsubishi-rh-6")
+    page.click("#plan")
+    page.wait_for_selector("#faults p")
+    line = page.input_value("#text").split("mitsubishi-rh-6")[0].count("\n") + 1
+    assert page.locator("#faults button").inner_text() == f"line {line}"
+    assert page.locator("#lines .fault").inner_text() == str(line)
+    assert "did you mean" in page.locator("#faults").inner_text()
+    page.click("#faults button")
+    marked = "(({ value, selectionStart, selectionEnd }) => value.slice(selectionStart, selectionEnd))"
+    assert "mitsubishi-rh-6" in page.evaluate(f"{marked}(document.getElementById('text'))")
+    write(page, "mitsubishi-rh-6", "mitsubishi-rh-6frh5520")
+    assert page.locator("#faults").inner_text() == ""
+    assert page.locator("iframe").count() == 0
+
+
+def test_a_plan_is_called_off(studio: Opened, service: httpx.Client) -> None:
+    page = studio.page
+    write(page, "max_candidates: 300", "max_candidates: 100000")
+    page.click("#plan")
+    page.wait_for_selector("#numbers dd")
+    page.click("#cancel")
+    studio.until(IDLE)
+    assert page.locator("iframe").count() == 0
+    assert page.locator("#faults").inner_text() == ""
+    assert service.get("/readyz").status_code == 200
