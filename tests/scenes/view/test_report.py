@@ -1,0 +1,59 @@
+"""What a report holds, what it leaves out, and that it says so."""
+
+from __future__ import annotations
+
+import pytest
+
+from assur.scenes.report import report as of_report
+from assur.scenes.report.facts import table
+from assur.scenes.report.report import report_of
+from assur.scenes.scenarios import shipped
+from assur.scenes.view import display_meshes
+from tests.scenes.cells.second_kinematics import answer
+from tests.scenes.view.shown import cell
+
+VERDICT = {"ok": True, "findings": []}
+
+
+def report(name: str) -> str:
+    """The report of a shipped scenario."""
+    verdict = VERDICT if answer(name)["status"] == "planned" else None
+    return report_of(cell(name), answer(name), title=name, about=shipped(name).about, verdict=verdict, version="0.0")
+
+
+def test_long_lists_of_numbers_are_left_out_where_the_page_would_be_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = report("demo")
+    assert "Lists of more than" not in whole
+    monkeypatch.setattr(of_report, "MOST_BYTES", len(whole.encode()) - 1)
+    less = report("demo")
+    assert len(less.encode()) < len(whole.encode())
+    assert "Lists of more than" in less
+    assert "numbers, SHA-256" in less
+
+
+def test_a_mesh_that_is_drawn_with_fewer_triangles_is_named_with_what_was_moved(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert "is drawn with" not in report("heavy-casting-refused")
+    monkeypatch.setattr(display_meshes, "MOST_TRIANGLES", 20)
+    reduced = report("heavy-casting-refused")
+    assert "is drawn with" in reduced
+    assert "corners are off by up to" in " ".join(reduced.split())
+
+
+def test_a_refusal_says_why_and_what_was_tried() -> None:
+    page = report("shut-gate")
+    for words in ("Why there is no plan", "BODY_COLLISION", "200 candidates", "not planned"):
+        assert words in page
+    assert "Arrivals" not in page
+
+
+def test_how_points_are_met_is_told_as_on_the_command_line() -> None:
+    page = report("demo")
+    assert page.count("with its velocity") == 2
+    assert page.count(">at rest<") == 1
+
+
+def test_text_in_a_table_is_text() -> None:
+    assert "<b>" not in table(["<b>"], [[("<b>bold</b>", False)]])
+    assert table(["n"], [[("1", True)]]).count('class="number"') == 2
