@@ -34,7 +34,7 @@ from assur.planner.model.refusal import Facts, Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.report.notes import note, warned
 from assur.planner.report.sentence import because
-from assur.scenes.conventions import Conventions, as_counted, as_maker
+from assur.scenes.conventions import Conventions, as_counted, as_maker, rates_as_maker
 from assur.scenes.numbers import interval, number, optional
 from assur.scenes.reading.cell import Cell
 from assur.scenes.schema import answer as document
@@ -142,9 +142,11 @@ def _route(route: Route) -> document.Route:
 
 
 def trajectory_document(cell: Cell, plan: Plan) -> document.Trajectory:
-    """The knots in the maker's convention. Reading them back gives the planner's knots, bit by bit."""
+    """The knots in the maker's convention. Reading them back gives the planner's knots: bit by bit where no joint has a
+    zero of its own, else but for a rounding of the positions."""
     trajectory = plan.trajectory
-    written = as_maker(np.stack([trajectory.q, trajectory.qd, trajectory.qdd]), cell.conventions)
+    rates = rates_as_maker(np.stack([trajectory.qd, trajectory.qdd]), cell.conventions)
+    written = np.concatenate([as_maker(trajectory.q, cell.conventions)[None], rates])
     if not np.isfinite(written).all():
         raise FaultError("a trajectory is not finite")
     rows: list[list[list[float]]] = written.tolist()
@@ -198,7 +200,7 @@ def _arrival(cell: Cell, plan: Plan, arrival: Arrival) -> document.Arrival:
         "missed_by": None
         if missed is None
         else {
-            "joints": [number(x) for x in as_maker(np.array(missed.joints), cell.conventions).tolist()],
+            "joints": [number(x) for x in rates_as_maker(np.array(missed.joints), cell.conventions).tolist()],
             "distance_m": number(missed.distance_m),
         },
         "error": None if arrival.error is None else _error(arrival.error, cell.conventions),
