@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache, wraps
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, ParamSpec
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from assur.api.cli import catalogue_table, console_report, ik_report, limits_report
+from assur.api.cli import console_report, ik_report, limits_report, robots_group
+from assur.api.cli.border import (
+    RIGHT,
+    WRONG,
+    AsJson,
+    bordered,
+    say,
+    show,
+    show_json,
+    writable,
+)
 from assur.api.cli.inputs import (
     Target,
     joints_in,
@@ -26,8 +34,6 @@ from assur.api.cli.inputs import (
     told_as_options,
 )
 from assur.api.documents import to_json
-from assur.api.logs import where
-from assur.api.problems import Problem, printable
 from assur.api.version import version
 from assur.planner.errors import FaultError, InputError
 from assur.planner.report.number_format import amount
@@ -38,9 +44,6 @@ from assur.scenes.faults import NOTHING
 if TYPE_CHECKING:
     from assur.scenes.reading.cell import Cell
 
-RIGHT, WRONG, BAD_INPUT, FAULT = 0, 1, 2, 3
-INTERRUPTED, PIPE_CLOSED = 128 + signal.SIGINT, 128 + signal.SIGPIPE
-
 app = typer.Typer(
     name="assur",
     help="Plans proved motion of SCARA-class robots through moving control points among moving bodies.",
@@ -50,41 +53,9 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-P = ParamSpec("P")
+app.add_typer(robots_group.app, name="robots")
 
 File = Annotated[str, typer.Argument(help="A scenario file (YAML), a request (JSON), or a shipped scenario's name.")]
-Robot = Annotated[str | None, typer.Argument(help="A shipped robot's name, or a robot's file (YAML).")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print the document that the service would answer with.")]
-
-
-def _bordered(command: Callable[P, int]) -> Callable[P, None]:
-    """`command` with its exit code raised as `typer.Exit`, and every exception turned into one line and a code."""
-
-    @wraps(command)
-    def inside(*arguments: P.args, **options: P.kwargs) -> None:
-        raise typer.Exit(_code(lambda: command(*arguments, **options)))
-
-    return inside
-
-
-def _code(run: Callable[[], int]) -> int:
-    try:
-        code = run()
-        sys.stdout.flush()
-        return code
-    except InputError as error:
-        return _say(Problem.of_input(error).detail, BAD_INPUT, line=getattr(error, "line", None))
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # so that the flush at exit is silent too
-        return PIPE_CLOSED
-    except KeyboardInterrupt:
-        return _say("interrupted", INTERRUPTED)
-    except Exception as error:  # noqa: BLE001 - the border: a user gets one line, with what a report of it needs
-        if isinstance(error, OSError) and error.filename is not None:
-            return _say(f"{error.filename}: {error.strerror}", BAD_INPUT)
-        last = "".join(where(error.__traceback__)[-1:])
-        said = f" ({error})" if isinstance(error, FaultError) else ""
-        return _say(f"a fault of assur itself: {type(error).__name__} in {last}{said}; please report it", FAULT)
 
 
 def _version(asked: bool) -> None:
@@ -101,7 +72,7 @@ def assur(
 
 
 @app.command()
-@_bordered
+@bordered
 def plan(
     file: File,
     as_json: AsJson = False,
@@ -113,7 +84,7 @@ def plan(
 ) -> int:
     """Plan FILE, check the plan, and say what came out."""
     given = target(file)
-    _writable(out)
+    writable(out)
     cell = _read(given)
     _announce_compilation()
     with console_report.working(f"planning {given.name}"):
@@ -126,19 +97,19 @@ def plan(
     if out is not None:
         out.write_bytes(to_json(answer) + b"\n")
     if as_json:
-        _print_json(answer)
+        show_json(answer)
     else:
         title = f"{given.name}: {'planned' if checked else 'not planned'}"
-        _print(title, "", *console_report.everything(answer, details=details))
+        show(title, "", *console_report.everything(answer, details=details))
         if checked:
-            _print("plan checked")
+            show("plan checked")
     for unmet in given.unmet(answer):
-        _say(f"not as the file expects: {unmet}")
+        say(f"not as the file expects: {unmet}")
     return RIGHT if checked else WRONG
 
 
 @app.command()
-@_bordered
+@bordered
 def check(
     file: File,
     plan: Annotated[Path, typer.Argument(help="An answer, as `assur plan --out` writes it.")],
@@ -151,20 +122,20 @@ def check(
     with console_report.working(f"checking {plan.name}"):
         verdict = requests.check_plan(given.cell, *read)
     if as_json:
-        _print_json(verdict)
+        show_json(verdict)
     elif verdict["ok"]:
-        _print("plan right: everything that it promises holds against the model", verdict["notice"])
+        show("plan right: everything that it promises holds against the model", verdict["notice"])
     else:
         findings = console_report.table("what is wrong", ">by", "where")
         for finding in verdict["findings"]:
             by = amount(finding["amount"], finding["unit"])
             console_report.row(findings, finding["what"], by, finding["where"])
-        _print("plan wrong", "", findings)
+        show("plan wrong", "", findings)
     return RIGHT if verdict["ok"] else WRONG
 
 
 @app.command()
-@_bordered
+@bordered
 def ik(
     file: Annotated[str | None, typer.Argument(help="As of `plan`: robot, tool, frames and bodies are its.")] = None,
     robot: Annotated[
@@ -194,51 +165,37 @@ def ik(
     with told_as_options():
         answer = requests.ik_cell(None if robot is not None else cell, _given(question))
     if as_json:
-        _print_json(answer)
+        show_json(answer)
     else:
-        _print(*ik_report.everything(answer))
+        show(*ik_report.everything(answer))
     return RIGHT if answer["status"] == "reached" else WRONG
 
 
 @app.command()
-@_bordered
-def robots(robot: Robot = None, as_json: AsJson = False) -> int:
-    """List the shipped robots, or show every number of one ROBOT with its status and source."""
-    listed = requests.robots() if robot is None else [robot_named(robot).listed()]
-    if as_json:
-        _print_json({"robots": listed})
-        return RIGHT
-    _print(catalogue_table.catalogue(listed), "", catalogue_table.LEGEND)
-    if robot is not None:
-        _print("", catalogue_table.sources(listed[0]))
-    return RIGHT
-
-
-@app.command()
-@_bordered
+@bordered
 def scenes(as_json: AsJson = False) -> int:
     """List the shipped scenarios and why each exists."""
     shipped = requests.shipped_scenarios()
     if as_json:
-        _print_json({"scenes": [{"name": name, "about": about} for name, about in shipped.items()]})
+        show_json({"scenes": [{"name": name, "about": about} for name, about in shipped.items()]})
         return RIGHT
     made = console_report.table("scene", "about")
     for name, about in shipped.items():
         console_report.row(made, name, about)
-    _print(made)
+    show(made)
     return RIGHT
 
 
 @app.command()
-@_bordered
+@bordered
 def schema() -> int:
     """Print the JSON Schema of the request."""
-    _print_json(requests.request_schema())
+    show_json(requests.request_schema())
     return RIGHT
 
 
 @app.command()
-@_bordered
+@bordered
 def kernels(
     check: Annotated[
         bool, typer.Option("--check", help="Load every kernel; exit with 1 if one had to be compiled.")
@@ -246,11 +203,11 @@ def kernels(
 ) -> int:
     """Compile the planner's inner loops once, so that no request waits for it."""
     if not check and compiled_kernels.is_compiled():
-        _print(f"kernels are compiled, in {compiled_kernels.folder()}")
+        show(f"kernels are compiled, in {compiled_kernels.folder()}")
         return RIGHT
     _announce_compilation()
     loaded = compiled_kernels.load()
-    _print(
+    show(
         f"{loaded.count} kernels, {len(loaded.compiled)} compiled now, {loaded.seconds:.1f} s, in {loaded.folder}",
         *loaded.compiled,
     )
@@ -258,7 +215,7 @@ def kernels(
 
 
 @app.command("fit-limits")
-@_bordered
+@bordered
 def fit_limits(
     log: Annotated[Path, typer.Argument(help="Recorded motion: CSV with t_s or t_ms, j1_deg, j3_mm and so on.")],
     robot: Annotated[str | None, typer.Option(help="Whose joints they are: a shipped robot's name, or a file.")] = None,
@@ -272,21 +229,21 @@ def fit_limits(
 ) -> int:
     """Find the limits of acceleration and jerk of each joint in a LOG of recorded motion."""
     given, of = log_file(log), None if robot is None else robot_named(robot)
-    _writable(out)
+    writable(out)
     with console_report.working(f"fitting {log.name}"):
         found = fitted_limits.fit_limits(given, commanded=commanded, robot=of)
     if out is not None:
         out.write_text(fitted_limits.part(found), encoding="utf-8")
     if as_json:
-        _print_json(found)
+        show_json(found)
     else:
-        _print(*limits_report.fitted(found))
+        show(*limits_report.fitted(found))
     identified = any(joint[rate]["status"] == "identified" for joint in found["joints"] for rate in fitted_limits.RATES)
     return RIGHT if identified else WRONG
 
 
 @app.command()
-@_bordered
+@bordered
 def reproduce(
     out: Annotated[Path, typer.Option("--out", help="Folder for figures, numbers and paragraphs; made if needed.")],
     name: Annotated[str, typer.Argument(help="An experiment, or all.")] = "all",
@@ -296,13 +253,13 @@ def reproduce(
 
     for done in run(name, out):
         place = f"{done.number} of {done.count}, " if done.count > 1 else ""
-        _print(f"{place}{done.entry.name}: {done.entry.title}, {done.elapsed_s:.1f} s", done.paragraph)
-        _print(*(str(path) for path in done.files), "")
+        show(f"{place}{done.entry.name}: {done.entry.title}, {done.elapsed_s:.1f} s", done.paragraph)
+        show(*(str(path) for path in done.files), "")
     return RIGHT
 
 
 @app.command()
-@_bordered
+@bordered
 def serve(
     host: Annotated[str | None, typer.Option(help="Address to listen on (ASSUR_HOST).")] = None,
     port: Annotated[int | None, typer.Option(min=0, max=65535, help="Port to listen on (ASSUR_PORT).")] = None,
@@ -322,19 +279,12 @@ def serve(
 
 
 def main() -> None:
-    """The entry point. What `_bordered` does not catch, wrong usage, typer answers itself with exit code 2."""
+    """The entry point. What `bordered` does not catch, wrong usage, typer answers itself with exit code 2."""
     for stream in (sys.stdout, sys.stderr):
         reconfigure: Callable[..., None] | None = getattr(stream, "reconfigure", None)
         if reconfigure is not None:
             reconfigure(errors="backslashreplace")  # a terminal in ASCII gets escapes, not a traceback
     app()
-
-
-def _say(text: str, code: int = RIGHT, line: int | None = None) -> int:
-    """One line on standard error; returns `code`."""
-    at = "" if line is None else f"line {line}: "
-    print(f"assur: {at}{printable(text, 2500)}", file=sys.stderr)
-    return code
 
 
 def _given(options: dict[str, Any]) -> dict[str, Any]:
@@ -349,27 +299,11 @@ def _read(given: Target) -> Cell:
     return given.cell
 
 
-def _writable(out: Path | None) -> None:
-    """Accepts no file, and one that can be written."""
-    if out is not None and (out.is_dir() or not out.parent.is_dir()):
-        raise InputError("--out", str(out), "a file in a folder that exists")
-
-
 @cache
 def _announce_compilation() -> None:
     """Says, once, that the first command of an installation takes longer, and why."""
     if not compiled_kernels.is_compiled():
-        _say(f"compiling the planner's kernels once, about a minute; they are kept in {compiled_kernels.folder()}")
-
-
-def _print(*parts: Any) -> None:
-    console = console_report.console()
-    for part in parts:
-        console.print(part, soft_wrap=isinstance(part, str))
-
-
-def _print_json(document: Any) -> None:
-    sys.stdout.buffer.write(to_json(document) + b"\n")
+        say(f"compiling the planner's kernels once, about a minute; they are kept in {compiled_kernels.folder()}")
 
 
 def _hold_to_checker(verdict: dict[str, Any]) -> None:

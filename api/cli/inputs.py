@@ -181,3 +181,14 @@ def _is_file(path: Path) -> bool:
         return path.is_file()
     except (OSError, ValueError):  # too long; a null character in it
         return False
+
+
+def pairs_in(option: str, texts: list[str] | None, allowed: str) -> dict[str, str]:
+    """What an option that may be repeated says, ``NAME=VALUE`` each. Raises `InputError`."""
+    found: dict[str, str] = {}
+    for text in texts or ():
+        name, mark, value = text.partition("=")
+        if not (mark and name and value) or name in found:
+            raise InputError(option, text, f"{allowed}, each name once")
+        found[name] = value
+    return found

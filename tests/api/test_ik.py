@@ -13,7 +13,8 @@ import pytest
 from typer.testing import CliRunner
 
 from assur.api import command_line
-from assur.api.command_line import BAD_INPUT, RIGHT, WRONG, app
+from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG
+from assur.api.command_line import app
 from assur.api.problems import MEDIA_TYPE
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.scenes import ik, kernels, load

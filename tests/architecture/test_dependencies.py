@@ -10,8 +10,8 @@ from importlib.metadata import packages_distributions
 from tests.architecture.source_tree import BESIDE, PRODUCT, ROOT, imports, sources
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-OPTIONAL = frozenset({"matplotlib"})
-"""Imported only behind an extra of its own name's purpose (`plot`)."""
+OPTIONAL = frozenset({"matplotlib", "xacrodoc"})
+"""Imported only behind an extra of its own name's purpose (`plot`, `xacro`)."""
 
 
 PEERS = ("benchmarks/peers/ompl_rrtconnect.py", "benchmarks/peers/mplib_planner.py", "benchmarks/peers/toppra_legs.py")

@@ -16,6 +16,7 @@ DOORS = {
     "fastapi": ("assur.api",),
     "pydantic": ("assur.scenes", "assur.api"),
     "yaml": ("assur.scenes.text.yaml_text",),
+    "defusedxml": ("assur.scenes.urdf.xml_text", "assur.scenes.meshes.load"),
     "typer": ("assur.api",),
 }
 """Library → the modules (with what is below them) that may import it in the product."""

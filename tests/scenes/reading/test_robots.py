@@ -275,7 +275,7 @@ def test_zeros_and_an_offset_of_the_base_put_the_flange_where_a_rotation_says() 
     for i, zero in ((0, 30), (1, -20), (3, 50)):
         arm["joints"][i] |= {"zero_deg": zero}
     after = scene_of(document)
-    (x, y, z), yaw = before.robot.forward(before.start.q + [math.radians(30), math.radians(-20), 0, math.radians(50)])
+    (x, y, z), yaw = before.robot.forward(before.start.q + np.radians([30.0, -20.0, 0.0, 50.0]))
     found, turned = after.robot.forward(after.start.q)
     assert np.allclose(found, [x + 0.04, y - 0.025, z], atol=1e-15)
     assert turned == pytest.approx(float(yaw), abs=1e-15)
