@@ -3,7 +3,8 @@
 The planner counts a lifting joint upwards from its base origin. That origin is put where the maker's zero is. So
 maker's and planner's values differ by a sign at most, unless a turning joint has a zero of its own, and converting a
 trajectory to the maker's convention and back is exact in floating point: a plan that was written out and read again is
-the same plan, bit by bit. With a zero of its own a joint's position is rounded once, by some 1e-16 of its value.
+the same plan, bit by bit. With a zero of its own a joint's position is rounded once, by some 1e-16 of its value, when
+the plan is written; there and back again changes nothing any more.
 """
 
 from __future__ import annotations

@@ -209,6 +209,9 @@ def test_a_joint_with_a_zero_is_converted_there_and_back_but_for_a_rounding_and_
     assert there.tolist() == [sign * value + zero for sign, value, zero in joints]
     off = np.abs(as_maker(there, conventions) - values)
     assert (off <= 4e-16 * (np.abs(values) + 7)).all()
+    # rounded once, and never again: the knots that are written are those that are read
+    once = converted(as_maker(values, conventions), conventions)
+    assert converted(as_maker(once, conventions), conventions).tobytes() == once.tobytes()
     assert rates_as_maker(converted_rates(values, conventions), conventions).tobytes() == values.tobytes()
 
 

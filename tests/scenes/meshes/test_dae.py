@@ -24,7 +24,8 @@ def dae(
 <vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
 <triangles count="{len(faces.split()) // 3}"><input semantic="VERTEX" source="#v" offset="0"/><p>{faces}</p></triangles>
 </mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="w"><node><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<library_visual_scenes><visual_scene id="w"><node><instance_geometry url="#g"/></node></visual_scene>
+</library_visual_scenes>
 <scene><instance_visual_scene url="#w"/></scene></COLLADA>""".encode()
 
 
