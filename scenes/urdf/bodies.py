@@ -52,3 +52,21 @@ def angles(turn: FloatArray) -> tuple[float, float, float]:
         roll, yaw = math.atan2(-turn[1, 2], turn[1, 1]), 0.0
     roll, pitch, yaw = (0.0 if abs(angle) < 1e-12 else angle for angle in (roll, pitch, yaw))
     return roll, pitch, yaw
+
+
+def shared_head(names: list[str]) -> str:
+    """What all names begin with, up to the last mark between words."""
+    head = names[0]
+    for name in names[1:]:
+        while not name.startswith(head):
+            head = head[:-1]
+    return head[: max(head.rfind("_"), head.rfind("-")) + 1]
+
+
+def free_name(name: str, taken: set[str]) -> str:
+    """The name, or the name with a number that is not taken; it is taken from now on."""
+    found, i = name, 2
+    while found in taken:
+        found, i = f"{name}-{i}", i + 1
+    taken.add(found)
+    return found

@@ -65,7 +65,8 @@ def recognised(chain: Chain) -> Kinematics:
         return _elbow(chain)
     if kinds == "rrrrr" and level[:4] == [False, True, True, True]:
         return _five(chain)
-    raise Unsuitable("the joints", _in_words(chain, upright, level), FAMILIES)
+    supply = f"{FAMILIES}; for a gripper say --hold JOINT=POSITION and --tip LINK"
+    raise Unsuitable("the joints", _in_words(chain, upright, level), supply)
 
 
 def _in_words(chain: Chain, upright: list[bool], level: list[bool]) -> str:

@@ -24,7 +24,7 @@ from assur.scenes.schema.stated import Status
 from assur.scenes.text.yaml_text import parse_yaml
 from assur.scenes.urdf import agreement, solids
 from assur.scenes.urdf.arm_text import ArmText
-from assur.scenes.urdf.bodies import angles, body_of
+from assur.scenes.urdf.bodies import angles, body_of, free_name, shared_head
 from assur.scenes.urdf.carriers import Carrier, carrier_of, self_pairs
 from assur.scenes.urdf.chain import Chain, chain_to, flanges
 from assur.scenes.urdf.families import Kinematics, recognised
@@ -322,10 +322,15 @@ class _Import:
         carried: dict[str, set[str]] = {}
         lacks: list[Lack] = []
         taken: set[str] = set()
+        if unseen := [link for link in self.tree.only_seen if link in self.chain.movers]:
+            shown = ", ".join(unseen[:8])
+            self.remarks.append(f"no collision shape, only a visual one: {shown}; nothing is kept clear of these links")
+        if not any(self.tree.links[link] for link in self.chain.movers):
+            self.remarks.append("no link has a collision shape: NOTHING is kept clear of this arm; add bodies to it")
         for link, movers in self.chain.movers.items():
             for i, solid in enumerate(self.tree.links[link]):
                 several = len(self.tree.links[link]) > 1
-                name = _free(self._short(link) + (f"-{chr(97 + i % 26)}" if several else ""), taken)
+                name = free_name(self._short(link) + (f"-{chr(97 + i % 26)}" if several else ""), taken)
                 try:
                     carrier = self._carrier(link, movers)
                     carried.setdefault(carrier.name, set()).add(link)
@@ -374,23 +379,6 @@ class _Import:
     def _short(self, link: str) -> str:
         """A link's name for bodies: what all names of links begin with left out."""
         names = [each for each in self.chain.movers if each not in ("world", "map")]
-        head = _shared_head(names) if len(names) > 1 else ""
+        head = shared_head(names) if len(names) > 1 else ""
         plain = re.sub(r"[^A-Za-z0-9]+", "-", link.removeprefix(head)).strip("-")[:40]
         return plain if plain[:1].isalpha() else f"link-{plain}"
-
-
-def _shared_head(names: list[str]) -> str:
-    """What all names begin with, up to the last mark between words."""
-    head = names[0]
-    for name in names[1:]:
-        while not name.startswith(head):
-            head = head[:-1]
-    return head[: max(head.rfind("_"), head.rfind("-")) + 1]
-
-
-def _free(name: str, taken: set[str]) -> str:
-    found, i = name, 2
-    while found in taken:
-        found, i = f"{name}-{i}", i + 1
-    taken.add(found)
-    return found

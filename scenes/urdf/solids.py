@@ -133,7 +133,8 @@ def closed(where: str, triangles: FloatArray) -> tuple[Any, FloatArray]:
         return closed_surface(welded, 1.0), triangles
     except InputError as error:
         if not error.field.endswith("data") or not first.field.endswith("data"):
-            raise Unsuitable(where, f"the mesh is {first.value}", f"needed is {first.allowed}") from error
+            scale = "; in the URDF's mesh a scale makes metres of another unit (0.001 0.001 0.001 of mm)"
+            raise Unsuitable(where, f"the mesh is {first.value}", f"needed is {first.allowed}{scale}") from error
         what = f"the mesh is not closed: {error.value}"
         supply = "close it, put a primitive in its place, or say --open-meshes hull to take its convex hull"
         raise Unsuitable(where, what, supply) from error

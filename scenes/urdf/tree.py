@@ -81,13 +81,15 @@ class Joint:
 class Tree:
     """A robot: its links by name, each with its solids, and its joints by name. It has one root and no loop.
 
-    `rounded`: angles that were read as multiples of a right angle, as they are written.
+    `rounded`: angles that were read as multiples of a right angle, as they are written; `only_seen`: links with a
+    visual shape and no collision shape.
     """
 
     name: str
     links: dict[str, tuple[Solid, ...]]
     joints: dict[str, Joint]
     rounded: tuple[str, ...] = ()
+    only_seen: tuple[str, ...] = ()
 
     @property
     def root(self) -> str:
@@ -157,7 +159,9 @@ def read_tree(content: bytes, name: str, *, rounding: bool = False) -> Tree:
         lacks += _no_tree(links, joints)
     if lacks:
         raise ImportRefused(name, lacks)
-    return Tree(root.get("name") or "robot", links, joints, tuple(dict.fromkeys(rounded)))
+    seen = [link.get("name") or "" for link in root.findall("link") if link.find("visual") is not None]
+    only_seen = tuple(link for link in seen if not links[link])
+    return Tree(root.get("name") or "robot", links, joints, tuple(dict.fromkeys(rounded)), only_seen)
 
 
 class _told:

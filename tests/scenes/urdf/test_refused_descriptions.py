@@ -123,6 +123,15 @@ BAD: dict[str, tuple[Callable[[], str], str]] = {
         lambda: palletiser().replace('<mimic joint="a_joint_2" multiplier="-1"/>', ""),
         "its axis passes the pitch axis at 100 mm",
     ),
+    "a palletiser of four axes": (
+        lambda: urdf(
+            J("revolute"),
+            J("revolute", (0, 0, 0.3), axis=LEVEL),
+            J("revolute", (0, 0, 0.4), axis=LEVEL),
+            J("revolute", (0.4, 0, 0)),
+        ),
+        "this is a palletiser with four axes, and no SCARA",
+    ),
     "six axes": (
         lambda: urdf(*[J("revolute", (0.1, 0, 0.1), axis=(0, float(i > 0), float(i == 0))) for i in range(6)]),
         "6 moving joints",
@@ -183,6 +192,13 @@ def test_a_mesh_that_is_not_closed_is_refused_or_taken_as_its_hull(tmp_path: Pat
     assert "say --open-meshes hull to take its convex hull" in found
     taken = import_robot(Wanted(files.urdf, files.limits, covering=Covering(0.01, 8, open_hull=True)))
     assert [cover["hulls"] for cover in taken.report["covers"]] == [1]
+
+
+def test_a_mesh_in_another_unit_is_refused_with_the_scale_that_is_missing(tmp_path: Path) -> None:
+    (tmp_path / "a.stl").write_bytes(binary_stl(CUBE))
+    (found,) = told(Files(tmp_path).write(with_mesh("a.stl").replace("0.001 0.001 0.001", "1 1 1")))
+    assert "the mesh is 100 m large" in found
+    assert "0.001 0.001 0.001 of mm" in found
 
 
 def test_a_link_in_place_of_a_mesh_is_not_followed(tmp_path: Path) -> None:

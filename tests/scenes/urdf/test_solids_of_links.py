@@ -221,3 +221,11 @@ def test_pairs_that_an_srdf_disables_are_left_out_and_those_of_the_tool_stay(tmp
     assert pairs_of(tmp_path, *joined[1:], ("l0", "l2"), ("l1", "l4")) == {"base-link1", "base-quill"} | tool
     every = (*joined, ("l0", "l2"), ("l1", "l4"), ("l0", "l4"))
     assert pairs_of(tmp_path, *every) == tool
+
+
+def test_links_without_collision_shapes_are_told(tmp_path: Path) -> None:
+    plain = urdf(J("revolute", (0, 0, 0.2)), J("revolute", (0.3, 0, 0)), J("prismatic", (0.2, 0, 0), ends=(0.0, 0.2)))
+    files = Files(tmp_path).write(plain.replace('<link name="l1">', '<link name="l1"><visual/>'))
+    remarks = import_robot(Wanted(files.urdf, files.limits)).report["remarks"]
+    assert any(remark.startswith("no collision shape, only a visual one: l1;") for remark in remarks)
+    assert any(remark.startswith("no link has a collision shape: NOTHING") for remark in remarks)
