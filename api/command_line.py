@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, ParamSpec
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from assur.api.cli import catalogue_table, console_report, ik_report, limits_report, report_file, trajectories
+from assur.api.cli import console_report, ik_report, limits_report, report_file, robots_group, trajectories
+from assur.api.cli.border import RIGHT, WRONG, AsJson, bordered, say, show, show_json, writable
+from assur.api.cli.cell_reading import announce_compilation, read_cell
 from assur.api.cli.inputs import (
     given_options,
     joints_in,
@@ -24,12 +23,8 @@ from assur.api.cli.inputs import (
     robot_named,
     target,
     told_as_options,
-    writable,
 )
-from assur.api.cli.output import announce_compilation, read_cell, say, tell, tell_json
 from assur.api.documents import to_json
-from assur.api.logs import where
-from assur.api.problems import Problem
 from assur.api.version import version
 from assur.planner.errors import FaultError, InputError
 from assur.planner.report.number_format import amount
@@ -40,9 +35,6 @@ from assur.scenes.faults import NOTHING
 if TYPE_CHECKING:
     pass
 
-RIGHT, WRONG, BAD_INPUT, FAULT = 0, 1, 2, 3
-INTERRUPTED, PIPE_CLOSED = 128 + signal.SIGINT, 128 + signal.SIGPIPE
-
 app = typer.Typer(
     name="assur",
     help="Plans proved motion of SCARA-class robots through moving control points among moving bodies.",
@@ -52,41 +44,9 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-P = ParamSpec("P")
+app.add_typer(robots_group.app, name="robots")
 
 File = Annotated[str, typer.Argument(help="A scenario file (YAML), a request (JSON), or a shipped scenario's name.")]
-Robot = Annotated[str | None, typer.Argument(help="A shipped robot's name, or a robot's file (YAML).")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print the document that the service would answer with.")]
-
-
-def _bordered(command: Callable[P, int]) -> Callable[P, None]:
-    """`command` with its exit code raised as `typer.Exit`, and every exception turned into one line and a code."""
-
-    @wraps(command)
-    def inside(*arguments: P.args, **options: P.kwargs) -> None:
-        raise typer.Exit(_code(lambda: command(*arguments, **options)))
-
-    return inside
-
-
-def _code(run: Callable[[], int]) -> int:
-    try:
-        code = run()
-        sys.stdout.flush()
-        return code
-    except InputError as error:
-        return say(Problem.of_input(error).detail, BAD_INPUT, line=getattr(error, "line", None))
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # so that the flush at exit is silent too
-        return PIPE_CLOSED
-    except KeyboardInterrupt:
-        return say("interrupted", INTERRUPTED)
-    except Exception as error:  # noqa: BLE001 - the border: a user gets one line, with what a report of it needs
-        if isinstance(error, OSError) and error.filename is not None:
-            return say(f"{error.filename}: {error.strerror}", BAD_INPUT)
-        last = "".join(where(error.__traceback__)[-1:])
-        said = f" ({error})" if isinstance(error, FaultError) else ""
-        return say(f"a fault of assur itself: {type(error).__name__} in {last}{said}; please report it", FAULT)
 
 
 def _version(asked: bool) -> None:
@@ -103,7 +63,7 @@ def assur(
 
 
 @app.command()
-@_bordered
+@bordered
 def plan(
     file: File,
     as_json: AsJson = False,
@@ -112,7 +72,7 @@ def plan(
         Literal["full", "digest"], typer.Option(help="The whole table of the proof in the answer, or its digest.")
     ] = "full",
     details: Annotated[bool, typer.Option("--details", help="List every assumption, not only their number.")] = False,
-    show: Annotated[bool, typer.Option("--open", help="Show the report of the answer in a browser.")] = False,
+    opened: Annotated[bool, typer.Option("--open", help="Show the report of the answer in a browser.")] = False,
 ) -> int:
     """Plan FILE, check the plan, and say what came out."""
     given = target(file)
@@ -123,18 +83,18 @@ def plan(
         answer = given.plan()
         checked = answer["status"] == "planned"
         verdict = _held_to_checker(requests.verdict_on(given.cell, answer))
-        page = report_file.page(given, answer, verdict) if show else None
+        page = report_file.page(given, answer, verdict) if opened else None
     if checked and certificate == "digest":
         answer["certificate"] = {key: answer["certificate"][key] for key in ("digest", "rows", "covers")}
     if out is not None:
         out.write_bytes(to_json(answer) + b"\n")
     if as_json:
-        tell_json(answer)
+        show_json(answer)
     else:
         title = f"{given.name}: {'planned' if checked else 'not planned'}"
-        tell(title, "", *console_report.everything(answer, details=details))
+        show(title, "", *console_report.everything(answer, details=details))
         if checked:
-            tell("plan checked")
+            show("plan checked")
     if page is not None:
         say(report_file.show(report_file.kept(given.name, page)))
     for unmet in given.unmet(answer):
@@ -143,7 +103,7 @@ def plan(
 
 
 @app.command()
-@_bordered
+@bordered
 def check(
     file: File,
     plan: Annotated[Path, typer.Argument(help="An answer, as `assur plan --out` writes it.")],
@@ -156,25 +116,25 @@ def check(
     with console_report.working(f"checking {plan.name}"):
         verdict = requests.check_plan(given.cell, *read)
     if as_json:
-        tell_json(verdict)
+        show_json(verdict)
     elif verdict["ok"]:
-        tell("plan right: everything that it promises holds against the model", verdict["notice"])
+        show("plan right: everything that it promises holds against the model", verdict["notice"])
     else:
         findings = console_report.table("what is wrong", ">by", "where")
         for finding in verdict["findings"]:
             by = amount(finding["amount"], finding["unit"])
             console_report.row(findings, finding["what"], by, finding["where"])
-        tell("plan wrong", "", findings)
+        show("plan wrong", "", findings)
     return RIGHT if verdict["ok"] else WRONG
 
 
 @app.command()
-@_bordered
+@bordered
 def report(
     file: File,
     plan: Annotated[Path | None, typer.Argument(help="An answer to FILE; without one FILE is planned.")] = None,
     out: Annotated[Path, typer.Option("--out", help="Write the report to this file.")] = Path("report.html"),
-    show: Annotated[bool, typer.Option("--open", help="Show the report in a browser.")] = False,
+    opened: Annotated[bool, typer.Option("--open", help="Show the report in a browser.")] = False,
 ) -> int:
     """Write a page that plays the answer to FILE and says all of it; it needs no network."""
     given = target(file)
@@ -185,14 +145,14 @@ def report(
     with console_report.working(f"planning {given.name}" if read is None else f"reading {given.name}"):
         page, right = report_file.made(given, given.plan() if read is None else read)
     out.write_bytes(page)
-    tell(f"report of {given.name}: {out}, {len(page) / 1000:.0f} kB, opens in a browser without network")
-    if show:
+    show(f"report of {given.name}: {out}, {len(page) / 1000:.0f} kB, opens in a browser without network")
+    if opened:
         say(report_file.show(out))
     return RIGHT if right else say("the checker refuses this plan; the report says why", WRONG)
 
 
 @app.command()
-@_bordered
+@bordered
 def ik(
     file: Annotated[str | None, typer.Argument(help="As of `plan`: robot, tool, frames and bodies are its.")] = None,
     robot: Annotated[
@@ -222,51 +182,37 @@ def ik(
     with told_as_options():
         answer = requests.ik_cell(None if robot is not None else cell, given_options(question))
     if as_json:
-        tell_json(answer)
+        show_json(answer)
     else:
-        tell(*ik_report.everything(answer))
+        show(*ik_report.everything(answer))
     return RIGHT if answer["status"] == "reached" else WRONG
 
 
 @app.command()
-@_bordered
-def robots(robot: Robot = None, as_json: AsJson = False) -> int:
-    """List the shipped robots, or show every number of one ROBOT with its status and source."""
-    listed = requests.robots() if robot is None else [robot_named(robot).listed()]
-    if as_json:
-        tell_json({"robots": listed})
-        return RIGHT
-    tell(catalogue_table.catalogue(listed), "", catalogue_table.LEGEND)
-    if robot is not None:
-        tell("", catalogue_table.sources(listed[0]))
-    return RIGHT
-
-
-@app.command()
-@_bordered
+@bordered
 def scenes(as_json: AsJson = False) -> int:
     """List the shipped scenarios and why each exists."""
     shipped = requests.shipped_scenarios()
     if as_json:
-        tell_json({"scenes": [{"name": name, "about": about} for name, about in shipped.items()]})
+        show_json({"scenes": [{"name": name, "about": about} for name, about in shipped.items()]})
         return RIGHT
     made = console_report.table("scene", "about")
     for name, about in shipped.items():
         console_report.row(made, name, about)
-    tell(made)
+    show(made)
     return RIGHT
 
 
 @app.command()
-@_bordered
+@bordered
 def schema() -> int:
     """Print the JSON Schema of the request."""
-    tell_json(requests.request_schema())
+    show_json(requests.request_schema())
     return RIGHT
 
 
 @app.command()
-@_bordered
+@bordered
 def kernels(
     check: Annotated[
         bool, typer.Option("--check", help="Load every kernel; exit with 1 if one had to be compiled.")
@@ -274,11 +220,11 @@ def kernels(
 ) -> int:
     """Compile the planner's inner loops once, so that no request waits for it."""
     if not check and compiled_kernels.is_compiled():
-        tell(f"kernels are compiled, in {compiled_kernels.folder()}")
+        show(f"kernels are compiled, in {compiled_kernels.folder()}")
         return RIGHT
     announce_compilation()
     loaded = compiled_kernels.load()
-    tell(
+    show(
         f"{loaded.count} kernels, {len(loaded.compiled)} compiled now, {loaded.seconds:.1f} s, in {loaded.folder}",
         *loaded.compiled,
     )
@@ -286,7 +232,7 @@ def kernels(
 
 
 @app.command("fit-limits")
-@_bordered
+@bordered
 def fit_limits(
     log: Annotated[Path, typer.Argument(help="Recorded motion: CSV with t_s or t_ms, j1_deg, j3_mm and so on.")],
     robot: Annotated[str | None, typer.Option(help="Whose joints they are: a shipped robot's name, or a file.")] = None,
@@ -306,19 +252,19 @@ def fit_limits(
     if out is not None:
         out.write_text(fitted_limits.part(found), encoding="utf-8")
     if as_json:
-        tell_json(found)
+        show_json(found)
     else:
-        tell(*limits_report.fitted(found))
+        show(*limits_report.fitted(found))
     identified = any(joint[rate]["status"] == "identified" for joint in found["joints"] for rate in fitted_limits.RATES)
     return RIGHT if identified else WRONG
 
 
-app.command()(_bordered(trajectories.export))
-app.command("check-trajectory")(_bordered(trajectories.check_trajectory))
+app.command()(bordered(trajectories.export))
+app.command("check-trajectory")(bordered(trajectories.check_trajectory))
 
 
 @app.command()
-@_bordered
+@bordered
 def reproduce(
     out: Annotated[Path, typer.Option("--out", help="Folder for figures, numbers and paragraphs; made if needed.")],
     name: Annotated[str, typer.Argument(help="An experiment, or all.")] = "all",
@@ -328,13 +274,13 @@ def reproduce(
 
     for done in run(name, out):
         place = f"{done.number} of {done.count}, " if done.count > 1 else ""
-        tell(f"{place}{done.entry.name}: {done.entry.title}, {done.elapsed_s:.1f} s", done.paragraph)
-        tell(*(str(path) for path in done.files), "")
+        show(f"{place}{done.entry.name}: {done.entry.title}, {done.elapsed_s:.1f} s", done.paragraph)
+        show(*(str(path) for path in done.files), "")
     return RIGHT
 
 
 @app.command()
-@_bordered
+@bordered
 def serve(
     host: Annotated[str | None, typer.Option(help="Address to listen on (ASSUR_HOST).")] = None,
     port: Annotated[int | None, typer.Option(min=0, max=65535, help="Port to listen on (ASSUR_PORT).")] = None,
@@ -354,7 +300,7 @@ def serve(
 
 
 def main() -> None:
-    """The entry point. What `_bordered` does not catch, wrong usage, typer answers itself with exit code 2."""
+    """The entry point. What `bordered` does not catch, wrong usage, typer answers itself with exit code 2."""
     for stream in (sys.stdout, sys.stderr):
         reconfigure: Callable[..., None] | None = getattr(stream, "reconfigure", None)
         if reconfigure is not None:

@@ -63,12 +63,19 @@ def write(draw: Callable[[Drawing], None], size: tuple[float, float], stem: Path
 
     The same figure gives the same bytes: no date is written. Raises `InputError` where matplotlib is not installed.
     """
+    paths = [stem.with_name(f"{stem.name}.{kind}") for kind in ("png", "svg")]
+    write_to(draw, size, paths)
+    return paths
+
+
+def write_to(draw: Callable[[Drawing], None], size: tuple[float, float], paths: list[Path]) -> None:
+    """As `write`, into files that end in .png or .svg."""
     try:
         import matplotlib as mpl
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
     except ModuleNotFoundError as error:
-        raise InputError("reproduce", "no matplotlib", "an installation with the extra `plot`") from error
+        raise InputError("matplotlib", "not installed", "an installation with the extra `plot`") from error
     with mpl.rc_context():
         mpl.rcdefaults()
         parameters: Any = mpl.rcParams
@@ -77,10 +84,11 @@ def write(draw: Callable[[Drawing], None], size: tuple[float, float], stem: Path
         FigureCanvasAgg(figure)
         draw(figure)
         _whole(figure, size)
-        paths = [stem.with_name(f"{stem.name}.{kind}") for kind in ("png", "svg")]
-        figure.savefig(paths[0], dpi=PNG_DPI)
-        figure.savefig(paths[1], metadata={"Date": None})
-    return paths
+        for path in paths:
+            if path.suffix.lower() == ".svg":
+                figure.savefig(path, metadata={"Date": None})
+            else:
+                figure.savefig(path, dpi=PNG_DPI)
 
 
 def _whole(figure: Drawing, size: tuple[float, float]) -> None:

@@ -6,7 +6,7 @@ everything else is SI and in the world frame. What has no number is null. Nothin
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from enum import StrEnum
 from typing import Literal, TypeVar, cast
 
@@ -37,7 +37,7 @@ from assur.planner.model.scene import Scene
 from assur.planner.report.notes import note, warned
 from assur.planner.report.sentence import because
 from assur.planner.trajectory import Trajectory
-from assur.scenes.conventions import Conventions, as_counted, as_maker
+from assur.scenes.conventions import Conventions, as_counted, as_maker, converted, rates_as_maker, zeros
 from assur.scenes.numbers import interval, number, optional
 from assur.scenes.reading.cell import Cell
 from assur.scenes.schema import answer as document
@@ -62,7 +62,7 @@ def answer_of(
 
 
 def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAnswer:
-    plan = outcome.plan
+    plan = settled(cell, outcome.plan)
     return {
         "schema": "assur/1",
         "status": "planned",
@@ -93,6 +93,7 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAn
 
 def proved_document(cell: Cell, plan: Plan) -> document.CheckedPlan:
     """A plan with its proof and nothing else: as much of an answer as the checker judges."""
+    plan = settled(cell, plan)
     return {
         "schema": "assur/1",
         "status": "planned",
@@ -173,9 +174,30 @@ def _route(route: Route) -> document.Route:
     }
 
 
+def settled(cell: Cell, plan: Plan) -> Plan:
+    """The plan whose knots are read back bit by bit from what is written of them.
+
+    Where a joint has a zero of its own, positions are rounded on the way to the maker's count and back, by some 1e-16.
+    They are rounded so once, here: x ↦ (x ⊖ y) ⊕ y leaves what it gave before as it is (Knuth, The Art of Computer
+    Programming 4.2.2, theorem D). The proof keeps 1 µm, and the checker checks what is written.
+    """
+    from assur.planner.model.digest import digest
+
+    if not any(zeros(cell.conventions)):
+        return plan
+    knots = plan.trajectory
+    q = converted(as_maker(knots.q, cell.conventions), cell.conventions)
+    trajectory = Trajectory(knots.time, q, knots.qd, knots.qdd, jumps=knots.jumps)
+    certificate = replace(
+        plan.certificate, digest=digest(cell.scene.digest, trajectory, plan.legs, plan.arrivals, plan.certificate)
+    )
+    return replace(plan, trajectory=trajectory, certificate=certificate)
+
+
 def trajectory_document(cell: Cell, trajectory: Trajectory) -> document.Trajectory:
-    """The knots in the maker's convention. Reading them back gives the planner's knots, bit by bit."""
-    written = as_maker(np.stack([trajectory.q, trajectory.qd, trajectory.qdd]), cell.conventions)
+    """The knots of a settled plan in the maker's convention. Reading them back gives the planner's, bit by bit."""
+    rates = rates_as_maker(np.stack([trajectory.qd, trajectory.qdd]), cell.conventions)
+    written = np.concatenate([as_maker(trajectory.q, cell.conventions)[None], rates])
     if not np.isfinite(written).all():
         raise FaultError("a trajectory is not finite")
     rows: list[list[list[float]]] = written.tolist()
@@ -229,7 +251,7 @@ def _arrival(cell: Cell, trajectory: Trajectory, arrival: Arrival) -> document.A
         "missed_by": None
         if missed is None
         else {
-            "joints": [number(x) for x in as_maker(np.array(missed.joints), cell.conventions).tolist()],
+            "joints": [number(x) for x in rates_as_maker(np.array(missed.joints), cell.conventions).tolist()],
             "distance_m": number(missed.distance_m),
         },
         "error": None if arrival.error is None else _error(arrival.error, cell.conventions),

@@ -1,8 +1,10 @@
 """How a maker counts an arm's joints, and how its values become the planner's and back.
 
-The planner counts a lifting joint upwards from its base origin. That origin is put where the maker's zero is, so
-maker's and planner's values differ by a sign at most, and converting a trajectory to the maker's convention and back is
-exact in floating point: a plan that was written out and read again is the same plan, bit by bit.
+The planner counts a lifting joint upwards from its base origin. That origin is put where the maker's zero is. So
+maker's and planner's values differ by a sign at most, unless a turning joint has a zero of its own, and converting a
+trajectory to the maker's convention and back is exact in floating point: a plan that was written out and read again is
+the same plan, bit by bit. With a zero of its own a joint's position is rounded once, by some 1e-16 of its value, when
+the plan is written; there and back again changes nothing any more.
 """
 
 from __future__ import annotations
@@ -20,13 +22,14 @@ SI_OF: dict[JointKind, str] = {"revolute": "rad", "prismatic": "m"}
 
 @dataclass(frozen=True, slots=True)
 class JointConvention:
-    """How the maker counts a joint: planner's value = sign × maker's value, in rad or m; `place`: which joint it is in
-    the planner's order (None: the same)."""
+    """How the maker counts a joint: planner's value = sign × maker's value + zero, in rad or m; `place`: which joint it
+    is in the planner's order (None: the same). Rates have no zero."""
 
     name: str
     kind: JointKind
     sign: Literal[1, -1] = 1
     place: int | None = None
+    zero: float = 0.0
 
     @property
     def unit(self) -> str:
@@ -43,22 +46,50 @@ def places(conventions: Conventions) -> IntArray:
 
 
 def converted(values: FloatArray, conventions: Conventions) -> FloatArray:
-    """Joint values (..., n) of the maker in the planner's order and convention."""
+    """Joint positions (..., n) of the maker in the planner's order and convention."""
     turned = np.empty(values.shape)
-    turned[..., places(conventions)] = values * _signs(conventions) + 0.0  # + 0.0: no negative zeros
+    # + 0.0, which a zero is as well: no negative zeros
+    turned[..., places(conventions)] = values * _signs(conventions) + _zeros(conventions)
     return turned
 
 
 def as_maker(values: FloatArray, conventions: Conventions) -> FloatArray:
-    """Joint values (..., n) of the planner in the maker's order and convention; exactly what `converted` undoes."""
+    """Joint positions (..., n) of the planner in the maker's order and convention: what `converted` undoes, exactly
+    where no joint has a zero."""
+    turned: FloatArray = (values[..., places(conventions)] - _zeros(conventions)) * _signs(conventions) + 0.0
+    return turned
+
+
+def converted_rates(values: FloatArray, conventions: Conventions) -> FloatArray:
+    """Joint rates, or differences of positions, (..., n) of the maker in the planner's order and convention."""
+    turned = np.empty(values.shape)
+    turned[..., places(conventions)] = values * _signs(conventions) + 0.0
+    return turned
+
+
+def rates_as_maker(values: FloatArray, conventions: Conventions) -> FloatArray:
+    """Joint rates, or differences of positions, (..., n) of the planner as the maker counts; `converted_rates` undoes
+    it exactly."""
     turned: FloatArray = values[..., places(conventions)] * _signs(conventions) + 0.0
     return turned
+
+
+def last_joint(conventions: Conventions) -> int:
+    """Which of the maker's joints is the planner's last one: the wrist, of an arm that has one."""
+    return int(np.argmax(places(conventions)))
 
 
 def signs(conventions: Conventions) -> tuple[float, ...]:
     """What the planner's value of each joint, in its order, is multiplied by to be the maker's."""
     found = np.empty(len(conventions))
     found[places(conventions)] = _signs(conventions)
+    return tuple(found.tolist())
+
+
+def zeros(conventions: Conventions) -> tuple[float, ...]:
+    """The planner's value at the maker's zero of each joint, in the planner's order."""
+    found = np.empty(len(conventions))
+    found[places(conventions)] = _zeros(conventions)
     return tuple(found.tolist())
 
 
@@ -70,3 +101,7 @@ def as_counted(signs: tuple[tuple[str, float], ...], conventions: Conventions) -
 
 def _signs(conventions: Conventions) -> FloatArray:
     return np.array([float(joint.sign) for joint in conventions])
+
+
+def _zeros(conventions: Conventions) -> FloatArray:
+    return np.array([joint.zero for joint in conventions])

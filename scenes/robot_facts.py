@@ -23,6 +23,7 @@ LENGTHS = {
     "l2_m": "length of link 2",
     "l3_m": "length of the hand",
     "height_m": "height of the shoulder",
+    "base_offset_m": "place of the base axis",
 }
 """Lengths of an arm of any family, by field, and what an assumption calls them."""
 LOADS = {
@@ -156,7 +157,12 @@ def _numbers(family: Family, arm: Written) -> Iterator[tuple[str, Quantity]]:
             yield f"{joint['name']} {WORDS.get(field, field)}", number
 
 
-WORDS = {"lower": "lower end of its range", "upper": "upper end of its range", "zero": "height at its zero"}
+WORDS = {
+    "lower": "lower end of its range",
+    "upper": "upper end of its range",
+    "zero": "height at its zero",
+    "zero_angle": "angle at its zero",
+}
 
 
 def _of_joint(joint: Written) -> Iterator[tuple[str, Quantity]]:
@@ -166,8 +172,9 @@ def _of_joint(joint: Written) -> Iterator[tuple[str, Quantity]]:
     yield "upper", ends.part(1)
     for field, rate in RATES.items():
         yield field, quantity(joint, f"{field}_{unit}{rate}")
-    if written_key(joint, "zero_m") is not None:
-        yield "zero", quantity(joint, "zero_m")
+    for field in ("zero_m", "zero_rad"):
+        if written_key(joint, field) is not None:
+            yield "zero" if field == "zero_m" else "zero_angle", quantity(joint, field)
 
 
 def _turns(joint: Written) -> bool:

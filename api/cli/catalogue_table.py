@@ -25,10 +25,10 @@ LEGEND = (
     "unit: of the range; speed, acceleration and jerk are the same per s, s2 and s3\n"
     "reach: from the axis of the first joint to that of the flange, arm straight"
 )
-NUMBERS = ("lower", "upper", "velocity", "acceleration", "jerk", "zero")
-"""Numbers of a joint; the zero of a lifting one."""
+NUMBERS = ("lower", "upper", "velocity", "acceleration", "jerk", "zero", "zero_angle")
+"""Numbers of a joint; the zero of a lifting one, the zero angle of one that turns."""
 LOADS = ("rated_load", "max_load", "max_inertia", "acceleration_by_load")
-OF_ARM = ("separation", "proximal", "distal", "l1", "l2", "l3", "height", *LOADS)
+OF_ARM = ("separation", "proximal", "distal", "l1", "l2", "l3", "height", "base_offset", *LOADS)
 
 
 def catalogue(robots: list[dict[str, Any]]) -> Table:

@@ -203,15 +203,20 @@ def given_options(options: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in options.items() if value is not None}
 
 
-def writable(out: Path | None) -> None:
-    """Accepts no file, and one that can be written. Raises `InputError`."""
-    if out is not None and (out.is_dir() or not out.parent.is_dir()):
-        raise InputError("--out", str(out), "a file in a folder that exists")
-
-
 def _is_file(path: Path) -> bool:
     """Whether there is a regular file: no folder, no device, no pipe, and not a name that no file can have."""
     try:
         return path.is_file()
     except (OSError, ValueError):  # too long; a null character in it
         return False
+
+
+def pairs_in(option: str, texts: list[str] | None, allowed: str) -> dict[str, str]:
+    """What an option that may be repeated says, ``NAME=VALUE`` each. Raises `InputError`."""
+    found: dict[str, str] = {}
+    for text in texts or ():
+        name, mark, value = text.partition("=")
+        if not (mark and name and value) or name in found:
+            raise InputError(option, text, f"{allowed}, each name once")
+        found[name] = value
+    return found

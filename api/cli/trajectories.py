@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal
 import typer
 
 from assur.api.cli import console_report, trajectory_report
+from assur.api.cli.border import writable
 from assur.api.cli.inputs import plan_file, target, text_file
 from assur.api.documents import to_json
-from assur.planner.errors import InputError
 from assur.scenes.exports.doors import check_trajectory_document, export_document
 
 Cell = Annotated[str, typer.Argument(help="A scenario file (YAML), a request (JSON), or a shipped scenario's name.")]
@@ -40,7 +40,7 @@ def export(
 ) -> int:
     """Write a PLAN as a controller's file, proved anew on the points that the file has."""
     for name, path in (("--out", out), ("--request-out", request_out), ("--plan-out", plan_out)):
-        _writable(name, path)
+        writable(path, name)
     given = target(file)
     asked: dict[str, Any] = {"format": form, "jerk": jerk}
     if tick_ms is not None:
@@ -59,11 +59,6 @@ def export(
         if path is not None:
             path.write_bytes(to_json(made[key]) + b"\n")
     return 0
-
-
-def _writable(name: str, path: Path | None) -> None:
-    if path is not None and (path.is_dir() or not path.parent.is_dir()):
-        raise InputError(name, str(path), "a file in a folder that exists")
 
 
 def check_trajectory(

@@ -187,6 +187,8 @@ class Scene:
     """Digest of the request document, carried into the certificate."""
     signs: tuple[float, ...] = ()
     """What a value of each joint is multiplied by to be as its maker counts it, 1 or -1 (empty: 1 for all)."""
+    zeros: tuple[float, ...] = ()
+    """The value of each joint at its maker's zero, rad or m (empty: 0 for all)."""
     index: dict[str, WorldBody] = field(init=False, repr=False)
     pieces: Pieces = field(init=False, repr=False)  # of robot, tool and surroundings, in this order
     seats: dict[str, tuple[str, Pose]] = field(init=False, repr=False)  # frame and pose of what stands around
@@ -244,7 +246,8 @@ class Scene:
 
     def counted(self, joint: int, value: float) -> float:
         """The value of a joint as its maker counts it."""
-        return self.signs[joint] * value + 0.0 if self.signs else value
+        zero = self.zeros[joint] if self.zeros else 0.0
+        return self.signs[joint] * (value - zero) + 0.0 if self.signs else value
 
     @cached_property
     def exact(self) -> bool:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
-from assur.scenes.conventions import as_maker, places
+from assur.scenes.conventions import as_maker, places, rates_as_maker
 from assur.scenes.exports.raised import raised, scale_of
 from assur.scenes.numbers import number
 from assur.scenes.schema.export import Deviation, ExportAnswer, ExportDocument, JerkProved, JerkRule
@@ -207,5 +207,6 @@ def exported(cell: Cell, request: dict[str, Any], made: Plan, asked: ExportDocum
 def columns(motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Times (K,) and q, q̇, q̈ (K, n) as the maker counts the joints, rad or m."""
     trajectory, conventions = motion.plan.trajectory, motion.cell.conventions
-    q, qd, qdd = (as_maker(each, conventions) for each in (trajectory.q, trajectory.qd, trajectory.qdd))
+    q = as_maker(trajectory.q, conventions)
+    qd, qdd = (rates_as_maker(each, conventions) for each in (trajectory.qd, trajectory.qdd))
     return trajectory.time, q, qd, qdd

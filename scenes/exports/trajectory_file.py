@@ -24,7 +24,7 @@ from assur.scenes.bounds import (
     STRONG,
     TURNS_RAD,
 )
-from assur.scenes.conventions import Conventions, JointConvention, converted
+from assur.scenes.conventions import Conventions, JointConvention, converted, converted_rates
 from assur.scenes.faults import NOTHING, DocumentError
 from assur.scenes.motion_log import NUMBER
 from assur.scenes.text.json_text import parse_json
@@ -64,7 +64,7 @@ def trajectory_from(data: bytes, form: str, conventions: Conventions, start_s: f
         k = int(wrong[0]) + 1
         allowed = f"a time later than {time[k - 1]:.9g} s, that of the point before"
         raise DocumentError(places[k][0], float(time[k]), allowed, places[k][1])
-    q, qd, qdd = (converted(each, conventions) for each in states)
+    q, qd, qdd = converted(states[0], conventions), *(converted_rates(each, conventions) for each in states[1:])
     try:
         return Trajectory(time, q, qd, qdd, jumps=jumps)
     except InputError as error:

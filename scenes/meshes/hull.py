@@ -7,6 +7,7 @@ rounding in Qhull, nor our own simplification can uncover a surface.
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import nnls
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
 from assur.planner.arrays import FloatArray, IntArray
@@ -21,6 +22,8 @@ MAX_CORNERS = 256
 """Corners of one hull. Rounder hulls are replaced by a polytope around them."""
 MAX_PLANES = (MAX_CORNERS + 4) // 2
 """A simple polytope of F faces has 2F - 4 corners."""
+PLANES = (8, 12, 18, 26, 40, 60)
+"""Faces of polytopes that are tried around a hull that is to have fewer corners."""
 
 
 def hull_of(points: FloatArray) -> Hull:
@@ -28,7 +31,7 @@ def hull_of(points: FloatArray) -> Hull:
     thick = thickened(points)
     corners, faces, equations = _quick(thick)
     if len(corners) > MAX_CORNERS:
-        corners, faces, equations = _quick(_around(corners, equations))
+        corners, faces, equations = _quick(_around(corners, equations, MAX_PLANES))
     if not _contains(equations, thick):
         corners, faces, equations = _quick(_box(thick))
         if not _contains(equations, thick):
@@ -83,13 +86,39 @@ def _contains(equations: FloatArray, points: FloatArray) -> bool:
     return highest <= COVER_SLACK_M
 
 
-def _around(corners: FloatArray, equations: FloatArray) -> FloatArray:
-    """Corners of a polytope with at most MAX_PLANES faces around the hull: supporting planes in spread directions."""
+def simpler(hull: Hull, tight_m: float) -> tuple[Hull, float]:
+    """A hull with fewer corners that contains this one and reaches out of it by `tight_m` at most, m, and how far it
+    does; this one, where that saves nothing."""
+    corners, _, equations = _quick(hull.vertices)
+    for planes in PLANES:
+        if 2 * planes - 4 >= len(corners):
+            break
+        around = _around(corners, equations, planes)
+        out = max(_distance(point, corners) for point in around)
+        if out <= tight_m:
+            found, faces, equations = _quick(around)
+            if _contains(equations, corners):
+                return Hull(found, faces), out
+    return hull, 0.0
+
+
+def _distance(point: FloatArray, corners: FloatArray) -> float:
+    """How far a point (3,) is from the hull of corners (m, 3), m: the nearest of their convex combinations."""
+    scale = float(np.ptp(corners, axis=0).max())
+    moved = (corners - point) / scale
+    # a row that is much heavier than the others holds the sum of the shares at 1
+    rows = np.concatenate([moved.T, np.full((1, len(corners)), 1e3)])
+    shares, _ = nnls(rows, np.array([0.0, 0.0, 0.0, 1e3]))
+    return scale * float(np.linalg.norm(moved.T @ (shares / shares.sum())))
+
+
+def _around(corners: FloatArray, equations: FloatArray, most: int) -> FloatArray:
+    """Corners of a polytope with at most so many faces around the hull: supporting planes in spread directions."""
     directions = np.concatenate([np.eye(3), -np.eye(3)])
     candidates = np.unique(np.round(equations[:, :3], 9), axis=0)
     candidates /= np.linalg.norm(candidates, axis=1, keepdims=True)
     closest = (candidates @ directions.T).max(1)
-    while len(directions) < MAX_PLANES:
+    while len(directions) < most:
         chosen = int(np.argmin(closest))
         directions = np.concatenate([directions, candidates[chosen : chosen + 1]])
         closest = np.maximum(closest, candidates @ candidates[chosen])

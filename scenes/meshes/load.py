@@ -36,10 +36,20 @@ def load(content: bytes, form: str, unit: str) -> Surface:
         raise InputError("mesh.unit", unit, f"one of {', '.join(UNITS_M)}")
     if form not in CHECKS:
         raise InputError("mesh.format", form, f"one of {', '.join(CHECKS)}")
+    return closed_surface(triangles_of(content, form), UNITS_M[unit])
+
+
+def triangles_of(content: bytes, form: str) -> FloatArray:
+    """The triangles (f, 3, 3) in a file, in its unit, open or closed; also of COLLADA files (`dae`, with the extra of
+    that name), in m. Raises `InputError` naming mesh.data or mesh.format."""
+    if form not in (*CHECKS, "dae"):
+        raise InputError("mesh.format", form, f"one of {', '.join(CHECKS)}")
     if not 0 < len(content) <= MAX_MESH_BYTES:
         raise InputError("mesh.data", f"{len(content)} bytes", f"1 to {MAX_MESH_BYTES} bytes")
+    if form == "dae":
+        return _check_dae(content) * _triangles(content, form)
     CHECKS[form](content)
-    return closed_surface(_triangles(content, form), UNITS_M[unit])
+    return _triangles(content, form)
 
 
 def _triangles(content: bytes, form: str) -> FloatArray:
@@ -149,6 +159,37 @@ def _check_glb(content: bytes) -> None:
         _bounded(count, MOST_ITEMS, "items")
         if count > len(content):
             raise InputError("mesh.data", f"{count} items declared", "no more than the file holds")
+
+
+def _check_dae(content: bytes) -> float:
+    """Metres in the unit of a COLLADA file. Its up axis is not applied, as robot viewers do not apply it."""
+    from importlib.util import find_spec
+
+    from defusedxml import DefusedXmlException
+    from defusedxml.ElementTree import fromstring
+
+    if find_spec("collada") is None:
+        allowed = "a mesh as STL, OBJ, PLY or GLB, or an installation with the extra `dae`"
+        raise InputError("mesh.format", "dae, and no library for it", allowed)
+    try:
+        root = fromstring(content, forbid_dtd=True)
+    except (DefusedXmlException, SyntaxError, ValueError, LookupError) as error:
+        raise InputError("mesh.data", type(error).__name__, "a readable dae file") from error
+    space = "{*}"
+    _bounded(len(root.findall(f".//{space}node")), MOST_NODES, "nodes")
+    _bounded(
+        sum(len(p.text or "") for p in root.iter() if p.tag.endswith("}p")), MAX_MESH_BYTES, "characters of indices"
+    )
+    if root.find(f".//{space}instance_node") is not None:
+        raise InputError("mesh.data", "instances of nodes", "a dae file without instance_node")
+    unit = root.find(f"{space}asset/{space}unit")
+    try:
+        metres = 1.0 if unit is None else float(unit.get("meter", "1"))
+    except ValueError:
+        metres = float("nan")
+    if not 1e-6 <= metres <= 1e3:
+        raise InputError("mesh.data", "a unit that is no length", "a unit in m")
+    return metres
 
 
 def _bounded(count: int, most: int, what: str) -> None:

@@ -58,14 +58,18 @@ mounting face."""
 KINDS: dict[str, tuple[JointKind, ...]] = {
     "rrpr": ("revolute", "revolute", "prismatic", "revolute"),
     "rprr": ("revolute", "prismatic", "revolute", "revolute"),
+    "prrr": ("prismatic", "revolute", "revolute", "revolute"),
+    "rrrp": ("revolute", "revolute", "revolute", "prismatic"),
     "elbow_arm": ("revolute", "revolute", "revolute"),
     "polar_arm": ("revolute", "revolute", "prismatic"),
     "five_bar": ("revolute", "revolute", "prismatic", "revolute"),
     "five_axis_arm": ("revolute",) * 5,
 }
 """Kinds of the joints in the maker's order: of a SCARA by its axis order, of the others by their family."""
-LIFT_SECOND = (0, 2, 1, 3)
-"""Which of the planner's joints those of a SCARA are whose lift comes second and carries both links (R-P-R-R)."""
+LIFT_ELSEWHERE = {"rprr": (0, 2, 1, 3), "prrr": (2, 0, 1, 3), "rrrp": (0, 1, 3, 2)}
+"""Which of the planner's joints those of a SCARA are whose lift does not come third, by its axis order."""
+LIFTS_LINKS = ("rprr", "prrr")
+"""Axis orders of a SCARA whose lift carries both links."""
 CALLED: dict[Family, str] = {
     "scara": "a SCARA",
     "elbow_arm": "an elbow arm",
@@ -81,34 +85,42 @@ OVER = np.diag([1.0, -1.0, -1.0])
 class BuiltArm:
     """An arm that does not stand anywhere yet: the maker's joint conventions, its own limits in the planner's order.
 
-    `zero_m`: the planner's base origin above the mounting face; `z_down`: the flange frame that requests speak of is
-    turned by π about its x axis; `load`: what it may carry; `make`: the planner's robot of these limits and this base.
+    `origin`: the planner's base origin in the frame in which a request places the arm; `z_down`: the flange frame that
+    requests speak of is turned by π about its x axis; `load`: what it may carry; `make`: the planner's robot of these
+    limits and this base.
     """
 
     name: str
     conventions: Conventions
     limits: Limits
-    zero_m: float
+    origin: Pose
     z_down: bool
     load: LoadLimits
     make: Callable[..., Robot]
 
     def robot(self, base: Pose, limits: Limits) -> Robot:
         """The planner's robot, its mounting face at `base` in the world."""
-        return self.make(limits=limits, base=base.then(Pose(z=self.zero_m)))
+        return self.make(limits=limits, base=base.then(self.origin))
+
+    @property
+    def zero_m(self) -> float:
+        """The planner's base origin above the mounting face."""
+        return self.origin.z
 
 
 def built(family: Family, arm: Arm) -> BuiltArm:
     """The arm of a document. Raises `Refused` at the field at fault."""
     joints = arm.joints
-    kinds = KINDS[arm.axis_order if isinstance(arm, ScaraDocument) else family][: len(joints)]
+    order = arm.axis_order if isinstance(arm, ScaraDocument) else ""
+    if order == "rrrp" and len(joints) == 3:
+        raise Refused("rrpr, rprr or prrr: with rrrp and three joints there would be no lift", "axis_order")
+    kinds = KINDS[order or family][: len(joints)]
     for i, (joint, kind) in enumerate(zip(joints, kinds, strict=True)):
         with within("joints", i):
             _check_joint(joint, kind, [other.name for other in joints[:i]], family)
-    lift_second = isinstance(arm, ScaraDocument) and arm.axis_order == "rprr"
-    own = LIFT_SECOND[: len(joints)] if lift_second else (None,) * len(joints)
+    own = LIFT_ELSEWHERE.get(order, (None,) * len(joints))[: len(joints)]
     conventions = tuple(
-        JointConvention(joint.name, kind, joint.sign, place)
+        JointConvention(joint.name, kind, joint.sign, place, value_of(joint.zero_rad or 0.0))
         for joint, kind, place in zip(joints, kinds, own, strict=True)
     )
     with within("joints"):
@@ -120,22 +132,23 @@ def built(family: Family, arm: Arm) -> BuiltArm:
         zero = value_of(arm.height_m)
     z_down = isinstance(arm, ScaraDocument) and arm.tool_frame == "z_down"
     name = arm.name or unnamed(family)
-    order = np.argsort(places(conventions))
+    planners = np.argsort(places(conventions))
     make = _maker(
         arm,
         name=name,
         bodies=_bodies(family, arm, zero, z_down),
         self_pairs=_pairs(family, arm),
-        joint_names=tuple(conventions[int(i)].name for i in order),
+        joint_names=tuple(conventions[int(i)].name for i in planners),
     )
-    return BuiltArm(name, conventions, limits, zero, z_down, load_limits(family, arm), make)
+    x, y = [0.0, 0.0] if arm.base_offset_m is None else value_of(arm.base_offset_m)
+    return BuiltArm(name, conventions, limits, Pose(x, y, zero), z_down, load_limits(family, arm), make)
 
 
 def _maker(arm: Arm, **shared: Any) -> Callable[..., Robot]:
     """The constructor of the planner's robot, waiting for its limits and base."""
     match arm:
         case ScaraDocument():
-            rise = arm.axis_order == "rprr"
+            rise = arm.axis_order in LIFTS_LINKS
             l1, l2 = value_of(arm.l1_m), value_of(arm.l2_m)
             return partial(Scara, l1=l1, l2=l2, axes=len(arm.joints), arms_rise=rise, **shared)
         case FiveBarDocument():
@@ -163,7 +176,8 @@ def _limits(joints: list[JointDocument], conventions: Conventions) -> Limits:
     """The limits in the planner's order and directions, SI."""
     ends = [_range(joint) for joint in joints]
     turned = [pair if joint.sign > 0 else (-pair[1], -pair[0]) for pair, joint in zip(ends, joints, strict=True)]
-    lower, upper = np.array(turned).T + 0.0  # + 0.0: no negative zeros
+    # + a zero, if only 0.0: no negative zeros
+    lower, upper = np.array(turned).T + [joint.zero for joint in conventions]
     rates = (
         [_given(joint.velocity_rad_s, joint.velocity_m_s) for joint in joints],
         [_given(joint.acceleration_rad_s2, joint.acceleration_m_s2) for joint in joints],
@@ -230,6 +244,8 @@ def _check_joint(joint: JointDocument, kind: JointKind, taken: list[str], family
         if getattr(joint, stem + wrong + rate) is not None:
             allowed = f"{stem}{right}{rate}: joint {len(taken) + 1} of {CALLED[family]} is {kind}"
             raise Refused(allowed, stem + wrong + rate)
+    if joint.zero_rad is not None and kind == "prismatic":
+        raise Refused("a zero angle for a joint that turns only", "zero_rad")
     if joint.zero_m is not None and (kind == "revolute" or family not in WITH_QUILL):
         raise Refused("a zero height for a joint that lifts a quill only", "zero_m")
     lower, upper = _range(joint)

@@ -11,7 +11,7 @@ from assur.planner.model.scene import WORLD, WorldBody
 from assur.scenes.faults import DocumentError, Refused, as_written, choices, dotted, fault, within
 from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
 from assur.scenes.schema.robots import ToolPoseDocument
-from assur.scenes.schema.shapes import AttachedBody, BodyDocument, MeshDocument, PlaceInCell, ShapeDocument
+from assur.scenes.schema.shapes import AttachedBody, BodyDocument, LinkBody, MeshDocument, PlaceInCell, ShapeDocument
 from assur.scenes.schema.task import TargetDocument
 
 
@@ -77,13 +77,15 @@ class MeshRefused(Refused):
 
 def attached(item: AttachedBody, lower_m: float = 0.0) -> Body:
     """A body at its pose in its carrier's frame, `lower_m` lower: its pieces and surface moved there."""
+    tilt = (item.roll_rad or 0.0, item.pitch_rad or 0.0) if isinstance(item, LinkBody) else (0.0, 0.0)
     with within("shape"):
         body = solid(item.name, item.shape)
     at = np.array(item.at_m) - [0.0, 0.0, lower_m]
-    if item.yaw_rad == 0.0 and body.surface is None:
+    unturned = item.yaw_rad == 0.0 and tilt == (0.0, 0.0)
+    if unturned and body.surface is None:
         return Body(item.name, tuple(Piece(p.shape, at + p.position, p.rotation) for p in body.pieces))
-    turn = _turn(item.yaw_rad)
-    turned = [p.rotation if item.yaw_rad == 0.0 else turn @ p.rotation for p in body.pieces]
+    turn = _turn(item.yaw_rad) if tilt == (0.0, 0.0) else _turn(item.yaw_rad) @ _tilt(*tilt)
+    turned = [p.rotation if unturned else turn @ p.rotation for p in body.pieces]
     pieces = tuple(Piece(p.shape, at + turn @ p.position, axes) for p, axes in zip(body.pieces, turned, strict=True))
     surface = body.surface
     if surface is not None:
@@ -96,6 +98,12 @@ def attached(item: AttachedBody, lower_m: float = 0.0) -> Body:
 def _turn(yaw: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
     c, s = np.cos(yaw), np.sin(yaw)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _tilt(roll: float, pitch: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    """R_y(pitch) R_x(roll)."""
+    cr, sr, cp, sp = np.cos(roll), np.sin(roll), np.cos(pitch), np.sin(pitch)
+    return np.array([[cp, sp * sr, sp * cr], [0.0, cr, -sr], [-sp, cp * sr, cp * cr]])
 
 
 Places = dict[str, tuple[str, Pose]]

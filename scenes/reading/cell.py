@@ -13,7 +13,7 @@ from assur.planner.model.scene import (
     Scene,
     check_tool_point,
 )
-from assur.scenes.conventions import Conventions, signs
+from assur.scenes.conventions import Conventions, signs, zeros
 from assur.scenes.faults import Refused, choices, located, within
 from assur.scenes.reading import bodies, frames, loads, neighbours, robots, task
 from assur.scenes.reading.start import check_loaded, start_of
@@ -99,6 +99,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         ),
         digest=request.digest,
         signs=signs(given.conventions),
+        zeros=zeros(given.conventions),
     )
     check_loaded(scene, given.conventions)
     return Cell(scene, given, known, places, document)

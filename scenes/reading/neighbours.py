@@ -11,7 +11,7 @@ from assur.planner.frames import Fixed, Frame, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body
 from assur.planner.model.scene import WorldBody
-from assur.scenes.conventions import Conventions, converted
+from assur.scenes.conventions import Conventions, converted, converted_rates
 from assur.scenes.faults import Refused, within
 from assur.scenes.reading import robots
 from assur.scenes.reading.bodies import Places
@@ -44,7 +44,8 @@ def trajectory_of(item: answer.Trajectory, conventions: Conventions) -> Trajecto
         for k, row in enumerate(rows):
             if len(row) != len(names):
                 raise Refused(f"{len(names)} numbers, one for each joint", key, k)
-        arrays.append(converted(np.array(rows, dtype=np.float64), conventions))
+        turned = converted if key == "position" else converted_rates
+        arrays.append(turned(np.array(rows, dtype=np.float64), conventions))
     try:
         q, qd, qdd = arrays
         return Trajectory(np.array(times, dtype=np.float64), q, qd, qdd, jumps=item.get("acceleration_jumps", False))

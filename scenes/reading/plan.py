@@ -20,7 +20,7 @@ from assur.planner.model.outcome import (
 )
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
-from assur.scenes.conventions import Conventions, as_counted, converted
+from assur.scenes.conventions import Conventions, as_counted, converted, converted_rates
 from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading.frames import placed
 from assur.scenes.reading.neighbours import trajectory_of
@@ -147,7 +147,7 @@ def _missed(i: int, item: document.Missed | None, conventions: Conventions) -> M
         return None
     if len(item["joints"]) != len(conventions):
         raise Refused(f"{len(conventions)} numbers, one for each joint", "arrivals", i, "missed_by", "joints")
-    joints = converted(np.array(item["joints"], dtype=np.float64), conventions)
+    joints = converted_rates(np.array(item["joints"], dtype=np.float64), conventions)
     return Missed(tuple(joints.tolist()), item["distance_m"])
 
 

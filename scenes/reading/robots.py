@@ -16,7 +16,7 @@ from assur.planner.robots.facts import Limits
 from assur.planner.robots.robot import Robot
 from assur.scenes.bounds import FAR_M
 from assur.scenes.catalogue import arm_named, shipped_robot
-from assur.scenes.conventions import Conventions, JointConvention, converted, places
+from assur.scenes.conventions import Conventions, JointConvention, converted, converted_rates, places
 from assur.scenes.faults import Refused, as_written, within
 from assur.scenes.reading.arms import BuiltArm, built, turned_over
 from assur.scenes.reading.bodies import attached
@@ -129,7 +129,8 @@ def hold(
     for joint, i in zip(conventions, places(conventions), strict=True):
         value, lower, upper = float(values[i]), float(ends[0][i]), float(ends[1][i])
         if not lower <= value <= upper:
-            signed = sorted(joint.sign * end + 0.0 for end in (lower, upper))
+            zero = 0.0 if rate else joint.zero
+            signed = sorted(joint.sign * (end - zero) + 0.0 for end in (lower, upper))
             key = _key(joint, rate)
             far = f"; did you mean {twin_of(key)}?" if joint.unit == "m" and abs(value) > FAR_M else ""
             raise Refused(partial(_range_as_written, ends=signed, far=far, why=why), key)
@@ -151,7 +152,8 @@ def joint_values(values: JointValues, conventions: Conventions, rate: str) -> Fl
     for key in keys:
         if key not in given:
             raise Refused(f"{key} or {twin_of(key)}, which must be given", key)
-    return converted(np.array([given[key] for key in keys], dtype=np.float64), conventions)
+    turned = converted_rates if rate else converted
+    return turned(np.array([given[key] for key in keys], dtype=np.float64), conventions)
 
 
 def _key(joint: JointConvention, rate: str = "") -> str:
@@ -194,9 +196,9 @@ def _ranges(ranges: dict[str, Sequence[float]], of: BuiltArm) -> tuple[FloatArra
             allowed = ["velocity", "acceleration", "jerk", "acceleration_by_load", "forbidden_yaw_rad", *keys]
             raise Refused(f"one of {', '.join(allowed)} (ranges also in deg, mm)", key)
         joint, i = of.conventions[keys.index(key)], int(own[keys.index(key)])
-        low, high = sorted((joint.sign * first, joint.sign * last))
+        low, high = sorted((joint.sign * first + joint.zero, joint.sign * last + joint.zero))
         if not (first < last and lower[i] <= low and high <= upper[i]):
-            ends = sorted(joint.sign * x + 0.0 for x in (lower[i], upper[i]))
+            ends = sorted(joint.sign * (x - joint.zero) + 0.0 for x in (lower[i], upper[i]))
             known = f"{ends[0]:.6g} to {ends[1]:.6g} {joint.unit}"
             raise Refused(f"a range, lower end first, within that of {of.name}: {known}", key)
         lower[i], upper[i] = low, high

@@ -10,7 +10,7 @@ from assur.planner.model.scene import Holding, Scene, Start
 from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.solutions import solutions
-from assur.scenes.conventions import Conventions, as_maker
+from assur.scenes.conventions import Conventions, as_maker, last_joint
 from assur.scenes.faults import Refused, within
 from assur.scenes.reading.bodies import Places
 from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
@@ -117,7 +117,8 @@ def _with_tool_at(
     if turns is None:
         raise Refused("no turn: the robot has no wrist", "turn")
     if item.turn not in turns:
-        joint, last = given.conventions[-1], as_maker(found, given.conventions)[:, -1].tolist()
+        wrist = last_joint(given.conventions)
+        joint, last = given.conventions[wrist], as_maker(found, given.conventions)[:, wrist].tolist()
         at = dict(sorted(zip(turns, last, strict=True)))
         raise Refused(" or ".join(f"{turn} ({joint.name} at {in_words(joint, at[turn])})" for turn in at), "turn")
     return nearest_to_zero(found[np.array(turns) == item.turn], given)

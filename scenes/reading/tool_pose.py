@@ -16,7 +16,7 @@ from assur.planner.report.sentence import POSITIONS
 from assur.planner.robots.codes import Code
 from assur.planner.robots.planar import TURN
 from assur.planner.robots.solutions import ModeSolutions
-from assur.scenes.conventions import JointConvention, as_maker
+from assur.scenes.conventions import JointConvention, as_maker, last_joint, rates_as_maker, zeros
 from assur.scenes.faults import Refused
 from assur.scenes.reading.bodies import Places, resolve
 from assur.scenes.reading.frames import Frames
@@ -69,17 +69,18 @@ def wrist_turns(found: FloatArray, given: Equipped) -> list[int] | None:
     180°. None: the arm has no wrist, which turns its tool and nothing else."""
     if not {"yaw", "roll"} & set(given.robot.coordinates):
         return None
-    # the wrist is the last joint of all of these arms
-    values = found[:, -1] * given.conventions[-1].sign
+    # the wrist is the planner's last joint of all of these arms
+    values = as_maker(found, given.conventions)[:, last_joint(given.conventions)]
     return [math.ceil((value - math.pi) / TURN) for value in values.tolist()]
 
 
 def nearest_to_zero(found: FloatArray, given: Equipped) -> FloatArray:
     """Which of several joint vectors (M, n) turns the wrist least, and then the other joints, (n,)."""
     turns = wrist_turns(found, given)
+    centred = np.abs(found - np.array(zeros(given.conventions)))
 
     def key(i: int) -> tuple[float, ...]:
-        row = np.abs(found[i]).tolist()
+        row = centred[i].tolist()
         return tuple(row) if turns is None else (row[-1], abs(turns[i]), *row)
 
     return np.asarray(found[min(range(len(found)), key=key)])
@@ -110,7 +111,7 @@ def lacks(mode: ModeSolutions, given: Equipped) -> str:
     if mode.code is not Code.ASSEMBLED:
         return POSITIONS[mode.code.name.lower()]
     ranges = as_maker(np.array([mode.q, robot.limits.lower, robot.limits.upper]), given.conventions)
-    beyond = np.abs(as_maker(mode.beyond, given.conventions))
+    beyond = np.abs(rates_as_maker(mode.beyond, given.conventions))
     return " and ".join(
         f"{joint.name} would be at {in_words(joint, at)}, {amount(over, joint.unit)} beyond its range of "
         f"{in_words(joint, min(ends)).split()[0]} to {in_words(joint, max(ends))}"

@@ -37,6 +37,7 @@ from assur.scenes.schema.model import (
     Scale,
     Size,
     Strength,
+    Stretch,
 )
 from assur.scenes.schema.shapes import AttachedBody, LinkBody, LinkName
 from assur.scenes.schema.stated import FACT, Stated
@@ -50,6 +51,7 @@ Rows = Annotated[list[Row], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
 Text = Annotated[str, Field(min_length=1, max_length=bounds.MAX_TEXT)]
 ModelName = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
 
+Heading = Annotated[float, Field(ge=-math.tau, le=math.tau)]
 Separation = Annotated[float, Field(ge=0.0, le=LARGEST_M)]
 BothSides = Annotated[list[Size], Field(min_length=2, max_length=2)]
 MOST_JERK = 1e9
@@ -59,6 +61,8 @@ LinkBodies = Annotated[list[LinkBody], Field(max_length=bounds.MAX_TOOL_BODIES)]
 
 LengthFact = Annotated[Size | Stated[Size], FACT]
 HeightFact = Annotated[Coordinate | Stated[Coordinate], FACT]
+AngleFact = Annotated[Heading | Stated[Heading], FACT]
+OffsetFact = Annotated[Stretch | Stated[Stretch], FACT]
 RangeFact = Annotated[Pair | Stated[Pair], FACT]
 LimitFact = Annotated[Positive | Stated[Positive], FACT]
 LoadFact = Annotated[Load | Stated[Load], FACT]
@@ -83,7 +87,6 @@ class LoadShare(Document):
     share: Scale
 
 
-Heading = Annotated[float, Field(ge=-math.tau, le=math.tau)]
 YawRangeDocument = Annotated[list[Heading], Field(min_length=2, max_length=2)]
 YawRanges = Annotated[list[YawRangeDocument], Field(min_length=1, max_length=bounds.MAX_YAW_RANGES)]
 
@@ -121,7 +124,8 @@ class JointDocument(Document):
     """A joint of an arm in its maker's convention.
 
     `sign` -1: the maker counts against the planner's direction (turning left, lifting); `zero_m`: of the lifting joint,
-    the height of the flange above the base at the maker's zero.
+    the height of the flange above the base at the maker's zero; `zero_rad`: of a turning joint, the planner's angle at
+    the maker's zero.
     """
 
     exactly_one: ClassVar[tuple[Group, ...]] = (
@@ -142,12 +146,14 @@ class JointDocument(Document):
     jerk_m_s3: JerkFact | None = None
     sign: Literal[1, -1] = 1
     zero_m: HeightFact | None = None
+    zero_rad: AngleFact | None = None
 
 
 class AnyArm(Document):
     """What arms of all families have in common: what they are called and who made them, what they may carry (tool and
-    part together; the inertia is about the last joint's axis), the solids of their links, and which links can meet (not
-    those that are joined, which overlap by construction)."""
+    part together; the inertia is about the last joint's axis), where the axis of the base is in the frame in which a
+    request places the arm, the solids of their links, and which links can meet (not those that are joined, which
+    overlap by construction)."""
 
     name: ModelName | None = None
     title: Text | None = None
@@ -157,6 +163,7 @@ class AnyArm(Document):
     max_load_kg: LoadFact | None = None
     max_inertia_kgm2: Annotated[Inertia | Stated[Inertia], FACT] | None = None
     acceleration_by_load: Annotated[LoadShares | Stated[LoadShares], FACT] | None = None
+    base_offset_m: OffsetFact | None = None
     bodies: Annotated[LinkBodies | Stated[LinkBodies], FACT]
     self_pairs: Annotated[
         list[Annotated[list[LinkName], Field(min_length=2, max_length=2)]], Field(max_length=bounds.MAX_TOOL_BODIES)
@@ -164,7 +171,8 @@ class AnyArm(Document):
 
 
 class ScaraDocument(AnyArm):
-    """A SCARA with three or four axes: turn, turn, lift, turn; or, `axis_order: rprr`, turn, lift, turn, turn.
+    """A SCARA with three or four axes: turn, turn, lift, turn; or with the lift elsewhere, as `axis_order` says: r for
+    a joint that turns, p for the lift. With three axes its last letter does not count.
 
     `tool_frame`: which way the flange's z axis points.
     """
@@ -172,7 +180,7 @@ class ScaraDocument(AnyArm):
     l1_m: LengthFact
     l2_m: LengthFact
     joints: Annotated[list[JointDocument], Field(min_length=3, max_length=4)]
-    axis_order: Literal["rrpr", "rprr"] = "rrpr"
+    axis_order: Literal["rrpr", "rprr", "prrr", "rrrp"] = "rrpr"
     tool_frame: Literal["z_up", "z_down"] = "z_up"
 
 

@@ -116,6 +116,9 @@ class AttachedBody(Document):
 
 
 class LinkBody(AttachedBody):
-    """A body of an inline robot, on one of its links."""
+    """A body of an inline robot, on one of its links. It is turned by the roll about x, then by the pitch about y, then
+    by the yaw about z, the axes of the link: R_z(yaw) R_y(pitch) R_x(roll)."""
 
     link: LinkName
+    roll_rad: Angle | None = None
+    pitch_rad: Angle | None = None

@@ -8,7 +8,7 @@ import numpy as np
 
 from assur.planner.frames import Fixed
 from assur.planner.model.phases import phases
-from assur.scenes.conventions import Conventions, as_maker
+from assur.scenes.conventions import Conventions, as_maker, rates_as_maker
 from assur.scenes.reading.cell import Cell
 from assur.scenes.reading.plan import motion_of
 from assur.scenes.schema import view as document
@@ -176,7 +176,8 @@ def _curves(
     for span in shown.limits:
         limits = span.limits
         ends = as_maker(np.stack([limits.lower, limits.upper]), conventions)
-        rates = np.abs(as_maker(np.stack([limits.velocity, limits.acceleration, limits.jerk]), conventions)).tolist()
+        most = np.stack([limits.velocity, limits.acceleration, limits.jerk])
+        rates = np.abs(rates_as_maker(most, conventions)).tolist()
         spans.append(
             {
                 "from_s": span.start - start,
@@ -188,11 +189,13 @@ def _curves(
                 "jerk": None if blended else rates[2],
             }
         )
+    joints = rates_as_maker(counted.joints, conventions)
+    joints[:, 0] = as_maker(counted.joints[:, 0], conventions)
     return {
         "names": [joint.name for joint in conventions],
         "units": ["rad" if joint.kind == "revolute" else "m" for joint in conventions],
         "time_s": floats(counted.time - start),
-        "joints": floats(as_maker(counted.joints, conventions)),
+        "joints": floats(joints),
         "tool": floats(counted.tool),
         "knots_s": floats(np.unique(motion["trajectory"]["time_s"]) - start),
         "limits": spans,

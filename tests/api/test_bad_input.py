@@ -10,7 +10,8 @@ import httpx
 import pytest
 from typer.testing import CliRunner
 
-from assur.api.command_line import BAD_INPUT, app
+from assur.api.cli.border import BAD_INPUT
+from assur.api.command_line import app
 from assur.api.problems import MEDIA_TYPE
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
 from assur.api.workers.jobs import FIRST_PLAN

@@ -13,9 +13,9 @@ import httpx
 import pytest
 from typer.testing import CliRunner
 
-from assur.api import command_line
 from assur.api.cli import console_report
-from assur.api.command_line import BAD_INPUT, FAULT, INTERRUPTED, RIGHT, WRONG, app
+from assur.api.cli.border import BAD_INPUT, FAULT, INTERRUPTED, PIPE_CLOSED, RIGHT, WRONG
+from assur.api.command_line import app
 from assur.api.documents import to_json
 from assur.api.version import version
 from assur.api.workers.jobs import FIRST_PLAN
@@ -495,7 +495,7 @@ def test_a_reader_that_closes_the_pipe_gets_no_traceback() -> None:
     run = subprocess.run(["bash", "-c", command], cwd=ROOT, capture_output=True, timeout=60, check=False)
     assert len(run.stdout) == 10
     assert run.stderr == b""
-    assert run.returncode in (RIGHT, command_line.PIPE_CLOSED)
+    assert run.returncode in (RIGHT, PIPE_CLOSED)
 
 
 @pytest.mark.parametrize("command", [("robots",), ("robots", "--json"), ("plan", "demo")])
@@ -505,7 +505,7 @@ def test_a_reader_that_is_gone_is_no_request_that_was_not_planned(command: tuple
     with os.fdopen(there, "wb") as closed:
         whole = [sys.executable, "-m", "assur.api.command_line", *command]
         run = subprocess.run(whole, cwd=ROOT, stdout=closed, stderr=subprocess.PIPE, timeout=120, check=False)
-    assert (run.returncode, run.stderr) == (command_line.PIPE_CLOSED, b"")
+    assert (run.returncode, run.stderr) == (PIPE_CLOSED, b"")
 
 
 def test_the_version_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

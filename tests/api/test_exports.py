@@ -10,7 +10,8 @@ import httpx
 import pytest
 from typer.testing import CliRunner
 
-from assur.api.command_line import BAD_INPUT, RIGHT, WRONG, app
+from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG
+from assur.api.command_line import app
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.scenes import plan
 from assur.scenes.exports.doors import check_trajectory_document, export_document

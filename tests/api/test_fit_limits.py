@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from assur.api.command_line import BAD_INPUT, RIGHT, WRONG
+from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG
 from assur.scenes.text.yaml_text import parse_yaml
 from tests.api.test_command_line import run
 

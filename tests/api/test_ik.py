@@ -12,8 +12,9 @@ import httpx
 import pytest
 from typer.testing import CliRunner
 
-from assur.api.cli import output
-from assur.api.command_line import BAD_INPUT, RIGHT, WRONG, app
+from assur.api.cli import cell_reading
+from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG
+from assur.api.command_line import app
 from assur.api.problems import MEDIA_TYPE
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.scenes import ik, kernels, load
@@ -176,7 +177,7 @@ def test_a_start_at_a_pose_says_before_it_is_read_that_kernels_are_compiled(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(kernels, "is_compiled", lambda: False)
-    output.announce_compilation.cache_clear()
+    cell_reading.announce_compilation.cache_clear()
     file = tmp_path / "cell.json"
     for start, lines in (({"tool": {"at_m": [9, 0, 0.2], "yaw_deg": 0}}, 2), ({"joints": {}}, 1)):
         file.write_text(json.dumps({**FIRST_PLAN, "start": start}))
@@ -184,7 +185,7 @@ def test_a_start_at_a_pose_says_before_it_is_read_that_kernels_are_compiled(
         assert result.exit_code == BAD_INPUT
         assert result.stderr.count("\n") == lines
         assert result.stderr.startswith("assur: compiling the planner's kernels once") == (lines == 2)
-    output.announce_compilation.cache_clear()
+    cell_reading.announce_compilation.cache_clear()
 
 
 def asked(client: httpx.Client, body: Any) -> httpx.Response:

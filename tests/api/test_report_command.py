@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from assur.api.command_line import BAD_INPUT, RIGHT, WRONG
+from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.scenes.meshes.assets import asset
 from assur.scenes.report.assembly import EXPORT, FIRST, IMPORT, PAGE, inline, script

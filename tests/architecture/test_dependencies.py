@@ -10,7 +10,7 @@ from importlib.metadata import packages_distributions
 from tests.architecture.source_tree import BESIDE, PRODUCT, ROOT, imports, sources
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-EXTRAS = ("plot", "client")
+EXTRAS = ("plot", "client", "xacro", "dae")
 """Extras of the product; whoever calls what needs one that is not there is told its name."""
 PEERS = ("benchmarks/peers/ompl_rrtconnect.py", "benchmarks/peers/mplib_planner.py", "benchmarks/peers/toppra_legs.py")
 """Programs that are not run in the environment of the project."""

@@ -16,6 +16,7 @@ DOORS = {
     "fastapi": ("assur.api",),
     "pydantic": ("assur.scenes", "assur.request", "assur.api"),
     "yaml": ("assur.scenes.text.yaml_text",),
+    "defusedxml": ("assur.scenes.urdf.xml_text", "assur.scenes.meshes.load"),
     "typer": ("assur.api",),
     "httpx": ("assur.api.python.client",),
 }

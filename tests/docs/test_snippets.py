@@ -22,7 +22,7 @@ ELSEWHERE = ("docs/request.md",)
 PYTHON = of_language("python")
 YAML = [block for block in of_language("yaml", "yml") if block.page not in ELSEWHERE]
 JSON = of_language("json")
-NOT_CODE = {"", "console", "sh", "text"}
+NOT_CODE = {"xml", "", "console", "sh", "text"}
 """Languages of blocks that are no documents: formulas, commands, Docker's, output."""
 
 

@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from assur.api.command_line import RIGHT, WRONG, app
+from assur.api.cli.border import RIGHT, WRONG
+from assur.api.command_line import app
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner import pipeline
 from assur.planner.model.outcome import NotPlanned, Outcome

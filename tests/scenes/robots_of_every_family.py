@@ -27,6 +27,13 @@ def _joints(*kinds: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 _DOWN = _joints(TURN, TURN, {**LIFT, "sign": -1, "zero_mm": 300}, {**TURN, "sign": -1})
+_ZEROS = _joints(
+    {**TURN, "zero_deg": 90},
+    {**TURN, "sign": -1, "zero_deg": -35},
+    {**TURN, "zero_deg": 10},
+    LIFT,
+    {**TURN, "zero_deg": 20},
+)
 _RAM = _joints(TURN, TURN, {**LIFT, "range_mm": [200, 500]})
 ROBOTS: dict[str, dict[str, Any]] = {
     **{model: {"model": model} for model in models()},
@@ -36,6 +43,11 @@ ROBOTS: dict[str, dict[str, Any]] = {
     "scara of three axes whose arms rise": {
         "scara": {**LINKS, "axis_order": "rprr", "joints": _joints(TURN, LIFT, TURN)}
     },
+    "scara whose lift is first": {"scara": {**LINKS, "axis_order": "prrr", "joints": _joints(LIFT, TURN, TURN, TURN)}},
+    "scara whose lift is last, with zeros": {
+        "scara": {**LINKS, "axis_order": "rrrp", "base_offset_mm": [40, -25], "joints": _ZEROS[:4]}
+    },
+    "elbow arm with zeros": {"elbow_arm": {**LINKS, "height_mm": 300, "joints": [_ZEROS[i] for i in (0, 1, 4)]}},
     "five-bar of two axes": {"five_bar": {**BARS, "height_mm": 250, "joints": _joints(TURN, TURN)}},
     "five-bar of three axes": {"five_bar": {**BARS, "assembly": "back", "joints": _joints(TURN, TURN, LIFT)}},
     "five-bar of four axes": {"five_bar": {**BARS, "joints": _joints(TURN, TURN, LIFT, TURN)}},

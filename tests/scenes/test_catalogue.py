@@ -23,7 +23,7 @@ from assur.planner.robots.polar_arm import PolarArm
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.scara import Scara
 from assur.scenes.catalogue import FOLDER, arm_named, load_robot, models, robots, shipped_robot
-from assur.scenes.conventions import JointConvention, as_maker, converted
+from assur.scenes.conventions import JointConvention, as_maker, converted, converted_rates, rates_as_maker
 from assur.scenes.requests import plan_document
 from assur.scenes.schema.stated import SURE
 
@@ -195,6 +195,24 @@ def test_converting_to_the_maker_and_back_is_exact(joints: list[tuple[Any, float
         values = np.array([value for _, value in joints]) + 0.0
         assert as_maker(converted(values, conventions), conventions).tobytes() == values.tobytes()
         assert converted(as_maker(values, conventions), conventions).tobytes() == values.tobytes()
+
+
+@given(st.lists(st.tuples(SIGNS, VALUES, st.floats(-7, 7)), min_size=1, max_size=4))
+def test_a_joint_with_a_zero_is_converted_there_and_back_but_for_a_rounding_and_its_rates_exactly(
+    joints: list[tuple[Any, float, float]],
+) -> None:
+    conventions = tuple(
+        JointConvention(f"j{i}", "revolute", sign, None, zero) for i, (sign, _, zero) in enumerate(joints)
+    )
+    values = np.array([value for _, value, _ in joints]) + 0.0
+    there = converted(values, conventions)
+    assert there.tolist() == [sign * value + zero for sign, value, zero in joints]
+    off = np.abs(as_maker(there, conventions) - values)
+    assert (off <= 4e-16 * (np.abs(values) + 7)).all()
+    # rounded once, and never again: the knots that are written are those that are read
+    once = converted(as_maker(values, conventions), conventions)
+    assert converted(as_maker(once, conventions), conventions).tobytes() == once.tobytes()
+    assert rates_as_maker(converted_rates(values, conventions), conventions).tobytes() == values.tobytes()
 
 
 def test_the_laboratory_arm_counts_its_lift_second_and_the_planner_third() -> None:

@@ -113,7 +113,8 @@ def test_the_margins_are_those_of_the_robot_in_its_makers_count(name: str) -> No
         ends = sorted((lower[key], upper[key]))
         assert one["to_limits"][key] == pytest.approx([value - ends[0], ends[1] - value], abs=1e-12)
         assert min(one["to_limits"][key]) >= 0.0
-    assert one["singularity_margin"] == float(given.robot.margin(q))
+    # joints with a zero of their own are rounded once on the way
+    assert one["singularity_margin"] == pytest.approx(float(given.robot.margin(q)), abs=1e-14)
     assert (one["parallel_margin"] is None) == (given.robot.parallel_least == 0.0)
     assert one["reach_m"] > 0.0
 

@@ -159,7 +159,7 @@ def test_every_shape_of_a_solid_can_be_said(shape: dict[str, Any], said: str) ->
         ({"bodies": stated([{"name": "x"}])}, "bodies.value[0].shape", "which must be given"),
         ({"bodies": stated([{**THING, "link": "base", "color": 1}])}, "bodies.value[0].color", "one of at_m/at_mm"),
         ({"l1_mm": {**stated(300), "[stated]": 1}}, "l1_mm.[stated]", "one of source, status, value"),
-        ({"axis_order": stated("rprr")}, "axis_order", "'rrpr' or 'rprr'"),
+        ({"axis_order": stated("rprr")}, "axis_order", "'prrr' or 'rrrp'"),
         ({"about": ""}, "about", "at least 1 character"),
         ({"name": "My Arm"}, "name", "text that matches"),
         ({"colour": "grey"}, "colour", "one of about"),

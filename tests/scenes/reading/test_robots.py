@@ -216,6 +216,10 @@ def test_a_tool_in_a_frame_whose_z_points_down_hangs_below_the_flange() -> None:
         ("mitsubishi-rv-m1", lambda arm: arm["joints"].pop(), r"five_axis_arm\.joints"),
         ("mitsubishi-rv-m1", lambda arm: arm["joints"][4].update(zero_mm=3), r"joints\[4\]\.zero_m"),
         ("lab-scara", lambda arm: arm["bodies"][1].update(link="link3"), r"scara\.bodies\[1\]\.link"),
+        ("lab-scara", lambda arm: arm["joints"][1].update(zero_deg=3), r"joints\[1\]\.zero_deg"),
+        ("lab-scara", lambda arm: arm["joints"][0].update(zero_deg=361), r"joints\[0\]\.zero_deg"),
+        ("lab-scara", lambda arm: arm.update(base_offset_mm=[1, 2, 3]), r"scara\.base_offset_mm"),
+        ("lab-scara", lambda arm: arm.update(axis_order="rrrp", joints=arm["joints"][:3]), r"scara\.axis_order"),
         ("lab-scara", lambda arm: arm.update(axis_order="rrpr"), r"scara\.joints\[1\]\.range_m"),
     ],
 )
@@ -260,3 +264,30 @@ def test_three_axes_have_no_yaw_to_ask_for() -> None:
     assert scene_of(request("oviedo-scara", {"theta1_deg": 0, "theta2_deg": 30, "l3_mm": 70})).start.q == pytest.approx(
         [0, -math.radians(30), -0.07]
     )
+
+
+def test_zeros_and_an_offset_of_the_base_put_the_flange_where_a_rotation_says() -> None:
+    document = inline()
+    arm = document["robot"]["scara"]
+    document["robot"]["base"] = {"at_mm": [0, 0, 0]}
+    before = scene_of(document)
+    arm["base_offset_mm"] = [40, -25]
+    for i, zero in ((0, 30), (1, -20), (3, 50)):
+        arm["joints"][i] |= {"zero_deg": zero}
+    after = scene_of(document)
+    (x, y, z), yaw = before.robot.forward(before.start.q + np.radians([30.0, -20.0, 0.0, 50.0]))
+    found, turned = after.robot.forward(after.start.q)
+    assert np.allclose(found, [x + 0.04, y - 0.025, z], atol=1e-15)
+    assert turned == pytest.approx(float(yaw), abs=1e-15)
+    assert math.degrees(after.robot.limits.lower[1]) == pytest.approx(-170)
+
+
+def test_a_body_on_a_link_is_turned_by_roll_pitch_and_yaw_in_this_order() -> None:
+    document = inline()
+    box = {"name": "bar", "link": "link2", "shape": {"box": {"size_mm": [100, 20, 10]}}, "at_mm": [10, 0, 0]}
+    document["robot"]["scara"]["bodies"] = [{**box, "roll_deg": 90, "pitch_deg": 0, "yaw_deg": 90}]
+    (rider,) = scene_of(document).robot.bodies
+    assert np.allclose(rider.body.pieces[0].rotation, [[0, 0, 1], [1, 0, 0], [0, 1, 0]], atol=1e-15)
+    document["robot"]["scara"]["bodies"] = [{**box, "pitch_deg": 90}]
+    (rider,) = scene_of(document).robot.bodies
+    assert np.allclose(rider.body.pieces[0].rotation @ [1, 0, 0], [0, 0, -1], atol=1e-15)

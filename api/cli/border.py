@@ -1,0 +1,79 @@
+"""The border of the command line: exit codes, exceptions as one line, what is printed, files that can be written."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import Annotated, Any, ParamSpec
+
+import typer
+
+from assur.api.cli import console_report
+from assur.api.documents import to_json
+from assur.api.logs import where
+from assur.api.problems import Problem, printable
+from assur.planner.errors import FaultError, InputError
+
+RIGHT, WRONG, BAD_INPUT, FAULT = 0, 1, 2, 3
+INTERRUPTED, PIPE_CLOSED = 128 + signal.SIGINT, 128 + signal.SIGPIPE
+
+P = ParamSpec("P")
+
+AsJson = Annotated[bool, typer.Option("--json", help="Print the document that the service would answer with.")]
+
+
+def bordered(command: Callable[P, int]) -> Callable[P, None]:
+    """`command` with its exit code raised as `typer.Exit`, and every exception turned into one line and a code."""
+
+    @wraps(command)
+    def inside(*arguments: P.args, **options: P.kwargs) -> None:
+        raise typer.Exit(code_of(lambda: command(*arguments, **options)))
+
+    return inside
+
+
+def code_of(run: Callable[[], int]) -> int:
+    try:
+        code = run()
+        sys.stdout.flush()
+        return code
+    except InputError as error:
+        return say(Problem.of_input(error).detail, BAD_INPUT, line=getattr(error, "line", None))
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # so that the flush at exit is silent too
+        return PIPE_CLOSED
+    except KeyboardInterrupt:
+        return say("interrupted", INTERRUPTED)
+    except Exception as error:  # noqa: BLE001 - the border: a user gets one line, with what a report of it needs
+        if isinstance(error, OSError) and error.filename is not None:
+            return say(f"{error.filename}: {error.strerror}", BAD_INPUT)
+        last = "".join(where(error.__traceback__)[-1:])
+        said = f" ({error})" if isinstance(error, FaultError) else ""
+        return say(f"a fault of assur itself: {type(error).__name__} in {last}{said}; please report it", FAULT)
+
+
+def say(text: str, code: int = RIGHT, line: int | None = None) -> int:
+    """One line on standard error; returns `code`."""
+    at = "" if line is None else f"line {line}: "
+    sys.stderr.write(f"assur: {at}{printable(text, 2500)}\n")
+    return code
+
+
+def writable(out: Path | None, option: str = "--out") -> None:
+    """Accepts no file, and one that can be written. Raises `InputError` that names the option."""
+    if out is not None and (out.is_dir() or not out.parent.is_dir()):
+        raise InputError(option, str(out), "a file in a folder that exists")
+
+
+def show(*parts: Any) -> None:
+    console = console_report.console()
+    for part in parts:
+        console.print(part, soft_wrap=isinstance(part, str))
+
+
+def show_json(document: Any) -> None:
+    sys.stdout.buffer.write(to_json(document) + b"\n")

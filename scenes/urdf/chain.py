@@ -1,0 +1,126 @@
+"""The arm in a tree: the moving joints from the base to the flange, with everything that is fixed folded into them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.scenes.urdf.refusals import Lack
+from assur.scenes.urdf.tree import Joint, Tree
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """A joint axis in the frame of the base, all joints being at 0: whether it turns, a point of it (3,) in m, and its
+    direction (3,)."""
+
+    turns: bool
+    point: FloatArray
+    direction: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """The moving `joints` between the links `base` and `tip` of a tree, from the base on."""
+
+    tree: Tree
+    base: str
+    tip: str
+    joints: tuple[Joint, ...]
+
+    def places(self, q: FloatArray) -> dict[str, FloatArray]:
+        """The pose (..., 4, 4) of every link that hangs on the base, in the base's frame, for positions (..., n) of the
+        moving joints in the file's count."""
+        index = {joint.name: i for i, joint in enumerate(self.joints)}
+        found = {self.base: np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))}
+        ahead = [self.base]
+        while ahead:
+            link = ahead.pop()
+            for joint in self.tree.below(link):
+                i = index.get(joint.name)
+                at = q[..., i] if i is not None else np.zeros(q.shape[:-1])
+                found[joint.child] = found[link] @ joint.motion(at)
+                ahead.append(joint.child)
+        return found
+
+    @cached_property
+    def axes(self) -> tuple[Axis, ...]:
+        """The axes of the moving joints, all at 0."""
+        places = self.places(np.zeros(len(self.joints)))
+        return tuple(
+            Axis(joint.kind != "prismatic", places[joint.child][:3, 3], places[joint.child][:3, :3] @ joint.axis)
+            for joint in self.joints
+        )
+
+    @cached_property
+    def movers(self) -> dict[str, frozenset[int]]:
+        """Which of the moving joints each link moves with."""
+        index = {joint.name: i for i, joint in enumerate(self.joints)}
+        found: dict[str, frozenset[int]] = {self.base: frozenset()}
+        ahead = [self.base]
+        while ahead:
+            link = ahead.pop()
+            for joint in self.tree.below(link):
+                i = index.get(joint.name)
+                found[joint.child] = found[link] | (frozenset() if i is None else {i})
+                ahead.append(joint.child)
+        return found
+
+
+def flanges(tree: Tree, base: str, wanted: str | None, hinted: tuple[str, ...]) -> list[str]:
+    """Links that may be the flange, the likeliest first: the one that is `wanted`; else those `hinted` at elsewhere,
+    the only end of what is fixed to the last moving link, and this link itself."""
+    if wanted is not None:
+        return [wanted]
+    last = _last_moving(tree, base)
+    if last is None:
+        return []
+    group, ahead = [last], [last]
+    while ahead:
+        for joint in tree.below(ahead.pop()):
+            if not joint.moves:
+                group.append(joint.child)
+                ahead.append(joint.child)
+    ends = [link for link in group if not tree.below(link)]
+    likely = [link for link in hinted if link in group]
+    return list(dict.fromkeys([*likely, *(ends if len(ends) == 1 else []), last]))
+
+
+def _last_moving(tree: Tree, base: str) -> str | None:
+    """The child of the moving joint behind which most others are; of several the first in the file."""
+    best, most = None, 0
+    for joint in tree.joints.values():
+        path = tree.path(base, joint.child) if joint.moves else None
+        count = 0 if path is None else sum(each.moves and each.mimics is None for each in path)
+        if count > most:
+            best, most = joint.child, count
+    return best
+
+
+def chain_to(tree: Tree, base: str, tip: str) -> tuple[Chain | None, list[Lack]]:
+    """The arm from base to tip, and what of the tree makes it none: joints of other kinds, joints that follow others,
+    and joints that move beside it."""
+    path = tree.path(base, tip)
+    if path is None:
+        return None, [Lack(f"link {tip}", f"it does not hang on link {base}", "choose --base and --tip of one chain")]
+    lacks = []
+    own = {joint.name for joint in path}
+    for joint in tree.joints.values():
+        where = f"joint {joint.name}"
+        if joint.name in own and joint.kind in ("floating", "planar"):
+            lacks.append(Lack(where, f"type {joint.kind}", "begin below it with --base LINK"))
+        if not joint.moves or tree.path(base, joint.child) is None:
+            continue
+        if joint.mimics is not None:
+            what = f"it mimics joint {joint.mimics}: a linkage, and none of our arms has one"
+            beside = "only arms without a linkage can be imported"
+            if joint.name not in own:
+                beside = f"hold it with --hold {joint.name}=0"
+            lacks.append(Lack(where, what, f"{beside}; of a palletiser no SCARA can be made"))
+        elif joint.name not in own:
+            what = f"it moves, and is not between link {base} and link {tip}"
+            lacks.append(Lack(where, what, f"hold it with --hold {joint.name}=POSITION, or choose --tip LINK"))
+    return Chain(tree, base, tip, tuple(joint for joint in path if joint.moves)), lacks

@@ -1,0 +1,384 @@
+"""From a URDF (or xacro) and what stands beside it to a robot's file of ours, with hulls of its meshes beside it.
+
+Everything that is missing or unsuitable is told at once, and then nothing is written.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.scenes.bounds import MAX_TOOL_BODIES, MAX_YAML_BYTES
+from assur.scenes.catalogue import RobotFile, load_robot
+from assur.scenes.reading.arms import LINKS, BuiltArm, built
+from assur.scenes.schema.read import read
+from assur.scenes.schema.robots import ArmDocument
+from assur.scenes.schema.stated import Status
+from assur.scenes.text.yaml_text import parse_yaml
+from assur.scenes.urdf import agreement, solids
+from assur.scenes.urdf.arm_text import ArmText
+from assur.scenes.urdf.bodies import angles, body_of, free_name, shared_head
+from assur.scenes.urdf.carriers import Carrier, carrier_of, self_pairs
+from assur.scenes.urdf.chain import Chain, chain_to, flanges
+from assur.scenes.urdf.families import Kinematics, recognised
+from assur.scenes.urdf.limits import Limits, limits_of, read_limits, unused
+from assur.scenes.urdf.mesh_files import mesh_triangles
+from assur.scenes.urdf.refusals import ImportRefused, Lack, Unsuitable
+from assur.scenes.urdf.solids import Covering, Part
+from assur.scenes.urdf.srdf import Semantics, read_srdf
+from assur.scenes.urdf.tree import Solid, Tree, read_tree
+from assur.scenes.urdf.xml_text import MAX_XML_BYTES
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is to be imported. `packages`: folders by name; `held`: joints that stay at a position; `status`: whose word
+    the numbers of the files are."""
+
+    urdf: Path
+    joint_limits: Path | None = None
+    srdf: Path | None = None
+    packages: dict[str, Path] = field(default_factory=dict)
+    base: str | None = None
+    tip: str | None = None
+    held: dict[str, float] = field(default_factory=dict)
+    name: str | None = None
+    status: Status = "third_party"
+    covering: Covering = field(default_factory=lambda: Covering(0.01, 8, open_hull=False))
+    arguments: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Imported:
+    """A robot's file, not written yet: its `text`, `meshes` by the name below its folder, and what is said of it."""
+
+    name: str
+    text: str
+    meshes: dict[str, bytes]
+    report: dict[str, Any]
+
+
+def import_robot(wanted: Wanted) -> Imported:
+    """The robot's file. Raises `ImportRefused` with all that is missing or unsuitable, or `OSError`."""
+    content = _content(wanted.urdf, MAX_XML_BYTES)
+    if wanted.urdf.suffix.lower() == ".xacro":
+        from assur.scenes.urdf.xacro_text import expanded
+
+        content = expanded(wanted.urdf, wanted.packages, wanted.arguments)
+    given = (
+        {}
+        if wanted.joint_limits is None
+        else read_limits(_content(wanted.joint_limits, MAX_YAML_BYTES), wanted.joint_limits.name)
+    )
+    try:
+        found = _Import(wanted, read_tree(content, wanted.urdf.name), given)
+    except ImportRefused as first:
+        # angles that are written with few digits may be all that is wrong: then read as the right angles they mean
+        tree = read_tree(content, wanted.urdf.name, rounding=True)
+        if not tree.rounded:
+            raise
+        try:
+            found = _Import(wanted, tree, given)
+        except ImportRefused:
+            raise first from None
+        found.tell_rounding(read_tree(content, wanted.urdf.name))
+    return found.made(hashlib.sha256(content).hexdigest())
+
+
+def write(imported: Imported, out: Path) -> RobotFile:
+    """Writes the robot's file and its meshes, and reads it again as whoever uses it does."""
+    for name, content in imported.meshes.items():
+        path = out.parent / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(content)
+    out.write_text(imported.text, encoding="utf-8")
+    return load_robot(out)
+
+
+def _content(path: Path, most: int) -> bytes:
+    with path.open("rb") as file:
+        return file.read(most + 1)
+
+
+class _Import:
+    """One attempt. Raises `ImportRefused`."""
+
+    def __init__(self, wanted: Wanted, tree: Tree, given: dict[str, dict[str, Any]]) -> None:
+        self.wanted, self.file = wanted, wanted.urdf.name
+        self.remarks: list[str] = []
+        self.lacks: list[Lack] = []
+        self._hold(tree)
+        self.tree = tree = tree.with_held(wanted.held)
+        self.semantics = Semantics(frozenset(), ())
+        if wanted.srdf is not None:
+            self.semantics = read_srdf(_content(wanted.srdf, MAX_XML_BYTES), wanted.srdf.name, tree)
+        self.base = wanted.base or tree.root
+        self.chain, self.kinematics = self._chain()
+        files = self.file, None if wanted.joint_limits is None else wanted.joint_limits.name
+        limits, lacks = limits_of(self.chain, given, files, wanted.status)
+        self.lacks += lacks
+        if strange := unused(self.chain, given):
+            self.remarks.append(f"{files[1]}: joints {', '.join(strange[:8])} are not in the URDF; they are not used")
+        self._look_at_meshes()
+        kept = [each for each in limits if each is not None]
+        if self.lacks or self.kinematics is None or len(kept) < len(limits):
+            raise ImportRefused(self.file, self.lacks)
+        self.limits: list[Limits] = kept
+        self.arm = self._built()
+        ranges = [list(each.range.value) for each in kept]  # type: ignore[arg-type]
+        self.ranges: list[list[float]] = ranges
+        try:
+            self.apart = agreement.hold_together(self.chain, self.arm, self.kinematics, ranges)
+        except Unsuitable as error:
+            raise ImportRefused(self.file, [error.lack]) from error
+
+    def _hold(self, tree: Tree) -> None:
+        for name in self.wanted.held:
+            if name not in tree.joints:
+                raise ImportRefused(self.file, [Lack(f"--hold {name}", "no joint of this name", "a joint of the URDF")])
+        for what, link in (("--base", self.wanted.base), ("--tip", self.wanted.tip)):
+            if link is not None and link not in tree.links:
+                links = ", ".join(list(tree.links)[:20])
+                raise ImportRefused(self.file, [Lack(f"{what} {link}", "no link of this name", f"one of {links}")])
+
+    def _chain(self) -> tuple[Chain, Kinematics | None]:
+        """The arm: of the links that may be its flange the first with which it is one of ours."""
+        tips = flanges(self.tree, self.base, self.wanted.tip, self.semantics.tips)
+        if not tips:
+            raise ImportRefused(self.file, [Lack("the file", "no joint moves", "a robot's description")])
+        first: tuple[Chain, list[Lack]] | None = None
+        for tip in tips:
+            chain, lacks = chain_to(self.tree, self.base, tip)
+            if chain is None:
+                raise ImportRefused(self.file, lacks)
+            try:
+                kinematics = recognised(chain)
+            except Unsuitable as error:
+                first = first or (chain, [*lacks, error.lack])
+                continue
+            if not lacks:
+                return chain, kinematics
+            first = (chain, lacks)
+        if first is None:
+            raise ImportRefused(self.file, [Lack("the file", "no flange", "say --tip LINK")])
+        self.lacks += first[1]
+        return first[0], None
+
+    def _look_at_meshes(self) -> None:
+        """Every mesh is read once before any is covered: what is wrong with them is told together."""
+        for link in self.chain.movers:
+            for solid in self.tree.links[link]:
+                if solid.kind == "mesh":
+                    try:
+                        triangles = mesh_triangles(solid, self.wanted.urdf, self.wanted.packages)
+                        if not self.wanted.covering.open_hull:
+                            solids.closed(solid.where, triangles)
+                    except Unsuitable as error:
+                        self.lacks.append(error.lack)
+
+    def _built(self) -> BuiltArm:
+        document, _ = parse_yaml(self._text().text().encode())
+        given = read(ArmDocument, document).written_out()
+        if given is None:
+            raise ImportRefused(self.file, [Lack("the file", "no arm", "report it")])
+        return built(*given)
+
+    def tell_rounding(self, written: Tree) -> None:
+        """Says what the rounding of angles changed: how far away the flange of the file as it is `written` is."""
+        chain, _ = chain_to(written.with_held(self.wanted.held), self.base, self.chain.tip)
+        q = agreement.states(self.chain, self.ranges)
+        if chain is None:
+            raise ImportRefused(self.file, [Lack("the file", "two readings of it differ", "report it")])
+        metres, radians = agreement.between(chain.places(q)[chain.tip], self.chain.places(q)[chain.tip])
+        angles = ", ".join(self.tree.rounded[:6])
+        self.remarks.append(
+            f"angles written with few digits ({angles}) are read as the right angles that they mean: the flange of the "
+            f"file as it is written is up to {1e6 * metres:.3g} um and {1e6 * radians:.3g} urad elsewhere"
+        )
+
+    def _text(
+        self, bodies: tuple[dict[str, Any], ...] = (), pairs: tuple[tuple[str, str], ...] = (), **more: str
+    ) -> ArmText:
+        if self.kinematics is None:
+            raise ImportRefused(self.file, self.lacks)
+        names = self.names
+        joints = tuple(
+            (names[i], joint.kind != "prismatic", limits)
+            for i, (joint, limits) in enumerate(zip(self.chain.joints, self.limits, strict=True))
+        )
+        where = f"{self.file}, joint origins from link {self.base} to link {self.chain.tip}"
+        return ArmText(
+            name=self.name,
+            title=f"{self.tree.name}, imported from {self.file}",
+            about=more.get("about", "-"),
+            kinematics=self.kinematics,
+            joints=joints,
+            stated=(self.wanted.status, where),
+            solids=(self.wanted.status, more.get("solids", "-")),
+            bodies=bodies,
+            pairs=pairs,
+        )
+
+    @property
+    def name(self) -> str:
+        plain = re.sub(r"[^a-z0-9]+", "-", (self.wanted.name or self.tree.name).lower()).strip("-")[:64]
+        return plain or "robot"
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the joints: those of the file if they are short enough and have only letters and digits, else j1 and
+        so on."""
+        names = [joint.name for joint in self.chain.joints]
+        if all(re.fullmatch(r"[A-Za-z][A-Za-z0-9]{0,15}", name) for name in names):
+            return names
+        return [f"j{i + 1}" for i in range(len(names))]
+
+    def made(self, digest: str) -> Imported:
+        """The file with the solids of the links."""
+        if self.kinematics is None:
+            raise ImportRefused(self.file, self.lacks)
+        parts, carried = self._parts()
+        bodies, meshes = [], {}
+        for part in parts:
+            body, content = body_of(part, self.kinematics.family, self.arm, f"{self.name}-solids")
+            bodies.append(body)
+            if content is not None:
+                meshes[body["shape"]["mesh"]["file"]] = content
+        if len(bodies) > MAX_TOOL_BODIES:
+            what = f"{len(bodies)} bodies cover the links"
+            lack = Lack("the meshes", what, f"up to {MAX_TOOL_BODIES} are allowed: say a smaller --hulls")
+            raise ImportRefused(self.file, [lack])
+        names = LINKS[self.kinematics.family]
+        off = None if self.wanted.srdf is None else self.semantics.off
+        pairs = self_pairs(self.kinematics.family, carried, off, names)
+        covers: dict[str, tuple[int, float]] = {}
+        for part in parts:
+            if part.hull is not None:
+                count, far = covers.get(part.source, (0, 0.0))
+                covers[part.source] = (count + 1, max(far, part.excess_m))
+        text = self._text(tuple(bodies), tuple(pairs), about=self._about(digest), solids=self._of_solids(covers)).text()
+        report = {
+            "name": self.name,
+            "family": self.kinematics.family,
+            "axis_order": self.kinematics.order or None,
+            "base": self.base,
+            "flange": self.chain.tip,
+            "flange_turn_deg": None if self._turn is None else self._turn,
+            "joints": [
+                {
+                    "name": name,
+                    "urdf": joint.name,
+                    "sign": self.kinematics.signs[i],
+                    "zero": self.kinematics.zeros[i],
+                    "unit": "rad" if joint.kind != "prismatic" else "m",
+                }
+                for i, (name, joint) in enumerate(zip(self.names, self.chain.joints, strict=True))
+            ],
+            "states": agreement.STATES,
+            "apart_m": self.apart[0],
+            "apart_rad": self.apart[1],
+            "bodies": len(bodies),
+            "covers": [{"of": of, "hulls": count, "excess_m": far} for of, (count, far) in covers.items()],
+            "self_pairs": [list(pair) for pair in pairs],
+            "remarks": self.remarks,
+        }
+        return Imported(self.name, text, meshes, report)
+
+    @property
+    def _turn(self) -> list[float] | None:
+        """Roll, pitch and yaw, deg, of the file's flange in ours, where they differ."""
+        if self.kinematics is None or np.abs(self.kinematics.turn - np.eye(3)).max() <= 1e-6:
+            return None
+        return [round(math.degrees(angle), 6) + 0.0 for angle in angles(self.kinematics.turn)]
+
+    def _about(self, digest: str) -> str:
+        joints = ", ".join(f"{n} is {j.name}" for n, j in zip(self.names, self.chain.joints, strict=True))
+        turn = self._turn
+        more = (
+            "" if turn is None else f" The frame of that link is the flange's, turned by roll, pitch, yaw {turn} deg."
+        )
+        return (
+            f"Imported from {self.file} (sha256 {digest[:16]}), base link {self.base}, flange link {self.chain.tip}. "
+            f"Joints: {joints}.{more} A URDF has no loads: state max_load_kg and rated_load_kg here."
+        )
+
+    def _of_solids(self, covers: dict[str, tuple[int, float]]) -> str:
+        said = [f"{of}: {n} hulls, up to {1e3 * far:.1f} mm out of the mesh" for of, (n, far) in covers.items()]
+        return "; ".join([f"collision shapes of {self.file}", *said])[:3900]
+
+    def _parts(self) -> tuple[list[Part], dict[str, set[str]]]:
+        """The bodies of all links, and which of the file's links each of ours carries."""
+        q = agreement.states(self.chain, self.ranges, 16)
+        q[0] = 0.0
+        theirs, ours = self.chain.places(q), agreement.frames(self.arm, q)
+        found: list[Part] = []
+        carried: dict[str, set[str]] = {}
+        lacks: list[Lack] = []
+        taken: set[str] = set()
+        if unseen := [link for link in self.tree.only_seen if link in self.chain.movers]:
+            shown = ", ".join(unseen[:8])
+            self.remarks.append(f"no collision shape, only a visual one: {shown}; nothing is kept clear of these links")
+        if not any(self.tree.links[link] for link in self.chain.movers):
+            self.remarks.append("no link has a collision shape: NOTHING is kept clear of this arm; add bodies to it")
+        for link, movers in self.chain.movers.items():
+            for i, solid in enumerate(self.tree.links[link]):
+                several = len(self.tree.links[link]) > 1
+                name = free_name(self._short(link) + (f"-{chr(97 + i % 26)}" if several else ""), taken)
+                try:
+                    carrier = self._carrier(link, movers)
+                    carried.setdefault(carrier.name, set()).add(link)
+                    found += self._riding(name, solid, carrier, theirs[link], ours)
+                except Unsuitable as error:
+                    lacks.append(error.lack)
+        if lacks:
+            raise ImportRefused(self.file, lacks)
+        return found, carried
+
+    def _carrier(self, link: str, movers: frozenset[int]) -> Carrier:
+        """What carries a link. On a SCARA's flange solids are on the quill, revolved, unless they may touch link 2: its
+        pair with link 2 must stay for the tool."""
+        if self.kinematics is None:
+            raise ImportRefused(self.file, self.lacks)
+        found = carrier_of(movers, self.kinematics, len(self.chain.joints))
+        if found is None:
+            raise Unsuitable(f"link {link}", "no link of ours moves as it does", "remove its collision shapes")
+        if self.kinematics.family == "scara" and found.name == "flange":
+            return Carrier("quill", len(self.chain.joints) - 1)
+        return found
+
+    def _riding(
+        self, name: str, solid: Solid, carrier: Carrier, link: FloatArray, ours: dict[str, FloatArray]
+    ) -> list[Part]:
+        more = (self.wanted.packages, self.wanted.covering)
+        frame = ours[carrier.name]
+        if carrier.about is None:
+            return solids.exact(
+                carrier.name, name, solid, agreement.place_in(frame, link, turning=False), self.wanted.urdf, more
+            )
+        local = agreement.place_in(frame, link, turning=True)
+        at = np.zeros(3)
+        if carrier.name != "quill":
+            point = np.append(self.chain.axes[carrier.about].point, 1.0)
+            at[:2] = (np.linalg.inv(frame[0]) @ point)[:2]
+        local[:3, 3] -= at
+        parts = solids.revolved(carrier.name, name, solid, local, self.wanted.urdf, more)
+        for part in parts:
+            part.pose[:3, 3] += at
+        self.remarks.append(
+            f"{solid.where}: covered by {len(parts)} upright cylinders on {carrier.name}, which hold it at every angle"
+        )
+        return parts
+
+    def _short(self, link: str) -> str:
+        """A link's name for bodies: what all names of links begin with left out."""
+        names = [each for each in self.chain.movers if each not in ("world", "map")]
+        head = shared_head(names) if len(names) > 1 else ""
+        plain = re.sub(r"[^A-Za-z0-9]+", "-", link.removeprefix(head)).strip("-")[:40]
+        return plain if plain[:1].isalpha() else f"link-{plain}"

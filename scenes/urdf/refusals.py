@@ -1,0 +1,43 @@
+"""What is missing in a robot's description, or unsuitable, told all at once: where, what, and what to supply."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from assur.planner.errors import InputError
+
+MOST_TOLD = 60
+"""So many things are told; more of them say nothing new."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lack:
+    """Something that is missing or unsuitable: where it is, what is there, and what to do about it."""
+
+    where: str
+    what: str
+    supply: str
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.what}; {self.supply}"
+
+
+class ImportRefused(InputError):
+    """A description of which no robot file can be made. `lacks`: all that is known to be missing or unsuitable."""
+
+    def __init__(self, name: str, lacks: list[Lack]) -> None:
+        first, *rest = lacks
+        more = "" if not rest else f" (and {len(rest)} more)"
+        super().__init__(f"{name}, {first.where}", first.what, first.supply + more)
+        self.name, self.lacks = name, tuple(lacks[:MOST_TOLD])
+
+    def __reduce__(self) -> tuple[type[ImportRefused], tuple[str, list[Lack]]]:  # type: ignore[override]
+        return type(self), (self.name, list(self.lacks))
+
+
+class Unsuitable(Exception):
+    """A kinematic chain that is not of a family, or a solid that cannot be covered: the one thing that is wrong."""
+
+    def __init__(self, where: str, what: str, supply: str) -> None:
+        super().__init__(where, what, supply)
+        self.lack = Lack(where, what, supply)

@@ -1,0 +1,297 @@
+"""The tree of links and joints that a URDF says, with the solids of its links, as plain data in metres and radians."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal, get_args
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.scenes.urdf.refusals import ImportRefused, Lack, Unsuitable
+from assur.scenes.urdf.xml_text import number, numbers, parse_xml
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+JointType = Literal["revolute", "continuous", "prismatic", "fixed", "floating", "planar"]
+MOVING = ("revolute", "continuous", "prismatic")
+SIZES: dict[str, tuple[str, ...]] = {
+    "box": ("size",),
+    "sphere": ("radius",),
+    "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
+}
+"""Primitives of a URDF, and the attributes that have their sizes."""
+MOST_LINKS = 1_000
+ROUND_RAD = 1e-4
+"""An angle that is this near to a multiple of a right angle may be one that was written with few digits."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A collision shape of a link: `origin` (4, 4) in the link's frame. A primitive has its `sizes` in m; a mesh its
+    `file` as it is written, and the scale (3,) of its coordinates."""
+
+    where: str
+    kind: str
+    origin: FloatArray
+    sizes: tuple[float, ...] = ()
+    file: str = ""
+    scale: tuple[float, ...] = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A joint. `origin` (4, 4): the child's frame in the parent's at position 0; `axis` (3,): a unit vector in the
+    child's frame. `lower`, `upper`, `velocity` are None where the file is silent."""
+
+    name: str
+    kind: JointType
+    parent: str
+    child: str
+    origin: FloatArray
+    axis: FloatArray
+    lower: float | None = None
+    upper: float | None = None
+    velocity: float | None = None
+    mimics: str | None = None
+
+    @property
+    def moves(self) -> bool:
+        return self.kind in MOVING
+
+    def motion(self, q: FloatArray) -> FloatArray:
+        """Pose (..., 4, 4) of the child in the parent for positions (...), rad or m; what does not move stays."""
+        found = np.broadcast_to(self.origin, (*q.shape, 4, 4)).copy()
+        if self.kind == "prismatic":
+            found[..., :3, 3] += q[..., None] * (self.origin[:3, :3] @ self.axis)
+        elif self.moves:
+            x, y, z = self.axis
+            cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+            s, c = np.sin(q)[..., None, None], np.cos(q)[..., None, None]
+            found[..., :3, :3] = self.origin[:3, :3] @ (np.eye(3) + s * cross + (1 - c) * cross @ cross)
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """A robot: its links by name, each with its solids, and its joints by name. It has one root and no loop.
+
+    `rounded`: angles that were read as multiples of a right angle, as they are written; `only_seen`: links with a
+    visual shape and no collision shape.
+    """
+
+    name: str
+    links: dict[str, tuple[Solid, ...]]
+    joints: dict[str, Joint]
+    rounded: tuple[str, ...] = ()
+    only_seen: tuple[str, ...] = ()
+
+    @property
+    def root(self) -> str:
+        children = {joint.child for joint in self.joints.values()}
+        return next(link for link in self.links if link not in children)
+
+    def below(self, link: str) -> list[Joint]:
+        """The joints whose parent is a link, in the order of the file."""
+        return [joint for joint in self.joints.values() if joint.parent == link]
+
+    def above(self, link: str) -> Joint | None:
+        """The joint whose child is a link."""
+        return next((joint for joint in self.joints.values() if joint.child == link), None)
+
+    def path(self, base: str, tip: str) -> list[Joint] | None:
+        """The joints from `base` to `tip`; None if `tip` does not hang on `base`."""
+        found: list[Joint] = []
+        while tip != base:
+            joint = self.above(tip)
+            if joint is None:
+                return None
+            found.append(joint)
+            tip = joint.parent
+        return found[::-1]
+
+    def with_held(self, held: dict[str, float]) -> Tree:
+        """The tree with some joints held at a position, as if they were fixed there."""
+        joints = dict(self.joints)
+        for name, value in held.items():
+            joint = joints[name]
+            joints[name] = replace(joint, kind="fixed", origin=joint.motion(np.array(value)), mimics=None)
+        return replace(self, joints=joints)
+
+
+def read_tree(content: bytes, name: str, *, rounding: bool = False) -> Tree:
+    """The tree in a URDF file. `rounding`: angles that are near to a multiple of a right angle are read as such.
+
+    Raises `ImportRefused` with all that makes it no tree: names that are given twice or lead nowhere, a loop, several
+    roots, numbers that are none.
+    """
+    root = parse_xml(content, name, "robot")
+    lacks: list[Lack] = []
+    rounded: list[str] = []
+
+    def angle(value: float) -> float:
+        near = round(value / (math.pi / 2)) * (math.pi / 2)
+        if rounding and value != near and abs(value - near) <= ROUND_RAD:
+            rounded.append(f"{value:.9g}")
+            return near
+        return value
+
+    links = {}
+    for i, element in enumerate(root.findall("link")):
+        link = element.get("name") or ""
+        with _told(lacks):
+            if not link or link in links:
+                raise Unsuitable(f"<link> {i + 1}", f"name {link!r}", "give each link a name of its own")
+            links[link] = tuple(_solids(element, link, angle))
+    joints: dict[str, Joint] = {}
+    for i, element in enumerate(root.findall("joint")):
+        with _told(lacks):
+            joint = _joint(element, i, links, angle)
+            if joint.name in joints:
+                raise Unsuitable(f"joint {joint.name}", "a second one", "give each joint a name of its own")
+            joints[joint.name] = joint
+    if not lacks:
+        lacks += _no_tree(links, joints)
+    if lacks:
+        raise ImportRefused(name, lacks)
+    seen = [link.get("name") or "" for link in root.findall("link") if link.find("visual") is not None]
+    only_seen = tuple(link for link in seen if not links[link])
+    return Tree(root.get("name") or "robot", links, joints, tuple(dict.fromkeys(rounded)), only_seen)
+
+
+class _told:
+    """What is unsuitable inside is added to the list of lacks."""
+
+    def __init__(self, lacks: list[Lack]) -> None:
+        self._lacks = lacks
+
+    def __enter__(self) -> None:
+        return None
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
+        if isinstance(error, Unsuitable):
+            self._lacks.append(error.lack)
+        return isinstance(error, Unsuitable)
+
+
+def _no_tree(links: dict[str, tuple[Solid, ...]], joints: dict[str, Joint]) -> list[Lack]:
+    if not 1 <= len(links) <= MOST_LINKS:
+        return [Lack("the file", f"{len(links)} links", f"1 to {MOST_LINKS} links are read")]
+    found = []
+    parents = Counter(joint.child for joint in joints.values())
+    for link, count in parents.items():
+        if count > 1:
+            by = ", ".join(joint.name for joint in joints.values() if joint.child == link)
+            found.append(Lack(f"link {link}", f"it is the child of {count} joints ({by})", "give it one parent"))
+    roots = [link for link in links if link not in parents]
+    if not roots:
+        found.append(Lack("the file", "a loop of joints: no link is the root", "open the loop; a URDF is a tree"))
+    if len(roots) > 1:
+        supply = "join them by fixed joints, or remove what is not of the robot"
+        found.append(Lack("the file", f"{len(roots)} roots: {', '.join(roots[:8])}", supply))
+    if not found:
+        seen, ahead = set(roots), list(roots)
+        while ahead:
+            link = ahead.pop()
+            for joint in joints.values():
+                if joint.parent == link and joint.child not in seen:
+                    seen.add(joint.child)
+                    ahead.append(joint.child)
+        if len(seen) < len(links):
+            lost = next(link for link in links if link not in seen)
+            found.append(Lack(f"link {lost}", "it is in a loop of joints", "open the loop; a URDF is a tree"))
+    return found
+
+
+def _joint(element: Element, i: int, links: dict[str, tuple[Solid, ...]], angle: Callable[[float], float]) -> Joint:
+    name = element.get("name") or ""
+    where = f"joint {name}" if name else f"<joint> {i + 1}"
+    kind = element.get("type") or ""
+    if not name:
+        raise Unsuitable(where, "no name", "give each joint a name of its own")
+    if kind not in get_args(JointType):
+        raise Unsuitable(where, f"type {kind!r}", f"one of {', '.join(get_args(JointType))}")
+    ends = []
+    for end in ("parent", "child"):
+        found = element.find(end)
+        link = "" if found is None else found.get("link") or ""
+        if link not in links:
+            raise Unsuitable(where, f"its {end} {link!r} is no link of the file", "name a link that is there")
+        ends.append(link)
+    axis = np.array([1.0, 0.0, 0.0])
+    along = element.find("axis")
+    if along is not None and kind != "fixed":
+        axis = np.array(numbers(along.get("xyz"), 3, f"{where}, axis"))
+        if not np.linalg.norm(axis) > 1e-9:
+            raise Unsuitable(f"{where}, axis", "no direction", "write a direction that is not 0 0 0")
+        axis /= np.linalg.norm(axis)
+    limit, mimic = element.find("limit"), element.find("mimic")
+    given = {} if limit is None else limit.attrib
+    lower, upper, velocity = (
+        number(given[key], f"{where}, limit.{key}") if key in given else None for key in ("lower", "upper", "velocity")
+    )
+    if limit is not None and kind in ("revolute", "prismatic"):
+        lower, upper = lower or 0.0, upper or 0.0  # both are 0 where the file is silent, by the format
+    mimics = None if mimic is None else mimic.get("joint") or "?"
+    origin = _origin(element, where, angle)
+    parent, child = ends
+    known: JointType = kind  # type: ignore[assignment]
+    return Joint(name, known, parent, child, origin, axis, lower, upper, velocity, mimics)
+
+
+def _solids(element: Element, link: str, angle: Callable[[float], float]) -> list[Solid]:
+    found = []
+    several = element.findall("collision")
+    for i, collision in enumerate(several):
+        where = f"link {link}, collision" + (f" {i + 1}" if len(several) > 1 else "")
+        geometry = collision.find("geometry")
+        shapes = [] if geometry is None else list(geometry)
+        if len(shapes) != 1 or shapes[0].tag not in (*SIZES, "mesh"):
+            tags = ", ".join(shape.tag for shape in shapes) or "nothing"
+            raise Unsuitable(where, f"geometry {tags}", f"one of {', '.join((*SIZES, 'mesh'))}")
+        (shape,) = shapes
+        origin = _origin(collision, where, angle)
+        if shape.tag == "mesh":
+            scale = numbers(shape.get("scale"), 3, f"{where}, mesh.scale", (1.0, 1.0, 1.0))
+            if 0.0 in scale:
+                raise Unsuitable(f"{where}, mesh.scale", "a scale of 0", "three numbers that are not 0")
+            found.append(Solid(where, "mesh", origin, (), shape.get("filename") or "", scale))
+            continue
+        sizes: list[float] = []
+        for key in SIZES[shape.tag]:
+            sizes += numbers(shape.get(key), 3 if key == "size" else 1, f"{where}, {shape.tag}.{key}")
+        if not min(sizes) > 0.0:
+            raise Unsuitable(where, f"{shape.tag} of size {sizes}", "sizes above 0")
+        found.append(Solid(where, shape.tag, origin, tuple(sizes)))
+    return found
+
+
+def _origin(element: Element, where: str, angle: Callable[[float], float]) -> FloatArray:
+    """The pose (4, 4) of an element: turned by roll, pitch and yaw about fixed x, y and z, then moved."""
+    given = element.find("origin")
+    found = np.eye(4)
+    if given is None:
+        return found
+    found[:3, 3] = numbers(given.get("xyz"), 3, f"{where}, origin.xyz", (0.0, 0.0, 0.0))
+    roll, pitch, yaw = map(angle, numbers(given.get("rpy"), 3, f"{where}, origin.rpy", (0.0, 0.0, 0.0)))
+    found[:3, :3] = turned("z", yaw) @ turned("y", pitch) @ turned("x", roll)
+    return found
+
+
+def turned(axis: Literal["x", "y", "z"], angle: float) -> FloatArray:
+    """A rotation (3, 3) about an axis; multiples of a right angle have no rounding."""
+    c, s = math.cos(angle), math.sin(angle)
+    quarter = angle / (math.pi / 2)
+    if quarter == round(quarter):
+        c, s = float(round(c)), float(round(s))
+    i = "xyz".index(axis)
+    j, k = (i + 1) % 3, (i + 2) % 3
+    found = np.eye(3)
+    found[j, j] = found[k, k] = c
+    found[j, k], found[k, j] = -s, s
+    return found

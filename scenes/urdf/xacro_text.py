@@ -1,0 +1,63 @@
+"""A xacro file expanded to a URDF by the library xacrodoc (the extra `xacro`), in a process of its own.
+
+A xacro file is a program: it evaluates expressions and includes other files. It is run for the user who names it on
+the command line, for a bounded time, and no service ever runs one.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+from assur.scenes.urdf.refusals import ImportRefused, Lack
+
+LONGEST_S = 60.0
+"""A macro may call itself without end."""
+PROGRAM = """
+import json, sys
+given = json.load(sys.stdin)
+from xacrodoc import XacroDoc, packages
+packages.update_package_cache(given["packages"])
+try:
+    found = XacroDoc.from_file(given["file"], subargs=given["arguments"], resolve_packages=False)
+except BaseException as error:
+    print(f"{type(error).__name__}: {error}", file=sys.stderr)
+    sys.exit(1)
+sys.stdout.buffer.write(found.dom.toxml().encode("utf-8"))
+"""
+
+
+def expanded(path: Path, packages: dict[str, Path], arguments: dict[str, str]) -> bytes:
+    """The URDF that a xacro file expands to, with the folders of packages and values of its arguments.
+
+    Raises `ImportRefused` where the library is not installed, and for whatever it cannot expand.
+    """
+    if importlib.util.find_spec("xacrodoc") is None:
+        supply = "install assur with the extra `xacro`, or expand the file yourself and give the URDF"
+        raise ImportRefused(path.name, [Lack("the file", "no library for xacro is installed", supply)])
+    given = {
+        "file": str(path.resolve()),
+        "packages": {name: str(folder.resolve()) for name, folder in packages.items()},
+        "arguments": arguments,
+    }
+    try:
+        run = subprocess.run(  # noqa: S603 - the program is ours; what it is given comes as data
+            [sys.executable, "-c", PROGRAM],
+            input=json.dumps(given).encode(),
+            capture_output=True,
+            timeout=LONGEST_S,
+            cwd=path.resolve().parent,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        supply = "a file whose macros come to an end"
+        raise ImportRefused(path.name, [Lack("the file", f"not expanded within {LONGEST_S:g} s", supply)]) from None
+    if run.returncode != 0:
+        lines = run.stderr.decode("utf-8", "replace").strip().splitlines()
+        said = lines[-1][:300] if lines else "no reason given"
+        supply = "mend it, give an argument with --arg NAME=VALUE, or a package with --package NAME=FOLDER"
+        raise ImportRefused(path.name, [Lack("the file", f"xacro does not expand it ({said})", supply)])
+    return run.stdout
