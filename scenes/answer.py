@@ -6,13 +6,12 @@ everything else is SI and in the world frame. What has no number is null. Nothin
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import fields
 from enum import StrEnum
 from typing import Literal, TypeVar, cast
 
 import numpy as np
 
-from assur.planner.errors import FaultError
 from assur.planner.model.arrival_error import ArrivalError
 from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.load import Carried
@@ -37,10 +36,11 @@ from assur.planner.model.scene import Scene
 from assur.planner.report.notes import note, warned
 from assur.planner.report.sentence import because
 from assur.planner.trajectory import Trajectory
-from assur.scenes.conventions import Conventions, as_counted, as_maker, converted, rates_as_maker, zeros
+from assur.scenes.conventions import Conventions, as_counted, as_maker, rates_as_maker
 from assur.scenes.numbers import interval, number, optional
 from assur.scenes.reading.cell import Cell
 from assur.scenes.schema import answer as document
+from assur.scenes.written_knots import settled, trajectory_document
 
 Detail = Literal["full", "digest"]
 Word = TypeVar("Word", bound=StrEnum)
@@ -171,44 +171,6 @@ def _route(route: Route) -> document.Route:
         "vias": int(route.vias),
         "after_wait": bool(route.after_wait),
         "later": bool(route.later),
-    }
-
-
-def settled(cell: Cell, plan: Plan) -> Plan:
-    """The plan whose knots are read back bit by bit from what is written of them.
-
-    Where a joint has a zero of its own, positions are rounded on the way to the maker's count and back, by some 1e-16.
-    They are rounded so once, here: x ↦ (x ⊖ y) ⊕ y leaves what it gave before as it is (Knuth, The Art of Computer
-    Programming 4.2.2, theorem D). The proof keeps 1 µm, and the checker checks what is written.
-    """
-    from assur.planner.model.digest import digest
-
-    if not any(zeros(cell.conventions)):
-        return plan
-    knots = plan.trajectory
-    q = converted(as_maker(knots.q, cell.conventions), cell.conventions)
-    trajectory = Trajectory(knots.time, q, knots.qd, knots.qdd, jumps=knots.jumps)
-    certificate = replace(
-        plan.certificate, digest=digest(cell.scene.digest, trajectory, plan.legs, plan.arrivals, plan.certificate)
-    )
-    return replace(plan, trajectory=trajectory, certificate=certificate)
-
-
-def trajectory_document(cell: Cell, trajectory: Trajectory) -> document.Trajectory:
-    """The knots of a settled plan in the maker's convention. Reading them back gives the planner's, bit by bit."""
-    rates = rates_as_maker(np.stack([trajectory.qd, trajectory.qdd]), cell.conventions)
-    written = np.concatenate([as_maker(trajectory.q, cell.conventions)[None], rates])
-    if not np.isfinite(written).all():
-        raise FaultError("a trajectory is not finite")
-    rows: list[list[list[float]]] = written.tolist()
-    return {
-        "joint_names": [joint.name for joint in cell.conventions],
-        "joint_units": ["rad" if joint.kind == "revolute" else "m" for joint in cell.conventions],
-        "time_s": trajectory.time.tolist(),
-        "position": rows[0],
-        "velocity": rows[1],
-        "acceleration": rows[2],
-        "acceleration_jumps": bool(trajectory.jumps),
     }
 
 

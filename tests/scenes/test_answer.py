@@ -36,12 +36,13 @@ from assur.planner.model.refusal import (
 from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.pipeline import plan
 from assur.planner.trajectory import Trajectory
-from assur.scenes.answer import NOTICE, answer_of, trajectory_document
+from assur.scenes.answer import NOTICE, answer_of
 from assur.scenes.reading.cell import Cell
 from assur.scenes.reading.plan import plan_of
 from assur.scenes.requests import cell_of, check_document, plan_document
 from assur.scenes.schema import answer as document
 from assur.scenes.text.json_text import parse_json
+from assur.scenes.written_knots import trajectory_document
 from tests.scenes.bad_requests import GOOD_REQUEST
 
 FANUC: dict[str, Any] = {
