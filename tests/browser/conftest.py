@@ -73,7 +73,8 @@ class Opened:
         """The canvas as a PNG, nothing over it."""
         for part in ("#labels", ".views", ".shows", "#legend"):
             self.ask(f"document.querySelector('{part}').style.display = 'none'")
-        return self.page.locator("#stage").screenshot()
+        shot: bytes = self.page.locator("#stage").screenshot()
+        return shot
 
 
 @pytest.fixture
