@@ -64,13 +64,7 @@ def answer_of(
 def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAnswer:
     plan = settled(cell, outcome.plan)
     return {
-        "schema": "assur/1",
-        "status": "planned",
-        "duration_s": number(plan.trajectory.end - plan.trajectory.start),
-        "start_s": number(plan.trajectory.start),
-        "trajectory": trajectory_document(cell, plan.trajectory),
-        "arrivals": [_arrival(cell, plan.trajectory, arrival) for arrival in plan.arrivals],
-        "legs": [_leg(leg) for leg in plan.legs],
+        **_motion(cell, plan),
         "contacts": [
             {"bodies": list(contact.bodies), "from_s": number(contact.t0), "to_s": number(contact.t1)}
             for contact in outcome.contacts
@@ -94,6 +88,12 @@ def _planned(cell: Cell, outcome: Planned, detail: Detail) -> document.PlannedAn
 def proved_document(cell: Cell, plan: Plan) -> document.CheckedPlan:
     """A plan with its proof and nothing else: as much of an answer as the checker judges."""
     plan = settled(cell, plan)
+    proof = {"certificate": certificate_document(plan.certificate, "full"), "request_digest": cell.scene.digest}
+    return cast(document.CheckedPlan, {**_motion(cell, plan), **proof})
+
+
+def _motion(cell: Cell, plan: Plan) -> document.PlannedMotion:
+    """What an answer says of the motion of a settled plan."""
     return {
         "schema": "assur/1",
         "status": "planned",
@@ -102,8 +102,6 @@ def proved_document(cell: Cell, plan: Plan) -> document.CheckedPlan:
         "trajectory": trajectory_document(cell, plan.trajectory),
         "arrivals": [_arrival(cell, plan.trajectory, arrival) for arrival in plan.arrivals],
         "legs": [_leg(leg) for leg in plan.legs],
-        "certificate": cast(document.Certificate, certificate_document(plan.certificate, "full")),
-        "request_digest": cell.scene.digest,
     }
 
 
@@ -275,9 +273,9 @@ def _margins(margins: Margins) -> document.Margins:
             "acceleration_m_s2": number(margins.tool.acceleration),
             "acceleration_at_s": number(margins.tool.acceleration_time),
         },
-        "nearest": None if nearest is None else _nearest(nearest),
-        "travel_pairs": [_nearest(each) for each in margins.travel_pairs],
-        "near_pairs": [_nearest(each) for each in margins.near_pairs],
+        "nearest": None if nearest is None else nearest_document(nearest),
+        "travel_pairs": [nearest_document(each) for each in margins.travel_pairs],
+        "near_pairs": [nearest_document(each) for each in margins.near_pairs],
         "tool_acceleration_m_s2": optional(margins.tool_acceleration),
         "tool_acceleration_limit_m_s2": optional(margins.tool_acceleration_limit),
         "singularity": optional(margins.singularity),
@@ -307,7 +305,8 @@ def _load(scene: Scene, carried: tuple[Carried, ...]) -> document.LoadApplied:
     }
 
 
-def _nearest(nearest: Nearest) -> document.Nearest:
+def nearest_document(nearest: Nearest) -> document.Nearest:
+    """A pair that comes near: how near, m, when, s, and in which phase."""
     return {
         "gap_m": number(nearest.gap_m),
         "time_s": number(nearest.time),

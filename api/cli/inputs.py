@@ -27,6 +27,7 @@ from assur.scenes.requests import (
     shipped_scenarios,
     unmet,
 )
+from assur.scenes.scenarios import with_files
 from assur.scenes.units import si_key, twin_of
 
 if TYPE_CHECKING:
@@ -61,6 +62,12 @@ class Target:
         """The request, read, and nothing planned. Raises `InputError`, with the line in a scenario's file."""
         with self._located():
             return cell_of(self.request, folder=self.folder)
+
+    @property
+    def whole(self) -> Any:
+        """The request with what the files hold that it names. Raises `InputError`, as `cell` does."""
+        with self._located():
+            return with_files(self.request, self.folder)
 
     def plan(self) -> dict[str, Any]:
         """The answer, with its certificate in full. Raises `InputError`, with the line in a scenario's file."""

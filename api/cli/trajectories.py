@@ -9,9 +9,10 @@ import typer
 
 from assur.api.cli import console_report, trajectory_report
 from assur.api.cli.border import writable
+from assur.api.cli.cell_reading import announce_compilation, read_cell
 from assur.api.cli.inputs import plan_file, target, text_file
 from assur.api.documents import to_json
-from assur.scenes.exports.doors import check_trajectory_document, export_document
+from assur.scenes.exports.doors import check_trajectory_cell, export_cell
 
 Cell = Annotated[str, typer.Argument(help="A scenario file (YAML), a request (JSON), or a shipped scenario's name.")]
 
@@ -46,8 +47,10 @@ def export(
     if tick_ms is not None:
         asked["tick_ms"] = tick_ms
     answer = plan_file(plan)
+    cell = read_cell(given)
+    announce_compilation()
     with console_report.working(f"exporting {plan.name}"):
-        made = export_document(given.request, answer, asked, folder=given.folder)
+        made = export_cell(cell, given.whole, answer, asked)
     if out is None:
         typer.echo(made["file"], nl=False)
     else:
@@ -85,8 +88,10 @@ def check_trajectory(
     if start_tolerance_ms is not None:
         asked["start_tolerance_ms"] = start_tolerance_ms
     answer = None if plan is None else plan_file(plan)
+    cell = read_cell(given)
+    announce_compilation()
     with console_report.working(f"checking {trajectory.name}"):
-        verdict = check_trajectory_document(given.request, asked, answer, folder=given.folder)
+        verdict = check_trajectory_cell(cell, given.whole, asked, answer)
     if as_json:
         typer.echo(to_json(verdict).decode("ascii"))
         return 0 if verdict["ok"] else 1

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
 from assur.scenes.requests import cell_of, read_plan
 from assur.scenes.scenarios import with_files
 from assur.scenes.schema.export import ExportDocument, TrajectoryDocument
 from assur.scenes.schema.read import read
+
+if TYPE_CHECKING:
+    from assur.scenes.reading.cell import Cell
 
 TOLERANCE = ("start_tolerance_s", "start_tolerance_ms")
 
@@ -20,15 +23,19 @@ def export_document(request: object, plan: object, asked: object, *, folder: Pat
     `folder`: below which the request may name files. Raises `InputError` naming the field: for what is wrong with a
     document, for a plan that is not right, and for a motion that cannot be proved on the grid that is asked for.
     """
+    document: Any = request if folder is None else with_files(request, folder)
+    return export_cell(cell_of(document), document, plan, asked)
+
+
+def export_cell(cell: Cell, request: Any, plan: object, asked: object) -> dict[str, Any]:
+    """The same for a cell that has been read; `request`: that of the cell, with what files hold in it."""
     from assur.scenes.exports.export import exported, told
 
     how: ExportDocument = read(ExportDocument, asked)
-    document: Any = request if folder is None else with_files(request, folder)
-    cell = cell_of(document)
     made, untrue, _ = read_plan(cell, plan)
     if untrue:
         raise InputError("plan", "this answer", f"one that is right: {told(untrue)}")
-    return dict(exported(cell, document, made, how))
+    return dict(exported(cell, request, made, how))
 
 
 def check_trajectory_document(
@@ -39,17 +46,21 @@ def check_trajectory_document(
 
     `folder`: below which the request may name files. Raises `InputError` naming the field, in files with the line.
     """
+    document: Any = request if folder is None else with_files(request, folder)
+    return check_trajectory_cell(cell_of(document), document, asked, plan)
+
+
+def check_trajectory_cell(cell: Cell, request: Any, asked: object, plan: object | None = None) -> dict[str, Any]:
+    """The same for a cell that has been read; `request`: that of the cell, with what files hold in it."""
     from assur.scenes.exports.foreign import verdict
 
     how: TrajectoryDocument = read(TrajectoryDocument, asked)
-    document: Any = request if folder is None else with_files(request, folder)
-    cell = cell_of(document)
     if how.start_tolerance_s is not None:
-        execution = {key: value for key, value in (document.get("execution") or {}).items() if key not in TOLERANCE}
-        document = {**document, "execution": {**execution, TOLERANCE[0]: how.start_tolerance_s}}
-        cell = cell_of(document)
+        execution = {key: value for key, value in (request.get("execution") or {}).items() if key not in TOLERANCE}
+        request = {**request, "execution": {**execution, TOLERANCE[0]: how.start_tolerance_s}}
+        cell = cell_of(request)
     made = None if plan is None else read_plan(cell, plan)[0]
-    return dict(verdict(cell, document, how, made))
+    return dict(verdict(cell, request, how, made))
 
 
 def export_schemas() -> tuple[dict[str, Any], dict[str, Any]]:

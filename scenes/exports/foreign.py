@@ -14,7 +14,7 @@ from assur.scenes.schema.export import JerkProved, TrajectoryVerdict
 from assur.scenes.schema.robots import MOST_JERK
 
 if TYPE_CHECKING:
-    from assur.planner.model.outcome import Nearest, Plan
+    from assur.planner.model.outcome import Plan
     from assur.planner.resampling.foreign import First
     from assur.planner.trajectory import Trajectory
     from assur.scenes.reading.cell import Cell
@@ -32,7 +32,7 @@ def verdict(cell: Cell, request: dict[str, Any], asked: TrajectoryDocument, plan
     from assur.planner.resampling.certifying import kept_legs
     from assur.planner.resampling.foreign import judged, travel
     from assur.planner.resampling.measured import ratios
-    from assur.scenes.answer import NOTICE
+    from assur.scenes.answer import NOTICE, nearest_document
 
     scene = cell.scene
     start = scene.start.time if asked.start_s is None else asked.start_s
@@ -79,7 +79,7 @@ def verdict(cell: Cell, request: dict[str, Any], asked: TrajectoryDocument, plan
         "judged_as": "travel" if plan is None else "plan",
         "findings": findings,
         "first": None if found.first is None else _first(found.first),
-        "clearance": None if found.clearance is None else _nearest(found.clearance),
+        "clearance": None if found.clearance is None else nearest_document(found.clearance),
         "jerk": jerk,
         "points": len(trajectory.time),
         "start_s": number(trajectory.start),
@@ -105,13 +105,4 @@ def _first(first: First) -> FirstViolation:
         "amount": optional(first.amount),
         "unit": first.unit,
         "bodies": None if first.bodies is None else list(first.bodies),
-    }
-
-
-def _nearest(nearest: Nearest) -> written.Nearest:
-    return {
-        "gap_m": number(nearest.gap_m),
-        "time_s": number(nearest.time),
-        "bodies": list(nearest.bodies),
-        "phase": str(nearest.phase),
     }

@@ -356,13 +356,18 @@ class _Common(TypedDict):
     notice: Text
 
 
+class PlannedMotion(_Motion):
+    """What an answer says of the motion that is planned."""
+
+    duration_s: Number
+    start_s: Number
+
+
 @with_config(CLOSED)
-class PlannedAnswer(_Motion, _Common):
+class PlannedAnswer(PlannedMotion, _Common):
     """A plan, proved against the model."""
 
     certificate: Certificate | CertificateDigest
-    duration_s: Number
-    start_s: Number
     contacts: list[Contact]
     margins: Margins
     load: LoadApplied

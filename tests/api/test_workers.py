@@ -7,7 +7,7 @@ import os
 import signal
 import time
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from assur.api.problems import Problem
 from assur.api.web.settings import Settings
 from assur.api.workers.pool import Workers
 from assur.api.workers.worker_process import WorkerProcess
+from tests.api.watched_jobs import counting, deaf, until_called_off
 
 SETTINGS = Settings(workers=2, queue=1, queue_wait_s=30.0, warm_s=60.0, max_tasks=1000)
 
@@ -109,6 +110,33 @@ def test_jobs_run_in_processes_of_their_own_at_the_same_time(held: Held) -> None
         assert not job.done()
         held.release()
         assert await job == b"released"
+
+    with_workers(SETTINGS, story)
+
+
+@pytest.mark.parametrize(("job", "stays"), [(until_called_off, True), (deaf, False)])
+def test_a_job_that_is_called_off_keeps_its_worker_if_it_ends_soon(job: Callable[..., Any], stays: bool) -> None:
+    """... and the next job is not told what the first one was."""
+
+    async def story(workers: Workers) -> None:
+        told: list[int] = []
+        working = asyncio.create_task(workers.run(job, (), "watched", 90.0, told.append))
+        await until(lambda: bool(told))
+        working.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await working
+        assert (await pid_of(workers) == told[0]) == stays
+        assert told == told[:1]
+
+    with_workers(replace(SETTINGS, workers=1), story)
+
+
+def test_what_a_job_tells_arrives_in_order_and_before_its_result() -> None:
+    async def story(workers: Workers) -> None:
+        told: list[int] = []
+        assert await workers.run(counting, (500,), "counting", 90.0, told.append) == 500
+        assert told == list(range(500))
+        assert await pid_of(workers) > 0
 
     with_workers(SETTINGS, story)
 
