@@ -87,9 +87,6 @@ class Player {
     refusal(find("refusal"), view, seek);
     this.legend();
     this.controls();
-    const { w, h } = this.renderer.resize();
-    this.camera.aspect = w && h ? w / h : 1;
-    this.camera.look("room");
     const met = view.refusal && view.refusal.at_s;
     this.seek(met || 0);
     new ResizeObserver(() => this.draw()).observe(canvas);
@@ -144,7 +141,7 @@ class Player {
       End: () => this.seek(this.view.lasts_s),
       "[": () => this.faster(-1),
       "]": () => this.faster(1),
-      1: () => this.look("room"),
+      1: () => this.look("perspective"),
       2: () => this.look("top"),
       3: () => this.look("side"),
       4: () => this.look("front"),
@@ -242,6 +239,7 @@ class Player {
 }
 
 try {
+  if (window.self !== window.top) document.documentElement.dataset.within = "another page";
   const view = JSON.parse(find("view").textContent);
   // for tests, and for who looks into a page with the tools of a browser
   window.assur = new Player(view);
