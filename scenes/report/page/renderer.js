@@ -44,6 +44,7 @@ export class Renderer {
     if (!gl) throw new Error("This browser has no WebGL 2.");
     Object.assign(this, { canvas, gl, tracks });
     this.stats = { drawCalls: 0, triangles: 0 };
+    this.share = 1; // of the pixels of a side that are drawn: fewer while a slow machine plays
     this.solid = program(gl, SOLID_VERTEX, SOLID_FRAGMENT);
     this.floor = program(gl, FLOOR_VERTEX, FLOOR_FRAGMENT);
     this.line = program(gl, LINE_VERTEX, LINE_FRAGMENT);
@@ -113,7 +114,7 @@ export class Renderer {
 
   resize() {
     const { canvas } = this;
-    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    const ratio = this.share * Math.min(window.devicePixelRatio || 1, 2);
     const [w, h] = [Math.round(canvas.clientWidth * ratio), Math.round(canvas.clientHeight * ratio)];
     if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, { width: w, height: h });
     return { w, h, ratio };
