@@ -28,7 +28,7 @@ SHORTER = {
     "benchmarks.recheck": ["--partial"],
     "benchmarks.profile": ["--limit", "2", "--repeats", "2"],
     "benchmarks.best_known": ["--known", "out/known.json", "--work", "out", "--only", "A000", "--budget-s", "0.05"],
-    "benchmarks.report": ["--no-pages", "--plots", "out"],
+    "benchmarks.report": ["--no-page", "--plots", "out"],
 }
 """What the tests add to a command that would take minutes, or write into the repository."""
 
