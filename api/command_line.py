@@ -151,7 +151,7 @@ def report(
     with console_report.working(f"planning {given.name}" if read is None else f"reading {given.name}"):
         page, right = report_file.made(given, given.plan() if read is None else read)
     out.write_bytes(page)
-    show(f"report of {given.name}: {out}, {len(page) / 1000:.0f} kB, opens in a browser without network")
+    show(f"report of {given.title}: {out}, {len(page) / 1000:.0f} kB, opens in a browser without network")
     if opened:
         say(report_file.show(out))
     return RIGHT if right else say("the checker refuses this plan; the report says why", WRONG)
