@@ -156,7 +156,7 @@ def test_everything_that_save_offers_is_a_file(studio: Opened, service: httpx.Cl
     assert offered[1:6] == ["report", "plan", "answer", "request", "text"]
     assert offered[6:] == [f"export:{form}" for form in formats]
     assert {"csv", "ros2", "ros2-json", "spel", "melfa"} <= set(formats)
-    saved = {}
+    saved = dict[str, bytes]()
     for what in offered[1:]:
         with page.expect_download() as caught:
             page.select_option("#save", what)
