@@ -13,6 +13,7 @@ from assur.api.cli.cell_reading import announce_compilation, read_cell
 from assur.api.cli.inputs import plan_file, target, text_file
 from assur.api.documents import to_json
 from assur.scenes.exports.doors import check_trajectory_cell, export_cell
+from assur.scenes.exports.export import file_bytes
 
 Cell = Annotated[str, typer.Argument(help="A scenario file (YAML), a request (JSON), or a shipped scenario's name.")]
 
@@ -21,8 +22,10 @@ def export(
     file: Cell,
     plan: Annotated[Path, typer.Argument(help="An answer, as `assur plan --out` writes it.")],
     form: Annotated[
-        Literal["csv", "ros2", "ros2-json", "spel", "melfa"],
-        typer.Option("--format", help="CSV, a ROS 2 JointTrajectory (YAML, JSON), a recipe in SPEL+ or MELFA-BASIC."),
+        Literal["csv", "ros2", "ros2-json", "glb", "spel", "melfa"],
+        typer.Option(
+            "--format", help="CSV, ROS 2 JointTrajectory (YAML, JSON), animated glTF, or a recipe (SPEL+, MELFA-BASIC)."
+        ),
     ],
     tick_ms: Annotated[
         float | None, typer.Option("--tick-ms", help="The controller's step; else the points are the plan's knots.")
@@ -52,9 +55,9 @@ def export(
     with console_report.working(f"exporting {plan.name}"):
         made = export_cell(cell, given.whole, answer, asked)
     if out is None:
-        typer.echo(made["file"], nl=False)
+        typer.echo(file_bytes(made), nl=False)
     else:
-        out.write_text(made["file"], encoding="utf-8")
+        out.write_bytes(file_bytes(made))
         console = console_report.console()
         for line in (f"{out}: {form}", *made["statement"]):
             console.print(line, soft_wrap=True)
