@@ -2,6 +2,7 @@
 # make test    all tests, on two processes, then the kernels' tests as plain Python with coverage
 # make test-browser  the reports of all shipped scenarios in a real Chromium (Debian: apt-get install chromium)
 # make pictures  docs/pictures anew, from reports in that Chromium
+# make test-gltf  animated models of all shipped scenarios, by the Khronos validator (npm fetches it); make test does it, too
 # make kernels compile the inner loops once, for this processor; demo and test do it by themselves
 # make check   ruff, mypy, import rules
 # make serve   the HTTP service on 127.0.0.1:8000
@@ -26,7 +27,7 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.13 python3.12 python3.11 py
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo kernels test test-browser pictures check format serve problems bench bench-quick soak clean
+.PHONY: help demo kernels test test-browser test-gltf pictures check format serve problems bench bench-quick soak clean
 
 help:
 	@sed -n '/^# make/s/^# //p' $(firstword $(MAKEFILE_LIST))
@@ -67,6 +68,8 @@ test: $(VENV)/installed-test
 	$(BIN)/assur kernels
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 $(PLAIN) --cov=planner/kernels --cov-report=term
+	@if test -n "$(NPM)"; then $(MAKE) --no-print-directory test-gltf; \
+		else echo "not run: the Khronos validator on exported models, for there is no npm (Debian: apt-get install npm; then make test-gltf)"; fi
 	@test -n "$(CHROMIUM)" || echo "not run: the tests of the report in a browser, for there is no Chromium (Debian: apt-get install chromium; then make test-browser)"
 
 # The browser that runs the reports; none is downloaded.
@@ -82,6 +85,19 @@ test-browser: $(VENV)/installed-browser
 
 pictures: $(VENV)/installed-browser
 	CHROMIUM="$(CHROMIUM)" $(BIN)/python -m tests.browser.pictures
+
+# The Khronos validator of glTF, which is a package of npm.
+NPM ?= $(shell command -v node >/dev/null 2>&1 && command -v npm 2>/dev/null)
+GLTF_VALIDATOR := $(VENV)/gltf-validator
+
+$(GLTF_VALIDATOR)/installed: Makefile
+	@test -n "$(NPM)" || { echo "there is no node with npm (Debian: apt-get install npm)" >&2; exit 2; }
+	@mkdir -p $(GLTF_VALIDATOR)
+	$(NPM) install --silent --no-audit --no-fund --prefix $(GLTF_VALIDATOR) gltf-validator@2.0.0-dev.3.10 && touch $@
+
+test-gltf: $(VENV)/installed-test $(GLTF_VALIDATOR)/installed
+	$(BIN)/assur kernels
+	GLTF_VALIDATOR="$(GLTF_VALIDATOR)" $(BIN)/python -m pytest -n 2 --dist worksteal tests/gltf
 
 check: $(VENV)/installed-dev
 	$(BIN)/ruff check .

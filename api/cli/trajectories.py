@@ -14,6 +14,7 @@ from assur.api.cli.inputs import target, text_file
 from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for, in_bytes
 from assur.api.documents import to_json
 from assur.scenes.exports.doors import check_trajectory_cell, export_cell
+from assur.scenes.exports.export import file_bytes
 from assur.scenes.plan_file import PlanFile
 
 Cell = Annotated[str, typer.Argument(metavar="FILE", help=f"{PLAN_OR_CELL} Of a plan file the cell counts.")]
@@ -22,8 +23,10 @@ Cell = Annotated[str, typer.Argument(metavar="FILE", help=f"{PLAN_OR_CELL} Of a 
 def export(
     file: Annotated[str, typer.Argument(metavar="FILE", help=PLAN_OR_CELL)],
     form: Annotated[
-        Literal["csv", "ros2", "ros2-json", "spel", "melfa"],
-        typer.Option("--format", help="CSV, a ROS 2 JointTrajectory (YAML, JSON), a recipe in SPEL+ or MELFA-BASIC."),
+        Literal["csv", "ros2", "ros2-json", "glb", "spel", "melfa"],
+        typer.Option(
+            "--format", help="CSV, ROS 2 JointTrajectory (YAML, JSON), animated glTF, or a recipe (SPEL+, MELFA-BASIC)."
+        ),
     ],
     plan: Annotated[Path | None, typer.Argument(help=ANSWER)] = None,
     tick_ms: Annotated[
@@ -52,9 +55,9 @@ def export(
     with console_report.working(f"exporting {given.name if plan is None else plan.name}"):
         made = export_cell(cell, given.whole, answer, asked)
     if out is None:
-        typer.echo(made["file"], nl=False)
+        typer.echo(file_bytes(made), nl=False)
     else:
-        out.write_text(made["file"], encoding="utf-8")
+        out.write_bytes(file_bytes(made))
         console = console_report.console()
         for line in (f"{out}: {form}", *made["statement"]):
             console.print(line, soft_wrap=True)

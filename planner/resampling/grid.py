@@ -52,7 +52,10 @@ def on_ticks(scene: Scene, plan: Plan, tick_s: float) -> Trajectory:
     if not SHORTEST_TICK_S <= tick_s <= LONGEST_TICK_S:
         raise InputError("tick_s", tick_s, f"from {SHORTEST_TICK_S:g} to {LONGEST_TICK_S:g} s")
     if trajectory.jumps:
-        allowed = "none: parabolic blends jump between ticks; export the knots, or plan with timing: jerk_limited"
+        allowed = (
+            "none: between two ticks the acceleration of parabolic blends jumps, and a motion through states at ticks "
+            "has no parabolas that could be proved; export the knots as csv, or plan with timing: jerk_limited"
+        )
         raise InputError("tick_s", tick_s, allowed)
     count = max(1, math.ceil(trajectory.duration / tick_s - ROUNDING))
     if count > MOST_KNOTS:

@@ -49,12 +49,17 @@ class Track:
         return position, between(self.rotation[k], self.rotation[last], np.array([share]))[0]
 
 
-def instants(trajectory: Trajectory, start: float, end: float) -> FloatArray:
-    """The times (T,), s, at which poses are looked at: even ones, and all knots within."""
-    step = max(STEP_S, (end - start) / MOST_INSTANTS)
+def instants(trajectory: Trajectory, start: float, end: float, step_s: float = STEP_S) -> FloatArray:
+    """The times (T,), s, at which poses are looked at: even ones, and all knots within.
+
+    Counted from `start` they are numbers of 32 bits, for whoever draws has no others: so a pose is looked at when it is
+    drawn, and not half of a millionth of a second beside it.
+    """
+    step = max(step_s, (end - start) / MOST_INSTANTS)
     even = np.linspace(start, end, max(2, math.ceil((end - start) / step) + 1))
     knots = trajectory.edges
-    return np.unique(np.concatenate([even, knots[(knots > start) & (knots < end)]]))
+    t = np.concatenate([even, knots[(knots > start) & (knots < end)]])
+    return np.asarray(start + np.unique((t - start).astype(np.float32)).astype(np.float64))
 
 
 def joints_at(trajectory: Trajectory, t: FloatArray) -> FloatArray:

@@ -20,7 +20,7 @@ from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Follow, Move, Pick, Place, Scene, Step, Trace
 from assur.planner.tracks.curves import Curves, LimitSpan, curves, limit_spans
 from assur.planner.tracks.distances import Nearby, distances
-from assur.planner.tracks.poses import Track, frame_poses, instants, link_poses, thinned
+from assur.planner.tracks.poses import STEP_S, Track, frame_poses, instants, link_poses, thinned
 from assur.planner.tracks.shells import Shell, shell_of
 from assur.planner.tracks.thinning import kept_of_curves
 from assur.planner.tracks.triangles import Mesh, mesh_of
@@ -97,8 +97,10 @@ def tracks(
     phases: tuple[Phase, ...],
     arrivals: tuple[Arrival, ...] = (),
     also: tuple[float, ...] = (),
+    step_s: float = STEP_S,
 ) -> Tracks:
-    """What is shown of a motion of a scene, in these phases. `also`: instants at which distances are wanted, too, s.
+    """What is shown of a motion of a scene, in these phases. `also`: instants at which distances are wanted, too, s;
+    `step_s`: time between those at which poses are looked at, s.
 
     Without phases the arm stands at its first knot for as long as the trajectory lasts, while frames move. Every
     point of every body is within 0.1 mm of where it is, at any time.
@@ -118,7 +120,7 @@ def tracks(
             reach[seat.carrier] = max(reach[seat.carrier], off + meshes[body.mesh].reach)
     for point in points:
         reach[point.carrier] = max(reach[point.carrier], float(np.linalg.norm(point.pose.position)))
-    t = instants(trajectory, start, end)
+    t = instants(trajectory, start, end, step_s)
     position, rotation = link_poses(scene, trajectory, t)
     carriers = [thinned(name, t, position[:, k], rotation[:, k], reach[k]) for k, name in enumerate(scene.robot.links)]
     carriers += [thinned(name, t, *frame_poses(scene, name, t), reach[k]) for name, k in numbers.items()]

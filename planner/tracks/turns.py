@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from assur.planner.arrays import FloatArray
@@ -39,15 +37,13 @@ def of_yaws(yaw: FloatArray) -> FloatArray:
 
 
 def between(first: FloatArray, last: FloatArray, share: FloatArray) -> FloatArray:
-    """The attitudes (T, 4) on the shorter arc from `first` to `last` (4,), at shares (T,) of it."""
-    cosine = float(first @ last)
-    if cosine < 0.0:
-        last, cosine = -last, -cosine
-    angle = 2.0 * math.asin(min(1.0, float(np.linalg.norm(first - last)) / 2.0))
-    if angle < STRAIGHT:
-        found = first + share[:, None] * (last - first)
-    else:
-        found = (np.sin((1.0 - share) * angle)[:, None] * first + np.sin(share * angle)[:, None] * last) / np.sin(angle)
+    """The attitudes (T, 4) on the shorter arc from `first` to `last`, both (4,) or (T, 4), at shares (T,) of it."""
+    last = np.where(np.sum(first * last, -1, keepdims=True) < 0.0, -last, last)
+    angle = 2.0 * np.arcsin(np.minimum(1.0, np.linalg.norm(first - last, axis=-1, keepdims=True) / 2.0))
+    share = share[:, None]
+    with np.errstate(invalid="ignore"):
+        arc = (np.sin((1.0 - share) * angle) * first + np.sin(share * angle) * last) / np.sin(angle)
+    found = np.where(angle < STRAIGHT, first + share * (last - first), arc)
     return np.asarray(found / np.linalg.norm(found, axis=-1, keepdims=True))
 
 

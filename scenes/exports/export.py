@@ -6,6 +6,7 @@ checker has accepted against the request in the export.
 
 from __future__ import annotations
 
+import base64
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,8 @@ RECIPES = ("spel", "melfa")
 """Formats that hold no motion, but what a controller needs to make one of its own."""
 ENDINGS = {"ros2": "yaml", "ros2-json": "json", "spel": "prg", "melfa": "prg"}
 """How the names of files in a format end, where that is not the format's own name."""
+MODEL = "glb"
+"""The format that shows the motion in three dimensions: bytes, not text."""
 SPARE = 1e-6
 """Share by which a limit is raised above the jerk that is proved against it: for rounding."""
 MOST_FINDINGS = 4
@@ -58,6 +61,10 @@ def motion_for(
     trajectory = made.trajectory
     if tick_s is not None and form in RECIPES:
         raise InputError("tick_s", tick_s, f"none: {form} is a recipe, and its controller makes the motion itself")
+    if tick_s is not None and form == MODEL:
+        raise InputError(
+            "tick_s", tick_s, "none: glb has keys where they are needed, 0.1 mm apart from the motion at most"
+        )
     if form.startswith("ros2"):
         if trajectory.jumps:
             allowed = "csv: parabolic blends have two knots at one time, which joint_trajectory_controller refuses"
@@ -183,21 +190,14 @@ def exported(cell: Cell, request: dict[str, Any], made: Plan, asked: ExportDocum
     Raises `InputError` for a motion that cannot be proved, or that the format cannot hold.
     """
     from assur.scenes.answer import NOTICE, proved_document
-    from assur.scenes.exports import motion_text, recipe
 
     motion = motion_for(cell, request, made, asked.format, asked.tick_s, asked.jerk)
-    text = {
-        "csv": motion_text.csv_text,
-        "ros2": motion_text.ros2_yaml,
-        "ros2-json": motion_text.ros2_json,
-        "spel": recipe.spel,
-        "melfa": recipe.melfa,
-    }
-    notes = list(recipe.NOTES) if asked.format in RECIPES else []
+    file, notes = _file(motion, asked.format)
     return {
         "schema": "assur/1",
         "format": asked.format,
-        "file": text[asked.format](motion),
+        "encoding": "base64" if asked.format == MODEL else "text",
+        "file": file,
         "statement": notes + statement(motion),
         **motion.facts,  # type: ignore[typeddict-item]
         "request": motion.request,
@@ -205,6 +205,29 @@ def exported(cell: Cell, request: dict[str, Any], made: Plan, asked: ExportDocum
         "ending": ENDINGS.get(asked.format, asked.format),
         "notice": NOTICE,
     }
+
+
+def _file(motion: Motion, form: str) -> tuple[str, list[str]]:
+    """The file of a motion in a format, as text or in base64, and what is to be said of this format first."""
+    from assur.scenes.exports import glb, motion_text, recipe
+
+    if form == MODEL:
+        model = glb.model_of(motion)
+        return base64.b64encode(model.data).decode("ascii"), glb.statement(model)
+    text = {
+        "csv": motion_text.csv_text,
+        "ros2": motion_text.ros2_yaml,
+        "ros2-json": motion_text.ros2_json,
+        "spel": recipe.spel,
+        "melfa": recipe.melfa,
+    }
+    return text[form](motion), list(recipe.NOTES) if form in RECIPES else []
+
+
+def file_bytes(made: ExportAnswer | dict[str, Any]) -> bytes:
+    """What is written into a file of an export."""
+    file = str(made["file"])
+    return base64.b64decode(file) if made["encoding"] == "base64" else file.encode()
 
 
 def columns(motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

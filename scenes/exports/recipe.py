@@ -16,6 +16,7 @@ from assur.planner.errors import InputError
 from assur.scenes.conventions import as_maker
 
 if TYPE_CHECKING:
+    from assur.planner.arrays import FloatArray
     from assur.planner.checker.world import World
     from assur.planner.model.outcome import Leg
     from assur.scenes.exports.export import Motion
@@ -24,6 +25,7 @@ NOTES = (
     "RECIPE, NOT EXECUTED AND NOT PROVED HERE: the controller makes its own motion from it.",
     "Try it at low speed. Points are those of the plan, in mm and deg in the robot's base frame, with its tool.",
     "Speeds and accelerations are the highest of the plan in each leg; per cent are of the limits in the model.",
+    "Where a leg begins in motion, the acceleration is what reaches the speed within the leg, if that is more.",
 )
 """What a recipe says first."""
 INSTANTS = 200
@@ -36,7 +38,8 @@ MOVING = 1e-3
 
 @dataclass(frozen=True)
 class Dialect:
-    """How a controller writes comments, points (name, x, y, z, yaw, whether right-handed) and motions."""
+    """How a controller writes comments, points (name, x, y, z, yaw, whether right-handed, turns) and motions. `most`:
+    the highest speed and acceleration, mm/s and mm/s², that it takes for straight lines."""
 
     comment: str
     point: str
@@ -51,6 +54,7 @@ class Dialect:
     wait: str
     first: tuple[str, ...]
     last: tuple[str, ...]
+    most: tuple[int, int]
 
 
 SPEL = Dialect(
@@ -60,28 +64,30 @@ SPEL = Dialect(
     joint_rates="Speed {speed}: Accel {accel}, {accel}",
     line_rates="SpeedS {mm_s}: AccelS {mm_s2}, {mm_s2}",
     arch="Arch 0, {up:.1f}, {down:.1f}",
-    jump="Jump P{n} LimZ {top:.1f} C0",
+    jump="Jump P{n} C0 LimZ {top:.1f}",
     go="Go P{n}{on}",
     line="Move P{n}{on}",
     on=("", " CP"),
     wait="Wait {s:.3f}",
-    first=("Function main",),
+    first=("Function main", "Motor On", "Power Low  ' High when it has been tried"),
     last=("Fend",),
+    most=(2000, 25000),
 )
 MELFA = Dialect(
     comment="' ",
-    point="P{n}=({x:.3f},{y:.3f},{z:.3f},0,0,{u:.3f})({hand},0)",
+    point="P{n}=({x:.3f},{y:.3f},{z:.3f},0,0,{u:.3f})({hand},{turns})",
     hands=("0", "4"),
     joint_rates="JOvrd {speed}\nAccel {accel},{accel}",
-    line_rates="Spd {mm_s}",
-    arch="' arch: straight up {up:.1f} mm, straight down {down:.1f} mm (Arch of the controller, if it has one)",
-    jump="PTOP=P{n}\nPTOP.Z={top:.1f}\nMov PTOP\nMov P{n}",
+    line_rates="Spd {mm_s}\nAccel {accel},{accel}",
+    arch="' arch: straight up {up:.1f} mm, straight down {down:.1f} mm (Mva with Def Arch, if the controller has it)",
+    jump="PTOP=P{before}\nPTOP.Z={top:.1f}\nMvs PTOP\nPTOP=P{n}\nPTOP.Z={top:.1f}\nMov PTOP\nMvs P{n}",
     go="Mov P{n}",
     line="Mvs P{n}",
     on=("Cnt 0", "Cnt 1"),
     wait="Dly {s:.3f}",
     first=("Servo On",),
     last=("End",),
+    most=(10000, 100000),
 )
 
 
@@ -107,10 +113,15 @@ def _recipe(motion: Motion, dialect: Dialect, form: str) -> str:
     notes.append(
         f"the plan starts at {facts['start_s']:.3f} s of the cell's clock and lasts {facts['duration_s']:.3f} s"
     )
-    points = [_point(motion, world, dialect, 0, motion.plan.trajectory.start)]
+    tcp = scene.tool.tcp
+    notes.append(
+        f"tool point from the flange: {1e3 * tcp.x:.3f}, {1e3 * tcp.y:.3f}, {1e3 * tcp.z:.3f} mm, "
+        f"{math.degrees(tcp.yaw):.3f} deg"
+    )
+    points = _point(motion, world, dialect, 0, motion.plan.trajectory.start)
     steps: list[str] = []
     for number, leg in enumerate(legs, start=1):
-        points.append(_point(motion, world, dialect, number, leg.t1))
+        points += _point(motion, world, dialect, number, leg.t1)
         steps += _leg(motion, world, dialect, number, leg)
     notes = [f"{dialect.comment}{note}" for note in notes]
     if form == "melfa":
@@ -118,7 +129,8 @@ def _recipe(motion: Motion, dialect: Dialect, form: str) -> str:
     return "\n".join([*notes, *dialect.first, *points, *steps, *dialect.last]) + "\n"
 
 
-def _point(motion: Motion, world: World, dialect: Dialect, number: int, t: float) -> str:
+def _point(motion: Motion, world: World, dialect: Dialect, number: int, t: float) -> list[str]:
+    """A point, and before it its time, hand and joints: lines of MELFA-BASIC have 127 characters at most."""
     scene = motion.cell.scene
     tool, base = world.tool(t), scene.robot.base
     dx, dy, c, s = tool.x - base.x, tool.y - base.y, math.cos(base.yaw), math.sin(base.yaw)
@@ -133,13 +145,36 @@ def _point(motion: Motion, world: World, dialect: Dialect, number: int, t: float
         for joint, value in zip(motion.cell.conventions, own.tolist(), strict=True)
     )
     hand = dialect.hands[name == "right"]
-    made = dialect.point.format(n=number, x=1e3 * x, y=1e3 * y, z=1e3 * (tool.z - base.z), u=yaw, hand=hand)
-    return f"{made}  {dialect.comment}{t:.4f} s, {name}: {joints}"
+    if dialect is SPEL:
+        yaw = _unwound(motion, q, yaw)
+    height, turns = 1e3 * (tool.z - base.z), _turns(motion, own)
+    made = dialect.point.format(n=number, x=1e3 * x, y=1e3 * y, z=height, u=yaw, hand=hand, turns=turns)
+    return [f"{dialect.comment}P{number}: {t:.4f} s, {name}: {joints}", made]
+
+
+def _unwound(motion: Motion, q: FloatArray, yaw: float) -> float:
+    """The yaw, deg, of the tool that SPEL+ counts without end: the sum of the turning joints. A yaw in any other turn
+    would wind the wrist another way."""
+    robot = motion.cell.scene.robot
+    turned = [value for value, joint in zip(q.tolist(), robot.joints, strict=True) if joint.kind == "revolute"]
+    whole = math.degrees(sum(turned) + motion.cell.scene.tool.tcp.yaw)
+    return yaw + 360.0 * round((whole - yaw) / 360.0)
+
+
+def _turns(motion: Motion, own: FloatArray) -> int:
+    """The flag of MELFA-BASIC for joints beyond half a turn: four bits for each joint, the first lowest, with how many
+    whole turns it is away from -180 to 180 deg."""
+    flag = 0
+    for k, (value, joint) in enumerate(zip(own.tolist(), motion.cell.conventions, strict=True)):
+        if joint.unit == "rad":
+            flag |= (math.ceil(value / math.tau - 0.5) & 0xF) << (4 * k)
+    return flag
 
 
 def _leg(motion: Motion, world: World, dialect: Dialect, number: int, leg: Leg) -> list[str]:
     from assur.planner.legs.tool_motion import tool_peaks
     from assur.planner.model.outcome import TRACKING, Course, LegKind
+    from assur.planner.model.scene import Trace
 
     scene, trajectory, step = motion.cell.scene, motion.plan.trajectory, motion.cell.scene.task[leg.step]
     told = [f"{dialect.comment}{leg.kind} for {step.name}, {leg.t0:.4f} to {leg.t1:.4f} s"]
@@ -150,24 +185,32 @@ def _leg(motion: Motion, world: World, dialect: Dialect, number: int, leg: Leg) 
         told.append(f"{dialect.comment}  the plan is at {leg.t1:.4f} s of the cell's clock")
     t = np.linspace(leg.t0, leg.t1, INSTANTS)
     limits = scene.robot.limits
-    speed = float((np.abs(trajectory.evaluate(t, 1)) / limits.velocity).max())
-    accel = float((np.abs(trajectory.evaluate(t, 2)) / limits.acceleration).max())
+    # a leg that begins in motion pulls at little, and a controller that begins it at rest must get there
+    most, lasts = np.abs(np.stack([trajectory.evaluate(t, order) for order in (1, 2)])).max(1), leg.t1 - leg.t0
+    speed = float((most[0] / limits.velocity).max())
+    accel = float((np.maximum(most[1], most[0] / lasts) / limits.acceleration).max())
     peaks = tool_peaks(scene, trajectory, leg.t0, leg.t1)
     straight = leg.kind in TRACKING or (leg.route is not None and leg.route.course in (Course.STRAIGHT, Course.PATH))
     on = dialect.on[bool((np.abs(trajectory.evaluate(leg.t1, 1)) > MOVING).any())]
     rates = dialect.line_rates if straight else dialect.joint_rates
-    told.append(
-        rates.format(
-            speed=_share(speed), accel=_share(accel), mm_s=_whole(peaks.speed), mm_s2=_whole(peaks.acceleration)
+    traced = leg.kind is LegKind.FOLLOW and isinstance(step, Trace)
+    if traced or (leg.route is not None and leg.route.course is Course.PATH):
+        told.append(
+            f"{dialect.comment}  the plan goes along the path of the step here, not straight: write it with arcs"
         )
-    )
+    pull = max(peaks.acceleration, peaks.speed / lasts)
+    mm_s, mm_s2 = min(_whole(peaks.speed), dialect.most[0]), min(_whole(pull), dialect.most[1])
+    if straight and (mm_s, mm_s2) != (_whole(peaks.speed), _whole(pull)):
+        own = f"{_whole(peaks.speed)} mm/s and {_whole(pull)} mm/s2"
+        told.append(f"{dialect.comment}  the plan has {own}, more than the controller takes")
+    told += rates.format(speed=_share(speed), accel=_share(accel), mm_s=mm_s, mm_s2=mm_s2).split("\n")
     if not on.startswith(" ") and on:
         told.append(on)
         on = ""
     if leg.kind is LegKind.ARCH:
         up, down, top = _arch(world, leg)
         told.append(dialect.arch.format(up=up, down=down))
-        jumped = dialect.jump.format(n=number, top=top - 1e3 * scene.robot.base.z)
+        jumped = dialect.jump.format(n=number, before=number - 1, top=top - 1e3 * scene.robot.base.z)
         return told + jumped.split("\n")
     return "\n".join([*told, (dialect.line if straight else dialect.go).format(n=number, on=on)]).split("\n")
 

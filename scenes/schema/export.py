@@ -11,7 +11,8 @@ from assur.scenes import bounds
 from assur.scenes.schema.answer import CLOSED, CheckedPlan, Finding, Nearest, Number, Pair, Schema, Text
 from assur.scenes.schema.model import Document, Duration, Instant
 
-Form = Literal["csv", "ros2", "ros2-json", "spel", "melfa"]
+Form = Literal["csv", "ros2", "ros2-json", "glb", "spel", "melfa"]
+Encoding = Literal["text", "base64"]
 JerkRule = Literal["limit", "report"]
 
 
@@ -45,7 +46,9 @@ class Deviation(TypedDict):
 
 @with_config(CLOSED)
 class ExportAnswer(TypedDict):
-    """A plan as a controller's `file`, in `format`, and what it is: a `statement` for people and the same as numbers.
+    """A plan as a `file` in `format`, and what it is: a `statement` for people and the same as numbers.
+
+    `encoding`: whether `file` is the text itself, or bytes in base64 (glb).
 
     `plan` is the motion in the file with its own certificate, `request` that against which it was checked: both
     together are what a check takes. `jerk_raised`: by what the limits of jerk in it are higher than in the request that
@@ -55,6 +58,7 @@ class ExportAnswer(TypedDict):
 
     schema: Schema
     format: Form
+    encoding: Encoding
     file: str
     statement: list[Text]
     knots: int

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 from pathlib import Path
 from typing import Any
@@ -65,6 +66,29 @@ def test_without_out_the_file_is_printed_and_nothing_else(files: tuple[str, str]
     code, output, errors = run("export", *files, "--format", "ros2-json")
     assert (code, errors) == (RIGHT, "")
     assert output == export_document(FIRST_PLAN, answer, {"format": "ros2-json"})["file"]
+
+
+def test_a_model_is_written_as_bytes(tmp_path: Path, files: tuple[str, str], answer: dict[str, Any]) -> None:
+    out = tmp_path / "plan.glb"
+    code, output, errors = run("export", *files, "--format", "glb", "--out", str(out))
+    assert (code, errors) == (RIGHT, "")
+    assert "within" in output
+    file = export_document(FIRST_PLAN, answer, {"format": "glb"})["file"]
+    assert out.read_bytes() == base64.b64decode(file)
+    assert out.read_bytes()[:4] == b"glTF"
+    result = CliRunner().invoke(app, ["export", *files, "--format", "glb"])
+    assert result.stdout_bytes == out.read_bytes()
+    code, _, errors = run("export", *files, "--format", "glb", "--tick-ms", "1")
+    assert (code, "tick_s" in errors) == (BAD_INPUT, True)
+
+
+def test_a_model_over_http_is_the_same(client: httpx.Client, answer: dict[str, Any]) -> None:
+    body = {"request": FIRST_PLAN, "plan": answer, "format": "glb"}
+    found = client.post("/v1/plans/export", json=body).json()
+    assert (found["encoding"], found["file"]) == (
+        "base64",
+        export_document(FIRST_PLAN, answer, {"format": "glb"})["file"],
+    )
 
 
 def test_what_cannot_be_read_or_written_is_told(tmp_path: Path, files: tuple[str, str]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 
+import numpy as np
 import pytest
 
 from assur.planner.errors import InputError
@@ -12,6 +13,12 @@ from assur.scenes.exports.doors import export_document
 from tests.scenes.exports.plans import planned, request_of
 
 POINT = re.compile(r"^P(\d+) ?= ?(?:XY)?\(([^)]*)\)", re.MULTILINE)
+
+
+def recipe(name: str, form: str) -> str:
+    """The recipe of the plan of a shipped scenario."""
+    text: str = export_document(request_of(name), planned(name), {"format": form})["file"]
+    return text
 
 
 @pytest.mark.parametrize("form", ["spel", "melfa"])
@@ -37,6 +44,69 @@ def test_an_arch_is_told_with_its_straight_parts(form: str, word: str) -> None:
     text = export_document(request_of("standard-cycle"), planned("standard-cycle"), {"format": form})["file"]
     assert any(leg["kind"] == "ARCH" for leg in planned("standard-cycle")["legs"])
     assert word in text
+
+
+def test_an_arch_is_written_as_each_language_has_it() -> None:
+    text = {form: recipe("standard-cycle", form) for form in ("spel", "melfa")}
+    # the arch number stands before the highest height
+    assert re.search(r"^Arch 0, \d+\.\d, \d+\.\d\nJump P1 C0 LimZ \d+\.\d$", text["spel"], re.MULTILINE)
+    # up from where it is, across, down: never across at first
+    ways = re.findall(
+        r"^PTOP=P0\nPTOP\.Z=(.*)\nMvs PTOP\nPTOP=P1\nPTOP\.Z=(.*)\nMov PTOP\nMvs P1$", text["melfa"], re.M
+    )
+    assert len(ways) == 1
+    assert ways[0][0] == ways[0][1]
+
+
+def test_no_line_is_longer_than_the_controller_takes() -> None:
+    for name in ("demo", "standard-cycle", "scan-on-dial"):
+        assert max(map(len, recipe(name, "melfa").splitlines())) <= 127
+
+
+def test_turns_of_the_wrist_are_written_as_each_language_counts_them() -> None:
+    spel, melfa = recipe("demo", "spel"), recipe("demo", "melfa")
+    points = list(zip(POINT.findall(spel), re.findall(r"^P\d+=\(.*\)\(\d+,(\d+)\)$", melfa, re.M), strict=True))
+    beyond = 0
+    for (number, numbers), flag in points:
+        stands = re.search(rf"^' P{number}: .*j1 (.*) deg, j2 (.*) deg, j3 .* mm, j4 (.*) deg$", spel, re.MULTILINE)
+        assert stands is not None
+        j1, j2, j4 = map(float, stands.groups())
+        assert float(numbers.split(",")[3]) == pytest.approx(j1 + j2 + j4, abs=2e-3)
+        assert int(flag) == (4096 if j4 > 180.0 else 0)
+        beyond += j4 > 180.0
+    assert beyond > 0
+
+
+def test_flags_of_turns_have_four_bits_for_each_joint() -> None:
+    from assur.scenes.exports.export import motion_for
+    from assur.scenes.exports.recipe import _turns
+    from assur.scenes.requests import cell_of, read_plan
+
+    cell = cell_of(request_of("demo"))
+    motion = motion_for(cell, request_of("demo"), read_plan(cell, planned("demo"))[0], "spel", None)
+    for degrees, flag in ((0, 0), (179, 0), (181, 0x1000), (-181, 0xF000), (541, 0x2000), (-541, 0xE000)):
+        assert _turns(motion, np.array([0.0, 0.0, 5.0, math.radians(degrees)])) == flag
+
+
+def test_rates_are_in_the_units_and_ranges_of_the_controller() -> None:
+    spel, melfa = recipe("demo", "spel"), recipe("demo", "melfa")
+    straight = [tuple(map(int, each)) for each in re.findall(r"^SpeedS (\d+): AccelS (\d+), (\d+)$", spel, re.M)]
+    assert len(straight) == 6
+    assert all(0 < speed <= 2000 and 0 < up == down <= 25000 for speed, up, down in straight)
+    assert "more than the controller takes" in spel
+    # in motion from its begin: what reaches 250 mm/s in 80 ms
+    assert (250, 3125, 3125) in straight
+    for speed, up, down in re.findall(r"^Speed (\d+): Accel (\d+), (\d+)$", spel, re.M):
+        assert 1 <= int(speed) <= 100
+        assert 1 <= int(up) == int(down) <= 100
+    assert len(re.findall(r"^(?:Spd|JOvrd) \d+\nAccel \d+,\d+$", melfa, re.M)) == len(planned("demo")["legs"])
+    assert "Accel 1,1" not in melfa
+
+
+def test_a_path_is_not_said_to_be_straight() -> None:
+    for name, times in (("bead-on-belt", 1), ("circular-legs", 2)):
+        assert recipe(name, "spel").count("the plan follows the path of the step here") == times
+    assert "the plan follows the path" not in recipe("demo", "spel")
 
 
 def test_recipes_are_for_scaras_and_have_no_ticks() -> None:
