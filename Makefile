@@ -59,8 +59,8 @@ kernels: $(VENV)/installed
 demo: kernels
 	@mkdir -p $(OUT)
 	$(BIN)/assur plan scenes/cells/$(SCENE).yaml --out $(OUT)/$(SCENE).json
-	$(BIN)/assur check scenes/cells/$(SCENE).yaml $(OUT)/$(SCENE).json
-	$(BIN)/assur report scenes/cells/$(SCENE).yaml $(OUT)/$(SCENE).json --out $(OUT)/$(SCENE).html
+	$(BIN)/assur check $(OUT)/$(SCENE).json
+	$(BIN)/assur report $(OUT)/$(SCENE).json --out $(OUT)/$(SCENE).html
 
 test: $(VENV)/installed-test
 	$(BIN)/assur kernels

@@ -8,13 +8,14 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.api.running import PATIENT, running
+from assur.api.web.settings import Settings
+from tests.api.running import running
 from tests.browser.conftest import PATIENCE_S, SIZE, Opened
 
 
 @pytest.fixture(scope="module")
 def service() -> Iterator[httpx.Client]:
-    with running(PATIENT) as made:
+    with running(Settings(workers=1, queue=8, grace_s=30.0)) as made:
         yield made
 
 
@@ -45,6 +46,8 @@ def plan(studio: Opened) -> None:
     """Plans and waits until the answer is there."""
     studio.page.click("#plan")
     studio.until(IDLE)
+    assert studio.page.locator("#faults").inner_text() == ""
+    assert studio.page.locator("#save").is_enabled()
 
 
 def test_the_demo_is_planned_and_played(studio: Opened, service: httpx.Client) -> None:

@@ -218,7 +218,7 @@ function show(made) {
   close.textContent = "Close";
   close.addEventListener("click", () => {
     figure.remove();
-    if (shown === made) shown = null;
+    if (shown !== null && shown.figure === figure) shown = null;
     settle();
   });
   caption.append(name, what, space, close);
