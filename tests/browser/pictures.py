@@ -18,7 +18,7 @@ OUT = Path(__file__).parents[2] / "docs" / "pictures"
 SHOWN = (
     ("demo", 0.93, "light"),
     ("crowded", 0.95, "light"),
-    ("two-robots-late", 0.5, "light"),
+    ("two-robots", 0.5, "light"),
     ("carton", 0.62, "dark"),
     ("five-bar", 0.3, "light"),
     ("shut-gate", None, "light"),
