@@ -21,6 +21,7 @@ from assur.scenes.bounds import (
     LONG_S,
     MAX_JSON_BYTES,
     MAX_KNOTS,
+    MAX_LINES,
     MAX_LOG_BYTES,
     MAX_ROW_CHARACTERS,
     STRONG,
@@ -74,11 +75,14 @@ def trajectory_from(data: bytes, form: str, conventions: Conventions, start_s: f
 
 
 def _lines(text: str) -> Iterator[str]:
-    """The lines of a text. Raises `DocumentError` at one that is too long: it is refused before it is taken apart."""
+    """The lines of a text. Raises `DocumentError` at one that is too long: it is refused before it is taken apart.
+    Likewise where there are too many."""
     for number, line in enumerate(io.StringIO(text, newline=""), start=1):
         if len(line) > MAX_ROW_CHARACTERS:
             allowed = f"lines of up to {MAX_ROW_CHARACTERS} characters"
             raise DocumentError(FILE, f"a line of {len(line)} characters", allowed, number)
+        if number > MAX_LINES:
+            raise DocumentError(FILE, "one more line", f"at most {MAX_LINES} lines", number)
         yield line
 
 

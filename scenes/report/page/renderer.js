@@ -350,6 +350,7 @@ export class Renderer {
 
   // Where a point of the world is on the page, in pixels of CSS from the corner of the canvas.
   onPage(p) {
+    if (!this.matrix) return { x: 0, y: 0, ahead: false }; // a frame has no size before its page has laid it out
     const [x, y, , w] = project(this.matrix, p);
     const { clientWidth, clientHeight } = this.canvas;
     return { x: ((x + 1) / 2) * clientWidth, y: ((1 - y) / 2) * clientHeight, ahead: w > 0 };

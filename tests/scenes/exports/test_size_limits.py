@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from assur.planner.errors import InputError
-from assur.scenes.bounds import MAX_JSON_BYTES, MAX_KNOTS, MAX_LOG_BYTES, MAX_ROW_CHARACTERS
+from assur.scenes.bounds import MAX_JSON_BYTES, MAX_KNOTS, MAX_LINES, MAX_LOG_BYTES, MAX_ROW_CHARACTERS
 from assur.scenes.exports.trajectory_file import trajectory_from
 from assur.scenes.faults import DocumentError
 from assur.scenes.requests import cell_of, shipped
@@ -78,11 +78,20 @@ def test_a_row_does_not_go_on_in_the_next_line() -> None:
 @pytest.mark.parametrize(("form", "most"), [("csv", MAX_LOG_BYTES), ("ros2", MAX_JSON_BYTES)])
 def test_too_many_bytes_are_refused(form: str, most: int) -> None:
     text = rows(3) if form == "csv" else message(3, JOINTS)
-    blanks = "\n" * (most - len(text))
+    blanks = ("#" + " " * 8000 + "\n") * (most // 8002) if form == "csv" else ""
+    blanks = blanks[: most - len(text)].ljust(most - len(text), "\n")
     assert len(read(text + blanks, form).time) == 3
     with pytest.raises(DocumentError, match=f"at most {most} bytes") as caught:
         read(text + blanks + "\n", form)
     assert caught.value.field == "file"
+
+
+def test_too_many_lines_are_refused_whatever_is_in_them() -> None:
+    text = rows(3)
+    assert len(read(text + "\n" * (MAX_LINES - 4)).time) == 3
+    with pytest.raises(DocumentError, match=f"at most {MAX_LINES} lines") as caught:
+        read(text + "\n" * (MAX_LINES - 3))
+    assert caught.value.line == MAX_LINES + 1
 
 
 @pytest.mark.parametrize("name", ["huge.csv", "huge.yaml"])
