@@ -1,12 +1,13 @@
 # make demo    plan the shipped demo on a fresh environment and check the plan
 # make test    all tests, on two processes, then the kernels' tests as plain Python with coverage
 # make test-browser  the reports of all shipped scenarios in a real Chromium (Debian: apt-get install chromium)
+# make pictures  docs/pictures anew, from reports in that Chromium
 # make test-gltf  animated models of all shipped scenarios, by the Khronos validator (npm fetches it); make test does it, too
 # make kernels compile the inner loops once, for this processor; demo and test do it by themselves
 # make check   ruff, mypy, import rules
 # make serve   the HTTP service on 127.0.0.1:8000
 # make problems  the three benchmark sets, and the independent recheck of every answer
-# make bench   the whole benchmark, peers included: results, tables, plots, pages; BESIDE=COMMIT compares with a commit
+# make bench   the whole benchmark, peers included: results, tables, plots, page; BESIDE=COMMIT compares with a commit
 # make bench-quick  a sample of it, in under 3 minutes
 # make soak    2,000 random plans, each run 20 times with what is not known realised; PLANS=100 for fewer, SEED=1 for others
 # make clean   remove what these made
@@ -26,7 +27,7 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.13 python3.12 python3.11 py
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo kernels test test-browser test-gltf check format serve problems bench bench-quick soak clean
+.PHONY: help demo kernels test test-browser test-gltf pictures check format serve problems bench bench-quick soak clean
 
 help:
 	@sed -n '/^# make/s/^# //p' $(firstword $(MAKEFILE_LIST))
@@ -60,8 +61,8 @@ kernels: $(VENV)/installed
 demo: kernels
 	@mkdir -p $(OUT)
 	$(BIN)/assur plan scenes/cells/$(SCENE).yaml --out $(OUT)/$(SCENE).json
-	$(BIN)/assur check scenes/cells/$(SCENE).yaml $(OUT)/$(SCENE).json
-	$(BIN)/assur report scenes/cells/$(SCENE).yaml $(OUT)/$(SCENE).json --out $(OUT)/$(SCENE).html
+	$(BIN)/assur check $(OUT)/$(SCENE).json
+	$(BIN)/assur report $(OUT)/$(SCENE).json --out $(OUT)/$(SCENE).html
 
 test: $(VENV)/installed-test
 	$(BIN)/assur kernels
@@ -81,6 +82,9 @@ test-browser: $(VENV)/installed-browser
 	@test -n "$(CHROMIUM)" || { echo "there is no Chromium (Debian: apt-get install chromium); or say: make test-browser CHROMIUM=/path/to/it" >&2; exit 2; }
 	$(BIN)/assur kernels
 	CHROMIUM="$(CHROMIUM)" $(BIN)/python -m pytest -n 2 --dist worksteal tests/browser
+
+pictures: $(VENV)/installed-browser
+	CHROMIUM="$(CHROMIUM)" $(BIN)/python -m tests.browser.pictures
 
 # The Khronos validator of glTF, which is a package of npm.
 NPM ?= $(shell command -v node >/dev/null 2>&1 && command -v npm 2>/dev/null)
@@ -126,7 +130,7 @@ each_script = for script in $(SCRIPTS); do \
 		beside=; if [ $$script = first_answer ]; then beside="$(if $(BESIDE),--beside $(BESIDE))"; fi; \
 		$(BIN)/python -m benchmarks.$$script $$beside $(1) || status=1; done
 
-# What was measured stands in the pages even where an answer was not clean: as refused.
+# What was measured stands in the page even where an answer was not clean: as refused.
 bench: $(VENV)/installed
 	@status=0; $(call each_script,); rm -f benchmarks/results/profile.jsonl; \
 		for run in $(RUNS); do for commit in "" $(if $(BESIDE),--commit=$(BESIDE)); do \

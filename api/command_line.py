@@ -11,20 +11,20 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from assur.api.cli import console_report, ik_report, limits_report, report_file, robots_group, trajectories
+from assur.api.cli import console_report, ik_report, limits_report, plan_files, report_file, robots_group, trajectories
 from assur.api.cli.border import RIGHT, WRONG, AsJson, bordered, say, show, show_json, writable
 from assur.api.cli.cell_reading import announce_compilation, read_cell
 from assur.api.cli.inputs import (
+    STANDARD,
     given_options,
     joints_in,
     log_file,
-    plan_file,
     robot_in_place,
     robot_named,
     target,
     told_as_options,
 )
-from assur.api.documents import to_json
+from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL
 from assur.api.version import version
 from assur.planner.errors import FaultError, InputError
 from assur.planner.report.number_format import amount
@@ -47,6 +47,8 @@ app = typer.Typer(
 app.add_typer(robots_group.app, name="robots")
 
 File = Annotated[str, typer.Argument(help="A scenario file (YAML), a request (JSON), or a shipped scenario's name.")]
+PlanOrCell = Annotated[str, typer.Argument(metavar="FILE", help=PLAN_OR_CELL)]
+Plan = Annotated[Path | None, typer.Argument(help=ANSWER)]
 
 
 def _version(asked: bool) -> None:
@@ -67,7 +69,9 @@ def assur(
 def plan(
     file: File,
     as_json: AsJson = False,
-    out: Annotated[Path | None, typer.Option("--out", help="Write the answer to this file, as JSON.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Write request and answer to this file; - is standard output.")
+    ] = None,
     certificate: Annotated[
         Literal["full", "digest"], typer.Option(help="The whole table of the proof in the answer, or its digest.")
     ] = "full",
@@ -75,6 +79,9 @@ def plan(
     opened: Annotated[bool, typer.Option("--open", help="Show the report of the answer in a browser.")] = False,
 ) -> int:
     """Plan FILE, check the plan, and say what came out."""
+    piped = out is not None and str(out) == STANDARD
+    if piped and as_json:
+        raise InputError("--json", "with --out -", "one of both: each writes a document to standard output")
     given = target(file)
     writable(out)
     read_cell(given)
@@ -87,10 +94,10 @@ def plan(
     if checked and certificate == "digest":
         answer["certificate"] = {key: answer["certificate"][key] for key in ("digest", "rows", "covers")}
     if out is not None:
-        out.write_bytes(to_json(answer) + b"\n")
+        plan_files.write(out, plan_files.plan_file_of(given, answer))
     if as_json:
         show_json(answer)
-    else:
+    elif not piped:
         title = f"{given.name}: {'planned' if checked else 'not planned'}"
         show(title, "", *console_report.everything(answer, details=details))
         if checked:
@@ -105,15 +112,15 @@ def plan(
 @app.command()
 @bordered
 def check(
-    file: File,
-    plan: Annotated[Path, typer.Argument(help="An answer, as `assur plan --out` writes it.")],
+    file: PlanOrCell,
+    plan: Plan = None,
     as_json: AsJson = False,
 ) -> int:
-    """Check a PLAN against FILE with the checker, which trusts no planner."""
+    """Check the plan in a plan file, or a PLAN against the cell in FILE, with the checker, which trusts no planner."""
     given = target(file)
-    read = requests.read_plan(read_cell(given), plan_file(plan))
+    read = requests.read_plan(read_cell(given), plan_files.answer_for(given, plan))
     announce_compilation()
-    with console_report.working(f"checking {plan.name}"):
+    with console_report.working(f"checking {given.name if plan is None else plan.name}"):
         verdict = requests.check_plan(given.cell, *read)
     if as_json:
         show_json(verdict)
@@ -131,21 +138,20 @@ def check(
 @app.command()
 @bordered
 def report(
-    file: File,
-    plan: Annotated[Path | None, typer.Argument(help="An answer to FILE; without one FILE is planned.")] = None,
+    file: PlanOrCell,
+    plan: Plan = None,
     out: Annotated[Path, typer.Option("--out", help="Write the report to this file.")] = Path("report.html"),
     opened: Annotated[bool, typer.Option("--open", help="Show the report in a browser.")] = False,
 ) -> int:
-    """Write a page that plays the answer to FILE and says all of it; it needs no network."""
+    """Write a page that plays an answer and says all of it; it needs no network. A cell alone is planned first."""
     given = target(file)
     writable(out)
-    read_cell(given)
-    read = None if plan is None else plan_file(plan, "an answer")
+    read = plan_files.answer_if_any(given, plan)
     announce_compilation()
     with console_report.working(f"planning {given.name}" if read is None else f"reading {given.name}"):
         page, right = report_file.made(given, given.plan() if read is None else read)
     out.write_bytes(page)
-    show(f"report of {given.name}: {out}, {len(page) / 1000:.0f} kB, opens in a browser without network")
+    show(f"report of {given.title}: {out}, {len(page) / 1000:.0f} kB, opens in a browser without network")
     if opened:
         say(report_file.show(out))
     return RIGHT if right else say("the checker refuses this plan; the report says why", WRONG)

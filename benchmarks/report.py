@@ -1,6 +1,6 @@
-"""``python -m benchmarks.report``: tables and plots of README and docs/benchmarks.md, from `benchmarks/results`.
+"""``python -m benchmarks.report``: tables and plots of docs/benchmarks.md, from `benchmarks/results`.
 
-A page holds them between comments that name what stands there; everything else on it is left as it is. Where there is
+The page holds them between comments that name what stands there; everything else on it is left as it is. Where there is
 no result yet, the page says so.
 """
 
@@ -24,7 +24,7 @@ from benchmarks.plots import TITLES, draw
 PLOTS = ROOT / "docs" / "plots"
 SCRIPTS = ("first_answer", "durations", "demo_cycle", "session", "scaling", "legs", "service", "side_by_side")
 """In the order in which `make bench` runs them."""
-PAGES = (ROOT / "README.md", ROOT / "docs" / "benchmarks.md")
+PAGE = ROOT / "docs" / "benchmarks.md"
 MARKED = re.compile(r"(<!-- benchmark: ([a-z-]+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 ORDER = f"Sets in the order {' / '.join(label(*pair) for pair in SETS)}."
 NOTHING = "Not measured yet: `make bench` measures, and fills what is empty here."
@@ -84,9 +84,9 @@ def profile(path: Path = FOLDER / "profile.jsonl") -> str:
     return "\n".join(["| set | all, ms | rooms, ms |", "|---|---|---|", *told])
 
 
-def plots(there: Results, folder: str) -> str:
-    """The plots that are there, as links into `folder`."""
-    found = [f"![{title}]({folder}/{name}.svg)" for name, title in TITLES.items() if name in there]
+def plots(there: Results) -> str:
+    """The plots that are there, as links."""
+    found = [f"![{title}](plots/{name}.svg)" for name, title in TITLES.items() if name in there]
     return "\n\n".join(found)
 
 
@@ -95,9 +95,7 @@ BLOCKS: Mapping[str, Callable[[Results], str]] = {
     "others": lambda there: table(there, False),
     "conditions": conditions,
     "profile": lambda _: profile(),
-    "plots": lambda there: plots(there, "plots"),
-    "readme-bars": lambda there: table(there, True),
-    "readme-plots": lambda there: plots(there, "docs/plots"),
+    "plots": plots,
 }
 
 
@@ -108,16 +106,15 @@ def filled(page: str, there: Results) -> str:
 
 def main(
     folder: Annotated[Path, typer.Option("--results", help="Folder of the results.")] = FOLDER,
-    pages: Annotated[bool, typer.Option(help="Fill the pages, too.")] = True,
+    page: Annotated[bool, typer.Option(help="Fill the page, too.")] = True,
     plots_to: Annotated[Path, typer.Option("--plots", help="Folder of the plots.")] = PLOTS,
 ) -> None:
-    """Draw the plots and fill the pages."""
+    """Draw the plots and fill the page."""
     there = results(folder)
     drawn = draw({name: records for name, (_, records, _) in there.items()}, plots_to)
-    if pages:
-        for page in PAGES:
-            page.write_text(filled(page.read_text(encoding="utf-8"), there), encoding="utf-8")
-    Console().print(f"{len(there)} results, {len(drawn)} plots, {len(PAGES) if pages else 0} pages")
+    if page:
+        PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), there), encoding="utf-8")
+    Console().print(f"{len(there)} results, {len(drawn)} plots")
 
 
 if __name__ == "__main__":

@@ -17,22 +17,27 @@ __all__ = ["check", "ik", "load", "plan"]
 
 
 def load(name: str | Path) -> dict[str, Any]:
-    """The request in a scenario file (YAML), in a request file (``.json``), or in the shipped scenario of that name.
+    """The request in a scenario file (YAML), a request file (``.json``) or a plan file (as ``assur plan --out`` writes
+    it), or in the shipped scenario of that name.
 
     A plain document of its own each time: change it, plan it, post it. What the files hold that a scenario names (of
     robots, plans and meshes), which must lie below its folder, is in it already. As on the command line, a file that is
     there comes before a scenario's name. Raises `InputError` naming the field (in YAML with its line), or `OSError` for
     a file that cannot be read.
     """
-    from assur.scenes.files import json_in
+    from assur.scenes.files import is_json, json_in
+    from assur.scenes.plan_file import is_plan_file, plan_file_in
     from assur.scenes.requests import load_scenario, shipped
     from assur.scenes.scenarios import with_files
 
     path = Path(name)
-    if path.suffix.lower() == ".json":
-        document: dict[str, Any] = with_files(json_in(path, "a request, as JSON"), path.parent)
+    is_file = path.is_file() or path.suffix.lower() in (".yaml", ".yml", ".json")
+    if is_file and is_json(path):
+        given = json_in(path, "a request or a plan file, as JSON")
+        document: dict[str, Any] = (
+            plan_file_in(given).request if is_plan_file(given) else with_files(given, path.parent)
+        )
         return document
-    is_file = path.is_file() or path.suffix.lower() in (".yaml", ".yml")
     scenario = load_scenario(path) if is_file else shipped(str(name))
     with scenario.located():
         request: dict[str, Any] = with_files(scenario.request, scenario.folder)

@@ -41,10 +41,14 @@ MAX_INTEGER: Final = 2**53
 """Whole numbers beyond this are not the same in every JSON reader."""
 MAX_JSON_BYTES: Final = 16 * 2**20
 """A document with a plan in it. The service sets a narrower limit for requests."""
+MAX_PLAN_FILE_BYTES: Final = 64 * 2**20
+"""A request with the meshes of its cell in it, and the answer to it, in one file."""
 MAX_YAML_BYTES: Final = 256 * 2**10
 """A scenario file."""
 MAX_LOG_BYTES: Final = 64 * 2**20
 """A file of recorded motion."""
+MAX_ROW_CHARACTERS: Final = 8_192
+"""A line of a trajectory in CSV: `MAX_JOINTS` joints with three columns, and over a hundred characters for each."""
 MAX_LOG_ROWS: Final = 200_000
 """Rows of it: over three minutes at 1 kHz."""
 

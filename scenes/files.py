@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from assur.planner.errors import InputError
-from assur.scenes.bounds import MAX_JSON_BYTES, MAX_MESH_BYTES
-from assur.scenes.faults import NOTHING, DocumentError, dotted
+from assur.scenes.bounds import MAX_JSON_BYTES, MAX_MESH_BYTES, MAX_PLAN_FILE_BYTES
+from assur.scenes.faults import NOTHING, WHOLE, DocumentError, dotted
+from assur.scenes.plan_file import LONGEST_BEGINNING, begins_a_plan_file, is_plan_file, plan_file_in
 from assur.scenes.schema.answer import Trajectory
 from assur.scenes.schema.read import read_normal
 from assur.scenes.text.json_text import parse_json
@@ -24,13 +25,33 @@ def empty(path: Path, allowed: str) -> DocumentError:
     return DocumentError(path.name, "an empty file", allowed)
 
 
+def is_json(path: Path) -> bool:
+    """Whether a file is read as JSON: by its ending, or, a plan file that was written under another name, by how it
+    begins. Raises `OSError`."""
+    if path.suffix.lower() == ".json":
+        return True
+    with path.open("rb") as file:
+        return begins_a_plan_file(file.read(LONGEST_BEGINNING))
+
+
 def json_in(path: Path, allowed: str) -> Any:
     """The value that the JSON in a file spells. Raises `DocumentError`: for an empty file with its name and what is
     `allowed`, for a fault of the text as `parse_json` does; or `OSError`."""
-    data = path.read_bytes()
+    with path.open("rb") as file:
+        return json_of(file.read(MAX_PLAN_FILE_BYTES + 1), path.name, allowed)
+
+
+def json_of(data: bytes, name: str, allowed: str) -> Any:
+    """The value that the content of a file called `name` spells, up to `MAX_PLAN_FILE_BYTES` of it and one more: of a
+    document that is no plan file, `MAX_JSON_BYTES`. Raises `DocumentError`, as `json_in` does."""
     if not data.strip():
-        raise empty(path, allowed)
-    return parse_json(data)
+        raise empty(Path(name), allowed)
+    if len(data) > MAX_PLAN_FILE_BYTES:
+        raise InputError(WHOLE, f"more than {MAX_PLAN_FILE_BYTES} bytes", f"at most {MAX_PLAN_FILE_BYTES} bytes")
+    document = parse_json(data, limit_bytes=MAX_PLAN_FILE_BYTES)
+    if len(data) > MAX_JSON_BYTES and not is_plan_file(document):
+        raise InputError(WHOLE, f"{len(data)} bytes", f"at most {MAX_JSON_BYTES} bytes, for it is no plan file")
+    return document
 
 
 def below(folder: Path, name: str, field: str, endings: Collection[str], most_bytes: int) -> Path:
@@ -87,9 +108,10 @@ def _with_plan(other: Any, i: int, folder: Path) -> Any:
     if not isinstance(plan, dict) or plan.keys() != {"file"} or not isinstance(plan["file"], str):
         return other  # nothing to put in, or a document that its model refuses
     field = dotted(("neighbours", i, "plan", "file"))
-    found = below(folder, plan["file"], field, (".json",), MAX_JSON_BYTES)
+    found = below(folder, plan["file"], field, (".json",), MAX_PLAN_FILE_BYTES)
     try:
         answer = json_in(found, "JSON")
+        answer = plan_file_in(answer).plan if is_plan_file(answer) else answer
         status = answer.get("status") if isinstance(answer, dict) else NOTHING
         if status != "planned":
             raise InputError("status", status, "planned")

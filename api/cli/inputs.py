@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
@@ -10,10 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
-from assur.scenes.bounds import MAX_JSON_BYTES, MAX_LOG_BYTES
-from assur.scenes.faults import NOTHING, DocumentError, likeliest
-from assur.scenes.files import json_in
+from assur.scenes.bounds import MAX_LOG_BYTES, MAX_PLAN_FILE_BYTES
+from assur.scenes.faults import NOTHING, WHOLE, DocumentError, likeliest
+from assur.scenes.files import is_json, json_in, json_of
 from assur.scenes.motion_log import MotionLog, load_log
+from assur.scenes.plan_file import PlanFile, in_request, is_plan_file, plan_file_in
 from assur.scenes.requests import (
     RobotFile,
     Scenario,
@@ -34,6 +36,9 @@ if TYPE_CHECKING:
     from assur.scenes.reading.cell import Cell
 
 
+STANDARD = "-"
+"""Names standard input where a file is read, and standard output where one is written."""
+
 EXPLAIN_BUDGET_S = 2.0
 """For so long it is tried what would have helped, where a request says nothing of `explain_budget_s`."""
 
@@ -43,13 +48,25 @@ NEAREST_PAIRS = 4
 
 @dataclass(frozen=True)
 class Target:
-    """A request to plan: its `name` for people, the document, the folder below which it may name mesh files, and
-    the scenario that it came from, if it came from one."""
+    """A request to plan: its `name` for people, the document, the folder below which it may name files (None: it may
+    not), and the scenario, or the plan file, that it came from, if it came from one."""
 
     name: str
     request: Any
-    folder: Path
+    folder: Path | None
     scenario: Scenario | None = None
+    plan_file: PlanFile | None = None
+
+    @property
+    def title(self) -> str:
+        """What the cell is called: what a plan file says, else the name."""
+        return self.name if self.plan_file is None else self.plan_file.title or self.name
+
+    @property
+    def about(self) -> str:
+        """Why the cell exists, or nothing."""
+        told = self.scenario or self.plan_file
+        return "" if told is None else told.about
 
     @property
     def starts_at_a_pose(self) -> bool:
@@ -67,7 +84,7 @@ class Target:
     def whole(self) -> Any:
         """The request with what the files hold that it names. Raises `InputError`, as `cell` does."""
         with self._located():
-            return with_files(self.request, self.folder)
+            return self.request if self.folder is None else with_files(self.request, self.folder)
 
     def plan(self) -> dict[str, Any]:
         """The answer, with its certificate in full. Raises `InputError`, with the line in a scenario's file."""
@@ -76,6 +93,8 @@ class Target:
             return plan_cell(cell, explain_budget_s=EXPLAIN_BUDGET_S, nearest_pairs=NEAREST_PAIRS)
 
     def _located(self) -> AbstractContextManager[None]:
+        if self.plan_file is not None:
+            return in_request()
         return nullcontext() if self.scenario is None else self.scenario.located()
 
     def unmet(self, answer: dict[str, Any]) -> list[str]:
@@ -84,20 +103,30 @@ class Target:
 
 
 def target(text: str) -> Target:
-    """What `text` names: a file (a scenario in YAML, or a request in JSON), else a shipped scenario.
+    """What `text` names: a file (a scenario in YAML, a request in JSON, or a plan file, of which the request counts), -
+    for a request or a plan file on standard input, else a shipped scenario.
 
     Raises `InputError`, or `OSError` for a file that cannot be read.
     """
     path = Path(text)
-    if not _is_file(path):
+    if text != STANDARD and not _is_file(path):
         if text not in shipped_scenarios():
             raise InputError("FILE", text, f"a file, or a shipped scenario: {likeliest(text, shipped_scenarios())}")
         scenario = shipped(text)
-    elif path.suffix.lower() == ".json":
-        return Target(path.stem, json_file(path, "FILE", "a request"), path.parent)
+    elif text == STANDARD or is_json(path):
+        return _json_target(path)
     else:
         scenario = load_scenario(path)
     return Target(scenario.name, scenario.request, scenario.folder, scenario)
+
+
+def _json_target(path: Path) -> Target:
+    document = json_file(path, "FILE", "a request or a plan file")
+    name = "standard input" if str(path) == STANDARD else path.stem
+    if is_plan_file(document):
+        held = plan_file_in(document)
+        return Target(name, held.request, None, plan_file=held)
+    return Target(name, document, None if str(path) == STANDARD else path.parent)
 
 
 def robot_named(text: str) -> RobotFile:
@@ -169,11 +198,6 @@ def log_file(path: Path) -> MotionLog:
     return load_log(path)
 
 
-def plan_file(path: Path, what: str = "an answer with a plan") -> Any:
-    """The answer in a file that `assur plan --out` wrote. Raises `InputError` or `OSError`."""
-    return json_file(path, "PLAN", what)
-
-
 def text_file(path: Path, name: str) -> str:
     """The text in the file that was given as `name`. Raises `InputError`, with the line, or `OSError`."""
     if not _is_file(path):
@@ -190,19 +214,21 @@ def text_file(path: Path, name: str) -> str:
 
 
 def json_file(path: Path, name: str, what: str) -> Any:
-    """The document in the JSON file that was given as `name`, which should hold `what`. Raises `InputError` or
-    `OSError`."""
-    if not _is_file(path):
-        raise InputError(name, str(path), "a file")
-    size = path.stat().st_size
-    if size > MAX_JSON_BYTES:
-        raise InputError(name, f"{size} bytes", f"at most {MAX_JSON_BYTES} bytes")
+    """The document in the JSON file (-: on standard input) that was given as `name`, which should hold `what`.
+
+    Raises `InputError` or `OSError`.
+    """
+    if str(path) != STANDARD and not _is_file(path):
+        raise InputError(name, str(path), "a file, or - for standard input")
+    allowed = f"{what}, as JSON"
     try:
-        return json_in(path, f"{what}, as JSON")
+        if str(path) != STANDARD:
+            return json_in(path, allowed)
+        return json_of(sys.stdin.buffer.read(MAX_PLAN_FILE_BYTES + 1), "standard input", allowed)
     except InputError as error:
-        if error.field == path.name:
-            raise
-        raise InputError(name, error.value, error.allowed) from error
+        if error.field != WHOLE:
+            raise  # it is told with the name of the file, or with the field in it
+        raise InputError(name, error.value, allowed if error.allowed == "JSON" else error.allowed) from error
 
 
 def given_options(options: dict[str, Any]) -> dict[str, Any]:

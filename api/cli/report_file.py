@@ -20,8 +20,9 @@ def made(given: Target, answer: dict[str, Any]) -> tuple[bytes, bool]:
 
 def page(given: Target, answer: dict[str, Any], verdict: dict[str, Any] | None) -> bytes:
     """The report of an answer to what was given."""
-    about = "" if given.scenario is None else given.scenario.about
-    text = requests.report_page(given.cell, answer, title=given.name, about=about, verdict=verdict, version=version())
+    text = requests.report_page(
+        given.cell, answer, title=given.title, about=given.about, verdict=verdict, version=version()
+    )
     return text.encode()
 
 

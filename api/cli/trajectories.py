@@ -10,23 +10,25 @@ import typer
 from assur.api.cli import console_report, trajectory_report
 from assur.api.cli.border import writable
 from assur.api.cli.cell_reading import announce_compilation, read_cell
-from assur.api.cli.inputs import plan_file, target, text_file
+from assur.api.cli.inputs import target, text_file
+from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for, in_bytes
 from assur.api.documents import to_json
 from assur.scenes.exports.doors import check_trajectory_cell, export_cell
 from assur.scenes.exports.export import file_bytes
+from assur.scenes.plan_file import PlanFile
 
-Cell = Annotated[str, typer.Argument(help="A scenario file (YAML), a request (JSON), or a shipped scenario's name.")]
+Cell = Annotated[str, typer.Argument(metavar="FILE", help=f"{PLAN_OR_CELL} Of a plan file the cell counts.")]
 
 
 def export(
-    file: Cell,
-    plan: Annotated[Path, typer.Argument(help="An answer, as `assur plan --out` writes it.")],
+    file: Annotated[str, typer.Argument(metavar="FILE", help=PLAN_OR_CELL)],
     form: Annotated[
         Literal["csv", "ros2", "ros2-json", "glb", "spel", "melfa"],
         typer.Option(
             "--format", help="CSV, ROS 2 JointTrajectory (YAML, JSON), animated glTF, or a recipe (SPEL+, MELFA-BASIC)."
         ),
     ],
+    plan: Annotated[Path | None, typer.Argument(help=ANSWER)] = None,
     tick_ms: Annotated[
         float | None, typer.Option("--tick-ms", help="The controller's step; else the points are the plan's knots.")
     ] = None,
@@ -35,24 +37,22 @@ def export(
         typer.Option(help="Keep the limits of jerk, or prove it against higher ones, which are stated."),
     ] = "limit",
     out: Annotated[Path | None, typer.Option("--out", help="Write to this file, and say what it is.")] = None,
-    request_out: Annotated[
-        Path | None, typer.Option("--request-out", help="Write the request against which it is proved, as JSON.")
-    ] = None,
     plan_out: Annotated[
-        Path | None, typer.Option("--plan-out", help="Write the motion with its proof, as `assur check` takes it.")
+        Path | None,
+        typer.Option("--plan-out", help="Write the motion with its proof, a file that `assur check` takes."),
     ] = None,
 ) -> int:
     """Write a PLAN as a controller's file, proved anew on the points that the file has."""
-    for name, path in (("--out", out), ("--request-out", request_out), ("--plan-out", plan_out)):
+    for name, path in (("--out", out), ("--plan-out", plan_out)):
         writable(path, name)
     given = target(file)
     asked: dict[str, Any] = {"format": form, "jerk": jerk}
     if tick_ms is not None:
         asked["tick_ms"] = tick_ms
-    answer = plan_file(plan)
+    answer = answer_for(given, plan)
     cell = read_cell(given)
     announce_compilation()
-    with console_report.working(f"exporting {plan.name}"):
+    with console_report.working(f"exporting {given.name if plan is None else plan.name}"):
         made = export_cell(cell, given.whole, answer, asked)
     if out is None:
         typer.echo(file_bytes(made), nl=False)
@@ -61,9 +61,8 @@ def export(
         console = console_report.console()
         for line in (f"{out}: {form}", *made["statement"]):
             console.print(line, soft_wrap=True)
-    for path, key in ((request_out, "request"), (plan_out, "plan")):
-        if path is not None:
-            path.write_bytes(to_json(made[key]) + b"\n")
+    if plan_out is not None:
+        plan_out.write_bytes(in_bytes(PlanFile(made["request"], made["plan"], given.title, given.about)))
     return 0
 
 
@@ -90,7 +89,7 @@ def check_trajectory(
         asked["start_s"] = start_s
     if start_tolerance_ms is not None:
         asked["start_tolerance_ms"] = start_tolerance_ms
-    answer = None if plan is None else plan_file(plan)
+    answer = None if plan is None else answer_for(given, plan)
     cell = read_cell(given)
     announce_compilation()
     with console_report.working(f"checking {trajectory.name}"):

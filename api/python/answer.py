@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator, Mapping
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import AssurError, InputError
 
 if TYPE_CHECKING:
     from assur.api.python.motion import Trajectory
+    from assur.api.python.shown import Shown
     from assur.scenes.schema import answer as written
 
 PLANNED, NOT_PLANNED = "planned", "not_planned"
+MOST_HIGH_PX = 10_000
+"""Height of the viewer in a notebook, at the most."""
 
 
 class NotPlannedError(AssurError):
@@ -22,12 +27,17 @@ class NotPlannedError(AssurError):
 class Answer(Mapping[str, Any]):
     """The answer to a request, read-only: ``answer["duration_s"]``, and the attributes below.
 
-    Made of a document, such as a plan that was saved: ``Answer(json.load(file))``. Only what is asked for is looked at;
-    whether the plan is right is what `check` says. Attributes of a plan raise `NotPlannedError` where there is none.
+    `assur.plan` and `assur.load_answer` make one. It can also be made of a document: ``Answer(json.load(file))``. Only
+    what is asked for is looked at; whether the plan is right is what `check` says. Attributes of a plan raise
+    `NotPlannedError` where there is none. `save`, `report` and `show` need the `request` and raise `InputError` where
+    it is not known.
     """
 
-    def __init__(self, document: dict[str, Any]) -> None:
-        """Raises `InputError` for what is no answer."""
+    def __init__(self, document: dict[str, Any], request: Mapping[str, Any] | None = None) -> None:
+        """`request`: the plain document of the request that this answers, if it is known; a copy of it is kept.
+
+        Raises `InputError` for what is no answer.
+        """
         if not isinstance(document, dict):
             raise InputError("answer", document, "the document of an answer, a dict")
         if document.get("status") not in (PLANNED, NOT_PLANNED):
@@ -35,6 +45,12 @@ class Answer(Mapping[str, Any]):
                 "answer.status", document.get("status"), f"{PLANNED} or {NOT_PLANNED}: no answer has another"
             )
         self._document = document
+        self._request = None if request is None else copy.deepcopy(dict(request))
+
+    @property
+    def request(self) -> dict[str, Any] | None:
+        """The request that this answers, as it was planned; None where it is not known. Change a copy, not this."""
+        return self._request
 
     @property
     def document(self) -> dict[str, Any]:
@@ -97,6 +113,48 @@ class Answer(Mapping[str, Any]):
         """What of the request is probably not meant, and refuses nothing."""
         found: list[written.InputWarning] = self["warnings"]
         return found
+
+    def save(self, path: str | Path, *, title: str = "", about: str = "") -> Path:
+        """Writes request and answer into one file, which `assur.load_answer` reads, and `assur check`, `assur report`
+        and `assur export` take; returns its path. `title`, `about`: what the cell is called, and why it exists.
+
+        Raises `InputError`, also where the file would be too long to be read; `OSError` where it cannot be written.
+        """
+        from assur.api.python.saved import write
+
+        return write(self, self._known_request(), Path(path), title, about)
+
+    def report(self, path: str | Path, *, title: str = "plan", about: str = "") -> Path:
+        """Writes the report, one page that plays this answer and says all of it, for any browser, without network.
+
+        A plan with its certificate in full is checked again, and the page says what came out. Returns the path. Raises
+        `InputError` for an answer that is not as an answer is; `OSError` where the file cannot be written.
+        """
+        from assur.api.python.shown import page_of
+
+        out = Path(path)
+        out.write_text(page_of(self._known_request(), self._document, title, about), encoding="utf-8")
+        return out
+
+    def show(self, *, height_px: int = 720, title: str = "plan") -> Shown:
+        """The viewer for a notebook: make it the last value of a cell, or give it to ``display``.
+
+        `height_px`: of the frame that it is in. Outside of a notebook nothing can show it, and a warning says to call
+        `report`. Raises `InputError`, as `report` does.
+        """
+        from assur.api.python.shown import Shown, page_of, tell_where_there_is_no_notebook
+
+        if height_px not in range(1, MOST_HIGH_PX + 1):
+            raise InputError("height_px", height_px, f"a whole number of pixels from 1 to {MOST_HIGH_PX}")
+        shown = Shown(page_of(self._known_request(), self._document, title, ""), height_px)
+        tell_where_there_is_no_notebook()
+        return shown
+
+    def _known_request(self) -> dict[str, Any]:
+        if self._request is None:
+            allowed = "an answer of assur.plan or assur.load_answer, or Answer(document, request)"
+            raise InputError("answer.request", None, allowed)
+        return self._request
 
     def _of_plan(self, key: str) -> Any:
         if not self.planned:

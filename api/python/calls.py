@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 
 def load(name: str | Path) -> dict[str, Any]:
-    """The request in a scenario file (YAML), in a request file (``.json``), or in the shipped scenario of that name.
+    """The request in a scenario file (YAML), a request file (``.json``) or a plan file, or in the shipped scenario of
+    that name. Of a plan file `load_answer` reads the answer, too.
 
     A plain document of its own each time: change it, plan it, post it. What the files hold that a scenario names (of
     robots, plans and meshes), which must lie below its folder, is in it already. A file that is there comes before a
@@ -35,7 +36,8 @@ def plan(request: Mapping[str, Any] | Request, *, certificate: Literal["full", "
     """
     from assur.scenes.requests import plan_document
 
-    return Answer(plan_document(plain_request(request), certificate=certificate))
+    document = plain_request(request)
+    return Answer(plan_document(document, certificate=certificate), known(document))
 
 
 def check(request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Verdict:
@@ -80,6 +82,13 @@ def plain_request(request: object) -> object:
     if callable(document):
         return document()
     return dict(request) if isinstance(request, Mapping) and not isinstance(request, dict) else request
+
+
+def known(document: object) -> dict[str, Any] | None:
+    """A request that an answer was made to, as plain data; None for one that only names a shipped scenario."""
+    from assur.scenes.schema.normal import plain
+
+    return plain(document) if isinstance(document, dict) and "scenario" not in document else None
 
 
 def plain_answer(answer: object) -> object:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeVar, cast
 
 from assur.api.python.answer import Answer
-from assur.api.python.calls import plain_answer, plain_parts, plain_request
+from assur.api.python.calls import known, plain_answer, plain_parts, plain_request
 from assur.api.python.service_errors import KIND, ProblemError, RemoteInputError, ServiceError
 from assur.planner.errors import InputError
 from assur.scenes.faults import dotted
@@ -68,7 +68,14 @@ class Exchange(Generic[T]):
 
 
 def planning(request: object, certificate: str) -> Exchange[Answer]:
-    return Exchange("POST", "v1/plans", Answer, _json(plain_request(request)), (("certificate", certificate),))
+    document = plain_request(request)
+    return Exchange(
+        "POST",
+        "v1/plans",
+        lambda answer: Answer(answer, known(document)),
+        _json(document),
+        (("certificate", certificate),),
+    )
 
 
 def checking(request: object, answer: object) -> Exchange[Any]:

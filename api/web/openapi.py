@@ -9,6 +9,7 @@ from typing_extensions import TypedDict
 from assur.api.problems import MEDIA_TYPE, STATUS
 from assur.api.web.service import scenario_request
 from assur.scenes.exports.doors import export_schemas
+from assur.scenes.plan_file import FORM
 from assur.scenes.requests import ik_schema, request_schema
 from assur.scenes.scenarios import scenario_text
 
@@ -126,6 +127,13 @@ PLAN_BODY = body(
     ]
 }
 
+MARKS: dict[str, Any] = {
+    "schema": {"const": FORM, "description": "where the body is a plan file, as `assur plan --out` writes it"},
+    "title": {"type": "string", "description": "what the cell is called"},
+    "about": {"type": "string", "description": "why the cell exists"},
+}
+"""What a body with a request and a plan may say besides, so that a plan file can be posted as it is."""
+
 CHECK_BODY = body(
     {
         "type": "object",
@@ -133,6 +141,7 @@ CHECK_BODY = body(
         "properties": {
             "request": {"$ref": "#/components/schemas/Request"},
             "plan": {"$ref": "#/components/schemas/PlannedAnswer"},
+            **MARKS,
         },
         "additionalProperties": False,
     },
@@ -161,23 +170,11 @@ VIEWED: dict[str, Any] = {
                 {"$ref": "#/components/schemas/NotPlannedAnswer"},
             ]
         },
+        **MARKS,
     },
     "additionalProperties": False,
 }
-VIEW_BODY = body(VIEWED, {})
-
-REPORT_BODY = body(
-    {
-        **VIEWED,
-        "properties": {
-            **VIEWED["properties"],
-            "title": {"type": "string"},
-            "about": {"type": "string", "description": "why the cell exists"},
-        },
-    },
-    {},
-)
-
+VIEW_BODY = REPORT_BODY = body(VIEWED, {})
 EXPORT_BODY = body({"$ref": "#/components/schemas/ExportQuestion"}, {})
 TRAJECTORY_BODY = body({"$ref": "#/components/schemas/TrajectoryQuestion"}, {})
 
@@ -200,6 +197,7 @@ def complete(document: dict[str, Any]) -> dict[str, Any]:
     for asked, needed in ((export, ["request", "plan"]), (trajectory, ["request"])):
         asked["properties"]["request"] = {"$ref": "#/components/schemas/Request"}
         asked["properties"]["plan"] = {"$ref": "#/components/schemas/PlannedAnswer"}
+        asked["properties"] |= MARKS if asked is export else {}
         asked["required"] = [*needed, *asked.get("required", [])]
     question["properties"]["request"] = {"$ref": "#/components/schemas/Request"}
     question["allOf"].append({"oneOf": [{"required": ["request"]}, {"required": ["robot"]}]})

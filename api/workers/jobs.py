@@ -19,6 +19,7 @@ from assur.planner.errors import FaultError, InputError
 from assur.planner.model.progress import Progress
 from assur.scenes.exports.doors import check_trajectory_document, export_document
 from assur.scenes.faults import NOTHING
+from assur.scenes.plan_file import FORM, TEXTS
 from assur.scenes.requests import (
     cell_of,
     check_document,
@@ -73,7 +74,7 @@ class Fault:
 
 TOLD_S = 0.1
 """How far a search has come is told this often, s."""
-BOTH = 'an object with the fields "request" and "plan" and no others'
+BOTH = 'an object with the fields "request" and "plan" and no others, or a plan file'
 """What the body of a check, and of a view, is."""
 BOTH_AND = 'an object with the fields "request" and "plan"'
 Reply = Answer | Problem | Fault
@@ -127,12 +128,12 @@ def _watch(tell: Tell) -> Callable[[Progress], None]:
 
 def check(body: bytes) -> Reply:
     """The checker's verdict on the plan in `body`, {"request": ..., "plan": ...}."""
-    return _guarded(lambda: check_document(**_parsed(body, BOTH, {"request", "plan"})), "ok")
+    return _guarded(lambda: check_document(**_both(body)), "ok")
 
 
 def view(body: bytes) -> Reply:
     """What a viewer plays of the plan in `body`, {"request": ..., "plan": ...}."""
-    return _guarded(lambda: view_document(**_parsed(body, BOTH, {"request", "plan"})), "status")
+    return _guarded(lambda: view_document(**_both(body)), "status")
 
 
 LONGEST_TEXT = 2000
@@ -146,7 +147,7 @@ def report(body: bytes) -> Reply:
     about."""
 
     def work() -> Answer:
-        document = {"title": "plan", "about": "", **_parsed(body, REPORTED)}
+        document = {"title": "plan", "about": "", **_unmarked(_parsed(body, REPORTED))}
         if document.keys() != {"request", "plan", "title", "about"}:
             raise Problem.of_input(InputError("body", sorted(document), REPORTED))
         for name in ("title", "about"):
@@ -199,7 +200,7 @@ def export(body: bytes) -> Reply:
     """The export of the plan in `body`, {"request": ..., "plan": ..., "format": ...}."""
 
     def work() -> dict[str, Any]:
-        asked = _parsed(body, f"{BOTH_AND} and how to export it")
+        asked = _unmarked(_parsed(body, f"{BOTH_AND} and how to export it"), *TEXTS)
         request, plan = _taken(asked, "request"), _taken(asked, "plan")
         return export_document(request, plan, asked)
 
@@ -215,6 +216,24 @@ def check_trajectory(body: bytes) -> Reply:
         return check_trajectory_document(request, asked, plan)
 
     return _guarded(work, "ok")
+
+
+def _both(body: bytes) -> dict[str, Any]:
+    """Request and plan in `body`, and nothing else. Raises `Problem`, or `InputError`."""
+    document = _unmarked(_parsed(body, BOTH), *TEXTS)
+    if document.keys() != {"request", "plan"}:
+        found = FieldError("body", shown(document), BOTH)
+        raise Problem("bad-input", str(found), (found,))
+    return document
+
+
+def _unmarked(document: dict[str, Any], *fields: str) -> dict[str, Any]:
+    """What a body says: of a plan file without its mark, and without `fields`. Raises `InputError` for another mark."""
+    if "schema" not in document:
+        return document
+    if document["schema"] != FORM:
+        raise InputError("schema", document["schema"], f"{FORM}, the mark of a plan file, or none")
+    return {key: value for key, value in document.items() if key not in ("schema", *fields)}
 
 
 def _taken(document: dict[str, Any], field: str) -> Any:

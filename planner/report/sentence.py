@@ -203,7 +203,7 @@ def _out_of_reach(stage: Stage, facts: OutOfReach, short: str) -> str:
         return f"a straight leg cannot change from mode {first} to {second}, and its line leaves the workspace"
     if facts.path_m is not None and stage is not Stage.CONTROL_POINT:
         far = f"; from there on it is up to {short} out of reach" if short else ""
-        return f"the way of the tool leaves the reach of the arm{far}"
+        return f"the path of the tool leaves the reach of the arm{far}"
     if stage is Stage.STRAIGHT:
         return "the straight line leaves the workspace"
     if stage is Stage.TRACKING:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 RECIPES = ("spel", "melfa")
 """Formats that hold no motion, but what a controller needs to make one of its own."""
+ENDINGS = {"ros2": "yaml", "ros2-json": "json", "spel": "prg", "melfa": "prg"}
+"""How the names of files in a format end, where that is not the format's own name."""
 MODEL = "glb"
 """The format that shows the motion in three dimensions: bytes, not text."""
 SPARE = 1e-6
@@ -200,6 +202,7 @@ def exported(cell: Cell, request: dict[str, Any], made: Plan, asked: ExportDocum
         **motion.facts,  # type: ignore[typeddict-item]
         "request": motion.request,
         "plan": proved_document(motion.cell, motion.plan),
+        "ending": ENDINGS.get(asked.format, asked.format),
         "notice": NOTICE,
     }
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from assur.scenes.bounds import (
     MAX_JSON_BYTES,
     MAX_KNOTS,
     MAX_LOG_BYTES,
+    MAX_ROW_CHARACTERS,
     STRONG,
     TURNS_RAD,
 )
@@ -71,6 +73,15 @@ def trajectory_from(data: bytes, form: str, conventions: Conventions, start_s: f
         raise DocumentError(FILE, error.value, error.allowed) from error
 
 
+def _lines(text: str) -> Iterator[str]:
+    """The lines of a text. Raises `DocumentError` at one that is too long: it is refused before it is taken apart."""
+    for number, line in enumerate(io.StringIO(text, newline=""), start=1):
+        if len(line) > MAX_ROW_CHARACTERS:
+            allowed = f"lines of up to {MAX_ROW_CHARACTERS} characters"
+            raise DocumentError(FILE, f"a line of {len(line)} characters", allowed, number)
+        yield line
+
+
 def _largest(joint: JointConvention, rate: int) -> float:
     return (TURNS_RAD if joint.unit == "rad" else FAR_M) if rate == 0 else STRONG
 
@@ -86,12 +97,16 @@ def _csv(data: bytes, conventions: Conventions) -> tuple[FloatArray, FloatArray,
         raise DocumentError(FILE, f"byte {error.start} of the file", "text in UTF-8", line) from None
     if "\0" in text:
         raise DocumentError(FILE, "a null character", "text", text.count("\n", 0, text.index("\0")) + 1)
-    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    reader = csv.reader(_lines(text), strict=True)
     where: list[tuple[int, int, str | None, float, str]] | None = None
     rows: list[list[float]] = []
     lines: list[int] = []
+    line = 0
     try:
         for cells in reader:
+            if reader.line_num > line + 1:
+                raise DocumentError(FILE, "a row over several lines", "each row on one line", line + 1)
+            line = reader.line_num
             if not cells or cells[0].lstrip().startswith("#"):
                 continue
             if where is None:
@@ -167,6 +182,8 @@ def _row(cells: list[str], where: list[tuple[int, int, str | None, float, str]],
 def _ros2(data: bytes, conventions: Conventions) -> tuple[FloatArray, FloatArray, list[tuple[str, int | None]]]:
     """Times (K,) since the start, states (3, K, n) as the maker counts, and where the time of each point is."""
     lines: Lines = {}
+    if len(data) > MAX_JSON_BYTES:
+        raise DocumentError(FILE, f"{len(data)} bytes", f"at most {MAX_JSON_BYTES} bytes of YAML or JSON")
     if data.lstrip()[:1] in (b"{", b"["):
         message = parse_json(data)
     else:
@@ -183,7 +200,7 @@ def _ros2(data: bytes, conventions: Conventions) -> tuple[FloatArray, FloatArray
         raise wrong("joint_names", given, f"the robot's joints, each once: {', '.join(names)}")
     order = [given.index(name) for name in names]
     points = message.get("points", NOTHING)
-    if not isinstance(points, list) or not 2 <= len(points) <= MAX_KNOTS:
+    if not (isinstance(points, list) and 2 <= len(points) <= MAX_KNOTS):
         raise wrong("points", points, f"a list of 2 to {MAX_KNOTS} points")
     time, states = np.empty(len(points)), np.empty((3, len(points), len(names)))
     places: list[tuple[str, int | None]] = []

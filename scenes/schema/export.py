@@ -52,7 +52,8 @@ class ExportAnswer(TypedDict):
 
     `plan` is the motion in the file with its own certificate, `request` that against which it was checked: both
     together are what a check takes. `jerk_raised`: by what the limits of jerk in it are higher than in the request that
-    was given, 1 where they are not. `ends_moving`: joint_trajectory_controller must be told to allow it.
+    was given, 1 where they are not. `ends_moving`: joint_trajectory_controller must be told to allow it. `ending`: how
+    the name of such a file ends, without the dot.
     """
 
     schema: Schema
@@ -73,6 +74,7 @@ class ExportAnswer(TypedDict):
     plan: CheckedPlan
     request_digest: Text
     certificate_digest: Text
+    ending: Text
     notice: Text
 
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from assur.api.python.client import AsyncClient, Client
     from assur.api.python.exchange import Health
     from assur.api.python.motion import Samples, Trajectory
+    from assur.api.python.saved import load_answer
     from assur.api.python.service_errors import ProblemError, RemoteInputError, ServiceError
     from assur.planner.errors import AssurError, InputError
 
@@ -38,6 +39,7 @@ __all__ = [
     "check",
     "ik",
     "load",
+    "load_answer",
     "plan",
     "request",
     "robots",
@@ -47,6 +49,7 @@ __all__ = [
 _CALLS = "assur.api.python.calls"
 _HOME = {
     **dict.fromkeys(("check", "ik", "load", "plan", "robots", "scenarios"), _CALLS),
+    "load_answer": "assur.api.python.saved",
     **dict.fromkeys(("Answer", "NotPlannedError"), "assur.api.python.answer"),
     **dict.fromkeys(("Samples", "Trajectory"), "assur.api.python.motion"),
     **dict.fromkeys(("AsyncClient", "Client"), "assur.api.python.client"),

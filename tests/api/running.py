@@ -13,6 +13,8 @@ from pathlib import Path
 
 import httpx
 import uvicorn
+from starlette.responses import PlainTextResponse
+from starlette.types import ASGIApp, Receive, Scope, Send
 
 from assur.api.web.app import create_app
 from assur.api.web.serve import listening
@@ -23,20 +25,40 @@ PATIENT = Settings(workers=1, queue=8, max_budget_s=30.0, grace_s=30.0)
 
 
 @contextmanager
-def running(settings: Settings = PATIENT) -> Iterator[httpx.Client]:
-    """A client of a service that is ready; the service ends with the block."""
+def running(settings: Settings = PATIENT, below: str = "") -> Iterator[httpx.Client]:
+    """A client of a service that is ready; the service ends with the block.
+
+    `below`: a path such as ``/cell-7``, below which a proxy that removes it has the service.
+    """
     with listening("127.0.0.1", 0) as door:
-        server = uvicorn.Server(uvicorn.Config(create_app(settings), log_config=None, access_log=False, ws="none"))
+        app = create_app(settings)
+        served = _below(below, app) if below else app
+        server = uvicorn.Server(uvicorn.Config(served, log_config=None, access_log=False, ws="none"))
         thread = threading.Thread(target=server.run, kwargs={"sockets": [door]})
         thread.start()
         try:
-            with httpx.Client(base_url=f"http://127.0.0.1:{door.getsockname()[1]}", timeout=120.0) as client:
-                while client.get("/readyz").status_code != 200:
+            with httpx.Client(base_url=f"http://127.0.0.1:{door.getsockname()[1]}{below}", timeout=120.0) as client:
+                while client.get("readyz").status_code != 200:
                     time.sleep(0.1)
                 yield client
         finally:
             server.should_exit = True
             thread.join()
+
+
+def _below(path: str, app: ASGIApp) -> ASGIApp:
+    """What a proxy does that has a service below a path: it removes the path, and nothing else is there."""
+
+    async def proxy(scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "http":
+            inner = scope["path"].removeprefix(path)
+            if inner == scope["path"]:
+                await PlainTextResponse("nothing here", 502)(scope, receive, send)
+                return
+            scope = {**scope, "path": inner, "raw_path": inner.encode()}
+        await app(scope, receive, send)
+
+    return proxy
 
 
 @contextmanager

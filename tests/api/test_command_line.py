@@ -207,22 +207,24 @@ def test_a_plan_that_was_written_is_right_and_a_changed_one_is_wrong(small_file:
     out = tmp_path / "plan.json"
     assert run("plan", str(small_file), "--out", str(out))[0] == RIGHT
     assert out.read_bytes().endswith(b"}\n")
-    code, output, _ = run("check", str(small_file), str(out))
-    assert (code, "plan right" in output) == (RIGHT, True)
+    for given in ([str(out)], [str(small_file), str(out)]):
+        code, output, _ = run("check", *given)
+        assert (code, "plan right" in output) == (RIGHT, True)
 
-    plan = json.loads(out.read_bytes())
-    plan["trajectory"]["velocity"][1][0] += 0.5
-    out.write_text(json.dumps(plan))
-    code, output, _ = run("check", str(small_file), str(out))
-    assert (code, "plan wrong" in output) == (WRONG, True)
-    code, output, _ = run("check", str(small_file), str(out), "--json")
+    held = json.loads(out.read_bytes())
+    held["plan"]["trajectory"]["velocity"][1][0] += 0.5
+    out.write_text(json.dumps(held))
+    for given in ([str(out)], [str(small_file), str(out)]):
+        code, output, _ = run("check", *given)
+        assert (code, "plan wrong" in output) == (WRONG, True)
+    code, output, _ = run("check", str(out), "--json")
     assert (code, json.loads(output)["ok"]) == (WRONG, False)
 
 
 def test_an_answer_without_a_plan_is_written_too_and_is_nothing_to_check(far_file: Path, tmp_path: Path) -> None:
     out = tmp_path / "plan.json"
     assert run("plan", str(far_file), "--out", str(out))[0] == WRONG
-    assert json.loads(out.read_bytes())["status"] == "not_planned"
+    assert json.loads(out.read_bytes())["plan"]["status"] == "not_planned"
     code, _, errors = run("check", str(far_file), str(out))
     assert code == BAD_INPUT
     assert "plan.status" in errors
@@ -237,8 +239,10 @@ def test_a_refusal_that_is_checked_against_a_scenario_gets_no_line_of_the_scenar
 
 
 def test_an_answer_is_no_request_and_a_plan_of_another_robot_is_told_as_such(small_file: Path, tmp_path: Path) -> None:
-    out = tmp_path / "plan.json"
-    assert run("plan", str(small_file), "--out", str(out))[0] == RIGHT
+    out = tmp_path / "answer.json"
+    code, output, _ = run("plan", str(small_file), "--json")
+    assert code == RIGHT
+    out.write_text(output)
     code, _, errors = run("plan", str(out))
     assert code == BAD_INPUT
     assert "this is an answer, not a request" in errors
@@ -529,7 +533,7 @@ def test_text_that_is_no_json_is_told_with_line_and_column(tmp_path: Path) -> No
     code, _, errors = run("plan", str(file))
     assert (code, errors) == (
         BAD_INPUT,
-        'assur: FILE: got "Expecting value at line 2, column 11"; allowed: JSON\n',
+        'assur: FILE: got "Expecting value at line 2, column 11"; allowed: a request or a plan file, as JSON\n',
     )
 
 
@@ -537,9 +541,9 @@ def test_text_that_is_no_json_is_told_with_line_and_column(tmp_path: Path) -> No
     ("arguments", "allowed"),
     [
         (("plan", "none.yaml"), "a scenario: YAML with about"),
-        (("plan", "none.json"), "a request, as JSON"),
-        (("check", "none.json", "small.json"), "a request, as JSON"),
-        (("check", "small.json", "none.json"), "an answer with a plan, as JSON"),
+        (("plan", "none.json"), "a request or a plan file, as JSON"),
+        (("check", "none.json", "small.json"), "a request or a plan file, as JSON"),
+        (("check", "small.json", "none.json"), "an answer or a plan file, as JSON"),
         (("robots", "none.yaml"), "a robot: YAML with one of scara"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",

@@ -40,13 +40,13 @@ def files(tmp_path: Path, answer: dict[str, Any]) -> tuple[str, str]:
 
 def test_an_export_and_its_proof_pass_assur_check(tmp_path: Path, files: tuple[str, str]) -> None:
     cell, made = files
-    out, request, proof = (str(tmp_path / name) for name in ("motion.csv", "request.json", "proof.json"))
+    out, proof = (str(tmp_path / name) for name in ("motion.csv", "proof.json"))
     options = ("--format", "csv", "--tick-ms", "2", "--jerk", "report")
-    outs = ("--out", out, "--request-out", request, "--plan-out", proof)
+    outs = ("--out", out, "--plan-out", proof)
     code, output, errors = run("export", cell, made, *options, *outs)
     assert (code, errors) == (RIGHT, "")
     assert "highest jerk and the limit that it is proved against" in output
-    assert run("check", request, proof)[0] == RIGHT
+    assert run("check", proof)[0] == RIGHT
     code, output, _ = run("check-trajectory", cell, out, "--jerk", "report")
     assert code == RIGHT
     assert "smallest clearance" in output

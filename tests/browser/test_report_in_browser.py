@@ -129,7 +129,7 @@ def test_the_pose_that_is_drawn_is_the_planners_within_a_pixel_at_five_times(nam
 def test_a_pose_of_another_instant_is_found_out(opened: Any) -> None:
     shown = opened("demo")
     shown.ask("document.documentElement.style.setProperty('--accent', '#ff00ff')")
-    shown.ask("assur.restyle(), assur.show = {}")
+    shown.ask("assur.restyle(), assur.show = {}, assur.look('top')")
     time = answer("demo")["margins"]["tool"]["speed_at_s"]
     (expected,) = projected(shown, tool_points("demo", [time]))
     shown.ask(f"assur.seek({time} + 0.003 - assur.view.start_s)")

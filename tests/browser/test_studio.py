@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
+from pathlib import Path
 
 import httpx
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.api.running import PATIENT, running
+from assur.api.web.settings import Settings
+from tests.api.running import running
 from tests.browser.conftest import PATIENCE_S, SIZE, Opened
 
 
 @pytest.fixture(scope="module")
 def service() -> Iterator[httpx.Client]:
-    with running(PATIENT) as made:
+    with running(Settings(workers=1, queue=8, grace_s=30.0)) as made:
         yield made
 
 
@@ -45,6 +48,8 @@ def plan(studio: Opened) -> None:
     """Plans and waits until the answer is there."""
     studio.page.click("#plan")
     studio.until(IDLE)
+    assert studio.page.locator("#faults").inner_text() == ""
+    assert studio.page.locator("#save").is_enabled()
 
 
 def test_the_demo_is_planned_and_played(studio: Opened, service: httpx.Client) -> None:
@@ -121,3 +126,67 @@ def test_a_plan_is_called_off(studio: Opened, service: httpx.Client) -> None:
     assert page.locator("iframe").count() == 0
     assert page.locator("#faults").inner_text() == ""
     assert service.get("/readyz").status_code == 200
+
+
+FILES = {
+    "report": ("", "html"),
+    "plan": ("-plan", "json"),
+    "answer": ("-answer", "json"),
+    "request": ("-request", "json"),
+    "text": ("", "yaml"),
+    "export:csv": ("", "csv"),
+    "export:glb": ("", "glb"),
+    "export:ros2": ("-ros2", "yaml"),
+    "export:ros2-json": ("-ros2-json", "json"),
+    "export:spel": ("-spel", "prg"),
+    "export:melfa": ("-melfa", "prg"),
+}
+"""What is saved, and how the name of the file ends."""
+
+
+def test_everything_that_save_offers_is_a_file(studio: Opened, service: httpx.Client, tmp_path: Path) -> None:
+    page = studio.page
+    page.select_option("#scenario", "transfer")
+    studio.until(OTHER)
+    plan(studio)
+    offered = page.evaluate("[...document.querySelectorAll('#save option')].map((option) => option.value)")
+    described = service.get("/openapi.json").json()["components"]["schemas"]["ExportQuestion"]
+    formats = described["properties"]["format"]["enum"]
+    assert offered[0] == ""
+    assert offered[1:6] == ["report", "plan", "answer", "request", "text"]
+    assert offered[6:] == [f"export:{form}" for form in formats]
+    assert {"csv", "ros2", "ros2-json", "spel", "melfa"} <= set(formats)
+    saved = dict[str, bytes]()
+    for what in offered[1:]:
+        with page.expect_download() as caught:
+            page.select_option("#save", what)
+        part, ending = FILES[what]
+        number = page.locator("figcaption strong").inner_text().split()[-1]
+        assert caught.value.suggested_filename == f"transfer-{number}{part}.{ending}"
+        path = tmp_path / f"{len(saved)}.{ending}"
+        caught.value.save_as(path)
+        saved[what] = path.read_bytes()
+        assert saved[what], what
+        studio.until("!document.getElementById('save').disabled")
+    assert len(set(saved.values())) == len(saved)
+    assert service.post("/v1/plans/check", json=json.loads(saved["plan"])).json()["ok"] is True
+    assert saved["export:csv"].startswith(b"#")
+    assert json.loads(saved["export:ros2-json"])["joint_names"] == ["j1", "j2", "j3", "j4"]
+    assert page.locator("#faults").inner_text() == ""
+    assert studio.said == []
+
+
+def test_what_a_format_cannot_hold_is_told_and_a_refusal_has_no_exports(studio: Opened) -> None:
+    page = studio.page
+    page.select_option("#scenario", "parabolic-blend")
+    studio.until(OTHER)
+    plan(studio)
+    assert page.evaluate("document.getElementById('formats').disabled") is False
+    page.select_option("#save", "export:ros2")
+    page.wait_for_selector("#faults p")
+    assert "csv" in page.locator("#faults").inner_text()
+    page.select_option("#scenario", "bead-beyond-reach")
+    studio.until("document.getElementById('text').value.includes('bead')")
+    plan(studio)
+    assert page.evaluate("document.getElementById('formats').disabled") is True
+    assert page.evaluate("document.getElementById('save').disabled") is False

@@ -14,7 +14,7 @@ PAGES = ("README.md", "CHANGELOG.md", *sorted(str(p.relative_to(ROOT)) for p in 
 """Every page that is written for readers of the project."""
 ENVIRONMENT = {
     **{name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")},
-    "PYTHONPATH": str(ROOT),
+    "PYTHONPATH": os.pathsep.join([str(ROOT / "src"), str(ROOT)]),
     "COLUMNS": "110",
 }
 """In which what the pages show is run."""

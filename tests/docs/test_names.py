@@ -61,6 +61,16 @@ def test_every_page_is_reached_from_readme() -> None:
     assert set(PAGES) - seen == set()
 
 
+def test_the_index_of_the_pages_lists_each_once() -> None:
+    listed = re.findall(r"^\d+\. \[[^\]]+\]\(([^)]+)\)", prose("docs/README.md"), re.MULTILINE)
+    names = [str((ROOT / "docs" / target).resolve().relative_to(ROOT)) for target in listed]
+    own = {
+        page for page in PAGES if not page.startswith("docs/decisions/") and page not in {"README.md", "docs/README.md"}
+    }
+    assert len(set(names)) == len(names)
+    assert set(names) >= own
+
+
 def settings_not_there(content: str) -> set[str]:
     known = {PREFIX + field.name.upper() for field in fields(Settings)} | OF_TESTS
     return set(re.findall(rf"\b{PREFIX}[A-Z0-9_]+\b", content)) - known

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import Any
+from dataclasses import fields
+from typing import Any, get_args
 
 import pytest
 
-from assur.planner.checker.verdict import Code
 from assur.planner.frames.motion import Pose
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.refusal import Reason
+from assur.planner.model.refusal import Facts
 from assur.scenes import check, load, plan
 from assur.scenes.catalogue import arm_named
 from assur.scenes.conventions import places
@@ -108,13 +108,15 @@ def test_every_key_of_a_verdict_is_explained(planned: dict[str, Any]) -> None:
     assert set(keys_of(verdict)) - WORDS == set()
 
 
-def test_the_tables_of_reasons_legs_and_codes_are_whole() -> None:
-    page = prose(API)
-    assert set(re.findall(r"^\| `([A-Z_]+)` \|", page, re.MULTILINE)) == {str(reason) for reason in Reason}
-    kinds = page.split("Kinds of leg: ")[1].split("\n\n")[0]
+def test_the_kinds_of_leg_are_whole() -> None:
+    kinds = prose(API).split("Kinds of leg: ")[1].split("\n\n")[0]
     assert re.findall(r"`([A-Z_]+)`", kinds) == [str(kind) for kind in LegKind]
-    codes = page.split("Codes: ")[1].split("\n\n")[0]
-    assert re.findall(r"`([A-Z_]+)`", codes) == [str(code) for code in Code]
+
+
+def test_the_kinds_of_facts_are_whole() -> None:
+    table = prose(API).split("| facts (`kind`) | hold |")[1].split("\n\n")[0]
+    kinds = {next(f.default for f in fields(facts) if f.name == "kind") for facts in get_args(Facts)}
+    assert set(re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)) == kinds
 
 
 @pytest.mark.parametrize(

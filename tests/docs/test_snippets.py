@@ -17,8 +17,8 @@ from assur.scenes.schema.robots import FAMILIES
 from assur.scenes.text.yaml_text import parse_yaml
 from tests.docs.pages import ENVIRONMENT, HOST, PAGES, ROOT, Block, blocks, of_language, save_files
 
-ELSEWHERE = ("docs/request.md",)
-"""Its fragments are built into scenes by tests/scenes/test_request_docs.py."""
+ELSEWHERE = ("docs/request.md", "docs/first-belt-cell.md")
+"""Their fragments are built into scenes by tests/scenes/test_request_docs.py and test_first_belt_cell.py."""
 PYTHON = of_language("python")
 YAML = [block for block in of_language("yaml", "yml") if block.page not in ELSEWHERE]
 JSON = of_language("json")

@@ -178,7 +178,7 @@ def test_the_lower_bound_counts_what_is_asked_and_claims_nothing_of_pitches_not_
 
 
 def test_a_straight_leg_carries_pitch_and_roll_along() -> None:
-    """From the attitude at the start to the one that is asked: both by one law, on the straight way of the tool."""
+    """From the attitude at the start to the one that is asked: both by one law, on the straight path of the tool."""
     scene = five_axis_cell(goes(aim(0.3, 0.15, 0.35, pitch=DOWN, roll=1.2), leg="cartesian"))
     outcome = planned(scene)
     leg = outcome.plan.legs[-1]

@@ -171,7 +171,7 @@ async function plan() {
     planned += 1;
     const title = `${find("scenario").value || "scenario"} ${planned}`;
     const page = await (await ask("v1/plans/report", { request, plan: answer, title, about })).text();
-    show({ name: title, request, answer, page, text: written });
+    show({ name: title, title, about, request, answer, page, text: written });
   } catch (error) {
     if (!(error instanceof Refused)) throw error;
     tellFaults(error.problem);
@@ -218,7 +218,7 @@ function show(made) {
   close.textContent = "Close";
   close.addEventListener("click", () => {
     figure.remove();
-    if (shown === made) shown = null;
+    if (shown !== null && shown.figure === figure) shown = null;
     settle();
   });
   caption.append(name, what, space, close);
@@ -234,6 +234,7 @@ function show(made) {
 function settle() {
   find("keep").disabled = shown === null || shown.kept;
   find("save").disabled = shown === null;
+  find("formats").disabled = shown === null || shown.answer.status !== "planned";
   document.querySelector(".together").hidden = find("answers").children.length < 2;
   find("hint").hidden = find("answers").children.length > 0 || running !== null;
 }
@@ -257,22 +258,56 @@ function follow() {
   requestAnimationFrame(follow);
 }
 
-function save() {
+// ---- files ------------------------------------------------------------------------------------------------------
+
+const FORMATS = { // words for the formats of exports; one that is not here goes by its own name
+  csv: "CSV", ros2: "ROS 2 (YAML)", "ros2-json": "ROS 2 (JSON)", glb: "3D model (GLB)",
+  spel: "SPEL+ (recipe)", melfa: "MELFA-BASIC (recipe)",
+};
+
+async function offerFormats() {
+  const { components } = await (await ask("openapi.json")).json();
+  const formats = components.schemas.ExportQuestion.properties.format.enum;
+  find("formats").append(...formats.map((format) => new Option(FORMATS[format] || format, `export:${format}`)));
+}
+
+async function exported(made, format) {
+  const { request, answer } = made;
+  const { file, encoding, ending } = await (await ask("v1/plans/export", { request, plan: answer, format })).json();
+  const content = encoding === "base64" ? Uint8Array.from(atob(file), (letter) => letter.charCodeAt(0)) : file;
+  return [content, ending === format ? "" : `-${format}`, ending];
+}
+
+async function fileOf(made, what) {
+  const { request, answer, title, about } = made;
+  if (what.startsWith("export:")) return exported(made, what.slice("export:".length));
+  const json = (document) => [JSON.stringify(document), `-${what}`, "json"];
+  if (what === "plan") return json({ schema: "assur-plan/1", title, about, request, plan: answer });
+  if (what === "answer") return json(answer);
+  if (what === "request") return json(request);
+  return what === "report" ? [made.page, "", "html"] : [made.text, "", "yaml"];
+}
+
+async function save() {
   const { value } = find("save");
+  const made = shown;
   find("save").value = "";
-  if (!value || !shown) return;
-  const json = (document) => [JSON.stringify(document), "json", "application/json"];
-  const [content, ending, kind] = {
-    report: () => [shown.page, "html", "text/html"],
-    answer: () => json(shown.answer),
-    request: () => json(shown.request),
-    text: () => [shown.text, "yaml", "application/yaml"],
-  }[value]();
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([content], { type: kind }));
-  link.download = `${shown.name.replaceAll(" ", "-")}${value === "answer" || value === "request" ? `-${value}` : ""}.${ending}`;
-  link.click();
-  URL.revokeObjectURL(link.href);
+  if (!value || !made) return;
+  find("save").disabled = true;
+  try {
+    const [content, part, ending] = await fileOf(made, value);
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([content], { type: "application/octet-stream" }));
+    link.download = `${made.name.replaceAll(" ", "-")}${part}.${ending}`;
+    link.click();
+    URL.revokeObjectURL(link.href);
+    find("faults").replaceChildren();
+  } catch (error) {
+    if (!(error instanceof Refused)) throw error;
+    tellFaults(error.problem); // this format cannot hold the motion, and the service says why
+  } finally {
+    settle();
+  }
 }
 
 async function choose() {
@@ -295,6 +330,7 @@ document.addEventListener("keydown", (event) => {
 });
 
 const { scenes } = await (await ask("v1/scenes")).json();
+await offerFormats();
 find("scenario").append(new Option("own text", ""), ...scenes.map(({ name }) => new Option(name, name)));
 find("scenario").value = "demo";
 await choose();

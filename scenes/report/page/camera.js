@@ -6,7 +6,7 @@ const STEEPEST = 1.553;
 // So far to the side of the direction in which the arm works, rad, the eye is at first.
 const ASIDE = 0.6;
 export const VIEWS = {
-  room: { azimuth: 0, elevation: 0.58, flat: false },
+  perspective: { azimuth: 0, elevation: 0.58, flat: false },
   top: { azimuth: -Math.PI / 2, elevation: Math.PI / 2, flat: true },
   side: { azimuth: -Math.PI / 2, elevation: 0, flat: true },
   front: { azimuth: 0, elevation: 0, flat: true },
@@ -16,16 +16,24 @@ export class Camera {
   constructor(box) {
     this.box = box;
     this.aspect = 1;
-    this.look("room");
+    this.look("perspective");
   }
 
   // One of VIEWS, from so far that the box of what moves is seen as a whole.
   look(name) {
     Object.assign(this, VIEWS[name]);
-    if (name === "room") this.azimuth = this.box.work - ASIDE;
+    if (name === "perspective") this.azimuth = this.box.work - ASIDE;
     const { low, high } = this.box;
     this.target = [0, 1, 2].map((k) => (low[k] + high[k]) / 2);
+    this.moved = false;
     this.fit();
+  }
+
+  // The shape of the picture, width by height. A view that nobody has moved is fitted to it.
+  shape(aspect) {
+    if (aspect === this.aspect) return;
+    this.aspect = aspect;
+    if (!this.moved) this.fit();
   }
 
   fit() {
@@ -85,8 +93,12 @@ export class Camera {
   }
 }
 
-// Lets pointers and keys move a camera; `changed` is called after each move.
-export function steer(canvas, camera, changed) {
+// Lets pointers and keys move a camera; `drawn` is called after each move.
+export function steer(canvas, camera, drawn) {
+  const changed = () => {
+    camera.moved = true;
+    drawn();
+  };
   const pointers = new Map();
   const middle = () => {
     const all = [...pointers.values()];

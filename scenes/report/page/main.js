@@ -6,6 +6,9 @@ import { Renderer } from "./renderer.js";
 import { census, Timeline } from "./timeline.js";
 import { Tracks } from "./tracks.js";
 
+// A frame that takes longer than this on average, s, is drawn with fewer pixels while it plays; so few at the least.
+const SLOW_S = 0.045;
+const LEAST_SHARE = 0.4;
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2];
 const KINDS = { robot: "robot", tool: "tool", part: "parts", body: "bodies", neighbour: "other robots" };
 const find = (id) => document.getElementById(id);
@@ -87,9 +90,6 @@ class Player {
     refusal(find("refusal"), view, seek);
     this.legend();
     this.controls();
-    const { w, h } = this.renderer.resize();
-    this.camera.aspect = w && h ? w / h : 1;
-    this.camera.look("room");
     const met = view.refusal && view.refusal.at_s;
     this.seek(met || 0);
     new ResizeObserver(() => this.draw()).observe(canvas);
@@ -144,7 +144,7 @@ class Player {
       End: () => this.seek(this.view.lasts_s),
       "[": () => this.faster(-1),
       "]": () => this.faster(1),
-      1: () => this.look("room"),
+      1: () => this.look("perspective"),
       2: () => this.look("top"),
       3: () => this.look("side"),
       4: () => this.look("front"),
@@ -200,6 +200,7 @@ class Player {
     if (this.t >= this.view.lasts_s - 1e-6) this.t = 0;
     this.playing = true;
     this.last = null;
+    this.frames = { count: 0, seconds: 0 };
     find("play").classList.add("on");
     find("play").setAttribute("aria-label", "Pause");
     requestAnimationFrame((now) => this.frame(now));
@@ -209,16 +210,32 @@ class Player {
     this.playing = false;
     find("play").classList.remove("on");
     find("play").setAttribute("aria-label", "Play");
+    if (this.renderer.share < 1) this.sharp();
+  }
+
+  sharp() {
+    this.renderer.share = 1;
+    this.draw();
   }
 
   frame(now) {
     if (!this.playing) return;
     const since = this.last === null ? 0 : Math.min(0.1, (now - this.last) / 1000);
     this.last = now;
+    this.keepUp(since);
     this.t = Math.min(this.view.lasts_s, this.t + since * this.speed);
     this.draw();
     if (this.t >= this.view.lasts_s) this.pause();
     else requestAnimationFrame((next) => this.frame(next));
+  }
+
+  keepUp(since) {
+    this.frames.count += 1;
+    this.frames.seconds += since;
+    if (this.frames.count < 6) return;
+    if (this.frames.seconds / this.frames.count > SLOW_S)
+      this.renderer.share = Math.max(LEAST_SHARE, 0.75 * this.renderer.share);
+    this.frames = { count: 0, seconds: 0 };
   }
 
   seek(t) {
@@ -242,6 +259,7 @@ class Player {
 }
 
 try {
+  if (window.self !== window.top) document.documentElement.dataset.within = "another page";
   const view = JSON.parse(find("view").textContent);
   // for tests, and for who looks into a page with the tools of a browser
   window.assur = new Player(view);

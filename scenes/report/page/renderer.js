@@ -1,6 +1,6 @@
 // Draws a view at an instant. What is drawn where says tracks.js; how it looks says this file.
 import { batches, FLOATS_PER_VERTEX } from "./geometry.js";
-import { matrixOf, project, rotate, unit } from "./numbers.js";
+import { clamp, matrixOf, project, rotate, unit } from "./numbers.js";
 import {
   FLOOR_FRAGMENT, FLOOR_VERTEX, LINE_FRAGMENT, LINE_VERTEX, SOLID_FRAGMENT, SOLID_VERTEX,
 } from "./shaders.js";
@@ -44,6 +44,7 @@ export class Renderer {
     if (!gl) throw new Error("This browser has no WebGL 2.");
     Object.assign(this, { canvas, gl, tracks });
     this.stats = { drawCalls: 0, triangles: 0 };
+    this.share = 1; // of the pixels of a side that are drawn: fewer while a slow machine plays
     this.solid = program(gl, SOLID_VERTEX, SOLID_FRAGMENT);
     this.floor = program(gl, FLOOR_VERTEX, FLOOR_FRAGMENT);
     this.line = program(gl, LINE_VERTEX, LINE_FRAGMENT);
@@ -113,7 +114,7 @@ export class Renderer {
 
   resize() {
     const { canvas } = this;
-    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    const ratio = this.share * Math.min(window.devicePixelRatio || 1, 2);
     const [w, h] = [Math.round(canvas.clientWidth * ratio), Math.round(canvas.clientHeight * ratio)];
     if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, { width: w, height: h });
     return { w, h, ratio };
@@ -123,7 +124,7 @@ export class Renderer {
     const { gl, theme } = this;
     const { w, h, ratio } = this.resize();
     if (!w || !h) return;
-    camera.aspect = w / h;
+    camera.shape(w / h);
     this.stats = { drawCalls: 0, triangles: 0 };
     const matrix = camera.matrix();
     const carriers = this.tracks.carrierPoses(t);
@@ -440,7 +441,11 @@ function workOf(tracks) {
   return Math.atan2(y, x);
 }
 
-// The box of what moves and of the robot, for the camera: belts and tables are often much longer than what counts.
+// By how much of the size of what moves the bodies around may widen the picture.
+const AROUND = 0.25;
+
+// The box of what moves and of the robot, for the camera, and of what stands near them: belts and tables are often much
+// longer than what counts.
 function boxOf(tracks, all) {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
@@ -451,6 +456,7 @@ function boxOf(tracks, all) {
     }
   };
   let floor = Infinity;
+  const around = [];
   for (const batch of all) {
     const pose = batch.body ? tracks.bodyPose(batch.body, 0) : tracks.carriers[batch.carrier].at(0);
     const m = matrixOf(pose);
@@ -459,11 +465,15 @@ function boxOf(tracks, all) {
       const p = [0, 1, 2].map((r) => m[r] * corner[0] + m[4 + r] * corner[1] + m[8 + r] * corner[2] + m[12 + r]);
       floor = Math.min(floor, p[2]);
       if (batch.kinds.has("robot") || batch.kinds.has("tool")) take(p);
+      else around.push(p);
     }
   }
   const { points } = tracks.toolPath;
   for (let k = 0; k < points.length; k += 3) take(points.subarray(k, k + 3), 0.06);
   for (const point of tracks.view.control_points) take(tracks.pointPose(point, point.time_s || 0).p, 0.06);
+  const margin = AROUND * Math.max(high[0] - low[0], high[1] - low[1]);
+  const [least, most] = [low.map((x) => x - margin), high.map((x) => x + margin)];
+  for (const p of around) take(p.map((x, k) => clamp(x, least[k], most[k])));
   const middle = [0, 1, 2].map((k) => (low[k] + high[k]) / 2);
   const radius = Math.hypot(...[0, 1, 2].map((k) => (high[k] - low[k]) / 2));
   return { low, high, middle, radius, floor, work: workOf(tracks) };

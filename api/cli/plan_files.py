@@ -1,0 +1,76 @@
+"""Plan files on the command line: a request and the answer to it, together or one by one."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+from assur.api.cli.cell_reading import read_cell
+from assur.api.cli.inputs import STANDARD, Target, json_file
+from assur.api.documents import to_json
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_PLAN_FILE_BYTES
+from assur.scenes.faults import NOTHING
+from assur.scenes.plan_file import PlanFile, in_request, is_plan_file, plan_file_in
+from assur.scenes.requests import request_digest
+
+PLAN_OR_CELL = "A plan file, as `assur plan --out` writes it; or a cell: a scenario file, a request, a scenario's name."
+"""What FILE is, where a command is about an answer."""
+ANSWER = "An answer to the cell in FILE: a plan file, or the answer alone. Not needed if FILE is a plan file."
+"""What PLAN is."""
+NEEDED = "an answer to FILE, or in place of FILE a plan file, as `assur plan --out` writes it"
+
+
+def answer_for(given: Target, path: Path | None) -> Any:
+    """The answer that belongs to the cell that was given, which is read: that in the file PLAN, else that in FILE.
+
+    Raises `InputError`, also for a plan file whose request is not that of the cell; or `OSError`.
+    """
+    found = answer_if_any(given, path)
+    if found is None:
+        raise InputError("PLAN", NOTHING, f"{NEEDED}; this FILE has a cell only")
+    return found
+
+
+def answer_if_any(given: Target, path: Path | None) -> Any:
+    """The same, or None where no file has an answer."""
+    digest = read_cell(given).scene.digest
+    if path is None:
+        if given.plan_file is None:
+            return None
+        given.plan_file.held_together(digest)
+        return given.plan_file.plan
+    document = json_file(path, "PLAN", "an answer or a plan file")
+    if not is_plan_file(document):
+        return document
+    held = plan_file_in(document)
+    with in_request():
+        own = request_digest(held.request)
+    if own != digest:
+        allowed = f"a plan file whose request is that of FILE, with the digest {digest}; this one plans another cell"
+        raise InputError("PLAN: request", own, allowed)
+    held.held_together(own)
+    return held.plan
+
+
+def plan_file_of(given: Target, answer: dict[str, Any]) -> bytes:
+    """The plan file of an answer to what was given. Raises `InputError` where it would be too long to be read."""
+    return in_bytes(PlanFile(given.whole, answer, given.title, given.about))
+
+
+def in_bytes(held: PlanFile) -> bytes:
+    """A plan file as it is written. Raises `InputError` where it would be too long to be read."""
+    data = to_json(held.document) + b"\n"
+    if len(data) > MAX_PLAN_FILE_BYTES:
+        allowed = f"a plan file of up to {MAX_PLAN_FILE_BYTES} bytes: meshes with fewer triangles, or a shorter task"
+        raise InputError("--out", f"{len(data)} bytes", allowed)
+    return data
+
+
+def write(out: Path, data: bytes) -> None:
+    """Writes to a file, or to standard output where it is -."""
+    if str(out) == STANDARD:
+        sys.stdout.buffer.write(data)
+    else:
+        out.write_bytes(data)
