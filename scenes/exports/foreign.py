@@ -50,7 +50,8 @@ def verdict(cell: Cell, request: dict[str, Any], asked: TrajectoryDocument, plan
     own, share = scene.robot.limits.jerk, ratios(scene, of_motion, trajectory)[2]
     if asked.jerk == "report" and not trajectory.jumps and share.max() > 1.0:
         # beyond what a robot's document may say the jerk is a violation all the same
-        factor = min(float(share.max()) * (1.0 + SPARE), MOST_JERK / float(own.max()))
+        most = MOST_JERK / float(own.max()) * (1.0 - SPARE)  # a limit in deg is rounded on its way to rad and back
+        factor = min(float(share.max()) * (1.0 + SPARE), most)
         cell = cell_in(raised(request, factor)) if factor > 1.0 else cell
     found = judged(cell.scene, trajectory, plan)
     limits = cell.scene.robot.limits.jerk

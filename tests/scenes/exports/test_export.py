@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 import yaml
 
+from assur.planner.checker.verdict import Code
 from assur.planner.errors import InputError
+from assur.planner.resampling.certifying import Refuted, recertified
+from assur.planner.trajectory import Trajectory
 from assur.scenes import check, plan
 from assur.scenes.conventions import as_maker
 from assur.scenes.exports.doors import export_document
 from assur.scenes.requests import cell_of, read_plan
 from tests.scenes.exports.controller import sampled, seconds
 from tests.scenes.exports.plans import planned, request_of
-
-REPRESENTATIVE = ("demo", "transfer", "rv-m1", "two-robots-late", "five-bar")
 
 
 def trajectory_in(export: dict[str, Any]) -> Any:
@@ -62,27 +63,6 @@ def test_times_are_whole_nanoseconds_that_increase() -> None:
     assert 0.0 < np.abs(time - planner).max() <= 0.51e-9
 
 
-@pytest.mark.parametrize("name", REPRESENTATIVE)
-def test_a_motion_on_ticks_keeps_what_it_says_and_is_accepted_by_the_checker(name: str) -> None:
-    export = export_document(request_of(name), planned(name), {"format": "csv", "tick_ms": 1.0, "jerk": "report"})
-    assert check(export["request"], export["plan"])["findings"] == []
-    trajectory, before = trajectory_in(export), read_plan(cell_of(request_of(name)), planned(name))[0].trajectory
-    assert np.abs(np.diff(trajectory.time) - 1e-3).max() < 1e-12
-    limits, given = cell_of(export["request"]).scene.robot.limits, cell_of(request_of(name)).scene.robot.limits
-    for kind in ("velocity", "acceleration", "lower", "upper"):
-        assert (getattr(limits, kind) == getattr(given, kind)).all()
-    jerk = np.maximum(trajectory.extrema(3)[1], -trajectory.extrema(3)[0])
-    assert (jerk <= limits.jerk * (1 + 1e-6)).all()
-    assert (limits.jerk <= 1.75 * given.jerk).all()
-    told = [each["highest"] for each in export["jerk"]]
-    assert sorted(told) == pytest.approx(sorted(jerk.tolist()), rel=1e-6)
-    assert export["jerk_raised"] == pytest.approx(float((limits.jerk / given.jerk).max()), rel=1e-9)
-    t = np.linspace(before.start, before.end, 20_001)
-    off = np.abs(trajectory.evaluate(t) - before.evaluate(t)).max(0)
-    stated = np.array([each["at_most"] for each in export["deviation"]])
-    assert off.max() <= stated.max() < 1e-4
-
-
 def test_a_jerk_beyond_the_robots_is_refused_unless_it_is_asked_for() -> None:
     asked = {"format": "csv", "tick_ms": 1.0}
     with pytest.raises(InputError, match=r"jerk of .* is 1.* times its limit"):
@@ -122,8 +102,24 @@ def test_parabolic_blends_leave_as_knots_only() -> None:
     with pytest.raises(InputError, match="two knots at one time") as caught:
         export_document(request_of(name), planned(name), {"format": "ros2"})
     assert caught.value.field == "format"
-    with pytest.raises(InputError, match="parabolic blends jump between ticks"):
-        export_document(request_of(name), planned(name), {"format": "csv", "tick_ms": 1.0})
+    for tick in (1.0, 10.0):
+        with pytest.raises(InputError, match="no parabolas that could be proved") as caught:
+            export_document(request_of(name), planned(name), {"format": "csv", "tick_ms": tick})
+        assert caught.value.field == "tick_s"
+
+
+@pytest.mark.parametrize(("jumps", "code"), [(True, Code.BLEND), (False, Code.FORM)])
+@pytest.mark.parametrize("tick", [0.001, 0.2])
+def test_blends_on_ticks_are_refused_because_the_checker_cannot_prove_them(
+    *, jumps: bool, code: Code, tick: float
+) -> None:
+    cell = cell_of(request_of("parabolic-blend"))
+    made = read_plan(cell, planned("parabolic-blend"))[0]
+    trajectory = made.trajectory
+    time = np.linspace(trajectory.start, trajectory.end, 1 + round(trajectory.duration / tick))
+    found = recertified(cell.scene, made, Trajectory(time, *trajectory.states(time), jumps=jumps))
+    assert isinstance(found, Refuted)
+    assert code in {finding.code for finding in found.findings}
 
 
 def test_an_end_that_moves_is_said() -> None:

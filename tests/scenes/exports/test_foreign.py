@@ -39,15 +39,6 @@ def text(header: list[str], rows: list[list[str]]) -> str:
     return "\n".join(",".join(row) for row in [header, *rows]) + "\n"
 
 
-@pytest.mark.parametrize("name", ["demo", "transfer", "two-robots-late", "rv-m1"])
-def test_a_plan_of_ours_is_accepted_with_its_legs(name: str) -> None:
-    verdict = judged(name, exported(name), planned(name))
-    assert (verdict["ok"], verdict["findings"], verdict["judged_as"]) == (True, [], "plan")
-    own = planned(name)["margins"]["nearest"]
-    assert verdict["clearance"]["bodies"] == own["bodies"]
-    assert verdict["clearance"]["gap_m"] == pytest.approx(own["gap_m"], abs=2e-4)
-
-
 def test_a_plan_that_touches_nothing_is_accepted_without_legs() -> None:
     verdict = judged(MOVES, exported(MOVES))
     assert (verdict["ok"], verdict["first"], verdict["judged_as"]) == (True, None, "travel")
