@@ -38,11 +38,11 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     limit, carrying = scene.carry_acceleration, carrying_peak(scene, trajectory, phases)
     tool = tool_peaks(scene, trajectory, trajectory.start, trajectory.end)
     held = None if carrying is None else carrying[0]
-    binds, helps = f"{kind} of {joint} ({100 * ratio:.0f} %)", f"a higher limit of it, or a shorter way of {joint}"
+    binds, helps = f"{kind} of {joint} ({100 * ratio:.0f} %)", f"a higher limit, or less travel of {joint}"
     t = _even(trajectory)
     if held is not None and limit is not None and held / limit > ratio:
         binds = f"acceleration of the carried part ({100 * held / limit:.0f} %)"
-        helps = "a higher limit of it (carry)"
+        helps = "a higher limit (carry)"
         carried = np.any([(t >= p.t0) & (t <= p.t1) for p in phases if p.attached.held is not None], axis=0)
         used = np.where(carried, tool_accelerations(scene, trajectory, t), 0.0)
     else:

@@ -373,7 +373,7 @@ def _distances(facts: Separation) -> str:
     gap, required = facts.gap_m, facts.required_m
     if gap is None or required is None:
         return ""
-    there = f": overlap up to {_mm(-gap)}" if gap < 0.0 else f": gap {_mm(gap)}"
+    there = f": overlap up to {_mm(-gap)}" if gap < -LEAST_M else f": gap {_mm(max(gap, 0.0))}"
     if _mm(gap) == _mm(required):
         there += f" ({_mm(required - gap)} less than required)"
     if facts.rule is None or facts.clearance_m is None:
@@ -390,4 +390,4 @@ def _distances(facts: Separation) -> str:
 
 
 LEAST_M = 1e-7
-"""Less than this of a required distance is rounding, m."""
+"""Less than this of a distance is rounding, m."""

@@ -167,7 +167,7 @@ def proof(answer: Document, verdict: Document | None) -> str:
     """The certificate, and what the checker says of it."""
     certificate = answer["certificate"]
     if verdict is None:
-        said = "not asked: the answer holds the digest of its certificate only"
+        said = "the plan was not checked: the answer holds only the digest of its certificate"
     elif verdict["ok"]:
         said = "the plan is right: everything that it promises holds against the model"
     else:

@@ -107,6 +107,11 @@ def test_a_required_distance_is_told_with_what_it_is_made_of(facts: Any, told: s
     assert because(SCENE, refusal(facts=apart)) == f"cup would come too close to gate: {told}"
 
 
+def test_bodies_that_only_touch_have_no_gap_and_do_not_overlap() -> None:
+    touching = replace(APART, touching=True, gap_m=-1e-12)
+    assert because(SCENE, refusal(facts=touching)) == "cup would hit gate: gap 0 mm, required 13 mm"
+
+
 def test_an_allowed_contact_that_is_too_deep_is_told_with_what_is_allowed() -> None:
     deep = Separation(touching=True, gap_m=-0.003, required_m=-1e-4, rule="contact", clearance_m=-1e-4)
     assert (
