@@ -158,7 +158,7 @@ BAD: dict[str, tuple[Callable[[], str], str]] = {
             '<link name="l1"></link>',
             '<link name="l1"><collision><geometry><mesh filename="../../a.stl"/></geometry></collision></link>',
         ),
-        "is not there, or leaves the folder",
+        "leaves the folder",
     ),
     "a file that is no mesh": (
         swapped(
