@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_TOOL_BODIES, MAX_YAML_BYTES
 from assur.scenes.catalogue import RobotFile, load_robot
 from assur.scenes.reading.arms import LINKS, BuiltArm, built
@@ -148,6 +149,9 @@ class _Import:
                 raise ImportRefused(self.file, [Lack(f"--hold {name}", "no joint of this name", "a joint of the URDF")])
             if not abs(value) <= FARTHEST:
                 raise ImportRefused(self.file, [Lack(f"--hold {name}", f"{value:g}", "a number in rad or m")])
+        for name, folder in self.wanted.packages.items():
+            if not folder.is_dir():
+                raise ImportRefused(self.file, [Lack(f"--package {name}", f"no folder {folder}", "a folder")])
         for what, link in (("--base", self.wanted.base), ("--tip", self.wanted.tip)):
             if link is not None and link not in tree.links:
                 links = ", ".join(list(tree.links)[:20])
@@ -167,10 +171,21 @@ class _Import:
 
     def _built(self) -> BuiltArm:
         document, _ = parse_yaml(self._text().text().encode())
-        given = read(ArmDocument, document).written_out()
+        try:
+            given = read(ArmDocument, document).written_out()
+        except InputError as error:
+            raise ImportRefused(self.file, [self._of_number(error)]) from error
         if given is None:
             raise ImportRefused(self.file, [Lack("the file", "no arm", "report it")])
         return built(*given)
+
+    def _of_number(self, error: InputError) -> Lack:
+        """A number that our form does not take, at the file's joint if it is one of a joint."""
+        if found := re.match(r"\w+\.joints\[(\d+)\]\.(\w+)", error.field):
+            where = f"joint {self.chain.joints[int(found[1])].name}, {found[2]}"
+        else:
+            where = error.field
+        return Lack(where, f"{error.value}", f"allowed is {error.allowed}")
 
     def tell_rounding(self, written: Tree) -> None:
         """Says what the rounding of angles changed: how far away the flange of the file as it is `written` is."""

@@ -28,6 +28,7 @@ SIZES: dict[str, tuple[str, ...]] = {
 }
 """Primitives of a URDF, and the attributes that have their sizes."""
 MOST_LINKS = 1_000
+LONGEST_NAME = 200
 ROUND_RAD = 1e-4
 """An angle that is this near to a multiple of a right angle may be one that was written with few digits."""
 
@@ -162,12 +163,14 @@ def read_tree(content: bytes, name: str, *, rounding: bool = False) -> Tree:
             return near
         return value
 
-    links = {}
+    links: dict[str, tuple[Solid, ...]] = {}
     for i, element in enumerate(root.findall("link")):
         link = element.get("name") or ""
         with _told(lacks):
             if not link or link in links:
-                raise Unsuitable(f"<link> {i + 1}", f"name {link!r}", "give each link a name of its own")
+                raise Unsuitable(f"<link> {i + 1}", f"name {link[:40]!r}", "give each link a name of its own")
+            _short_enough("link", link)
+            links[link] = ()  # a link with a wrong shape is there all the same: no joint lacks it
             links[link] = tuple(_solids(element, link, angle))
     joints: dict[str, Joint] = {}
     for i, element in enumerate(root.findall("joint")):
@@ -182,7 +185,7 @@ def read_tree(content: bytes, name: str, *, rounding: bool = False) -> Tree:
         raise ImportRefused(name, lacks)
     seen = [link.get("name") or "" for link in root.findall("link") if link.find("visual") is not None]
     only_seen = tuple(link for link in seen if not links[link])
-    return Tree(root.get("name") or "robot", links, joints, tuple(dict.fromkeys(rounded)), only_seen)
+    return Tree((root.get("name") or "robot")[:LONGEST_NAME], links, joints, tuple(dict.fromkeys(rounded)), only_seen)
 
 
 class _told:
@@ -198,6 +201,13 @@ class _told:
         if isinstance(error, Unsuitable):
             self._lacks.append(error.lack)
         return isinstance(error, Unsuitable)
+
+
+def _short_enough(kind: str, name: str) -> None:
+    """Raises `Unsuitable` for a name that is longer than any is, which no source could be told with."""
+    if len(name) > LONGEST_NAME:
+        what = f"a name of {len(name)} characters"
+        raise Unsuitable(f"{kind} {name[:40]}...", what, f"names of up to {LONGEST_NAME} characters are read")
 
 
 def _no_tree(links: dict[str, tuple[Solid, ...]], joints: dict[str, Joint]) -> list[Lack]:
@@ -240,6 +250,7 @@ def _joint(element: Element, i: int, links: dict[str, tuple[Solid, ...]], angle:
     kind = element.get("type") or ""
     if not name:
         raise Unsuitable(where, "no name", "give each joint a name of its own")
+    _short_enough("joint", name)
     if kind not in get_args(JointType):
         raise Unsuitable(where, f"type {kind!r}", f"one of {', '.join(get_args(JointType))}")
     ends = []
