@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from assur.experiments.experiment import Drawing
-from assur.experiments.figures import BLUE, GREY, INK, ORANGE, SKY, write_to
+from assur.experiments.figures import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, write_to
 from assur.planner.arrays import FloatArray
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Piece, corners
@@ -23,6 +23,10 @@ from assur.scenes.reading.arms import BuiltArm
 
 SIZE = 10.0, 5.6
 """Inches."""
+COLOURS = (GREY, BLUE, ORANGE, GREEN, PURPLE, RED, SKY)
+"""Of the links, from the base on."""
+ROOM = 0.04
+"""Around what is drawn, as a share of it."""
 STATES, SEED = 600_000, 0
 """Joint positions at random by which the area of the flange is found."""
 CELLS = 160
@@ -53,19 +57,18 @@ def _draw(figure: Drawing, arm: BuiltArm) -> None:
     base = robot.base
     radius = np.hypot(flange[:, 0] - base.x, flange[:, 1] - base.y)
     heading = _heading(robot, middle)
-    _area(side, np.stack([radius, flange[:, 2]], axis=1))
+    _area(side, np.stack([radius, flange[:, 2]], axis=1), f"{arm.name}, from the side")
     _solids(side, robot, middle, np.array([[math.cos(heading), math.sin(heading), 0.0], [0.0, 0.0, 1.0]]))
-    _area(above, flange[:, :2])
+    _area(above, flange[:, :2], "from above")
     _solids(above, robot, bent, np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))
-    for axes, title, across, upwards in (
-        (side, f"{arm.name}, from the side", "from the base axis [mm]", "z [mm]"),
-        (above, "from above", "x [mm]", "y [mm]"),
-    ):
-        axes.set_title(title)
+    for axes, across, upwards in ((side, "from the base axis [mm]", "z [mm]"), (above, "x [mm]", "y [mm]")):
         axes.set_xlabel(across)
         axes.set_ylabel(upwards)
         axes.set_aspect("equal")
-    _table(table, arm)
+        axes.use_sticky_edges = False  # the area would reach the frame
+        axes.margins(ROOM)
+    side.axvline(0.0, color=INK, lw=0.7, ls="-.")
+    _table(table, arm, robot)
 
 
 def _heading(robot: Robot, q: FloatArray) -> float:
@@ -74,8 +77,8 @@ def _heading(robot: Robot, q: FloatArray) -> float:
     return math.atan2(float(place[1]) - robot.base.y, float(place[0]) - robot.base.x)
 
 
-def _area(axes: Drawing, points: FloatArray) -> None:
-    """The cells of a grid in which points (N, 2) are, m, and their extent as a frame."""
+def _area(axes: Drawing, points: FloatArray, title: str) -> None:
+    """The cells of a grid in which points (N, 2) are, m, and their extent in the title."""
     low, high = points.min(0), points.max(0)
     cell = max(float((high - low).max()) / CELLS, 1e-6)
     count = np.maximum(np.ceil((high - low) / cell), 1.0).astype(int)
@@ -95,14 +98,13 @@ def _area(axes: Drawing, points: FloatArray) -> None:
         rasterized=True,
         label="flange",
     )
-    words = f"flange: {left:.0f} to {1e3 * high[0]:.0f} mm, {bottom:.0f} to {1e3 * high[1]:.0f} mm"
-    axes.annotate(words, (0.0, 1.0), xycoords="axes fraction", xytext=(2, -9), textcoords="offset points", fontsize=7)
+    axes.set_title(f"{title}\nflange: {left:.0f} to {1e3 * high[0]:.0f} mm, {bottom:.0f} to {1e3 * high[1]:.0f} mm")
 
 
 def _solids(axes: Drawing, robot: Robot, q: FloatArray, plane: FloatArray) -> None:
-    """Outlines of every body in the plane of two unit vectors (2, 3) through the base axis, and the links' frames."""
+    """Outlines of every body in the plane of two unit vectors (2, 3) through the base axis, with a ring
+    at the origin of each link and a cross at the flange."""
     position, rotation = robot.placements(q)
-    colours = (GREY, BLUE, ORANGE, SKY)
     origin = np.array([robot.base.x, robot.base.y, 0.0]) if plane[1, 2] else np.zeros(3)
     for body in robot.bodies:
         for piece in body.body.pieces:
@@ -112,9 +114,15 @@ def _solids(axes: Drawing, robot: Robot, q: FloatArray, plane: FloatArray) -> No
                 outline = flat[ConvexHull(flat).vertices]
             except QhullError:
                 continue
-            axes.fill(*outline.T, facecolor=colours[body.link % 4], alpha=0.25, edgecolor=INK, lw=0.5)
+            axes.fill(*outline.T, facecolor=_colour(body.link), alpha=0.3, edgecolor=INK, lw=0.5)
     joints = 1e3 * (position - origin) @ plane.T
-    axes.plot(*joints[-1], "x", color=INK, ms=6)
+    if not plane[1, 2]:
+        axes.plot(*joints[1:-1].T, "o", color=INK, mfc="white", ms=4)
+    axes.plot(*joints[-1], "x", color=INK, ms=7, mew=1.5)
+
+
+def _colour(link: int) -> str:
+    return COLOURS[link % len(COLOURS)]
 
 
 def _points(piece: Piece) -> FloatArray:
@@ -140,8 +148,8 @@ def _points(piece: Piece) -> FloatArray:
     return moved
 
 
-def _table(axes: Drawing, arm: BuiltArm) -> None:
-    """Ranges of the joints as the maker counts them."""
+def _table(axes: Drawing, arm: BuiltArm, robot: Robot) -> None:
+    """Ranges of the joints as the maker counts them, and what the colours and marks are."""
     axes.axis("off")
     own = places(arm.conventions)
     lines = []
@@ -150,5 +158,13 @@ def _table(axes: Drawing, arm: BuiltArm) -> None:
         unit, factor = SHOWN_AS[joint.unit]
         low, high, speed = (factor * value for value in (*ends, arm.limits.velocity[i]))
         lines.append(f"{joint.name}: {low:.6g} to {high:.6g} {unit}\n    {speed:.5g} {unit}/s")
-    text = "joint ranges and speeds\n\n" + "\n".join(lines) + "\n\nx: flange in the middle\nof the ranges"
+    text = "joint ranges and speeds\n\n" + "\n".join(lines)
+    text += "\n\nDrawn in the middle of the\nranges; from above the\nsecond joint is bent."
     axes.text(0.0, 1.0, text, transform=axes.transAxes, va="top", fontsize=8, linespacing=1.5)
+    for link in sorted({body.link for body in robot.bodies}):
+        axes.fill([], [], facecolor=_colour(link), alpha=0.3, edgecolor=INK, lw=0.5, label=robot.links[link])
+    axes.fill([], [], facecolor="#c6dbef", label="where the flange comes")
+    axes.plot([], [], "o", color=INK, mfc="white", ms=4, label="origin of a link")
+    axes.plot([], [], "x", color=INK, ms=7, mew=1.5, label="flange")
+    axes.plot([], [], color=INK, lw=0.7, ls="-.", label="base axis")
+    axes.legend(loc="lower left", fontsize=8, frameon=False, borderaxespad=0.0)

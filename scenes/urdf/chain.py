@@ -114,12 +114,13 @@ def chain_to(tree: Tree, base: str, tip: str) -> tuple[Chain | None, list[Lack]]
             lacks.append(Lack(where, f"type {joint.kind}", "begin below it with --base LINK"))
         if not joint.moves or tree.path(base, joint.child) is None:
             continue
-        if joint.mimics is not None:
+        if joint.mimics is not None and (joint.name in own or joint.mimics in own):
             what = f"it mimics joint {joint.mimics}: a linkage, and none of our arms has one"
-            beside = "only arms without a linkage can be imported"
-            if joint.name not in own:
-                beside = f"hold it with --hold {joint.name}=0"
-            lacks.append(Lack(where, what, f"{beside}; of a palletiser no SCARA can be made"))
+            supply = "only arms without a linkage can be imported; of a palletiser no SCARA can be made"
+            lacks.append(Lack(where, what, supply))
+        elif joint.mimics is not None:
+            what = f"it mimics joint {joint.mimics}, and is not between link {base} and link {tip}"
+            lacks.append(Lack(where, what, f"hold both with --hold {joint.mimics}=POSITION"))
         elif joint.name not in own:
             what = f"it moves, and is not between link {base} and link {tip}"
             lacks.append(Lack(where, what, f"hold it with --hold {joint.name}=POSITION, or choose --tip LINK"))

@@ -19,6 +19,8 @@ from assur.scenes.urdf.refusals import Unsuitable
 SAME_M, SAME_RAD = 1e-7, 1e-7
 """How far what must coincide may be apart: below a tenth of what the flange may be off in the end."""
 LEAST_LENGTH_M = 1e-5
+MOST_SHOWN = 8
+"""Joints of an arm of no family that are told one by one."""
 UP = np.array([0.0, 0.0, 1.0])
 FAMILIES = (
     "what can be imported: a SCARA (two or three vertical joints that turn and a vertical lift, in any order), an "
@@ -65,17 +67,18 @@ def recognised(chain: Chain) -> Kinematics:
         return _elbow(chain)
     if kinds == "rrrrr" and level[:4] == [False, True, True, True]:
         return _five(chain)
-    supply = f"{FAMILIES}; for a gripper say --hold JOINT=POSITION and --tip LINK"
-    raise Unsuitable("the joints", _in_words(chain, upright, level), supply)
+    raise Unsuitable("the joints", _in_words(chain, upright, level), FAMILIES)
 
 
 def _in_words(chain: Chain, upright: list[bool], level: list[bool]) -> str:
     each = []
     for axis, up, flat in zip(chain.axes, upright, level, strict=True):
         tilt = math.degrees(math.asin(min(1.0, abs(float(axis.direction @ UP)))))
-        way = "vertical" if up else "level" if flat else f"{tilt:.4g} deg from level"
+        steep = f"{90.0 - tilt:.4g} deg from vertical" if tilt > 45.0 else f"{tilt:.4g} deg from level"
+        way = "vertical" if up else "level" if flat else steep
         each.append(f"{way} {'turn' if axis.turns else 'slide'}")
-    said = f"{len(each)} moving joints ({', '.join(each)}) are no family of ours"
+    more = f" and {len(each) - MOST_SHOWN} more" if len(each) > MOST_SHOWN else ""
+    said = f"{len(each)} moving joints ({', '.join(each[:MOST_SHOWN])}{more}) are no family of ours"
     if [each[:1], each[1:3]] == [["vertical turn"], ["level turn"] * 2] and len(each) == 4:
         said += "; this is a palletiser with four axes, and no SCARA"
     return said

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_TOOL_BODIES, MAX_YAML_BYTES
 from assur.scenes.catalogue import RobotFile, load_robot
 from assur.scenes.reading.arms import LINKS, BuiltArm, built
@@ -26,15 +27,15 @@ from assur.scenes.urdf import agreement, solids
 from assur.scenes.urdf.arm_text import ArmText
 from assur.scenes.urdf.bodies import angles, body_of, free_name, shared_head
 from assur.scenes.urdf.carriers import Carrier, carrier_of, self_pairs
-from assur.scenes.urdf.chain import Chain, chain_to, flanges
-from assur.scenes.urdf.families import Kinematics, recognised
+from assur.scenes.urdf.chain import chain_to
 from assur.scenes.urdf.limits import Limits, limits_of, read_limits, unused
 from assur.scenes.urdf.mesh_files import mesh_triangles
-from assur.scenes.urdf.refusals import ImportRefused, Lack, Unsuitable
+from assur.scenes.urdf.recognising import arm_in
+from assur.scenes.urdf.refusals import ImportRefused, Lack, OfNoFamily, Unsuitable
 from assur.scenes.urdf.solids import Covering, Part
 from assur.scenes.urdf.srdf import Semantics, read_srdf
 from assur.scenes.urdf.tree import Solid, Tree, read_tree
-from assur.scenes.urdf.xml_text import MAX_XML_BYTES
+from assur.scenes.urdf.xml_text import FARTHEST, MAX_XML_BYTES
 
 
 @dataclass(frozen=True)
@@ -86,8 +87,9 @@ def import_robot(wanted: Wanted) -> Imported:
             raise
         try:
             found = _Import(wanted, tree, given)
-        except ImportRefused:
-            raise first from None
+        except ImportRefused as second:
+            # whichever knows the arm: what is missing of it is told, not that it is of no family
+            raise (second if isinstance(first, OfNoFamily) else first) from None
         found.tell_rounding(read_tree(content, wanted.urdf.name))
     return found.made(hashlib.sha256(content).hexdigest())
 
@@ -120,7 +122,9 @@ class _Import:
         if wanted.srdf is not None:
             self.semantics = read_srdf(_content(wanted.srdf, MAX_XML_BYTES), wanted.srdf.name, tree)
         self.base = wanted.base or tree.root
-        self.chain, self.kinematics = self._chain()
+        self.chain, self.kinematics, lacks, passed = arm_in(tree, self.file, self.base, wanted.tip, self.semantics.tips)
+        self.lacks += lacks
+        self.remarks += passed
         files = self.file, None if wanted.joint_limits is None else wanted.joint_limits.name
         limits, lacks = limits_of(self.chain, given, files, wanted.status)
         self.lacks += lacks
@@ -128,7 +132,7 @@ class _Import:
             self.remarks.append(f"{files[1]}: joints {', '.join(strange[:8])} are not in the URDF; they are not used")
         self._look_at_meshes()
         kept = [each for each in limits if each is not None]
-        if self.lacks or self.kinematics is None or len(kept) < len(limits):
+        if self.lacks or len(kept) < len(limits):
             raise ImportRefused(self.file, self.lacks)
         self.limits: list[Limits] = kept
         self.arm = self._built()
@@ -140,36 +144,18 @@ class _Import:
             raise ImportRefused(self.file, [error.lack]) from error
 
     def _hold(self, tree: Tree) -> None:
-        for name in self.wanted.held:
+        for name, value in self.wanted.held.items():
             if name not in tree.joints:
                 raise ImportRefused(self.file, [Lack(f"--hold {name}", "no joint of this name", "a joint of the URDF")])
+            if not abs(value) <= FARTHEST:
+                raise ImportRefused(self.file, [Lack(f"--hold {name}", f"{value:g}", "a number in rad or m")])
+        for name, folder in self.wanted.packages.items():
+            if not folder.is_dir():
+                raise ImportRefused(self.file, [Lack(f"--package {name}", f"no folder {folder}", "a folder")])
         for what, link in (("--base", self.wanted.base), ("--tip", self.wanted.tip)):
             if link is not None and link not in tree.links:
                 links = ", ".join(list(tree.links)[:20])
                 raise ImportRefused(self.file, [Lack(f"{what} {link}", "no link of this name", f"one of {links}")])
-
-    def _chain(self) -> tuple[Chain, Kinematics | None]:
-        """The arm: of the links that may be its flange the first with which it is one of ours."""
-        tips = flanges(self.tree, self.base, self.wanted.tip, self.semantics.tips)
-        if not tips:
-            raise ImportRefused(self.file, [Lack("the file", "no joint moves", "a robot's description")])
-        first: tuple[Chain, list[Lack]] | None = None
-        for tip in tips:
-            chain, lacks = chain_to(self.tree, self.base, tip)
-            if chain is None:
-                raise ImportRefused(self.file, lacks)
-            try:
-                kinematics = recognised(chain)
-            except Unsuitable as error:
-                first = first or (chain, [*lacks, error.lack])
-                continue
-            if not lacks:
-                return chain, kinematics
-            first = (chain, lacks)
-        if first is None:
-            raise ImportRefused(self.file, [Lack("the file", "no flange", "say --tip LINK")])
-        self.lacks += first[1]
-        return first[0], None
 
     def _look_at_meshes(self) -> None:
         """Every mesh is read once before any is covered: what is wrong with them is told together."""
@@ -185,10 +171,21 @@ class _Import:
 
     def _built(self) -> BuiltArm:
         document, _ = parse_yaml(self._text().text().encode())
-        given = read(ArmDocument, document).written_out()
+        try:
+            given = read(ArmDocument, document).written_out()
+        except InputError as error:
+            raise ImportRefused(self.file, [self._of_number(error)]) from error
         if given is None:
             raise ImportRefused(self.file, [Lack("the file", "no arm", "report it")])
         return built(*given)
+
+    def _of_number(self, error: InputError) -> Lack:
+        """A number that our form does not take, at the file's joint if it is one of a joint."""
+        if found := re.match(r"\w+\.joints\[(\d+)\]\.(\w+)", error.field):
+            where = f"joint {self.chain.joints[int(found[1])].name}, {found[2]}"
+        else:
+            where = error.field
+        return Lack(where, f"{error.value}", f"allowed is {error.allowed}")
 
     def tell_rounding(self, written: Tree) -> None:
         """Says what the rounding of angles changed: how far away the flange of the file as it is `written` is."""
@@ -206,8 +203,6 @@ class _Import:
     def _text(
         self, bodies: tuple[dict[str, Any], ...] = (), pairs: tuple[tuple[str, str], ...] = (), **more: str
     ) -> ArmText:
-        if self.kinematics is None:
-            raise ImportRefused(self.file, self.lacks)
         names = self.names
         joints = tuple(
             (names[i], joint.kind != "prismatic", limits)
@@ -242,8 +237,6 @@ class _Import:
 
     def made(self, digest: str) -> Imported:
         """The file with the solids of the links."""
-        if self.kinematics is None:
-            raise ImportRefused(self.file, self.lacks)
         parts, carried = self._parts()
         bodies, meshes = [], {}
         for part in parts:
@@ -294,7 +287,7 @@ class _Import:
     @property
     def _turn(self) -> list[float] | None:
         """Roll, pitch and yaw, deg, of the file's flange in ours, where they differ."""
-        if self.kinematics is None or np.abs(self.kinematics.turn - np.eye(3)).max() <= 1e-6:
+        if np.abs(self.kinematics.turn - np.eye(3)).max() <= 1e-6:
             return None
         return [round(math.degrees(angle), 6) + 0.0 for angle in angles(self.kinematics.turn)]
 
@@ -344,8 +337,6 @@ class _Import:
     def _carrier(self, link: str, movers: frozenset[int]) -> Carrier:
         """What carries a link. On a SCARA's flange solids are on the quill, revolved, unless they may touch link 2: its
         pair with link 2 must stay for the tool."""
-        if self.kinematics is None:
-            raise ImportRefused(self.file, self.lacks)
         found = carrier_of(movers, self.kinematics, len(self.chain.joints))
         if found is None:
             raise Unsuitable(f"link {link}", "no link of ours moves as it does", "remove its collision shapes")

@@ -48,12 +48,14 @@ def mesh_path(solid: Solid, urdf: Path, packages: dict[str, Path]) -> Path:
         raise Unsuitable(solid.where, f"mesh {name!r}", f"a mesh in a file that ends in {endings}")
     if name.startswith(PACKAGE):
         package, _, inside = name.removeprefix(PACKAGE).partition("/")
-        folder = packages.get(package) or _package_above(package, urdf)
+        folder = packages.get(package) or package_above(package, urdf)
         if folder is None:
             what = f"mesh {name!r}: the folder of package {package!r} is not known"
             raise Unsuitable(solid.where, what, f"say --package {package}=FOLDER")
     elif "://" in name or Path(name).is_absolute():
-        path = Path(os.path.normpath(name.removeprefix("file://")))
+        # file:////a/b, as xacro makes of file:///$(find a)/b, is /a/b: two slashes at the front are another root
+        plain = name.removeprefix("file://")
+        path = Path(os.path.normpath("/" + plain.lstrip("/") if plain.startswith("/") else plain))
         known = [each.resolve() for each in (*packages.values(), _root(urdf))]
         found = next((each for each in known if path.is_absolute() and path.is_relative_to(each)), None)
         if found is None:
@@ -68,12 +70,26 @@ def mesh_path(solid: Solid, urdf: Path, packages: dict[str, Path]) -> Path:
     try:
         return below(folder, inside, "mesh", ENDINGS, MAX_MESH_BYTES)
     except DocumentError as error:
-        what = f"mesh {name!r} is not there, or leaves the folder {folder.name!r}"
-        supply = f"a regular file, no link, of up to {MAX_MESH_BYTES} bytes below the package's folder"
-        raise Unsuitable(solid.where, what, f"{supply}; say --package NAME=FOLDER if it is elsewhere") from error
+        path = Path(os.path.normpath(folder / inside))
+        if path.is_relative_to(folder) and not os.path.lexists(path):
+            alike = _spelled_otherwise(path)
+            what = f"mesh {name!r} is not there: no file {inside!r} below the folder {folder.name!r}"
+            supply = f"say --package NAME=FOLDER if it is elsewhere{alike}"
+        else:
+            what = f"mesh {name!r} leaves the folder {folder.name!r}, is a link or no file, or is too large"
+            supply = f"a regular file, no link, of up to {MAX_MESH_BYTES} bytes below that folder"
+        raise Unsuitable(solid.where, what, supply) from error
 
 
-def _package_above(package: str, urdf: Path) -> Path | None:
+def _spelled_otherwise(path: Path) -> str:
+    """A hint at a file whose name differs by capitals only."""
+    if not path.parent.is_dir():
+        return ""
+    alike = [each.name for each in path.parent.iterdir() if each.name.lower() == path.name.lower()]
+    return f"; the folder has {alike[0]!r}, and capitals count" if alike else ""
+
+
+def package_above(package: str, urdf: Path) -> Path | None:
     """The folder of a package around a URDF: one of that name above it, or beside one above it."""
     for folder in urdf.resolve().parents[:8]:
         if folder.name == package:

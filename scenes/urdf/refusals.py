@@ -35,6 +35,10 @@ class ImportRefused(InputError):
         return type(self), (self.name, list(self.lacks))
 
 
+class OfNoFamily(ImportRefused):
+    """The arm of a description is of no family of ours."""
+
+
 class Unsuitable(Exception):
     """A kinematic chain that is not of a family, or a solid that cannot be covered: the one thing that is wrong."""
 

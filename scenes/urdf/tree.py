@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
@@ -27,6 +28,7 @@ SIZES: dict[str, tuple[str, ...]] = {
 }
 """Primitives of a URDF, and the attributes that have their sizes."""
 MOST_LINKS = 1_000
+LONGEST_NAME = 200
 ROUND_RAD = 1e-4
 """An angle that is this near to a multiple of a right angle may be one that was written with few digits."""
 
@@ -59,6 +61,10 @@ class Joint:
     upper: float | None = None
     velocity: float | None = None
     mimics: str | None = None
+    follows: tuple[float, float] = (1.0, 0.0)
+    """Multiplier and offset of a joint that mimics another."""
+    rpy: tuple[float, ...] = (0.0, 0.0, 0.0)
+    """Roll, pitch and yaw of the origin as they are written."""
 
     @property
     def moves(self) -> bool:
@@ -96,13 +102,24 @@ class Tree:
         children = {joint.child for joint in self.joints.values()}
         return next(link for link in self.links if link not in children)
 
+    @cached_property
+    def _below(self) -> dict[str, list[Joint]]:
+        found: dict[str, list[Joint]] = {}
+        for joint in self.joints.values():
+            found.setdefault(joint.parent, []).append(joint)
+        return found
+
+    @cached_property
+    def _above(self) -> dict[str, Joint]:
+        return {joint.child: joint for joint in self.joints.values()}
+
     def below(self, link: str) -> list[Joint]:
         """The joints whose parent is a link, in the order of the file."""
-        return [joint for joint in self.joints.values() if joint.parent == link]
+        return self._below.get(link, [])
 
     def above(self, link: str) -> Joint | None:
         """The joint whose child is a link."""
-        return next((joint for joint in self.joints.values() if joint.child == link), None)
+        return self._above.get(link)
 
     def path(self, base: str, tip: str) -> list[Joint] | None:
         """The joints from `base` to `tip`; None if `tip` does not hang on `base`."""
@@ -116,9 +133,14 @@ class Tree:
         return found[::-1]
 
     def with_held(self, held: dict[str, float]) -> Tree:
-        """The tree with some joints held at a position, as if they were fixed there."""
-        joints = dict(self.joints)
-        for name, value in held.items():
+        """The tree with some joints held at a position, as if they were fixed there, and with them the joints that
+        follow them."""
+        joints, at = dict(self.joints), dict(held)
+        while more := [joint for joint in joints.values() if joint.mimics in at and joint.name not in at]:
+            for joint in more:
+                multiplier, offset = joint.follows
+                at[joint.name] = multiplier * at[joint.mimics or ""] + offset
+        for name, value in at.items():
             joint = joints[name]
             joints[name] = replace(joint, kind="fixed", origin=joint.motion(np.array(value)), mimics=None)
         return replace(self, joints=joints)
@@ -141,12 +163,14 @@ def read_tree(content: bytes, name: str, *, rounding: bool = False) -> Tree:
             return near
         return value
 
-    links = {}
+    links: dict[str, tuple[Solid, ...]] = {}
     for i, element in enumerate(root.findall("link")):
         link = element.get("name") or ""
         with _told(lacks):
             if not link or link in links:
-                raise Unsuitable(f"<link> {i + 1}", f"name {link!r}", "give each link a name of its own")
+                raise Unsuitable(f"<link> {i + 1}", f"name {link[:40]!r}", "give each link a name of its own")
+            _short_enough("link", link)
+            links[link] = ()  # a link with a wrong shape is there all the same: no joint lacks it
             links[link] = tuple(_solids(element, link, angle))
     joints: dict[str, Joint] = {}
     for i, element in enumerate(root.findall("joint")):
@@ -161,7 +185,7 @@ def read_tree(content: bytes, name: str, *, rounding: bool = False) -> Tree:
         raise ImportRefused(name, lacks)
     seen = [link.get("name") or "" for link in root.findall("link") if link.find("visual") is not None]
     only_seen = tuple(link for link in seen if not links[link])
-    return Tree(root.get("name") or "robot", links, joints, tuple(dict.fromkeys(rounded)), only_seen)
+    return Tree((root.get("name") or "robot")[:LONGEST_NAME], links, joints, tuple(dict.fromkeys(rounded)), only_seen)
 
 
 class _told:
@@ -179,15 +203,27 @@ class _told:
         return isinstance(error, Unsuitable)
 
 
+def _short_enough(kind: str, name: str) -> None:
+    """Raises `Unsuitable` for a name that is longer than any is, which no source could be told with."""
+    if len(name) > LONGEST_NAME:
+        what = f"a name of {len(name)} characters"
+        raise Unsuitable(f"{kind} {name[:40]}...", what, f"names of up to {LONGEST_NAME} characters are read")
+
+
 def _no_tree(links: dict[str, tuple[Solid, ...]], joints: dict[str, Joint]) -> list[Lack]:
     if not 1 <= len(links) <= MOST_LINKS:
-        return [Lack("the file", f"{len(links)} links", f"1 to {MOST_LINKS} links are read")]
+        none = "" if links else "; a xacro file that only defines macros has none: give the file that calls them"
+        return [Lack("the file", f"{len(links)} links", f"1 to {MOST_LINKS} links are read{none}")]
     found = []
     parents = Counter(joint.child for joint in joints.values())
     for link, count in parents.items():
         if count > 1:
             by = ", ".join(joint.name for joint in joints.values() if joint.child == link)
             found.append(Lack(f"link {link}", f"it is the child of {count} joints ({by})", "give it one parent"))
+    for joint in joints.values():
+        if joint.mimics is not None and joint.mimics not in joints:
+            what = f"it mimics joint {joint.mimics!r}, which is not in the file"
+            found.append(Lack(f"joint {joint.name}", what, "name a joint that is there"))
     roots = [link for link in links if link not in parents]
     if not roots:
         found.append(Lack("the file", "a loop of joints: no link is the root", "open the loop; a URDF is a tree"))
@@ -214,6 +250,7 @@ def _joint(element: Element, i: int, links: dict[str, tuple[Solid, ...]], angle:
     kind = element.get("type") or ""
     if not name:
         raise Unsuitable(where, "no name", "give each joint a name of its own")
+    _short_enough("joint", name)
     if kind not in get_args(JointType):
         raise Unsuitable(where, f"type {kind!r}", f"one of {', '.join(get_args(JointType))}")
     ends = []
@@ -238,10 +275,14 @@ def _joint(element: Element, i: int, links: dict[str, tuple[Solid, ...]], angle:
     if limit is not None and kind in ("revolute", "prismatic"):
         lower, upper = lower or 0.0, upper or 0.0  # both are 0 where the file is silent, by the format
     mimics = None if mimic is None else mimic.get("joint") or "?"
+    silent = (("multiplier", 1.0), ("offset", 0.0))
+    slope, offset = (v if mimic is None else number(mimic.get(key), f"{where}, mimic.{key}", v) for key, v in silent)
     origin = _origin(element, where, angle)
+    placed, rest = element.find("origin"), (0.0, 0.0, 0.0)
+    rpy = rest if placed is None else numbers(placed.get("rpy"), 3, f"{where}, origin.rpy", rest)
     parent, child = ends
     known: JointType = kind  # type: ignore[assignment]
-    return Joint(name, known, parent, child, origin, axis, lower, upper, velocity, mimics)
+    return Joint(name, known, parent, child, origin, axis, lower, upper, velocity, mimics, (slope, offset), rpy)
 
 
 def _solids(element: Element, link: str, angle: Callable[[float], float]) -> list[Solid]:

@@ -12,20 +12,31 @@ import subprocess
 import sys
 from pathlib import Path
 
+from assur.scenes.urdf.mesh_files import package_above
 from assur.scenes.urdf.refusals import ImportRefused, Lack
 
 LONGEST_S = 60.0
 """A macro may call itself without end."""
-PROGRAM = """
+MOST_PACKAGES = 32
+"""So many packages of one file are looked for."""
+LOST = "package not found: "
+PROGRAM = f"""
 import json, sys
 given = json.load(sys.stdin)
+import xacro
 from xacrodoc import XacroDoc, packages
 packages.update_package_cache(given["packages"])
 try:
     found = XacroDoc.from_file(given["file"], subargs=given["arguments"], resolve_packages=False)
 except BaseException as error:
-    print(f"{type(error).__name__}: {error}", file=sys.stderr)
-    sys.exit(1)
+    within = error
+    while within is not None:
+        if isinstance(within, packages.PackageNotFoundError):
+            sys.exit("{LOST}" + str(within.args[0]))
+        within = getattr(within, "exc", None) or within.__cause__ or within.__context__
+    stack = [name for name in getattr(xacro, "filestack", None) or [] if name]
+    place = " in " + stack[-1] if stack else ""
+    sys.exit(" ".join((type(error).__name__ + ": " + str(error) + place).split()))
 sys.stdout.buffer.write(found.dom.toxml().encode("utf-8"))
 """
 
@@ -38,13 +49,32 @@ def expanded(path: Path, packages: dict[str, Path], arguments: dict[str, str]) -
     if importlib.util.find_spec("xacrodoc") is None:
         supply = "install assur with the extra `xacro`, or expand the file yourself and give the URDF"
         raise ImportRefused(path.name, [Lack("the file", "no library for xacro is installed", supply)])
+    known = dict(packages)
+    while True:
+        run = _run(path, known, arguments)
+        if run.returncode == 0:
+            return run.stdout
+        lines = run.stderr.decode("utf-8", "replace").strip().splitlines()
+        said = lines[-1][:400] if lines else "no reason given"
+        if not said.startswith(LOST):
+            supply = "mend it, give an argument with --arg NAME=VALUE, or a package with --package NAME=FOLDER"
+            raise ImportRefused(path.name, [Lack("the file", f"xacro does not expand it ({said})", supply)])
+        name = said.removeprefix(LOST)
+        folder = None if name in known or len(known) > MOST_PACKAGES else package_above(name, path)
+        if folder is None:
+            supply = f"say --package {name}=FOLDER; where nothing is included from it, any folder will do"
+            raise ImportRefused(path.name, [Lack("the file", f"the folder of package {name!r} is not known", supply)])
+        known[name] = folder
+
+
+def _run(path: Path, packages: dict[str, Path], arguments: dict[str, str]) -> subprocess.CompletedProcess[bytes]:
     given = {
         "file": str(path.resolve()),
         "packages": {name: str(folder.resolve()) for name, folder in packages.items()},
         "arguments": arguments,
     }
     try:
-        run = subprocess.run(  # noqa: S603 - the program is ours; what it is given comes as data
+        return subprocess.run(  # noqa: S603 - the program is ours; what it is given comes as data
             [sys.executable, "-c", PROGRAM],
             input=json.dumps(given).encode(),
             capture_output=True,
@@ -55,9 +85,3 @@ def expanded(path: Path, packages: dict[str, Path], arguments: dict[str, str]) -
     except subprocess.TimeoutExpired:
         supply = "a file whose macros come to an end"
         raise ImportRefused(path.name, [Lack("the file", f"not expanded within {LONGEST_S:g} s", supply)]) from None
-    if run.returncode != 0:
-        lines = run.stderr.decode("utf-8", "replace").strip().splitlines()
-        said = lines[-1][:300] if lines else "no reason given"
-        supply = "mend it, give an argument with --arg NAME=VALUE, or a package with --package NAME=FOLDER"
-        raise ImportRefused(path.name, [Lack("the file", f"xacro does not expand it ({said})", supply)])
-    return run.stdout

@@ -16,6 +16,7 @@ from assur.scenes.urdf.importing import Imported, Wanted, import_robot, write
 from assur.scenes.urdf.refusals import ImportRefused
 from assur.scenes.urdf.tree import turned
 from tests.scenes.urdf.made import FAMILIES, RIGHT, Files, J, flange_by_library, urdf
+from tests.scenes.urdf.random_arms import ARMS
 
 STATES = 1000
 
@@ -64,6 +65,19 @@ def test_the_flange_is_where_another_library_puts_it(name: str, tmp_path: Path) 
     # roll, pitch and yaw of a turned flange are reported with six digits after the point
     assert radians <= 1e-6 if found.report["flange_turn_deg"] is None else radians <= 1e-6 + 3e-8
     assert found.report["apart_m"] <= 1e-9
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_axes_at_random_in_frames_at_random_are_found(name: str, tmp_path: Path) -> None:
+    files = Files(tmp_path).write(ARMS[name])
+    found, arm = imported(files)
+    family, _, order = name.split(",", maxsplit=1)[0].partition(" ")
+    if family == "scara":
+        assert found.report["axis_order"].startswith(order)
+    assert found.report["family"][:4] == name[:4]
+    metres, radians = off(found, arm, files.urdf)
+    assert metres <= 1e-6
+    assert radians <= 1e-6 + 3e-8
 
 
 def test_every_number_has_its_status_and_source(tmp_path: Path) -> None:

@@ -158,7 +158,7 @@ BAD: dict[str, tuple[Callable[[], str], str]] = {
             '<link name="l1"></link>',
             '<link name="l1"><collision><geometry><mesh filename="../../a.stl"/></geometry></collision></link>',
         ),
-        "is not there, or leaves the folder",
+        "leaves the folder",
     ),
     "a file that is no mesh": (
         swapped(
@@ -199,6 +199,32 @@ def test_a_mesh_in_another_unit_is_refused_with_the_scale_that_is_missing(tmp_pa
     (found,) = told(Files(tmp_path).write(with_mesh("a.stl").replace("0.001 0.001 0.001", "1 1 1")))
     assert "the mesh is 100 m large" in found
     assert "0.001 0.001 0.001 of mm" in found
+
+
+def test_a_link_with_a_wrong_shape_is_told_once(tmp_path: Path) -> None:
+    (found,) = told(Files(tmp_path).write(with_mesh("a.stl").replace("0.001 0.001 0.001", "nan 1 1")))
+    assert found == "link l1, collision, mesh.scale: 'nan' is no finite number in metres or radians; write a number"
+
+
+def test_names_that_are_too_long_are_refused(tmp_path: Path) -> None:
+    for old in ("a_joint_1", "l4"):
+        (found, *_) = told(Files(tmp_path).write(GOOD.replace(f'"{old}"', f'"{"y" * 5000}"')))
+        assert "a name of 5000 characters; names of up to 200 characters are read" in found
+        assert len(found) < 200
+    files = Files(tmp_path).write(GOOD.replace('"made"', f'"{"y" * 5000}"'))
+    assert len(import_robot(Wanted(files.urdf, files.limits)).name) == 64
+
+
+def test_a_number_that_our_form_does_not_take_is_told_at_its_joint(tmp_path: Path) -> None:
+    files = Files(tmp_path).write(GOOD)
+    files.limits.write_text(files.limits.read_text().replace("20.0", "1.0e+300", 1))
+    (found,) = told(files)
+    assert found == "joint a_joint_1, acceleration_rad_s2: 1e+300; allowed is at most 1e+06"
+
+
+def test_a_package_whose_folder_is_not_there_is_refused(tmp_path: Path) -> None:
+    (found,) = told(Files(tmp_path).write(GOOD), packages={"a": tmp_path / "nowhere"})
+    assert found.startswith("--package a: no folder ")
 
 
 def test_a_link_in_place_of_a_mesh_is_not_followed(tmp_path: Path) -> None:
