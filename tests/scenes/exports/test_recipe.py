@@ -105,8 +105,8 @@ def test_rates_are_in_the_units_and_ranges_of_the_controller() -> None:
 
 def test_a_path_is_not_said_to_be_straight() -> None:
     for name, times in (("bead-on-belt", 1), ("circular-legs", 2)):
-        assert recipe(name, "spel").count("the plan follows the path of the step here") == times
-    assert "the plan follows the path" not in recipe("demo", "spel")
+        assert recipe(name, "spel").count("the plan goes along the path of the step here") == times
+    assert "the plan goes along the path" not in recipe("demo", "spel")
 
 
 def test_recipes_are_for_scaras_and_have_no_ticks() -> None:
