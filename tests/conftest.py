@@ -20,3 +20,6 @@ _PATIENT = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow],
 settings.register_profile("repeatable", _PATIENT, derandomize=True, database=None, max_examples=60)
 settings.register_profile("explore", _PATIENT, max_examples=600)
 settings.load_profile("repeatable" if os.environ.get("CI") else os.environ.get("ASSUR_HYPOTHESIS", "repeatable"))
+
+# the files of a maker's robot may not be copied into the project: who has them names their folder
+collect_ignore = [] if os.environ.get("ASSUR_MAKER_ROBOTS") else ["api/test_maker_robot.py"]
