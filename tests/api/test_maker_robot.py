@@ -139,9 +139,10 @@ def test_a_pick_from_a_belt_and_a_place_are_planned_checked_and_reported(importe
     code, output, errors = run("plan", str(cell), "--out", str(plan))
     assert (code, errors) == (RIGHT, ""), output
     assert "plan checked" in output
-    assert json.loads(plan.read_text())["status"] == "planned"
-    code, output, _ = run("check", str(cell), str(plan))
-    assert (code, output.splitlines()[0][:10]) == (RIGHT, "plan right")
-    code, output, errors = run("report", str(cell), str(plan), "--out", str(page))
+    assert json.loads(plan.read_text())["plan"]["status"] == "planned"
+    for given in ([str(plan)], [str(cell), str(plan)]):
+        code, output, _ = run("check", *given)
+        assert (code, output.splitlines()[0][:10]) == (RIGHT, "plan right")
+    code, output, errors = run("report", str(plan), "--out", str(page))
     assert (code, errors) == (RIGHT, ""), output
     assert 50_000 < page.stat().st_size < MOST_BYTES
