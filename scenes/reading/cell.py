@@ -13,6 +13,7 @@ from assur.planner.model.scene import (
     Scene,
     check_tool_point,
 )
+from assur.planner.robots.robot import Robot
 from assur.scenes.conventions import Conventions, signs, zeros
 from assur.scenes.faults import Refused, choices, located, within
 from assur.scenes.reading import bodies, frames, loads, neighbours, robots, task
@@ -94,7 +95,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         assumptions=(
             *robots.assumptions_of(document, request.robot),
             *frames.assumptions_of(request.frames),
-            *_left_out(request),
+            *_left_out(robot, request),
             *loads.assumptions_of(robot, given.load, tool, [body for body in surroundings if body.name in taken_up]),
         ),
         digest=request.digest,
@@ -107,12 +108,15 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
 
 NO_SOLIDS = "the tool has no bodies: nothing is kept clear of it between flange and tool point"
 """What an answer says where a tool has a length alone."""
+NO_BODIES = "the arm has no bodies: nothing is kept clear of its links"
+"""What an answer says of an arm that is lengths alone, as a file without collision shapes is imported."""
 
 
-def _left_out(request: RequestDocument) -> tuple[str, ...]:
+def _left_out(robot: Robot, request: RequestDocument) -> tuple[str, ...]:
     """What the request leaves out and no plan knows."""
     tool = request.robot.tool
-    return (NO_SOLIDS,) if any(tool.tcp_m) and not tool.bodies else ()
+    of_tool = (NO_SOLIDS,) if any(tool.tcp_m) and not tool.bodies else ()
+    return of_tool if robot.bodies else (NO_BODIES, *of_tool)
 
 
 def _check_riders(request: RequestDocument, picked: set[str]) -> None:

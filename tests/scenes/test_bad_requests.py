@@ -75,6 +75,21 @@ def test_a_tool_that_has_a_length_and_no_bodies_is_told_to_be_kept_clear_of_noth
     assert told not in scene_of(request).assumptions
 
 
+def test_an_arm_that_has_no_bodies_is_told_to_be_kept_clear_of_nothing() -> None:
+    told = "the arm has no bodies: nothing is kept clear of its links"
+    request = copy.deepcopy(GOOD_REQUEST)
+    assert told not in scene_of(request).assumptions
+    joint = {"range_deg": [-120, 120], "velocity_deg_s": 400, "acceleration_deg_s2": 4000, "jerk_deg_s3": 2e5}
+    lift = {"range_mm": [0, 200], "velocity_mm_s": 1000, "acceleration_mm_s2": 1e4, "jerk_mm_s3": 5e5}
+    joints = [{"name": f"j{i + 1}", **(lift if i == 2 else joint)} for i in range(4)]
+    request["robot"] = {
+        "scara": {"name": "bare", "l1_mm": 325, "l2_mm": 225, "joints": joints, "bodies": [], "self_pairs": []},
+        "tool": {"tcp_mm": [0, 0, 0]},
+    }
+    request["start"]["joints"] = {"j1_deg": 0, "j2_deg": 60, "j3_mm": 150, "j4_deg": 0}
+    assert told in scene_of(request).assumptions
+
+
 def test_a_length_that_is_too_large_in_millimetres_is_not_told_to_be_in_millimetres() -> None:
     request = copy.deepcopy(GOOD_REQUEST)
     request["task"][2]["move"]["to"] = {"at_mm": [350000, 0, 120]}
