@@ -46,7 +46,7 @@ PLAIN := tests/planner/kernels tests/planner/timing/test_rough_motions.py tests/
 install = $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable "$(1)" && touch $@
 
 $(VENV)/installed: $(BIN)/python pyproject.toml
-	$(call install,.[plot])
+	$(call install,.[plot,client])
 
 $(VENV)/installed-test: $(BIN)/python pyproject.toml
 	$(call install,.[test])

@@ -54,15 +54,15 @@ def export(
     announce_compilation()
     with console_report.working(f"exporting {given.name if plan is None else plan.name}"):
         made = export_cell(cell, given.whole, answer, asked)
+    if plan_out is not None:  # files first: who reads the output may close it
+        plan_out.write_bytes(in_bytes(PlanFile(made["request"], made["plan"], given.title, given.about)))
     if out is None:
         typer.echo(file_bytes(made), nl=False)
-    else:
-        out.write_bytes(file_bytes(made))
-        console = console_report.console()
-        for line in (f"{out}: {form}", *made["statement"]):
-            console.print(line, soft_wrap=True)
-    if plan_out is not None:
-        plan_out.write_bytes(in_bytes(PlanFile(made["request"], made["plan"], given.title, given.about)))
+        return 0
+    out.write_bytes(file_bytes(made))
+    console = console_report.console()
+    for line in (f"{out}: {form}", *made["statement"]):
+        console.print(line, soft_wrap=True)
     return 0
 
 

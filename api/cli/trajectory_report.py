@@ -34,7 +34,7 @@ def lines(name: str, verdict: dict[str, Any]) -> Iterator[Table | str]:
         bodies = " and ".join(nearest["bodies"])
         yield f"smallest clearance  {1e3 * nearest['gap_m']:.2f} mm at {nearest['time_s']:.3f} s, {bodies}"
     jerks = [
-        f"{each['joint']} {each['highest']:.6g}, limit {each['of_request']:.6g}"
+        f"{each['joint']} {amount(each['highest'], each['unit'])}, limit {amount(each['of_request'], each['unit'])}"
         for each in verdict["jerk"]
         if each["highest"] is not None
     ]

@@ -95,8 +95,8 @@ def _proved(
         if jerk == "limit" and scale_of(request) * share[worst] > 1.0:
             allowed = (
                 f"a motion that keeps its limits: between ticks the jerk of {joint} is {share[worst]:.3f} times its "
-                f"limit; say jerk report to have it proved against a higher limit, take a shorter tick, or plan with "
-                f"limits: {{jerk: {0.99 * scale_of(request) / share[worst]:.2f}}}"
+                f"limit; let it be proved against a higher limit (jerk: report, or --jerk report), try another tick, "
+                f"or plan with limits: {{jerk: {0.99 * scale_of(request) / share[worst]:.2f}}}"
             )
             raise InputError("tick_s", tick_s, allowed)
         factor = float(share[worst]) * (1.0 + SPARE)
@@ -111,6 +111,7 @@ def _proved(
     peaks: list[JerkProved] = [
         {
             "joint": joint.name,
+            "unit": "rad/s³" if joint.unit == "rad" else "m/s³",
             "highest": None if trajectory.jumps else number(highest[i] + 0.0),
             "limit": number(limits[i]),
             "of_request": number(own[i]),
@@ -162,7 +163,7 @@ def statement(motion: Motion) -> list[str]:
         if peak["highest"] is None:
             jerks.append(f"{joint.name} has no bound")
             continue
-        more = "" if peak["limit"] == peak["of_request"] else f" (limit of the request {peak['of_request']:.6g})"
+        more = "" if peak["limit"] == peak["of_request"] else f" (planned with {peak['of_request']:.6g})"
         jerks.append(f"{joint.name} {peak['highest']:.6g} of {peak['limit']:.6g} {joint.unit}/s3{more}")
     off = [
         f"{joint.name} {x['at_most']:.2g} {joint.unit}"

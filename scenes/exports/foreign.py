@@ -58,6 +58,7 @@ def verdict(cell: Cell, request: dict[str, Any], asked: TrajectoryDocument, plan
     jerk: list[JerkProved] = [
         {
             "joint": joint.name,
+            "unit": "rad/s³" if joint.unit == "rad" else "m/s³",
             "highest": None if trajectory.jumps else optional(abs(share[i] * own[i])),
             "limit": number(limits[i]),
             "of_request": number(own[i]),

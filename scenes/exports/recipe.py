@@ -148,7 +148,8 @@ def _point(motion: Motion, world: World, dialect: Dialect, number: int, t: float
     if dialect is SPEL:
         yaw = _unwound(motion, q, yaw)
     height, turns = 1e3 * (tool.z - base.z), _turns(motion, own)
-    made = dialect.point.format(n=number, x=1e3 * x, y=1e3 * y, z=height, u=yaw, hand=hand, turns=turns)
+    values = {key: round(value, 3) + 0.0 for key, value in (("x", 1e3 * x), ("y", 1e3 * y), ("z", height), ("u", yaw))}
+    made = dialect.point.format(n=number, **values, hand=hand, turns=turns)
     return [f"{dialect.comment}P{number}: {t:.4f} s, {name}: {joints}", made]
 
 
@@ -174,10 +175,12 @@ def _turns(motion: Motion, own: FloatArray) -> int:
 def _leg(motion: Motion, world: World, dialect: Dialect, number: int, leg: Leg) -> list[str]:
     from assur.planner.legs.tool_motion import tool_peaks
     from assur.planner.model.outcome import TRACKING, Course, LegKind
-    from assur.planner.model.scene import Trace
+    from assur.planner.model.scene import Pick, Place, Trace
 
     scene, trajectory, step = motion.cell.scene, motion.plan.trajectory, motion.cell.scene.task[leg.step]
     told = [f"{dialect.comment}{leg.kind} for {step.name}, {leg.t0:.4f} to {leg.t1:.4f} s"]
+    if leg.kind is LegKind.FOLLOW and isinstance(step, Pick | Place):
+        told.append(f"{dialect.comment}  {'close' if isinstance(step, Pick) else 'open'} the gripper here")
     if leg.kind is LegKind.WAIT or (leg.kind is LegKind.FOLLOW and not _moves(world, leg)):
         return [*told, dialect.wait.format(s=leg.t1 - leg.t0)]
     if leg.kind in TRACKING and _frame_moves(motion, leg):

@@ -28,9 +28,10 @@ class ExportDocument(Document):
 @with_config(CLOSED)
 class JerkProved(TypedDict):
     """The highest jerk of a joint (null: parabolic blends have no bound), the limit against which it is proved, and the
-    limit of the request; rad/s³ or m/s³."""
+    limit of the request; in `unit`."""
 
     joint: Text
+    unit: Literal["rad/s³", "m/s³"]
     highest: Number | None
     limit: Number
     of_request: Number

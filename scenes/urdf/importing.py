@@ -256,6 +256,13 @@ class _Import:
             if part.hull is not None:
                 count, far = covers.get(part.source, (0, 0.0))
                 covers[part.source] = (count + 1, max(far, part.excess_m))
+        tight = self.wanted.covering.tight_m
+        self.remarks += [
+            f"{of}: its hulls reach {1e3 * far:.1f} mm out of the mesh, more than the {1e3 * tight:g} mm of "
+            f"--tolerance-mm, for it may have {self.wanted.covering.most} of them (--hulls)"
+            for of, (_, far) in covers.items()
+            if far > tight
+        ]
         text = self._text(tuple(bodies), tuple(pairs), about=self._about(digest), solids=self._of_solids(covers)).text()
         report = {
             "name": self.name,
@@ -363,7 +370,7 @@ class _Import:
         for part in parts:
             part.pose[:3, 3] += at
         self.remarks.append(
-            f"{solid.where}: covered by {len(parts)} upright cylinders on {carrier.name}, which hold it at every angle"
+            f"{solid.where}: covered by upright cylinders ({len(parts)}) on {carrier.name}, which hold it at any angle"
         )
         return parts
 
