@@ -116,6 +116,38 @@ def test_a_fault_of_the_text_is_told_at_its_line(studio: Opened) -> None:
     assert page.locator("iframe").count() == 0
 
 
+def test_faults_are_told_while_one_writes(studio: Opened) -> None:
+    page = studio.page
+    write(page, "schema: assur/1", "schema: assur/7")
+    page.wait_for_selector("#faults p")
+    assert "assur/1" in page.locator("#faults").inner_text()
+    write(page, "schema: assur/7", "schema: assur/1")
+    assert page.locator("#faults").inner_text() == ""
+
+
+def test_a_text_of_ones_own_is_kept_while_scenarios_are_looked_at(studio: Opened) -> None:
+    page = studio.page
+    write(page, "max_candidates: 300", "max_candidates: 30")
+    assert page.locator("#scenario").input_value() == ""
+    page.select_option("#scenario", "shut-gate")
+    studio.until(OTHER)
+    page.select_option("#scenario", "")
+    assert "max_candidates: 30" in page.input_value("#text")
+    assert "dial" in page.input_value("#text")
+
+
+def test_an_answer_to_another_text_is_marked(studio: Opened) -> None:
+    page = studio.page
+    write(page, "max_candidates: 300", "max_candidates: 30")
+    plan(studio)
+    assert page.locator("figcaption strong").inner_text() == "demo, changed 1"
+    assert not page.locator(".stale").is_visible()
+    write(page, "max_candidates: 30", "max_candidates: 31")
+    assert page.locator(".stale").is_visible()
+    write(page, "max_candidates: 31", "max_candidates: 30")
+    assert not page.locator(".stale").is_visible()
+
+
 def test_a_plan_is_called_off(studio: Opened, service: httpx.Client) -> None:
     page = studio.page
     write(page, "max_candidates: 300", "max_candidates: 100000")
@@ -125,6 +157,7 @@ def test_a_plan_is_called_off(studio: Opened, service: httpx.Client) -> None:
     studio.until(IDLE)
     assert page.locator("iframe").count() == 0
     assert page.locator("#faults").inner_text() == ""
+    assert page.locator("#note").inner_text().startswith("Cancelled after ")
     assert service.get("/readyz").status_code == 200
 
 

@@ -5,6 +5,9 @@ const text = find("text");
 let running = null; // the job that is worked on: { address, stop }
 let shown = null; // the answer that is shown: { name, request, answer, page, text, figure }
 let planned = 0;
+let basis = ""; // the scenario that was chosen last
+let own = null; // the text that was written here, once there is one
+let written = 0; // counts what changes the text
 
 class Refused extends Error {
   constructor(problem) {
@@ -75,7 +78,40 @@ function tellFaults(problem) {
 
 function forget() {
   find("faults").replaceChildren();
+  find("note").textContent = "";
   number();
+}
+
+// What is written is kept as the text of one's own, so that choosing a scenario loses nothing.
+function changed() {
+  own = text.value;
+  find("scenario").value = "";
+  forget();
+  tellStale();
+  examine();
+}
+
+function nameOf() {
+  return find("scenario").value || (basis ? `${basis}, changed` : "own text");
+}
+
+// Whether the answer that is shown is of the text as it is now.
+function tellStale() {
+  if (shown) shown.stale.hidden = shown.text === text.value;
+}
+
+// Faults are told while one writes, once nothing has been typed for a moment.
+const MOMENT_MS = 600;
+async function examine() {
+  const of = (written += 1);
+  await new Promise((resolve) => setTimeout(resolve, MOMENT_MS));
+  if (of !== written || running) return;
+  try {
+    await ask("v1/scenes/parse", { text: text.value });
+  } catch (error) {
+    if (!(error instanceof Refused)) throw error;
+    if (of === written && !running) tellFaults(error.problem);
+  }
 }
 
 // ---- planning ---------------------------------------------------------------------------------------------------
@@ -159,19 +195,25 @@ async function searched(request, job) {
 async function plan() {
   if (running) return;
   forget();
-  const written = text.value;
+  written += 1; // what is examined now is of no use any more
+  const [given, name, begun] = [text.value, nameOf(), Date.now()];
   busy(true);
   try {
-    const { request, about } = await (await ask("v1/scenes/parse", { text: written })).json();
+    const { request, about } = await (await ask("v1/scenes/parse", { text: given })).json();
     const told = await (await ask("v1/jobs", request)).json();
     running = { address: `v1/jobs/${told.id}` };
     const answer = await searched(request, running);
-    if (answer === null) return;
+    if (answer === null) {
+      const after = ((Date.now() - begun) / 1000).toFixed(1);
+      find("note").textContent = `Cancelled after ${after} s; no plan is kept. To end sooner with the best plan that is `
+        + "found, set a smaller budget_s or max_candidates.";
+      return;
+    }
     tellProgress("Drawing", null, []);
     planned += 1;
-    const title = `${find("scenario").value || "scenario"} ${planned}`;
+    const title = `${name} ${planned}`;
     const page = await (await ask("v1/plans/report", { request, plan: answer, title, about })).text();
-    show({ name: title, title, about, request, answer, page, text: written });
+    show({ name: title, title, about, request, answer, page, text: given });
   } catch (error) {
     if (!(error instanceof Refused)) throw error;
     tellFaults(error.problem);
@@ -212,6 +254,9 @@ function show(made) {
   const { answer } = made;
   const what = document.createElement("span");
   what.textContent = answer.status === "planned" ? `planned, ${answer.duration_s.toFixed(3)} s` : answer.sentence;
+  const stale = document.createElement("span");
+  stale.className = "stale";
+  stale.textContent = "The text has changed since.";
   const space = document.createElement("span");
   space.className = "space";
   const close = document.createElement("button");
@@ -221,13 +266,14 @@ function show(made) {
     if (shown !== null && shown.figure === figure) shown = null;
     settle();
   });
-  caption.append(name, what, space, close);
+  caption.append(name, what, stale, space, close);
   const frame = document.createElement("iframe");
   frame.title = `Answer to ${made.name}`;
   frame.srcdoc = made.page;
   figure.append(caption, frame);
   find("answers").append(figure);
-  shown = { ...made, figure, kept: false };
+  shown = { ...made, figure, stale, kept: false };
+  tellStale();
   settle();
 }
 
@@ -312,13 +358,17 @@ async function save() {
 
 async function choose() {
   const name = find("scenario").value;
-  if (!name) return;
-  text.value = await (await ask(`v1/scenes/${name}/text`)).text();
+  written += 1;
+  if (name) {
+    text.value = await (await ask(`v1/scenes/${name}/text`)).text();
+    basis = name;
+  } else text.value = own === null ? text.value : own;
   text.scrollTop = 0;
   forget();
+  tellStale();
 }
 
-text.addEventListener("input", () => forget());
+text.addEventListener("input", changed);
 text.addEventListener("scroll", () => (find("lines").scrollTop = text.scrollTop));
 find("plan").addEventListener("click", plan);
 find("cancel").addEventListener("click", cancel);

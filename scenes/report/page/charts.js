@@ -151,14 +151,15 @@ export class Chart {
 
 const ORDERS = ["position", "velocity", "acceleration", "jerk"];
 const KEYS = [null, "velocity", "acceleration", "jerk"];
-const ANGLES = ["°", "°/s", "°/s²", "°/s³"];
+const ANGLES = ["°", "°/s", "°/s²", "k°/s³"];
 const LENGTHS = ["mm", "mm/s", "m/s²", "m/s³"];
 
 export const jointColour = (number) => `--joint-${number % 6}`;
 
 // A value of a joint or of a derivative as people read it.
 export function jointText(unit, order, value) {
-  const [factor, digits] = unit === "rad" ? [180 / Math.PI, order ? 0 : 1] : [order < 2 ? 1000 : 1, order === 1 ? 0 : 1];
+  const turn = 180 / Math.PI / (order === 3 ? 1000 : 1);
+  const [factor, digits] = unit === "rad" ? [turn, order ? 0 : 1] : [order < 2 ? 1000 : 1, order === 1 ? 0 : 1];
   const rounded = Number((factor * value).toFixed(digits)) + 0;
   return `${rounded.toFixed(digits)} ${(unit === "rad" ? ANGLES : LENGTHS)[order]}`;
 }
@@ -209,8 +210,9 @@ function clearanceChart(tracks) {
     if (last && last.value === 1000 * required[k] && last.to === times[k]) last.to = times[k + 1];
     else bands.push({ from: times[k], to: times[k + 1], value: 1000 * required[k], colour: "--forbidden" });
   }
+  const cut = 1000 * Math.max(...gaps) > high ? `, up to ${Number(high.toPrecision(3))}` : "";
   return {
-    title: "Clearance of the nearest pair, mm",
+    title: `Clearance of the nearest pair, mm${cut}`,
     unit: "mm",
     low: Math.min(0, 1000 * least),
     high,
