@@ -84,7 +84,7 @@ def test_a_plan_with_a_digest_says_that_it_was_not_checked(files: tuple[Path, Pa
     brief = plan_document(FIRST_PLAN, certificate="digest")
     answer.write_text(json.dumps(brief))
     assert run("report", str(request), str(answer), "--out", str(out))[0] == RIGHT
-    assert "not asked" in out.read_text(encoding="utf-8")
+    assert "the plan was not checked" in out.read_text(encoding="utf-8")
 
 
 def test_wrong_files_are_named(files: tuple[Path, Path, Path], tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import { Renderer } from "./renderer.js";
 import { census, Timeline } from "./timeline.js";
 import { Tracks } from "./tracks.js";
 
-// A frame that takes longer than this on average, s, is drawn with fewer pixels while it plays; so few at the least.
+// Frames that take longer than this on average, s, have fewer pixels while the motion plays; so few at the least.
 const SLOW_S = 0.045;
 const LEAST_SHARE = 0.4;
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2];
