@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from assur.api.cli import console_report, ik_report, limits_report, plan_files, report_file, robots_group, trajectories
-from assur.api.cli.border import RIGHT, WRONG, AsJson, bordered, say, show, show_json, writable
+from assur.api.cli.border import RIGHT, WRONG, AsJson, bordered, say, show, show_json, telling, writable
 from assur.api.cli.cell_reading import announce_compilation, read_cell
 from assur.api.cli.inputs import (
     STANDARD,
@@ -229,12 +229,18 @@ def kernels(
         show(f"kernels are compiled, in {compiled_kernels.folder()}")
         return RIGHT
     announce_compilation()
-    loaded = compiled_kernels.load()
+    with telling(_how_many_kernels):
+        loaded = compiled_kernels.load()
     show(
         f"{loaded.count} kernels, {len(loaded.compiled)} compiled now, {loaded.seconds:.1f} s, in {loaded.folder}",
         *loaded.compiled,
     )
     return WRONG if check and loaded.compiled else RIGHT
+
+
+def _how_many_kernels() -> str:
+    done, there = compiled_kernels.counted()
+    return f"{done} of {there} kernels are compiled"
 
 
 @app.command("fit-limits")

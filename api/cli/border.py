@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any, ParamSpec
@@ -20,6 +22,9 @@ from assur.planner.errors import FaultError, InputError
 
 RIGHT, WRONG, BAD_INPUT, FAULT = 0, 1, 2, 3
 INTERRUPTED, PIPE_CLOSED = 128 + signal.SIGINT, 128 + signal.SIGPIPE
+
+TOLD_S = 10.0
+"""How often it is said how far something long is."""
 
 P = ParamSpec("P")
 
@@ -61,6 +66,24 @@ def say(text: str, code: int = RIGHT, line: int | None = None) -> int:
     at = "" if line is None else f"line {line}: "
     sys.stderr.write(f"assur: {at}{printable(text, 2500)}\n")
     return code
+
+
+@contextmanager
+def telling(how_far: Callable[[], str]) -> Iterator[None]:
+    """Says on standard error how far something long is, every `TOLD_S` while the block runs."""
+    ended = threading.Event()
+
+    def tell() -> None:
+        while not ended.wait(TOLD_S):
+            say(how_far())
+
+    teller = threading.Thread(target=tell, daemon=True)
+    teller.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        teller.join()
 
 
 def writable(out: Path | None, option: str = "--out") -> None:

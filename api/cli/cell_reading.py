@@ -24,4 +24,4 @@ def read_cell(given: Target) -> Cell:
 def announce_compilation() -> None:
     """Says, once, that the first command of an installation takes longer, and why."""
     if not compiled_kernels.is_compiled():
-        say(f"compiling the planner's kernels once, about a minute; they are kept in {compiled_kernels.folder()}")
+        say(f"compiling the planner's kernels once, one to five minutes; they are kept in {compiled_kernels.folder()}")
