@@ -27,7 +27,7 @@ def test_how_far_it_is_is_said_until_it_ends(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(border, "TOLD_S", 0.01)
-    said = []
+    said: list[int] = []
 
     def how_far() -> str:
         said.append(len(said))
