@@ -7,6 +7,7 @@ dyad; the search for the earliest meeting then only has to ask Ruckig.
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -174,7 +175,7 @@ def _refused(scene: Scene, point: ControlPoint, lead: float, mode: int, looked: 
     assembled, safe, slow = verdicts != NOWHERE, (verdicts == FAST) | (verdicts == LEGAL), verdicts == LEGAL
     if not assembled.any():
         known = np.asarray(np.isfinite(looked.targets[:, 0, :3]).all(-1))
-        return _unreachable(scene, point, looked, robot.modes[mode], known)
+        return _unreachable(scene, point, looked, mode, known)
     if not safe.any():
         best = looked.near(assembled, scene.options.singularity_margin)
         return best.refusal(Stage.INVERSE, point.step, _span(t), mode=robot.modes[mode])
@@ -189,14 +190,24 @@ def _span(t: FloatArray) -> tuple[float, float]:
     return float(t[0]), float(t[-1])
 
 
-def _unreachable(scene: Scene, point: ControlPoint, looked: _Evaluated, mode: str, known: BoolArray) -> Refusal:
-    t = looked.t
+def _unreachable(scene: Scene, point: ControlPoint, looked: _Evaluated, number: int, known: BoolArray) -> Refusal:
+    t, robot = looked.t, scene.robot
+    mode = robot.modes[number]
     if not known.any():
         law = scene.frames[point.frame].law
         return law_ends(Stage.INVERSE, point.step, point.frame, law.valid, float(t[0]), interval=_span(t))
     worst = looked.codes[known]
     if (worst == Code.OUT_OF_REACH).all():
-        return out_of_reach(Stage.INVERSE, point.step, interval=_span(t), facts=OutOfReach(mode=mode))
+        short = math.nan
+        if "z" in robot.coordinates:  # else what is missing may be the height
+            short = -float(robot.reach_margin(point.entered(t[known]), number).max())
+        return out_of_reach(
+            Stage.INVERSE,
+            point.step,
+            short_m=short if short > 0.0 else math.nan,
+            interval=_span(t),
+            facts=OutOfReach(mode=mode),
+        )
     parallel = looked.codes == Code.PARALLEL
     if parallel.any():
         best = looked.near(parallel, 0.0)

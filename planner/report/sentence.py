@@ -219,6 +219,8 @@ def _out_of_reach(stage: Stage, facts: OutOfReach, short: str) -> str:
     if facts.from_axis_m is not None:
         pitch = "" if facts.pitch_rad is None else f", with the tool at a pitch of {amount(facts.pitch_rad, 'rad')}"
         return f"{what}: the flange would be {_mm(facts.from_axis_m)} from the arm's axis{pitch}"
+    if stage is Stage.INVERSE and short:
+        what = f"the point stays at least {short} out of reach at all times at which it may be met"
     return f"{what}{_mode(facts.mode)}"
 
 

@@ -198,6 +198,10 @@ RANGE = ForbiddenYaw(first_rad=math.radians(-0.5), last_rad=math.radians(20), ya
 CASES: list[tuple[Refusal, str]] = [
     (of(Reason.OUT_OF_REACH, OutOfReach(mode="left")), "the point is out of reach (mode left)"),
     (
+        of(Reason.OUT_OF_REACH, OutOfReach(mode="left"), Quantity(0.0437, "m")),
+        "the point stays at least 43.7 mm out of reach at all times at which it may be met (mode left)",
+    ),
+    (
         of(Reason.OUT_OF_REACH, OutOfReach(every_pitch=True), Quantity(0.0315, "m")),
         "the point is 31.5 mm out of reach at every pitch of the tool",
     ),

@@ -65,6 +65,7 @@ def test_all_modes_and_turns_within_the_range_are_branches() -> None:
 def test_what_is_out_of_reach_beyond_a_limit_or_near_singular_says_so_with_a_number() -> None:
     far = met(cell(go(0.7, 0.0)))
     assert [refusal.reason for refusal in far.refusals] == [Reason.OUT_OF_REACH] * 2
+    assert amount_of(far.refusals[0]) == pytest.approx(0.1, abs=1e-9)  # beyond 325 and 275 mm
     high = met(cell(go(0.35, 0.2, 0.27)))
     assert {refusal.reason for refusal in high.refusals} == {Reason.JOINT_LIMIT}
     assert high.refusals[0].joint == "z"
