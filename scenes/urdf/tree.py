@@ -65,6 +65,8 @@ class Joint:
     """Multiplier and offset of a joint that mimics another."""
     rpy: tuple[float, ...] = (0.0, 0.0, 0.0)
     """Roll, pitch and yaw of the origin as they are written."""
+    ends: tuple[str, str] = ("limit.lower", "limit.upper")
+    """Whence `lower` and `upper` are."""
 
     @property
     def moves(self) -> bool:
