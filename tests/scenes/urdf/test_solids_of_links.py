@@ -176,8 +176,9 @@ OPEN = ("rrpr, link 3", "rrpr, link 4", "rrpr, tool frame down, link 4", "prrr, 
 @pytest.mark.parametrize("name", OPEN)
 def test_an_open_mesh_that_is_revolved_is_taken_as_its_convex_hull(name: str, tmp_path: Path) -> None:
     low = [[[0, 0, 0], [60, 0, 0], [0, 60, 0]], [[0, 0, 0], [-60, 0, 0], [0, -60, 0]]]
-    small = np.array(low) / 20 + [0, 0, 100.0]
-    sheets = np.concatenate([low, np.array(low) + [0, 0, 200.0], small])  # sheets with nothing between them
+    up = np.array([0.0, 0.0, 100.0])
+    small, high = np.array(low) / 20 + up, np.array(low) + 2 * up
+    sheets = np.concatenate([low, high, small])  # sheets with nothing between them
     text, link = arms(mesh("star.stl", "0.001 0.001 0.001"))[name]
     files = Files(tmp_path).write(text)
     (tmp_path / "star.stl").write_bytes(binary_stl(sheets))
