@@ -11,6 +11,9 @@ from assur.planner.arrays import FloatArray
 from assur.scenes.urdf.refusals import Lack
 from assur.scenes.urdf.tree import Joint, Tree
 
+UNIT = 1e-6
+"""How far the length of an axis may be from 1 without being told."""
+
 
 @dataclass(frozen=True, eq=False)
 class Axis:
@@ -91,10 +94,15 @@ class Chain:
 
 
 def told_of(chain: Chain) -> list[str]:
-    """What is to be said of the links of a chain: which are taken with the base, left out, or without a collision
-    shape."""
+    """What is to be said of a chain: axes that are no unit vectors; links that are taken with the base, left out, or
+    without a collision shape."""
     links, base = chain.tree.links, chain.base
     found = []
+    if long := [f"{each.name} ({each.stretch:.6g})" for each in chain.joints if abs(each.stretch - 1.0) > UNIT]:
+        found.append(
+            f"axes that are not 1 long: {', '.join(long)}; only their directions are taken, so positions are in rad "
+            "and m along them, and nothing is scaled"
+        )
     if taken := [link for link in links if link in chain.beside and links[link]]:
         found.append(f"link {base} has the collision shapes of {', '.join(taken)}, which fixed joints hold to it")
     if lost := [link for link in links if link not in chain.movers and links[link]]:

@@ -8,7 +8,7 @@ import pytest
 
 from assur.scenes.urdf.importing import Wanted, import_robot
 from assur.scenes.urdf.refusals import ImportRefused
-from tests.scenes.urdf.made import FAMILIES, Files
+from tests.scenes.urdf.made import FAMILIES, Files, J, urdf
 
 SCARA = FAMILIES["scara, lift third"][2]
 
@@ -80,3 +80,61 @@ def test_a_switch_that_is_neither_true_nor_false_is_refused(kind: str, value: st
         f"joint a_joint_1: has_{kind}_limits is {word!r} in joint_limits.yaml, and neither true nor false; "
         f"write joint_limits.a_joint_1.has_{kind}_limits: true or false"
     )
+
+
+def swapped(folder: Path, old: str, new: str) -> Files:
+    assert old in SCARA
+    return Files(folder).write(SCARA.replace(old, new, 1))
+
+
+@pytest.mark.parametrize("text", ["6_0", "\u0666", "0x6", "6,5", "1e", "", "nan", "inf", "\u00b2", "6\u00a0"])
+def test_what_is_a_number_to_python_only_is_refused(text: str, tmp_path: Path) -> None:
+    files = swapped(tmp_path, 'velocity="3.0"', f'velocity="{text}"')
+    (found,) = told(files)
+    assert found.startswith(f"joint a_joint_1, limit.velocity: {text!r} is no finite number")
+
+
+@pytest.mark.parametrize("text", ["3", " 3. ", "+3.0", "30e-1", ".3E+1"])
+def test_every_form_of_a_number_is_read(text: str, tmp_path: Path) -> None:
+    files = swapped(tmp_path, 'velocity="3.0"', f'velocity="{text}"')
+    assert "velocity_rad_s: {value: 3.0, " in import_robot(Wanted(files.urdf, files.limits)).text
+
+
+def soft(folder: Path, attributes: str, more: str = "has_position_limits: true") -> Files:
+    joints = [J("revolute", more=f"<safety_controller {attributes}/>"), J("revolute", (0.3, 0, 0))]
+    return limited(folder, more, urdf(*joints, J("prismatic", (0.25, 0, 0), ends=(0.01, 0.2))))
+
+
+def test_soft_limits_narrow_a_range_and_never_widen_it(tmp_path: Path) -> None:
+    found = range_of(soft(tmp_path, 'soft_lower_limit="-1" soft_upper_limit="9" k_velocity="1"'))
+    assert found.startswith("range_rad: {value: [-1.0, 2.5], ")
+    assert found.endswith('"made.urdf, joint a_joint_1, safety_controller.soft_lower_limit, limit.upper"}')
+    found = range_of(soft(tmp_path, 'soft_lower_limit="-9" soft_upper_limit="1.5"'))
+    assert found.startswith("range_rad: {value: [-2.0, 1.5], ")
+    assert "[-2.0, 2.5]" in range_of(soft(tmp_path, 'k_velocity="1"'))
+    assert "[-1.0, 2.0]" in range_of(soft(tmp_path, 'soft_lower_limit="-1"', "max_position: 2"))
+    (lack,) = told(soft(tmp_path, 'soft_lower_limit="0" soft_upper_limit="0"'))
+    assert "its range is 0 to 0 rad" in lack
+    (lack,) = told(soft(tmp_path, 'soft_lower_limit="low"'))
+    assert lack.startswith("joint a_joint_1, soft_lower_limit: 'low' is no finite number")
+
+
+def test_axes_that_are_no_unit_vectors_are_told(tmp_path: Path) -> None:
+    lift = J("prismatic", (0.25, 0, 0), axis=(0, 0, -2), ends=(0.01, 0.2))
+    text = urdf(J("revolute", axis=(0, 0, 0.5)), J("revolute", (0.3, 0, 0)), lift)
+    files = Files(tmp_path).write(text)
+    found = import_robot(Wanted(files.urdf, files.limits))
+    assert [remark for remark in found.report["remarks"] if "axes" in remark] == [
+        "axes that are not 1 long: a_joint_1 (0.5), a_joint_3 (2); only their directions are taken, so positions are "
+        "in rad and m along them, and nothing is scaled"
+    ]
+    assert "range_m: {value: [0.01, 0.2], " in found.text
+    files.write(SCARA)
+    assert not any("axes" in remark for remark in import_robot(Wanted(files.urdf, files.limits)).report["remarks"])
+
+
+def test_numbers_are_parted_by_plain_spaces_only(tmp_path: Path) -> None:
+    (found,) = told(swapped(tmp_path, "0.3 0.0 0.0", "0.3 0.0\u00a00.0"))
+    assert found.startswith("joint a_joint_2, origin.xyz: ")
+    assert "write 3 numbers with spaces between" in found
+    assert range_of(swapped(tmp_path, "0.3 0.0 0.0", " 0.3\t0.0\n0.0 "))
