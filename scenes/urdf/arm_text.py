@@ -40,7 +40,7 @@ class ArmText:
         lines.append("  joints:")
         for i, (name, turns, limits) in enumerate(self.joints):
             unit = "rad" if turns else "m"
-            lines.append(f"    - name: {name}")
+            lines.append(f"    - name: {_flow(name)}")
             if kinematics.signs[i] < 0:
                 lines.append("      sign: -1")
             zero = round_off(kinematics.zeros[i])
@@ -67,15 +67,15 @@ def round_off(value: float) -> float:
 
 
 def _number(number: Number) -> str:
-    return _flow({"value": number.value, "status": number.status, "source": number.source})
+    return f"{{value: {_flow(number.value)}, status: {number.status}, source: {_flow(number.source)}}}"
 
 
 def _flow(value: Any) -> str:
-    """Plain data as YAML in one line."""
+    """Plain data as YAML in one line. Every text is in quotes: some are words of YAML (null, true, on)."""
     if isinstance(value, dict):
         return "{" + ", ".join(f"{key}: {_flow(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list):
         return "[" + ", ".join(_flow(item) for item in value) + "]"
     if isinstance(value, str):
-        return value if value.replace("_", "").replace("-", "").isalpha() else json.dumps(value, ensure_ascii=False)
+        return "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in json.dumps(value, ensure_ascii=False))
     return repr(float(value)) if isinstance(value, float) else str(value)

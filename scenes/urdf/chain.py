@@ -11,6 +11,9 @@ from assur.planner.arrays import FloatArray
 from assur.scenes.urdf.refusals import Lack
 from assur.scenes.urdf.tree import Joint, Tree
 
+UNIT = 1e-6
+"""How far the length of an axis may be from 1 without being told."""
+
 
 @dataclass(frozen=True, eq=False)
 class Axis:
@@ -32,10 +35,11 @@ class Chain:
     joints: tuple[Joint, ...]
 
     def places(self, q: FloatArray) -> dict[str, FloatArray]:
-        """The pose (..., 4, 4) of every link that hangs on the base, in the base's frame, for positions (..., n) of the
-        moving joints in the file's count."""
+        """The pose (..., 4, 4) of every link that hangs on the base or stands still with it, in the base's frame, for
+        positions (..., n) of the moving joints in the file's count."""
         index = {joint.name: i for i, joint in enumerate(self.joints)}
-        found = {self.base: np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))}
+        still = {self.base: np.eye(4), **self.beside}
+        found = {link: np.broadcast_to(pose, (*q.shape[:-1], 4, 4)) for link, pose in still.items()}
         ahead = [self.base]
         while ahead:
             link = ahead.pop()
@@ -56,10 +60,29 @@ class Chain:
         )
 
     @cached_property
+    def beside(self) -> dict[str, FloatArray]:
+        """Links above the base and on other branches that fixed joints hold to it: their poses (4, 4) in its frame."""
+        found: dict[str, FloatArray] = {self.base: np.eye(4)}
+        ahead = [self.base]
+        while ahead:
+            link = ahead.pop()
+            above = self.tree.above(link)
+            near = [] if above is None else [(above.parent, above, np.linalg.inv(above.origin))]
+            if link != self.base:  # what hangs on the base itself is not beside it
+                near += [(joint.child, joint, joint.origin) for joint in self.tree.below(link)]
+            for other, joint, step in near:
+                if joint.kind == "fixed" and other not in found:
+                    found[other] = found[link] @ step
+                    ahead.append(other)
+        del found[self.base]
+        return found
+
+    @cached_property
     def movers(self) -> dict[str, frozenset[int]]:
-        """Which of the moving joints each link moves with."""
+        """Which of the moving joints each link moves with; links that neither hang on the base nor stand still with it
+        are not there."""
         index = {joint.name: i for i, joint in enumerate(self.joints)}
-        found: dict[str, frozenset[int]] = {self.base: frozenset()}
+        found: dict[str, frozenset[int]] = dict.fromkeys((self.base, *self.beside), frozenset())
         ahead = [self.base]
         while ahead:
             link = ahead.pop()
@@ -68,6 +91,31 @@ class Chain:
                 found[joint.child] = found[link] | (frozenset() if i is None else {i})
                 ahead.append(joint.child)
         return found
+
+
+def told_of(chain: Chain) -> list[str]:
+    """What is to be said of a chain: axes that are no unit vectors; links that are taken with the base, left out, or
+    without a collision shape."""
+    links, base = chain.tree.links, chain.base
+    found = []
+    if long := [f"{each.name} ({each.stretch:.6g})" for each in chain.joints if abs(each.stretch - 1.0) > UNIT]:
+        found.append(
+            f"axes that are not 1 long: {', '.join(long)}; only their directions are taken, so positions are in rad "
+            "and m along them, and nothing is scaled"
+        )
+    if taken := [link for link in links if link in chain.beside and links[link]]:
+        found.append(f"link {base} has the collision shapes of {', '.join(taken)}, which fixed joints hold to it")
+    if lost := [link for link in links if link not in chain.movers and links[link]]:
+        found.append(
+            f"LEFT OUT with their collision shapes: {', '.join(lost)}; no fixed joint holds them to link {base}, and "
+            "nothing is kept clear of them: give them as bodies of the request"
+        )
+    if unseen := [link for link in chain.tree.only_seen if link in chain.movers]:
+        shown = ", ".join(unseen[:8])
+        found.append(f"no collision shape, only a visual one: {shown}; nothing is kept clear of these links")
+    if not any(links[link] for link in chain.movers):
+        found.append("no link has a collision shape: NOTHING is kept clear of this arm; add bodies to it")
+    return found
 
 
 def flanges(tree: Tree, base: str, wanted: str | None, hinted: tuple[str, ...]) -> list[str]:

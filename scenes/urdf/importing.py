@@ -27,7 +27,7 @@ from assur.scenes.urdf import agreement, solids
 from assur.scenes.urdf.arm_text import ArmText
 from assur.scenes.urdf.bodies import angles, body_of, free_name, shared_head
 from assur.scenes.urdf.carriers import Carrier, carrier_of, self_pairs
-from assur.scenes.urdf.chain import chain_to
+from assur.scenes.urdf.chain import chain_to, told_of
 from assur.scenes.urdf.limits import Limits, limits_of, read_limits, unused
 from assur.scenes.urdf.mesh_files import mesh_triangles
 from assur.scenes.urdf.recognising import arm_in
@@ -322,11 +322,7 @@ class _Import:
         carried: dict[str, set[str]] = {}
         lacks: list[Lack] = []
         taken: set[str] = set()
-        if unseen := [link for link in self.tree.only_seen if link in self.chain.movers]:
-            shown = ", ".join(unseen[:8])
-            self.remarks.append(f"no collision shape, only a visual one: {shown}; nothing is kept clear of these links")
-        if not any(self.tree.links[link] for link in self.chain.movers):
-            self.remarks.append("no link has a collision shape: NOTHING is kept clear of this arm; add bodies to it")
+        self.remarks += told_of(self.chain)
         for link, movers in self.chain.movers.items():
             for i, solid in enumerate(self.tree.links[link]):
                 several = len(self.tree.links[link]) > 1

@@ -15,7 +15,7 @@ JERK_TIME_S = 0.02
 """Where no jerk is given: the acceleration is reached in this time, as for every shipped robot."""
 JERK_SOURCE = "acceleration / 20 ms, for no maker publishes it"
 KEYS = {"velocity": "max_velocity", "acceleration": "max_acceleration", "jerk": "max_jerk"}
-"""Keys of a joint in joint_limits.yaml; each counts if has_velocity_limits and so on is not false."""
+"""Keys of a joint in joint_limits.yaml; each counts if has_velocity_limits and so on is not there or true."""
 ENDS = ("min_position", "max_position")
 
 
@@ -91,35 +91,63 @@ class _Reader:
         supply = f"give it in --joint-limits as joint_limits.{self.joint.name}.{key}{example}"
         self.lacks.append(Lack(f"joint {self.joint.name}", what, supply))
 
-    def _of_urdf(self, value: float | list[float], what: str) -> Number:
+    def _of_urdf(self, value: float, what: str) -> Number:
         return Number(value, self.status, f"{self.urdf}, joint {self.joint.name}, {what}")
 
-    def _of_file(self, value: float | list[float], what: str) -> Number:
+    def _of_file(self, value: float, what: str) -> Number:
         return Number(value, self.status, f"{self.file}, joint_limits.{self.joint.name}.{what}")
 
     def _named(self, key: str, switch: str) -> float | None:
         """A number of the file of limits; None where it is not given or switched off."""
         value, unit = self.given.get(key), "rad" if self.joint.kind != "prismatic" else "m"
-        if value is None or self.given.get(switch) is False:
+        on = self.given.get(switch, True)
+        if not isinstance(on, bool):
+            what = f"{switch} is {str(on)[:40]!r} in {self.file}, and neither true nor false"
+            lack = Lack(
+                f"joint {self.joint.name}", what, f"write joint_limits.{self.joint.name}.{switch}: true or false"
+            )
+            if lack not in self.lacks:
+                self.lacks.append(lack)
+            return None
+        if value is None or not on:
             return None
         if isinstance(value, bool) or not isinstance(value, int | float):
             self._lack(f"{key} is {str(value)[:40]!r} in {self.file}, and no number", key, f" ({unit}, s)")
             return None
         return float(value)
 
-    def _range(self) -> Number | None:
-        joint, unit = self.joint, "m" if self.joint.kind == "prismatic" else "rad"
-        ends = [self._named(key, "has_position_limits") for key in ENDS]
-        lower, upper = ends
-        if lower is not None and upper is not None:
-            found = self._of_file([lower, upper], "min_position, max_position")
-        elif joint.lower is None or joint.upper is None or joint.kind == "continuous":
-            what = "it turns without end (type continuous)" if joint.kind == "continuous" else "no limit in the URDF"
-            self._lack(f"{what}, and our arms have ranges", "min_position", f" and max_position ({unit})")
+    def _end(self, key: str) -> float | None:
+        """An end of the range in the file of limits; one that is given and switched off at once is refused, for MoveIt
+        takes it all the same."""
+        switch = "has_position_limits"
+        if self.given.get(key) is not None and self.given.get(switch) is False:
+            what = f"{switch} is false in {self.file}, and {key} is given"
+            self._lack(what, key, f", and {switch}: true; or remove {key}, and the URDF's end is taken")
             return None
-        else:
-            lower, upper = joint.lower, joint.upper
-            found = self._of_urdf([lower, upper], "limit.lower, limit.upper")
+        return self._named(key, switch)
+
+    def _range(self) -> Number | None:
+        """Both ends, each by itself as MoveIt takes them: the file's of limits, or else the URDF's."""
+        joint, unit = self.joint, "m" if self.joint.kind == "prismatic" else "rad"
+        own = [None if joint.kind == "continuous" else end for end in (joint.lower, joint.upper)]
+        ends: list[float] = []
+        sources: dict[str, list[str]] = {}
+        for key, said, end in zip(ENDS, joint.ends, own, strict=True):
+            given = self._end(key)
+            if given is None and end is None:
+                if not self.lacks:
+                    turns = "it turns without end (type continuous)"
+                    what = turns if joint.kind == "continuous" else "no limit in the URDF"
+                    self._lack(f"{what}, and our arms have ranges", "min_position", f" and max_position ({unit})")
+                return None
+            ends.append(given if given is not None else end or 0.0)
+            urdf, file = f"{self.urdf}, joint {joint.name}, ", f"{self.file}, joint_limits.{joint.name}."
+            where = urdf if given is None else file
+            sources.setdefault(where, []).append(said if given is None else key)
+        if self.lacks:
+            return None
+        lower, upper = ends
+        found = Number(ends, self.status, "; ".join(where + ", ".join(keys) for where, keys in sources.items()))
         if not lower < upper:
             what = f"its range is {lower:g} to {upper:g} {unit}"
             self._lack(what, "min_position", f" and max_position ({unit}), the first below the second")
@@ -129,13 +157,14 @@ class _Reader:
     def _rate(self, kind: str) -> Number | None:
         key, unit = KEYS[kind], "m" if self.joint.kind == "prismatic" else "rad"
         unit += "/s" if kind == "velocity" else "/s2"
+        before = len(self.lacks)
         value = self._named(key, f"has_{kind}_limits")
         if value is not None:
             if not value > 0.0:
                 self._lack(f"{key} is {value:g} in {self.file}", key, f", a number above 0 ({unit})")
                 return None
             return self._of_file(value, key)
-        if self.lacks and self.lacks[-1].what.startswith(f"{key} is"):
+        if len(self.lacks) > before:
             return None
         if kind == "velocity":
             value = self.joint.velocity
@@ -148,10 +177,10 @@ class _Reader:
         return None
 
     def _jerk(self, acceleration: Number) -> Number | None:
-        key = KEYS["jerk"]
+        key, before = KEYS["jerk"], len(self.lacks)
         value = self._named(key, "has_jerk_limits")
         if value is None:
-            if any(lack.what.startswith(f"{key} is") for lack in self.lacks):
+            if len(self.lacks) > before:
                 return None
             return Number(float(f"{_single(acceleration.value) / JERK_TIME_S:.12g}"), "estimated", JERK_SOURCE)
         if not value > 0.0:

@@ -71,9 +71,7 @@ def revolved(
     that contain a solid at every angle about it. Raises `Unsuitable`."""
     packages, covering = more
     if solid.kind == "mesh":
-        triangles = mesh_triangles(solid, urdf, packages)
-        if not covering.open_hull:
-            closed(solid.where, triangles)
+        triangles = _closed_or_hull(solid.where, mesh_triangles(solid, urdf, packages), covering)
     else:
         triangles = _around_primitive(solid)
     moved = triangles @ frame[:3, :3].T + frame[:3, 3]
@@ -170,6 +168,21 @@ def _hulls(where: str, triangles: FloatArray, covering: Covering) -> tuple[list[
         return [hull_of(triangles.reshape(-1, 3))], 0.0
     cover = solid_cover(surface, further, covering.tight_m, covering.most)
     return list(cover.hulls), cover.excess_m
+
+
+def _closed_or_hull(where: str, triangles: FloatArray, covering: Covering) -> FloatArray:
+    """Triangles (f, 3, 3) as they are if they are closed, else those of their convex hull, if that is allowed: without
+    it nothing says what is between them. Raises `Unsuitable`."""
+    from assur.scenes.meshes.hull import hull_of
+
+    try:
+        closed(where, triangles)
+    except Unsuitable:
+        if not covering.open_hull:
+            raise
+        hull = hull_of(triangles.reshape(-1, 3))
+        return hull.vertices[hull.faces]
+    return triangles
 
 
 def _slices(triangles: FloatArray, tight: float) -> list[tuple[float, float, float]]:

@@ -65,6 +65,10 @@ class Joint:
     """Multiplier and offset of a joint that mimics another."""
     rpy: tuple[float, ...] = (0.0, 0.0, 0.0)
     """Roll, pitch and yaw of the origin as they are written."""
+    ends: tuple[str, str] = ("limit.lower", "limit.upper")
+    """Whence `lower` and `upper` are."""
+    stretch: float = 1.0
+    """Length of the axis as it is written."""
 
     @property
     def moves(self) -> bool:
@@ -260,13 +264,14 @@ def _joint(element: Element, i: int, links: dict[str, tuple[Solid, ...]], angle:
         if link not in links:
             raise Unsuitable(where, f"its {end} {link!r} is no link of the file", "name a link that is there")
         ends.append(link)
-    axis = np.array([1.0, 0.0, 0.0])
+    axis, stretch = np.array([1.0, 0.0, 0.0]), 1.0
     along = element.find("axis")
     if along is not None and kind != "fixed":
         axis = np.array(numbers(along.get("xyz"), 3, f"{where}, axis"))
-        if not np.linalg.norm(axis) > 1e-9:
+        stretch = float(np.linalg.norm(axis))
+        if not stretch > 1e-9:
             raise Unsuitable(f"{where}, axis", "no direction", "write a direction that is not 0 0 0")
-        axis /= np.linalg.norm(axis)
+        axis /= stretch
     limit, mimic = element.find("limit"), element.find("mimic")
     given = {} if limit is None else limit.attrib
     lower, upper, velocity = (
@@ -274,6 +279,7 @@ def _joint(element: Element, i: int, links: dict[str, tuple[Solid, ...]], angle:
     )
     if limit is not None and kind in ("revolute", "prismatic"):
         lower, upper = lower or 0.0, upper or 0.0  # both are 0 where the file is silent, by the format
+    lower, upper, whence = _narrower(element, where, lower, upper)
     mimics = None if mimic is None else mimic.get("joint") or "?"
     silent = (("multiplier", 1.0), ("offset", 0.0))
     slope, offset = (v if mimic is None else number(mimic.get(key), f"{where}, mimic.{key}", v) for key, v in silent)
@@ -282,7 +288,25 @@ def _joint(element: Element, i: int, links: dict[str, tuple[Solid, ...]], angle:
     rpy = rest if placed is None else numbers(placed.get("rpy"), 3, f"{where}, origin.rpy", rest)
     parent, child = ends
     known: JointType = kind  # type: ignore[assignment]
-    return Joint(name, known, parent, child, origin, axis, lower, upper, velocity, mimics, (slope, offset), rpy)
+    limits = lower, upper, velocity
+    return Joint(name, known, parent, child, origin, axis, *limits, mimics, (slope, offset), rpy, whence, stretch)
+
+
+def _narrower(
+    element: Element, where: str, lower: float | None, upper: float | None
+) -> tuple[float | None, float | None, tuple[str, str]]:
+    """The ends of a joint's range, with those of its safety controller where they are narrower, and whence each is."""
+    safety = element.find("safety_controller")
+    low, high = (
+        None if safety is None or key not in safety.attrib else number(safety.get(key), f"{where}, {key}")
+        for key in ("soft_lower_limit", "soft_upper_limit")
+    )
+    first, second = "limit.lower", "limit.upper"
+    if low is not None and lower is not None and low > lower:
+        lower, first = low, "safety_controller.soft_lower_limit"
+    if high is not None and upper is not None and high < upper:
+        upper, second = high, "safety_controller.soft_upper_limit"
+    return lower, upper, (first, second)
 
 
 def _solids(element: Element, link: str, angle: Callable[[float], float]) -> list[Solid]:

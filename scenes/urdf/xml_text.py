@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING
 from xml.etree.ElementTree import ParseError
 
@@ -22,6 +23,9 @@ MAX_ELEMENTS = 100_000
 """Elements of it."""
 FARTHEST = 1e6
 """Largest number that is read, SI; above it a unit was mistaken."""
+
+NUMBER = re.compile(r"\s*[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?\s*", re.ASCII)
+"""A number as the readers of ROS take it. Python's own reading takes 6_0 for 60, and digits of every script."""
 
 
 def parse_xml(content: bytes, name: str, root: str) -> Element:
@@ -56,10 +60,7 @@ def number(text: str | None, where: str, silent: float | None = None) -> float:
     """A finite number from an attribute; `silent` where the attribute is not there. Raises `Unsuitable`."""
     if text is None and silent is not None:
         return silent
-    try:
-        value = float(text or "")
-    except ValueError:
-        value = math.nan
+    value = float(text) if text is not None and NUMBER.fullmatch(text) else math.nan
     if not abs(value) <= FARTHEST:
         shown = "nothing" if text is None else repr(text[:40])
         raise Unsuitable(where, f"{shown} is no finite number in metres or radians", "write a number")
@@ -70,7 +71,7 @@ def numbers(text: str | None, count: int, where: str, silent: tuple[float, ...] 
     """So many finite numbers, with spaces between, from an attribute. Raises `Unsuitable`."""
     if text is None and silent is not None:
         return silent
-    parts = (text or "").split()
+    parts = re.findall(r"[^ \t\r\n]+", text or "")
     if len(parts) != count:
         raise Unsuitable(where, f"{(text or 'nothing')[:40]!r}", f"write {count} numbers with spaces between")
     return tuple(number(part, where) for part in parts)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 import yourdfpy
 
-from assur.scenes.urdf.importing import Wanted, import_robot
+from assur.scenes.urdf.importing import Wanted, import_robot, write
 from assur.scenes.urdf.refusals import ImportRefused
 from assur.scenes.urdf.tree import read_tree
 from tests.scenes.meshes.solids import SOLIDS, binary_stl
@@ -184,3 +186,30 @@ def test_packages_are_found_side_by_side_and_others_are_asked_for(tmp_path: Path
     object.__setattr__(alone, "urdf", tmp_path / "uncalled" / "macros" / "arm.xacro")
     (found,) = told(alone)
     assert "a xacro file that only defines macros has none: give the file that calls them" in found
+
+
+@pytest.mark.parametrize("word", ["null", "true", "True", "False", "no", "on", "y", "1e3", "nan", "12"])
+def test_names_that_are_words_of_yaml_are_read_back(word: str, tmp_path: Path) -> None:
+    shape = f"<collision>{box(0.1, 0.1, 0.1)}</collision>"
+    text = SCARA.replace('"made"', f'"{word}"').replace('"a_joint_1"', f'"{word}"').replace('"l1"', f'"{word}"')
+    text = text.replace(f'<link name="{word}"></link>', f'<link name="{word}">{shape}</link>')
+    text = re.sub(r"a_joint_(\d)", r"j\1", text)
+    files = Files(tmp_path).write(text)
+    limits = files.limits.read_text().replace("a_joint_1", f'"{word}"')
+    files.limits.write_text(re.sub(r"a_joint_(\d)", r"j\1", limits))
+    found = import_robot(Wanted(files.urdf, files.limits))
+    write(found, tmp_path / "robot.yaml")
+    read = yaml.safe_load((tmp_path / "robot.yaml").read_text())["scara"]  # as another reader has it
+    first = word if word.isalpha() else "j1"
+    assert [joint["name"] for joint in read["joints"]] == [first, "j2", "j3", "j4"]
+    assert read["name"] == found.name == word.lower()
+    assert [body["name"] for body in read["bodies"]["value"]] == [word if word.isalpha() else f"link-{word}"]
+    assert read["title"] == f"{word}, imported from made.urdf"
+
+
+def test_a_name_with_characters_that_cannot_be_printed_is_read_back(tmp_path: Path) -> None:
+    name = 'a"\u2028\u0085\u007f\u202eb \U0001f600 \\ä'
+    files = Files(tmp_path).write(SCARA.replace('"made"', f"'{name}'"))
+    write(import_robot(Wanted(files.urdf, files.limits)), tmp_path / "robot.yaml")
+    read = yaml.safe_load((tmp_path / "robot.yaml").read_text())["scara"]
+    assert read["title"] == f"{name}, imported from made.urdf"

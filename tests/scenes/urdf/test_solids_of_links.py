@@ -170,6 +170,27 @@ def test_a_mesh_is_in_the_bodies_of_its_link_in_every_position(name: str, tmp_pa
     assert furthest(files, found, link, points, link) <= 1e-9
 
 
+OPEN = ("rrpr, link 3", "rrpr, link 4", "rrpr, tool frame down, link 4", "prrr, link 4", "rrrp, link 3")
+
+
+@pytest.mark.parametrize("name", OPEN)
+def test_an_open_mesh_that_is_revolved_is_taken_as_its_convex_hull(name: str, tmp_path: Path) -> None:
+    low = [[[0, 0, 0], [60, 0, 0], [0, 60, 0]], [[0, 0, 0], [-60, 0, 0], [0, -60, 0]]]
+    up = np.array([0.0, 0.0, 100.0])
+    small, high = np.array(low) / 20 + up, np.array(low) + 2 * up
+    sheets = np.concatenate([low, high, small])  # sheets with nothing between them
+    text, link = arms(mesh("star.stl", "0.001 0.001 0.001"))[name]
+    files = Files(tmp_path).write(text)
+    (tmp_path / "star.stl").write_bytes(binary_stl(sheets))
+    found = import_robot(Wanted(files.urdf, files.limits, covering=Covering(0.005, 6, open_hull=True)))
+    assert any("upright cylinders" in remark for remark in found.report["remarks"])
+    weights = np.random.default_rng(6).dirichlet(np.ones(len(sheets) * 3), 2000)
+    between = weights @ sheets.reshape(-1, 3) * 1e-3
+    corners = sheets.reshape(-1, 3) * 1e-3
+    edges = np.concatenate([(1 - t) * corners[:6] + t * corners[6:12] for t in np.linspace(0, 1, 21)])
+    assert furthest(files, found, link, np.concatenate([between, edges]), link) <= 1e-7
+
+
 def test_a_mirrored_mesh_is_turned_outside_out(tmp_path: Path) -> None:
     text = arms(MESH)["rrpr, link 1"][0].replace('scale="0.001 0.001 0.001"', 'scale="0.001 -0.001 0.001"')
     files = Files(tmp_path).write(text)
