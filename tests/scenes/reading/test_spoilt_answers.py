@@ -43,11 +43,12 @@ def places(value: Any, path: Place = ()) -> Iterator[Place]:
 
 def spoilt(path: Place, value: object) -> Any:
     """The answer with `value` at `path`; whatever is not on the way is shared."""
-    top = here = dict(answer())
+    top: Any = dict(answer())
+    here = top
     for part in path[:-1]:
-        here[part] = copy.copy(here[part])  # type: ignore[index]
-        here = here[part]  # type: ignore[index]
-    here[path[-1]] = value  # type: ignore[index]
+        here[part] = copy.copy(here[part])
+        here = here[part]
+    here[path[-1]] = value
     return top
 
 
@@ -87,13 +88,14 @@ def test_a_report_refuses_what_is_no_answer(path: Place, value: object) -> None:
     if (path, value) == (("contacts",), []):
         assert reported(spoilt(path, value))
         return
-    with pytest.raises(InputError, match=path[0]):
+    with pytest.raises(InputError, match=str(path[0])):
         reported(spoilt(path, value))
 
 
 def test_what_is_in_a_list_is_told_with_its_number() -> None:
     contact = {"bodies": ["a", "b"], "from_s": 0.0, "to_s": 0.1}
-    for value in (None, {}, [], "x"):
+    others: list[object] = [None, {}, [], "x"]
+    for value in others:
         with pytest.raises(InputError) as caught:
             checked(spoilt(("contacts",), [contact, value]))
         assert caught.value.field.startswith("plan.contacts[1]")
