@@ -30,6 +30,8 @@ MAX_JOINTS: Final = 16
 """Joints of an arm."""
 MAX_KNOTS: Final = 50_000
 """Knots of a trajectory in a document."""
+SHORTEST_STEP_S: Final = 1e-9
+"""Between two knots, s: times of ROS are whole nanoseconds. Coefficients of a much shorter quintic overflow."""
 MAX_ROWS: Final = 500_000
 """Rows of a certificate in a document."""
 MAX_TEXT: Final = 4_000

@@ -25,6 +25,8 @@ def lines(name: str, verdict: dict[str, Any]) -> Iterator[Table | str]:
     )
     if verdict["judged_as"] == "travel":
         yield PLAN_HINT
+    if verdict["ends_moving"]:
+        yield "ends moving: nothing after its last point is proved"
     first = verdict["first"]
     if first is not None:
         by = "" if first["amount"] is None else f", by {amount(first['amount'], first['unit'])}"

@@ -40,9 +40,11 @@ def recertified(scene: Scene, plan: Plan, trajectory: Trajectory) -> Plan | Refu
 def unproved(found: Unproved, where: str) -> Finding:
     """A pair that resists a proof, as a finding."""
     one, other = found.bodies
+    place = f"{where}, {found.time:.6g} s"
+    if found.gap > found.required:  # far enough at this instant, and not provably so around it: there is no amount
+        return Finding(Code.SEPARATION, f"{one} and {other} are not shown to stay apart", unit="m", where=place)
     what = f"{one} and {other} " + ("touch" if found.touching else "come nearer than is required")
-    what += "" if found.gap <= found.required else " (or could not be shown not to)"
-    return Finding(Code.SEPARATION, what, found.required - found.gap, "m", f"{where}, {found.time:.6g} s")
+    return Finding(Code.SEPARATION, what, found.required - found.gap, "m", place)
 
 
 def kept_legs(plan: Plan, trajectory: Trajectory) -> tuple[tuple[Leg, ...], tuple[Arrival, ...]]:

@@ -18,7 +18,7 @@ from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import CARRIER, Solids, solids
 from assur.planner.checker.tracking import assembled, pulled, turned_into
 from assur.planner.checker.verdict import Code, Finding
-from assur.planner.checker.world import World
+from assur.planner.checker.world import REST, World
 from assur.planner.collision.nearest import nearest
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved, written
@@ -35,16 +35,19 @@ from assur.planner.trajectory import Trajectory, accepted_bands
 
 NARROW_S = 1e-3
 """s. How near to the first violation its time is told: nothing before that time less this is violated."""
+SETTLING_S = 1e-3
+"""s. How long a motion that ends all but at rest takes to stand."""
 RATES = ("position", "velocity", "acceleration", "jerk")
 
 
 @dataclass(frozen=True, slots=True)
 class First:
-    """What is violated first: `what`, at `time`, by how much; the pair that comes too near, or the joint."""
+    """What is violated first: `what`, at `time`, by how much (None: it is only not shown to be right); the pair that
+    comes too near, or the joint."""
 
     what: str
     time: float
-    amount: float
+    amount: float | None
     unit: str
     bodies: tuple[str, str] | None = None
     joint: int | None = None
@@ -60,12 +63,33 @@ class Judged:
     clearance: Nearest | None
 
 
+def brought_to_rest(trajectory: Trajectory) -> Trajectory:
+    """The motion, and `SETTLING_S` in which what is left of its speed at the end goes, up to `REST`: the standstill
+    behind it is then one. A motion that ends exactly at rest, or clearly in motion, is as it was."""
+    if trajectory.rest_at_end or not ends_at_rest(trajectory):
+        return trajectory
+    still = np.zeros((1, trajectory.n))
+    return Trajectory(
+        np.append(trajectory.time, trajectory.end + SETTLING_S),
+        np.concatenate([trajectory.q, trajectory.q[-1:]]),
+        np.concatenate([trajectory.qd, still]),
+        np.concatenate([trajectory.qdd, still]),
+        jumps=trajectory.jumps,
+    )
+
+
 def travel(scene: Scene, trajectory: Trajectory) -> tuple[Phase, ...]:
-    """The phases of a motion without legs: one in travel, and the standstill behind it that the request asks for."""
+    """The phases of a motion without legs: one in travel, and the standstill behind it that the request asks for, if
+    the motion ends at rest."""
     attached, handled = at_start(scene), handled_at_start(scene)
     one = Phase(trajectory.start, trajectory.end, LegKind.MOVE, 0, attached, handled=handled)
-    rest = stay_phases(scene, trajectory.end, attached, handled) if trajectory.rest_at_end else []
+    rest = stay_phases(scene, trajectory.end, attached, handled) if ends_at_rest(trajectory) else []
     return (one, *(phase for phase in rest if phase.robot))
+
+
+def ends_at_rest(trajectory: Trajectory) -> bool:
+    """Whether the last knot is at rest up to `REST`, as the checker judges the end of a plan."""
+    return bool((np.abs(trajectory.qd[-1]) <= REST).all() and (np.abs(trajectory.qdd[-1]) <= REST).all())
 
 
 @np.errstate(all="ignore")
@@ -75,6 +99,7 @@ def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> Ju
 
     `plan`: whose legs the motion has, and whose arrivals it promises; None: it is one motion in travel.
     """
+    trajectory = brought_to_rest(trajectory)
     legs: tuple[Leg, ...] = (Leg(LegKind.MOVE, 0, trajectory.start, trajectory.end),)
     arrivals: tuple[Arrival, ...] = ()
     if plan is None:
@@ -96,12 +121,14 @@ def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> Ju
         earliest = _earliest(prover, *resisted, trajectory)
         findings = limits(World(scene, made), blended=trajectory.jumps)
         findings.append(unproved(earliest, "travel" if plan is None else resisted[0].kind))
-        amount = earliest.required - earliest.gap
+        amount = None if earliest.gap > earliest.required else earliest.required - earliest.gap
         first.append(First(findings[-1].what, earliest.time, amount, "m", earliest.bodies))
     elif plan is None:
         findings = _in_travel(scene, made, of_motion)
     else:
         findings = list(check(scene, made).findings)
+    if plan is None:
+        findings += _still_moving(scene, trajectory)
     found = [each for each in first if each is not None]
     clearance = nearest(prover, trajectory, of_motion)
     return Judged(tuple(findings), min(found, key=_when, default=None), clearance)
@@ -122,6 +149,15 @@ def _in_travel(scene: Scene, made: Plan, of_motion: tuple[Phase, ...]) -> list[F
     findings += _unknown(scene, table, of_motion)
     apart = Apart.of(scene, of_motion, table, world.tables)
     return findings + apart.found(made.certificate, -np.inf)[0] + enclosed(world, apart)
+
+
+def _still_moving(scene: Scene, trajectory: Trajectory) -> list[Finding]:
+    """A finding for a motion that is to end at rest and does not: nobody knows where the arm is after its end."""
+    if scene.options.end != "rest" or ends_at_rest(trajectory):
+        return []
+    fastest = max(float(np.abs(rate[-1]).max()) for rate in (trajectory.qd, trajectory.qdd))
+    what = "the last point is not at rest: nothing after the end is proved"
+    return [Finding(Code.END, what, fastest - REST, "1/s, 1/s²", f"{trajectory.end:.6g} s")]
 
 
 def _earliest(prover: Prover, phase: Phase, resisted: Unproved, trajectory: Trajectory) -> Unproved:
@@ -168,6 +204,8 @@ def _beyond(scene: Scene, own: Limits, trajectory: Trajectory, low: int, high: i
     over = max(float(most[joint] - bands[kind, 1, joint]), float(bands[kind, 0, joint] - least[joint]))
     unit = ("rad" if scene.robot.joints[joint].kind == "revolute" else "m") + ("", "/s", "/s²", "/s³")[kind]
     what = f"{scene.robot.joints[joint].name} breaks its {RATES[kind]} limit"
+    if kind and getattr(own, RATES[kind])[joint] != getattr(scene.robot.limits, RATES[kind])[joint]:
+        what += " with the load that is carried"
     return First(what, float(trajectory.time[low]), over, unit, joint=joint)
 
 

@@ -18,8 +18,8 @@ from assur.planner.trajectory import Trajectory
 NANO = 1e-9
 SHORTEST_TICK_S, LONGEST_TICK_S = 1e-4, 0.1
 """s. Below, the numbers of knots say nothing of the jerk any more; above, nothing is left of the motion."""
-MOST_KNOTS = 100_000
-"""Knots that a motion may have on a grid."""
+MOST_KNOTS = 50_000
+"""Knots that a motion may have on a grid: what readers of trajectories take."""
 ROUNDING = 1e-9
 """Of a tick: how much earlier than a tick a motion may end to end with it."""
 
@@ -58,8 +58,9 @@ def on_ticks(scene: Scene, plan: Plan, tick_s: float) -> Trajectory:
         )
         raise InputError("tick_s", tick_s, allowed)
     count = max(1, math.ceil(trajectory.duration / tick_s - ROUNDING))
-    if count > MOST_KNOTS:
-        raise InputError("tick_s", tick_s, f"at most {MOST_KNOTS} ticks; this motion lasts {trajectory.duration:g} s")
+    if count >= MOST_KNOTS:
+        allowed = f"a tick with at most {MOST_KNOTS} points; this motion lasts {trajectory.duration:g} s"
+        raise InputError("tick_s", tick_s, allowed)
     time: FloatArray = trajectory.start + tick_s * np.arange(count + 1, dtype=np.float64)
     if not trajectory.rest_at_end:
         time[-1] = trajectory.end
@@ -113,7 +114,7 @@ def legs_on(plan: Plan, made: Trajectory) -> tuple[Leg, ...]:
     """The legs of a plan on a motion that has the same course through other knots.
 
     A wait lasts as long as the new motion stands in it; one in which it never stands is none. A motion that ends later
-    than the plan's comes to rest on a way of its own.
+    than the plan's comes to rest on a way of its own. Raises `InputError` for a plan without legs.
     """
     rates = _rates(made)
     standing = ~(np.diff(made.q, axis=0).any(1) | rates[:-1] | rates[1:])
@@ -132,6 +133,8 @@ def legs_on(plan: Plan, made: Trajectory) -> tuple[Leg, ...]:
         begin = joined[-1].t1 if joined else made.start
         end = leg.t1 if follows is None or follows.kind is not LegKind.WAIT else follows.t0
         joined.append(replace(leg, t0=begin, t1=end))
+    if not joined:
+        raise InputError("plan.legs", len(plan.legs), "at least one leg in which the arm moves")
     last = joined[-1]
     arrived = max((arrival.until for arrival in plan.arrivals), default=made.start)
     if made.end - plan.trajectory.end <= NANO or (last.kind is LegKind.MOVE and arrived < plan.trajectory.end):

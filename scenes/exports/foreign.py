@@ -30,7 +30,7 @@ def verdict(cell: Cell, request: dict[str, Any], asked: TrajectoryDocument, plan
     what files hold in it; `plan`: whose legs it has, and whose promises it must keep. Raises `InputError`."""
     from assur.planner.model.phases import phases
     from assur.planner.resampling.certifying import kept_legs
-    from assur.planner.resampling.foreign import judged, travel
+    from assur.planner.resampling.foreign import ends_at_rest, judged, travel
     from assur.planner.resampling.measured import ratios
     from assur.scenes.answer import NOTICE, nearest_document
 
@@ -86,6 +86,7 @@ def verdict(cell: Cell, request: dict[str, Any], asked: TrajectoryDocument, plan
         "points": len(trajectory.time),
         "start_s": number(trajectory.start),
         "duration_s": number(trajectory.duration),
+        "ends_moving": not ends_at_rest(trajectory),
         "start_tolerance_s": number(scene.execution.start_tolerance_s),
         "request_digest": scene.digest,
         "notice": NOTICE,
@@ -104,7 +105,7 @@ def _first(first: First) -> FirstViolation:
     return {
         "what": first.what,
         "time_s": number(first.time),
-        "amount": optional(first.amount),
+        "amount": None if first.amount is None else optional(first.amount),
         "unit": first.unit,
         "bodies": None if first.bodies is None else list(first.bodies),
     }

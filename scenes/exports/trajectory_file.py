@@ -24,12 +24,14 @@ from assur.scenes.bounds import (
     MAX_LINES,
     MAX_LOG_BYTES,
     MAX_ROW_CHARACTERS,
+    SHORTEST_STEP_S,
     STRONG,
     TURNS_RAD,
 )
 from assur.scenes.conventions import Conventions, JointConvention, converted, converted_rates
-from assur.scenes.faults import NOTHING, DocumentError
+from assur.scenes.faults import NOTHING, WHOLE, DocumentError
 from assur.scenes.motion_log import NUMBER
+from assur.scenes.reading.neighbours import crowded
 from assur.scenes.text.json_text import parse_json
 from assur.scenes.text.scalars import LONGEST_SHOWN
 from assur.scenes.text.yaml_text import Lines, parse_yaml
@@ -43,6 +45,8 @@ RATES = ("", "_s", "_s2")
 STATES = ("positions", "velocities", "accelerations")
 FILE = "file"
 """What errors call the file."""
+SCENARIO = "scenario"
+"""What the reader of YAML calls it."""
 
 
 def trajectory_from(data: bytes, form: str, conventions: Conventions, start_s: float, *, jumps: bool) -> Trajectory:
@@ -61,11 +65,9 @@ def trajectory_from(data: bytes, form: str, conventions: Conventions, start_s: f
         time = start_s + time
     if len(time) < 2:
         raise DocumentError(FILE, f"{len(time)} points", "at least two points")
-    step = np.diff(time)
-    wrong = np.flatnonzero(~(step > 0.0) if not jumps else ~(step >= 0.0))
-    if len(wrong):
-        k = int(wrong[0]) + 1
-        allowed = f"a time later than {time[k - 1]:.9g} s, that of the point before"
+    k = crowded(time, jumps=jumps)
+    if k is not None:
+        allowed = f"a time later than {time[k - 1]:.9g} s, that of the point before, by {SHORTEST_STEP_S:g} s at least"
         raise DocumentError(places[k][0], float(time[k]), allowed, places[k][1])
     q, qd, qdd = converted(states[0], conventions), *(converted_rates(each, conventions) for each in states[1:])
     try:
@@ -188,10 +190,14 @@ def _ros2(data: bytes, conventions: Conventions) -> tuple[FloatArray, FloatArray
     lines: Lines = {}
     if len(data) > MAX_JSON_BYTES:
         raise DocumentError(FILE, f"{len(data)} bytes", f"at most {MAX_JSON_BYTES} bytes of YAML or JSON")
-    if data.lstrip()[:1] in (b"{", b"["):
-        message = parse_json(data)
-    else:
-        message, lines = parse_yaml(data, limit_bytes=MAX_JSON_BYTES)
+    try:
+        if data.lstrip()[:1] in (b"{", b"["):
+            message = parse_json(data)
+        else:
+            message, lines = parse_yaml(data, limit_bytes=MAX_JSON_BYTES)
+    except InputError as error:  # readers of text call what they read by other names
+        field = FILE if error.field in (WHOLE, SCENARIO) else error.field
+        raise DocumentError(field, error.value, error.allowed, getattr(error, "line", None)) from None
     names = [joint.name for joint in conventions]
 
     def wrong(field: str, value: object, allowed: str) -> DocumentError:
@@ -222,6 +228,9 @@ def _ros2(data: bytes, conventions: Conventions) -> tuple[FloatArray, FloatArray
                     raise wrong(f"{at}.{key}[{i}]", value, f"a number from -{largest:g} to {largest:g}")
             states[rate, k] = [row[i] for i in order]
         time[k] = _since(point.get("time_from_start", NOTHING), f"{at}.time_from_start", wrong)
+        if k == 0 and time[0] > 0.0:
+            allowed = "0 s at the first point: before a later one the controller would add a motion of its own"
+            raise wrong(f"{at}.time_from_start", point["time_from_start"], allowed)
         places.append((f"{at}.time_from_start", lines.get(f"{at}.time_from_start")))
     return time, states, places
 

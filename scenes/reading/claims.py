@@ -123,8 +123,13 @@ def _read(model: Any, value: Any, *path: str | int) -> Any:
     return None if value is None else read_normal(model, value, value, (PLAN, *path))
 
 
+def _item(model: Any, value: object, *path: str | int) -> Any:
+    """An object within the answer. Raises `DocumentError` where something else is there, null as well."""
+    return read_normal(model, value, value, (PLAN, *path))
+
+
 def _nearest(value: object, *path: str | int) -> Nearest:
-    item: document.Nearest = _read(document.Nearest, value, *path)
+    item: document.Nearest = _item(document.Nearest, value, *path)
     one, other = item["bodies"]
     return Nearest(item["gap_m"], item["time_s"], (one, other), item["phase"], item["gap_m"])
 
@@ -145,13 +150,13 @@ def _carried(value: dict[str, Any]) -> tuple[Carried, ...]:
 
 
 def _contact(i: int, value: object) -> Contact:
-    item: document.Contact = _read(document.Contact, value, "contacts", i)
+    item: document.Contact = _item(document.Contact, value, "contacts", i)
     one, other = item["bodies"]
     return Contact((one, other), item["from_s"], item["to_s"])
 
 
 def _peak(i: int, value: object) -> JointPeak:
-    item: document.Peak = _read(document.Peak, value, "margins", "peaks", i)
+    item: document.Peak = _item(document.Peak, value, "margins", "peaks", i)
     return JointPeak(**item)
 
 

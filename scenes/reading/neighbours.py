@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.planner.frames import Fixed, Frame, Uncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body
 from assur.planner.model.scene import WorldBody
+from assur.scenes.bounds import SHORTEST_STEP_S
 from assur.scenes.conventions import Conventions, converted, converted_rates
 from assur.scenes.faults import Refused, within
 from assur.scenes.reading import robots
@@ -20,6 +22,15 @@ from assur.scenes.schema.robots import NeighbourDocument
 
 if TYPE_CHECKING:
     from assur.planner.trajectory import Trajectory
+
+
+def crowded(time: FloatArray, *, jumps: bool) -> int | None:
+    """The first of knots at `time` (K,) s that is less than `SHORTEST_STEP_S` later than the one before it; None: there
+    is none. `jumps`: whether two knots may be at one time. Times are rounded: a step may be short by as much."""
+    step = np.diff(time)
+    short = ~(step >= SHORTEST_STEP_S - 4.0 * np.spacing(np.abs(time[1:]) + SHORTEST_STEP_S))
+    wrong = np.flatnonzero(short & (step != 0.0) if jumps else short)
+    return int(wrong[0]) + 1 if len(wrong) else None
 
 
 def trajectory_of(item: answer.Trajectory, conventions: Conventions) -> Trajectory:
@@ -34,6 +45,12 @@ def trajectory_of(item: answer.Trajectory, conventions: Conventions) -> Trajecto
         raise Refused(f"{units}", "joint_units")
     arrays = []
     times = item["time_s"]
+    instants = np.array(times, dtype=np.float64)
+    k = crowded(instants, jumps=item.get("acceleration_jumps", False))
+    if k is not None:
+        raise Refused(
+            f"a time {SHORTEST_STEP_S:g} s at least later than {times[k - 1]:.9g} s, the one before", "time_s", k
+        )
     for key, rows in (
         ("position", item["position"]),
         ("velocity", item["velocity"]),
@@ -48,7 +65,7 @@ def trajectory_of(item: answer.Trajectory, conventions: Conventions) -> Trajecto
         arrays.append(turned(np.array(rows, dtype=np.float64), conventions))
     try:
         q, qd, qdd = arrays
-        return Trajectory(np.array(times, dtype=np.float64), q, qd, qdd, jumps=item.get("acceleration_jumps", False))
+        return Trajectory(instants, q, qd, qdd, jumps=item.get("acceleration_jumps", False))
     except InputError as error:
         raise Refused(error.allowed, *(["time_s"] if "time" in error.field else [])) from error
 

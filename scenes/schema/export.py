@@ -95,7 +95,8 @@ class TrajectoryDocument(Document):
 
 @with_config(CLOSED)
 class FirstViolation(TypedDict):
-    """What is violated first, at `time_s` of the cell's clock, by `amount`; the `bodies` that come too near."""
+    """What is violated first, at `time_s` of the cell's clock, by `amount` (null: it is only not shown to be
+    right); the `bodies` that come too near."""
 
     what: Text
     time_s: Number
@@ -109,7 +110,8 @@ class TrajectoryVerdict(TypedDict):
     """Whether a trajectory is proved: `ok` if and only if there are no findings.
 
     `judged_as`: one motion in `travel`, or with the legs of a `plan`. `first`: of limits and distances that are
-    violated; null where none is. `clearance`: where it comes nearest to anything.
+    violated; null where none is. `clearance`: where it comes nearest to anything. `ends_moving`: the last point is not
+    at rest, and nothing after its time is proved.
     """
 
     schema: Schema
@@ -122,6 +124,7 @@ class TrajectoryVerdict(TypedDict):
     points: int
     start_s: Number
     duration_s: Number
+    ends_moving: bool
     start_tolerance_s: Number
     request_digest: Text
     notice: Text

@@ -31,7 +31,8 @@ def answer_in(given: object, scene: Scene) -> dict[str, Any]:
     with located({PLAN: answer}), within(PLAN):
         if not isinstance(answer, dict):
             raise Refused("an answer, as `assur plan --out` writes it")
-        if answer.get("status") not in FORMS:
+        status = answer.get("status")
+        if not isinstance(status, str) or status not in FORMS:
             raise Refused("planned or not_planned: an answer, as `assur plan --out` writes it", "status")
         if answer.get("request_digest") not in (None, scene.digest):
             raise Refused(f"{scene.digest}, that of the request; this answer is one to another", "request_digest")

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import copy
+import json
+import math
 from functools import cache
 from typing import Any
 
 import pytest
 
+from assur.api.cli.trajectory_report import lines
+from assur.planner.collision.rows import Unproved
 from assur.planner.errors import InputError
+from assur.planner.resampling.certifying import unproved
+from assur.planner.resampling.grid import MOST_KNOTS
+from assur.scenes.bounds import MAX_KNOTS
 from assur.scenes.exports.doors import check_trajectory_document, export_document
 from assur.scenes.faults import DocumentError
 from tests.scenes.exports.plans import planned, request_of
@@ -153,7 +160,7 @@ def test_what_is_wrong_with_a_file_is_told_with_its_line(file: str, line: int | 
     [
         ("joint_names: [j1", "joint_names: [j9", "joint_names"),
         ("nanosec: 0}\n- ", "nanosec: 0.5}\n- ", "points[0].time_from_start"),
-        ("{sec: 0, nanosec: 0}\n- ", "{sec: 5, nanosec: 0}\n- ", "points[1].time_from_start"),
+        ("{sec: 0, nanosec: 0}\n- ", "{sec: 5, nanosec: 0}\n- ", "points[0].time_from_start"),
         ("points:\n- positions: [", "points:\n- positions: [0.0, ", "points[0].positions"),
         ("points:\n- positions: [", "points:\n- positions: [.nan, ", "points[0].positions"),
         ("points:\n- positions", "points:\n- efforts", "points[0].positions"),
@@ -171,3 +178,76 @@ def test_a_motion_that_is_not_as_long_as_the_plan_has_not_its_legs() -> None:
     header, rows = table(exported("demo"))
     with pytest.raises(InputError, match="as the plan's legs last"):
         judged("demo", text(header, rows[:200]), planned("demo"))
+
+
+def ending_at(rate: float, stay_s: float = 3.0, **options: Any) -> dict[str, Any]:
+    """The verdict on an arm that stands over a belt, whose last point has this speed of j4, rad/s."""
+    header = "time_s," + ",".join(f"j{i}_{u}{r}" for i, u in enumerate(("rad", "rad", "m", "rad"), start=1)
+                                  for r in ("", "_s", "_s2"))  # fmt: skip
+    row = "-0.27748792,0,0,0.34719429,0,0,0.19756756,0,0,0"
+    request = copy.deepcopy(request_of("demo"))
+    request["options"] = {**request.get("options", {}), "stay_safe_s": stay_s, **options}
+    file = f"{header}\n0,{row},0,0\n1.05,{row},{rate!r},0\n"
+    return check_trajectory_document(request, {"file": file, "format": "csv"})
+
+
+def test_a_motion_that_ends_all_but_at_rest_has_its_standstill_proved_too() -> None:
+    for rate in (0.0, 1e-12, 1e-10):  # a part on the belt comes
+        verdict = ending_at(rate)
+        assert (verdict["ok"], verdict["ends_moving"]) == (False, False)
+        assert verdict["first"]["bodies"] == ["cup", "bar"]
+        assert verdict["first"]["time_s"] == pytest.approx(1.1527, abs=2e-3)
+        assert ending_at(rate, 0.05)["ok"]
+
+
+def test_a_motion_that_ends_moving_is_refused_or_told() -> None:
+    moving = ending_at(1e-6)
+    assert (moving["ok"], moving["ends_moving"]) == (False, True)
+    assert [finding["code"] for finding in moving["findings"]] == ["END"]
+    asked = ending_at(1e-6, 0.0, end="moving")
+    assert (asked["ok"], asked["ends_moving"]) == (True, True)
+    told = [line for line in lines("x.csv", asked) if isinstance(line, str)]
+    assert "ends moving: nothing after its last point is proved" in told
+
+
+@pytest.mark.parametrize("step", ["5e-324", "1e-300", "1e-12", "0.9e-9"])
+def test_points_that_are_closer_than_a_nanosecond_are_refused(step: str) -> None:
+    with pytest.raises(DocumentError, match="later than 0 s, that of the point before, by 1e-09 s") as caught:
+        judged("demo", f"{HEADER}\n0,{ROW}\n{step},{ROW}\n1,{ROW}\n")
+    assert (caught.value.field, caught.value.line) == ("file: time_s", 3)
+    assert judged("demo", f"{HEADER}\n0,{ROW}\n1e-9,{ROW}\n1,{ROW}\n")["points"] == 3
+
+
+@pytest.mark.parametrize("nanosec", [1, 500_000_000])
+def test_a_message_whose_first_point_is_later_than_its_start_is_refused(nanosec: int) -> None:
+    file = exported(MOVES, "ros2", None)
+    late = file.replace("{sec: 0, nanosec: 0}\n- ", f"{{sec: 0, nanosec: {nanosec}}}\n- ", 1)
+    with pytest.raises(InputError, match="0 s at the first point") as caught:
+        check_trajectory_document(request_of(MOVES), {"file": late, "format": "ros2"})
+    assert caught.value.field == "points[0].time_from_start"
+
+
+@pytest.mark.parametrize("file", ["a: &x 1\nb: *x\n", '{"points": [', "a: [1\n", "\t- x"])
+def test_a_fault_of_the_text_is_told_as_one_of_the_file(file: str) -> None:
+    with pytest.raises(InputError) as caught:
+        check_trajectory_document(request_of(MOVES), {"file": file, "format": "ros2"})
+    assert caught.value.field in ("file", "a")
+
+
+def test_a_point_that_is_no_later_than_the_one_before_is_told_at_its_field() -> None:
+    message = json.loads(exported(MOVES, "ros2-json", None))
+    message["points"][1]["time_from_start"] = message["points"][0]["time_from_start"]
+    with pytest.raises(InputError, match="later than 0 s") as caught:
+        check_trajectory_document(request_of(MOVES), {"file": json.dumps(message), "format": "ros2"})
+    assert caught.value.field == "points[1].time_from_start"
+
+
+def test_what_is_only_not_shown_has_no_amount() -> None:
+    near = unproved(Unproved(("a", "b"), 1.0, 0.26, 0.001, touching=False, of_robot=True), "travel")
+    assert "not shown" in near.what
+    assert math.isnan(near.amount)
+    assert unproved(Unproved(("a", "b"), 1.0, 0.0005, 0.001, touching=False, of_robot=True), "x").amount == 0.0005
+
+
+def test_what_is_written_has_no_more_knots_than_what_is_read() -> None:
+    assert MOST_KNOTS == MAX_KNOTS
