@@ -25,7 +25,10 @@ class NotPlannedError(AssurError):
 
 
 class Answer(Mapping[str, Any]):
-    """The answer to a request, read-only: ``answer["duration_s"]``, and the attributes below.
+    """The answer to a request: ``answer["duration_s"]``, and the attributes below.
+
+    The mapping itself has no setters. Its lists and dicts are those of the document, not copies: treat them as
+    read-only, and change a `copy.deepcopy`.
 
     `assur.plan` and `assur.load_answer` make one. It can also be made of a document: ``Answer(json.load(file))``. Only
     what is asked for is looked at; whether the plan is right is what `check` says. Attributes of a plan raise
