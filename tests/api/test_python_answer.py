@@ -63,8 +63,9 @@ def test_a_step_that_is_no_number_is_refused_by_name(answer: assur.Answer, step:
     with pytest.raises(assur.InputError, match=r"^dt: got .*; allowed: a step in s, a number of at least") as caught:
         answer.trajectory.sample(step)
     assert caught.value.field == "dt"
-    taken = (answer.trajectory.sample(each) for each in (1, np.float32(1), np.int64(1), np.array(1.0)))
-    assert {len(each.times) for each in taken} == {len(answer.trajectory.sample(1.0).times)}
+    taken: list[Any] = [1, np.float32(1), np.int64(1), np.array(1.0)]
+    lengths = {len(answer.trajectory.sample(each).times) for each in taken}
+    assert lengths == {len(answer.trajectory.sample(1.0).times)}
 
 
 def test_attributes_hold_what_the_document_holds(answer: assur.Answer) -> None:
