@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import copy
 import json
 import time
@@ -12,6 +13,9 @@ from typing import Any
 import httpx
 import pytest
 
+from assur.api.problems import Problem
+from assur.api.web.job_store import JobStore
+from assur.api.web.service import Order, Service
 from assur.api.web.settings import Settings
 from tests.api.running import running
 
@@ -186,3 +190,23 @@ def test_a_client_that_leaves_its_plan_costs_no_worker(service: httpx.Client, sm
     # long before 30 s, and by the same worker
     assert service.post("/v1/plans", json=small, timeout=20.0).json()["status"] == "planned"
     assert service.get("/readyz").status_code == 200
+
+
+def test_jobs_that_come_before_any_has_begun_have_places_of_their_own() -> None:
+    async def served() -> None:
+        service = Service(Settings(workers=1, queue=2))  # its workers are not started: every job waits
+        store, order = JobStore(service), Order(lambda: Problem("fault", "not to be reached"), (), "", 30.0)
+        taken = [store.start(order) for _ in range(3)]
+        with pytest.raises(Problem, match="busy"):
+            store.start(order)
+        assert store.cancel(taken[0].id).state == "cancelled"  # before it has begun
+        await asyncio.gather(*(job.work for job in taken[:1] if job.work is not None), return_exceptions=True)
+        await asyncio.sleep(0)
+        taken.append(store.start(order))
+        await store.stop()
+        await asyncio.sleep(0)
+        assert {job.state for job in taken} == {"cancelled"}
+        assert not service.workers.full
+        assert service.workers.busy().headers["Retry-After"] == "1"
+
+    asyncio.run(served())
