@@ -29,7 +29,7 @@ STATUS = {
     "not-found": (404, "There is nothing here"),
     "job-lost": (404, "There is no such job here"),
     "method-not-allowed": (405, "This address does not know that method"),
-    "job-not-done": (409, "The job has no answer yet"),
+    "job-not-done": (409, "The job has no answer"),
     "too-slow": (408, "The body did not arrive in time"),
     "too-large": (413, "The body is too large"),
     "wrong-media-type": (415, "The body is not declared to be JSON"),

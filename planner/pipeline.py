@@ -26,7 +26,7 @@ from assur.planner.model.scene import Scene
 from assur.planner.relaxation import relax, worth_trying
 from assur.planner.report.margins import carried, contacts, margins
 from assur.planner.report.sentence import sentence
-from assur.planner.report.straight_parts import lengthened
+from assur.planner.report.straight_parts import assumed
 from assur.planner.search.beam import Found
 from assur.planner.search.best_candidate import best_candidate
 from assur.planner.search.census import Counter
@@ -103,7 +103,7 @@ def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan, 
         carried=carried(scene, of_plan),
         lower_bound_s=lower_bound(scene, found.first_options),
         census=found.census.census(),
-        assumptions=(*scene.assumptions, *lengthened(scene)),
+        assumptions=assumed(scene),
         seed=scene.options.seed,
         elapsed_s=run.elapsed,
         first_s=found.first_s,
@@ -185,7 +185,7 @@ def _not_planned(
         relaxation=relaxation,
         tried=tried,
         explain_budget_spent=spent,
-        assumptions=(*scene.assumptions, *lengthened(scene)),
+        assumptions=assumed(scene),
         seed=options.seed,
         elapsed_s=run.elapsed,
         cut_by_clock=cut,

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 __all__ = [
     "RobotFile",
     "Scenario",
+    "assumptions_of",
     "cell_of",
     "check_document",
     "check_plan",
@@ -122,6 +123,14 @@ def cell_of(document: object, *, folder: Path | None = None) -> Cell:
 def scene_of(document: object, *, folder: Path | None = None) -> Scene:
     """The planner's scene of a request. Raises `InputError` naming the field."""
     return cell_of(document, folder=folder).scene
+
+
+def assumptions_of(document: object) -> list[str]:
+    """Every number of a request that is estimated or second hand, in words, as its answer states it. Raises
+    `InputError` naming the field."""
+    from assur.planner.report.straight_parts import assumed
+
+    return list(assumed(scene_of(document)))
 
 
 def plan_document(

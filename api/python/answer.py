@@ -25,7 +25,10 @@ class NotPlannedError(AssurError):
 
 
 class Answer(Mapping[str, Any]):
-    """The answer to a request, read-only: ``answer["duration_s"]``, and the attributes below.
+    """The answer to a request: ``answer["duration_s"]``, and the attributes below.
+
+    The mapping itself has no setters. Its lists and dicts are those of the document, not copies: treat them as
+    read-only, and change a `copy.deepcopy`.
 
     `assur.plan` and `assur.load_answer` make one. It can also be made of a document: ``Answer(json.load(file))``. Only
     what is asked for is looked at; whether the plan is right is what `check` says. Attributes of a plan raise
@@ -105,13 +108,17 @@ class Answer(Mapping[str, Any]):
     @property
     def assumptions(self) -> list[str]:
         """Every number that is estimated or second hand, in words."""
-        found: list[str] = self["assumptions"]
+        if "assumptions" not in self and self._request is not None:
+            from assur.scenes.requests import assumptions_of
+
+            return assumptions_of(self._request)
+        found: list[str] = self._said("assumptions")
         return found
 
     @property
     def warnings(self) -> list[written.InputWarning]:
         """What of the request is probably not meant, and refuses nothing."""
-        found: list[written.InputWarning] = self["warnings"]
+        found: list[written.InputWarning] = self._said("warnings")
         return found
 
     def save(self, path: str | Path, *, title: str = "", about: str = "") -> Path:
@@ -159,6 +166,15 @@ class Answer(Mapping[str, Any]):
     def _of_plan(self, key: str) -> Any:
         if not self.planned:
             raise NotPlannedError(f"the answer has no {key}, for there is no plan: {self.sentence}")
+        return self._said(key)
+
+    def _said(self, key: str) -> Any:
+        if key not in self._document:
+            allowed = (
+                "what a whole answer holds there; this one has less, as an export's plan with its proof has: ask the "
+                "answer that was exported"
+            )
+            raise InputError(f"answer.{key}", "nothing", allowed)
         return self._document[key]
 
     def __getitem__(self, key: str) -> Any:

@@ -17,13 +17,13 @@ from assur.planner.errors import InputError
 
 try:
     import httpx
-except ModuleNotFoundError as error:
-    if error.name != "httpx":
+except ModuleNotFoundError as missing:
+    if missing.name != "httpx":
         raise
     raise ModuleNotFoundError(
         "assur.Client and assur.AsyncClient need httpx, which is not installed: pip install 'assur[client]'",
         name="httpx",
-    ) from error
+    ) from None
 
 if TYPE_CHECKING:
     from assur.request import Request
@@ -60,6 +60,11 @@ class _Door:
     def _result(self, asked: Exchange[T], response: httpx.Response) -> T:
         return asked.result(self.url, response.status_code, response.headers, response.content)
 
+    def _open(self, *, closed: bool) -> None:
+        """Raises `ServiceError` for a client that is closed: its connections are gone."""
+        if closed:
+            raise ServiceError(self.url, "this client is closed; make another one")
+
     def _lost(self, error: httpx.RequestError) -> ServiceError:
         if isinstance(error, httpx.TimeoutException):
             return ServiceError(self.url, f"no answer within {self._timeout:g} s; a longer timeout may help")
@@ -80,7 +85,8 @@ class Client(_Door):
     """A client of the service at `url`. It keeps connections: use it in a ``with`` block, or call `close`.
 
     Each method raises `RemoteInputError`, which is an `InputError`, for a request with a field that is not right,
-    another `ProblemError` for what else the service cannot do, and `ServiceError` if it is not there.
+    another `ProblemError` for what else the service cannot do, and `ServiceError` if it is not there, or this client
+    is closed.
     """
 
     def __init__(self, url: str, *, timeout: float = TIMEOUT_S, headers: Mapping[str, str] | None = None) -> None:
@@ -132,6 +138,7 @@ class Client(_Door):
         self.close()
 
     def _ask(self, asked: Exchange[T]) -> T:
+        self._open(closed=self._http.is_closed)
         try:
             response = self._http.request(**_sent(asked))
         except httpx.RequestError as error:
@@ -193,6 +200,7 @@ class AsyncClient(_Door):
         await self.aclose()
 
     async def _ask(self, asked: Exchange[T]) -> T:
+        self._open(closed=self._http.is_closed)
         try:
             response = await self._http.request(**_sent(asked))
         except httpx.RequestError as error:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -101,13 +102,13 @@ class Trajectory:
         """The states every `dt` seconds from the start on, and the one at the end.
 
         The last two are less than `dt` apart where the duration is no multiple of it. Raises `InputError` for a step
-        that is not more than 0, or that would give more than 10,000,000 samples.
+        that is no number, or not more than 0, or that would give more than 10,000,000 samples.
         """
-        if not (dt > 0 and math.isfinite(dt) and self.duration_s / dt <= MOST_SAMPLES):
-            least = self.duration_s / MOST_SAMPLES
-            raise InputError("dt", dt, f"a step in s, at least {least:.3g}: a sample takes memory")
-        whole = math.ceil(self.duration_s / dt * (1 - ROUNDING))
-        times = np.minimum(self.start_s + dt * np.arange(whole + 1), self.end_s)
+        step, least = _number(dt), self.duration_s / MOST_SAMPLES
+        if not (step > 0 and math.isfinite(step) and self.duration_s / step <= MOST_SAMPLES):
+            raise InputError("dt", dt, f"a step in s, a number of at least {least:.3g}: a sample takes memory")
+        whole = math.ceil(self.duration_s / step * (1 - ROUNDING))
+        times = np.minimum(self.start_s + step * np.arange(whole + 1), self.end_s)
         times[-1] = self.end_s
         return self.at(times)
 
@@ -128,3 +129,14 @@ class Trajectory:
 
     def __repr__(self) -> str:
         return f"<Trajectory of {', '.join(self.joint_names)}: {len(self.times)} knots, {self.duration_s:.3f} s>"
+
+
+def _number(value: object) -> float:
+    """A real number of Python or NumPy as a float; NaN for what is none, or is beyond all floats."""
+    one = value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
+    if isinstance(one, bool) or not isinstance(one, Real):
+        return math.nan
+    try:
+        return float(one)
+    except OverflowError:
+        return math.nan

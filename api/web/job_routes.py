@@ -73,7 +73,7 @@ async def start(request: Request) -> Response:
     if certificate not in get_args(jobs.Detail):
         raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(jobs.Detail))))
     body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
-    job = _store(request).start(await service_of(request).order(body, cast(jobs.Detail, certificate)))
+    job = _store(request).start(await service_of(request).job_order(body, cast(jobs.Detail, certificate)))
     # relative to this address, whatever prefix a proxy has put before it
     return _told(job, 202, {"Location": f"jobs/{job.id}"})
 
@@ -96,6 +96,8 @@ async def answer(request: Request, name: str) -> Response:
     job = _store(request)[name]
     if job.problem is not None:
         raise job.problem
+    if job.state == "cancelled":
+        raise Problem("job-not-done", "The job was called off, so it has no answer. Send its request again.")
     if job.answer is None:
         raise Problem("job-not-done", f"The job is {job.state}.", headers={"Retry-After": "1"})
     return json_response(job.answer.body)
@@ -126,7 +128,7 @@ async def events(request: Request, name: str) -> Response:
 
 @job_router.delete(
     "/v1/jobs/{name}",
-    summary="Call a job off, and forget it",
+    summary="Call a job off, or forget one that has ended",
     response_model=JobDocument,
     responses=problems("job-lost"),
 )

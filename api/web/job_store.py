@@ -16,6 +16,7 @@ from assur.api.logs import LOGGER
 from assur.api.problems import Problem
 from assur.api.web.service import Order, Service
 from assur.api.workers import jobs
+from assur.api.workers.pool import Place
 
 State = Literal["working", "done", "failed", "cancelled"]
 """Whether a job is waited for or worked on, has an answer, ended with a problem, or was called off."""
@@ -73,11 +74,11 @@ class JobStore:
 
     def start(self, order: Order) -> Job:
         """A new job. Raises `Problem` where the service is busy."""
-        if self._service.workers.full:
-            raise self._service.workers.busy()
+        place = self._service.workers.admit(order.wall_s)  # before anything is promised
         job = Job(secrets.token_hex(16))
         self._jobs[job.id] = job
-        job.work = asyncio.get_running_loop().create_task(self._run(job, order))
+        job.work = asyncio.get_running_loop().create_task(self._run(job, order, place))
+        job.work.add_done_callback(lambda _: self._ended(job, place))  # also of a task that never began
         return job
 
     def __getitem__(self, name: str) -> Job:
@@ -87,20 +88,24 @@ class JobStore:
             kept = self._service.settings.job_kept_s
             raise Problem(
                 "job-lost",
-                f"This process has no such job: it ended more than {kept:g} s ago, was taken by another process, or "
-                "was lost when the service was started anew. Send its request again.",
+                f"This process has no such job: it ended more than {kept:g} s ago, was deleted, was taken by another "
+                "process, or was lost when the service was started anew. Send its request again.",
             )
         return job
 
     def cancel(self, name: str) -> Job:
-        """Calls a job off, if it still runs, and forgets its answer. Raises `Problem`."""
+        """Calls a job off that still runs, and keeps it as one that was called off; forgets one that has ended.
+
+        Raises `Problem`.
+        """
         job = self[name]
+        if job.state != "working":
+            del self._jobs[name]
+            return job
+        job.state = "cancelled"
         if job.work is not None:
             job.work.cancel()
-        if job.state == "working":
-            job.state = "cancelled"
-            job.change()
-        del self._jobs[name]
+        job.change()
         return job
 
     async def stop(self) -> None:
@@ -110,28 +115,32 @@ class JobStore:
             work.cancel()
         await asyncio.gather(*running, return_exceptions=True)
 
-    async def _run(self, job: Job, order: Order) -> None:
+    async def _run(self, job: Job, order: Order, place: Place) -> None:
         def told(progress: dict[str, Any]) -> None:
             job.progress = progress
             job.change()
 
         try:
-            job.answer = await self._service.do(order, told)
-            job.state = "done"
+            answer = await self._service.do(order, told, place)
         except Problem as problem:
-            job.problem, job.state = problem, "failed"
-        except asyncio.CancelledError:
-            job.state = "cancelled"
-            raise
+            self._end(job, "failed", problem=problem)
         except Exception:  # noqa: BLE001 - told to whoever asks for the job, and logged
             LOGGER.exception("a job met a fault")
-            job.problem, job.state = Problem("fault", "The service met a fault of its own; it is logged."), "failed"
-        finally:
-            job.change()
-            self._retire(job)
+            self._end(job, "failed", problem=Problem("fault", "The service met a fault of its own; it is logged."))
+        else:
+            self._end(job, "done", answer=answer)
 
-    def _retire(self, job: Job) -> None:
-        """Keeps a job that has ended for a time, and not more than so many."""
+    @staticmethod
+    def _end(job: Job, state: State, *, answer: jobs.Answer | None = None, problem: Problem | None = None) -> None:
+        """Says what has become of a job, unless it was called off: that has been told."""
+        if job.state == "working":
+            job.state, job.answer, job.problem = state, answer, problem
+
+    def _ended(self, job: Job, place: Place) -> None:
+        """Gives up the place of a job that has ended; keeps the job for a time, and not more than so many."""
+        self._service.workers.give_up(place)
+        self._end(job, "cancelled")
+        job.change()
         settings = self._service.settings
         ended = [each for each in self._jobs.values() if each.state != "working"]
         for each in ended[: max(0, len(ended) - settings.jobs_kept)]:

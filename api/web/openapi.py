@@ -168,6 +168,7 @@ VIEWED: dict[str, Any] = {
             "oneOf": [
                 {"$ref": "#/components/schemas/PlannedAnswer"},
                 {"$ref": "#/components/schemas/NotPlannedAnswer"},
+                {"$ref": "#/components/schemas/CheckedPlan"},
             ]
         },
         **MARKS,

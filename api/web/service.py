@@ -1,6 +1,7 @@
 """What the service does with a body that has been read: admit it, hand it to a worker, answer.
 
-A body goes to the worker as it came, and the worker's answer leaves as it comes: this process parses neither.
+A body goes to the worker as it came, and the worker's answer leaves as it comes: this process parses neither,
+but for the body of a job, which is not accepted if it is not JSON.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from assur.api.problems import Problem
 from assur.api.web.body_reader import READERS
 from assur.api.web.settings import Settings
 from assur.api.workers import jobs
-from assur.api.workers.pool import Workers
+from assur.api.workers.pool import Place, Workers
 from assur.api.workers.worker_process import Tell
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
@@ -67,6 +68,10 @@ class Service:
             return self._read(body, certificate)
         return await asyncio.to_thread(self._read, body, certificate)
 
+    async def job_order(self, body: bytes, certificate: jobs.Detail) -> Order:
+        """The same of a body that is read as JSON before its job is accepted. Raises `Problem`."""
+        return await asyncio.to_thread(self._read, body, certificate, parsed=True)
+
     async def check(self, body: bytes) -> jobs.Answer:
         """The checker's verdict on the request and plan in `body`. Raises `Problem`."""
         return await self.do(Order(jobs.check, (body,), _digest("check", body), self.settings.check_s))
@@ -95,8 +100,8 @@ class Service:
         """What the text of a scenario in `body` means. Raises `Problem`."""
         return await self.do(Order(jobs.parse, (body,), _digest("parse", body), self.settings.check_s))
 
-    def _read(self, body: bytes, certificate: jobs.Detail) -> Order:
-        document = self._budgets(body) or jobs.request_in(body)
+    def _read(self, body: bytes, certificate: jobs.Detail, *, parsed: bool = False) -> Order:
+        document = (None if parsed else self._budgets(body)) or jobs.request_in(body)
         if "scenario" not in document:
             wall_s = self._wall(document)
             return Order(jobs.plan, (body, certificate), _digest("request", body), wall_s, watched=True)
@@ -133,10 +138,11 @@ class Service:
                 raise Problem.of_input(fault(document, ("options", name), allowed))
         return sum(budgets.values()) + self.settings.grace_s
 
-    async def do(self, order: Order, told: Tell | None = None) -> jobs.Answer:
-        """The answer to an order; `told` takes how far it has come, if it is watched. Raises `Problem`."""
+    async def do(self, order: Order, told: Tell | None = None, place: Place | None = None) -> jobs.Answer:
+        """The answer to an order; `told` takes how far it has come, if it is watched. `place`: that the caller holds
+        for it, and gives up. Raises `Problem`."""
         listener = (told or _nobody) if order.watched else None
-        reply: jobs.Reply = await self.workers.run(order.job, order.arguments, order.key, order.wall_s, listener)
+        reply: jobs.Reply = await self.workers.run(order.job, order.arguments, order.key, order.wall_s, listener, place)
         match reply:
             case jobs.Answer():
                 return reply

@@ -11,6 +11,7 @@ import logging
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
 from typing import Any
 
 from assur.api.logs import LOGGER, event
@@ -26,6 +27,14 @@ PATROL_S = 1.0
 """How often idle workers are looked after, s."""
 LONGEST_RETRY_S = 30.0
 """Longest pause between two attempts to start a worker that does not start, s."""
+
+
+@dataclass(eq=False)
+class Place:
+    """A place in the queue: its request counts as accepted until it is given up. `wall_s`: as of the request, s."""
+
+    wall_s: float
+    held: bool = True
 
 
 class Workers:
@@ -82,20 +91,39 @@ class Workers:
         after = min(60, max(1, math.ceil(self._owed_s / len(self._processes))))
         return Problem("busy", f"Come again in {after} s.", headers={"Retry-After": str(after)})
 
+    def admit(self, wall_s: float) -> Place:
+        """Accepts a request now that is run later, or not at all: `give_up` the place then. Raises `Problem`: busy."""
+        if self.full:
+            raise self.busy()
+        self._accepted += 1
+        self._owed_s += wall_s
+        return Place(wall_s)
+
+    def give_up(self, place: Place) -> None:
+        """Frees a place; what is free already stays so."""
+        if place.held:
+            place.held = False
+            self._accepted -= 1
+            self._owed_s -= place.wall_s
+
     async def run(
-        self, job: Callable[..., Any], arguments: tuple[Any, ...], key: str, wall_s: float, told: Tell | None = None
+        self,
+        job: Callable[..., Any],
+        arguments: tuple[Any, ...],
+        key: str,
+        wall_s: float,
+        told: Tell | None = None,
+        place: Place | None = None,
     ) -> Any:
         """What `job(*arguments)` returns in a worker; `key` is the digest of the request, for the quarantine. `told`,
-        and what cancelling does: as `WorkerProcess.run` has it.
+        and what cancelling does: as `WorkerProcess.run` has it. `place`: the caller's, who gives it up; None: one is
+        taken now, and given up at the end.
 
         Raises `Problem`: busy, not-ready, quarantined, worker-crashed, worker-timeout.
         """
         if self._crashes.get(key, 0) >= CRASHES:
             raise Problem("quarantined", f"It did so {CRASHES} times. Tell us, and change it before you send it again.")
-        if self.full:
-            raise self.busy()
-        self._accepted += 1
-        self._owed_s += wall_s
+        own = self.admit(wall_s) if place is None else None
         try:
             try:
                 return await self._in_a_process(job, arguments, wall_s, told)
@@ -107,8 +135,8 @@ class Workers:
             event("worker killed: no end in time", logging.WARNING, wall_s=wall_s, digest=key)
             raise Problem("worker-timeout", f"It was given {wall_s:g} s, its budgets included.") from killed
         finally:
-            self._accepted -= 1
-            self._owed_s -= wall_s
+            if own is not None:
+                self.give_up(own)
 
     async def _in_a_process(
         self, job: Callable[..., Any], arguments: tuple[Any, ...], wall_s: float, told: Tell | None

@@ -6,6 +6,11 @@ from assur.planner.model.scene import STRAIGHT, Scene
 from assur.planner.report.number_format import amount
 
 
+def assumed(scene: Scene) -> tuple[str, ...]:
+    """What an answer states as its assumptions: those of the robot and the cell, and what is lengthened."""
+    return (*scene.assumptions, *lengthened(scene))
+
+
 def lengthened(scene: Scene) -> tuple[str, ...]:
     """A sentence for each straight part that is lengthened so that it clears the clearance of travel."""
     found = []

@@ -21,7 +21,9 @@ def export_document(request: object, plan: object, asked: object, *, folder: Pat
     """The export of a planned answer with a full certificate, as `asked` says: {"format": ...} (docs/export.md).
 
     `folder`: below which the request may name files. Raises `InputError` naming the field: for what is wrong with a
-    document, for a plan that is not right, and for a motion that cannot be proved on the grid that is asked for.
+    document, for what the answer repeats of request and motion and is not so, and for a motion that cannot be proved on
+    the grid that is asked for. What else the answer claims (margins, contacts, loads), and its certificate, are not
+    judged: the motion is proved anew, and nothing of them is in the export. `check_document` judges them.
     """
     document: Any = request if folder is None else with_files(request, folder)
     return export_cell(cell_of(document), document, plan, asked)

@@ -16,7 +16,7 @@ from assur.planner.model.claims import Claims
 from assur.planner.model.load import Carried
 from assur.planner.model.outcome import Arrival, Contact, JointPeak, Nearest, ToolPeaks
 from assur.planner.model.scene import Scene
-from assur.planner.report.straight_parts import lengthened
+from assur.planner.report.straight_parts import assumed
 from assur.scenes.reading.plan import PLAN
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.read import read_normal
@@ -65,7 +65,7 @@ def untrue_repeats(plan: object, scene: Scene) -> tuple[Finding, ...]:
     repeated: list[tuple[dict[str, Any], str, str, object]] = [
         (plan, "", "request_digest", scene.digest),
         (plan, "", "seed", scene.options.seed),
-        (plan, "", "assumptions", [*scene.assumptions, *lengthened(scene)]),
+        (plan, "", "assumptions", list(assumed(scene))),
         (plan, "", "notice", NOTICE),
         (lasting, "load.", "rated_kg", known.rated_kg),
         (lasting, "load.", "max_kg", known.max_kg),

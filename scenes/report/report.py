@@ -8,10 +8,13 @@ import hashlib
 import html
 import json
 import platform
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from assur.planner.report.straight_parts import assumed
+from assur.scenes.answer import NOTICE
 from assur.scenes.reading.cell import Cell
 from assur.scenes.report import facts
 from assur.scenes.report.assembly import page
@@ -21,6 +24,11 @@ from assur.scenes.view.document import view_of
 Document = dict[str, Any]
 MOST_BYTES = 1_000_000
 """A report is below this; where it would not be, long lists of numbers in its documents are left out."""
+ONLY_PROVED = (
+    "This is a plan with its proof, as an export writes it. What the search and its answer said is not in it: margins, "
+    "contacts, candidates, warnings. The assumptions are those of the request."
+)
+"""What is noted where there is no whole answer."""
 SHORTER = (10_000, 1_000, 100, 10)
 """Lists of numbers longer than this are left out, the first of these that makes the report small enough."""
 
@@ -31,9 +39,12 @@ def report_of(cell: Cell, given: Document, *, title: str, about: str, verdict: D
     Raises `DocumentError` below "plan".
     """
     answer = answer_in(given, cell.scene)
+    assumptions = answer.get("assumptions", assumed(cell.scene))
     view = view_of(cell, answer)
     rows = len(given.get("certificate", ())) > len(answer.get("certificate", ()))
     request, left_out = _shown(cell.document, answer, rows=rows)
+    if "census" not in answer:
+        left_out.append(ONLY_PROVED)
     head = _chips(answer, verdict)
     for longest in (None, *SHORTER):
         notes = list(left_out)
@@ -46,7 +57,7 @@ def report_of(cell: Cell, given: Document, *, title: str, about: str, verdict: D
             f"by up to {1000 * each['off_m']:.1f} mm in the picture. What is proved is proved of the whole shape."
             for each in view["reduced"]
         ]
-        body = _facts(answer, both[0], both[1], about, verdict, version, notes)
+        body = _facts(answer, assumptions, both[0], both[1], about, verdict, version, notes)
         made = page(title, head, body, view)
         if len(made.encode()) < MOST_BYTES:
             break
@@ -62,10 +73,11 @@ def _chips(answer: Document, verdict: Document | None) -> str:
         if answer["proved"]:
             found.append(chip("proved"))
         return "".join(found)
-    found = [chip("planned", "good"), chip(f"{answer['duration_s']:.3f} s")]
+    times = answer["trajectory"]["time_s"]
+    found = [chip("planned", "good"), chip(f"{times[-1] - times[0]:.3f} s")]
     if verdict is not None:
         found.append(chip("checked", "good") if verdict["ok"] else chip("the checker refuses it", "bad"))
-    nearest = answer["margins"]["nearest"]
+    nearest = answer.get("margins", {}).get("nearest")
     if nearest is not None:
         found.append(chip(f"nearest {1000 * nearest['gap_m']:.1f} mm"))
     return "".join(found)
@@ -73,6 +85,7 @@ def _chips(answer: Document, verdict: Document | None) -> str:
 
 def _facts(
     answer: Document,
+    assumptions: Sequence[str],
     request: object,
     shown: object,
     about: str,
@@ -84,31 +97,32 @@ def _facts(
     if about:
         cards.append(facts.card("About this cell", f"<p>{html.escape(about)}</p>", wide=True))
     if answer["status"] == "planned":
-        cards += [
-            facts.card("Arrivals", facts.arrivals(answer), wide=True),
-            facts.card("Margins", facts.margins(answer)),
-            facts.card("Proof", facts.proof(answer, verdict)),
-        ]
+        cards.append(facts.card("Arrivals", facts.arrivals(answer), wide=True))
+        if "margins" in answer:
+            cards.append(facts.card("Margins", facts.margins(answer)))
+        cards.append(facts.card("Proof", facts.proof(answer, verdict)))
     else:
         cards.append(facts.card("Why there is no plan", facts.refusal(answer), wide=True))
-    warnings = [each["detail"] for each in answer["warnings"]]
+    warnings = [each["detail"] for each in answer.get("warnings", ())]
     if warnings:
         cards.append(facts.card("Warnings", facts.lines(warnings, "")))
-    cards.append(facts.card("Candidates", facts.census(answer), wide=len(answer["census"]["lines"]) > 0))
-    cards.append(facts.card("Assumptions", facts.lines(answer["assumptions"], "none")))
+    if "census" in answer:
+        cards.append(facts.card("Candidates", facts.census(answer), wide=len(answer["census"]["lines"]) > 0))
+    cards.append(facts.card("Assumptions", facts.lines(assumptions, "none")))
     versions = [
         ("assur", version),
         ("documents", answer["schema"]),
         ("Python", platform.python_version()),
         ("NumPy", np.__version__),
-        ("request", answer["request_digest"]),
-        ("seed", str(answer["seed"])),
+        ("request", answer.get("request_digest", "")),
     ]
+    if "seed" in answer:
+        versions.append(("seed", str(answer["seed"])))
     said = facts.lines(notes, "Nothing was left out of request and answer.")
     cards.append(facts.card("Versions and what was left out", facts.pairs(versions) + "<h3>Left out</h3>" + said))
     documents = facts.whole("Request", request) + facts.whole("Answer", shown)
     cards.append(facts.card("Documents", documents, wide=True))
-    cards.append(facts.card("What this is not", f"<p>{html.escape(answer['notice'])}</p>", wide=True))
+    cards.append(facts.card("What this is not", f"<p>{html.escape(answer.get('notice', NOTICE))}</p>", wide=True))
     return '<div class="facts">' + "".join(cards) + "</div>"
 
 

@@ -418,6 +418,18 @@ class CheckedPlan(_Motion, total=False):
 
 
 @with_config(CLOSED)
+class ProvedPlan(_Motion, total=False):
+    """A plan with its proof and nothing of a search, as an export writes it, for those who show it."""
+
+    certificate: Required[Certificate | CertificateDigest]
+    duration_s: Number
+    start_s: Number
+    lower_bound_s: Number | None
+    load: LoadApplied
+    request_digest: Text
+
+
+@with_config(CLOSED)
 class Finding(TypedDict):
     """Something in a plan that is not right: by how much, and where."""
 

@@ -14,16 +14,19 @@ from assur.scenes.reading.plan import CERTIFICATE_DIGEST, PLAN
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.normal import plain
 
-FORMS = {"planned": document.PlannedAnswer, "not_planned": document.NotPlannedAnswer}
+FORMS = {"planned": document.PlannedAnswer, "not_planned": document.NotPlannedAnswer, "proved": document.ProvedPlan}
+ANSWERS = ("planned", "not_planned")
+"""Each status of an answer."""
 
 
 @cache
-def _form(status: str) -> TypeAdapter[Any]:
-    return TypeAdapter(FORMS[status])
+def _form(name: str) -> TypeAdapter[Any]:
+    return TypeAdapter(FORMS[name])
 
 
 def answer_in(given: object, scene: Scene) -> dict[str, Any]:
-    """An answer to the request of a scene, with the digest of its certificate in place of the rows.
+    """An answer to the request of a scene, or a plan with its proof and nothing of a search, as an export writes it;
+    with the digest of its certificate in place of the rows.
 
     Raises `DocumentError` below "plan" at the first field that is not as an answer has it. What it says is not checked.
     """
@@ -32,7 +35,7 @@ def answer_in(given: object, scene: Scene) -> dict[str, Any]:
         if not isinstance(answer, dict):
             raise Refused("an answer, as `assur plan --out` writes it")
         status = answer.get("status")
-        if not isinstance(status, str) or status not in FORMS:
+        if not isinstance(status, str) or status not in ANSWERS:
             raise Refused("planned or not_planned: an answer, as `assur plan --out` writes it", "status")
         if answer.get("request_digest") not in (None, scene.digest):
             raise Refused(f"{scene.digest}, that of the request; this answer is one to another", "request_digest")
@@ -42,9 +45,15 @@ def answer_in(given: object, scene: Scene) -> dict[str, Any]:
         answer = {**answer, "certificate": brief}
     try:
         # by way of JSON: in it enumerations and facts are text and mappings, as they are here
-        _form(answer["status"]).validate_json(json.dumps(answer))
+        _form(_name(answer)).validate_json(json.dumps(answer))
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         where = dotted((PLAN, *first["loc"]))
         raise DocumentError(where, NOTHING, f"what an answer has there ({first['msg']})") from None
     return dict(answer)
+
+
+def _name(answer: dict[str, Any]) -> str:
+    """Of the form that a document must have. A planned one is a whole answer if it says anything of the search."""
+    planned = answer["status"] == "planned"
+    return "proved" if planned and answer.keys() <= document.ProvedPlan.__annotations__.keys() else answer["status"]

@@ -8,6 +8,7 @@ import numpy as np
 
 from assur.planner.frames import Fixed
 from assur.planner.model.phases import phases
+from assur.scenes.answer import NOTICE
 from assur.scenes.conventions import Conventions, as_maker, rates_as_maker
 from assur.scenes.reading.cell import Cell
 from assur.scenes.reading.plan import motion_of
@@ -33,7 +34,7 @@ def view_of(cell: Cell, given: object) -> document.ViewDocument:
 
     answer = answer_in(given, cell.scene)
     scene, motion = cell.scene, _motion_in(answer)
-    refusal = answer.get("refusal") or {}
+    refusal, census = answer.get("refusal") or {}, answer.get("census", {})
     also = [each["time_s"] for each in _nearest_said(answer)]
     if motion is None:
         moves = any(not isinstance(frame.law, Fixed) for frame in scene.frames.values())
@@ -88,9 +89,9 @@ def view_of(cell: Cell, given: object) -> document.ViewDocument:
         "refusal": None if planned else _refusal(answer, refusal, motion, start),
         "census": [
             {"reason": line["reason"], "count": line["count"], "detail": line["detail"]}
-            for line in answer["census"]["lines"]
+            for line in census.get("lines", ())
         ],
-        "candidates": answer["census"]["candidates"],
+        "candidates": census.get("candidates", 0),
         "reduced": [
             {
                 "body": body.name,
@@ -102,7 +103,7 @@ def view_of(cell: Cell, given: object) -> document.ViewDocument:
             if made[body.mesh].triangles != len(made[body.mesh].mesh.faces)
         ],
         "request_digest": scene.digest,
-        "notice": answer.get("notice", ""),
+        "notice": answer.get("notice", NOTICE),
     }
 
 

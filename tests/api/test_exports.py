@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import html
 import json
 from pathlib import Path
 from typing import Any
@@ -11,11 +12,15 @@ import httpx
 import pytest
 from typer.testing import CliRunner
 
+import assur
 from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG
 from assur.api.command_line import app
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.scenes import plan
 from assur.scenes.exports.doors import check_trajectory_document, export_document
+from assur.scenes.plan_file import PlanFile
+from assur.scenes.report.report import ONLY_PROVED
+from assur.scenes.requests import assumptions_of
 
 
 def run(*arguments: str) -> tuple[int, str, str]:
@@ -60,6 +65,60 @@ def test_an_export_and_its_proof_pass_assur_check(tmp_path: Path, files: tuple[s
     code, output, _ = run("check-trajectory", cell, out, "--jerk", "report")
     assert code == WRONG
     assert "j1 breaks its velocity limit" in output.splitlines()[2]
+
+
+@pytest.fixture(scope="module")
+def proof(answer: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The plan file of an export on ticks, whose request has a higher limit of jerk."""
+    folder = tmp_path_factory.mktemp("proof")
+    (folder / "plan.json").write_text(json.dumps(PlanFile(FIRST_PLAN, answer).document))
+    out = folder / "proved.json"
+    options = ("--format", "ros2", "--tick-ms", "2", "--jerk", "report", "--out", str(folder / "m.yaml"))
+    assert run("export", str(folder / "plan.json"), *options, "--plan-out", str(out))[0] == RIGHT
+    return out
+
+
+def test_the_proof_of_an_export_is_reported_and_viewed(client: httpx.Client, proof: Path, tmp_path: Path) -> None:
+    out, document = tmp_path / "report.html", json.loads(proof.read_text())
+    assert run("report", str(proof), "--out", str(out))[0] == RIGHT
+    page = out.read_text(encoding="utf-8")
+    assert '<span class="chip good">checked</span>' in page
+    for assumption in assumptions_of(document["request"]):
+        assert html.escape(assumption) in page
+    assert html.escape(ONLY_PROVED) in page
+    assert ">Margins<" not in page
+    assert client.post("/v1/plans/report", json=document).status_code == 200
+    view = client.post("/v1/plans/view", json=document)
+    assert (view.status_code, view.json()["census"], view.json()["candidates"]) == (200, [], 0)
+    assert [leg["kind"] for leg in view.json()["legs"]] == [leg["kind"] for leg in document["plan"]["legs"]]
+
+
+@pytest.mark.parametrize(("key", "put"), [("legs", None), ("certificate", None), ("seed", 0), ("margins", {})])
+def test_what_is_neither_an_answer_nor_a_proved_plan_is_not_viewed(
+    client: httpx.Client, proof: Path, key: str, put: Any
+) -> None:
+    document = json.loads(proof.read_text())
+    if put is None:
+        del document["plan"][key]
+    else:
+        document["plan"][key] = put
+    response = client.post("/v1/plans/view", json=document)
+    assert (response.status_code, response.json()["errors"][0]["field"].startswith("plan.")) == (422, True)
+
+
+def test_an_answer_of_a_proof_says_what_it_does_not_hold(proof: Path, tmp_path: Path) -> None:
+    held = assur.load_answer(proof)
+    assert held.request is not None
+    assert held.assumptions == assumptions_of(held.request) != []
+    assert (len(held.arrivals), held.duration_s) == (1, held.trajectory.duration_s)
+    for name in ("margins", "warnings"):
+        with pytest.raises(assur.InputError, match=rf"answer\.{name}: got 'nothing'.*ask the answer that was exported"):
+            getattr(held, name)
+    bare = assur.Answer(held.document)
+    with pytest.raises(assur.InputError, match=r"answer\.assumptions"):
+        _ = bare.assumptions
+    assert assur.check(held.request, held)["ok"]
+    assert "Proof" in held.report(tmp_path / "page.html").read_text(encoding="utf-8")
 
 
 def test_without_out_the_file_is_printed_and_nothing_else(files: tuple[str, str], answer: dict[str, Any]) -> None:

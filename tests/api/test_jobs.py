@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
 import copy
 import json
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import httpx
 import pytest
 
+from assur.api.problems import Problem
+from assur.api.web.job_store import JobStore
+from assur.api.web.service import Order, Service
 from assur.api.web.settings import Settings
 from tests.api.running import running
 
@@ -49,6 +54,14 @@ def events(service: httpx.Client, job: str) -> Iterator[tuple[str, dict[str, Any
                 yield name, json.loads(line.removeprefix("data: "))
 
 
+def is_forgotten(service: httpx.Client, job: str) -> bool:
+    """Whether a job that has ended is given once more when it is deleted, and is lost then."""
+    last, once_more = service.get(job).json(), service.delete(job)
+    gone = service.get(job)
+    assert (once_more.status_code, once_more.json()) == (200, last)
+    return (gone.status_code, gone.json()["type"]) == (404, "urn:assur:problem:job-lost")
+
+
 def test_a_job_ends_with_the_answer_that_a_plan_would_have(service: httpx.Client, small: dict[str, Any]) -> None:
     at_once = service.post("/v1/plans", json=small).json()
     job = started(service, small)
@@ -61,6 +74,7 @@ def test_a_job_ends_with_the_answer_that_a_plan_would_have(service: httpx.Client
     assert last["progress"]["candidates"] >= 1
     answer = service.get(job + "/answer").json()
     assert {**answer, "elapsed_s": 0, "first_s": 0} == {**at_once, "elapsed_s": 0, "first_s": 0}
+    assert is_forgotten(service, job)
 
 
 def test_progress_is_told_while_the_search_goes_on(service: httpx.Client, small: dict[str, Any]) -> None:
@@ -82,8 +96,13 @@ def test_a_job_that_is_called_off_leaves_its_worker_to_others(service: httpx.Cli
     while service.get(job).json()["progress"] is None:
         time.sleep(0.02)
     assert service.delete(job).json()["state"] == "cancelled"
-    gone = service.get(job)
-    assert (gone.status_code, gone.json()["type"]) == (404, "urn:assur:problem:job-lost")
+    assert service.get(job).json()["state"] == "cancelled"
+    none = service.get(job + "/answer")
+    assert (none.status_code, none.json()["type"]) == (409, "urn:assur:problem:job-not-done")
+    assert "was called off" in none.json()["detail"]
+    assert "retry-after" not in none.headers
+    assert [name for name, _ in events(service, job)] == ["cancelled"]
+    assert is_forgotten(service, job)
     # the only worker plans the next request; a new one would first have to load its libraries, and nothing be ready
     assert service.post("/v1/plans", json=small).json()["status"] == "planned"
     assert service.get("/readyz").status_code == 200
@@ -106,12 +125,33 @@ def test_what_can_be_refused_at_once_is_no_job(service: httpx.Client, body: byte
     assert response.headers["content-type"] == "application/problem+json"
 
 
-@pytest.mark.parametrize(("body", "status"), [(b"{", 400), (b"[]", 422)])
-def test_what_only_a_worker_can_tell_fails_as_a_job(service: httpx.Client, body: bytes, status: int) -> None:
-    response = service.post("/v1/jobs", content=body, headers={"Content-Type": "application/json"})
-    job = f"/v1/jobs/{response.json()['id']}"
-    assert [name for name, _ in events(service, job)][-1] == "failed"
-    assert service.get(job).json()["problem"]["status"] == status
+@pytest.mark.parametrize(
+    "body", [b"", b"{", b"[]", b"no", b'{"a": NaN}', b'{"a": 1, "a": 2}', b"\xff", b'"' + b"x" * 50000]
+)
+def test_what_is_no_json_object_is_refused_as_a_plan_would_be(service: httpx.Client, body: bytes) -> None:
+    headers = {"Content-Type": "application/json"}
+    as_job, as_plan = (service.post(to, content=body, headers=headers) for to in ("/v1/jobs", "/v1/plans"))
+    assert as_job.status_code == (422 if body == b"[]" else 400)
+    assert (as_job.status_code, as_job.json()) == (as_plan.status_code, as_plan.json())
+
+
+def test_every_job_that_is_accepted_at_the_same_time_has_a_place(service: httpx.Client, small: dict[str, Any]) -> None:
+    def post(_: int) -> httpx.Response:
+        return service.post("/v1/jobs", json=long(small))
+
+    with ThreadPoolExecutor(24) as clients:
+        responses = list(clients.map(post, range(24)))
+    taken = [f"/v1/jobs/{each.json()['id']}" for each in responses if each.status_code == 202]
+    refused = [each for each in responses if each.status_code != 202]
+    assert (len(taken), len(refused)) == (3, 21)
+    assert {(each.status_code, each.json()["type"]) for each in refused} == {(503, "urn:assur:problem:busy")}
+    assert all(int(each.headers["retry-after"]) >= 1 for each in refused)
+    assert [service.get(job).json()["state"] for job in taken] == ["working"] * 3
+    for job in taken:
+        assert service.delete(job).json()["state"] == "cancelled"
+    # their places are free again
+    assert service.post("/v1/plans", json=small).json()["status"] == "planned"
+    assert list(events(service, started(service, small)))[-1][0] == "done"
 
 
 @pytest.mark.parametrize("name", ["x", "0" * 32, "..%2f..", "%00"])
@@ -150,3 +190,23 @@ def test_a_client_that_leaves_its_plan_costs_no_worker(service: httpx.Client, sm
     # long before 30 s, and by the same worker
     assert service.post("/v1/plans", json=small, timeout=20.0).json()["status"] == "planned"
     assert service.get("/readyz").status_code == 200
+
+
+def test_jobs_that_come_before_any_has_begun_have_places_of_their_own() -> None:
+    async def served() -> None:
+        service = Service(Settings(workers=1, queue=2))  # its workers are not started: every job waits
+        store, order = JobStore(service), Order(lambda: Problem("fault", "not to be reached"), (), "", 30.0)
+        taken = [store.start(order) for _ in range(3)]
+        with pytest.raises(Problem, match="busy"):
+            store.start(order)
+        assert store.cancel(taken[0].id).state == "cancelled"  # before it has begun
+        await asyncio.gather(*(job.work for job in taken[:1] if job.work is not None), return_exceptions=True)
+        await asyncio.sleep(0)
+        taken.append(store.start(order))
+        await store.stop()
+        await asyncio.sleep(0)
+        assert {job.state for job in taken} == {"cancelled"}
+        assert not service.workers.full
+        assert service.workers.busy().headers["Retry-After"] == "1"
+
+    asyncio.run(served())

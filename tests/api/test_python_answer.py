@@ -46,6 +46,28 @@ def test_an_answer_is_its_document_to_read(answer: assur.Answer) -> None:
         answer["duration_s"] = 0.0  # type: ignore[index]
 
 
+def test_what_is_in_an_answer_is_its_own_and_a_deep_copy_is_changed(answer: assur.Answer) -> None:
+    assert answer.arrivals is answer.document["arrivals"]
+    mine = copy.deepcopy(answer)
+    mine.arrivals[0]["time_s"] = 99.0
+    assert mine != answer
+    for name in ("document", "planned", "arrivals"):
+        with pytest.raises(AttributeError):
+            setattr(answer, name, None)
+
+
+@pytest.mark.parametrize(
+    "step", ["a", "0.1", None, [0.1], True, 10**400, -(10**400), 1j, np.complex128(1), float("nan")]
+)
+def test_a_step_that_is_no_number_is_refused_by_name(answer: assur.Answer, step: Any) -> None:
+    with pytest.raises(assur.InputError, match=r"^dt: got .*; allowed: a step in s, a number of at least") as caught:
+        answer.trajectory.sample(step)
+    assert caught.value.field == "dt"
+    taken: list[Any] = [1, np.float32(1), np.int64(1), np.array(1.0)]
+    lengths = {len(answer.trajectory.sample(each).times) for each in taken}
+    assert lengths == {len(answer.trajectory.sample(1.0).times)}
+
+
 def test_attributes_hold_what_the_document_holds(answer: assur.Answer) -> None:
     assert answer.arrivals == answer["arrivals"]
     assert answer.margins == answer["margins"]

@@ -6,6 +6,8 @@ import asyncio
 import copy
 import pickle
 import socket
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
@@ -264,3 +266,26 @@ def test_what_is_no_address_is_refused(url: str) -> None:
 def test_a_time_that_is_none_is_refused(timeout: float) -> None:
     with pytest.raises(assur.InputError, match="timeout: got"):
         assur.Client("http://127.0.0.1:8000", timeout=timeout)
+
+
+def test_a_client_that_is_closed_says_so(url: str) -> None:
+    service = assur.Client(url)
+    service.close()
+    with pytest.raises(assur.ServiceError, match="this client is closed; make another one"):
+        service.health()
+
+    async def closed() -> None:
+        there = assur.AsyncClient(url)
+        await there.aclose()
+        with pytest.raises(assur.ServiceError, match="this client is closed; make another one"):
+            await there.robots()
+
+    asyncio.run(closed())
+
+
+def test_without_httpx_one_error_says_what_to_install() -> None:
+    code = "import sys; sys.modules['httpx'] = None; import assur; assur.Client('http://127.0.0.1:8000')"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert ended.returncode == 1
+    assert ended.stderr.count("Traceback") == 1
+    assert "pip install 'assur[client]'" in ended.stderr.splitlines()[-1]

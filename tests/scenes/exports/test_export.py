@@ -166,3 +166,16 @@ def test_a_plan_that_is_not_right_does_not_leave() -> None:
         export_document(request_of("demo"), longer, {"format": "csv"})
     with pytest.raises(InputError, match="certificate"):
         export_document(request_of("demo"), plan(request_of("transfer"), certificate="digest"), {"format": "csv"})
+
+
+def test_a_motion_is_proved_anew_whatever_its_answer_claims_of_it() -> None:
+    request, wrong = request_of("transfer"), copy.deepcopy(planned("transfer"))
+    wrong["margins"]["nearest"]["gap_m"] += 1.0
+    wrong["certificate"]["t1_s"][0] += 1.0
+    assert not check(request, wrong)["ok"]
+    export = export_document(request, wrong, {"format": "csv"})
+    assert check(export["request"], export["plan"])["ok"]
+    assert export["plan"] == export_document(request, planned("transfer"), {"format": "csv"})["plan"]
+    wrong["arrivals"][0]["joints"][0] += 0.1
+    with pytest.raises(InputError, match=r"^plan: got 'this answer'"):
+        export_document(request, wrong, {"format": "csv"})
