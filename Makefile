@@ -45,8 +45,11 @@ PLAIN := tests/planner/kernels tests/planner/timing/test_rough_motions.py tests/
 # A stamp per set of extras: pip runs again only when pyproject.toml has changed since.
 install = $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable "$(1)" && touch $@
 
+# What users have: plots, and clients of the service.
+OF_USERS := .[plot,client]
+
 $(VENV)/installed: $(BIN)/python pyproject.toml
-	$(call install,.[plot,client])
+	$(call install,$(OF_USERS))
 
 $(VENV)/installed-test: $(BIN)/python pyproject.toml
 	$(call install,.[test])
