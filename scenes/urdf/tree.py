@@ -248,6 +248,10 @@ def _no_tree(links: dict[str, tuple[Solid, ...]], joints: dict[str, Joint]) -> l
     return found
 
 
+ONCE = ("parent", "child", "origin", "axis", "limit", "mimic", "safety_controller")
+"""What a joint has once; of two nobody knows which counts."""
+
+
 def _joint(element: Element, i: int, links: dict[str, tuple[Solid, ...]], angle: Callable[[float], float]) -> Joint:
     name = element.get("name") or ""
     where = f"joint {name}" if name else f"<joint> {i + 1}"
@@ -257,6 +261,9 @@ def _joint(element: Element, i: int, links: dict[str, tuple[Solid, ...]], angle:
     _short_enough("joint", name)
     if kind not in get_args(JointType):
         raise Unsuitable(where, f"type {kind!r}", f"one of {', '.join(get_args(JointType))}")
+    for tag in ONCE:
+        if len(element.findall(tag)) > 1:
+            raise Unsuitable(f"{where}, {tag}", "more than one of them", "leave the one that counts")
     ends = []
     for end in ("parent", "child"):
         found = element.find(end)

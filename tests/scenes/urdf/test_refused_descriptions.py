@@ -107,6 +107,10 @@ BAD: dict[str, tuple[Callable[[], str], str]] = {
     "two roots": (swapped('<link name="l0"></link>', '<link name="l0"/><link name="other"/>'), "2 roots: l0, other"),
     "two parents": (swapped('child link="l3"', 'child link="l2"'), "it is the child of 2 joints"),
     "a loop": (swapped('parent link="l0"', 'parent link="l4"'), "loop of joints"),
+    "two limits": (
+        swapped("<limit", '<limit lower="0" upper="1" velocity="1"/><limit'),
+        "limit: more than one of them",
+    ),
     "a name twice": (swapped('name="a_joint_2"', 'name="a_joint_1"'), "a second one"),
     "a link twice": (swapped('link name="l2"', 'link name="l1"'), "a name of its own"),
     "an unknown type": (swapped('type="revolute"', 'type="screw"'), "one of revolute, continuous"),
