@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_JSON_BYTES
 from assur.scenes.conventions import as_maker, places, rates_as_maker
 from assur.scenes.exports.raised import raised, scale_of
 from assur.scenes.numbers import number
@@ -222,7 +223,10 @@ def _file(motion: Motion, form: str) -> tuple[str, list[str]]:
         "spel": recipe.spel,
         "melfa": recipe.melfa,
     }
-    return text[form](motion), list(recipe.NOTES) if form in RECIPES else []
+    file = text[form](motion)
+    if form.startswith("ros2") and len(file.encode()) > MAX_JSON_BYTES:  # check-trajectory reads no longer ones
+        raise InputError("format", form, f"csv, or a longer tick: the file would have more than {MAX_JSON_BYTES} bytes")
+    return file, list(recipe.NOTES) if form in RECIPES else []
 
 
 def file_bytes(made: ExportAnswer | dict[str, Any]) -> bytes:

@@ -16,6 +16,7 @@ from assur.planner.resampling.certifying import Refuted, recertified
 from assur.planner.trajectory import Trajectory
 from assur.scenes import check, plan
 from assur.scenes.conventions import as_maker
+from assur.scenes.exports import export as of_export
 from assur.scenes.exports.doors import export_document
 from assur.scenes.requests import cell_of, read_plan
 from tests.scenes.exports.controller import sampled, seconds
@@ -93,6 +94,17 @@ def test_the_knots_of_a_plan_leave_as_they_are() -> None:
     first = dict(zip(rows[0].split(","), map(float, rows[1].split(",")), strict=True))
     assert first["j3_mm"] == pytest.approx(1e3 * planned("demo")["trajectory"]["position"][0][2])
     assert any("highest jerk" in line for line in lines if line.startswith("#"))
+
+
+def test_a_message_that_would_be_too_long_to_be_read_back_does_not_leave(monkeypatch: pytest.MonkeyPatch) -> None:
+    request, answer = request_of("demo"), planned("demo")
+    whole = {form: len(export_document(request, answer, {"format": form})["file"]) for form in ("ros2", "ros2-json")}
+    for form, size in whole.items():
+        monkeypatch.setattr(of_export, "MAX_JSON_BYTES", size)
+        assert len(export_document(request, answer, {"format": form})["file"]) == size
+        monkeypatch.setattr(of_export, "MAX_JSON_BYTES", size - 1)
+        with pytest.raises(InputError, match="csv, or a longer tick"):
+            export_document(request, answer, {"format": form})
 
 
 def test_parabolic_blends_leave_as_knots_only() -> None:
