@@ -12,7 +12,7 @@ import pytest
 from assur.api.web.settings import PREFIX, Settings
 from tests.docs.pages import PAGES, ROOT, anchors, prose, spans, text
 
-OF_TESTS = {"ASSUR_HYPOTHESIS"}
+OF_TESTS = {"ASSUR_HYPOTHESIS", "ASSUR_MAKER_ROBOTS"}
 """Variables that the tests read and the service never sees: their names are its own only by prefix."""
 SOURCES = "\n".join(
     path.read_text(encoding="utf-8")

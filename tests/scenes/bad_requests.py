@@ -610,7 +610,7 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     Bad(
         "neighbour's row too short", _neighbour(velocity=[[0.0] * 4, [0.0] * 3]), "neighbours[0].trajectory.velocity[1]"
     ),
-    Bad("neighbour's times backwards", _neighbour(time_s=[1.0, 0.0]), "neighbours[0].trajectory.time_s"),
+    Bad("neighbour's times backwards", _neighbour(time_s=[1.0, 0.0]), "neighbours[0].trajectory.time_s[1]"),
     Bad(
         "neighbour that never stops",
         _neighbour(velocity=[[0.0] * 4, [0.1, 0, 0, 0]]),

@@ -340,7 +340,7 @@ SPOILT: dict[str, tuple[Any, Any, str]] = {
     "unknown field": (("colour",), 1, "plan.colour"),
     "no trajectory": (("trajectory",), None, "plan.trajectory"),
     "joints of another robot": (("trajectory", "joint_names"), ["a", "b", "c", "d"], "plan.trajectory.joint_names"),
-    "times that run back": (("trajectory", "time_s", 1), -5.0, "plan.trajectory.time_s"),
+    "times that run back": (("trajectory", "time_s", 1), -5.0, "plan.trajectory.time_s[1]"),
     "a row too short": (("trajectory", "velocity", 1), [0.0], "plan.trajectory.velocity[1]"),
     "text for a number": (("trajectory", "position", 0, 0), "0", "plan.trajectory.position[0][0]"),
     "unknown leg": (("legs", 0, "kind"), "DANCE", "plan.legs[0].kind"),
