@@ -83,7 +83,7 @@ def plan(
     if piped and as_json:
         raise InputError("--json", "with --out -", "one of both: each writes a document to standard output")
     given = target(file)
-    writable(out)
+    writable(out, file)
     read_cell(given)
     announce_compilation()
     with console_report.working(f"planning {given.name}"):
@@ -145,7 +145,7 @@ def report(
 ) -> int:
     """Write a page that plays an answer and says all of it; it needs no network. A cell alone is planned first."""
     given = target(file)
-    writable(out)
+    writable(out, file, plan)
     read = plan_files.answer_if_any(given, plan)
     announce_compilation()
     with console_report.working(f"planning {given.name}" if read is None else f"reading {given.name}"):
@@ -258,7 +258,7 @@ def fit_limits(
 ) -> int:
     """Find the limits of acceleration and jerk of each joint in a LOG of recorded motion."""
     given, of = log_file(log), None if robot is None else robot_named(robot)
-    writable(out)
+    writable(out, log, robot)
     with console_report.working(f"fitting {log.name}"):
         found = fitted_limits.fit_limits(given, commanded=commanded, robot=of)
     if out is not None:

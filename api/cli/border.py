@@ -86,10 +86,15 @@ def telling(how_far: Callable[[], str]) -> Iterator[None]:
         teller.join()
 
 
-def writable(out: Path | None, option: str = "--out") -> None:
-    """Accepts no file, and one that can be written. Raises `InputError` that names the option."""
-    if out is not None and (out.is_dir() or not out.parent.is_dir()):
+def writable(out: Path | None, *others: str | Path | None, option: str = "--out") -> None:
+    """Accepts no file, and one that can be written. `others`: what the command reads, or writes as well; it is not
+    overwritten. Raises `InputError` that names the option."""
+    if out is None:
+        return
+    if out.is_dir() or not out.parent.is_dir():
         raise InputError(option, str(out), "a file in a folder that exists")
+    if any(out.resolve() == Path(other).resolve() for other in others if other is not None):
+        raise InputError(option, str(out), "another file than those that the command reads or writes as well")
 
 
 def show(*parts: Any) -> None:

@@ -88,7 +88,7 @@ def import_(
     from assur.scenes.urdf.refusals import ImportRefused
     from assur.scenes.urdf.solids import Covering
 
-    writable(out)
+    writable(out, file, joint_limits, srdf)
     wanted = Wanted(
         file,
         joint_limits,
@@ -130,7 +130,7 @@ def show_(
 
     given = robot_named(robot)
     path = out or Path(f"{given.listed()['model']}.png")
-    writable(path)
+    writable(path, robot)
     if path.suffix.lower() not in (".png", ".svg"):
         raise InputError("--out", str(path), "a file that ends in .png or .svg")
     with working(f"drawing {path.name}"):

@@ -43,8 +43,8 @@ def export(
     ] = None,
 ) -> int:
     """Write a PLAN as a controller's file, proved anew on the points that the file has."""
-    for name, path in (("--out", out), ("--plan-out", plan_out)):
-        writable(path, name)
+    writable(out, file, plan)
+    writable(plan_out, file, plan, out, option="--plan-out")
     given = target(file)
     asked: dict[str, Any] = {"format": form, "jerk": jerk}
     if tick_ms is not None:

@@ -10,7 +10,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.model.scene import Scene
 from assur.planner.tracks.poses import STEP_S, Track, frame_poses, instants, link_poses
 from assur.planner.tracks.tracks import Tracks
-from assur.planner.tracks.turns import apart, between
+from assur.planner.tracks.turns import apart
 from assur.planner.trajectory import Trajectory
 
 PARTS = 4
@@ -27,30 +27,10 @@ def in_single(track: Track, start: float) -> Track:
     return replace(track, time=time, position=position, rotation=rotation)
 
 
-def interpolated(track: Track, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Positions (T, 3) and rotations (T, 4) of a track at times (T,): straight lines and shorter arcs."""
-    if len(track.time) == 1:
-        return np.repeat(track.position, len(t), 0), np.repeat(track.rotation, len(t), 0)
-    k = np.clip(np.searchsorted(track.time, t, side="right") - 1, 0, len(track.time) - 2)
-    share = np.clip((t - track.time[k]) / (track.time[k + 1] - track.time[k]), 0.0, 1.0)
-    position = track.position[k] + share[:, None] * (track.position[k + 1] - track.position[k])
-    return position, between(track.rotation[k], track.rotation[k + 1], share)
-
-
-def reaches(shown: Tracks) -> FloatArray:
-    """The greatest distance of a point of any body from the origin of each carrier, (C,) m."""
-    found = np.zeros(len(shown.carriers))
-    for body in shown.bodies:
-        for seat in body.seats:
-            far = float(np.linalg.norm(seat.pose.position)) + shown.meshes[body.mesh].reach
-            found[seat.carrier] = max(found[seat.carrier], far)
-    return found
-
-
 def farthest_off(
     scene: Scene, trajectory: Trajectory, shown: Tracks, drawn: tuple[Track, ...], step_s: float = STEP_S
 ) -> FloatArray:
-    """By how much a point of a body on each carrier is at most beside where it is, (C,) m, if the carriers are drawn as
+    """By how much a point that goes with a carrier is at most beside where it is, (C,) m, if the carriers are drawn as
     `drawn`, whose times are counted from the start of `shown`. `step_s`: that with which `shown` was made.
 
     A pose that is off by d and by an angle a moves a point at a distance r from its origin by d + r a at most.
@@ -60,8 +40,8 @@ def farthest_off(
     t = np.append(inner.ravel(), looked[-1])
     position, rotation = link_poses(scene, trajectory, t)
     links, found = len(scene.robot.links), np.zeros(len(drawn))
-    for k, (track, reach) in enumerate(zip(drawn, reaches(shown).tolist(), strict=True)):
+    for k, track in enumerate(drawn):
         true = (position[:, k], rotation[:, k]) if k < links else frame_poses(scene, track.name, t)
-        at, turn = interpolated(track, t - shown.start)
-        found[k] = float((np.linalg.norm(at - true[0], axis=-1) + reach * apart(turn, true[1])).max())
+        at, turn = track.at(t - shown.start)
+        found[k] = float((np.linalg.norm(at - true[0], axis=-1) + track.reach * apart(turn, true[1])).max())
     return found

@@ -31,22 +31,23 @@ MOST_INSTANTS = 60_000
 @dataclass(frozen=True, eq=False)
 class Track:
     """Where a link or a frame is: `position` (K, 3) m and `rotation` (K, 4), quaternions x, y, z, w, at times (K,) s,
-    in the world. Before the first time and after the last it is as it is then."""
+    in the world. Before the first time and after the last it is as it is then. `reach`: the points that go with it are
+    up to so far from its origin, m."""
 
     name: str
     time: FloatArray
     position: FloatArray
     rotation: FloatArray
+    reach: float
 
-    def at(self, t: float) -> tuple[FloatArray, FloatArray]:
-        """Position (3,) and rotation (4,) at a time: what whoever draws it computes."""
-        t = min(max(t, float(self.time[0])), float(self.time[-1]))
-        k = int(np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, max(0, len(self.time) - 2)))
-        last = min(k + 1, len(self.time) - 1)
-        whole = float(self.time[last] - self.time[k])
-        share = (t - float(self.time[k])) / whole if whole > 0.0 else 0.0
-        position = self.position[k] + share * (self.position[last] - self.position[k])
-        return position, between(self.rotation[k], self.rotation[last], np.array([share]))[0]
+    def at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Positions (T, 3) m and rotations (T, 4) at times (T,) s: what whoever draws it computes."""
+        if len(self.time) == 1:
+            return np.repeat(self.position, len(t), 0), np.repeat(self.rotation, len(t), 0)
+        k = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, len(self.time) - 2)
+        share = np.clip((t - self.time[k]) / (self.time[k + 1] - self.time[k]), 0.0, 1.0)
+        position = self.position[k] + share[:, None] * (self.position[k + 1] - self.position[k])
+        return position, between(self.rotation[k], self.rotation[k + 1], share)
 
 
 def instants(trajectory: Trajectory, start: float, end: float, step_s: float = STEP_S) -> FloatArray:
@@ -95,4 +96,4 @@ def thinned(name: str, t: FloatArray, position: FloatArray, rotation: FloatArray
     at = kept(len(t), off)
     if len(at) == 2 and (position[0] == position[-1]).all() and (rotation[0] == rotation[-1]).all():
         at = at[:1]  # it stands still
-    return Track(name, t[at], position[at], rotation[at])
+    return Track(name, t[at], position[at], rotation[at], reach)

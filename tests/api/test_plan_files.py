@@ -279,6 +279,32 @@ def test_standard_output_has_words_or_the_answer_or_the_plan_file(cell: Path, tm
     assert (code, "--json" in errors) == (BAD_INPUT, True)
 
 
+def test_a_file_that_a_command_reads_is_not_overwritten(cell: Path, written: Path, tmp_path: Path) -> None:
+    other = str(tmp_path / "other.csv")
+    for path, arguments in (
+        (cell, ["plan", str(cell), "--out", str(cell)]),
+        (written, ["report", str(written), "--out", str(written)]),
+        (
+            written,
+            [
+                "report",
+                str(cell),
+                str(written),
+                "--out",
+                str(written.parent / ".." / written.parent.name / written.name),
+            ],
+        ),
+        (written, ["export", str(written), "--format", "csv", "--out", str(written)]),
+        (written, ["export", str(written), "--format", "csv", "--plan-out", str(written)]),
+    ):
+        before = path.read_bytes()
+        code, _, errors = run(*arguments)
+        assert (code, "another file than those" in errors) == (BAD_INPUT, True), arguments
+        assert path.read_bytes() == before
+    code, _, errors = run("export", str(written), "--format", "csv", "--out", other, "--plan-out", other)
+    assert (code, errors.startswith("assur: --plan-out: ")) == (BAD_INPUT, True)
+
+
 def test_what_is_piped_is_read(written: Path) -> None:
     data = written.read_bytes()
     for arguments in (["check", "-"], ["check", str(written), "-"], ["export", "-", "--format", "csv"]):

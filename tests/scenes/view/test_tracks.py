@@ -49,8 +49,7 @@ def farthest_off(of: Scene, trajectory: Trajectory, track: Track, number: int, r
     else:
         position, rotation = frame_poses(of, track.name, t)
     worst, axes = 0.0, reach * np.eye(3)
-    for k, time in enumerate(t.tolist()):
-        p, r = track.at(time)
+    for k, (p, r) in enumerate(zip(*track.at(t), strict=True)):
         off = p + turned(r, axes) - position[k] - turned(rotation[k], axes)
         worst = max(worst, float(np.linalg.norm(off, axis=1).max()))
     return worst
