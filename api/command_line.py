@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from assur.api.cli import console_report, ik_report, limits_report, plan_files, report_file, robots_group, trajectories
+from assur.api.cli import (
+    console_report,
+    ik_report,
+    keys_group,
+    limits_report,
+    plan_files,
+    report_file,
+    robots_group,
+    trajectories,
+)
 from assur.api.cli.border import RIGHT, WRONG, AsJson, bordered, say, show, show_json, telling, writable
 from assur.api.cli.cell_reading import announce_compilation, read_cell
 from assur.api.cli.inputs import (
@@ -45,6 +54,7 @@ app = typer.Typer(
 )
 
 app.add_typer(robots_group.app, name="robots")
+app.add_typer(keys_group.app, name="keys")
 
 File = Annotated[str, typer.Argument(help="A scenario file (YAML), a request (JSON), or a shipped scenario's name.")]
 PlanOrCell = Annotated[str, typer.Argument(metavar="FILE", help=PLAN_OR_CELL)]

@@ -26,6 +26,7 @@ MOST_ERRORS = 20
 
 STATUS = {
     "bad-syntax": (400, "The body is not the JSON that this service accepts"),
+    "unauthorized": (401, "The request has no key of this service"),
     "not-found": (404, "There is nothing here"),
     "job-lost": (404, "There is no such job here"),
     "method-not-allowed": (405, "This address does not know that method"),
@@ -34,10 +35,11 @@ STATUS = {
     "too-large": (413, "The body is too large"),
     "wrong-media-type": (415, "The body is not declared to be JSON"),
     "bad-input": (422, "A field holds a value that is not allowed"),
-    "quarantined": (422, "This request crashed two workers and is not tried again"),
+    "quarantined": (422, "This request ended three workers, and is not tried again for a time"),
+    "too-many-requests": (429, "This client has its share already"),
     "fault": (500, "The fault is ours"),
-    "worker-crashed": (503, "The worker that served this request crashed"),
-    "busy": (503, "All workers are busy and the queue is full"),
+    "worker-crashed": (503, "The worker of this request died, and there is no other"),
+    "busy": (503, "No worker is free in time"),
     "not-ready": (503, "Not every worker has planned yet"),
     "worker-timeout": (504, "The worker did not end within its budget and was killed"),
 }

@@ -7,6 +7,8 @@ of a result do not depend on the processor.
 
 from __future__ import annotations
 
+import ctypes
+import gc
 import inspect
 from collections.abc import Callable
 from functools import partial
@@ -97,3 +99,16 @@ def mark_whole() -> None:
     """Says in the folder that every kernel is there; the caller has imported them all."""
     if KERNELS and not (folder() / WHOLE).is_file():
         (folder() / WHOLE).write_text("\n".join(KERNELS) + "\n", encoding="utf-8")
+
+
+def release_compiler() -> None:
+    """Frees the intermediate code of all kernels, about a quarter of the memory of a process that has loaded them.
+
+    No kernel can be compiled any more that calls one of these.
+    """
+    for made in KERNELS.values():
+        for compiled in getattr(made, "overloads", {}).values():
+            compiled.library._shared_module = None
+            compiled.library._linking_libraries = []
+    gc.collect()
+    ctypes.CDLL(None).malloc_trim(0)

@@ -7,6 +7,7 @@ planning does.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -109,15 +110,19 @@ def request_schema() -> dict[str, Any]:
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA, **schema}
 
 
-def cell_of(document: object, *, folder: Path | None = None) -> Cell:
-    """Scene and joint conventions of a request. `folder`: below which it may name files (never over HTTP)."""
+def cell_of(
+    document: object, *, folder: Path | None = None, valid: Callable[[RequestDocument], None] | None = None
+) -> Cell:
+    """Scene and joint conventions of a request. `folder`: below which it may name files (never over HTTP). `valid` is
+    given the request before anything is built of it; what it raises is raised here."""
     from assur.scenes.reading.cell import cell_of as build
 
-    if folder is None:
-        return build(document, validate(document))
     # Errors quote the document as it was written: a mesh's file, not the bytes that took its place.
-    document = with_plans(with_robots(document, folder), folder)
-    return build(document, validate(with_meshes(document, folder)))
+    written = document if folder is None else with_plans(with_robots(document, folder), folder)
+    request = validate(written if folder is None else with_meshes(written, folder))
+    if valid is not None:
+        valid(request)
+    return build(written, request)
 
 
 def scene_of(document: object, *, folder: Path | None = None) -> Scene:
@@ -140,14 +145,16 @@ def plan_document(
     certificate: Literal["full", "digest"] = "full",
     started: float | None = None,
     watch: Watch | None = None,
+    valid: Callable[[RequestDocument], None] | None = None,
 ) -> dict[str, Any]:
     """The answer to a request: planned, or not planned and why. Raises `InputError` naming the field.
 
     `started`: the reading of `time.perf_counter` from which the budget counts. A service gives the time at which it
     took the request up, so that building the scene counts, too; None: the budget is for the search alone. `watch` is
-    told how far the search has come; what it raises ends the planning and is raised here.
+    told how far the search has come; what it raises ends the planning and is raised here. `valid`: as `cell_of`.
     """
-    return plan_cell(cell_of(document, folder=folder), certificate=certificate, started=started, watch=watch)
+    cell = cell_of(document, folder=folder, valid=valid)
+    return plan_cell(cell, certificate=certificate, started=started, watch=watch)
 
 
 def plan_cell(
@@ -181,11 +188,17 @@ def plan_scenario(
     certificate: Literal["full", "digest"] = "full",
     started: float | None = None,
     watch: Watch | None = None,
+    valid: Callable[[RequestDocument], None] | None = None,
 ) -> dict[str, Any]:
     """The answer to a scenario's request; as `plan_document`. Raises `InputError` with the line in the file."""
     with scenario.located():
         return plan_document(
-            scenario.request, folder=scenario.folder, certificate=certificate, started=started, watch=watch
+            scenario.request,
+            folder=scenario.folder,
+            certificate=certificate,
+            started=started,
+            watch=watch,
+            valid=valid,
         )
 
 

@@ -16,6 +16,7 @@ from assur.api.documents import problem_response
 from assur.api.problems import Problem
 from assur.api.version import version
 from assur.api.web import openapi
+from assur.api.web.clients import Clients, KnowsClients
 from assur.api.web.job_routes import job_bodies, job_router
 from assur.api.web.job_store import JobStore
 from assur.api.web.request_log import RequestLog
@@ -31,7 +32,7 @@ HTTP_KINDS = {404: "not-found", 405: "method-not-allowed"}
 def create_app(settings: Settings | None = None) -> FastAPI:
     """The service with `settings` (default: from the environment). Its workers start with its lifespan."""
     service = Service(Settings.from_environment() if settings is None else settings)
-
+    clients = Clients(service.settings)
     jobs = JobStore(service)
 
     @asynccontextmanager
@@ -60,6 +61,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.include_router(job_bodies)
     app.include_router(job_router)
     app.include_router(studio_router)
+    app.add_middleware(KnowsClients, clients=clients)
     app.add_middleware(RequestLog)
     described = app.openapi
 

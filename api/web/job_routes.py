@@ -11,6 +11,7 @@ from typing_extensions import TypedDict
 
 from assur.api.documents import json_response, to_json
 from assur.api.problems import Problem
+from assur.api.web.clients import client_of
 from assur.api.web.job_store import Job, JobStore
 from assur.api.web.openapi import PLAN_BODY, problems
 from assur.api.web.routes import BODY_PROBLEMS, Direct, read_admitted, service_of
@@ -73,7 +74,9 @@ async def start(request: Request) -> Response:
     if certificate not in get_args(jobs.Detail):
         raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(jobs.Detail))))
     body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
-    job = _store(request).start(await service_of(request).job_order(body, cast(jobs.Detail, certificate)))
+    job = _store(request).start(
+        await service_of(request).job_order(body, cast(jobs.Detail, certificate), client_of(request))
+    )
     # relative to this address, whatever prefix a proxy has put before it
     return _told(job, 202, {"Location": f"jobs/{job.id}"})
 
@@ -82,7 +85,7 @@ async def start(request: Request) -> Response:
     "/v1/jobs/{name}", summary="How far a job has come", response_model=JobDocument, responses=problems("job-lost")
 )
 async def show(request: Request, name: str) -> Response:
-    return _told(_store(request)[name])
+    return _told(_store(request).get(name, client_of(request)))
 
 
 @job_router.get(
@@ -90,10 +93,10 @@ async def show(request: Request, name: str) -> Response:
     summary="The answer of a job that is done, as POST /v1/plans would have given it",
     response_model=Answer,
     responses=problems("job-lost", "job-not-done", "bad-input", "quarantined", "fault", "worker-crashed", "busy",
-                       "worker-timeout"),
+                       "not-ready", "worker-timeout"),
 )  # fmt: skip
 async def answer(request: Request, name: str) -> Response:
-    job = _store(request)[name]
+    job = _store(request).get(name, client_of(request))
     if job.problem is not None:
         raise job.problem
     if job.state == "cancelled":
@@ -112,7 +115,7 @@ async def answer(request: Request, name: str) -> Response:
     },
 )
 async def events(request: Request, name: str) -> Response:
-    job = _store(request)[name]
+    job = _store(request).get(name, client_of(request))
 
     async def stream() -> AsyncIterator[bytes]:
         async for changed in job.news(SILENCE_S):
@@ -133,4 +136,4 @@ async def events(request: Request, name: str) -> Response:
     responses=problems("job-lost"),
 )
 async def cancel(request: Request, name: str) -> Response:
-    return _told(_store(request).cancel(name))
+    return _told(_store(request).cancel(name, client_of(request)))

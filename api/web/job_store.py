@@ -16,7 +16,7 @@ from assur.api.logs import LOGGER
 from assur.api.problems import Problem
 from assur.api.web.service import Order, Service
 from assur.api.workers import jobs
-from assur.api.workers.pool import Place
+from assur.api.workers.client import Client, Ticket
 
 State = Literal["working", "done", "failed", "cancelled"]
 """Whether a job is waited for or worked on, has an answer, ended with a problem, or was called off."""
@@ -27,6 +27,7 @@ class Job:
     """A job, and what has become of it: how far it has come, its answer or its problem."""
 
     id: str
+    client: Client
     state: State = "working"
     progress: dict[str, Any] | None = None
     answer: jobs.Answer | None = None
@@ -74,17 +75,19 @@ class JobStore:
 
     def start(self, order: Order) -> Job:
         """A new job. Raises `Problem` where the service is busy."""
-        place = self._service.workers.admit(order.wall_s)  # before anything is promised
-        job = Job(secrets.token_hex(16))
+        ticket = self._service.workers.admit(order.demand)  # before anything is promised
+        replica = self._service.settings.replica
+        job = Job(f"{replica}-{secrets.token_hex(16)}" if replica else secrets.token_hex(16), order.demand.client)
         self._jobs[job.id] = job
-        job.work = asyncio.get_running_loop().create_task(self._run(job, order, place))
-        job.work.add_done_callback(lambda _: self._ended(job, place))  # also of a task that never began
+        job.work = asyncio.get_running_loop().create_task(self._run(job, order, ticket))
+        job.work.add_done_callback(lambda _: self._ended(job, ticket))  # also of a task that never began
         return job
 
-    def __getitem__(self, name: str) -> Job:
-        """A job by its id. Raises `Problem` for one that this process does not have."""
+    def get(self, name: str, client: Client) -> Job:
+        """A client's job by its id. Raises `Problem` for one that this process does not have, and for one that was
+        started with another key."""
         job = self._jobs.get(name)
-        if job is None:
+        if job is None or (self._service.settings.keys_file and job.client.name != client.name):
             kept = self._service.settings.job_kept_s
             raise Problem(
                 "job-lost",
@@ -93,12 +96,12 @@ class JobStore:
             )
         return job
 
-    def cancel(self, name: str) -> Job:
+    def cancel(self, name: str, client: Client) -> Job:
         """Calls a job off that still runs, and keeps it as one that was called off; forgets one that has ended.
 
         Raises `Problem`.
         """
-        job = self[name]
+        job = self.get(name, client)
         if job.state != "working":
             del self._jobs[name]
             return job
@@ -115,13 +118,13 @@ class JobStore:
             work.cancel()
         await asyncio.gather(*running, return_exceptions=True)
 
-    async def _run(self, job: Job, order: Order, place: Place) -> None:
+    async def _run(self, job: Job, order: Order, ticket: Ticket) -> None:
         def told(progress: dict[str, Any]) -> None:
             job.progress = progress
             job.change()
 
         try:
-            answer = await self._service.do(order, told, place)
+            answer = await self._service.do(order, told, ticket)
         except Problem as problem:
             self._end(job, "failed", problem=problem)
         except Exception:  # noqa: BLE001 - told to whoever asks for the job, and logged
@@ -136,9 +139,9 @@ class JobStore:
         if job.state == "working":
             job.state, job.answer, job.problem = state, answer, problem
 
-    def _ended(self, job: Job, place: Place) -> None:
-        """Gives up the place of a job that has ended; keeps the job for a time, and not more than so many."""
-        self._service.workers.give_up(place)
+    def _ended(self, job: Job, ticket: Ticket) -> None:
+        """Gives up the ticket of a job that has ended; keeps the job for a time, and not more than so many."""
+        self._service.workers.give_up(ticket)
         self._end(job, "cancelled")
         job.change()
         settings = self._service.settings

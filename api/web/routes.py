@@ -13,6 +13,7 @@ from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from assur.api.documents import json_response, to_json
 from assur.api.problems import Problem
 from assur.api.web.body_reader import read_body
+from assur.api.web.clients import client_of
 from assur.api.web.openapi import (
     CHECK_BODY,
     EXPORT_BODY,
@@ -41,7 +42,17 @@ from assur.scenes.schema.export import ExportAnswer, TrajectoryVerdict
 from assur.scenes.schema.ik import IkAnswer
 from assur.scenes.schema.view import ViewDocument
 
-BODY_PROBLEMS = ("bad-syntax", "too-slow", "too-large", "wrong-media-type", "bad-input", "quarantined", "fault")
+BODY_PROBLEMS = (
+    "unauthorized",
+    "too-many-requests",
+    "bad-syntax",
+    "too-slow",
+    "too-large",
+    "wrong-media-type",
+    "bad-input",
+    "quarantined",
+    "fault",
+)
 WORKER_PROBLEMS = ("worker-crashed", "busy", "not-ready", "worker-timeout")
 
 
@@ -101,8 +112,7 @@ async def read_admitted(request: Request, limit: int, *parameters: str) -> bytes
         if name not in parameters:
             raise Problem.of_input(InputError(name, request.query_params[name], _known(parameters)))
     service = service_of(request)
-    if service.workers.full:
-        raise service.workers.busy()
+    service.workers.require_room(client_of(request))
     return await read_body(request, limit, service.settings.body_s, service.readers)
 
 
@@ -118,7 +128,9 @@ async def plan(request: Request) -> Response:
     if certificate not in get_args(jobs.Detail):
         raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(jobs.Detail))))
     body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
-    return await _unless_gone(request, service_of(request).plan(body, cast(jobs.Detail, certificate)))
+    return await _unless_gone(
+        request, service_of(request).plan(body, cast(jobs.Detail, certificate), client_of(request))
+    )
 
 
 @bodies.post(
@@ -130,7 +142,7 @@ async def plan(request: Request) -> Response:
 )
 async def check(request: Request) -> Response:
     body = await read_admitted(request, CHECK_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).check(body))
+    return await _unless_gone(request, service_of(request).check(body, client_of(request)))
 
 
 @bodies.post(
@@ -142,7 +154,7 @@ async def check(request: Request) -> Response:
 )
 async def view(request: Request) -> Response:
     body = await read_admitted(request, CHECK_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).view(body))
+    return await _unless_gone(request, service_of(request).view(body, client_of(request)))
 
 
 @bodies.post(
@@ -154,7 +166,7 @@ async def view(request: Request) -> Response:
 )
 async def report(request: Request) -> Response:
     body = await read_admitted(request, CHECK_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).report(body), "text/html")
+    return await _unless_gone(request, service_of(request).report(body, client_of(request)), "text/html")
 
 
 @bodies.post(
@@ -166,7 +178,7 @@ async def report(request: Request) -> Response:
 )
 async def export(request: Request) -> Response:
     body = await read_admitted(request, CHECK_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).export(body))
+    return await _unless_gone(request, service_of(request).export(body, client_of(request)))
 
 
 @bodies.post(
@@ -178,7 +190,7 @@ async def export(request: Request) -> Response:
 )
 async def check_trajectory(request: Request) -> Response:
     body = await read_admitted(request, CHECK_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).check_trajectory(body))
+    return await _unless_gone(request, service_of(request).check_trajectory(body, client_of(request)))
 
 
 @bodies.post(
@@ -190,7 +202,7 @@ async def check_trajectory(request: Request) -> Response:
 )
 async def ik(request: Request) -> Response:
     body = await read_admitted(request, PLAN_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).ik(body))
+    return await _unless_gone(request, service_of(request).ik(body, client_of(request)))
 
 
 @router.get("/v1/robots", summary="The robot catalogue", responses=component("Document"))
@@ -238,7 +250,7 @@ def show_scene_text(name: str) -> Response:
 )
 async def parse(request: Request) -> Response:
     body = await read_admitted(request, PLAN_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).parse(body))
+    return await _unless_gone(request, service_of(request).parse(body, client_of(request)))
 
 
 @router.get("/v1/schema", summary="JSON Schema of the request", responses=component("Document"))

@@ -20,8 +20,9 @@ from assur.api.problems import Problem
 from assur.api.web.body_reader import READERS
 from assur.api.web.settings import Settings
 from assur.api.workers import jobs
-from assur.api.workers.pool import Place, Workers
-from assur.api.workers.worker_process import Tell
+from assur.api.workers.client import Client, Demand, Ticket
+from assur.api.workers.pool import Work, Workers
+from assur.api.workers.worker_process import Line, Tell
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
 from assur.scenes.requests import shipped, stated_budgets
@@ -36,14 +37,10 @@ STATED = re.compile(rb'"((?:explain_)?budget_m?s)"\s*:\s*(-?\d+(?:\.\d+)?(?:[eE]
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What a worker is to do: the job and its arguments; the digest of the request; when it is killed, s; whether it
-    tells how far it has come, and can be called off."""
+    """What a worker is to do, and what is asked of the workers for it."""
 
-    job: Callable[..., jobs.Reply]
-    arguments: tuple[Any, ...]
-    key: str
-    wall_s: float
-    watched: bool = False
+    work: Work
+    demand: Demand
 
 
 @dataclass
@@ -58,59 +55,65 @@ class Service:
         self.workers = Workers(self.settings, jobs.warm)
         self.readers = asyncio.Semaphore(READERS)
 
-    async def plan(self, body: bytes, certificate: jobs.Detail) -> jobs.Answer:
+    async def plan(self, body: bytes, certificate: jobs.Detail, client: Client) -> jobs.Answer:
         """The answer to the request in `body`, or to the shipped scenario that it names. Raises `Problem`."""
-        return await self.do(await self.order(body, certificate))
+        return await self.do(await self.order(body, certificate, client))
 
-    async def order(self, body: bytes, certificate: jobs.Detail) -> Order:
+    async def order(self, body: bytes, certificate: jobs.Detail, client: Client) -> Order:
         """What is to be done about `body`, as `plan` has it. Raises `Problem`."""
         if len(body) <= SMALL_BYTES and b'"scenario"' not in body:
-            return self._read(body, certificate)
-        return await asyncio.to_thread(self._read, body, certificate)
+            return self._read(body, certificate, client)
+        return await asyncio.to_thread(self._read, body, certificate, client)
 
-    async def job_order(self, body: bytes, certificate: jobs.Detail) -> Order:
+    async def job_order(self, body: bytes, certificate: jobs.Detail, client: Client) -> Order:
         """The same of a body that is read as JSON before its job is accepted. Raises `Problem`."""
-        return await asyncio.to_thread(self._read, body, certificate, parsed=True)
+        return await asyncio.to_thread(self._read, body, certificate, client, parsed=True)
 
-    async def check(self, body: bytes) -> jobs.Answer:
+    async def check(self, body: bytes, client: Client) -> jobs.Answer:
         """The checker's verdict on the request and plan in `body`. Raises `Problem`."""
-        return await self.do(Order(jobs.check, (body,), _digest("check", body), self.settings.check_s))
+        return await self._quick(jobs.check, body, client)
 
-    async def view(self, body: bytes) -> jobs.Answer:
+    async def view(self, body: bytes, client: Client) -> jobs.Answer:
         """What a viewer plays of the request and plan in `body`. Raises `Problem`."""
-        return await self.do(Order(jobs.view, (body,), _digest("view", body), self.settings.check_s))
+        return await self._quick(jobs.view, body, client)
 
-    async def report(self, body: bytes) -> jobs.Answer:
+    async def report(self, body: bytes, client: Client) -> jobs.Answer:
         """The page that plays the request and plan in `body`. Raises `Problem`."""
-        return await self.do(Order(jobs.report, (body,), _digest("report", body), self.settings.check_s))
+        return await self._quick(jobs.report, body, client)
 
-    async def export(self, body: bytes) -> jobs.Answer:
+    async def export(self, body: bytes, client: Client) -> jobs.Answer:
         """The plan in `body` as a controller's file. Raises `Problem`."""
-        return await self.do(Order(jobs.export, (body,), _digest("export", body), self.settings.check_s))
+        return await self._quick(jobs.export, body, client)
 
-    async def check_trajectory(self, body: bytes) -> jobs.Answer:
+    async def check_trajectory(self, body: bytes, client: Client) -> jobs.Answer:
         """The verdict on the trajectory in `body`. Raises `Problem`."""
-        return await self.do(Order(jobs.check_trajectory, (body,), _digest("trajectory", body), self.settings.check_s))
+        return await self._quick(jobs.check_trajectory, body, client)
 
-    async def ik(self, body: bytes) -> jobs.Answer:
+    async def ik(self, body: bytes, client: Client) -> jobs.Answer:
         """The joint positions, or the pose of the tool, that `body` asks for. Raises `Problem`."""
-        return await self.do(Order(jobs.ik, (body,), _digest("ik", body), self.settings.check_s))
+        return await self._quick(jobs.ik, body, client)
 
-    async def parse(self, body: bytes) -> jobs.Answer:
+    async def parse(self, body: bytes, client: Client) -> jobs.Answer:
         """What the text of a scenario in `body` means. Raises `Problem`."""
-        return await self.do(Order(jobs.parse, (body,), _digest("parse", body), self.settings.check_s))
+        return await self._quick(jobs.parse, body, client)
 
-    def _read(self, body: bytes, certificate: jobs.Detail, *, parsed: bool = False) -> Order:
+    async def _quick(self, job: Callable[[bytes, Line], jobs.Reply], body: bytes, client: Client) -> jobs.Answer:
+        """The answer of a job that has no budget of its own, for its work is bounded by its body."""
+        kind = job.__name__
+        demand = Demand(client, self.settings.check_s, short=True, kind=kind)
+        return await self.do(Order(Work(job, (body,), _digest(kind, body), in_touch=True), demand))
+
+    def _read(self, body: bytes, certificate: jobs.Detail, client: Client, *, parsed: bool = False) -> Order:
         document = (None if parsed else self._budgets(body)) or jobs.request_in(body)
         if "scenario" not in document:
-            wall_s = self._wall(document)
-            return Order(jobs.plan, (body, certificate), _digest("request", body), wall_s, watched=True)
+            work = Work(jobs.plan, (body, certificate), _digest("plan", body), in_touch=True)
+            return Order(work, self._demand(document, client))
         name = _scenario_name(document)
+        work = Work(jobs.plan_shipped, (name, certificate), _digest("scenario", name), in_touch=True)
         try:
-            wall_s = self._wall(scenario_request(name))
+            return Order(work, self._demand(scenario_request(name), client))
         except InputError as error:
             raise Problem.of_input(error) from error
-        return Order(jobs.plan_shipped, (name, certificate), _digest("scenario", name), wall_s, watched=True)
 
     def _budgets(self, body: bytes) -> dict[str, Any] | None:
         """A request with the budgets that stand in the text of one, which the worker validates, and nothing else.
@@ -125,8 +128,8 @@ class Service:
         twice = len(request["options"]) < len(found)
         return None if twice or max(stated_budgets(request).values()) > self.settings.max_budget_s else request
 
-    def _wall(self, document: dict[str, Any]) -> float:
-        """When a worker that plans `document` is killed: after both its budgets and the grace, s.
+    def _demand(self, document: dict[str, Any], client: Client) -> Demand:
+        """What planning `document` asks of the workers: both its budgets, and the grace after which it is killed.
 
         Raises the `Problem` of a request that asks for more than the service gives.
         """
@@ -136,27 +139,24 @@ class Service:
             if not budget <= largest:
                 allowed = f"at most {largest:g} s, which is ASSUR_MAX_BUDGET_S of this service"
                 raise Problem.of_input(fault(document, ("options", name), allowed))
-        return sum(budgets.values()) + self.settings.grace_s
+        allowed_s = sum(budgets.values())
+        short = allowed_s <= self.settings.short_s
+        return Demand(client, allowed_s + self.settings.grace_s, short, kind="short plan" if short else "long plan")
 
-    async def do(self, order: Order, told: Tell | None = None, place: Place | None = None) -> jobs.Answer:
-        """The answer to an order; `told` takes how far it has come, if it is watched. `place`: that the caller holds
-        for it, and gives up. Raises `Problem`."""
-        listener = (told or _nobody) if order.watched else None
-        reply: jobs.Reply = await self.workers.run(order.job, order.arguments, order.key, order.wall_s, listener, place)
+    async def do(self, order: Order, told: Tell | None = None, ticket: Ticket | None = None) -> jobs.Answer:
+        """The answer to an order; `told` takes how far it has come. `ticket`: of its admission; None: it is admitted
+        now. Raises `Problem`."""
+        ticket = ticket or self.workers.admit(order.demand)
+        reply: jobs.Reply = await self.workers.run(ticket, order.work, told)
         match reply:
             case jobs.Answer():
                 return reply
             case Problem():
                 raise reply
             case jobs.Fault():
-                event(
-                    "a worker met a fault", logging.ERROR, fault=reply.name, where=list(reply.where), digest=order.key
-                )
-                raise Problem("fault", f"The planner met a fault of its own; it is logged with digest {order.key}.")
-
-
-def _nobody(_: Any) -> None:
-    """Listens to a job only so that it can be called off."""
+                key = order.work.key
+                event("a worker met a fault", logging.ERROR, fault=reply.name, where=list(reply.where), digest=key)
+                raise Problem("fault", f"The planner met a fault of its own; it is logged with digest {key}.")
 
 
 @cache

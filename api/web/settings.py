@@ -7,17 +7,27 @@ a limit that is not there. The table in docs/service.md is held to this module b
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from difflib import get_close_matches
+from ipaddress import ip_network
 from math import isfinite
 from typing import Any
 
+from assur.api.container import memory_mib, processors
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_BUDGET_S
 
 PREFIX = "ASSUR_"
 LOG_LEVELS = ("debug", "info", "warning", "error")
+
+WEB_MIB = 384
+"""What the web process and the template of the workers may need, MiB."""
+LEAST_MIB = 512
+"""A worker with less could not even plan once, MiB."""
+MOST_MIB = 1024
+"""What a worker has where nothing limits it, MiB: twice what any request has been seen to need."""
 
 PLAN_BODY_BYTES = 1 << 20
 """Largest body of a plan, 1 MiB: meshes inline included."""
@@ -62,9 +72,25 @@ def _host(name: str, text: str) -> str:
     return text
 
 
-def processors() -> int:
-    """How many processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
+def _name(name: str, text: str) -> str:
+    if text and not re.fullmatch("[a-z0-9]{1,32}", text):
+        raise InputError(name, text, "up to 32 letters from a to z and digits, or nothing")
+    return text
+
+
+def _text(name: str, text: str) -> str:
+    if len(text) > 1000 or not text.isprintable():
+        raise InputError(name, text, "up to 1,000 characters that can be printed")
+    return text
+
+
+def _networks(name: str, text: str) -> str:
+    for part in text.split(","):
+        try:
+            ip_network(part.strip() or "0.0.0.0/0")
+        except ValueError:
+            raise InputError(name, text, "addresses or networks, with commas between them") from None
+    return text
 
 
 def _setting(default: Any, read: Callable[[str, str], Any], about: str) -> Any:
@@ -77,8 +103,8 @@ class Settings:
 
     host: str = _setting("127.0.0.1", _host, "address to listen on; in the container 0.0.0.0")
     port: int = _setting(8000, _whole(0, 65535), "port to listen on; 0: any free one")
-    workers: int = _setting(0, _whole(0, 256), "worker processes; 0: one per processor")
-    queue: int = _setting(8, _whole(0, 10_000), "requests that may wait for a worker; one more gets 503")
+    workers: int = _setting(0, _whole(0, 256), "worker processes; 0: one per processor that the container may use")
+    queue: int = _setting(32, _whole(0, 10_000), "requests that may wait for a worker; one more gets 503")
     queue_wait_s: float = _setting(30.0, _seconds(0.1, 3600.0), "longest wait for a worker; then 503")
     max_budget_s: float = _setting(
         MAX_BUDGET_S, _seconds(0.01, MAX_BUDGET_S), "largest budget_s and explain_budget_s that a request may ask for"
@@ -89,12 +115,37 @@ class Settings:
     body_s: float = _setting(10.0, _seconds(0.1, 600.0), "time in which a body must have arrived; then 408")
     max_tasks: int = _setting(1000, _whole(1, 1_000_000), "requests after which a worker is replaced by a new one")
     worker_memory_mib: int = _setting(
-        4096, _whole(512, 1 << 20), "address space of a worker; beyond it the request ends with 503"
+        0,
+        _whole(0, 1 << 20),
+        "memory of a worker; a request that needs more ends it; 0: what the container leaves it, at most 1024",
     )
     jobs_kept: int = _setting(50, _whole(1, 10_000), "jobs that have ended and are kept; the oldest goes first")
     job_kept_s: float = _setting(600.0, _seconds(1.0, 86_400.0), "time for which a job is kept that has ended")
     connections: int = _setting(512, _whole(1, 100_000), "connections at a time; one more gets 503")
     log_level: str = _setting("info", _one_of(*LOG_LEVELS), "least severity that is logged")
+    short_s: float = _setting(
+        2.0,
+        _seconds(0.0, 120.0),
+        "a request whose budgets are at most this in sum is short, as checks and the like are",
+    )
+    short_workers: int = _setting(
+        1, _whole(0, 256), "workers that take only short requests; one at the least is left for all others"
+    )
+    client_running: int = _setting(0, _whole(0, 10_000), "requests of a client that are worked on; 0: no limit")
+    client_waiting: int = _setting(8, _whole(0, 10_000), "requests of a client that may wait; one more gets 429")
+    client_seconds: int = _setting(
+        0, _whole(0, 1_000_000), "seconds of workers that a client has each minute; then 429; 0: no limit"
+    )
+    keys_file: str = _setting("", _text, "file of API keys, which `assur keys` makes; without one nobody needs a key")
+    forwarded_from: str = _setting(
+        "", _networks, "proxies whose X-Forwarded-For says who asks: addresses or networks, with commas between them"
+    )
+    quarantine_s: float = _setting(
+        600.0, _seconds(1.0, 86_400.0), "time for which a request is refused that ended three workers"
+    )
+    replica: str = _setting(
+        "", _name, "name with which the ids of jobs begin, for a proxy with several services behind it"
+    )
 
     @staticmethod
     def from_environment(environment: Mapping[str, str] | None = None) -> Settings:
@@ -117,6 +168,28 @@ class Settings:
     def processes(self) -> int:
         """How many worker processes there are."""
         return self.workers or processors()
+
+    @property
+    def reserved(self) -> int:
+        """How many of them take only short requests."""
+        return min(self.short_workers, self.processes - 1)
+
+    @property
+    def worker_mib(self) -> int:
+        """How much memory a worker may have of its own, MiB. Raises `InputError` where there is not so much for all
+        workers in the container."""
+        has, most = memory_mib(), self.worker_memory_mib or MOST_MIB
+        share = most if has is None else (has - WEB_MIB) // self.processes
+        if self.worker_memory_mib == 0:
+            most = min(most, share)
+        if not LEAST_MIB <= most <= share:
+            raise InputError(
+                "ASSUR_WORKERS, ASSUR_WORKER_MEMORY_MIB",
+                f"{self.processes}, {self.worker_memory_mib}",
+                f"workers of at least {LEAST_MIB} MiB each which, with {WEB_MIB} MiB for the web process, fit in "
+                + ("any container" if has is None else f"the {has} MiB of this container"),
+            )
+        return most
 
     @property
     def drain_s(self) -> float:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import errno
 import gc
+import hashlib
+import json
 import os
 import time
 from collections.abc import Callable, Collection
@@ -14,7 +16,7 @@ from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import FieldError, Problem, shown
 from assur.api.version import version
-from assur.api.workers.worker_process import CalledOffError, Tell
+from assur.api.workers.worker_process import CalledOffError, Line, Tell
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.progress import Progress
 from assur.scenes.exports.doors import check_trajectory_document, export_document
@@ -33,6 +35,7 @@ from assur.scenes.requests import (
     view_document,
 )
 from assur.scenes.scenarios import CELLS, scenario_in, with_files
+from assur.scenes.schema.request import RequestDocument
 
 Detail = Literal["full", "digest"]
 
@@ -93,21 +96,32 @@ def warm() -> str:
     return "planned"
 
 
-def plan(body: bytes, certificate: Detail, tell: Tell) -> Reply:
-    """The answer to the request in `body`; reading it counts in its budget, as it does in the wall's. `tell` takes how
+def plan(body: bytes, certificate: Detail, line: Line) -> Reply:
+    """The answer to the request in `body`; reading it counts in its budget, as it does in the wall's. `line` takes how
     far the search has come, as a document."""
-    started, watch = time.perf_counter(), _watch(tell)
-    return _guarded(
-        lambda: plan_document(request_in(body), certificate=certificate, started=started, watch=watch), "status"
-    )
+    started, watch = time.perf_counter(), _watch(line.tell)
+
+    def work() -> dict[str, Any]:
+        document = request_in(body)
+        return plan_document(document, certificate=certificate, started=started, watch=watch, valid=_meaning(line))
+
+    return _guarded(work, "status")
 
 
-def plan_shipped(name: str, certificate: Detail, tell: Tell) -> Reply:
-    """The answer to the request of the shipped scenario `name`, with the files that ship with it. `tell`: as `plan`."""
-    started, watch = time.perf_counter(), _watch(tell)
-    return _guarded(
-        lambda: plan_scenario(shipped(name), certificate=certificate, started=started, watch=watch), "status"
-    )
+def plan_shipped(name: str, certificate: Detail, line: Line) -> Reply:
+    """The answer to the request of the shipped scenario `name`, with the files that ship with it. `line`: as `plan`."""
+    started, watch = time.perf_counter(), _watch(line.tell)
+
+    def work() -> dict[str, Any]:
+        scenario = shipped(name)
+        return plan_scenario(scenario, certificate=certificate, started=started, watch=watch, valid=_meaning(line))
+
+    return _guarded(work, "status")
+
+
+def _meaning(line: Line) -> Callable[[RequestDocument], None]:
+    """Says what a request means as soon as it is known to be valid, before meshes and kernels work on it."""
+    return lambda valid: line.means(lambda: f"plan {valid.meaning}")
 
 
 def _watch(tell: Tell) -> Callable[[Progress], None]:
@@ -126,14 +140,14 @@ def _watch(tell: Tell) -> Callable[[Progress], None]:
     return watch
 
 
-def check(body: bytes) -> Reply:
+def check(body: bytes, line: Line) -> Reply:
     """The checker's verdict on the plan in `body`, {"request": ..., "plan": ...}."""
-    return _guarded(lambda: check_document(**_both(body)), "ok")
+    return _guarded(lambda: check_document(**_both(body, line)), "ok")
 
 
-def view(body: bytes) -> Reply:
+def view(body: bytes, line: Line) -> Reply:
     """What a viewer plays of the plan in `body`, {"request": ..., "plan": ...}."""
-    return _guarded(lambda: view_document(**_both(body)), "status")
+    return _guarded(lambda: view_document(**_both(body, line)), "status")
 
 
 LONGEST_TEXT = 2000
@@ -142,12 +156,12 @@ REPORTED = 'an object with the fields "request" and "plan", and, if it likes, "t
 """What the body of a report is."""
 
 
-def report(body: bytes) -> Reply:
+def report(body: bytes, line: Line) -> Reply:
     """The page that plays the plan in `body`, {"request": ..., "plan": ...}, which may have a title and say what it is
     about."""
 
     def work() -> Answer:
-        document = {"title": "plan", "about": "", **_unmarked(_parsed(body, REPORTED))}
+        document = {"title": "plan", "about": "", **_unmarked(_parsed(body, REPORTED, line=line))}
         if document.keys() != {"request", "plan", "title", "about"}:
             raise Problem.of_input(InputError("body", sorted(document), REPORTED))
         for name in ("title", "about"):
@@ -163,11 +177,11 @@ def report(body: bytes) -> Reply:
     return _bordered(work)
 
 
-def ik(body: bytes) -> Reply:
+def ik(body: bytes, line: Line) -> Reply:
     """The answer to the question in `body`, {"request": ..., "pose": ...} and the like."""
 
     def work() -> dict[str, Any]:
-        question = _parsed(body, "a pose or joints, with a request or a robot")
+        question = _parsed(body, "a pose or joints, with a request or a robot", line=line)
         # null is left for the question to refuse
         request = question.pop("request") if question.get("request") is not None else None
         return ik_document(request, question)
@@ -179,12 +193,12 @@ TEXT = 'an object with the field "text", a scenario in YAML, and no others'
 """What the body of a parse is."""
 
 
-def parse(body: bytes) -> Reply:
+def parse(body: bytes, line: Line) -> Reply:
     """What the scenario in `body`, {"text": YAML}, means: why it exists, and its request with what the shipped files
     hold that it names. Everything that can be told without planning is told now, with its line."""
 
     def work() -> dict[str, Any]:
-        text = _parsed(body, TEXT, {"text"})["text"]
+        text = _parsed(body, TEXT, {"text"}, line)["text"]
         if not isinstance(text, str):
             raise Problem.of_input(InputError("text", text, "a text"))
         scenario = scenario_in(text.encode("utf-8", "surrogatepass"), CELLS / "text")
@@ -196,31 +210,31 @@ def parse(body: bytes) -> Reply:
     return _guarded(work, "status")
 
 
-def export(body: bytes) -> Reply:
+def export(body: bytes, line: Line) -> Reply:
     """The export of the plan in `body`, {"request": ..., "plan": ..., "format": ...}."""
 
     def work() -> dict[str, Any]:
-        asked = _unmarked(_parsed(body, f"{BOTH_AND} and how to export it"), *TEXTS)
+        asked = _unmarked(_parsed(body, f"{BOTH_AND} and how to export it", line=line), *TEXTS)
         request, plan = _taken(asked, "request"), _taken(asked, "plan")
         return export_document(request, plan, asked)
 
     return _guarded(work, "format")
 
 
-def check_trajectory(body: bytes) -> Reply:
+def check_trajectory(body: bytes, line: Line) -> Reply:
     """The verdict on the trajectory in `body`, {"request": ..., "file": ..., "format": ...}."""
 
     def work() -> dict[str, Any]:
-        asked = _parsed(body, "a request, a file and its format")
+        asked = _parsed(body, "a request, a file and its format", line=line)
         request, plan = _taken(asked, "request"), asked.pop("plan", None)
         return check_trajectory_document(request, asked, plan)
 
     return _guarded(work, "ok")
 
 
-def _both(body: bytes) -> dict[str, Any]:
+def _both(body: bytes, line: Line) -> dict[str, Any]:
     """Request and plan in `body`, and nothing else. Raises `Problem`, or `InputError`."""
-    document = _unmarked(_parsed(body, BOTH), *TEXTS)
+    document = _unmarked(_parsed(body, BOTH, line=line), *TEXTS)
     if document.keys() != {"request", "plan"}:
         found = FieldError("body", shown(document), BOTH)
         raise Problem("bad-input", str(found), (found,))
@@ -248,8 +262,9 @@ def request_in(body: bytes) -> dict[str, Any]:
     return _parsed(body, 'a request, or {"scenario": NAME}')
 
 
-def _parsed(body: bytes, allowed: str, fields: Collection[str] = ()) -> dict[str, Any]:
-    """The object in `body`; with these fields and no others, if any are named. Raises `Problem`."""
+def _parsed(body: bytes, allowed: str, fields: Collection[str] = (), line: Line | None = None) -> dict[str, Any]:
+    """The object in `body`; with these fields and no others, if any are named. `line` is told what it means, which is
+    the same for bodies that differ in blanks and in the order of fields. Raises `Problem`."""
     try:
         document = parse_json(body)
     except InputError as error:
@@ -257,6 +272,8 @@ def _parsed(body: bytes, allowed: str, fields: Collection[str] = ()) -> dict[str
     if not isinstance(document, dict) or (fields and document.keys() != fields):
         found = FieldError("body", shown(document), allowed)
         raise Problem("bad-input", str(found), (found,))
+    if line is not None:
+        line.means(lambda: hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest())
     return document
 
 

@@ -1,15 +1,13 @@
-"""The worker processes as the service sees them: a bounded queue in front, a wall clock behind, new ones for dead ones.
+"""The worker processes as the service sees them: admission in front, a wall clock behind, new ones for dead ones.
 
-Admission is counted here: at most `workers + queue` requests are accepted at a time, one more is told when to come
-again. A request that crashed two workers is not given a third.
+A request that is under way when its worker dies is tried again by itself, in a fresh worker. If that dies too, and the
+next one, the request is shown to be the cause, and is quarantined.
 """
 
 from __future__ import annotations
 
 import asyncio
 import logging
-import math
-from collections import OrderedDict
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from typing import Any
@@ -17,24 +15,36 @@ from typing import Any
 from assur.api.logs import LOGGER, event
 from assur.api.problems import Problem
 from assur.api.web.settings import Settings
-from assur.api.workers.worker_process import CrashedError, KilledError, NotBegunError, Tell, WorkerProcess
+from assur.api.workers.admission import Admission, Places
+from assur.api.workers.client import Client, Demand, Ticket
+from assur.api.workers.quarantine import Quarantine
+from assur.api.workers.worker_process import (
+    About,
+    CrashedError,
+    KilledError,
+    Meaning,
+    NotBegunError,
+    Tell,
+    WorkerProcess,
+)
 
-CRASHES = 2
-"""So many crashes and a request is quarantined."""
-REMEMBERED = 1000
-"""So many crashed requests are remembered, the oldest forgotten first."""
+RETRIES = 2
+"""So many fresh workers a request must end, after the first death, before it is quarantined."""
 PATROL_S = 1.0
 """How often idle workers are looked after, s."""
 LONGEST_RETRY_S = 30.0
 """Longest pause between two attempts to start a worker that does not start, s."""
 
 
-@dataclass(eq=False)
-class Place:
-    """A place in the queue: its request counts as accepted until it is given up. `wall_s`: as of the request, s."""
+@dataclass(frozen=True, slots=True)
+class Work:
+    """What a worker is to do: the job and its arguments, and the digest of the request's body. `in_touch`: the last
+    argument of the job is a `Line`, by which it tells how far it has come and can be called off."""
 
-    wall_s: float
-    held: bool = True
+    job: Callable[..., Any]
+    arguments: tuple[Any, ...]
+    key: str
+    in_touch: bool = False
 
 
 class Workers:
@@ -42,14 +52,16 @@ class Workers:
 
     def __init__(self, settings: Settings, warm: Callable[[], Any]) -> None:
         self._settings = settings
-        self._processes = [
-            WorkerProcess(settings.worker_memory_mib, warm, settings.warm_s) for _ in range(settings.processes)
-        ]
-        self._free: asyncio.Queue[int] = asyncio.Queue()
-        self._crashes: OrderedDict[str, int] = OrderedDict()
+        self._processes = [WorkerProcess(settings.worker_mib, warm, settings.warm_s) for _ in range(settings.processes)]
+        self._free: set[int] = set()
+        self._admission = Admission(
+            Places(settings.processes, settings.reserved, settings.queue, settings.queue_wait_s), self._open
+        )
+        self._given: dict[Ticket, asyncio.Future[int]] = {}
+        self._filling: set[int] = set()
+        self._awaited: dict[int, asyncio.Future[None]] = {}
+        self._quarantine = Quarantine(settings.quarantine_s)
         self._tasks: set[asyncio.Task[None]] = set()
-        self._accepted = 0
-        self._owed_s = 0.0
         self._warmed: set[int] = set()
 
     @property
@@ -68,14 +80,19 @@ class Workers:
         return len(self._processes)
 
     @property
-    def full(self) -> bool:
-        """Whether one more request would be turned away."""
-        return self._accepted >= len(self._processes) + self._settings.queue
+    def admission(self) -> Admission:
+        """The books of what waits and what is worked on."""
+        return self._admission
+
+    @property
+    def quarantined(self) -> int:
+        """How many keys of requests are in quarantine."""
+        return len(self._quarantine)
 
     def start(self) -> None:
         """Starts all workers in the background; returns at once."""
         for number, _ in enumerate(self._processes):
-            self._background(self._fill(number))
+            self._refill(number)
         self._background(self._patrol())
 
     async def stop(self) -> None:
@@ -86,102 +103,126 @@ class Workers:
         await asyncio.gather(*tasks, return_exceptions=True)
         await asyncio.gather(*(process.stop() for process in self._processes))
 
-    def busy(self) -> Problem:
-        """The problem of a request that finds the queue full: when the accepted ones will have ended at the latest."""
-        after = min(60, max(1, math.ceil(self._owed_s / len(self._processes))))
-        return Problem("busy", f"Come again in {after} s.", headers={"Retry-After": str(after)})
+    def require_room(self, client: Client) -> None:
+        """Raises the `Problem` of a client whose request would be turned away, whatever it is: too-many-requests,
+        busy."""
+        self._admission.require_room(client)
 
-    def admit(self, wall_s: float) -> Place:
-        """Accepts a request now that is run later, or not at all: `give_up` the place then. Raises `Problem`: busy."""
-        if self.full:
-            raise self.busy()
-        self._accepted += 1
-        self._owed_s += wall_s
-        return Place(wall_s)
+    def admit(self, demand: Demand) -> Ticket:
+        """Accepts a request, which waits from now on: `run` it, or `give_up` its ticket. Raises `Problem`:
+        too-many-requests, busy."""
+        ticket = self._admission.enter(demand)
+        self._given[ticket] = asyncio.get_running_loop().create_future()
+        self._hand_out()
+        return ticket
 
-    def give_up(self, place: Place) -> None:
-        """Frees a place; what is free already stays so."""
-        if place.held:
-            place.held = False
-            self._accepted -= 1
-            self._owed_s -= place.wall_s
+    def give_up(self, ticket: Ticket) -> None:
+        """Ends a ticket that was not run; one that has ended stays so."""
+        given = self._given.pop(ticket, None)
+        self._admission.leave(ticket)
+        if given is not None and given.done() and not given.cancelled():
+            self._leave(given.result())
 
-    async def run(
-        self,
-        job: Callable[..., Any],
-        arguments: tuple[Any, ...],
-        key: str,
-        wall_s: float,
-        told: Tell | None = None,
-        place: Place | None = None,
-    ) -> Any:
-        """What `job(*arguments)` returns in a worker; `key` is the digest of the request, for the quarantine. `told`,
-        and what cancelling does: as `WorkerProcess.run` has it. `place`: the caller's, who gives it up; None: one is
-        taken now, and given up at the end.
+    async def run(self, ticket: Ticket, work: Work, told: Tell | None = None) -> Any:
+        """What the job of `work` returns in a worker, once it is the turn of `ticket`, which ends here. `told` takes
+        how far the job has come. Cancelling it: as `WorkerProcess.run` has it.
 
         Raises `Problem`: busy, not-ready, quarantined, worker-crashed, worker-timeout.
         """
-        if self._crashes.get(key, 0) >= CRASHES:
-            raise Problem("quarantined", f"It did so {CRASHES} times. Tell us, and change it before you send it again.")
-        own = self.admit(wall_s) if place is None else None
         try:
-            try:
-                return await self._in_a_process(job, arguments, wall_s, told)
-            except NotBegunError:
-                return await self._in_a_process(job, arguments, wall_s, told)
-        except CrashedError as crashed:
-            raise self._crashed(key, crashed) from crashed
+            self._quarantine.refuse(work.key)
+            number = await self._number(ticket)
+            return await self._on(number, work, ticket.demand.wall_s, told)
         except KilledError as killed:
-            event("worker killed: no end in time", logging.WARNING, wall_s=wall_s, digest=key)
+            wall_s = ticket.demand.wall_s
+            event("worker killed: no end in time", logging.WARNING, wall_s=wall_s, digest=work.key)
             raise Problem("worker-timeout", f"It was given {wall_s:g} s, its budgets included.") from killed
         finally:
-            if own is not None:
-                self.give_up(own)
+            self.give_up(ticket)
 
-    async def _in_a_process(
-        self, job: Callable[..., Any], arguments: tuple[Any, ...], wall_s: float, told: Tell | None
-    ) -> Any:
-        number = await self._free_process()
+    async def _number(self, ticket: Ticket) -> int:
+        """The number of the worker that is given to a ticket. It is given back when the ticket is given up."""
+        late_s = self._settings.queue_wait_s
         try:
-            return await self._processes[number].run(job, arguments, wall_s, told)
-        finally:
-            self._leave(number)
-
-    async def _free_process(self) -> int:
-        """The number of a free worker, first come first served."""
-        try:
-            async with asyncio.timeout(self._settings.queue_wait_s):
-                while True:
-                    number = await self._free.get()
-                    if self._processes[number].open:
-                        return number
-                    self._background(self._fill(number))
+            async with asyncio.timeout(late_s):
+                return await asyncio.shield(self._given[ticket])
         except TimeoutError as late:
-            raise Problem(
-                "busy" if self.ready else "not-ready",
-                f"No worker became free within {self._settings.queue_wait_s:g} s.",
-                headers={"Retry-After": "5"},
-            ) from late
+            if not self.ready:
+                raise Problem(
+                    "not-ready", f"No worker was ready within {late_s:g} s.", headers={"Retry-After": "5"}
+                ) from late
+            raise self._admission.full() from late
+
+    async def _on(self, number: int, work: Work, wall_s: float, told: Tell | None) -> Any:
+        """What the job returns on worker `number`, or on fresh ones in its place."""
+        meanings: list[str] = []
+
+        def hear(value: Any) -> None:
+            if isinstance(value, Meaning):
+                meanings.append(value.digest)
+            elif told is not None:
+                told(value)
+
+        deaths = 0
+        while True:
+            if not self._processes[number].open:
+                await self._renewed(number)
+            about = About(self._quarantine.left_s(), suspect=deaths > 0) if work.in_touch else None
+            try:
+                return await self._processes[number].run(work.job, work.arguments, wall_s, hear, about)
+            except NotBegunError:
+                continue  # it had died before: nothing of this request has run
+            except CrashedError as died:
+                deaths += 1
+                event("worker died", logging.ERROR, how=died.how, digest=work.key, suspect=deaths > 1)
+                if deaths > RETRIES:
+                    event("request quarantined", logging.ERROR, digest=work.key, for_s=self._settings.quarantine_s)
+                    why = f"The last of {deaths} workers {died.how}. "
+                    raise self._quarantine.add(work.key, *meanings, why=why) from died
+
+    async def _renewed(self, number: int) -> None:
+        """Returns when place `number`, whose holder waits here, has a new worker."""
+        self._awaited[number] = asyncio.get_running_loop().create_future()
+        self._refill(number)
+        within_s = self._settings.queue_wait_s
+        try:
+            async with asyncio.timeout(within_s):
+                await self._awaited[number]
+        except TimeoutError as late:
+            detail = f"No other worker could be started within {within_s:g} s. Others may be served."
+            raise Problem("worker-crashed", detail, headers={"Retry-After": "5"}) from late
+        finally:
+            del self._awaited[number]
+
+    def _open(self) -> set[int]:
+        return {number for number in self._free if self._processes[number].open}
+
+    def _hand_out(self) -> None:
+        """Gives free workers to those that wait: those first that are kept for short requests."""
+        for number in sorted(self._free):
+            if not self._processes[number].open:
+                self._free.discard(number)
+                self._refill(number)
+                continue
+            ticket = self._admission.next(number)
+            if ticket is not None:
+                self._free.discard(number)
+                self._given[ticket].set_result(number)
 
     def _leave(self, number: int) -> None:
         """Frees a worker that is well, and replaces any other."""
         process = self._processes[number]
         if process.open and process.jobs < self._settings.max_tasks:
-            self._free.put_nowait(number)
+            self._free.add(number)
         else:
-            self._background(self._fill(number))
+            self._refill(number)
+        self._hand_out()
 
-    def _crashed(self, key: str, crashed: CrashedError) -> Problem:
-        count = self._crashes.pop(key, 0) + 1
-        self._crashes[key] = count
-        while len(self._crashes) > REMEMBERED:
-            self._crashes.popitem(last=False)
-        event("worker crashed", logging.ERROR, how=crashed.how, digest=key, times=count)
-        return Problem(
-            "worker-crashed",
-            f"Its process {crashed.how}; nothing was planned. Other requests are not touched.",
-            headers={"Retry-After": "1"},
-        )
+    def _refill(self, number: int) -> None:
+        """Gives place `number` a new worker, unless that is under way."""
+        if number not in self._filling:
+            self._filling.add(number)
+            self._background(self._fill(number))
 
     async def _fill(self, number: int) -> None:
         """Gives place `number` a new worker, and tries again until one has planned."""
@@ -194,17 +235,22 @@ class Workers:
                 await asyncio.sleep(pause)
                 pause = min(2 * pause, LONGEST_RETRY_S)
             else:
-                self._warmed.add(number)
-                self._free.put_nowait(number)
-                event("worker ready", worker=number, ready=self.ready)
-                return
+                break
+        self._warmed.add(number)
+        self._filling.discard(number)
+        event("worker ready", worker=number, ready=self.ready)
+        awaited = self._awaited.get(number)
+        if awaited is None or awaited.done():
+            self._free.add(number)
+            self._hand_out()
+        else:
+            awaited.set_result(None)
 
     async def _patrol(self) -> None:
         """Replaces workers that died while idle, so that no request has to wait for it."""
         while True:
             await asyncio.sleep(PATROL_S)
-            for number in [self._free.get_nowait() for _ in range(self._free.qsize())]:
-                self._leave(number)
+            self._hand_out()
 
     def _background(self, work: Coroutine[Any, Any, None]) -> None:
         task = asyncio.get_running_loop().create_task(work)

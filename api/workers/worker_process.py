@@ -1,8 +1,9 @@
 """One worker process, reached by a socket pair: what happens to it happens to one request.
 
-The process is spawned, plans once, and then answers one job at a time. A message is a byte that says what it is, and,
-where there is something to say, a length and a pickle. In: a job; that the job is called off. Out: that the job has
-begun; how far it has come; its result. A process that crashed or did not end in time is killed and never used again, as
+The process is forked from a template that has loaded the libraries (`assur.api.workers.template`), plans once, and then
+answers one job at a time. A message is a byte that says what it is, and, where there is something to say, a length and
+a pickle. In: a job; that the job is called off. Out: that the job has begun; what it means and how far it has come; its
+result. A process that crashed or did not end in time is killed and never used again, as
 is one whose job was called off and did not end soon.
 """
 
@@ -10,6 +11,7 @@ from __future__ import annotations
 
 import asyncio
 import atexit
+import ctypes
 import errno
 import multiprocessing
 import pickle
@@ -20,8 +22,11 @@ import socket
 import struct
 from collections.abc import Callable
 from contextlib import suppress
-from multiprocessing.context import SpawnProcess
+from dataclasses import dataclass
+from multiprocessing.context import ForkServerContext, ForkServerProcess
 from typing import Any
+
+from assur.api.workers.quarantine import quarantined
 
 JOB, CALL_OFF = b"J", b"C"
 """What the web process writes: a job, and that the result of the job that runs is not wanted any more."""
@@ -34,10 +39,58 @@ ENDS_S = 2.0
 
 Tell = Callable[[Any], None]
 """Takes how far a job has come; None: nothing to say, but the job may have been called off."""
+TEMPLATE = "assur.api.workers.template"
+"""The module that makes a process the template from which workers are forked."""
+NAME = b"assur-worker"
+"""What the system calls a worker process; at most 15 characters."""
+SET_NAME = 15
+"""The option of prctl that sets it."""
 
 
 class CalledOffError(Exception):
     """The result of the job is not wanted any more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Meaning:
+    """What a job says before it does anything that might end its worker: the digest of what its request means."""
+
+    digest: str
+
+
+@dataclass(frozen=True, slots=True)
+class About:
+    """What a job in touch is told. `banned`: the keys of requests in quarantine, and for how long they are, s;
+    `suspect`: a worker has died under this very request."""
+
+    banned: dict[str, float]
+    suspect: bool
+
+
+class Line:
+    """What a job in touch has of the web process."""
+
+    def __init__(self, end: socket.socket, about: About) -> None:
+        self._end = end
+        self._about = about
+
+    def means(self, digest: Callable[[], str]) -> None:
+        """Says what the request means, where that matters. Raises the `Problem` of a request in quarantine."""
+        if not (self._about.banned or self._about.suspect):
+            return
+        found = digest()
+        if found in self._about.banned:
+            raise quarantined(self._about.banned[found])
+        _send(self._end, TOLD, Meaning(found))
+
+    def tell(self, value: Any) -> None:
+        """Says how far the job has come; None: nothing. Raises `CalledOffError` if it was called off."""
+        readable, _, _ = select.select([self._end], [], [], 0.0)
+        if readable:
+            _received(self._end, len(CALL_OFF))  # nothing else is sent while a job runs; or the other end is closed
+            raise CalledOffError
+        if value is not None:
+            _send(self._end, TOLD, value)
 
 
 class CrashedError(Exception):
@@ -57,15 +110,18 @@ class KilledError(Exception):
 
 
 def prepare(memory_mib: int) -> None:
-    """Runs first in a new worker: bounds its address space and makes it deaf to SIGTERM and SIGINT.
+    """Runs first in a new worker: names it, bounds its memory, and makes it deaf to SIGTERM and SIGINT.
 
     A service manager may signal the whole group: the web process then drains, and its workers must go on meanwhile.
+    What is bounded is the memory that is its own and may be written, not its address space: libraries and what is
+    reserved and never used would count there.
     """
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     size = memory_mib << 20
-    resource.setrlimit(resource.RLIMIT_AS, (size, size))
+    resource.setrlimit(resource.RLIMIT_DATA, (size, size))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    ctypes.CDLL(None).prctl(SET_NAME, NAME, 0, 0, 0)
 
 
 def serve_jobs(end: socket.socket, memory_mib: int) -> None:
@@ -75,23 +131,9 @@ def serve_jobs(end: socket.socket, memory_mib: int) -> None:
         while kind := _received(end, len(JOB)):
             if kind == CALL_OFF:
                 continue  # of a job that has ended meanwhile
-            job, arguments, watched = pickle.loads(_received_pickle(end))  # noqa: S301 - from our own web process
+            job, arguments, about = pickle.loads(_received_pickle(end))  # noqa: S301 - from our own web process
             end.sendall(BEGUN)
-            _send(end, RESULT, _result(job, (*arguments, _teller(end)) if watched else arguments))
-
-
-def _teller(end: socket.socket) -> Tell:
-    """What a job tells how far it has come. It raises `CalledOffError` if the job was called off."""
-
-    def tell(value: Any) -> None:
-        readable, _, _ = select.select([end], [], [], 0.0)
-        if readable:
-            _received(end, len(CALL_OFF))  # nothing else is sent while a job runs; or the other end is closed
-            raise CalledOffError
-        if value is not None:
-            _send(end, TOLD, value)
-
-    return tell
+            _send(end, RESULT, _result(job, arguments if about is None else (*arguments, Line(end, about))))
 
 
 def _send(end: socket.socket, kind: bytes, value: Any) -> None:
@@ -133,6 +175,13 @@ def _how(code: int | None) -> str:
     return "ended for want of memory" if code == errno.ENOMEM else f"ended with exit code {code}"
 
 
+def _context() -> ForkServerContext:
+    """Where workers come from: one template for all workers of this process."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([TEMPLATE])
+    return context
+
+
 class WorkerProcess:
     """A place for one worker process. Not `open` until it has planned once; not for two jobs at a time."""
 
@@ -140,7 +189,7 @@ class WorkerProcess:
         self._memory_mib = memory_mib
         self._warm = warm
         self._warm_s = warm_s
-        self._process: SpawnProcess | None = None
+        self._process: ForkServerProcess | None = None
         self._streams: tuple[asyncio.StreamReader, asyncio.StreamWriter] | None = None
         self._spoilt = False
         self._ended_early = False
@@ -160,17 +209,18 @@ class WorkerProcess:
         await self.stop()
         ours, theirs = socket.socketpair()
         try:
-            process = multiprocessing.get_context("spawn").Process(
-                target=serve_jobs, args=(theirs, self._memory_mib), daemon=True
-            )
-            await asyncio.to_thread(process.start)
+            process = _context().Process(target=serve_jobs, args=(theirs, self._memory_mib), daemon=True)
+            try:
+                await asyncio.to_thread(process.start)
+            except (EOFError, OSError) as error:
+                raise CrashedError(f"could not be forked from its template: {type(error).__name__}") from error
             atexit.register(process.kill)  # it is deaf to the signal that multiprocessing would send
             self._process = process
         finally:
             theirs.close()
         streams = await asyncio.open_connection(sock=ours)
         try:
-            succeeded, value = await self._in_time(streams, (self._warm, ()), self._warm_s)
+            succeeded, value = await self._in_time(streams, (self._warm, (), None), self._warm_s)
             if not succeeded:
                 raise CrashedError(f"its first plan raised {type(value).__name__}") from value
         except BaseException:
@@ -180,12 +230,18 @@ class WorkerProcess:
         self._streams, self._spoilt, self.jobs = streams, False, 0
 
     async def run(
-        self, job: Callable[..., Any], arguments: tuple[Any, ...], wall_s: float, told: Tell | None = None
+        self,
+        job: Callable[..., Any],
+        arguments: tuple[Any, ...],
+        wall_s: float,
+        told: Tell | None = None,
+        about: About | None = None,
     ) -> Any:
         """What `job(*arguments)` returns, or raises, in the worker. Both are pickled.
 
-        `told` is called with what the job tells, which then takes one more argument, a `Tell`. Cancelling calls such a
-        job off; the process stays, if the job ends soon. Any other job that is cancelled is killed.
+        `about`: the job is in touch: it takes one more argument, a `Line`, and `told` takes what it says there.
+        Cancelling calls such a job off; the process stays, if the job ends soon. Any other job that is cancelled is
+        killed.
 
         Raises `CrashedError` when the worker dies and `KilledError` when it is killed after `wall_s`. A process that
         died or was killed is closed until `start` is called again.
@@ -194,7 +250,7 @@ class WorkerProcess:
             raise NotBegunError("was not started")
         self.jobs += 1
         try:
-            succeeded, value = await self._in_time(self._streams, (job, arguments), wall_s, told)
+            succeeded, value = await self._in_time(self._streams, (job, arguments, about), wall_s, told)
         except BaseException:
             if not self._ended_early:
                 self._spoilt = True
@@ -219,7 +275,7 @@ class WorkerProcess:
     async def _in_time(
         self,
         streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
-        job: tuple[Callable[..., Any], tuple[Any, ...]],
+        job: tuple[Callable[..., Any], tuple[Any, ...], About | None],
         wall_s: float,
         told: Tell | None = None,
     ) -> tuple[bool, Any]:
@@ -232,7 +288,7 @@ class WorkerProcess:
         except TimeoutError as late:
             raise KilledError(f"no result after {wall_s:g} s") from late
         except asyncio.CancelledError:
-            if told is not None:
+            if job[2] is not None:
                 self._ended_early = await _ends_when_called_off(streams[1], exchange)
             raise
         finally:
@@ -241,11 +297,11 @@ class WorkerProcess:
     async def _exchange(
         self,
         streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
-        job: tuple[Callable[..., Any], tuple[Any, ...]],
+        job: tuple[Callable[..., Any], tuple[Any, ...], About | None],
         told: Tell | None,
     ) -> tuple[bool, Any]:
         reader, writer = streams
-        data = pickle.dumps((*job, told is not None))
+        data = pickle.dumps(job)
         try:
             try:
                 writer.write(JOB + LENGTH.pack(len(data)) + data)

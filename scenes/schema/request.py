@@ -125,6 +125,15 @@ class RequestDocument(Document):
     @cached_property
     def digest(self) -> str:
         """SHA-256 of the canonical request as JSON without spaces, ``sha256:<64 hex digits>``."""
-        rest = self.model_dump_json(by_alias=True, exclude_none=True, exclude={"schema_", "robot"})
+        return self._digest({})
+
+    @property
+    def meaning(self) -> str:
+        """The same of the request without its seed: of all requests that ask for the same with other random numbers."""
+        return self._digest({"options": {"seed"}})
+
+    def _digest(self, without: dict[str, Any]) -> str:
+        left_out = {"schema_": True, "robot": True, **without}
+        rest = self.model_dump_json(by_alias=True, exclude_none=True, exclude=left_out)
         text = f'{{"schema":"{self.schema_}","robot":{self.robot.text},{rest[1:]}'  # most requests repeat a robot
         return "sha256:" + hashlib.sha256(text.encode()).hexdigest()

@@ -17,7 +17,11 @@ from assur.api.problems import Problem
 from assur.api.web.job_store import JobStore
 from assur.api.web.service import Order, Service
 from assur.api.web.settings import Settings
+from assur.api.workers.client import Client, Demand
+from assur.api.workers.pool import Work
 from tests.api.running import running
+
+ANYONE = Client("anyone")
 
 
 @pytest.fixture(scope="module")
@@ -195,18 +199,19 @@ def test_a_client_that_leaves_its_plan_costs_no_worker(service: httpx.Client, sm
 def test_jobs_that_come_before_any_has_begun_have_places_of_their_own() -> None:
     async def served() -> None:
         service = Service(Settings(workers=1, queue=2))  # its workers are not started: every job waits
-        store, order = JobStore(service), Order(lambda: Problem("fault", "not to be reached"), (), "", 30.0)
-        taken = [store.start(order) for _ in range(3)]
+        work = Work(lambda: Problem("fault", "not to be reached"), (), "")
+        store, order = JobStore(service), Order(work, Demand(ANYONE, 30.0, short=True, kind="test"))
+        taken = [store.start(order) for _ in range(2)]
         with pytest.raises(Problem, match="busy"):
             store.start(order)
-        assert store.cancel(taken[0].id).state == "cancelled"  # before it has begun
+        assert store.cancel(taken[0].id, ANYONE).state == "cancelled"  # before it has begun
         await asyncio.gather(*(job.work for job in taken[:1] if job.work is not None), return_exceptions=True)
         await asyncio.sleep(0)
         taken.append(store.start(order))
         await store.stop()
         await asyncio.sleep(0)
         assert {job.state for job in taken} == {"cancelled"}
-        assert not service.workers.full
-        assert service.workers.busy().headers["Retry-After"] == "1"
+        service.workers.require_room(ANYONE)
+        assert service.workers.admission.waiting == 0
 
     asyncio.run(served())

@@ -6,8 +6,10 @@ import asyncio
 import errno
 import json
 import logging
+import socket
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +20,17 @@ from starlette.types import Message, Receive, Scope, Send
 from assur.api.problems import MEDIA_TYPE, Problem
 from assur.api.web.request_log import RequestLog
 from assur.api.workers.jobs import Fault, check, plan
+from assur.api.workers.worker_process import About, Line
 
 ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def line() -> Iterator[Line]:
+    """A line at whose other end nobody listens."""
+    here, there = socket.socketpair()
+    with here, there:
+        yield Line(here, About({}, suspect=False))
 
 
 def through(error: BaseException, *first: Message) -> list[Message]:
@@ -71,37 +82,41 @@ def test_what_stops_the_process_is_not_held_up() -> None:
         through(KeyboardInterrupt())
 
 
-def test_a_fault_in_a_worker_is_told_by_its_type_and_place_without_a_value(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_fault_in_a_worker_is_told_by_its_type_and_place_without_a_value(
+    monkeypatch: pytest.MonkeyPatch, line: Line
+) -> None:
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError("the secret of a request")
 
     monkeypatch.setattr("assur.api.workers.jobs.plan_document", broken)
-    reply = plan(b"{}", "full", print)
+    reply = plan(b"{}", "full", line)
     assert isinstance(reply, Fault)
     assert reply.name == "ZeroDivisionError"
     assert "secret" not in str(reply)
     assert any("broken" in frame for frame in reply.where)
 
 
-def test_an_answer_that_json_cannot_hold_is_a_fault_and_not_sent(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_answer_that_json_cannot_hold_is_a_fault_and_not_sent(monkeypatch: pytest.MonkeyPatch, line: Line) -> None:
     monkeypatch.setattr(
         "assur.api.workers.jobs.plan_document", lambda *_, **__: {"status": "planned", "duration_s": float("nan")}
     )
-    assert isinstance(plan(b"{}", "full", print), Fault)
+    assert isinstance(plan(b"{}", "full", line), Fault)
 
 
-def test_a_check_of_no_json_is_a_problem() -> None:
-    reply = check(b"{")
+def test_a_check_of_no_json_is_a_problem(line: Line) -> None:
+    reply = check(b"{", line)
     assert isinstance(reply, Problem)
     assert reply.kind == "bad-syntax"
 
 
 def test_a_worker_without_memory_ends_and_says_so() -> None:
     program = """
+import socket
 from assur.api.workers import jobs
+from assur.api.workers.worker_process import About, Line
 def broken(*_, **__): raise MemoryError
 jobs.plan_document = broken
-jobs.plan(b"{}", "full", print)
+jobs.plan(b"{}", "full", Line(socket.socketpair()[0], About({}, False)))
 """
     run = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, timeout=60, check=False)
     assert run.returncode == errno.ENOMEM

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from assur.api.web.settings import PREFIX, Settings, processors
+from assur.api.container import processors
+from assur.api.web.settings import PREFIX, Settings
 from assur.planner.errors import InputError
 
 PAGE = Path(__file__).parents[2] / "docs" / "service.md"

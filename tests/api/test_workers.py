@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import os
 import signal
 import time
@@ -16,11 +17,31 @@ import pytest
 
 from assur.api.problems import Problem
 from assur.api.web.settings import Settings
-from assur.api.workers.pool import Workers
-from assur.api.workers.worker_process import WorkerProcess
-from tests.api.watched_jobs import counting, deaf, until_called_off
+from assur.api.workers.client import Client, Demand
+from assur.api.workers.pool import Work, Workers
+from assur.api.workers.worker_process import NAME, WorkerProcess
+from tests.api.watched_jobs import counting, deaf, dies_unless, until_called_off
 
 SETTINGS = Settings(workers=2, queue=1, queue_wait_s=30.0, warm_s=60.0, max_tasks=1000)
+
+
+ANYONE = Client("anyone")
+
+
+async def ran(
+    workers: Workers,
+    job: Callable[..., Any],
+    arguments: tuple[Any, ...],
+    key: str,
+    wall_s: float,
+    told: Callable[[Any], None] | None = None,
+    *,
+    client: Client = ANYONE,
+    short: bool = True,
+) -> Any:
+    """What a job returns; one that tells is in touch."""
+    ticket = workers.admit(Demand(client, wall_s, short, kind="test"))
+    return await workers.run(ticket, Work(job, arguments, key, in_touch=told is not None), told)
 
 
 def with_workers(settings: Settings, story: Callable[[Workers], Awaitable[None]]) -> None:
@@ -54,7 +75,7 @@ class Held:
 
     def job(self, workers: Workers) -> asyncio.Task[Any]:
         """The job, given to a worker; it returns what `release` writes."""
-        return asyncio.create_task(workers.run(Path.read_bytes, (self.pipe,), "held", 90.0))
+        return asyncio.create_task(ran(workers, Path.read_bytes, (self.pipe,), "held", 90.0))
 
     async def begun(self) -> None:
         """Returns when the job runs: a pipe can be opened for writing only once it is read."""
@@ -76,7 +97,7 @@ def held(tmp_path: Path) -> Held:
 
 
 async def pid_of(workers: Workers, key: str = "pid") -> int:
-    pid: int = await workers.run(os.getpid, (), key, 30.0)
+    pid: int = await ran(workers, os.getpid, (), key, 30.0)
     return pid
 
 
@@ -99,7 +120,11 @@ def is_ready(workers: Workers) -> bool:
 
 
 def is_full(workers: Workers) -> bool:
-    return workers.full
+    try:
+        workers.require_room(ANYONE)
+    except Problem as problem:
+        return problem.kind == "busy"
+    return False
 
 
 def test_jobs_run_in_processes_of_their_own_at_the_same_time(held: Held) -> None:
@@ -120,7 +145,7 @@ def test_a_job_that_is_called_off_keeps_its_worker_if_it_ends_soon(job: Callable
 
     async def story(workers: Workers) -> None:
         told: list[int] = []
-        working = asyncio.create_task(workers.run(job, (), "watched", 90.0, told.append))
+        working = asyncio.create_task(ran(workers, job, (), "watched", 90.0, told.append))
         await until(lambda: bool(told))
         working.cancel()
         with pytest.raises(asyncio.CancelledError):
@@ -134,7 +159,7 @@ def test_a_job_that_is_called_off_keeps_its_worker_if_it_ends_soon(job: Callable
 def test_what_a_job_tells_arrives_in_order_and_before_its_result() -> None:
     async def story(workers: Workers) -> None:
         told: list[int] = []
-        assert await workers.run(counting, (500,), "counting", 90.0, told.append) == 500
+        assert await ran(workers, counting, (500,), "counting", 90.0, told.append) == 500
         assert told == list(range(500))
         assert await pid_of(workers) > 0
 
@@ -161,7 +186,7 @@ def test_workers_whose_first_plan_fails_are_never_ready_and_take_no_job() -> Non
     async def tell() -> None:
         workers = Workers(Settings(workers=1, queue_wait_s=2.0), os.abort)
         workers.start()
-        problem = await refused(workers.run(os.getpid, (), "x", 1.0))
+        problem = await refused(ran(workers, os.getpid, (), "x", 1.0))
         assert problem.kind == "not-ready"
         assert not is_ready(workers)
         await workers.stop()
@@ -169,43 +194,74 @@ def test_workers_whose_first_plan_fails_are_never_ready_and_take_no_job() -> Non
     asyncio.run(tell())
 
 
-def test_a_killed_worker_costs_its_own_request_only_and_is_replaced(held: Held) -> None:
+def test_a_killed_worker_costs_nothing_but_time_and_its_request_is_tried_again(held: Held) -> None:
     async def story(workers: Workers) -> None:
-        innocent = held.job(workers)
-        await held.begun()
         victim = await pid_of(workers)
-        guilty = asyncio.create_task(workers.run(time.sleep, (60.0,), "guilty", 90.0))
-        await asyncio.sleep(0.3)
+        job = held.job(workers)
+        await held.begun()
         os.kill(victim, signal.SIGKILL)
-        problem = await refused(guilty)
-        assert problem.kind == "worker-crashed"
-        assert "SIGKILL" in problem.detail
+        await until(lambda: not alive(victim))
+        os.close(held.end)
+        again = Held(held.pipe)
+        await again.begun()
+        again.release()
+        assert await job == b"released"
         assert await pid_of(workers) != victim
-        assert not innocent.done()
-        held.release()
-        assert await innocent == b"released"
 
-    with_workers(SETTINGS, story)
+    with_workers(replace(SETTINGS, workers=1), story)
 
 
-@pytest.mark.parametrize("number", [signal.SIGSEGV, signal.SIGABRT])
-def test_a_crash_inside_a_library_is_told_by_its_signal(number: signal.Signals) -> None:
+@pytest.mark.parametrize(
+    ("job", "argument", "how"),
+    [
+        (signal.raise_signal, signal.SIGSEGV, "SIGSEGV"),
+        (signal.raise_signal, signal.SIGABRT, "SIGABRT"),
+        (os._exit, 3, "exit code 3"),
+        (os._exit, errno.ENOMEM, "want of memory"),
+    ],
+)
+def test_a_request_that_ends_every_worker_is_quarantined_and_told_by_what(
+    job: Callable[..., Any], argument: int, how: str
+) -> None:
     async def story(workers: Workers) -> None:
-        problem = await refused(workers.run(signal.raise_signal, (number,), "crash", 30.0))
-        assert problem.kind == "worker-crashed"
-        assert number.name in problem.detail
-        assert await pid_of(workers)
+        problem = await refused(ran(workers, job, (argument,), "bad", 30.0))
+        assert problem.kind == "quarantined"
+        assert f"The last of 3 workers {'ended' if 'S' not in how else 'was'}" in problem.detail
+        assert how in problem.detail
+        assert int(problem.headers["Retry-After"]) == 600
+        before = await pid_of(workers)
+        assert (await refused(ran(workers, job, (argument,), "bad", 30.0))).kind == "quarantined"
+        assert await pid_of(workers) == before  # it was not given a fourth
 
     with_workers(Settings(workers=1), story)
 
 
-def test_a_worker_that_ends_by_itself_without_a_word_is_a_crash_too() -> None:
+@pytest.mark.parametrize("deaths", [1, 2])
+def test_a_request_that_a_fresh_worker_serves_is_not_the_cause(deaths: int, tmp_path: Path) -> None:
     async def story(workers: Workers) -> None:
-        problem = await refused(workers.run(os._exit, (3,), "exit", 30.0))
-        assert "exit code 3" in problem.detail
-        assert await pid_of(workers)
+        told: list[Any] = []
+        for _ in range(3):
+            (tmp_path / "deaths").write_text(str(deaths), encoding="utf-8")
+            assert await ran(workers, dies_unless, (str(tmp_path),), "same body", 90.0, told.append) == "planned"
+        assert told == []  # what a request means is for the service alone
 
     with_workers(Settings(workers=1), story)
+
+
+def test_a_request_in_quarantine_is_known_by_its_meaning_and_forgotten_in_time(tmp_path: Path) -> None:
+    async def story(workers: Workers) -> None:
+        async def asked(key: str) -> Any:
+            return await ran(workers, dies_unless, (str(tmp_path),), key, 90.0, lambda _: None)
+
+        (tmp_path / "deaths").write_text("3", encoding="utf-8")
+        assert (await refused(asked("a body"))).kind == "quarantined"
+        worker = await pid_of(workers)
+        assert (await refused(asked("another body"))).kind == "quarantined"
+        assert await pid_of(workers) == worker
+        await until(lambda: workers.quarantined == 0)
+        assert await asked("a body") == "planned"
+
+    with_workers(Settings(workers=1, quarantine_s=10.0), story)
 
 
 @pytest.mark.parametrize(
@@ -214,7 +270,7 @@ def test_a_worker_that_ends_by_itself_without_a_word_is_a_crash_too() -> None:
 def test_a_job_that_does_not_end_is_killed_and_the_next_is_served(job: Callable[..., Any], argument: Any) -> None:
     async def story(workers: Workers) -> None:
         stuck = await pid_of(workers)
-        problem = await refused(workers.run(job, (argument,), "stuck", 0.5))
+        problem = await refused(ran(workers, job, (argument,), "stuck", 0.5))
         assert problem.kind == "worker-timeout"
         assert await pid_of(workers) != stuck
         assert not alive(stuck)
@@ -226,7 +282,7 @@ def test_a_worker_that_does_not_read_its_job_is_killed_too() -> None:
     async def story(workers: Workers) -> None:
         stuck = await pid_of(workers)
         os.kill(stuck, signal.SIGSTOP)
-        problem = await refused(workers.run(len, (bytes(20 << 20),), "unread", 0.5))
+        problem = await refused(ran(workers, len, (bytes(20 << 20),), "unread", 0.5))
         assert problem.kind == "worker-timeout"
         assert await pid_of(workers) != stuck
 
@@ -237,7 +293,7 @@ def test_what_a_job_raises_is_raised_here_and_its_worker_goes_on() -> None:
     async def story(workers: Workers) -> None:
         pid = await pid_of(workers)
         with pytest.raises(ZeroDivisionError):
-            await workers.run(divmod, (1, 0), "raises", 30.0)
+            await ran(workers, divmod, (1, 0), "raises", 30.0)
         assert await pid_of(workers) == pid
 
     with_workers(Settings(workers=1), story)
@@ -246,7 +302,7 @@ def test_what_a_job_raises_is_raised_here_and_its_worker_goes_on() -> None:
 def test_a_job_whose_caller_has_gone_is_killed() -> None:
     async def story(workers: Workers) -> None:
         pid = await pid_of(workers)
-        job = asyncio.create_task(workers.run(time.sleep, (60.0,), "gone", 90.0))
+        job = asyncio.create_task(ran(workers, time.sleep, (60.0,), "gone", 90.0))
         await asyncio.sleep(0.3)
         job.cancel()
         await until(lambda: not alive(pid))
@@ -284,20 +340,6 @@ def test_a_request_that_waited_too_long_for_a_worker_is_told_so(held: Held) -> N
         assert await pid_of(workers)
 
     with_workers(Settings(workers=1, queue=1, queue_wait_s=0.5), story)
-
-
-def test_a_request_that_crashed_two_workers_is_not_given_a_third_and_others_are_served() -> None:
-    async def story(workers: Workers) -> None:
-        for _ in range(2):
-            crashed = await refused(workers.run(signal.raise_signal, (signal.SIGSEGV,), "bad", 30.0))
-            assert crashed.kind == "worker-crashed"
-        before = await pid_of(workers)
-        quarantined = await refused(workers.run(signal.raise_signal, (signal.SIGSEGV,), "bad", 30.0))
-        assert quarantined.kind == "quarantined"
-        assert quarantined.status == 422
-        assert await pid_of(workers) == before
-
-    with_workers(Settings(workers=1), story)
 
 
 def test_a_worker_that_dies_while_idle_is_replaced_before_anyone_asks() -> None:
@@ -356,7 +398,7 @@ def test_a_worker_cannot_take_more_memory_than_it_was_given() -> None:
 def test_a_large_result_and_a_large_argument_pass_through() -> None:
     async def story(workers: Workers) -> None:
         data = os.urandom(1 << 20) * 20
-        assert await workers.run(bytes.__add__, (data, b"x"), "large", 60.0) == data + b"x"
+        assert await ran(workers, bytes.__add__, (data, b"x"), "large", 60.0) == data + b"x"
 
     with_workers(Settings(workers=1), story)
 
@@ -371,4 +413,4 @@ def test_when_stopped_no_process_is_left() -> None:
     with_workers(Settings(workers=1), story)
     assert not alive(seen[0])
     left = set(psutil.Process().children(recursive=True)) - before
-    assert [child.pid for child in left if "spawn_main" in " ".join(child.cmdline())] == []
+    assert [child.pid for child in left if child.name() == NAME.decode()] == []

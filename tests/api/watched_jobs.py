@@ -3,27 +3,40 @@
 from __future__ import annotations
 
 import os
+import signal
 import time
+from pathlib import Path
 
-from assur.api.workers.worker_process import Tell
+from assur.api.workers.worker_process import Line
 
 
-def until_called_off(tell: Tell) -> None:
+def until_called_off(line: Line) -> None:
     """Tells its process's number, and then goes on until it is called off."""
-    tell(os.getpid())
+    line.tell(os.getpid())
     while True:
         time.sleep(0.01)
-        tell(None)
+        line.tell(None)
 
 
-def deaf(tell: Tell) -> None:
+def deaf(line: Line) -> None:
     """Tells its process's number, and then listens no more."""
-    tell(os.getpid())
+    line.tell(os.getpid())
     time.sleep(600.0)
 
 
-def counting(most: int, tell: Tell) -> int:
+def counting(most: int, line: Line) -> int:
     """Tells all numbers below one, and returns it."""
     for number in range(most):
-        tell(number)
+        line.tell(number)
     return most
+
+
+def dies_unless(folder: str, line: Line) -> str:
+    """Says what it means, ends its process as often as the first line of a file says, and then returns."""
+    line.means(lambda: "what it means")
+    counter = Path(folder) / "deaths"
+    left = int(counter.read_text(encoding="utf-8"))
+    if left:
+        counter.write_text(str(left - 1), encoding="utf-8")
+        signal.raise_signal(signal.SIGKILL)
+    return "planned"

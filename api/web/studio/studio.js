@@ -8,6 +8,7 @@ let planned = 0;
 let basis = ""; // the scenario that was chosen last
 let own = null; // the text that was written here, once there is one
 let written = 0; // counts what changes the text
+let key = sessionStorage.getItem("assur-key"); // of the service, if it asks for one; forgotten with this tab
 
 class Refused extends Error {
   constructor(problem) {
@@ -16,8 +17,18 @@ class Refused extends Error {
   }
 }
 
+// True where there is another key than the one that was refused.
+function askedForKey(refused) {
+  if (key && refused !== `Bearer ${key}`) return true; // another request has asked meanwhile
+  key = (prompt(key ? "The service does not know this key. Its key:" : "The service asks for a key:") || "").trim();
+  if (key) sessionStorage.setItem("assur-key", key);
+  else sessionStorage.removeItem("assur-key");
+  return key !== "";
+}
+
 async function ask(address, body, method = body === undefined ? "GET" : "POST") {
   const headers = body === undefined ? {} : { "Content-Type": "application/json" };
+  if (key) headers.Authorization = `Bearer ${key}`;
   let response;
   try {
     response = await fetch(address, { method, headers, body: body === undefined ? undefined : JSON.stringify(body) });
@@ -25,6 +36,7 @@ async function ask(address, body, method = body === undefined ? "GET" : "POST") 
     throw new Refused({ detail: "The service cannot be reached." });
   }
   if (response.ok) return response;
+  if (response.status === 401 && askedForKey(headers.Authorization)) return ask(address, body, method);
   let problem = { detail: `The service answered with status ${response.status}.` };
   try {
     problem = await response.json();

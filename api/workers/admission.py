@@ -1,0 +1,220 @@
+"""Who is let in, and when the others should come again: the books of what is waited for and what is worked on.
+
+What a request will take is expected from what those before it took of the time that they might have taken. So a
+queue that is long but quick is told from one that is short but slow, and a request that would wait longer than the
+service lets it wait is refused when it comes, not when it has waited.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+import time
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from assur.api.problems import Problem
+from assur.api.workers.client import Client, Demand, Ticket
+from assur.api.workers.fair_queue import FairQueue
+
+FIRST_SHARE = 0.1
+"""So much of the time that it might take a request is expected to take, before any was seen."""
+NEWS = 0.2
+"""Weight of the last request in what is expected of the next."""
+LONGEST_S = 3600.0
+"""Longest time after which a client is told to come again, s."""
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """How many workers there are, and how many of these take only short requests; how many requests may wait, and for
+    how long, s."""
+
+    workers: int
+    short: int
+    waiting: int
+    wait_s: float
+
+
+class Admission:
+    """The tickets of one service: those that wait, in the fair queue, and those that are worked on.
+
+    Workers have numbers; the first `places.short` of them take only short requests. `free` says which could begin now.
+    """
+
+    def __init__(
+        self, places: Places, free: Callable[[], set[int]], clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._places = places
+        self._free = free
+        self._clock = clock
+        self._queue = FairQueue()
+        self._running: dict[Ticket, int] = {}
+        self._shares: dict[str, float] = {}
+        self._balances: dict[str, tuple[float, float]] = {}
+
+    @property
+    def waiting(self) -> int:
+        """How many requests wait for a worker."""
+        return len(self._queue)
+
+    @property
+    def running(self) -> int:
+        """How many requests are worked on."""
+        return len(self._running)
+
+    @property
+    def owed_s(self) -> float:
+        """How many seconds of workers the requests are expected to take that were accepted."""
+        return sum(t.expected_s for t in self._queue) + sum(self._left_s(t) for t in self._running)
+
+    def suits(self, demand: Demand, number: int) -> bool:
+        """Whether a worker may be given such a request."""
+        return demand.short or number >= self._places.short
+
+    def require_room(self, client: Client) -> None:
+        """Raises the `Problem` that a request of this client would meet, whatever it asks for: its body need not be
+        read."""
+        self._require_balance(client)
+        self._require_place(Demand(client, 0.0, short=True, kind="any"))
+
+    def enter(self, demand: Demand) -> Ticket:
+        """Accepts a request: it waits. Raises `Problem`: too-many-requests, busy."""
+        self._require_balance(demand.client)
+        self._require_place(demand)
+        expected_s = demand.wall_s * self._share(demand)
+        ticket = Ticket(demand, expected_s, self._queue.tag(demand.client.name), self._clock())
+        start, _ = self._forecast(ticket)[ticket]
+        if start > self._places.wait_s:
+            raise busy(
+                start - self._places.wait_s,
+                f"It would wait {start:.0f} s for a worker, and at most {self._places.wait_s:g} s are allowed.",
+            )
+        self._queue.add(ticket)
+        return ticket
+
+    def next(self, number: int) -> Ticket | None:
+        """The ticket that worker `number`, which is free, is to be given now; it is worked on from now on."""
+        running = Counter(ticket.demand.client.name for ticket in self._running)
+
+        def fits(ticket: Ticket) -> bool:
+            client = ticket.demand.client
+            return self.suits(ticket.demand, number) and running[client.name] < client.running
+
+        ticket = self._queue.take(fits)
+        if ticket is not None:
+            ticket.begun = self._clock()
+            self._running[ticket] = number
+        return ticket
+
+    def leave(self, ticket: Ticket) -> None:
+        """Ends a ticket, wherever it is; one that has ended stays so. Its client pays for the time that it took."""
+        if not ticket.held:
+            return
+        ticket.held = False
+        if ticket.begun is None:
+            self._queue.remove(ticket)
+            return
+        del self._running[ticket]
+        took_s, demand = self._clock() - ticket.begun, ticket.demand
+        self._queue.settle(ticket, took_s)
+        share = min(1.0, took_s / demand.wall_s) if demand.wall_s > 0.0 else 0.0
+        self._shares[demand.kind] = self._share(demand) + NEWS * (share - self._share(demand))
+        self._pay(demand.client, took_s)
+
+    def full(self) -> Problem:
+        """The problem of a request that finds no place to wait: one is free when the next of those that wait begins."""
+        forecast = self._forecast()
+        starts = [start for ticket, (start, _) in forecast.items() if ticket.begun is None]
+        ends = [end for ticket, (_, end) in forecast.items() if ticket.begun is not None]
+        return busy(min(starts or ends, default=0.0), "All workers are busy, and the queue is full.")
+
+    def _require_place(self, demand: Demand) -> None:
+        client = demand.client
+        running = sum(ticket.demand.client.name == client.name for ticket in self._running)
+        if running < client.running and any(self.suits(demand, number) for number in self._free()):
+            return
+        if len(self._queue) >= self._places.waiting:
+            raise self.full()
+        own = [ticket for ticket in self._queue if ticket.demand.client.name == client.name]
+        if len(own) >= client.waiting:
+            forecast = self._forecast()
+            raise too_many(
+                min((forecast[ticket][0] for ticket in own), default=1.0),
+                f"{len(own)} requests of this client wait already, and {client.waiting:g} may.",
+            )
+
+    def _require_balance(self, client: Client) -> None:
+        if math.isinf(client.seconds):
+            return
+        balance, per_second = self._balance(client), client.seconds / 60.0
+        if balance <= 0.0:
+            raise too_many(-balance / per_second, f"This client has used its {client.seconds:g} s of workers a minute.")
+
+    def _balance(self, client: Client) -> float:
+        """How many seconds of workers a client may still use, s; what it has not used for a minute is lost."""
+        now = self._clock()
+        balance, at = self._balances.get(client.name, (client.seconds, now))
+        return min(client.seconds, balance + (now - at) * client.seconds / 60.0)
+
+    def _pay(self, client: Client, took_s: float) -> None:
+        if math.isinf(client.seconds):
+            return
+        now = self._clock()
+        self._balances[client.name] = self._balance(client) - took_s, now
+        # who owes nothing and has not asked for a minute has all of its seconds again, as one who is not known
+        self._balances = {
+            name: (balance, at) for name, (balance, at) in self._balances.items() if balance < 0.0 or now - at < 60.0
+        }
+
+    def _share(self, demand: Demand) -> float:
+        """What part of the time that it might take a request of this kind is expected to take."""
+        return self._shares.get(demand.kind, FIRST_SHARE)
+
+    def _left_s(self, ticket: Ticket) -> float:
+        """How long a request that is worked on is expected to go on, s."""
+        begun = self._clock() if ticket.begun is None else ticket.begun
+        elapsed = self._clock() - begun
+        later = self._share(ticket.demand) * (ticket.demand.wall_s - elapsed)
+        return max(ticket.expected_s - elapsed, later, 0.0)
+
+    def _forecast(self, *more: Ticket) -> dict[Ticket, tuple[float, float]]:
+        """When each request is expected to begin and to end, s from now; `more`: as if they waited, too."""
+        found: dict[Ticket, tuple[float, float]] = {}
+        ends: dict[str, list[float]] = {}
+        busy_until = dict.fromkeys(range(self._places.workers), 0.0)
+        for ticket, number in self._running.items():
+            end = busy_until[number] = self._left_s(ticket)
+            found[ticket] = 0.0, end
+            ends.setdefault(ticket.demand.client.name, []).append(end)
+        short = [until for number, until in busy_until.items() if number < self._places.short]
+        any_ = [until for number, until in busy_until.items() if number >= self._places.short]
+        for heap in (short, any_, *ends.values()):
+            heapq.heapify(heap)
+        for ticket in sorted((*self._queue, *more), key=lambda ticket: ticket.tag):
+            heap = short if ticket.demand.short and short and (not any_ or short[0] <= any_[0]) else any_
+            own = ends.setdefault(ticket.demand.client.name, [])
+            start = heap[0]
+            if len(own) >= ticket.demand.client.running:
+                start = max(start, heapq.heappop(own))
+            end = start + ticket.expected_s
+            heapq.heapreplace(heap, end)
+            heapq.heappush(own, end)
+            found[ticket] = start, end
+        return found
+
+
+def busy(after_s: float, why: str) -> Problem:
+    """The problem of a request for which there is no worker; it may be sent again after a time, s."""
+    return _again("busy", after_s, why)
+
+
+def too_many(after_s: float, why: str) -> Problem:
+    """The problem of a client that has asked for its share; it may ask again after a time, s."""
+    return _again("too-many-requests", after_s, why)
+
+
+def _again(kind: str, after_s: float, why: str) -> Problem:
+    after = math.ceil(min(max(after_s, 1.0), LONGEST_S))
+    return Problem(kind, f"{why} Come again in {after} s.", headers={"Retry-After": str(after)})
