@@ -85,9 +85,9 @@ def _text(name: str, text: str) -> str:
 
 
 def _networks(name: str, text: str) -> str:
-    for part in text.split(","):
+    for part in text.split(",") if text else ():
         try:
-            ip_network(part.strip() or "0.0.0.0/0")
+            ip_network(part.strip())
         except ValueError:
             raise InputError(name, text, "addresses or networks, with commas between them") from None
     return text

@@ -361,3 +361,12 @@ def test_the_service_listens_on_addresses_and_on_names(host: str) -> None:
 def test_an_address_that_is_not_of_this_machine_is_bad_input() -> None:
     with pytest.raises(InputError, match="ASSUR_HOST"):
         listening("203.0.113.1", 0)
+
+
+@pytest.mark.parametrize(("trusted", "client"), [({"FORWARDED_FROM": "127.0.0.0/8"}, "192.0.2.7"), ({}, "127.0.0.1")])
+def test_who_asks_is_told_by_a_proxy_that_is_known_and_by_nobody_else(trusted: dict[str, str], client: str) -> None:
+    with serving(WORKERS="1", **trusted) as server:
+        with server.client() as asking:
+            asking.get("/v1/scenes", headers={"X-Forwarded-For": "198.51.100.1, 192.0.2.7"})
+        until(lambda: bool(server.events("request")))
+        assert [line["client"] for line in server.events("request")] == [client]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 
 import pytest
@@ -23,29 +23,41 @@ def test_variables_of_others_are_not_read() -> None:
     assert Settings.from_environment({"PORT": "9", "WORKERS": "x", "MYASSUR_PORT": "9"}) == Settings()
 
 
+EACH: dict[str, tuple[str, object]] = {
+    "host": ("0.0.0.0", "0.0.0.0"),
+    "port": ("0", 0),
+    "workers": ("3", 3),
+    "queue": ("0", 0),
+    "queue_wait_s": ("1.5", 1.5),
+    "max_budget_s": ("2", 2.0),
+    "grace_s": ("0.25", 0.25),
+    "check_s": ("7", 7.0),
+    "warm_s": ("60", 60.0),
+    "body_s": ("3", 3.0),
+    "max_tasks": ("10", 10),
+    "worker_memory_mib": ("1024", 1024),
+    "jobs_kept": ("4", 4),
+    "job_kept_s": ("5", 5.0),
+    "connections": ("9", 9),
+    "log_level": ("warning", "warning"),
+    "short_s": ("0.5", 0.5),
+    "short_workers": ("2", 2),
+    "client_running": ("3", 3),
+    "client_waiting": ("0", 0),
+    "client_seconds": ("60", 60),
+    "keys_file": ("/run/keys.json", "/run/keys.json"),
+    "forwarded_from": ("10.0.0.0/8, 192.0.2.1", "10.0.0.0/8, 192.0.2.1"),
+    "quarantine_s": ("60", 60.0),
+    "replica": ("a", "a"),
+}
+"""For each setting a text, and what it says; none of them is the default."""
+
+
 def test_each_setting_is_read_from_its_own_variable() -> None:
-    given = {
-        "ASSUR_HOST": "0.0.0.0",
-        "ASSUR_PORT": "0",
-        "ASSUR_WORKERS": "3",
-        "ASSUR_QUEUE": "0",
-        "ASSUR_QUEUE_WAIT_S": "1.5",
-        "ASSUR_MAX_BUDGET_S": "2",
-        "ASSUR_GRACE_S": "0.25",
-        "ASSUR_CHECK_S": "7",
-        "ASSUR_WARM_S": "60",
-        "ASSUR_BODY_S": "3",
-        "ASSUR_MAX_TASKS": "10",
-        "ASSUR_WORKER_MEMORY_MIB": "1024",
-        "ASSUR_JOBS_KEPT": "4",
-        "ASSUR_JOB_KEPT_S": "5",
-        "ASSUR_CONNECTIONS": "9",
-        "ASSUR_LOG_LEVEL": "warning",
-    }
-    assert {PREFIX + field.name.upper() for field in fields(Settings)} == set(given)
-    assert Settings.from_environment(given) == Settings(
-        "0.0.0.0", 0, 3, 0, 1.5, 2.0, 0.25, 7.0, 60.0, 3.0, 10, 1024, 4, 5.0, 9, "warning"
-    )
+    assert [field.name for field in fields(Settings)] == list(EACH)
+    read = Settings.from_environment({PREFIX + name.upper(): text for name, (text, _) in EACH.items()})
+    assert asdict(read) == {name: value for name, (_, value) in EACH.items()}
+    assert not [name for name, value in asdict(Settings()).items() if value == EACH[name][1]]
 
 
 @pytest.mark.parametrize(
@@ -65,6 +77,10 @@ def test_each_setting_is_read_from_its_own_variable() -> None:
         ("ASSUR_LOG_LEVEL", "INFO"),
         ("ASSUR_HOST", "a b"),
         ("ASSUR_HOST", ""),
+        ("ASSUR_FORWARDED_FROM", "10.0.0.1/8"),
+        ("ASSUR_FORWARDED_FROM", "*"),
+        ("ASSUR_REPLICA", "a-b"),
+        ("ASSUR_KEYS_FILE", "a\nb"),
         ("ASSUR_WORKER", "2"),
         ("ASSUR_", "2"),
     ],
