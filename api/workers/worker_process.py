@@ -39,8 +39,9 @@ ENDS_S = 2.0
 
 Tell = Callable[[Any], None]
 """Takes how far a job has come; None: nothing to say, but the job may have been called off."""
-TEMPLATE = "assur.api.workers.template"
-"""The module that makes a process the template from which workers are forked."""
+TEMPLATE = ("assur.api.workers.template", "assur.api.command_line")
+"""The module that makes a process the template from which workers are forked; and what runs `assur serve`, for each
+process of multiprocessing imports the program that has started it."""
 NAME = b"assur-worker"
 """What the system calls a worker process; at most 15 characters."""
 SET_NAME = 15
@@ -178,7 +179,7 @@ def _how(code: int | None) -> str:
 def _context() -> ForkServerContext:
     """Where workers come from: one template for all workers of this process."""
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([TEMPLATE])
+    context.set_forkserver_preload(list(TEMPLATE))
     return context
 
 

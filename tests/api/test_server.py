@@ -81,7 +81,7 @@ class Server:
         return [line for line in list(self.log) if line["event"] == text]
 
 
-def until(true: Callable[[], bool], within_s: float = 60.0) -> None:
+def until(true: Callable[[], bool], within_s: float = 150.0) -> None:
     """Waits for something that another process does."""
     end = time.monotonic() + within_s
     while not true():

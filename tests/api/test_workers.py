@@ -59,7 +59,7 @@ def with_workers(settings: Settings, story: Callable[[Workers], Awaitable[None]]
     asyncio.run(tell())
 
 
-async def until(true: Callable[[], bool], within_s: float = 60.0) -> None:
+async def until(true: Callable[[], bool], within_s: float = 150.0) -> None:
     """Waits for something that a process does."""
     async with asyncio.timeout(within_s):
         while not true():
