@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from assur.planner.model.outcome import Plan
     from assur.planner.model.progress import Watch
     from assur.planner.model.scene import Scene
+    from assur.planner.model.stopwatch import Stopwatch
     from assur.scenes.reading.cell import Cell
 
 __all__ = [
@@ -109,15 +110,20 @@ def request_schema() -> dict[str, Any]:
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA, **schema}
 
 
-def cell_of(document: object, *, folder: Path | None = None) -> Cell:
-    """Scene and joint conventions of a request. `folder`: below which it may name files (never over HTTP)."""
+def cell_of(document: object, *, folder: Path | None = None, laps: Stopwatch | None = None) -> Cell:
+    """Scene and joint conventions of a request. `folder`: below which it may name files (never over HTTP). `laps`
+    measures the stages `read` and `build`."""
     from assur.scenes.reading.cell import cell_of as build
 
-    if folder is None:
-        return build(document, validate(document))
     # Errors quote the document as it was written: a mesh's file, not the bytes that took its place.
-    document = with_plans(with_robots(document, folder), folder)
-    return build(document, validate(with_meshes(document, folder)))
+    named = document if folder is None else with_plans(with_robots(document, folder), folder)
+    request = validate(named if folder is None else with_meshes(named, folder))
+    if laps is not None:
+        laps.lap("read")
+    cell = build(named, request)
+    if laps is not None:
+        laps.lap("build")
+    return cell
 
 
 def scene_of(document: object, *, folder: Path | None = None) -> Scene:
@@ -140,14 +146,16 @@ def plan_document(
     certificate: Literal["full", "digest"] = "full",
     started: float | None = None,
     watch: Watch | None = None,
+    laps: Stopwatch | None = None,
 ) -> dict[str, Any]:
     """The answer to a request: planned, or not planned and why. Raises `InputError` naming the field.
 
     `started`: the reading of `time.perf_counter` from which the budget counts. A service gives the time at which it
     took the request up, so that building the scene counts, too; None: the budget is for the search alone. `watch` is
-    told how far the search has come; what it raises ends the planning and is raised here.
+    told how far the search has come; what it raises ends the planning and is raised here. `laps` measures the stages.
     """
-    return plan_cell(cell_of(document, folder=folder), certificate=certificate, started=started, watch=watch)
+    cell = cell_of(document, folder=folder, laps=laps)
+    return plan_cell(cell, certificate=certificate, started=started, watch=watch, laps=laps)
 
 
 def plan_cell(
@@ -158,6 +166,7 @@ def plan_cell(
     explain_budget_s: float | None = None,
     nearest_pairs: int = 0,
     watch: Watch | None = None,
+    laps: Stopwatch | None = None,
 ) -> dict[str, Any]:
     """The answer for a cell that has been read; as `plan_document`.
 
@@ -171,7 +180,7 @@ def plan_cell(
     if explain_budget_s is not None and _silent(cell.document, "explain_budget_s"):
         scene = replace(scene, options=replace(scene.options, explain_budget_s=explain_budget_s))
     with located(cell.document):
-        outcome = plan(scene, started=started, nearest_pairs=nearest_pairs, watch=watch)
+        outcome = plan(scene, started=started, nearest_pairs=nearest_pairs, watch=watch, laps=laps)
     return dict(answer_of(cell, outcome, certificate))
 
 
@@ -181,11 +190,12 @@ def plan_scenario(
     certificate: Literal["full", "digest"] = "full",
     started: float | None = None,
     watch: Watch | None = None,
+    laps: Stopwatch | None = None,
 ) -> dict[str, Any]:
     """The answer to a scenario's request; as `plan_document`. Raises `InputError` with the line in the file."""
     with scenario.located():
         return plan_document(
-            scenario.request, folder=scenario.folder, certificate=certificate, started=started, watch=watch
+            scenario.request, folder=scenario.folder, certificate=certificate, started=started, watch=watch, laps=laps
         )
 
 

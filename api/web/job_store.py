@@ -81,6 +81,10 @@ class JobStore:
         job.work.add_done_callback(lambda _: self._ended(job, place))  # also of a task that never began
         return job
 
+    def __len__(self) -> int:
+        """How many jobs are worked on or kept."""
+        return len(self._jobs)
+
     def __getitem__(self, name: str) -> Job:
         """A job by its id. Raises `Problem` for one that this process does not have."""
         job = self._jobs.get(name)

@@ -12,15 +12,21 @@ import logging
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
+from assur.api.documents import to_json
 from assur.api.logs import event
 from assur.api.problems import Problem
+from assur.api.telemetry.meters import Meters
+from assur.api.telemetry.trace import current
+from assur.api.version import version_document
 from assur.api.web.body_reader import READERS
+from assur.api.web.results import Results
 from assur.api.web.settings import Settings
 from assur.api.workers import jobs
 from assur.api.workers.pool import Place, Workers
+from assur.api.workers.traced import Traced, warm
 from assur.api.workers.worker_process import Tell
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
@@ -51,11 +57,16 @@ class Service:
     """Settings and workers of one running service."""
 
     settings: Settings
+    meters: Meters = field(init=False)
+    results: Results = field(init=False)
     workers: Workers = field(init=False)
     readers: asyncio.Semaphore = field(init=False)
 
     def __post_init__(self) -> None:
-        self.workers = Workers(self.settings, jobs.warm)
+        self.meters = Meters()
+        build = to_json(version_document(self.settings.commit)).decode()
+        self.results = Results(self.settings.results_mib << 20, build, self.meters)
+        self.workers = Workers(self.settings, partial(warm, self.settings.log_level), self.meters)
         self.readers = asyncio.Semaphore(READERS)
 
     async def plan(self, body: bytes, certificate: jobs.Detail) -> jobs.Answer:
@@ -142,9 +153,21 @@ class Service:
         """The answer to an order; `told` takes how far it has come, if it is watched. `place`: that the caller holds
         for it, and gives up. Raises `Problem`."""
         listener = (told or _nobody) if order.watched else None
-        reply: jobs.Reply = await self.workers.run(order.job, order.arguments, order.key, order.wall_s, listener, place)
+        trace = current()
+        trace.facts["digest"] = order.key
+        kept = self.results.find(order.job, order.arguments)
+        if kept is not None:
+            answer, age_s = kept
+            trace.facts["outcome"] = answer.outcome
+            trace.replayed("result", age_s)
+            return answer
+        job = Traced(order.job, trace.carried())
+        reply: jobs.Reply = await self.workers.run(job, order.arguments, order.key, order.wall_s, listener, place)
         match reply:
             case jobs.Answer():
+                trace.answered(reply.outcome, reply.reason, reply.stages)
+                self.results.keep(order.job, order.arguments, reply)
+                self.meters.worked(order.job.__name__, reply.outcome, reply.reason, reply.stages)
                 return reply
             case Problem():
                 raise reply

@@ -7,6 +7,7 @@ a limit that is not there. The table in docs/service.md is held to this module b
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from difflib import get_close_matches
@@ -62,6 +63,12 @@ def _host(name: str, text: str) -> str:
     return text
 
 
+def _name(name: str, text: str) -> str:
+    if not re.fullmatch(r"[0-9A-Za-z._+-]{0,64}", text):
+        raise InputError(name, text, "up to 64 letters, digits and . _ + -")
+    return text
+
+
 def processors() -> int:
     """How many processors this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
@@ -95,6 +102,8 @@ class Settings:
     job_kept_s: float = _setting(600.0, _seconds(1.0, 86_400.0), "time for which a job is kept that has ended")
     connections: int = _setting(512, _whole(1, 100_000), "connections at a time; one more gets 503")
     log_level: str = _setting("info", _one_of(*LOG_LEVELS), "least severity that is logged")
+    results_mib: int = _setting(0, _whole(0, 1 << 20), "memory for answers that are kept and given again; 0: none is")
+    commit: str = _setting("", _name, "what /v1/version says of where the build comes from")
 
     @staticmethod
     def from_environment(environment: Mapping[str, str] | None = None) -> Settings:

@@ -7,7 +7,7 @@ import gc
 import os
 import time
 from collections.abc import Callable, Collection
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 from assur.api.documents import to_json
@@ -17,6 +17,7 @@ from assur.api.version import version
 from assur.api.workers.worker_process import CalledOffError, Tell
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.progress import Progress
+from assur.planner.model.stopwatch import Stopwatch
 from assur.scenes.exports.doors import check_trajectory_document, export_document
 from assur.scenes.faults import NOTHING
 from assur.scenes.plan_file import FORM, TEXTS
@@ -58,10 +59,17 @@ FIRST_PLAN: dict[str, Any] = {
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """A document as JSON, or a page, and in a word what it says, for the log."""
+    """A document as JSON, or a page, and in a word what it says, for the log.
+
+    `reason`: of a refusal, one of `assur.planner.model.refusal.Reason`; else empty. `stages`: seconds by stage.
+    `repeatable`: no clock ended the search, so that the same request would get the same answer again.
+    """
 
     body: bytes
     outcome: str
+    reason: str = ""
+    stages: dict[str, float] = field(default_factory=dict)
+    repeatable: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,17 +104,21 @@ def warm() -> str:
 def plan(body: bytes, certificate: Detail, tell: Tell) -> Reply:
     """The answer to the request in `body`; reading it counts in its budget, as it does in the wall's. `tell` takes how
     far the search has come, as a document."""
-    started, watch = time.perf_counter(), _watch(tell)
+    started, watch, laps = time.perf_counter(), _watch(tell), Stopwatch()
     return _guarded(
-        lambda: plan_document(request_in(body), certificate=certificate, started=started, watch=watch), "status"
+        lambda: plan_document(request_in(body), certificate=certificate, started=started, watch=watch, laps=laps),
+        "status",
+        laps,
     )
 
 
 def plan_shipped(name: str, certificate: Detail, tell: Tell) -> Reply:
     """The answer to the request of the shipped scenario `name`, with the files that ship with it. `tell`: as `plan`."""
-    started, watch = time.perf_counter(), _watch(tell)
+    started, watch, laps = time.perf_counter(), _watch(tell), Stopwatch()
     return _guarded(
-        lambda: plan_scenario(shipped(name), certificate=certificate, started=started, watch=watch), "status"
+        lambda: plan_scenario(shipped(name), certificate=certificate, started=started, watch=watch, laps=laps),
+        "status",
+        laps,
     )
 
 
@@ -128,12 +140,14 @@ def _watch(tell: Tell) -> Callable[[Progress], None]:
 
 def check(body: bytes) -> Reply:
     """The checker's verdict on the plan in `body`, {"request": ..., "plan": ...}."""
-    return _guarded(lambda: check_document(**_both(body)), "ok")
+    laps = Stopwatch()
+    return _guarded(lambda: check_document(**_both(body, laps)), "ok", laps, "check")
 
 
 def view(body: bytes) -> Reply:
     """What a viewer plays of the plan in `body`, {"request": ..., "plan": ...}."""
-    return _guarded(lambda: view_document(**_both(body)), "status")
+    laps = Stopwatch()
+    return _guarded(lambda: view_document(**_both(body, laps)), "status", laps, "draw")
 
 
 LONGEST_TEXT = 2000
@@ -146,8 +160,11 @@ def report(body: bytes) -> Reply:
     """The page that plays the plan in `body`, {"request": ..., "plan": ...}, which may have a title and say what it is
     about."""
 
+    laps = Stopwatch()
+
     def work() -> Answer:
         document = {"title": "plan", "about": "", **_unmarked(_parsed(body, REPORTED))}
+        laps.lap("read")
         if document.keys() != {"request", "plan", "title", "about"}:
             raise Problem.of_input(InputError("body", sorted(document), REPORTED))
         for name in ("title", "about"):
@@ -158,7 +175,8 @@ def report(body: bytes) -> Reply:
         cell, plan = cell_of(document["request"]), document["plan"]
         told = {name: document[name] for name in ("title", "about")}
         page = report_page(cell, plan, **told, verdict=verdict_on(cell, plan), version=version())
-        return Answer(page.encode(), "reported")
+        laps.lap("draw")
+        return Answer(page.encode(), "reported", stages=laps.seconds)
 
     return _bordered(work)
 
@@ -172,7 +190,7 @@ def ik(body: bytes) -> Reply:
         request = question.pop("request") if question.get("request") is not None else None
         return ik_document(request, question)
 
-    return _guarded(work, "status")
+    return _guarded(work, "status", Stopwatch(), "ik")
 
 
 TEXT = 'an object with the field "text", a scenario in YAML, and no others'
@@ -193,7 +211,7 @@ def parse(body: bytes) -> Reply:
             request = with_files(scenario.request, scenario.folder)
         return {"status": "parsed", "about": scenario.about, "request": request}
 
-    return _guarded(work, "status")
+    return _guarded(work, "status", Stopwatch(), "build")
 
 
 def export(body: bytes) -> Reply:
@@ -204,7 +222,7 @@ def export(body: bytes) -> Reply:
         request, plan = _taken(asked, "request"), _taken(asked, "plan")
         return export_document(request, plan, asked)
 
-    return _guarded(work, "format")
+    return _guarded(work, "format", Stopwatch(), "export")
 
 
 def check_trajectory(body: bytes) -> Reply:
@@ -215,12 +233,13 @@ def check_trajectory(body: bytes) -> Reply:
         request, plan = _taken(asked, "request"), asked.pop("plan", None)
         return check_trajectory_document(request, asked, plan)
 
-    return _guarded(work, "ok")
+    return _guarded(work, "ok", Stopwatch(), "check")
 
 
-def _both(body: bytes) -> dict[str, Any]:
+def _both(body: bytes, laps: Stopwatch) -> dict[str, Any]:
     """Request and plan in `body`, and nothing else. Raises `Problem`, or `InputError`."""
     document = _unmarked(_parsed(body, BOTH), *TEXTS)
+    laps.lap("read")
     if document.keys() != {"request", "plan"}:
         found = FieldError("body", shown(document), BOTH)
         raise Problem("bad-input", str(found), (found,))
@@ -260,12 +279,25 @@ def _parsed(body: bytes, allowed: str, fields: Collection[str] = ()) -> dict[str
     return document
 
 
-def _guarded(work: Callable[[], dict[str, Any]], says: str) -> Reply:
+def _guarded(work: Callable[[], dict[str, Any]], says: str, laps: Stopwatch, stage: str = "write") -> Reply:
+    """What `work` finds. `stage`: what the time of it counts as that `work` has not given to another stage."""
+
     def answered() -> Answer:
         document = work()
-        return Answer(to_json(document), str(document[says]))
+        laps.lap(stage)
+        body = to_json(document)
+        laps.lap("write")
+        reason = document.get("reason", "") if document.get("status") == "not_planned" else ""
+        return Answer(body, str(document[says]), str(reason), laps.seconds, _repeatable(document))
 
     return _bordered(answered)
+
+
+def _repeatable(document: dict[str, Any]) -> bool:
+    """Whether an answer is a plan, or a refusal of one, that no clock had a say in. Changes that would help a refused
+    request are looked for until their budget is spent: what came of it is not said to be repeatable."""
+    helped = document.get("explain_budget_spent") or document.get("tried") or document.get("relaxation")
+    return document.get("cut_by_clock") is False and not helped
 
 
 def _bordered(work: Callable[[], Answer]) -> Reply:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import math
+import time
 from collections import OrderedDict
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
@@ -16,8 +17,18 @@ from typing import Any
 
 from assur.api.logs import LOGGER, event
 from assur.api.problems import Problem
+from assur.api.telemetry.meters import Meters, Readings
+from assur.api.telemetry.trace import current
 from assur.api.web.settings import Settings
-from assur.api.workers.worker_process import CrashedError, KilledError, NotBegunError, Tell, WorkerProcess
+from assur.api.workers.worker_process import (
+    NO_MEMORY,
+    CrashedError,
+    KilledError,
+    NotBegunError,
+    Tell,
+    WorkerProcess,
+    why_not_started,
+)
 
 CRASHES = 2
 """So many crashes and a request is quarantined."""
@@ -40,8 +51,10 @@ class Place:
 class Workers:
     """The worker processes, and which are free. One per event loop; `start`, then any number of `run`, then `stop`."""
 
-    def __init__(self, settings: Settings, warm: Callable[[], Any]) -> None:
+    def __init__(self, settings: Settings, warm: Callable[[], Any], meters: Meters | None = None) -> None:
         self._settings = settings
+        self.meters = meters or Meters()
+        self.meters.workers(self.readings)
         self._processes = [
             WorkerProcess(settings.worker_memory_mib, warm, settings.warm_s) for _ in range(settings.processes)
         ]
@@ -51,6 +64,23 @@ class Workers:
         self._accepted = 0
         self._owed_s = 0.0
         self._warmed: set[int] = set()
+        self._running = 0
+        self.trouble = ""
+        """Why the last worker that was started did not start; empty once one did."""
+
+    def readings(self) -> Readings:
+        """The workers as they are now, for the metrics."""
+        quarantined = sum(count >= CRASHES for count in self._crashes.values())
+        processes = tuple(process.pid for process in self._processes)
+        return Readings(
+            waiting=max(0, self._accepted - self._running),
+            running=self._running,
+            owed_s=max(0.0, self._owed_s),
+            ready=sum(process.open for process in self._processes),
+            total=len(self._processes),
+            quarantined=quarantined,
+            processes=processes,
+        )
 
     @property
     def ready(self) -> bool:
@@ -128,10 +158,12 @@ class Workers:
             try:
                 return await self._in_a_process(job, arguments, wall_s, told)
             except NotBegunError:
+                self.meters.restarted("idle")
                 return await self._in_a_process(job, arguments, wall_s, told)
         except CrashedError as crashed:
             raise self._crashed(key, crashed) from crashed
         except KilledError as killed:
+            self.meters.restarted("time")
             event("worker killed: no end in time", logging.WARNING, wall_s=wall_s, digest=key)
             raise Problem("worker-timeout", f"It was given {wall_s:g} s, its budgets included.") from killed
         finally:
@@ -141,10 +173,19 @@ class Workers:
     async def _in_a_process(
         self, job: Callable[..., Any], arguments: tuple[Any, ...], wall_s: float, told: Tell | None
     ) -> Any:
+        asked = time.monotonic()
         number = await self._free_process()
+        current().queued_s = waited = time.monotonic() - asked
+        self.meters.queued(waited)
+        self._running += 1
         try:
             return await self._processes[number].run(job, arguments, wall_s, told)
+        except asyncio.CancelledError:
+            if not self._processes[number].open:
+                self.meters.restarted("called_off")
+            raise
         finally:
+            self._running -= 1
             self._leave(number)
 
     async def _free_process(self) -> int:
@@ -155,6 +196,7 @@ class Workers:
                     number = await self._free.get()
                     if self._processes[number].open:
                         return number
+                    self.meters.restarted("idle")
                     self._background(self._fill(number))
         except TimeoutError as late:
             raise Problem(
@@ -169,6 +211,8 @@ class Workers:
         if process.open and process.jobs < self._settings.max_tasks:
             self._free.put_nowait(number)
         else:
+            if process.open:
+                self.meters.restarted("max_tasks")
             self._background(self._fill(number))
 
     def _crashed(self, key: str, crashed: CrashedError) -> Problem:
@@ -176,6 +220,7 @@ class Workers:
         self._crashes[key] = count
         while len(self._crashes) > REMEMBERED:
             self._crashes.popitem(last=False)
+        self.meters.restarted("memory" if crashed.how == NO_MEMORY else "crash")
         event("worker crashed", logging.ERROR, how=crashed.how, digest=key, times=count)
         return Problem(
             "worker-crashed",
@@ -189,11 +234,14 @@ class Workers:
         while True:
             try:
                 await self._processes[number].start()
-            except (CrashedError, KilledError) as failed:
-                event("worker does not start", logging.ERROR, why=str(failed), again_in_s=pause)
+            except (CrashedError, KilledError, OSError) as failed:
+                self.trouble = why_not_started(failed)
+                self.meters.restarted("start_failure")
+                event("worker does not start", logging.ERROR, why=self.trouble, again_in_s=pause)
                 await asyncio.sleep(pause)
                 pause = min(2 * pause, LONGEST_RETRY_S)
             else:
+                self.trouble = ""
                 self._warmed.add(number)
                 self._free.put_nowait(number)
                 event("worker ready", worker=number, ready=self.ready)
@@ -204,6 +252,8 @@ class Workers:
         while True:
             await asyncio.sleep(PATROL_S)
             for number in [self._free.get_nowait() for _ in range(self._free.qsize())]:
+                if not self._processes[number].open:
+                    self.meters.restarted("idle")
                 self._leave(number)
 
     def _background(self, work: Coroutine[Any, Any, None]) -> None:

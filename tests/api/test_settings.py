@@ -40,10 +40,12 @@ def test_each_setting_is_read_from_its_own_variable() -> None:
         "ASSUR_JOB_KEPT_S": "5",
         "ASSUR_CONNECTIONS": "9",
         "ASSUR_LOG_LEVEL": "warning",
+        "ASSUR_RESULTS_MIB": "64",
+        "ASSUR_COMMIT": "0a1b2c",
     }
     assert {PREFIX + field.name.upper() for field in fields(Settings)} == set(given)
     assert Settings.from_environment(given) == Settings(
-        "0.0.0.0", 0, 3, 0, 1.5, 2.0, 0.25, 7.0, 60.0, 3.0, 10, 1024, 4, 5.0, 9, "warning"
+        "0.0.0.0", 0, 3, 0, 1.5, 2.0, 0.25, 7.0, 60.0, 3.0, 10, 1024, 4, 5.0, 9, "warning", 64, "0a1b2c"
     )
 
 
@@ -56,6 +58,7 @@ def test_each_setting_is_read_from_its_own_variable() -> None:
         ("ASSUR_PORT", "٣"),
         ("ASSUR_PORT", "9" * 5000),
         ("ASSUR_WORKERS", "-1"),
+        ("ASSUR_COMMIT", "a b"),
         ("ASSUR_WORKERS", "2.0"),
         ("ASSUR_MAX_BUDGET_S", "nan"),
         ("ASSUR_MAX_BUDGET_S", "inf"),
