@@ -12,6 +12,7 @@ import contextlib
 import json
 import os
 import queue
+import secrets
 import select
 import threading
 from collections.abc import Callable, Iterator
@@ -152,23 +153,29 @@ def standard_error_as_lines(raw: Callable[[str], str]) -> Iterator[None]:
     os.set_blocking(pipe, False)
     before = os.dup(2)
     os.dup2(pipe, 2)
-    os.close(pipe)
-    reader = threading.Thread(target=_pass_on, args=(end, out, raw), name="assur-stderr", daemon=True)
+    last = secrets.token_hex(16).encode()
+    reader = threading.Thread(target=_pass_on, args=(end, out, raw, last), name="assur-stderr", daemon=True)
     reader.start()
     try:
         yield
     finally:
         os.dup2(before, 2)
         os.close(before)
-        reader.join(END_S)  # it ends when the last worker, which may hold the pipe, has ended
+        with contextlib.suppress(OSError):
+            os.write(pipe, b"\n" + last + b"\n")  # processes that end later hold the pipe, too
+        os.close(pipe)
+        reader.join(END_S)
 
 
-def _pass_on(end: int, out: Later, raw: Callable[[str], str]) -> None:
-    """Reads lines until nobody holds the other end."""
+def _pass_on(end: int, out: Later, raw: Callable[[str], str], last: bytes) -> None:
+    """Reads lines until the `last`, or until nobody holds the other end."""
     rest = b""
     while data := os.read(end, 65536):
         *lines, rest = (rest + data).split(b"\n")
         for line in lines:
+            if line == last:
+                os.close(end)
+                return
             _pass_line(line, out, raw)
         if len(rest) > LONGEST_LINE:
             _pass_line(rest, out, raw)

@@ -35,9 +35,9 @@ def until(true: Callable[[], bool], within_s: float = 60.0) -> None:
 
 
 def small_pipe() -> tuple[int, int]:
-    """A pipe that takes 4 KiB and then no more."""
+    """A pipe that takes two pages, and then no more."""
     read, write = os.pipe()
-    fcntl.fcntl(write, fcntl.F_SETPIPE_SZ, 4096)
+    fcntl.fcntl(write, fcntl.F_SETPIPE_SZ, 8192)
     return read, write
 
 

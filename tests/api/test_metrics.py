@@ -46,7 +46,7 @@ def all_metrics() -> dict[str, tuple[str, frozenset[str]]]:
 
 def test_the_table_of_metrics_is_whole_with_types_and_labels() -> None:
     section = PAGE.partition("### Metrics")[2].partition("### Tracing")[0]
-    rows = re.findall(r"^\| `(assur_\w+)` \| (\w+) \| ([^|]*) \|", section, re.MULTILINE)
+    rows = re.findall(r"^\| `(assur_\w+)` \| (\w+) \|([^|]*)\|", section, re.MULTILINE)
     assert {name: (kind, frozenset(re.findall(r"`(\w+)`", labels))) for name, kind, labels in rows} == all_metrics()
     for word in (*CAUSES, *STAGES):
         assert f"`{word}`" in section, word
