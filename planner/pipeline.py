@@ -23,6 +23,7 @@ from assur.planner.model.phases import phases, yaw_offsets
 from assur.planner.model.progress import Watch
 from assur.planner.model.refusal import OF_CANDIDATES, ForbiddenYaw, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene
+from assur.planner.model.stopwatch import Stopwatch
 from assur.planner.relaxation import relax, worth_trying
 from assur.planner.report.margins import carried, contacts, margins
 from assur.planner.report.sentence import sentence
@@ -35,10 +36,11 @@ from assur.planner.search.lower_bound import lower_bound
 
 @dataclass(frozen=True, slots=True)
 class _Run:
-    """When a run began, by `time.perf_counter`, and who watches it."""
+    """When a run began, by `time.perf_counter`, who watches it, and what measures its stages."""
 
     started: float
     watch: Watch | None
+    laps: Stopwatch
 
     @property
     def elapsed(self) -> float:
@@ -52,6 +54,7 @@ def plan(
     started: float | None = None,
     nearest_pairs: int = 0,
     watch: Watch | None = None,
+    laps: Stopwatch | None = None,
 ) -> Outcome:
     """A trajectory through the scene's control points, proved free of collision, or why there is none.
 
@@ -62,15 +65,18 @@ def plan(
     `nearest_pairs`: for how many pairs of bodies the margins say how near they come, in travel and near a point; each
     costs about as much as the smallest clearance of all.
     `watch` is told how far the search has come, at each of its rounds; what it raises ends the planning.
+    `laps` measures the stages `search`, with proof and check, `explain` (what would have helped) and `margins`.
     `adaptive=False` samples without learning from what was refused (for experiments). Every plan was accepted by the
     checker. What the prover accepted and the checker refuses is a defect of the planner: it is no answer, and the
     census counts it at the stage `checker`.
     """
-    run = _Run(time.perf_counter() if started is None else started, watch)
+    run = _Run(time.perf_counter() if started is None else started, watch, laps or Stopwatch())
     prover = Prover(scene)
     outcome = _outcome(scene, run, prover, adaptive=adaptive, pairs=nearest_pairs)
     missed = odd_arrivals(scene, outcome.plan.arrivals) if isinstance(outcome, Planned) else ()
-    return replace(outcome, warnings=(*odd_input(scene, prover), *odd_places(scene, prover), *missed))
+    warned = replace(outcome, warnings=(*odd_input(scene, prover), *odd_places(scene, prover), *missed))
+    run.laps.lap("margins")
+    return warned
 
 
 def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: int) -> Outcome:
@@ -84,6 +90,7 @@ def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: 
     if never is not None:
         return _not_planned(scene, run, never, Counter().census(), proved=True, cut=False, deepest=never.step)
     found = searcher(scene, prover, run.started, adaptive=adaptive, watch=run.watch).run()
+    run.laps.lap("search")
     if found.plan is None:
         # the search may have ended before it asked
         never = found.never or start_collides(scene, prover)
@@ -175,6 +182,7 @@ def _not_planned(
             proved=proved,
             watch=run.watch,
         )
+        run.laps.lap("explain")
     ended = Reason.TIMED_OUT if cut or not census.candidates else Reason.COUNT_SPENT
     return NotPlanned(
         reason=ended if refusal is None else refusal.reason,

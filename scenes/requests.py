@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from assur.planner.model.outcome import Plan
     from assur.planner.model.progress import Watch
     from assur.planner.model.scene import Scene
+    from assur.planner.model.stopwatch import Stopwatch
     from assur.scenes.reading.cell import Cell
 
 __all__ = [
@@ -111,18 +112,28 @@ def request_schema() -> dict[str, Any]:
 
 
 def cell_of(
-    document: object, *, folder: Path | None = None, valid: Callable[[RequestDocument], None] | None = None
+    document: object,
+    *,
+    folder: Path | None = None,
+    valid: Callable[[RequestDocument], None] | None = None,
+    laps: Stopwatch | None = None,
 ) -> Cell:
     """Scene and joint conventions of a request. `folder`: below which it may name files (never over HTTP). `valid` is
-    given the request before anything is built of it; what it raises is raised here."""
+    given the request before anything is built of it; what it raises is raised here. `laps` measures the stages `read`
+    and `build`."""
     from assur.scenes.reading.cell import cell_of as build
 
     # Errors quote the document as it was written: a mesh's file, not the bytes that took its place.
-    written = document if folder is None else with_plans(with_robots(document, folder), folder)
-    request = validate(written if folder is None else with_meshes(written, folder))
+    named = document if folder is None else with_plans(with_robots(document, folder), folder)
+    request = validate(named if folder is None else with_meshes(named, folder))
+    if laps is not None:
+        laps.lap("read")
     if valid is not None:
         valid(request)
-    return build(written, request)
+    cell = build(named, request)
+    if laps is not None:
+        laps.lap("build")
+    return cell
 
 
 def scene_of(document: object, *, folder: Path | None = None) -> Scene:
@@ -146,15 +157,17 @@ def plan_document(
     started: float | None = None,
     watch: Watch | None = None,
     valid: Callable[[RequestDocument], None] | None = None,
+    laps: Stopwatch | None = None,
 ) -> dict[str, Any]:
     """The answer to a request: planned, or not planned and why. Raises `InputError` naming the field.
 
     `started`: the reading of `time.perf_counter` from which the budget counts. A service gives the time at which it
     took the request up, so that building the scene counts, too; None: the budget is for the search alone. `watch` is
-    told how far the search has come; what it raises ends the planning and is raised here. `valid`: as `cell_of`.
+    told how far the search has come; what it raises ends the planning and is raised here. `valid`: as `cell_of`; `laps`
+    measures the stages.
     """
-    cell = cell_of(document, folder=folder, valid=valid)
-    return plan_cell(cell, certificate=certificate, started=started, watch=watch)
+    cell = cell_of(document, folder=folder, valid=valid, laps=laps)
+    return plan_cell(cell, certificate=certificate, started=started, watch=watch, laps=laps)
 
 
 def plan_cell(
@@ -165,6 +178,7 @@ def plan_cell(
     explain_budget_s: float | None = None,
     nearest_pairs: int = 0,
     watch: Watch | None = None,
+    laps: Stopwatch | None = None,
 ) -> dict[str, Any]:
     """The answer for a cell that has been read; as `plan_document`.
 
@@ -178,7 +192,7 @@ def plan_cell(
     if explain_budget_s is not None and _silent(cell.document, "explain_budget_s"):
         scene = replace(scene, options=replace(scene.options, explain_budget_s=explain_budget_s))
     with located(cell.document):
-        outcome = plan(scene, started=started, nearest_pairs=nearest_pairs, watch=watch)
+        outcome = plan(scene, started=started, nearest_pairs=nearest_pairs, watch=watch, laps=laps)
     return dict(answer_of(cell, outcome, certificate))
 
 
@@ -189,6 +203,7 @@ def plan_scenario(
     started: float | None = None,
     watch: Watch | None = None,
     valid: Callable[[RequestDocument], None] | None = None,
+    laps: Stopwatch | None = None,
 ) -> dict[str, Any]:
     """The answer to a scenario's request; as `plan_document`. Raises `InputError` with the line in the file."""
     with scenario.located():
@@ -199,6 +214,7 @@ def plan_scenario(
             started=started,
             watch=watch,
             valid=valid,
+            laps=laps,
         )
 
 

@@ -17,9 +17,12 @@ from assur.api.problems import Problem
 from assur.api.version import version
 from assur.api.web import openapi
 from assur.api.web.clients import Clients, KnowsClients
+from assur.api.web.idempotency import Idempotency
 from assur.api.web.job_routes import job_bodies, job_router
 from assur.api.web.job_store import JobStore
-from assur.api.web.request_log import RequestLog
+from assur.api.web.operation_routes import operation_router, watch
+from assur.api.web.representation import Representation
+from assur.api.web.request_log import FACTS, RequestLog
 from assur.api.web.routes import bodies, router
 from assur.api.web.service import Service
 from assur.api.web.settings import Settings
@@ -56,13 +59,16 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         },
     )
     app.state.service, app.state.jobs = service, jobs
+    app.state.keys = Idempotency(service.meters)
     app.include_router(bodies)
     app.include_router(router)
     app.include_router(job_bodies)
     app.include_router(job_router)
     app.include_router(studio_router)
+    app.include_router(operation_router)
+    app.add_middleware(Representation)
     app.add_middleware(KnowsClients, clients=clients)
-    app.add_middleware(RequestLog)
+    app.add_middleware(RequestLog, meters=watch(service, jobs))
     described = app.openapi
 
     def described_in_full() -> dict[str, Any]:
@@ -74,13 +80,15 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     return app
 
 
-async def _on_problem(_: Request, problem: Any) -> Response:
+async def _on_problem(request: Request, problem: Any) -> Response:
+    request.scope[FACTS]["problem"] = problem.kind
     return problem_response(problem)
 
 
-async def _on_http(_: Request, error: Any) -> Response:
+async def _on_http(request: Request, error: Any) -> Response:
     """What Starlette refuses itself, as a problem; the path that was asked for is not repeated."""
     kind = HTTP_KINDS.get(error.status_code, "bad-syntax")
+    request.scope[FACTS]["problem"] = kind
     headers = dict(error.headers or {})
     detail = f"Allowed here: {headers['Allow']}." if "Allow" in headers else "See /docs for what there is."
     return problem_response(Problem(kind, detail, headers=headers))

@@ -14,7 +14,7 @@ from assur.api.problems import Problem
 from assur.api.web.clients import client_of
 from assur.api.web.job_store import Job, JobStore
 from assur.api.web.openapi import PLAN_BODY, problems
-from assur.api.web.routes import BODY_PROBLEMS, Direct, read_admitted, service_of
+from assur.api.web.routes import BODY_PROBLEMS, KEY_PROBLEMS, Direct, once, read_admitted, service_of
 from assur.api.web.settings import PLAN_BODY_BYTES
 from assur.api.workers import jobs
 from assur.planner.errors import InputError
@@ -66,7 +66,7 @@ def _told(job: Job, status: int = 200, headers: dict[str, str] | None = None) ->
     summary="Plan a request, or a shipped scenario, while the client is elsewhere",
     status_code=202,
     response_model=JobDocument,
-    responses=problems(*BODY_PROBLEMS, "busy", "not-ready"),
+    responses=problems(*BODY_PROBLEMS, *KEY_PROBLEMS, "busy", "not-ready"),
     openapi_extra=PLAN_BODY,
 )
 async def start(request: Request) -> Response:
@@ -74,11 +74,14 @@ async def start(request: Request) -> Response:
     if certificate not in get_args(jobs.Detail):
         raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(jobs.Detail))))
     body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
-    job = _store(request).start(
-        await service_of(request).job_order(body, cast(jobs.Detail, certificate), client_of(request))
-    )
-    # relative to this address, whatever prefix a proxy has put before it
-    return _told(job, 202, {"Location": f"jobs/{job.id}"})
+
+    async def begun() -> Response:
+        order = await service_of(request).job_order(body, cast(jobs.Detail, certificate), client_of(request))
+        job = _store(request).start(order)
+        # relative to this address, whatever prefix a proxy has put before it
+        return _told(job, 202, {"Location": f"jobs/{job.id}"})
+
+    return await once(request, body, begun)
 
 
 @job_router.get(

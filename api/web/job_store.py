@@ -83,6 +83,10 @@ class JobStore:
         job.work.add_done_callback(lambda _: self._ended(job, ticket))  # also of a task that never began
         return job
 
+    def __len__(self) -> int:
+        """How many jobs are worked on or kept."""
+        return len(self._jobs)
+
     def get(self, name: str, client: Client) -> Job:
         """A client's job by its id. Raises `Problem` for one that this process does not have, and for one that was
         started with another key."""

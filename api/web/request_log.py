@@ -1,19 +1,23 @@
-"""The outermost ring of the service: an id for each request, one log line, and no exception ever leaves it."""
+"""The outermost ring of the service: an id and a trace for each request, its metrics, one log line, and no exception
+ever leaves it."""
 
 from __future__ import annotations
 
 import logging
 import time
-from collections.abc import MutableMapping
+from collections.abc import Mapping, MutableMapping
 from typing import Any
 from uuid import uuid4
 
+from starlette.datastructures import Headers
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from assur.api.documents import problem_response
-from assur.api.logs import LOGGER, event
+from assur.api.logs import LOGGER, about, event
 from assur.api.problems import Problem
+from assur.api.telemetry.meters import Meters
+from assur.api.telemetry.trace import CURRENT, Trace, new_traceparent
 
 HEADERS = (
     (b"cache-control", b"no-store"),
@@ -24,56 +28,94 @@ FACTS = "assur.facts"
 """Key of the request scope under which routes leave what is to be logged with the request."""
 CLIENT_GONE = 499
 """Logged, never seen: who would have read it has closed the connection."""
-QUIET = frozenset({"/livez", "/readyz"})
+QUIET = frozenset({"/livez", "/readyz", "/metrics"})
 """Routes that are asked every few seconds: logged at debug level only."""
+METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
+"""Methods that are logged by their name. Any other is a word of the caller."""
 
 
 class RequestLog:
     """ASGI middleware. A fault inside is answered with a problem that bears the id under which it was logged."""
 
-    def __init__(self, app: ASGIApp) -> None:
+    def __init__(self, app: ASGIApp, meters: Meters | None = None) -> None:
         self._app = app
+        self._meters = meters or Meters()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        identity = uuid4().hex
+        trace = Trace(uuid4().hex, new_traceparent(Headers(scope=scope).getlist("traceparent")))
+        scope[FACTS] = trace.facts
         began = time.monotonic()
-        facts: dict[str, Any] = {}
-        scope[FACTS] = facts
-        status = 0
+        status = taken = 0
+
+        async def receiving() -> Message:
+            nonlocal taken
+            message = await receive()
+            taken += len(message.get("body", b""))
+            return message
 
         async def sending(message: Message) -> None:
             nonlocal status
             if message["type"] == "http.response.start":
                 status = message["status"]
-                _add_headers(message, identity)
+                _add_headers(message, trace)
+            await send(message)
+
+        token = CURRENT.set(trace)
+        try:
+            with about(trace.carried()):
+                status = await self._answered(scope, receiving, sending, trace) or status
+        finally:
+            CURRENT.reset(token)
+            method = scope["method"] if scope["method"] in METHODS else "OTHER"
+            route = getattr(scope.get("route"), "path", "none")
+            self._count(route, method, status, trace, time.monotonic() - began)
+            event(
+                "request",
+                logging.DEBUG if route in QUIET else logging.INFO,
+                **trace.carried(),
+                method=method,
+                route=route,
+                status=status,
+                ms=round(1e3 * (time.monotonic() - began), 1),
+                bytes_in=taken,
+                **trace.told(),
+            )
+
+    async def _answered(self, scope: Scope, receive: Receive, send: Send, trace: Trace) -> int | None:
+        """Answers; the status, where it is not the one that was sent."""
+        begun = False
+
+        async def sending(message: Message) -> None:
+            nonlocal begun
+            begun = True
             await send(message)
 
         try:
             await self._app(scope, receive, sending)
         except ClientDisconnect:
-            status = CLIENT_GONE
+            return CLIENT_GONE
         except Exception:  # noqa: BLE001 - the last ring: whatever it is, it is logged and answered, never shown
-            LOGGER.exception("a request met a fault", extra={"facts": {"request": identity}})
-            if status == 0:
-                detail = f"It is logged as request {identity}. The request may be sent again."
+            LOGGER.exception("a request met a fault", extra={"facts": {"request": trace.identity}})
+            trace.facts["problem"] = "fault"
+            if not begun:
+                detail = f"It is logged as request {trace.identity}. The request may be sent again."
                 await problem_response(Problem("fault", detail))(scope, receive, sending)
-        finally:
-            route = getattr(scope.get("route"), "path", "none")
-            event(
-                "request",
-                logging.DEBUG if route in QUIET else logging.INFO,
-                request=identity,
-                route=route,
-                status=status,
-                ms=round(1e3 * (time.monotonic() - began), 1),
-                **facts,
-            )
+        return None
+
+    def _count(self, route: str, method: str, status: int, trace: Trace, seconds: float) -> None:
+        facts: Mapping[str, Any] = trace.facts
+        outcome, problem = (str(facts.get(name, "")) for name in ("outcome", "problem"))
+        self._meters.answered(route, method, status, outcome, problem, seconds)
 
 
-def _add_headers(message: MutableMapping[str, Any], identity: str) -> None:
+def _add_headers(message: MutableMapping[str, Any], trace: Trace) -> None:
     present = {name.lower() for name, _ in message["headers"]}
-    added = [*HEADERS, (b"x-request-id", identity.encode())]
+    added = [*HEADERS, (b"x-request-id", trace.identity.encode()), (b"traceparent", trace.traceparent.encode())]
+    timing = trace.server_timing()
+    if timing:
+        added.append((b"server-timing", timing.encode()))
+    added += [(name.encode(), value.encode()) for name, value in trace.kept_headers().items()]
     message["headers"] = [*message["headers"], *((name, value) for name, value in added if name not in present)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Coroutine
+from functools import cache
 from typing import Any, cast, get_args
 
 from fastapi import APIRouter, Request
@@ -14,6 +15,7 @@ from assur.api.documents import json_response, to_json
 from assur.api.problems import Problem
 from assur.api.web.body_reader import read_body
 from assur.api.web.clients import client_of
+from assur.api.web.idempotency import Idempotency
 from assur.api.web.openapi import (
     CHECK_BODY,
     EXPORT_BODY,
@@ -30,7 +32,7 @@ from assur.api.web.openapi import (
     component,
     problems,
 )
-from assur.api.web.request_log import CLIENT_GONE, FACTS
+from assur.api.web.request_log import CLIENT_GONE
 from assur.api.web.service import Service, scenario_request
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
 from assur.api.workers import jobs
@@ -53,6 +55,7 @@ BODY_PROBLEMS = (
     "quarantined",
     "fault",
 )
+KEY_PROBLEMS = ("key-reused", "key-in-use")
 WORKER_PROBLEMS = ("worker-crashed", "busy", "not-ready", "worker-timeout")
 
 
@@ -89,8 +92,13 @@ async def _unless_gone(
     finally:
         leaving.cancel()
         working.cancel()
-    request.scope[FACTS]["outcome"] = answer.outcome
     return Response(answer.body, media_type=media_type)
+
+
+async def once(request: Request, body: bytes, work: Callable[[], Awaitable[Response]]) -> Response:
+    """What `work` answers; or what it answered before, if the request says that it is sent again. Raises `Problem`."""
+    keys: Idempotency = request.app.state.keys
+    return await keys.once(request, body, work)
 
 
 def _known(parameters: tuple[str, ...]) -> str:
@@ -113,14 +121,15 @@ async def read_admitted(request: Request, limit: int, *parameters: str) -> bytes
             raise Problem.of_input(InputError(name, request.query_params[name], _known(parameters)))
     service = service_of(request)
     service.workers.require_room(client_of(request))
-    return await read_body(request, limit, service.settings.body_s, service.readers)
+    with service.meters.reading():
+        return await read_body(request, limit, service.settings.body_s, service.readers)
 
 
 @bodies.post(
     "/v1/plans",
     summary="Plan a request, or a shipped scenario",
     response_model=Answer,
-    responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
+    responses=problems(*BODY_PROBLEMS, *KEY_PROBLEMS, *WORKER_PROBLEMS),
     openapi_extra=PLAN_BODY,
 )
 async def plan(request: Request) -> Response:
@@ -128,9 +137,8 @@ async def plan(request: Request) -> Response:
     if certificate not in get_args(jobs.Detail):
         raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(jobs.Detail))))
     body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
-    return await _unless_gone(
-        request, service_of(request).plan(body, cast(jobs.Detail, certificate), client_of(request))
-    )
+    detail, client = cast(jobs.Detail, certificate), client_of(request)
+    return await once(request, body, lambda: _unless_gone(request, service_of(request).plan(body, detail, client)))
 
 
 @bodies.post(
@@ -255,7 +263,12 @@ async def parse(request: Request) -> Response:
 
 @router.get("/v1/schema", summary="JSON Schema of the request", responses=component("Document"))
 def schema() -> Response:
-    return json_response(to_json(request_schema()))
+    return json_response(_schema())
+
+
+@cache
+def _schema() -> bytes:
+    return to_json(request_schema())
 
 
 @router.get("/livez", summary="Whether the service runs", response_model=Live)
@@ -273,5 +286,7 @@ async def ready(request: Request) -> Response:
     workers = service_of(request).workers
     if not workers.ready:
         detail = f"{workers.warmed} of {workers.total} workers have planned."
+        if workers.trouble:
+            detail += f" The last one that was started did not plan: {workers.trouble}"
         raise Problem("not-ready", detail, headers={"Retry-After": "1"})
     return json_response(to_json({"ready": True, "workers": workers.total}))

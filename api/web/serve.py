@@ -9,7 +9,7 @@ from types import FrameType
 
 import uvicorn
 
-from assur.api.logs import configure, event
+from assur.api.logs import configure, event, one_log
 from assur.api.web.app import create_app
 from assur.api.web.settings import Settings
 from assur.planner.errors import InputError
@@ -35,7 +35,7 @@ def serve(settings: Settings) -> None:
         limit_concurrency=settings.connections,
         timeout_graceful_shutdown=int(settings.drain_s) + 1,
     )
-    with listening(settings.host, settings.port) as door:
+    with listening(settings.host, settings.port) as door, one_log():
         event("listening", host=settings.host, port=door.getsockname()[1])
         uvicorn.Server(config).run(sockets=[door])
 

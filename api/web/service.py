@@ -11,17 +11,23 @@ import hashlib
 import logging
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import cache
+from dataclasses import dataclass, field, replace
+from functools import cache, partial
 from typing import Any
 
+from assur.api.documents import to_json
 from assur.api.logs import event
 from assur.api.problems import Problem
+from assur.api.telemetry.meters import Meters
+from assur.api.telemetry.trace import current
+from assur.api.version import version_document
 from assur.api.web.body_reader import READERS
+from assur.api.web.results import Results
 from assur.api.web.settings import Settings
 from assur.api.workers import jobs
 from assur.api.workers.client import Client, Demand, Ticket
 from assur.api.workers.pool import Work, Workers
+from assur.api.workers.traced import Traced, warm
 from assur.api.workers.worker_process import Line, Tell
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
@@ -48,11 +54,16 @@ class Service:
     """Settings and workers of one running service."""
 
     settings: Settings
+    meters: Meters = field(init=False)
+    results: Results = field(init=False)
     workers: Workers = field(init=False)
     readers: asyncio.Semaphore = field(init=False)
 
     def __post_init__(self) -> None:
-        self.workers = Workers(self.settings, jobs.warm)
+        self.meters = Meters()
+        build = to_json(version_document(self.settings.commit)).decode()
+        self.results = Results(self.settings.results_mib << 20, build, self.meters)
+        self.workers = Workers(self.settings, partial(warm, self.settings.log_level), self.meters)
         self.readers = asyncio.Semaphore(READERS)
 
     async def plan(self, body: bytes, certificate: jobs.Detail, client: Client) -> jobs.Answer:
@@ -146,17 +157,30 @@ class Service:
     async def do(self, order: Order, told: Tell | None = None, ticket: Ticket | None = None) -> jobs.Answer:
         """The answer to an order; `told` takes how far it has come. `ticket`: of its admission; None: it is admitted
         now. Raises `Problem`."""
+        work, trace = order.work, current()
+        trace.facts["digest"] = work.key
+        kept = self.results.find(work.job, work.arguments)
+        if kept is not None:
+            if ticket is not None:
+                self.workers.give_up(ticket)
+            answer, age_s = kept
+            trace.facts["outcome"] = answer.outcome
+            trace.replayed("result", age_s)
+            return answer
         ticket = ticket or self.workers.admit(order.demand)
-        reply: jobs.Reply = await self.workers.run(ticket, order.work, told)
+        reply: jobs.Reply = await self.workers.run(ticket, replace(work, job=Traced(work.job, trace.carried())), told)
         match reply:
             case jobs.Answer():
+                trace.answered(reply.outcome, reply.reason, reply.stages)
+                self.results.keep(work.job, work.arguments, reply)
+                self.meters.worked(work.job.__name__, reply.outcome, reply.reason, reply.stages)
                 return reply
             case Problem():
                 raise reply
             case jobs.Fault():
-                key = order.work.key
-                event("a worker met a fault", logging.ERROR, fault=reply.name, where=list(reply.where), digest=key)
-                raise Problem("fault", f"The planner met a fault of its own; it is logged with digest {key}.")
+                where = list(reply.where)
+                event("a worker met a fault", logging.ERROR, fault=reply.name, where=where, digest=work.key)
+                raise Problem("fault", f"The planner met a fault of its own; it is logged with digest {work.key}.")
 
 
 @cache

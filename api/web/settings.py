@@ -73,8 +73,14 @@ def _host(name: str, text: str) -> str:
 
 
 def _name(name: str, text: str) -> str:
-    if text and not re.fullmatch("[a-z0-9]{1,32}", text):
-        raise InputError(name, text, "up to 32 letters from a to z and digits, or nothing")
+    if text and not re.fullmatch("[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?", text):
+        raise InputError(name, text, "up to 63 letters from a to z, digits and hyphens within, or nothing")
+    return text
+
+
+def _mark(name: str, text: str) -> str:
+    if not re.fullmatch(r"[0-9A-Za-z._+-]{0,64}", text):
+        raise InputError(name, text, "up to 64 letters, digits and . _ + -")
     return text
 
 
@@ -146,6 +152,8 @@ class Settings:
     replica: str = _setting(
         "", _name, "name with which the ids of jobs begin, for a proxy with several services behind it"
     )
+    results_mib: int = _setting(0, _whole(0, 1 << 20), "memory for answers that are kept and given again; 0: none is")
+    commit: str = _setting("", _mark, "what /v1/version says of where the build comes from")
 
     @staticmethod
     def from_environment(environment: Mapping[str, str] | None = None) -> Settings:

@@ -45,3 +45,8 @@ class Ticket:
     entered: float
     begun: float | None = None
     held: bool = True
+
+    @property
+    def waited_s(self) -> float:
+        """How long it waited for a worker, s; of one that still waits, nothing yet."""
+        return 0.0 if self.begun is None else self.begun - self.entered

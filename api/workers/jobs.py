@@ -9,7 +9,7 @@ import json
 import os
 import time
 from collections.abc import Callable, Collection
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 from assur.api.documents import to_json
@@ -19,6 +19,7 @@ from assur.api.version import version
 from assur.api.workers.worker_process import CalledOffError, Line, Tell
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.progress import Progress
+from assur.planner.model.stopwatch import Stopwatch
 from assur.scenes.exports.doors import check_trajectory_document, export_document
 from assur.scenes.faults import NOTHING
 from assur.scenes.plan_file import FORM, TEXTS
@@ -61,10 +62,17 @@ FIRST_PLAN: dict[str, Any] = {
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """A document as JSON, or a page, and in a word what it says, for the log."""
+    """A document as JSON, or a page, and in a word what it says, for the log.
+
+    `reason`: of a refusal, one of `assur.planner.model.refusal.Reason`; else empty. `stages`: seconds by stage.
+    `repeatable`: no clock ended the search, so that the same request would get the same answer again.
+    """
 
     body: bytes
     outcome: str
+    reason: str = ""
+    stages: dict[str, float] = field(default_factory=dict)
+    repeatable: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,24 +107,27 @@ def warm() -> str:
 def plan(body: bytes, certificate: Detail, line: Line) -> Reply:
     """The answer to the request in `body`; reading it counts in its budget, as it does in the wall's. `line` takes how
     far the search has come, as a document."""
-    started, watch = time.perf_counter(), _watch(line.tell)
+    started, watch, laps = time.perf_counter(), _watch(line.tell), Stopwatch()
+    valid = _meaning(line)
 
     def work() -> dict[str, Any]:
         document = request_in(body)
-        return plan_document(document, certificate=certificate, started=started, watch=watch, valid=_meaning(line))
+        return plan_document(document, certificate=certificate, started=started, watch=watch, valid=valid, laps=laps)
 
-    return _guarded(work, "status")
+    return _guarded(work, "status", laps)
 
 
 def plan_shipped(name: str, certificate: Detail, line: Line) -> Reply:
     """The answer to the request of the shipped scenario `name`, with the files that ship with it. `line`: as `plan`."""
-    started, watch = time.perf_counter(), _watch(line.tell)
+    started, watch, laps = time.perf_counter(), _watch(line.tell), Stopwatch()
+    valid = _meaning(line)
 
     def work() -> dict[str, Any]:
-        scenario = shipped(name)
-        return plan_scenario(scenario, certificate=certificate, started=started, watch=watch, valid=_meaning(line))
+        return plan_scenario(
+            shipped(name), certificate=certificate, started=started, watch=watch, valid=valid, laps=laps
+        )
 
-    return _guarded(work, "status")
+    return _guarded(work, "status", laps)
 
 
 def _meaning(line: Line) -> Callable[[RequestDocument], None]:
@@ -142,12 +153,14 @@ def _watch(tell: Tell) -> Callable[[Progress], None]:
 
 def check(body: bytes, line: Line) -> Reply:
     """The checker's verdict on the plan in `body`, {"request": ..., "plan": ...}."""
-    return _guarded(lambda: check_document(**_both(body, line)), "ok")
+    laps = Stopwatch()
+    return _guarded(lambda: check_document(**_both(body, line, laps)), "ok", laps, "check")
 
 
 def view(body: bytes, line: Line) -> Reply:
     """What a viewer plays of the plan in `body`, {"request": ..., "plan": ...}."""
-    return _guarded(lambda: view_document(**_both(body, line)), "status")
+    laps = Stopwatch()
+    return _guarded(lambda: view_document(**_both(body, line, laps)), "status", laps, "draw")
 
 
 LONGEST_TEXT = 2000
@@ -160,8 +173,11 @@ def report(body: bytes, line: Line) -> Reply:
     """The page that plays the plan in `body`, {"request": ..., "plan": ...}, which may have a title and say what it is
     about."""
 
+    laps = Stopwatch()
+
     def work() -> Answer:
         document = {"title": "plan", "about": "", **_unmarked(_parsed(body, REPORTED, line=line))}
+        laps.lap("read")
         if document.keys() != {"request", "plan", "title", "about"}:
             raise Problem.of_input(InputError("body", sorted(document), REPORTED))
         for name in ("title", "about"):
@@ -172,7 +188,8 @@ def report(body: bytes, line: Line) -> Reply:
         cell, plan = cell_of(document["request"]), document["plan"]
         told = {name: document[name] for name in ("title", "about")}
         page = report_page(cell, plan, **told, verdict=verdict_on(cell, plan), version=version())
-        return Answer(page.encode(), "reported")
+        laps.lap("draw")
+        return Answer(page.encode(), "reported", stages=laps.seconds)
 
     return _bordered(work)
 
@@ -186,7 +203,7 @@ def ik(body: bytes, line: Line) -> Reply:
         request = question.pop("request") if question.get("request") is not None else None
         return ik_document(request, question)
 
-    return _guarded(work, "status")
+    return _guarded(work, "status", Stopwatch(), "ik")
 
 
 TEXT = 'an object with the field "text", a scenario in YAML, and no others'
@@ -207,7 +224,7 @@ def parse(body: bytes, line: Line) -> Reply:
             request = with_files(scenario.request, scenario.folder)
         return {"status": "parsed", "about": scenario.about, "request": request}
 
-    return _guarded(work, "status")
+    return _guarded(work, "status", Stopwatch(), "build")
 
 
 def export(body: bytes, line: Line) -> Reply:
@@ -218,7 +235,7 @@ def export(body: bytes, line: Line) -> Reply:
         request, plan = _taken(asked, "request"), _taken(asked, "plan")
         return export_document(request, plan, asked)
 
-    return _guarded(work, "format")
+    return _guarded(work, "format", Stopwatch(), "export")
 
 
 def check_trajectory(body: bytes, line: Line) -> Reply:
@@ -229,12 +246,13 @@ def check_trajectory(body: bytes, line: Line) -> Reply:
         request, plan = _taken(asked, "request"), asked.pop("plan", None)
         return check_trajectory_document(request, asked, plan)
 
-    return _guarded(work, "ok")
+    return _guarded(work, "ok", Stopwatch(), "check")
 
 
-def _both(body: bytes, line: Line) -> dict[str, Any]:
+def _both(body: bytes, line: Line, laps: Stopwatch) -> dict[str, Any]:
     """Request and plan in `body`, and nothing else. Raises `Problem`, or `InputError`."""
     document = _unmarked(_parsed(body, BOTH, line=line), *TEXTS)
+    laps.lap("read")
     if document.keys() != {"request", "plan"}:
         found = FieldError("body", shown(document), BOTH)
         raise Problem("bad-input", str(found), (found,))
@@ -277,12 +295,25 @@ def _parsed(body: bytes, allowed: str, fields: Collection[str] = (), line: Line 
     return document
 
 
-def _guarded(work: Callable[[], dict[str, Any]], says: str) -> Reply:
+def _guarded(work: Callable[[], dict[str, Any]], says: str, laps: Stopwatch, stage: str = "write") -> Reply:
+    """What `work` finds. `stage`: what the time of it counts as that `work` has not given to another stage."""
+
     def answered() -> Answer:
         document = work()
-        return Answer(to_json(document), str(document[says]))
+        laps.lap(stage)
+        body = to_json(document)
+        laps.lap("write")
+        reason = document.get("reason", "") if document.get("status") == "not_planned" else ""
+        return Answer(body, str(document[says]), str(reason), laps.seconds, _repeatable(document))
 
     return _bordered(answered)
+
+
+def _repeatable(document: dict[str, Any]) -> bool:
+    """Whether an answer is a plan, or a refusal of one, that no clock had a say in. Changes that would help a refused
+    request are looked for until their budget is spent: what came of it is not said to be repeatable."""
+    helped = document.get("explain_budget_spent") or document.get("tried") or document.get("relaxation")
+    return document.get("cut_by_clock") is False and not helped
 
 
 def _bordered(work: Callable[[], Answer]) -> Reply:

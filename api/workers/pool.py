@@ -14,11 +14,14 @@ from typing import Any
 
 from assur.api.logs import LOGGER, event
 from assur.api.problems import Problem
+from assur.api.telemetry.meters import Meters, Readings
+from assur.api.telemetry.trace import current
 from assur.api.web.settings import Settings
 from assur.api.workers.admission import Admission, Places
 from assur.api.workers.client import Client, Demand, Ticket
 from assur.api.workers.quarantine import Quarantine
 from assur.api.workers.worker_process import (
+    NO_MEMORY,
     About,
     CrashedError,
     KilledError,
@@ -26,6 +29,7 @@ from assur.api.workers.worker_process import (
     NotBegunError,
     Tell,
     WorkerProcess,
+    why_not_started,
 )
 
 RETRIES = 2
@@ -50,8 +54,10 @@ class Work:
 class Workers:
     """The worker processes, and which are free. One per event loop; `start`, then any number of `run`, then `stop`."""
 
-    def __init__(self, settings: Settings, warm: Callable[[], Any]) -> None:
+    def __init__(self, settings: Settings, warm: Callable[[], Any], meters: Meters | None = None) -> None:
         self._settings = settings
+        self._meters = meters or Meters()
+        self._meters.workers(self.readings)
         self._processes = [WorkerProcess(settings.worker_mib, warm, settings.warm_s) for _ in range(settings.processes)]
         self._free: set[int] = set()
         self._admission = Admission(
@@ -63,6 +69,20 @@ class Workers:
         self._quarantine = Quarantine(settings.quarantine_s)
         self._tasks: set[asyncio.Task[None]] = set()
         self._warmed: set[int] = set()
+        self.trouble = ""
+        """Why the last worker that was started did not start; empty once one did."""
+
+    def readings(self) -> Readings:
+        """The workers as they are now, for the metrics."""
+        return Readings(
+            waiting=self._admission.waiting,
+            running=self._admission.running,
+            owed_s=self._admission.owed_s,
+            ready=sum(process.open for process in self._processes),
+            total=len(self._processes),
+            quarantined=len(self._quarantine),
+            processes=tuple(process.pid for process in self._processes),
+        )
 
     @property
     def ready(self) -> bool:
@@ -129,11 +149,19 @@ class Workers:
 
         Raises `Problem`: busy, not-ready, quarantined, worker-crashed, worker-timeout.
         """
+        number = None
         try:
             self._quarantine.refuse(work.key)
             number = await self._number(ticket)
+            current().queued_s = ticket.waited_s
+            self._meters.queued(ticket.waited_s)
             return await self._on(number, work, ticket.demand.wall_s, told)
+        except asyncio.CancelledError:
+            if number is not None and not self._processes[number].open and number not in self._filling:
+                self._meters.restarted("called_off")
+            raise
         except KilledError as killed:
+            self._meters.restarted("time")
             wall_s = ticket.demand.wall_s
             event("worker killed: no end in time", logging.WARNING, wall_s=wall_s, digest=work.key)
             raise Problem("worker-timeout", f"It was given {wall_s:g} s, its budgets included.") from killed
@@ -171,9 +199,11 @@ class Workers:
             try:
                 return await self._processes[number].run(work.job, work.arguments, wall_s, hear, about)
             except NotBegunError:
+                self._meters.restarted("idle")
                 continue  # it had died before: nothing of this request has run
             except CrashedError as died:
                 deaths += 1
+                self._meters.restarted("memory" if died.how == NO_MEMORY else "crash")
                 event("worker died", logging.ERROR, how=died.how, digest=work.key, suspect=deaths > 1)
                 if deaths > RETRIES:
                     event("request quarantined", logging.ERROR, digest=work.key, for_s=self._settings.quarantine_s)
@@ -201,6 +231,7 @@ class Workers:
         """Gives free workers to those that wait: those first that are kept for short requests."""
         for number in sorted(self._free):
             if not self._processes[number].open:
+                self._meters.restarted("idle")
                 self._free.discard(number)
                 self._refill(number)
                 continue
@@ -215,6 +246,8 @@ class Workers:
         if process.open and process.jobs < self._settings.max_tasks:
             self._free.add(number)
         else:
+            if process.open:
+                self._meters.restarted("max_tasks")
             self._refill(number)
         self._hand_out()
 
@@ -230,12 +263,15 @@ class Workers:
         while True:
             try:
                 await self._processes[number].start()
-            except (CrashedError, KilledError) as failed:
-                event("worker does not start", logging.ERROR, why=str(failed), again_in_s=pause)
+            except (CrashedError, KilledError, OSError) as failed:
+                self.trouble = why_not_started(failed)
+                self._meters.restarted("start_failure")
+                event("worker does not start", logging.ERROR, why=self.trouble, again_in_s=pause)
                 await asyncio.sleep(pause)
                 pause = min(2 * pause, LONGEST_RETRY_S)
             else:
                 break
+        self.trouble = ""
         self._warmed.add(number)
         self._filling.discard(number)
         event("worker ready", worker=number, ready=self.ready)

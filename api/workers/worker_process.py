@@ -37,6 +37,9 @@ LENGTH = struct.Struct("!Q")
 ENDS_S = 2.0
 """A job that was called off has so long to end, s, before its worker is killed. A search is asked at every round."""
 
+NO_MEMORY = "ended for want of memory"
+"""How a worker died that had no memory left."""
+
 Tell = Callable[[Any], None]
 """Takes how far a job has come; None: nothing to say, but the job may have been called off."""
 TEMPLATE = ("assur.api.workers.template", "assur.api.command_line")
@@ -173,7 +176,43 @@ def _how(code: int | None) -> str:
     if code is not None and code < 0:
         with suppress(ValueError):
             return f"was killed by {signal.Signals(-code).name}"
-    return "ended for want of memory" if code == errno.ENOMEM else f"ended with exit code {code}"
+    return NO_MEMORY if code == errno.ENOMEM else f"ended with exit code {code}"
+
+
+def why_not_started(error: Exception) -> str:
+    """Why a worker did not start, and what to do. It repeats only names of errors of the system."""
+    cause = error if isinstance(error, OSError) else error.__cause__
+    if not isinstance(cause, OSError):
+        return str(error)
+    name = errno.errorcode.get(cause.errno or 0, "no number")
+    todo = WHAT_TO_DO.get(cause.errno or 0, "See what the system denies to this process, and allow it.")
+    before = "its process was not made" if error is cause else str(error)
+    return f"{before}: {type(cause).__name__} {name} ({cause.strerror}). {todo}"
+
+
+_FOLDERS = (
+    "Planning reads the installed package and its compiled kernels (`assur kernels` makes them) and writes nothing: "
+    "see that both are there and readable, and that /dev/shm and the folder of temporary files, which a library may "
+    "ask for, are there and writable."
+)
+_SPACE = "Make room on the volume, or in /dev/shm, or mount a larger one."
+_PROCESSES = "Raise the limit of processes and threads (pids_limit of the container), or lower ASSUR_WORKERS."
+_FILES = "Raise the limit of open files, or lower ASSUR_CONNECTIONS."
+_MEMORY = "Raise the limit of memory, or ASSUR_WORKER_MEMORY_MIB, or lower ASSUR_WORKERS."
+WHAT_TO_DO = {
+    errno.ENOENT: _FOLDERS,
+    errno.EACCES: _FOLDERS,
+    errno.EPERM: _FOLDERS,
+    errno.EROFS: _FOLDERS,
+    errno.ENOSYS: _FOLDERS,
+    errno.ENOSPC: _SPACE,
+    errno.EDQUOT: _SPACE,
+    errno.EAGAIN: _PROCESSES,
+    errno.EMFILE: _FILES,
+    errno.ENFILE: _FILES,
+    errno.ENOMEM: _MEMORY,
+}
+"""What an operator can do about an error of the system, by its number."""
 
 
 def _context() -> ForkServerContext:
@@ -202,10 +241,15 @@ class WorkerProcess:
         """Whether a job may be given to it: its process is there, has planned once, and nothing went wrong."""
         return self._streams is not None and not self._spoilt and not self._streams[0].at_eof()
 
+    @property
+    def pid(self) -> int | None:
+        """Of its process; None while there is none."""
+        return None if self._process is None else self._process.pid
+
     async def start(self) -> None:
         """Replaces the worker by a new one, and has it plan once.
 
-        Raises `CrashedError` or `KilledError` when that fails.
+        Raises `CrashedError` or `KilledError` when that fails, and `OSError` where no process can be made.
         """
         await self.stop()
         ours, theirs = socket.socketpair()
@@ -217,6 +261,9 @@ class WorkerProcess:
                 raise CrashedError(f"could not be forked from its template: {type(error).__name__}") from error
             atexit.register(process.kill)  # it is deaf to the signal that multiprocessing would send
             self._process = process
+        except BaseException:
+            ours.close()
+            raise
         finally:
             theirs.close()
         streams = await asyncio.open_connection(sock=ours)

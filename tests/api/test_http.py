@@ -180,6 +180,8 @@ def test_the_description_of_the_service_is_whole(client: httpx.Client) -> None:
         "/v1/scenes/{name}/text",
         "/v1/scenes/parse",
         "/v1/schema",
+        "/v1/version",
+        "/metrics",
         "/livez",
         "/readyz",
     }

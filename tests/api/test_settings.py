@@ -48,7 +48,9 @@ EACH: dict[str, tuple[str, object]] = {
     "keys_file": ("/run/keys.json", "/run/keys.json"),
     "forwarded_from": ("10.0.0.0/8, 192.0.2.1", "10.0.0.0/8, 192.0.2.1"),
     "quarantine_s": ("60", 60.0),
-    "replica": ("a", "a"),
+    "replica": ("a-1", "a-1"),
+    "results_mib": ("64", 64),
+    "commit": ("0a1b2c", "0a1b2c"),
 }
 """For each setting a text, and what it says; none of them is the default."""
 
@@ -69,6 +71,7 @@ def test_each_setting_is_read_from_its_own_variable() -> None:
         ("ASSUR_PORT", "٣"),
         ("ASSUR_PORT", "9" * 5000),
         ("ASSUR_WORKERS", "-1"),
+        ("ASSUR_COMMIT", "a b"),
         ("ASSUR_WORKERS", "2.0"),
         ("ASSUR_MAX_BUDGET_S", "nan"),
         ("ASSUR_MAX_BUDGET_S", "inf"),
@@ -79,7 +82,7 @@ def test_each_setting_is_read_from_its_own_variable() -> None:
         ("ASSUR_HOST", ""),
         ("ASSUR_FORWARDED_FROM", "10.0.0.1/8"),
         ("ASSUR_FORWARDED_FROM", "*"),
-        ("ASSUR_REPLICA", "a-b"),
+        ("ASSUR_REPLICA", "a-"),
         ("ASSUR_KEYS_FILE", "a\nb"),
         ("ASSUR_WORKER", "2"),
         ("ASSUR_", "2"),

@@ -1,0 +1,1 @@
+"""What an operator can see of the service: metrics, and what belongs to one request."""

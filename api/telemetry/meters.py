@@ -1,0 +1,197 @@
+"""The metrics of one service, as Prometheus reads them. The table in docs/service.md is held to this module by a test.
+
+Labels have few values, all of them ours: a route, a status, a kind of problem, a reason. Nothing that a caller sent is
+a label.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from prometheus_client import (
+    CollectorRegistry,
+    Counter,
+    Histogram,
+    Info,
+    ProcessCollector,
+    disable_created_metrics,
+    generate_latest,
+)
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
+from prometheus_client.metrics_core import Metric
+from prometheus_client.registry import Collector
+
+Cause = Literal["crash", "memory", "time", "called_off", "max_tasks", "idle", "start_failure"]
+"""Why a worker was replaced: a signal or a fault ended it; it was out of memory; it did not end in its time; its client
+left and it did not end soon; it had done its share of requests; it died while idle; it did not start."""
+CAUSES: tuple[Cause, ...] = ("crash", "memory", "time", "called_off", "max_tasks", "idle", "start_failure")
+STAGES = ("queue", "read", "build", "search", "explain", "margins", "check", "draw", "export", "ik", "write")
+"""Waiting for a worker; then what a worker does, in the order in which it does it."""
+SECONDS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 30.0, 60.0, 120.0)
+"""Bounds of the histograms, s: from reading a request to the longest that one may take."""
+
+
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """The workers as they are now: requests that wait and that run; the seconds that all accepted ones may take at the
+    most; how many workers can take a request, and how many there are; requests in quarantine; and the process of each
+    worker (None: it is being started)."""
+
+    waiting: int
+    running: int
+    owed_s: float
+    ready: int
+    total: int
+    quarantined: int
+    processes: tuple[int | None, ...]
+
+
+class Meters:
+    """Counts what happens in one service; `gauge` and `workers` are asked when the metrics are read."""
+
+    def __init__(self) -> None:
+        # a series more for each series, with nothing but the time at which it began
+        disable_created_metrics()  # type: ignore[no-untyped-call]
+        self.registry = CollectorRegistry()
+        self._requests = Counter(
+            "assur_requests", "Requests that were answered.",
+            ("route", "method", "status", "outcome", "problem"), registry=self.registry,
+        )  # fmt: skip
+        self._times = Histogram(
+            "assur_request_seconds", "Time from the first byte of a request's head to the last of its answer, s.",
+            ("route",), buckets=SECONDS, registry=self.registry,
+        )  # fmt: skip
+        self._stages = Histogram(
+            "assur_stage_seconds", "Time of each stage of a request that a worker answered, s.",
+            ("stage",), buckets=SECONDS, registry=self.registry,
+        )  # fmt: skip
+        self._answers = Counter(
+            "assur_answers", "Answers of workers, those to jobs, too, by what they say.", ("work", "outcome", "reason"),
+            registry=self.registry,
+        )  # fmt: skip
+        self._restarts = Counter(
+            "assur_worker_restarts", "Workers that were replaced, by cause.", ("cause",), registry=self.registry
+        )
+        self._turned_away = Counter(
+            "assur_client_refusals", "Requests refused with 429, by kind of problem.", ("problem",),
+            registry=self.registry,
+        )  # fmt: skip
+        self._results = Counter(
+            "assur_result_cache", "Requests for a plan, by whether its answer was kept from before.", ("result",),
+            registry=self.registry,
+        )  # fmt: skip
+        for cause in CAUSES:
+            self._restarts.labels(cause)  # there from the start, so that the first one is seen as a rise
+        for stage in STAGES:
+            self._stages.labels(stage)
+        self._build = Info("assur_build", "Which build this is.", registry=self.registry)
+        self._gauges = Gauges()
+        self._bodies = 0
+        self.gauge("assur_bodies_being_read", "Bodies that arrive.", lambda: self._bodies)
+        self.registry.register(self._gauges)
+        ProcessCollector(registry=self.registry)  # the web process: its memory, processor time, descriptors
+
+    def answered(self, route: str, method: str, status: int, outcome: str, problem: str, seconds: float) -> None:
+        """Counts a request. `outcome` and `problem` are empty where there is none."""
+        self._requests.labels(route, method, str(status), outcome, problem).inc()
+        self._times.labels(route).observe(seconds)
+        if status == 429:
+            self._turned_away.labels(problem).inc()
+
+    def queued(self, seconds: float) -> None:
+        """A request has waited so long for its worker, s."""
+        self._stages.labels("queue").observe(seconds)
+
+    def worked(self, work: str, outcome: str, reason: str, seconds: dict[str, float]) -> None:
+        """A worker has answered: the `work` that was asked of it, what it says in a word, the reason of a refusal (else
+        empty), and `seconds` by stage."""
+        self._answers.labels(work, outcome, reason).inc()
+        for stage, each in seconds.items():
+            self._stages.labels(stage).observe(each)
+
+    def restarted(self, cause: Cause) -> None:
+        """A worker is replaced, or did not start and is started again."""
+        self._restarts.labels(cause).inc()
+
+    @contextmanager
+    def reading(self) -> Iterator[None]:
+        """Within it a body is read."""
+        self._bodies += 1
+        try:
+            yield
+        finally:
+            self._bodies -= 1
+
+    def build(self, facts: dict[str, str]) -> None:
+        """Which build this is."""
+        self._build.info(facts)
+
+    def looked_up(self, *, hit: bool) -> None:
+        """An answer was looked for among those that are kept."""
+        self._results.labels("hit" if hit else "miss").inc()
+
+    def gauge(self, name: str, about: str, read: Callable[[], float]) -> None:
+        """A number that is asked for each time the metrics are read. One whose name ends in `_total` never falls."""
+        self._gauges.numbers[name] = (about, read)
+
+    def workers(self, read: Callable[[], Readings]) -> None:
+        """How the workers are, asked for each time the metrics are read."""
+        self._gauges.workers = read
+
+    def text(self) -> bytes:
+        """All metrics in the text format of Prometheus."""
+        return generate_latest(self.registry)
+
+
+class Gauges(Collector):
+    """What is not counted but read, all at one moment."""
+
+    def __init__(self) -> None:
+        self.numbers: dict[str, tuple[str, Callable[[], float]]] = {}
+        self.workers: Callable[[], Readings] | None = None
+
+    def describe(self) -> Iterable[Metric]:
+        """Nothing: what there is depends on who is asked, and no name is used twice."""
+        return ()
+
+    def collect(self) -> Iterable[Metric]:
+        """The numbers now."""
+        for name, (about, read) in self.numbers.items():
+            family = CounterMetricFamily if name.endswith("_total") else GaugeMetricFamily
+            yield family(name, about, value=read())
+        if self.workers is not None:
+            yield from _of_workers(self.workers())
+
+
+def _of_workers(now: Readings) -> Iterable[Metric]:
+    for name, about, value in (
+        ("assur_requests_waiting", "Requests that wait for a worker.", now.waiting),
+        ("assur_requests_running", "Requests that a worker works on.", now.running),
+        ("assur_owed_seconds", "What all accepted requests may take at the most, s.", now.owed_s),
+        ("assur_workers", "Workers that there should be.", now.total),
+        ("assur_workers_ready", "Workers that can take a request, or work on one.", now.ready),
+        ("assur_quarantined_requests", "Requests that are not tried again.", now.quarantined),
+    ):
+        yield GaugeMetricFamily(name, about, value=value)
+    memory = GaugeMetricFamily(
+        "assur_resident_memory_bytes", "Memory in use: of the web process, and of each worker.", labels=("process",)
+    )
+    for process, pid in (("web", os.getpid()), *((f"worker-{i}", pid) for i, pid in enumerate(now.processes))):
+        resident = None if pid is None else resident_bytes(pid)
+        if resident is not None:
+            memory.add_metric((process,), resident)
+    yield memory
+
+
+def resident_bytes(pid: int) -> int | None:
+    """Memory that a process has in use; None where it is gone, or the system does not say."""
+    try:
+        pages = Path(f"/proc/{pid}/statm").read_text(encoding="ascii").split()[1]
+    except (OSError, IndexError):
+        return None
+    return int(pages) * os.sysconf("SC_PAGE_SIZE")

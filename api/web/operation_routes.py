@@ -1,0 +1,43 @@
+"""The addresses for operators: metrics, and which build this is."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request
+from prometheus_client import CONTENT_TYPE_LATEST
+from starlette.responses import Response
+
+from assur.api.documents import json_response, to_json
+from assur.api.log_lines import Later
+from assur.api.telemetry.meters import Meters
+from assur.api.version import VersionDocument, version_document
+from assur.api.web.job_store import JobStore
+from assur.api.web.routes import service_of
+from assur.api.web.service import Service
+
+operation_router = APIRouter()
+
+
+@operation_router.get("/v1/version", summary="Which build this is", response_model=VersionDocument)
+async def show_version(request: Request) -> Response:
+    return json_response(to_json(version_document(service_of(request).settings.commit)))
+
+
+@operation_router.get(
+    "/metrics",
+    summary="Metrics for operators, as Prometheus reads them",
+    response_class=Response,
+    responses={200: {"content": {"text/plain": {"schema": {"type": "string"}}}, "description": "text of Prometheus"}},
+)
+async def metrics(request: Request) -> Response:
+    # on the event loop, so that all numbers are of one moment; it takes a few milliseconds
+    return Response(service_of(request).meters.text(), headers={"Content-Type": CONTENT_TYPE_LATEST})
+
+
+def watch(service: Service, jobs: JobStore) -> Meters:
+    """The meters of a service, with what it has besides its workers."""
+    meters = service.meters
+    meters.gauge("assur_jobs_kept", "Jobs that are worked on or kept.", lambda: len(jobs))
+    meters.gauge("assur_log_lines_lost_total", "Lines of the log that were dropped since the start.", Later.lost)
+    build = version_document(service.settings.commit)
+    meters.build({name: str(build.get(name) or "") for name in ("version", "schema", "kernels", "commit", "python")})
+    return meters

@@ -1,0 +1,28 @@
+"""A job that says, in each line that its worker logs, which request it is of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from assur.api import logs
+from assur.api.workers import jobs
+
+
+@dataclass(frozen=True, slots=True)
+class Traced:
+    """A job, and the request that it is of. It is pickled and called in a worker."""
+
+    job: Callable[..., Any]
+    request: Mapping[str, str]
+
+    def __call__(self, *arguments: Any) -> Any:
+        with logs.about(self.request):
+            return self.job(*arguments)
+
+
+def warm(level: str) -> str:
+    """What a new worker does first: its log is led to standard error from `level` on, and it plans once."""
+    logs.configure_worker(level)
+    return jobs.warm()
