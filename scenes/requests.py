@@ -7,10 +7,12 @@ planning does.
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.scenes.catalogue import RobotFile, load_robot, models, robots, shipped_robot, with_robots
 from assur.scenes.faults import fault, located
 from assur.scenes.files import with_meshes, with_plans
@@ -113,11 +115,16 @@ def cell_of(document: object, *, folder: Path | None = None) -> Cell:
     """Scene and joint conventions of a request. `folder`: below which it may name files (never over HTTP)."""
     from assur.scenes.reading.cell import cell_of as build
 
+    return build(*_read(document, folder))
+
+
+def _read(document: object, folder: Path | None) -> tuple[object, RequestDocument]:
+    """A request as it was written, with the files that it names in place of their names, and the same in SI."""
     if folder is None:
-        return build(document, validate(document))
+        return document, validate(document)
     # Errors quote the document as it was written: a mesh's file, not the bytes that took its place.
     document = with_plans(with_robots(document, folder), folder)
-    return build(document, validate(with_meshes(document, folder)))
+    return document, validate(with_meshes(document, folder))
 
 
 def scene_of(document: object, *, folder: Path | None = None) -> Scene:
@@ -144,10 +151,22 @@ def plan_document(
     """The answer to a request: planned, or not planned and why. Raises `InputError` naming the field.
 
     `started`: the reading of `time.perf_counter` from which the budget counts. A service gives the time at which it
-    took the request up, so that building the scene counts, too; None: the budget is for the search alone. `watch` is
-    told how far the search has come; what it raises ends the planning and is raised here.
+    took the request up, so that reading it and building the scene count, too, and a budget that ends there is an
+    answer; None: the budget is for the search alone. `watch` is told how far the search has come; what it raises ends
+    the planning and is raised here.
     """
-    return plan_cell(cell_of(document, folder=folder), certificate=certificate, started=started, watch=watch)
+    if started is None:
+        return plan_cell(cell_of(document, folder=folder), certificate=certificate, watch=watch)
+    from assur.scenes.answer import unbuilt
+    from assur.scenes.reading.cell import cell_of as build
+
+    document, request = _read(document, folder)
+    try:
+        with Deadline(started, request.options.budget_s):
+            cell = build(document, request)
+    except OutOfTimeError:
+        return dict(unbuilt(request, time.perf_counter() - started))
+    return plan_cell(cell, certificate=certificate, started=started, watch=watch)
 
 
 def plan_cell(
