@@ -64,6 +64,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
     held = None if request.start.holding is None else request.start.holding.part
     surroundings = []
     for i, item in enumerate(request.neighbours):
+        look()
         with within("neighbours", i):
             if item.name in {other.name for other in request.neighbours[:i]}:
                 raise Refused("a name that no other neighbour has", "name")
