@@ -13,6 +13,7 @@ from difflib import get_close_matches
 from math import isfinite
 from typing import Any
 
+from assur.api.workers.memory import MEMORY_MIB
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_BUDGET_S
 
@@ -89,7 +90,7 @@ class Settings:
     body_s: float = _setting(10.0, _seconds(0.1, 600.0), "time in which a body must have arrived; then 408")
     max_tasks: int = _setting(1000, _whole(1, 1_000_000), "requests after which a worker is replaced by a new one")
     worker_memory_mib: int = _setting(
-        4096, _whole(512, 1 << 20), "address space of a worker; beyond it the request ends with 503"
+        MEMORY_MIB, _whole(512, 1 << 20), "address space of a worker; beyond it the request ends with 503"
     )
     jobs_kept: int = _setting(50, _whole(1, 10_000), "jobs that have ended and are kept; the oldest goes first")
     job_kept_s: float = _setting(600.0, _seconds(1.0, 86_400.0), "time for which a job is kept that has ended")

@@ -23,6 +23,8 @@ from contextlib import suppress
 from multiprocessing.context import SpawnProcess
 from typing import Any
 
+from assur.api.workers.memory import limit_memory
+
 JOB, CALL_OFF = b"J", b"C"
 """What the web process writes: a job, and that the result of the job that runs is not wanted any more."""
 BEGUN, TOLD, RESULT = b"B", b"T", b"R"
@@ -63,8 +65,7 @@ def prepare(memory_mib: int) -> None:
     """
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    size = memory_mib << 20
-    resource.setrlimit(resource.RLIMIT_AS, (size, size))
+    limit_memory(memory_mib)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 

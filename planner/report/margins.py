@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.arrays import FloatArray
 from assur.planner.collision.nearest import nearest, nearest_pairs
 from assur.planner.collision.proof import Prover
 from assur.planner.kernels.postures import least_margins
@@ -95,7 +95,7 @@ def _even(trajectory: Trajectory) -> tuple[FloatArray, float]:
     if count <= MOST_FINE:
         t = np.linspace(trajectory.start, trajectory.end, max(2, count))
         return t, float(t[1] - t[0])
-    rates: BoolArray = np.concatenate([trajectory.qd, trajectory.qdd], axis=1).any(axis=1)
+    rates = np.asarray(np.concatenate([trajectory.qd, trajectory.qdd], axis=1).any(axis=1))
     spans = np.stack([trajectory.time[:-1], trajectory.time[1:]], 1)[rates[:-1] | rates[1:]]
     lengths = spans[:, 1] - spans[:, 0]
     apart = max(FINE_S, float(lengths.sum()) / MOST_FINE)
