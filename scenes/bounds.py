@@ -84,6 +84,10 @@ STRONG: Final = 1e6
 """Accelerations and jerks of laws and joints, SI: beyond it only rounding happens."""
 LONG_S: Final = 100_000.0
 """Instants, s: a day and some."""
+PLAN_S: Final = 1e7
+"""Instants of a plan, s: `MAX_STEPS` steps of `LONG_S` each end by then, so that every plan can be read back."""
+SHORTEST_RAMP_S: Final = 2e-3
+"""The least time, s, in which a joint with parabolic blends reaches its speed, as the planner has it."""
 LONGEST_RAMP_S: Final = 100.0
 """Time, s, in which a joint with parabolic blends reaches its speed: a controller has tenths of a second."""
 MIN_BUDGET_S: Final = 1e-3

@@ -269,10 +269,11 @@ def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...], Clai
     Raises `InputError` naming the field.
     """
     from assur.scenes.reading.claims import claims_of, untrue_arrivals, untrue_repeats
-    from assur.scenes.reading.plan import plan_of
+    from assur.scenes.reading.plan import check_lengths, plan_of
 
     answer = plain(plan)
     made, told = plan_of(answer, cell.conventions, cell.scene.robot)
+    check_lengths(answer, made, cell.scene)
     told += untrue_repeats(answer, cell.scene) + untrue_arrivals(made.arrivals, cell.scene)
     return made, told, claims_of(answer)
 

@@ -65,7 +65,7 @@ class OptionsDocument(Document):
     stay_safe_s: Duration = 0.0
     latest_end_s: Instant | None = None
     timing: Literal["jerk_limited", "parabolic_blend"] = "jerk_limited"
-    acceleration_time_s: Annotated[float, Field(ge=bounds.LEAST, le=bounds.LONGEST_RAMP_S)] | None = None
+    acceleration_time_s: Annotated[float, Field(ge=bounds.SHORTEST_RAMP_S, le=bounds.LONGEST_RAMP_S)] | None = None
 
 
 class LagDocument(ByName):
