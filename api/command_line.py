@@ -1,4 +1,5 @@
-"""The command `assur`. Exit codes: 0 planned or plan right, 1 not planned or plan wrong, 2 bad input, 3 our fault."""
+"""The command `assur`. Exit codes: 0 planned or plan right, 1 not planned or plan wrong, 2 bad input, 3 our fault,
+12 out of memory."""
 
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ from assur.api.cli import (
     robots_group,
     trajectories,
 )
-from assur.api.cli.border import RIGHT, WRONG, AsJson, bordered, say, show, show_json, telling, writable
+from assur.api.cli.border import RIGHT, WRONG, AsJson, bordered, say, show, show_json, telling, within_memory, writable
 from assur.api.cli.cell_reading import announce_compilation, read_cell
 from assur.api.cli.inputs import (
     STANDARD,
@@ -76,6 +77,7 @@ def assur(
 
 @app.command()
 @bordered
+@within_memory
 def plan(
     file: File,
     as_json: AsJson = False,
@@ -121,6 +123,7 @@ def plan(
 
 @app.command()
 @bordered
+@within_memory
 def check(
     file: PlanOrCell,
     plan: Plan = None,
@@ -147,6 +150,7 @@ def check(
 
 @app.command()
 @bordered
+@within_memory
 def report(
     file: PlanOrCell,
     plan: Plan = None,
@@ -169,6 +173,7 @@ def report(
 
 @app.command()
 @bordered
+@within_memory
 def ik(
     file: Annotated[str | None, typer.Argument(help="As of `plan`: robot, tool, frames and bodies are its.")] = None,
     robot: Annotated[
@@ -281,7 +286,7 @@ def fit_limits(
     return RIGHT if identified else WRONG
 
 
-app.command()(bordered(trajectories.export))
+app.command()(bordered(within_memory(trajectories.export)))
 app.command("check-trajectory")(bordered(trajectories.check_trajectory))
 
 

@@ -18,6 +18,7 @@ from assur.planner.feasibility.odd_places import odd_places
 from assur.planner.legs.meeting import every_turn
 from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.legs.tilt import pitch_free
+from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.planner.model.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Relaxation
 from assur.planner.model.phases import phases, yaw_offsets
 from assur.planner.model.progress import Watch
@@ -81,12 +82,16 @@ def plan(
 
 def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: int) -> Outcome:
     """A plan, or why there is none; without warnings."""
-    never = (
-        start_impossible(scene, prover)
-        or arches_impossible(scene)
-        or windows_impossible(scene)
-        or yaw_impossible(scene)
-    )
+    try:
+        with Deadline(run.started, scene.options.budget_s):
+            never = (
+                start_impossible(scene, prover)
+                or arches_impossible(scene)
+                or windows_impossible(scene)
+                or yaw_impossible(scene)
+            )
+    except OutOfTimeError:
+        return _not_planned(scene, run, None, Counter().census(), proved=False, cut=True, deepest=0)
     if never is not None:
         return _not_planned(scene, run, never, Counter().census(), proved=True, cut=False, deepest=never.step)
     found = searcher(scene, prover, run.started, adaptive=adaptive, watch=run.watch).run()

@@ -31,7 +31,7 @@ from assur.planner.model.outcome import (
     Route,
     Traced,
 )
-from assur.planner.model.refusal import Facts, Refusal
+from assur.planner.model.refusal import Facts, Reason, Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.report.notes import note, warned
 from assur.planner.report.sentence import because
@@ -40,6 +40,7 @@ from assur.scenes.conventions import Conventions, as_counted, as_maker, rates_as
 from assur.scenes.numbers import interval, number, optional
 from assur.scenes.reading.cell import Cell
 from assur.scenes.schema import answer as document
+from assur.scenes.schema.request import RequestDocument
 from assur.scenes.written_knots import settled, trajectory_document
 
 Detail = Literal["full", "digest"]
@@ -138,6 +139,31 @@ def _not_planned(cell: Cell, outcome: NotPlanned) -> document.NotPlannedAnswer:
         "elapsed_s": number(outcome.elapsed_s),
         "cut_by_clock": bool(outcome.cut_by_clock),
         "request_digest": cell.scene.digest,
+        "notice": NOTICE,
+    }
+
+
+def unbuilt(request: RequestDocument, elapsed_s: float) -> document.NotPlannedAnswer:
+    """The answer to a request whose budget was spent before its scene was built."""
+    return {
+        "schema": "assur/1",
+        "status": "not_planned",
+        "reason": word(Reason.TIMED_OUT),
+        "proved": False,
+        "sentence": f"The budget of {request.options.budget_s:g} s was spent before the cell was built; nothing was "
+        "tried. Increase budget_s, or use simpler meshes and fewer bodies.",
+        "refusal": None,
+        "relaxation": None,
+        "tried": [],
+        "best_candidate": None,
+        "explain_budget_spent": False,
+        "census": {"candidates": 0, "refused": 0, "lines": []},
+        "assumptions": [],
+        "warnings": [],
+        "seed": request.options.seed,
+        "elapsed_s": number(elapsed_s),
+        "cut_by_clock": True,
+        "request_digest": request.digest,
         "notice": NOTICE,
     }
 

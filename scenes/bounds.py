@@ -77,13 +77,21 @@ FAST_M_S: Final = 100.0
 """Speeds, m/s."""
 FAST_RAD_S: Final = 1_000.0
 """Turning rates, rad/s."""
-LEAST: Final = 1e-12
-"""What may not be 0 is at least this, SI: speeds, accelerations, jerks, durations, leads, loads, and scales. Below it
-only rounding happens."""
+LEAST: Final = 1e-6
+"""What may not be 0 is at least this, SI: speeds, accelerations, jerks, durations, leads, loads, and scales. No drive
+goes by micrometres a second or in microseconds, and no scale weighs milligrams: a unit was probably mistaken."""
 STRONG: Final = 1e6
 """Accelerations and jerks of laws and joints, SI: beyond it only rounding happens."""
 LONG_S: Final = 100_000.0
 """Instants, s: a day and some."""
+PLAN_S: Final = 1e7
+"""Instants of a plan, s: `MAX_STEPS` steps of `LONG_S` each end by then, so that every plan can be read back."""
+SHORTEST_RAMP_S: Final = 2e-3
+"""The least time, s, in which a joint with parabolic blends reaches its speed, as the planner has it."""
+LONGEST_RAMP_S: Final = 100.0
+"""Time, s, in which a joint with parabolic blends reaches its speed: a controller has tenths of a second."""
+MIN_BUDGET_S: Final = 1e-3
+"""Seconds of search: in less not even the start is looked at."""
 MAX_BUDGET_S: Final = 60.0
 """Seconds of search that one request may ask for, and the same for its explanation."""
 MAX_CANDIDATES: Final = 10_000_000

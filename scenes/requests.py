@@ -7,11 +7,13 @@ planning does.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.scenes.catalogue import RobotFile, load_robot, models, robots, shipped_robot, with_robots
 from assur.scenes.faults import fault, located
 from assur.scenes.files import with_meshes, with_plans
@@ -123,17 +125,28 @@ def cell_of(
     and `build`."""
     from assur.scenes.reading.cell import cell_of as build
 
+    written, request = _accepted(document, folder, valid, laps)
+    cell = build(written, request)
+    if laps is not None:
+        laps.lap("build")
+    return cell
+
+
+def _accepted(
+    document: object,
+    folder: Path | None,
+    valid: Callable[[RequestDocument], None] | None,
+    laps: Stopwatch | None,
+) -> tuple[object, RequestDocument]:
+    """A request as it was written, with the files that it names in place of their names, and the same in SI."""
     # Errors quote the document as it was written: a mesh's file, not the bytes that took its place.
-    named = document if folder is None else with_plans(with_robots(document, folder), folder)
-    request = validate(named if folder is None else with_meshes(named, folder))
+    written = document if folder is None else with_plans(with_robots(document, folder), folder)
+    request = validate(written if folder is None else with_meshes(written, folder))
     if laps is not None:
         laps.lap("read")
     if valid is not None:
         valid(request)
-    cell = build(named, request)
-    if laps is not None:
-        laps.lap("build")
-    return cell
+    return written, request
 
 
 def scene_of(document: object, *, folder: Path | None = None) -> Scene:
@@ -162,11 +175,25 @@ def plan_document(
     """The answer to a request: planned, or not planned and why. Raises `InputError` naming the field.
 
     `started`: the reading of `time.perf_counter` from which the budget counts. A service gives the time at which it
-    took the request up, so that building the scene counts, too; None: the budget is for the search alone. `watch` is
-    told how far the search has come; what it raises ends the planning and is raised here. `valid`: as `cell_of`; `laps`
-    measures the stages.
+    took the request up, so that reading it and building the scene count, too, and a budget that ends there is an
+    answer; None: the budget is for the search alone. `watch` is told how far the search has come; what it raises ends
+    the planning and is raised here. `valid`: as `cell_of`; `laps` measures the stages.
     """
-    cell = cell_of(document, folder=folder, valid=valid, laps=laps)
+    if started is None:
+        cell = cell_of(document, folder=folder, valid=valid, laps=laps)
+        return plan_cell(cell, certificate=certificate, watch=watch, laps=laps)
+    from assur.scenes.answer import unbuilt
+    from assur.scenes.reading.cell import cell_of as build
+
+    written, request = _accepted(document, folder, valid, laps)
+    try:
+        with Deadline(started, request.options.budget_s):
+            cell = build(written, request)
+    except OutOfTimeError:
+        return dict(unbuilt(request, time.perf_counter() - started))
+    finally:
+        if laps is not None:
+            laps.lap("build")
     return plan_cell(cell, certificate=certificate, started=started, watch=watch, laps=laps)
 
 
@@ -279,10 +306,11 @@ def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...], Clai
     Raises `InputError` naming the field.
     """
     from assur.scenes.reading.claims import claims_of, untrue_arrivals, untrue_repeats
-    from assur.scenes.reading.plan import plan_of
+    from assur.scenes.reading.plan import check_lengths, plan_of
 
     answer = plain(plan)
     made, told = plan_of(answer, cell.conventions, cell.scene.robot)
+    check_lengths(answer, made, cell.scene)
     told += untrue_repeats(answer, cell.scene) + untrue_arrivals(made.arrivals, cell.scene)
     return made, told, claims_of(answer)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import sys
@@ -18,9 +19,12 @@ from assur.api.cli import console_report
 from assur.api.documents import to_json
 from assur.api.logs import where
 from assur.api.problems import Problem, printable
+from assur.api.workers.memory import MEMORY_MIB, limited_memory
 from assur.planner.errors import FaultError, InputError
 
 RIGHT, WRONG, BAD_INPUT, FAULT = 0, 1, 2, 3
+OUT_OF_MEMORY = errno.ENOMEM
+"""As a worker ends."""
 INTERRUPTED, PIPE_CLOSED = 128 + signal.SIGINT, 128 + signal.SIGPIPE
 
 TOLD_S = 10.0
@@ -41,6 +45,17 @@ def bordered(command: Callable[P, int]) -> Callable[P, None]:
     return inside
 
 
+def within_memory(command: Callable[P, int]) -> Callable[P, int]:
+    """`command` with the memory of a worker: what takes more is out of memory, and the machine goes on."""
+
+    @wraps(command)
+    def inside(*arguments: P.args, **options: P.kwargs) -> int:
+        with limited_memory(MEMORY_MIB):
+            return command(*arguments, **options)
+
+    return inside
+
+
 def code_of(run: Callable[[], int]) -> int:
     try:
         code = run()
@@ -48,6 +63,9 @@ def code_of(run: Callable[[], int]) -> int:
         return code
     except InputError as error:
         return say(Problem.of_input(error).detail, BAD_INPUT, line=getattr(error, "line", None))
+    except MemoryError:
+        told = f"out of memory: this takes more than the {MEMORY_MIB} MiB that a command may allocate"
+        return say(f"{told}; ask for less: shorter times, fewer or simpler bodies", OUT_OF_MEMORY)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # so that the flush at exit is silent too
         return PIPE_CLOSED

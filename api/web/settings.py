@@ -16,6 +16,7 @@ from math import isfinite
 from typing import Any
 
 from assur.api.container import memory_mib, processors
+from assur.api.workers.memory import MEMORY_MIB
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_BUDGET_S
 
@@ -26,9 +27,6 @@ WEB_MIB = 384
 """What the web process and the template of the workers may need, MiB."""
 LEAST_MIB = 512
 """A worker with less could not even plan once, MiB."""
-MOST_MIB = 1024
-"""What a worker has where nothing limits it, MiB: twice what any request has been seen to need."""
-
 PLAN_BODY_BYTES = 1 << 20
 """Largest body of a plan, 1 MiB: meshes inline included."""
 CHECK_BODY_BYTES = 16 << 20
@@ -123,7 +121,7 @@ class Settings:
     worker_memory_mib: int = _setting(
         0,
         _whole(0, 1 << 20),
-        "memory of a worker; a request that needs more ends it; 0: what the container leaves it, at most 1024",
+        "memory of a worker; a request that needs more ends it; 0: what the container leaves it, at most 2048",
     )
     jobs_kept: int = _setting(50, _whole(1, 10_000), "jobs that have ended and are kept; the oldest goes first")
     job_kept_s: float = _setting(600.0, _seconds(1.0, 86_400.0), "time for which a job is kept that has ended")
@@ -186,7 +184,7 @@ class Settings:
     def worker_mib(self) -> int:
         """How much memory a worker may have of its own, MiB. Raises `InputError` where there is not so much for all
         workers in the container."""
-        has, most = memory_mib(), self.worker_memory_mib or MOST_MIB
+        has, most = memory_mib(), self.worker_memory_mib or MEMORY_MIB
         share = most if has is None else (has - WEB_MIB) // self.processes
         if self.worker_memory_mib == 0:
             most = min(most, share)

@@ -56,8 +56,8 @@ class Workers:
 
     def __init__(self, settings: Settings, warm: Callable[[], Any], meters: Meters | None = None) -> None:
         self._settings = settings
-        self._meters = meters or Meters()
-        self._meters.workers(self.readings)
+        self.meters = meters or Meters()
+        self.meters.workers(self.readings)
         self._processes = [WorkerProcess(settings.worker_mib, warm, settings.warm_s) for _ in range(settings.processes)]
         self._free: set[int] = set()
         self._admission = Admission(
@@ -154,14 +154,14 @@ class Workers:
             self._quarantine.refuse(work.key)
             number = await self._number(ticket)
             current().queued_s = ticket.waited_s
-            self._meters.queued(ticket.waited_s)
+            self.meters.queued(ticket.waited_s)
             return await self._on(number, work, ticket.demand.wall_s, told)
         except asyncio.CancelledError:
             if number is not None and not self._processes[number].open and number not in self._filling:
-                self._meters.restarted("called_off")
+                self.meters.restarted("called_off")
             raise
         except KilledError as killed:
-            self._meters.restarted("time")
+            self.meters.restarted("time")
             wall_s = ticket.demand.wall_s
             event("worker killed: no end in time", logging.WARNING, wall_s=wall_s, digest=work.key)
             raise Problem("worker-timeout", f"It was given {wall_s:g} s, its budgets included.") from killed
@@ -199,11 +199,11 @@ class Workers:
             try:
                 return await self._processes[number].run(work.job, work.arguments, wall_s, hear, about)
             except NotBegunError:
-                self._meters.restarted("idle")
+                self.meters.restarted("idle")
                 continue  # it had died before: nothing of this request has run
             except CrashedError as died:
                 deaths += 1
-                self._meters.restarted("memory" if died.how == NO_MEMORY else "crash")
+                self.meters.restarted("memory" if died.how == NO_MEMORY else "crash")
                 event("worker died", logging.ERROR, how=died.how, digest=work.key, suspect=deaths > 1)
                 if deaths > RETRIES:
                     event("request quarantined", logging.ERROR, digest=work.key, for_s=self._settings.quarantine_s)
@@ -231,7 +231,7 @@ class Workers:
         """Gives free workers to those that wait: those first that are kept for short requests."""
         for number in sorted(self._free):
             if not self._processes[number].open:
-                self._meters.restarted("idle")
+                self.meters.restarted("idle")
                 self._free.discard(number)
                 self._refill(number)
                 continue
@@ -247,7 +247,7 @@ class Workers:
             self._free.add(number)
         else:
             if process.open:
-                self._meters.restarted("max_tasks")
+                self.meters.restarted("max_tasks")
             self._refill(number)
         self._hand_out()
 
@@ -265,7 +265,7 @@ class Workers:
                 await self._processes[number].start()
             except (CrashedError, KilledError, OSError) as failed:
                 self.trouble = why_not_started(failed)
-                self._meters.restarted("start_failure")
+                self.meters.restarted("start_failure")
                 event("worker does not start", logging.ERROR, why=self.trouble, again_in_s=pause)
                 await asyncio.sleep(pause)
                 pause = min(2 * pause, LONGEST_RETRY_S)

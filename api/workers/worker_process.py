@@ -26,6 +26,7 @@ from dataclasses import dataclass
 from multiprocessing.context import ForkServerContext, ForkServerProcess
 from typing import Any
 
+from assur.api.workers.memory import limit_memory
 from assur.api.workers.quarantine import quarantined
 
 JOB, CALL_OFF = b"J", b"C"
@@ -117,13 +118,10 @@ def prepare(memory_mib: int) -> None:
     """Runs first in a new worker: names it, bounds its memory, and makes it deaf to SIGTERM and SIGINT.
 
     A service manager may signal the whole group: the web process then drains, and its workers must go on meanwhile.
-    What is bounded is the memory that is its own and may be written, not its address space: libraries and what is
-    reserved and never used would count there.
     """
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    size = memory_mib << 20
-    resource.setrlimit(resource.RLIMIT_DATA, (size, size))
+    limit_memory(memory_mib)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     ctypes.CDLL(None).prctl(SET_NAME, NAME, 0, 0, 0)
 

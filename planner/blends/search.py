@@ -15,6 +15,7 @@ from assur.planner.collision.proof import Prover
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.meeting import meetings
 from assur.planner.legs.tilt import tilts
+from assur.planner.model.deadline import look
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.progress import Watch
 from assur.planner.model.refusal import OF_CANDIDATES, AccelerationTime, Reason, Refusal
@@ -105,6 +106,7 @@ class BlendSearch(Search):
             attitudes = tilts(self.scene, self.scene.task[step], partial.state.q)
             yaws = free_yaws(self.scene, partial, step, self._modes(partial)) if turns is None else turns
             for turn, tilt in product(yaws, attitudes):
+                look()
                 point = control_point(self.scene, step, partial.attached, turn, tilt)
                 found = meetings(self.scene, point, partial.state.time, 0.0, self._modes(partial), partial.state.q)
                 for refusal in found.refusals:

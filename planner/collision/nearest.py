@@ -11,6 +11,7 @@ from assur.planner.kernels.nearest import LOWER, NEAREST_A, NEAREST_B, NEAREST_T
 from assur.planner.kernels.planes import SIDES
 from assur.planner.kernels.solids import EARLY, FIRST, LATE, REQUIRED, SECOND, SET
 from assur.planner.kernels.walk import NEAREST
+from assur.planner.model.deadline import out_of_time
 from assur.planner.model.outcome import Nearest
 from assur.planner.model.phases import Phase, pair
 from assur.planner.tables.bodies import Arrangement
@@ -22,7 +23,8 @@ NEARBY_M = 0.05
 """In a cell of many bodies those within this distance, m, of what the arm sweeps come first; if that is less than the
 smallest clearance, those within several times as much."""
 MOST_CALLS = 50
-"""Calls of the kernel for one phase: a search that is not over by then has no lower value but 0."""
+"""Calls of the kernel for one phase: a search that is not over by then, or when the deadline in force passes, has no
+lower value but 0."""
 
 
 def nearest_pairs(prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...], most: int) -> tuple[Nearest, ...]:
@@ -104,6 +106,9 @@ def _search(
     search.state[1:] = state[1:]
     for _ in range(MOST_CALLS):
         if search.go_on(NEAREST) == DONE:
+            break
+        if out_of_time():
+            search.state[LOWER] = 0.0
             break
     else:
         search.state[LOWER] = 0.0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 
 import numpy as np
 
@@ -48,6 +47,7 @@ from assur.planner.kernels.uncertainty import SET_COLUMNS, Doubt, growing_for
 from assur.planner.kernels.units import pose_shapes
 from assur.planner.kernels.walk import PROVE, SCREEN, walk
 from assur.planner.model.assembly_mode import has_loop
+from assur.planner.model.deadline import out_of_time
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
 from assur.planner.tables.bodies import Arrangement, Bodies
@@ -62,6 +62,8 @@ BUDGET = 20_000
 """Pairs and intervals that the kernel settles between two looks at the clock: some milliseconds."""
 PART_S = 0.08
 """Intervals over which planes are proved, s."""
+MOST_PARTS = 1_000
+"""... and so many of them at most: what longer ones do not prove is left to the search over pairs."""
 ROOM = 128
 """Rows, and open pairs, for which there is room at first; it is doubled when it runs out."""
 MOST_HITS = 64
@@ -130,11 +132,12 @@ class Search:
     @property
     def over(self) -> bool:
         """Whether the clock, or the number of rows, ends a proof."""
-        return self.state[FOUND] > MOST_ROWS or time.perf_counter() >= self.prover.deadline
+        return self.state[FOUND] > MOST_ROWS or out_of_time()
 
 
 class Prover:
-    """Proves phases of one scene. Keeps the tables and the FCL objects of the scene."""
+    """Proves phases of one scene. Keeps the tables and the FCL objects of the scene. What is not proved when the
+    deadline in force passes is not certified."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -143,8 +146,6 @@ class Prover:
         self.laws, self.side = law_tables([frame.law for frame in scene.frames.values()])
         self.carried_by = scene.robot.row, self.laws, self.side
         """What says where the carriers are: robot, laws of frames and their side table."""
-        self.deadline = math.inf
-        """Reading of `time.perf_counter` at which proofs are given up: what is not proved by then is not certified."""
         self.collider = Collider()
         none = np.zeros((2, max(scene.robot.rate_matrix.shape)))
         self.exact: Doubt = (np.zeros((0, SET_COLUMNS)), none, np.array([scene.start.time, 0.0, 0.0, 0.0]))
@@ -330,7 +331,8 @@ class Prover:
 
 def _parts(phase: Phase) -> FloatArray:
     """Times that part a phase into intervals over which planes are proved."""
-    edges = np.linspace(phase.t0, phase.t1, max(1, math.ceil((phase.t1 - phase.t0) / PART_S)) + 1)
+    count = min(MOST_PARTS, max(1, math.ceil((phase.t1 - phase.t0) / PART_S)))
+    edges = np.linspace(phase.t0, phase.t1, count + 1)
     edges[-1] = phase.t1
     return edges
 

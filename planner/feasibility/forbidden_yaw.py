@@ -8,6 +8,7 @@ from assur.planner.frames import constant_yaw
 from assur.planner.legs.control_point import control_point
 from assur.planner.legs.forbidden_yaw import tool_yaw, yaw_refused
 from assur.planner.model.attachments import Attachments, at_start
+from assur.planner.model.deadline import look
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.refusal import Refusal, Stage
 from assur.planner.model.scene import Pick, Place, Scene
@@ -31,6 +32,7 @@ def yaw_impossible(scene: Scene) -> Refusal | None:
     ways: tuple[Attachments, ...] = (at_start(scene),)
     turned = False
     for number, step in enumerate(scene.task):
+        look()
         offsets = yaw_offsets(scene, step)
         if offsets is None or (turned and isinstance(step, Place)):
             turned = isinstance(step, Pick) or (turned and not isinstance(step, Place))

@@ -20,6 +20,7 @@ from assur.planner.legs.paths.path_leg import path_from, tool_in
 from assur.planner.legs.tilt import pitch_free, roll_free, tilts
 from assur.planner.model.assembly_mode import lost_at
 from assur.planner.model.attachments import Attachments, at_start
+from assur.planner.model.deadline import look
 from assur.planner.model.joint_range import beyond
 from assur.planner.model.load import SUMS
 from assur.planner.model.outcome import LegKind
@@ -294,6 +295,7 @@ def _point(
 ) -> tuple[Refusal, Attachments] | None:
     """Whether the flange's bodies at the point, or at the outer ends of its straight parts, are too near a body that
     never moves against it, in every working mode; and where bodies sit then."""
+    look()
     t = scene.start.time
     if not point.still and not _known(scene, point.frame, t):
         return None

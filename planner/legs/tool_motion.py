@@ -16,6 +16,8 @@ from assur.planner.trajectory import Trajectory
 
 STEP_S = 0.001
 """Sampling of the tool's acceleration while a part is carried, s."""
+MOST_SAMPLES = 100_000
+"""So many samples of one span at most, but for those that each piece of the spline has."""
 PARTS = 8
 """... and at least so many parts of a piece of the spline: a depart of some micrometres is over in a few milliseconds,
 with the whole of its peak between two samples."""
@@ -37,6 +39,7 @@ def tool_peaks(scene: Scene, trajectory: Trajectory, t0: float, t1: float, step:
     """The largest speed and acceleration of the tool point over [t0, t1], within the trajectory, and when, by samples
     every `step` s (`PARTS` of each piece of the spline at least) and closer ones around the largest."""
     found, tcp = np.empty(4), scene.tool.tcp
+    step = max(step, (t1 - t0) / MOST_SAMPLES)
     row, edges, c = scene.robot.row, trajectory.edges, trajectory.coefficients
     sampled_peaks(row, edges, c, tcp.x, tcp.y, t0, t1, step, PARTS, found)
     return ToolPeaks(*found.tolist())

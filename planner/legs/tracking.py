@@ -20,6 +20,7 @@ from assur.planner.legs.spacing import spaced
 from assur.planner.legs.state import Knots, State, TimedLeg
 from assur.planner.legs.tilt import PATH_RAD, tilt_off
 from assur.planner.legs.tool_motion import lift_most
+from assur.planner.model.deadline import look
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.refusal import (
     FrameName,
@@ -43,6 +44,8 @@ SPACING_S = 0.02
 """Knots of a tracking leg are at most this far apart to begin with, s."""
 PATH_M = 1e-6
 """Between knots the flange leaves its path by less than this, m; the promise is 10 µm."""
+LONG_DWELL_S = 1.0
+"""A dwell at a point that stands still has no knots within if it is longer, s: nothing moves there."""
 REFINEMENTS = 6
 """Halvings of the spacing after which a path is given up: it is not smooth enough to be followed."""
 ROUNDS = 5
@@ -202,7 +205,8 @@ def _spline(scene: Scene, point: ControlPoint, state: State, mode: int, heights:
     """The spline through knots at all switches and close enough in between, the first being `state` itself."""
     robot, spacing = scene.robot, SPACING_S
     for _ in range(REFINEMENTS):
-        t = _filled(heights.switches(), spacing)
+        look()
+        t = _filled(heights.switches(), spacing, heights if point.still and heights.dwell > LONG_DWELL_S else None)
         found = joint_states(scene, point, state, mode, heights, t)
         if isinstance(found, Refusal):
             return found
@@ -267,14 +271,19 @@ def continued(robot: Robot, q: FloatArray, first: FloatArray) -> FloatArray:
     return result
 
 
-def _filled(switches: FloatArray, spacing: float) -> FloatArray:
-    """Switches, merged where they nearly coincide, and enough times in between."""
+def _filled(switches: FloatArray, spacing: float, rests: _Heights | None = None) -> FloatArray:
+    """Switches, merged where they nearly coincide, and enough times in between; none between the two at which the arm
+    begins and ends to stand at a point that stands still (`rests`)."""
     t = np.unique(switches)
     keep = np.concatenate([[True], np.diff(t) > 1e-5])
     last = t[-1]
     t = t[keep]
     t[-1] = last
-    return spaced(t, spacing)
+    if rests is None:
+        return spaced(t, spacing)
+    middle = (rests.met + rests.left) / 2
+    parts = (part if len(part) == 1 else spaced(part, spacing) for part in (t[t <= middle], t[t > middle]))
+    return np.concatenate(list(parts))
 
 
 def _off_path(robot: Robot, trajectory: Trajectory, point: ControlPoint, heights: _Heights, t: FloatArray) -> float:

@@ -46,6 +46,9 @@ HALVINGS = 60
 CUSP = 0.05
 """A spline whose |dr/du| falls below this share of its chord turns too sharply to be followed."""
 
+LONGEST_S = 600.0
+"""For so long the tool may be on one path, s: who checks a path looks at it every 2 ms from its begin to its end."""
+
 
 class PathError(InputError):
     """Part `number` of a path cannot be: `key` of it is wrong (empty: the whole part)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from assur.planner.kernels.postures import least_margins
 from assur.planner.legs.limits import parts
 from assur.planner.legs.tool_motion import carrying_peak, tool_accelerations, tool_peaks
 from assur.planner.model.assembly_mode import has_loop
+from assur.planner.model.deadline import Deadline
 from assur.planner.model.load import Carried, held_inertia
 from assur.planner.model.outcome import Busiest, Contact, JointPeak, Margins
 from assur.planner.model.phases import Phase
@@ -25,7 +27,12 @@ FINE_S = 0.001
 """Sampling of what is used of the limit that binds, s."""
 NEAR_PEAK = 0.01
 """A limit is used within this share of its peak."""
+MOST_FINE = 100_000
+"""So many of these times at most: where the arm moves for longer they are further apart. Where it rests there are none
+beyond so many: nothing is used of a limit there."""
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
+NEAREST_S = 0.15
+"""For so long the smallest clearance is looked for, s: it comes after the search, whose budget is spent by then."""
 INSTANTS = 64
 """Times at which the margin to a singularity is looked for."""
 
@@ -39,7 +46,7 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     tool = tool_peaks(scene, trajectory, trajectory.start, trajectory.end)
     held = None if carrying is None else carrying[0]
     binds, helps = f"{kind} of {joint} ({100 * ratio:.0f} %)", f"a higher limit, or less travel of {joint}"
-    t = _even(trajectory)
+    t, apart = _even(trajectory)
     if held is not None and limit is not None and held / limit > ratio:
         binds = f"acceleration of the carried part ({100 * held / limit:.0f} %)"
         helps = "a higher limit (carry)"
@@ -48,16 +55,18 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     else:
         number = [each.name for each in scene.robot.joints].index(joint)
         used = np.abs(trajectory.evaluate(t, ORDERS[kind])[:, number])
+    with Deadline(time.perf_counter(), NEAREST_S):
+        closest = nearest(prover, trajectory, phases)
     return Margins(
         peaks=peaks,
         binds=binds,
-        nearest=nearest(prover, trajectory, phases),
+        nearest=closest,
         tool_acceleration=tool.acceleration if held is None else held,
         tool_acceleration_limit=limit,
         singularity=serial,
         parallel=parallel if has_loop(scene.robot) else None,
         jerk="unbounded" if scene.options.blended else "limited",
-        busiest=_busiest(phases, t, used),
+        busiest=_busiest(phases, t, apart, used),
         helps=helps,
         tool=tool,
         travel_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if not p.near), pairs),
@@ -65,8 +74,9 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     )
 
 
-def _busiest(phases: tuple[Phase, ...], t: FloatArray, used: FloatArray) -> Busiest | None:
-    """The phase in which what is `used` (T,) of a limit at times t (T,) is longest within a hundredth of its peak."""
+def _busiest(phases: tuple[Phase, ...], t: FloatArray, apart: float, used: FloatArray) -> Busiest | None:
+    """The phase in which what is `used` (T,) of a limit at times t (T,), which are `apart`, s, is longest within a
+    hundredth of its peak."""
     at_peak = used >= (1.0 - NEAR_PEAK) * float(used.max())
     found: tuple[int, Phase] | None = None
     for phase in phases:
@@ -76,14 +86,21 @@ def _busiest(phases: tuple[Phase, ...], t: FloatArray, used: FloatArray) -> Busi
     if found is None:
         return None
     count, phase = found
-    return Busiest(
-        str(phase.kind), phase.step, phase.t0, phase.t1, min(count * float(t[1] - t[0]), phase.t1 - phase.t0)
-    )
+    return Busiest(str(phase.kind), phase.step, phase.t0, phase.t1, min(count * apart, phase.t1 - phase.t0))
 
 
-def _even(trajectory: Trajectory) -> FloatArray:
-    """Times (T,), `FINE_S` apart at most."""
-    return np.linspace(trajectory.start, trajectory.end, max(2, math.ceil(trajectory.duration / FINE_S) + 1))
+def _even(trajectory: Trajectory) -> tuple[FloatArray, float]:
+    """Times (T,), and how far they are apart, s: `FINE_S` at most, in a motion that is not long."""
+    count = math.ceil(trajectory.duration / FINE_S) + 1
+    if count <= MOST_FINE:
+        t = np.linspace(trajectory.start, trajectory.end, max(2, count))
+        return t, float(t[1] - t[0])
+    rates = np.asarray(np.concatenate([trajectory.qd, trajectory.qdd], axis=1).any(axis=1))
+    spans = np.stack([trajectory.time[:-1], trajectory.time[1:]], 1)[rates[:-1] | rates[1:]]
+    lengths = spans[:, 1] - spans[:, 0]
+    apart = max(FINE_S, float(lengths.sum()) / MOST_FINE)
+    even = [np.linspace(low, high, math.ceil((high - low) / apart) + 1)[:-1] for low, high in spans.tolist()]
+    return np.concatenate([*even, trajectory.time[-1:]]), apart
 
 
 def _peaks(

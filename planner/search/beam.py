@@ -18,6 +18,7 @@ from assur.planner.feasibility.necessary import points_impossible
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
 from assur.planner.model.clearance import rule_of
+from assur.planner.model.deadline import Deadline, OutOfTimeError, look, out_of_time
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.progress import Progress, Watch
@@ -71,8 +72,7 @@ class Search:
         self, scene: Scene, prover: Prover, started: float, *, adaptive: bool = True, watch: Watch | None = None
     ) -> None:
         self.scene, self.prover, self.adaptive, self.watch = scene, prover, adaptive, watch
-        self.started, self.deadline = started, started + scene.options.budget_s
-        prover.deadline = self.deadline
+        self.started, self.deadline = started, Deadline(started, scene.options.budget_s)
         self.rng = np.random.default_rng(scene.options.seed)
         self.pool: list[list[PartialPlan]] = [[] for _ in range(len(scene.task) + 1)]
         self.samplers: dict[PartialPlan, Sampler] = {}
@@ -82,7 +82,15 @@ class Search:
         self._bound: float | None = None
 
     def run(self) -> Found:
-        """Rounds over all lengths until something ends them."""
+        """Rounds over all lengths until something ends them, or the budget is spent."""
+        with self.deadline:
+            try:
+                return self._rounds()
+            except OutOfTimeError:
+                self.found.cut_by_clock = True
+                return self.found
+
+    def _rounds(self) -> Found:
         self.pool[0].append(initial(self.scene))
         round_number = 0
         while True:
@@ -133,7 +141,7 @@ class Search:
         )
 
     def _late(self) -> bool:
-        return time.perf_counter() >= self.deadline
+        return out_of_time()
 
     def _left(self) -> float:
         """How many candidates may still be tried."""
@@ -190,6 +198,7 @@ class Search:
         if offsets is None:
             offsets = free_yaws(scene, partial, partial.step, modes)
         for offset, tilt in product(offsets, attitudes):
+            look()
             for meeting in prepared(scene, partial, offset, tilt, modes):
                 for refusal in (meeting,) if isinstance(meeting, Refusal) else meeting.refusals:
                     self.found.census.note(refusal)

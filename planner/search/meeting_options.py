@@ -15,6 +15,7 @@ from assur.planner.legs.control_point import control_point
 from assur.planner.legs.forbidden_yaw import free_yaws_between
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
+from assur.planner.model.deadline import look
 from assur.planner.model.scene import Scene
 from assur.planner.robots.robot import Robot
 from assur.planner.search.partial_plan import PartialPlan
@@ -43,6 +44,7 @@ def options(scene: Scene, partial: PartialPlan, found: list[tuple[float, Meeting
     start = np.array([state.q, state.qd, state.qdd])
     result = []
     for yaw_offset, meeting in found:
+        look()
         for branch in meeting.branches:
             every = 1 + len(branch.meetings) // EVALUATED_MEETINGS
             least = branch.least_durations(start, limits, every, jerk_limited=not scene.options.blended)

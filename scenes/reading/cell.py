@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from assur.planner.model.deadline import look
 from assur.planner.model.scene import (
     Clearance,
     ClearanceException,
@@ -41,7 +42,8 @@ def cell_of(document: object, request: RequestDocument) -> Cell:
     """The cell of a request; `document` is the request as it was written, for the fields that errors name.
 
     Raises `DocumentError` for what has no meaning: unknown names, wider limits, joints left out, a mesh that is open.
-    Not checked here: whether anything can be planned.
+    Not checked here: whether anything can be planned. Raises `OutOfTimeError` where the deadline in force has passed
+    before all bodies are made.
     """
     with located(document):
         return _cell_of(document, request)
@@ -62,12 +64,14 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
     held = None if request.start.holding is None else request.start.holding.part
     surroundings = []
     for i, item in enumerate(request.neighbours):
+        look()
         with within("neighbours", i):
             if item.name in {other.name for other in request.neighbours[:i]}:
                 raise Refused("a name that no other neighbour has", "name")
             surroundings += neighbours.add_neighbour(item, known.laws, places)
     taken = set(own)
     for i, named in enumerate(request.bodies):
+        look()
         with within("bodies", i):
             if named.name in taken:
                 raise Refused("a name that no body of the robot or its tool has", "name")

@@ -24,6 +24,7 @@ from assur.planner.frames import (
     Turntable,
     Uncertainty,
 )
+from assur.planner.model.deadline import look
 from assur.planner.model.scene import WORLD
 from assur.scenes.faults import Refused, choices, within
 from assur.scenes.schema.frames import (
@@ -148,6 +149,7 @@ def frames_of(frames: Mapping[str, FrameDocument]) -> Frames:
     """The frames, `world` among them. Raises `Refused` at the field that a law refuses, or that leads to no frame."""
     laws = {WORLD: Frame(WORLD, Fixed(Pose()))}
     for name, item in frames.items():
+        look()
         with within(name):
             if name == WORLD:
                 raise Refused(f"another name: {WORLD} is the frame that does not move")

@@ -9,6 +9,7 @@ from assur.planner.checker.verdict import Code, Finding
 from assur.planner.frames.law import PoseUncertainty
 from assur.planner.model.arrival_error import ArrivalError, Share
 from assur.planner.model.outcome import (
+    TRACKING,
     Arrival,
     Certificate,
     Leg,
@@ -18,10 +19,12 @@ from assur.planner.model.outcome import (
     Route,
     Traced,
 )
+from assur.planner.model.path import LONGEST_S
+from assur.planner.model.scene import Move, Scene, Trace
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 from assur.scenes.conventions import Conventions, as_counted, converted, converted_rates
-from assur.scenes.faults import Refused, located, within
+from assur.scenes.faults import Refused, fault, located, within
 from assur.scenes.reading.frames import placed
 from assur.scenes.reading.neighbours import trajectory_of
 from assur.scenes.schema import answer as document
@@ -44,6 +47,10 @@ CERTIFICATE_DIGEST = frozenset(document.CertificateDigest.__annotations__)
 """Fields of a certificate that is not in full."""
 
 
+TIME_S = 1e-3
+"""By so much more may a leg last than a path may: times round, s."""
+
+
 def plan_of(plan: object, conventions: Conventions, robot: Robot | None = None) -> tuple[Plan, tuple[Finding, ...]]:
     """The plan in a planned answer with a full certificate, and what the answer says of its durations, and of the
     joints and modes of its arrivals (those of `robot`), that is not so.
@@ -62,6 +69,23 @@ def plan_of(plan: object, conventions: Conventions, robot: Robot | None = None) 
         item: document.CheckedPlan = read_normal(document.CheckedPlan, plan, plan, (PLAN,))
         made = _made(item, conventions)
         return made, _untrue(item) + _untrue_joints(item, made, conventions, robot)
+
+
+def check_lengths(answer: dict[str, object], made: Plan, scene: Scene) -> None:
+    """Raises `DocumentError` at a leg that ends so long after the first of its step that its path could not be looked
+    at."""
+    begins: dict[int, float] = {}
+    for i, leg in enumerate(made.legs):
+        step = scene.task[leg.step] if 0 <= leg.step < len(scene.task) else None
+        if isinstance(step, Trace) and leg.kind in TRACKING:
+            begin = leg.t0
+        elif isinstance(step, Move) and step.path and leg.kind is not LegKind.WAIT:
+            begin = begins.setdefault(leg.step, leg.t0)
+        else:
+            continue
+        if not leg.t1 - begin <= LONGEST_S + TIME_S:
+            allowed = f"at most {LONGEST_S:g} s after the way along the path of {step.name} begins"
+            raise fault({PLAN: answer}, (PLAN, "legs", i, "to_s"), allowed)
 
 
 def motion_of(

@@ -19,7 +19,7 @@ from assur.planner.model.outcome import (
 )
 from assur.planner.model.refusal import Facts, Reason, Stage, Unit
 from assur.scenes import bounds
-from assur.scenes.schema.model import Angle, Instant, Point, Strength
+from assur.scenes.schema.model import Angle, Point, Strength
 
 CLOSED = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
@@ -35,6 +35,8 @@ Rows = Annotated[list[Row], Field(min_length=2, max_length=bounds.MAX_KNOTS)]
 Reals = Annotated[list[Number], Field(max_length=bounds.MAX_ROWS)]
 Indices = Annotated[list[Annotated[int, Field(ge=-1, le=2**31)]], Field(max_length=bounds.MAX_ROWS)]
 Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
+
+Instant = Annotated[float, Field(ge=-bounds.PLAN_S, le=bounds.PLAN_S)]
 
 
 @with_config(CLOSED)

@@ -21,7 +21,7 @@ class ExportDocument(Document):
     whether it must keep the robot's limit, or may be proved against a higher one, which is stated."""
 
     format: Form
-    tick_s: Annotated[float, Field(gt=0.0, le=bounds.LONG_S)] | None = None
+    tick_s: Annotated[float, Field(ge=bounds.LEAST, le=bounds.LONG_S)] | None = None
     jerk: JerkRule = "limit"
 
 

@@ -16,6 +16,7 @@ from assur.scenes.bounds import FAR_M
 from assur.scenes.faults import DocumentError, Path, as_written, dotted, likeliest
 from assur.scenes.schema.model import NAME, REFERENCE
 from assur.scenes.schema.normal import normal
+from assur.scenes.schema.sizes import check_sizes
 from assur.scenes.schema.stated import PLAIN, STATED
 from assur.scenes.units import SI_UNITS, any_unit, from_si, si_key, twin_of, unit_of
 
@@ -49,6 +50,8 @@ COMPARISONS = {
 
 def read(model: Any, document: object) -> Any:
     """The document, which may be written in any units and with numbers of NumPy, as `model`. Raises `DocumentError`."""
+    if isinstance(model, type) and issubclass(model, BaseModel):
+        check_sizes(model, document)
     return read_normal(model, normal(document), document)
 
 

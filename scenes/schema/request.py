@@ -20,7 +20,6 @@ from assur.scenes.schema.model import (
     Name,
     Positive,
     Reference,
-    Span,
 )
 from assur.scenes.schema.robots import NeighbourDocument, RobotDocument, StartDocument
 from assur.scenes.schema.shapes import BodyDocument
@@ -52,7 +51,7 @@ class OptionsDocument(Document):
     """How to search, and what is safe enough."""
 
     seed: Annotated[int, Field(ge=0, le=bounds.MAX_INTEGER)] = 0
-    budget_s: Annotated[float, Field(gt=0.0, le=bounds.MAX_BUDGET_S)] = 1.0
+    budget_s: Annotated[float, Field(ge=bounds.MIN_BUDGET_S, le=bounds.MAX_BUDGET_S)] = 1.0
     max_candidates: Annotated[int, Field(ge=1, le=bounds.MAX_CANDIDATES)] | None = None
     stop: Literal["first", "budget"] = "budget"
     explain_budget_s: Annotated[float, Field(ge=0.0, le=bounds.MAX_BUDGET_S)] = 0.0
@@ -66,7 +65,7 @@ class OptionsDocument(Document):
     stay_safe_s: Duration = 0.0
     latest_end_s: Instant | None = None
     timing: Literal["jerk_limited", "parabolic_blend"] = "jerk_limited"
-    acceleration_time_s: Span | None = None
+    acceleration_time_s: Annotated[float, Field(ge=bounds.SHORTEST_RAMP_S, le=bounds.LONGEST_RAMP_S)] | None = None
 
 
 class LagDocument(ByName):

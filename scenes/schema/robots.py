@@ -210,7 +210,7 @@ class FiveBarDocument(AnyArm):
     proximal_m: Annotated[BothSides | Stated[BothSides], FACT]
     distal_m: Annotated[BothSides | Stated[BothSides], FACT]
     assembly: Literal["front", "back"] = "front"
-    parallel_margin: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.1
+    parallel_margin: Annotated[float, Field(ge=bounds.LEAST, lt=1.0)] = 0.1
     height_m: HeightFact = 0.0
     joints: Annotated[list[JointDocument], Field(min_length=2, max_length=4)]
 

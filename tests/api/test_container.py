@@ -10,7 +10,8 @@ import pytest
 from assur.api import container
 from assur.api.container import memory_mib, processors
 from assur.api.web import settings as settings_module
-from assur.api.web.settings import LEAST_MIB, MOST_MIB, WEB_MIB, Settings
+from assur.api.web.settings import LEAST_MIB, WEB_MIB, Settings
+from assur.api.workers.memory import MEMORY_MIB
 from assur.planner.errors import InputError
 
 SEEN = len(os.sched_getaffinity(0))
@@ -70,10 +71,10 @@ def test_what_the_system_says_here_can_be_read() -> None:
 @pytest.mark.parametrize(
     ("has", "workers", "asked", "given"),
     [
-        (None, 2, 0, MOST_MIB),
+        (None, 2, 0, MEMORY_MIB),
         (None, 2, 4096, 4096),
         (WEB_MIB + 2 * 700, 2, 0, 700),
-        (WEB_MIB + 2 * 4000, 2, 0, MOST_MIB),
+        (WEB_MIB + 2 * 4000, 2, 0, MEMORY_MIB),
         (WEB_MIB + 2 * 4000, 2, 3000, 3000),
         (WEB_MIB + LEAST_MIB, 1, 0, LEAST_MIB),
         (WEB_MIB + LEAST_MIB - 1, 1, 0, None),

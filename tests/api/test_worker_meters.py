@@ -14,7 +14,7 @@ from assur.api.telemetry.trace import CURRENT, Trace
 from assur.api.web.settings import Settings
 from assur.api.workers.pool import Workers
 from tests.api.test_metrics import value
-from tests.api.test_workers import until
+from tests.api.test_workers import ran, until
 
 ONE = Settings(workers=1, queue=1, queue_wait_s=30.0, warm_s=60.0, max_tasks=2)
 
@@ -32,19 +32,19 @@ def test_deaths_and_replacements_are_counted_each_by_its_cause() -> None:
             assert workers.readings().ready == workers.readings().total == 1
             trace = Trace("id", "traceparent")
             CURRENT.set(trace)
-            first = await workers.run(os.getpid, (), "a", 30.0)
+            first = await ran(workers, os.getpid, (), "a", 30.0)
             assert trace.queued_s is not None
             assert workers.readings().processes == (first,)
             assert workers.readings().running == workers.readings().waiting == 0
-            assert await workers.run(os.getpid, (), "a", 30.0) == first
+            assert await ran(workers, os.getpid, (), "a", 30.0) == first
             assert restarts(workers, "max_tasks") == 1
-            with pytest.raises(Problem, match="worker-crashed"):
-                await workers.run(os.abort, (), "b", 30.0)
-            assert restarts(workers, "crash") == 1
-            pid = await workers.run(os.getpid, (), "a", 30.0)
+            with pytest.raises(Problem, match="quarantined"):
+                await ran(workers, os.abort, (), "b", 30.0)
+            assert restarts(workers, "crash") == 3
+            pid = await ran(workers, os.getpid, (), "a", 30.0)
             os.kill(pid, signal.SIGKILL)
             await until(lambda: restarts(workers, "idle") == 1)
-            assert restarts(workers, "crash") == 1
+            assert restarts(workers, "crash") == 3
         finally:
             await workers.stop()
 

@@ -705,13 +705,13 @@ BAD_REQUESTS: tuple[Bad, ...] = (
         "carry limit that only rounds",
         put("carry", value={"acceleration_m_s2": 5e-324}),
         "carry.acceleration_m_s2",
-        "at least 1e-12",
+        "at least 1e-06",
     ),
     Bad(
         "scale that only rounds",
         put("robot", "limits", "velocity", value=1e-310),
         "robot.limits.velocity",
-        "at least 1e-12",
+        "at least 1e-06",
     ),
     Bad(
         "approach that is 0 in metres",

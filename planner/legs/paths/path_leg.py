@@ -28,7 +28,7 @@ from assur.planner.legs.straight import CLOSE_ROUNDS, Paced, as_fast, by_law, co
 from assur.planner.legs.tilt import tilt_of
 from assur.planner.legs.tracking import SPACING_S
 from assur.planner.model.outcome import Course
-from assur.planner.model.path import Path
+from assur.planner.model.path import LONGEST_S, Path
 from assur.planner.model.refusal import BeyondRange, Obstacle, Refusal, Spot, Stage, unmoved
 from assur.planner.model.scene import Move, Scene
 from assur.planner.robots.facts import Code, Limits
@@ -101,6 +101,8 @@ def along_path(
     step, mode = point.step, modes[0]
 
     def fit(phase: Phase) -> Trajectory | Refusal:
+        if phase.duration > LONGEST_S:
+            return unmoved(Stage.STRAIGHT, step, Obstacle.NO_PROFILE)
         here = replace(way, phase=phase)
         jumps = Jumps.of(way.path.curve.junctions, (0.0, way.path.length), here.when)
         ends = [state.time, state.time + phase.duration]

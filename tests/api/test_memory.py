@@ -1,0 +1,54 @@
+"""The bound on memory of workers and commands, and what is said beyond it."""
+
+from __future__ import annotations
+
+import re
+import resource
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from assur.api.cli.border import OUT_OF_MEMORY, code_of, within_memory
+from assur.api.web.settings import Settings
+from assur.api.workers.memory import MEMORY_MIB, limited_memory
+
+
+def taken_mib() -> int:
+    """Memory of this process that is its own and may be written, MiB."""
+    (data,) = re.findall(r"^VmData:\s+(\d+) kB$", Path("/proc/self/status").read_text(encoding="utf-8"), re.MULTILINE)
+    return int(data) >> 10
+
+
+def allocate(mib: int) -> int:
+    return len(np.empty(mib << 20, dtype=np.uint8))
+
+
+def test_more_than_the_limit_is_refused_inside_and_not_behind_it() -> None:
+    before = resource.getrlimit(resource.RLIMIT_DATA)
+    with limited_memory(taken_mib() + 512):
+        assert allocate(64) == 64 << 20
+        with pytest.raises(MemoryError):
+            allocate(1024)
+    assert resource.getrlimit(resource.RLIMIT_DATA) == before
+    assert allocate(1024) == 1024 << 20
+
+
+def test_a_narrower_limit_stays() -> None:
+    with limited_memory(taken_mib() + 512), limited_memory(taken_mib() + 4096), pytest.raises(MemoryError):
+        allocate(1024)
+
+
+def test_a_command_without_memory_says_so_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    def command() -> int:
+        raise MemoryError
+
+    assert code_of(within_memory(command)) == OUT_OF_MEMORY == 12
+    said = capsys.readouterr().err
+    assert said.startswith(f"assur: out of memory: this takes more than the {MEMORY_MIB} MiB")
+    assert said.count("\n") == 1
+
+
+def test_a_command_may_take_as_much_as_a_worker() -> None:
+    assert Settings().worker_mib <= MEMORY_MIB
+    assert Settings(worker_memory_mib=MEMORY_MIB).worker_mib == MEMORY_MIB
