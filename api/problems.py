@@ -28,6 +28,8 @@ STATUS = {
     "bad-syntax": (400, "The body is not the JSON that this service accepts"),
     "not-found": (404, "There is nothing here"),
     "job-lost": (404, "There is no such job here"),
+    "mesh-unknown": (404, "There is no mesh with this digest"),
+    "no-mesh-folder": (404, "This service keeps no meshes"),
     "method-not-allowed": (405, "This address does not know that method"),
     "job-not-done": (409, "The job has no answer"),
     "too-slow": (408, "The body did not arrive in time"),
@@ -39,6 +41,8 @@ STATUS = {
     "worker-crashed": (503, "The worker that served this request crashed"),
     "busy": (503, "All workers are busy and the queue is full"),
     "not-ready": (503, "Not every worker has planned yet"),
+    "mesh-folder-fault": (503, "The folder for meshes cannot be written"),
+    "mesh-folder-full": (507, "The folder for meshes is full"),
     "worker-timeout": (504, "The worker did not end within its budget and was killed"),
 }
 """Kinds of problem: the end of `type`, with HTTP status and title."""

@@ -164,8 +164,8 @@ def plan_document(
     try:
         with Deadline(started, request.options.budget_s):
             cell = build(document, request)
-    except OutOfTimeError:
-        return dict(unbuilt(request, time.perf_counter() - started))
+    except OutOfTimeError as late:
+        return dict(unbuilt(request, time.perf_counter() - started, str(late)))
     return plan_cell(cell, certificate=certificate, started=started, watch=watch)
 
 

@@ -18,6 +18,7 @@ from assur.api.version import version
 from assur.api.web import openapi
 from assur.api.web.job_routes import job_bodies, job_router
 from assur.api.web.job_store import JobStore
+from assur.api.web.mesh_routes import mesh_bodies, mesh_router
 from assur.api.web.request_log import RequestLog
 from assur.api.web.routes import bodies, router
 from assur.api.web.service import Service
@@ -60,6 +61,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.include_router(job_bodies)
     app.include_router(job_router)
     app.include_router(studio_router)
+    app.include_router(mesh_bodies)
+    app.include_router(mesh_router)
     app.add_middleware(RequestLog)
     described = app.openapi
 

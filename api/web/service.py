@@ -12,7 +12,7 @@ import logging
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 from assur.api.logs import event
@@ -24,6 +24,7 @@ from assur.api.workers.pool import Place, Workers
 from assur.api.workers.worker_process import Tell
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
+from assur.scenes.meshes.folder import MeshFolder
 from assur.scenes.requests import shipped, stated_budgets
 from assur.scenes.scenarios import with_files
 
@@ -53,9 +54,11 @@ class Service:
     settings: Settings
     workers: Workers = field(init=False)
     readers: asyncio.Semaphore = field(init=False)
+    meshes: MeshFolder | None = field(init=False)
 
     def __post_init__(self) -> None:
-        self.workers = Workers(self.settings, jobs.warm)
+        self.meshes = self.settings.folder_of_meshes()
+        self.workers = Workers(self.settings, partial(jobs.warm, self.meshes))
         self.readers = asyncio.Semaphore(READERS)
 
     async def plan(self, body: bytes, certificate: jobs.Detail) -> jobs.Answer:
@@ -95,6 +98,11 @@ class Service:
     async def ik(self, body: bytes) -> jobs.Answer:
         """The joint positions, or the pose of the tool, that `body` asks for. Raises `Problem`."""
         return await self.do(Order(jobs.ik, (body,), _digest("ik", body), self.settings.check_s))
+
+    async def cover(self, digest: str, form: str, unit: str) -> jobs.Answer:
+        """Has a mesh of the folder covered, and its cuts kept there. Raises `Problem`."""
+        key = _digest("cover", f"{digest} {form} {unit}")
+        return await self.do(Order(jobs.cover, (digest, form, unit), key, self.settings.check_s))
 
     async def parse(self, body: bytes) -> jobs.Answer:
         """What the text of a scenario in `body` means. Raises `Problem`."""

@@ -15,6 +15,7 @@ from typing import Any
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_BUDGET_S
+from assur.scenes.meshes.folder import MeshFolder
 
 PREFIX = "ASSUR_"
 LOG_LEVELS = ("debug", "info", "warning", "error")
@@ -62,6 +63,12 @@ def _host(name: str, text: str) -> str:
     return text
 
 
+def _folder(name: str, text: str) -> str:
+    if "\0" in text or len(text) > 4096:
+        raise InputError(name, text, "the path of a folder")
+    return text
+
+
 def processors() -> int:
     """How many processors this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
@@ -95,6 +102,13 @@ class Settings:
     job_kept_s: float = _setting(600.0, _seconds(1.0, 86_400.0), "time for which a job is kept that has ended")
     connections: int = _setting(512, _whole(1, 100_000), "connections at a time; one more gets 503")
     log_level: str = _setting("info", _one_of(*LOG_LEVELS), "least severity that is logged")
+    mesh_folder: str = _setting(
+        "", _folder, "folder for uploaded meshes and for covers, shared by workers and restarts; empty: none"
+    )
+    mesh_quota_mib: int = _setting(1024, _whole(1, 1 << 20), "room that files in that folder may take")
+    mesh_kept_s: float = _setting(
+        604_800.0, _seconds(1.0, 1e9), "time for which a file in that folder is kept after its last use"
+    )
 
     @staticmethod
     def from_environment(environment: Mapping[str, str] | None = None) -> Settings:
@@ -112,6 +126,19 @@ class Settings:
                 raise InputError(name, given[name], f"one of {', '.join(known)}{meant}")
             values[known[name].name] = known[name].metadata["read"](name, given[name].strip())
         return Settings(**values)
+
+    @staticmethod
+    def of_meshes(environment: Mapping[str, str]) -> Settings:
+        """The settings of the folder for meshes alone, for a program that is no service. Raises `InputError`."""
+        given = {name: text for name, text in environment.items() if name.startswith(f"{PREFIX}MESH_")}
+        return Settings.from_environment(given)
+
+    def folder_of_meshes(self) -> MeshFolder | None:
+        """The folder for meshes; None: there is none. Raises `InputError` where it cannot be read and written."""
+        if not self.mesh_folder:
+            return None
+        quota = self.mesh_quota_mib << 20
+        return MeshFolder.at(self.mesh_folder, quota, self.mesh_kept_s, f"{PREFIX}MESH_FOLDER")
 
     @property
     def processes(self) -> int:
