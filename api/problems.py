@@ -29,6 +29,8 @@ STATUS = {
     "unauthorized": (401, "The request has no key of this service"),
     "not-found": (404, "There is nothing here"),
     "job-lost": (404, "There is no such job here"),
+    "mesh-unknown": (404, "There is no mesh with this digest"),
+    "no-mesh-folder": (404, "This service keeps no meshes"),
     "method-not-allowed": (405, "This address does not know that method"),
     "job-not-done": (409, "The job has no answer"),
     "key-in-use": (409, "The request with this key is still worked on"),
@@ -43,6 +45,8 @@ STATUS = {
     "worker-crashed": (503, "The worker of this request died, and there is no other"),
     "busy": (503, "No worker is free in time"),
     "not-ready": (503, "Not every worker has planned yet"),
+    "mesh-folder-fault": (503, "The folder for meshes cannot be written"),
+    "mesh-folder-full": (507, "The folder for meshes is full"),
     "worker-timeout": (504, "The worker did not end within its budget and was killed"),
 }
 """Kinds of problem: the end of `type`, with HTTP status and title."""

@@ -143,15 +143,18 @@ def _not_planned(cell: Cell, outcome: NotPlanned) -> document.NotPlannedAnswer:
     }
 
 
-def unbuilt(request: RequestDocument, elapsed_s: float) -> document.NotPlannedAnswer:
-    """The answer to a request whose budget was spent before its scene was built."""
+def unbuilt(request: RequestDocument, elapsed_s: float, during: str = "") -> document.NotPlannedAnswer:
+    """The answer to a request whose budget was spent before its scene was built; `during`: what was done then."""
+    advice = "Increase budget_s, or use simpler meshes and fewer bodies."
+    if during:
+        advice = f"Then {during}. What is found of a mesh is kept: send the request again, or increase budget_s."
     return {
         "schema": "assur/1",
         "status": "not_planned",
         "reason": word(Reason.TIMED_OUT),
         "proved": False,
         "sentence": f"The budget of {request.options.budget_s:g} s was spent before the cell was built; nothing was "
-        "tried. Increase budget_s, or use simpler meshes and fewer bodies.",
+        f"tried. {advice}",
         "refusal": None,
         "relaxation": None,
         "tried": [],

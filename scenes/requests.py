@@ -189,8 +189,8 @@ def plan_document(
     try:
         with Deadline(started, request.options.budget_s):
             cell = build(written, request)
-    except OutOfTimeError:
-        return dict(unbuilt(request, time.perf_counter() - started))
+    except OutOfTimeError as late:
+        return dict(unbuilt(request, time.perf_counter() - started, str(late)))
     finally:
         if laps is not None:
             laps.lap("build")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
@@ -10,10 +11,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from assur.api.web.settings import Settings
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_LOG_BYTES, MAX_PLAN_FILE_BYTES
 from assur.scenes.faults import NOTHING, WHOLE, DocumentError, likeliest
 from assur.scenes.files import is_json, json_in, json_of
+from assur.scenes.meshes import use_folder
 from assur.scenes.motion_log import MotionLog, load_log
 from assur.scenes.plan_file import PlanFile, in_request, is_plan_file, plan_file_in
 from assur.scenes.requests import (
@@ -77,6 +80,7 @@ class Target:
     @cached_property
     def cell(self) -> Cell:
         """The request, read, and nothing planned. Raises `InputError`, with the line in a scenario's file."""
+        use_folder(Settings.of_meshes(os.environ).folder_of_meshes())
         with self._located():
             return cell_of(self.request, folder=self.folder)
 

@@ -121,6 +121,13 @@ class Client(_Door):
         """The request of a scenario that the service ships, as a plain document of its own."""
         return self._ask(exchange.loading(name))
 
+    def upload_mesh(
+        self, content: bytes, form: Literal["stl", "obj", "ply", "glb"], unit: Literal["m", "mm", "cm", "in"]
+    ) -> dict[str, Any]:
+        """Sends the bytes of a mesh file, which the service keeps and covers now. The mesh as requests name it from
+        then on, as in ``{"shape": {"mesh": client.upload_mesh(content, "stl", "mm")}}``."""
+        return self._ask(exchange.uploading(content, form, unit))
+
     def health(self) -> Health:
         """Whether the service takes requests; raises `ServiceError` if nothing is there."""
         return self._ask(exchange.health())
@@ -182,6 +189,13 @@ class AsyncClient(_Door):
     async def load(self, name: str) -> dict[str, Any]:
         """The request of a scenario that the service ships, as a plain document of its own."""
         return await self._ask(exchange.loading(name))
+
+    async def upload_mesh(
+        self, content: bytes, form: Literal["stl", "obj", "ply", "glb"], unit: Literal["m", "mm", "cm", "in"]
+    ) -> dict[str, Any]:
+        """Sends the bytes of a mesh file, which the service keeps and covers now. The mesh as requests name it from
+        then on, as in ``{"shape": {"mesh": client.upload_mesh(content, "stl", "mm")}}``."""
+        return await self._ask(exchange.uploading(content, form, unit))
 
     async def health(self) -> Health:
         """Whether the service takes requests; raises `ServiceError` if nothing is there."""

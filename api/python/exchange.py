@@ -3,6 +3,7 @@ awaited. Knows no library of HTTP."""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 from collections.abc import Callable, Mapping
@@ -20,7 +21,7 @@ T = TypeVar("T")
 Parts = tuple[str | int, ...]
 
 PROBLEM = "application/problem+json"
-OK, NOT_READY = 200, 503
+OK, CREATED, NOT_READY = 200, 201, 503
 
 
 @dataclass(frozen=True)
@@ -38,16 +39,17 @@ class Exchange(Generic[T]):
     """A request of HTTP, and what is made of the document that answers it. `accepted`: further kinds of problem that
     are answers, too."""
 
-    method: Literal["GET", "POST"]
+    method: Literal["GET", "POST", "PUT"]
     path: str
     made: Callable[[Any], T]
     body: bytes | None = None
     parameters: tuple[tuple[str, str], ...] = ()
     accepted: frozenset[str] = frozenset()
+    media_type: str = "application/json"
 
     @property
     def headers(self) -> dict[str, str]:
-        return {} if self.body is None else {"Content-Type": "application/json"}
+        return {} if self.body is None else {"Content-Type": self.media_type}
 
     def result(self, url: str, status: int, headers: Mapping[str, str], content: bytes) -> T:
         """What the response means. Raises `ProblemError` for a problem, `ServiceError` for what is none of ours."""
@@ -55,7 +57,7 @@ class Exchange(Generic[T]):
             document = json.loads(content)
         except ValueError as error:
             raise ServiceError(url, _stranger(status, headers)) from error
-        if status == OK:
+        if status in (OK, CREATED):
             return self.made(document)
         kind = document.get("type") if isinstance(document, dict) else None
         if not (isinstance(kind, str) and kind.startswith(KIND)):
@@ -100,6 +102,14 @@ def loading(name: str) -> Exchange[dict[str, Any]]:
     from urllib.parse import quote
 
     return Exchange("GET", f"v1/scenes/{quote(name, safe='')}", _same)
+
+
+def uploading(content: bytes, form: str, unit: str) -> Exchange[dict[str, Any]]:
+    """A mesh is sent, and covered at once; what comes of it is the mesh as a request names it."""
+    digest = hashlib.sha256(content).hexdigest()
+    mesh = {"sha256": digest, "format": form, "unit": unit}
+    how = (("format", form), ("unit", unit))
+    return Exchange("PUT", f"v1/meshes/{digest}", lambda _: mesh, content, how, media_type="application/octet-stream")
 
 
 def health() -> Exchange[Health]:

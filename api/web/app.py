@@ -20,6 +20,7 @@ from assur.api.web.clients import Clients, KnowsClients
 from assur.api.web.idempotency import Idempotency
 from assur.api.web.job_routes import job_bodies, job_router
 from assur.api.web.job_store import JobStore
+from assur.api.web.mesh_routes import mesh_bodies, mesh_router
 from assur.api.web.operation_routes import operation_router, watch
 from assur.api.web.representation import Representation
 from assur.api.web.request_log import FACTS, RequestLog
@@ -65,6 +66,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.include_router(job_bodies)
     app.include_router(job_router)
     app.include_router(studio_router)
+    app.include_router(mesh_bodies)
+    app.include_router(mesh_router)
     app.include_router(operation_router)
     app.add_middleware(Representation)
     app.add_middleware(KnowsClients, clients=clients)

@@ -21,6 +21,10 @@ def _require_json(request: Request) -> None:
     if len(declared) != 1 or not _JSON.fullmatch(declared[0]):
         error = FieldError("Content-Type", "absent" if not declared else "another type", "application/json")
         raise Problem("wrong-media-type", "Send Content-Type: application/json, in UTF-8.", (error,))
+
+
+def _require_plain(request: Request) -> None:
+    """Raises the problem of a body that is compressed."""
     if request.headers.get("content-encoding", "identity").lower() != "identity":
         error = FieldError("Content-Encoding", "an encoding", "none")
         raise Problem("wrong-media-type", "Send the body as it is, not compressed.", (error,))
@@ -31,13 +35,17 @@ def _too_large(limit: int) -> Problem:
     return Problem("too-large", f"A body here has at most {limit} bytes.", (error,))
 
 
-async def read_body(request: Request, limit: int, within_s: float, readers: asyncio.Semaphore) -> bytes:
-    """The body of `request`.
+async def read_body(
+    request: Request, limit: int, within_s: float, readers: asyncio.Semaphore, *, json: bool = True
+) -> bytes:
+    """The body of `request`. `json`: it must be declared to be that; else it may be of any type.
 
     Raises `Problem`: wrong-media-type; too-large, before reading where the length is declared; too-slow; busy when
     `readers` is used up.
     """
-    _require_json(request)
+    if json:
+        _require_json(request)
+    _require_plain(request)
     length = request.headers.get("content-length", "0")
     if not (length.isascii() and length.isdigit() and len(length) <= 15 and int(length) <= limit):
         raise _too_large(limit)

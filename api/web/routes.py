@@ -111,8 +111,8 @@ async def _gone(request: Request) -> None:
         pass
 
 
-async def read_admitted(request: Request, limit: int, *parameters: str) -> bytes:
-    """The body, unless the queue is full already: what would be turned away need not be read.
+async def read_admitted(request: Request, limit: int, *parameters: str, json: bool = True) -> bytes:
+    """The body, unless the queue is full already: what would be turned away need not be read. `json`: as `read_body`.
 
     Raises `Problem`, also for a parameter of the address that is not one of `parameters`.
     """
@@ -122,7 +122,7 @@ async def read_admitted(request: Request, limit: int, *parameters: str) -> bytes
     service = service_of(request)
     service.workers.require_room(client_of(request))
     with service.meters.reading():
-        return await read_body(request, limit, service.settings.body_s, service.readers)
+        return await read_body(request, limit, service.settings.body_s, service.readers, json=json)
 
 
 @bodies.post(

@@ -28,9 +28,10 @@ from assur.api.workers import jobs
 from assur.api.workers.client import Client, Demand, Ticket
 from assur.api.workers.pool import Work, Workers
 from assur.api.workers.traced import Traced, warm
-from assur.api.workers.worker_process import Line, Tell
+from assur.api.workers.worker_process import Tell
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
+from assur.scenes.meshes.folder import MeshFolder
 from assur.scenes.requests import shipped, stated_budgets
 from assur.scenes.scenarios import with_files
 
@@ -58,12 +59,14 @@ class Service:
     results: Results = field(init=False)
     workers: Workers = field(init=False)
     readers: asyncio.Semaphore = field(init=False)
+    meshes: MeshFolder | None = field(init=False)
 
     def __post_init__(self) -> None:
         self.meters = Meters()
+        self.meshes = self.settings.folder_of_meshes()
         build = to_json(version_document(self.settings.commit)).decode()
         self.results = Results(self.settings.results_mib << 20, build, self.meters)
-        self.workers = Workers(self.settings, partial(warm, self.settings.log_level), self.meters)
+        self.workers = Workers(self.settings, partial(warm, self.settings.log_level, self.meshes), self.meters)
         self.readers = asyncio.Semaphore(READERS)
 
     async def plan(self, body: bytes, certificate: jobs.Detail, client: Client) -> jobs.Answer:
@@ -82,37 +85,41 @@ class Service:
 
     async def check(self, body: bytes, client: Client) -> jobs.Answer:
         """The checker's verdict on the request and plan in `body`. Raises `Problem`."""
-        return await self._quick(jobs.check, body, client)
+        return await self._quick(jobs.check, client, body)
 
     async def view(self, body: bytes, client: Client) -> jobs.Answer:
         """What a viewer plays of the request and plan in `body`. Raises `Problem`."""
-        return await self._quick(jobs.view, body, client)
+        return await self._quick(jobs.view, client, body)
 
     async def report(self, body: bytes, client: Client) -> jobs.Answer:
         """The page that plays the request and plan in `body`. Raises `Problem`."""
-        return await self._quick(jobs.report, body, client)
+        return await self._quick(jobs.report, client, body)
 
     async def export(self, body: bytes, client: Client) -> jobs.Answer:
         """The plan in `body` as a controller's file. Raises `Problem`."""
-        return await self._quick(jobs.export, body, client)
+        return await self._quick(jobs.export, client, body)
 
     async def check_trajectory(self, body: bytes, client: Client) -> jobs.Answer:
         """The verdict on the trajectory in `body`. Raises `Problem`."""
-        return await self._quick(jobs.check_trajectory, body, client)
+        return await self._quick(jobs.check_trajectory, client, body)
 
     async def ik(self, body: bytes, client: Client) -> jobs.Answer:
         """The joint positions, or the pose of the tool, that `body` asks for. Raises `Problem`."""
-        return await self._quick(jobs.ik, body, client)
+        return await self._quick(jobs.ik, client, body)
+
+    async def cover(self, digest: str, form: str, unit: str, client: Client) -> jobs.Answer:
+        """Has a mesh of the folder covered, and its cuts kept there. Raises `Problem`."""
+        return await self._quick(jobs.cover, client, digest, form, unit)
 
     async def parse(self, body: bytes, client: Client) -> jobs.Answer:
         """What the text of a scenario in `body` means. Raises `Problem`."""
-        return await self._quick(jobs.parse, body, client)
+        return await self._quick(jobs.parse, client, body)
 
-    async def _quick(self, job: Callable[[bytes, Line], jobs.Reply], body: bytes, client: Client) -> jobs.Answer:
-        """The answer of a job that has no budget of its own, for its work is bounded by its body."""
+    async def _quick(self, job: Callable[..., jobs.Reply], client: Client, *asked: bytes | str) -> jobs.Answer:
+        """The answer of a job that has no budget of its own, for its work is bounded by what is asked."""
         kind = job.__name__
         demand = Demand(client, self.settings.check_s, short=True, kind=kind)
-        return await self.do(Order(Work(job, (body,), _digest(kind, body), in_touch=True), demand))
+        return await self.do(Order(Work(job, asked, _digest(kind, *asked), in_touch=True), demand))
 
     def _read(self, body: bytes, certificate: jobs.Detail, client: Client, *, parsed: bool = False) -> Order:
         document = (None if parsed else self._budgets(body)) or jobs.request_in(body)
@@ -202,6 +209,6 @@ def _scenario_name(document: dict[str, Any]) -> str:
     return document["scenario"]
 
 
-def _digest(kind: str, content: str | bytes) -> str:
-    data = content.encode() if isinstance(content, str) else content
-    return hashlib.sha256(kind.encode() + b"\n" + data).hexdigest()
+def _digest(kind: str, *asked: str | bytes) -> str:
+    data = [each.encode() if isinstance(each, str) else each for each in asked]
+    return hashlib.sha256(b"\n".join((kind.encode(), *data))).hexdigest()

@@ -19,6 +19,7 @@ from assur.api.container import memory_mib, processors
 from assur.api.workers.memory import MEMORY_MIB
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_BUDGET_S
+from assur.scenes.meshes.folder import MeshFolder
 
 PREFIX = "ASSUR_"
 LOG_LEVELS = ("debug", "info", "warning", "error")
@@ -97,6 +98,12 @@ def _networks(name: str, text: str) -> str:
     return text
 
 
+def _folder(name: str, text: str) -> str:
+    if "\0" in text or len(text) > 4096:
+        raise InputError(name, text, "the path of a folder")
+    return text
+
+
 def _setting(default: Any, read: Callable[[str, str], Any], about: str) -> Any:
     return field(default=default, metadata={"read": read, "about": about})
 
@@ -152,6 +159,13 @@ class Settings:
     )
     results_mib: int = _setting(0, _whole(0, 1 << 20), "memory for answers that are kept and given again; 0: none is")
     commit: str = _setting("", _mark, "what /v1/version says of where the build comes from")
+    mesh_folder: str = _setting(
+        "", _folder, "folder for uploaded meshes and for covers, shared by workers and restarts; empty: none"
+    )
+    mesh_quota_mib: int = _setting(1024, _whole(1, 1 << 20), "room that files in that folder may take")
+    mesh_kept_s: float = _setting(
+        604_800.0, _seconds(1.0, 1e9), "time for which a file in that folder is kept after its last use"
+    )
 
     @staticmethod
     def from_environment(environment: Mapping[str, str] | None = None) -> Settings:
@@ -169,6 +183,19 @@ class Settings:
                 raise InputError(name, given[name], f"one of {', '.join(known)}{meant}")
             values[known[name].name] = known[name].metadata["read"](name, given[name].strip())
         return Settings(**values)
+
+    @staticmethod
+    def of_meshes(environment: Mapping[str, str]) -> Settings:
+        """The settings of the folder for meshes alone, for a program that is no service. Raises `InputError`."""
+        given = {name: text for name, text in environment.items() if name.startswith(f"{PREFIX}MESH_")}
+        return Settings.from_environment(given)
+
+    def folder_of_meshes(self) -> MeshFolder | None:
+        """The folder for meshes; None: there is none. Raises `InputError` where it cannot be read and written."""
+        if not self.mesh_folder:
+            return None
+        quota = self.mesh_quota_mib << 20
+        return MeshFolder.at(self.mesh_folder, quota, self.mesh_kept_s, f"{PREFIX}MESH_FOLDER")
 
     @property
     def processes(self) -> int:

@@ -22,6 +22,8 @@ from assur.planner.model.progress import Progress
 from assur.planner.model.stopwatch import Stopwatch
 from assur.scenes.exports.doors import check_trajectory_document, export_document
 from assur.scenes.faults import NOTHING
+from assur.scenes.meshes import covered, use_folder
+from assur.scenes.meshes.folder import MeshFolder
 from assur.scenes.plan_file import FORM, TEXTS
 from assur.scenes.requests import (
     cell_of,
@@ -37,6 +39,7 @@ from assur.scenes.requests import (
 )
 from assur.scenes.scenarios import CELLS, scenario_in, with_files
 from assur.scenes.schema.request import RequestDocument
+from assur.scenes.schema.shapes import MeshDocument
 
 Detail = Literal["full", "digest"]
 
@@ -91,11 +94,13 @@ BOTH_AND = 'an object with the fields "request" and "plan"'
 Reply = Answer | Problem | Fault
 
 
-def warm() -> str:
+def warm(meshes: MeshFolder | None = None) -> str:
     """Plans and checks `FIRST_PLAN`, so that libraries are loaded and the first request is as fast as the next.
+    `meshes`: the folder for meshes of this worker.
 
     Raises `FaultError` when it is not planned: this machine cannot serve.
     """
+    use_folder(meshes)
     answer = plan_document(FIRST_PLAN)
     if answer["status"] != "planned" or not check_document(FIRST_PLAN, answer)["ok"]:
         raise FaultError(f"the first plan of a worker came out as {answer['status']}")
@@ -192,6 +197,17 @@ def report(body: bytes, line: Line) -> Reply:
         return Answer(page.encode(), "reported", stages=laps.seconds)
 
     return _bordered(work)
+
+
+def cover(digest: str, form: str, unit: str, line: Line) -> Reply:
+    """How the mesh with this digest in the folder is covered: its cover is found, and its cuts are kept."""
+
+    def work() -> dict[str, Any]:
+        line.means(lambda: f"cover {digest} {form} {unit}")
+        found = covered(MeshDocument.model_validate({"sha256": digest, "format": form, "unit": unit}))
+        return {"status": "covered", "pieces": len(found.pieces), "excess_m": found.excess_m}
+
+    return _guarded(work, "status", Stopwatch(), "build")
 
 
 def ik(body: bytes, line: Line) -> Reply:

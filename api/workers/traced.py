@@ -8,6 +8,7 @@ from typing import Any
 
 from assur.api import logs
 from assur.api.workers import jobs
+from assur.scenes.meshes.folder import MeshFolder
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +23,8 @@ class Traced:
             return self.job(*arguments)
 
 
-def warm(level: str) -> str:
-    """What a new worker does first: its log is led to standard error from `level` on, and it plans once."""
+def warm(level: str, meshes: MeshFolder | None = None) -> str:
+    """What a new worker does first: its log is led to standard error from `level` on, and it plans once. `meshes`: the
+    folder for meshes."""
     logs.configure_worker(level)
-    return jobs.warm()
+    return jobs.warm(meshes)

@@ -11,23 +11,43 @@ from typing import TYPE_CHECKING
 from assur.planner.errors import FaultError, InputError
 from assur.scenes.bounds import MAX_MESH_BYTES
 from assur.scenes.meshes.assets import asset
+from assur.scenes.meshes.covers import Covers, Key
+from assur.scenes.meshes.folder import MeshFolder
 from assur.scenes.schema.shapes import MeshDocument
 
 if TYPE_CHECKING:
     from assur.scenes.meshes.cover import Cover
 
-KEPT = 32
-"""Covers that are kept, by the content of their files: a cell shows few different meshes, often."""
+_FOLDER: dict[str, MeshFolder | None] = {"of this process": None}
+
+
+def use_folder(folder: MeshFolder | None) -> None:
+    """From now on meshes by digest, and cuts of covers, are looked for in `folder` (None: nowhere) in this process."""
+    _FOLDER["of this process"] = folder
+    process_covers().folder = folder
+
+
+@lru_cache(maxsize=1)
+def process_covers() -> Covers:
+    """The covers of this process; clearing this cache forgets them."""
+    return Covers(folder=_FOLDER["of this process"])
 
 
 def covered(mesh: MeshDocument) -> Cover:
-    """The cover of a mesh by its asset's name or its inline bytes; the same content is read and covered once.
+    """The cover of a mesh by its asset's name, its inline bytes, or the digest of a file in the folder of this process;
+    the same content is read and covered once.
 
-    Raises `InputError` naming mesh.asset, mesh.data, mesh.format or mesh.unit.
+    Raises `InputError` naming mesh.asset, mesh.data, mesh.sha256, mesh.format or mesh.unit, and `OutOfTimeError` where
+    the deadline in force passed before the cover was finished.
     """
     if mesh.asset is not None:
-        return _cover(asset(mesh.asset), "stl", mesh.unit)
-    if mesh.data is None or mesh.format is None:
+        return process_covers().cover(Key(_asset_digest(mesh.asset), "stl", mesh.unit), asset(mesh.asset))
+    if mesh.format is None:
+        raise FaultError("a mesh without a format passed its model")
+    if mesh.sha256 is not None:
+        key = Key(mesh.sha256, mesh.format, mesh.unit)
+        return process_covers().known(key) or process_covers().cover(key, _uploaded(mesh.sha256))
+    if mesh.data is None:
         raise FaultError("a mesh without content passed its model")
     try:
         content = base64.b64decode(mesh.data, validate=True)
@@ -35,34 +55,21 @@ def covered(mesh: MeshDocument) -> Cover:
         raise InputError("mesh.data", mesh.data[:40], "base64") from None
     if len(content) > MAX_MESH_BYTES:
         raise InputError("mesh.data", f"{len(content)} bytes", f"up to {MAX_MESH_BYTES} bytes")
-    return _cover(content, mesh.format, mesh.unit)
+    return process_covers().cover(Key(hashlib.sha256(content).hexdigest(), mesh.format, mesh.unit), content)
 
 
-class _Content:
-    """A file's bytes, equal to another's when their SHA-256 are; the bytes themselves are not kept by the cache."""
-
-    def __init__(self, content: bytes) -> None:
-        self.content: bytes | None = content
-        self.digest = hashlib.sha256(content).digest()
-
-    def __hash__(self) -> int:
-        return hash(self.digest)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Content) and self.digest == other.digest
+def _uploaded(digest: str) -> bytes:
+    folder = process_covers().folder
+    if folder is None:
+        allowed = "a mesh as data, asset or file: meshes by digest need a folder, which ASSUR_MESH_FOLDER names"
+        raise InputError("mesh.sha256", digest, allowed)
+    content = folder.mesh(digest)
+    if content is None:
+        allowed = f"the SHA-256 of a mesh that is known here: send its file with PUT /v1/meshes/{digest} first"
+        raise InputError("mesh.sha256", digest, allowed)
+    return content
 
 
-def _cover(content: bytes, form: str, unit: str) -> Cover:
-    return _cover_of(_Content(content), form, unit)
-
-
-@lru_cache(maxsize=KEPT)
-def _cover_of(content: _Content, form: str, unit: str) -> Cover:
-    from assur.scenes.meshes.cover import cover
-    from assur.scenes.meshes.load import load
-
-    if content.content is None:
-        raise FaultError("a mesh's bytes were dropped before it was read")
-    surface = load(content.content, form, unit)
-    content.content = None
-    return cover(surface)
+@lru_cache(maxsize=16)
+def _asset_digest(name: str) -> str:
+    return hashlib.sha256(asset(name)).hexdigest()

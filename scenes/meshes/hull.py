@@ -28,7 +28,7 @@ PLANES = (8, 12, 18, 26, 40, 60)
 
 def hull_of(points: FloatArray) -> Hull:
     """A convex polyhedron, outward faces, that contains `points` (k, 3), m, k >= 1."""
-    thick = thickened(points)
+    thick = thickened(distinct(points)[0])
     corners, faces, equations = _quick(thick)
     if len(corners) > MAX_CORNERS:
         corners, faces, equations = _quick(_around(corners, equations, MAX_PLANES))
@@ -37,6 +37,16 @@ def hull_of(points: FloatArray) -> Hull:
         if not _contains(equations, thick):
             raise FaultError("a box does not contain the points that it was drawn around")
     return Hull(corners, faces)
+
+
+def distinct(points: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Points (m, 3), each once, in the order of z, y, x; and which of them each of `points` (k, 3) is, (k,)."""
+    order = np.lexsort(points.T)
+    ordered = points[order]
+    new = np.concatenate([[True], (ordered[1:] != ordered[:-1]).any(1)])
+    which = np.empty(len(points), dtype=np.int64)
+    which[order] = np.cumsum(new) - 1
+    return ordered[new], which
 
 
 def rough_hull(points: FloatArray) -> Hull:

@@ -14,32 +14,47 @@ NEAR_M = 1e-6
 """Boxes of two hulls that are further apart than this do not touch, m."""
 
 
+class _Group:
+    """Hulls that are convex together: their numbers, corners, and the volume of their hull."""
+
+    def __init__(self, members: list[int], corners: FloatArray) -> None:
+        self.members, self.corners = members, corners
+        self.volume = volume_of_hull(corners)
+        self.low, self.high = corners.min(0), corners.max(0)
+
+
 def convex_groups(hulls: list[Hull]) -> list[list[int]]:
     """The numbers of the hulls in groups, each of which its own hull hardly exceeds; first come, first served."""
-    groups = [[i] for i in range(len(hulls))]
-    corners = [hull.vertices for hull in hulls]
-    volumes = [volume_of_hull(points) for points in corners]
+    groups = [_Group([i], hull.vertices) for i, hull in enumerate(hulls)]
+    asked: set[tuple[_Group, _Group]] = set()
     i = 0
     while i < len(groups):
-        partner = _partner(corners, volumes, i)
+        partner = _partner(groups, i, asked)
         if partner is None:
             i += 1
             continue
-        groups[i] += groups.pop(partner)
-        corners[i] = np.concatenate([corners[i], corners.pop(partner)])
-        del volumes[partner]
-        volumes[i] = volume_of_hull(corners[i])
+        one, other = groups[i], groups.pop(partner)
+        groups[i] = _Group(one.members + other.members, np.concatenate([one.corners, other.corners]))
         i = 0
-    return groups
+    return [group.members for group in groups]
 
 
-def _partner(corners: list[FloatArray], volumes: list[float], i: int) -> int | None:
-    one = corners[i]
-    for k in range(i + 1, len(corners)):
-        other = corners[k]
-        apart = np.maximum(one.min(0) - other.max(0), other.min(0) - one.max(0)).max()
-        if apart > NEAR_M or len(one) + len(other) > MAX_CORNERS:
-            continue
-        if volume_of_hull(np.concatenate([one, other])) <= (volumes[i] + volumes[k]) * (1 + GAIN_SHARE):
-            return k
+def _partner(groups: list[_Group], i: int, asked: set[tuple[_Group, _Group]]) -> int | None:
+    """The next group that is convex together with group i. Those in `asked` were found not to be, and are not asked
+    again."""
+    for k in range(i + 1, len(groups)):
+        pair = groups[i], groups[k]
+        if pair not in asked:
+            if _convex(*pair):
+                return k
+            asked.add(pair)
     return None
+
+
+def _convex(one: _Group, other: _Group) -> bool:
+    if np.maximum(one.low - other.high, other.low - one.high).max() > NEAR_M:
+        return False
+    if len(one.corners) + len(other.corners) > MAX_CORNERS:
+        return False
+    together = volume_of_hull(np.concatenate([one.corners, other.corners]))
+    return together <= (one.volume + other.volume) * (1 + GAIN_SHARE)

@@ -7,6 +7,7 @@ import numpy as np
 from assur.planner.errors import FaultError, InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
+from assur.planner.model.deadline import OutOfTimeError
 from assur.planner.model.scene import WORLD, WorldBody
 from assur.scenes.faults import DocumentError, Refused, as_written, choices, dotted, fault, within
 from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
@@ -48,8 +49,12 @@ def _mesh(name: str, mesh: MeshDocument) -> Body:
         raise Refused("an asset's name or inline data: a request never names a file", "file")
     if mesh.data is not None and mesh.format is None:
         raise Refused("stl, obj, ply or glb, which must be given with data", "format")
+    if mesh.sha256 is not None and mesh.format is None:
+        raise Refused("stl, obj, ply or glb, which must be given with sha256", "format")
     try:
         cover = covered(mesh)
+    except OutOfTimeError as late:
+        raise OutOfTimeError(f'the mesh of "{name}" {late}') from late
     except InputError as error:
         raise MeshRefused(mesh.unit, error) from error
     return Body(name, cover.pieces, cover.surface)

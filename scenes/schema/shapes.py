@@ -21,6 +21,7 @@ from assur.scenes.schema.model import (
 
 Axis = Literal["x", "y", "z"]
 MeshFormat = Literal["stl", "obj", "ply", "glb"]
+MeshUnit = Literal["m", "mm", "cm", "in"]
 
 
 class BoxDocument(Document):
@@ -52,18 +53,20 @@ class CapsuleDocument(Document):
 
 
 class MeshDocument(Document):
-    """A closed surface: a shipped asset by name, or a file's bytes in base64 with its format. The unit is mandatory.
+    """A closed surface: a shipped asset by name, a file's bytes in base64 with its format, or the SHA-256 of a file
+    that was uploaded (`PUT /v1/meshes/{sha256}`) with its format. The unit is mandatory.
 
     `file` is for scenario files on the command line only, whose loader puts the bytes in its place.
     """
 
-    exactly_one: ClassVar[tuple[Group, ...]] = (("asset", "data", "file"),)
+    exactly_one: ClassVar[tuple[Group, ...]] = (("asset", "data", "file", "sha256"),)
 
     asset: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,63}$")] | None = None
     data: Annotated[str, Field(max_length=bounds.MAX_MESH_TEXT)] | None = None
     file: Annotated[str, Field(min_length=1, max_length=255)] | None = None
+    sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = None
     format: MeshFormat | None = None
-    unit: Literal["m", "mm", "cm", "in"]
+    unit: MeshUnit
 
 
 class ShapeDocument(Document):

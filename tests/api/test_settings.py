@@ -51,6 +51,9 @@ EACH: dict[str, tuple[str, object]] = {
     "replica": ("a-1", "a-1"),
     "results_mib": ("64", 64),
     "commit": ("0a1b2c", "0a1b2c"),
+    "mesh_folder": ("/var/meshes", "/var/meshes"),
+    "mesh_quota_mib": ("16", 16),
+    "mesh_kept_s": ("60", 60.0),
 }
 """For each setting a text, and what it says; none of them is the default."""
 

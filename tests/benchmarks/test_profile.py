@@ -51,10 +51,10 @@ def test_caches_are_emptied_that_may_hold_something_of_a_request() -> None:
     }
     door = planner()
     scene_of(request)
-    assert meshes._cover_of.cache_info().currsize > 0
+    assert meshes.process_covers.cache_info().currsize > 0
     spelt = units.si_key.cache_info().currsize
     assert spelt > 0
     assert door.forget() > 0
-    assert meshes._cover_of.cache_info().currsize == 0
+    assert meshes.process_covers.cache_info().currsize == 0
     assert units.si_key.cache_info().currsize == spelt
     assert all(find_spec(f"assur.scenes.{name}") for name in KEEP)

@@ -1,0 +1,163 @@
+"""Meshes by the SHA-256 of their files: sent once, and named by requests from then on."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import json
+import logging
+import time
+from datetime import UTC, datetime
+from typing import Any, get_args
+
+from fastapi import APIRouter, Request
+from starlette.responses import Response
+from typing_extensions import TypedDict
+
+from assur.api.documents import to_json
+from assur.api.logs import event
+from assur.api.problems import FieldError, Problem
+from assur.api.web.clients import client_of
+from assur.api.web.openapi import problems
+from assur.api.web.request_log import FACTS
+from assur.api.web.routes import BODY_PROBLEMS, WORKER_PROBLEMS, Direct, read_admitted, service_of
+from assur.planner.errors import InputError
+from assur.scenes.bounds import MAX_MESH_BYTES
+from assur.scenes.meshes.folder import DIGEST, FolderError, Kept, MeshFolder
+from assur.scenes.schema.shapes import MeshFormat, MeshUnit
+
+mesh_router, mesh_bodies = APIRouter(), APIRouter(route_class=Direct)
+
+FOLDER_PROBLEMS = ("no-mesh-folder", "mesh-folder-full", "mesh-folder-fault")
+
+
+class Covered(TypedDict):
+    """How a mesh is covered: convex pieces, and how far they reach out of it, m."""
+
+    pieces: int
+    excess_m: float
+
+
+class KeptMesh(TypedDict):
+    """A mesh that is known: its size, until when it is kept if no request names it, and its cover, if one was asked."""
+
+    sha256: str
+    bytes: int
+    expires: str
+    cover: Covered | None
+
+
+SHA256 = {
+    "name": "sha256",
+    "in": "path",
+    "required": True,
+    "description": "SHA-256 of the file's bytes",
+    "schema": {"type": "string", "pattern": "^[0-9a-f]{64}$"},
+}
+PUT_BODY: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
+    },
+    "parameters": [
+        SHA256,
+        {
+            "name": "format",
+            "in": "query",
+            "description": "with `unit`: have the mesh covered now, as requests will name it",
+            "schema": {"type": "string", "enum": list(get_args(MeshFormat))},
+        },
+        {
+            "name": "unit",
+            "in": "query",
+            "description": "with `format`: have the mesh covered now, as requests will name it",
+            "schema": {"type": "string", "enum": list(get_args(MeshUnit))},
+        },
+    ],
+}
+
+
+@mesh_bodies.put(
+    "/v1/meshes/{sha256}",
+    summary="Keep a mesh file, so that requests can name it by its digest",
+    response_model=KeptMesh,
+    responses={
+        201: {"model": KeptMesh, "description": "It is new here"},
+        **problems(*BODY_PROBLEMS, *WORKER_PROBLEMS, *FOLDER_PROBLEMS),
+    },
+    openapi_extra=PUT_BODY,
+)
+async def put_mesh(request: Request) -> Response:
+    folder, digest = _folder(request), _digest(request)
+    how = _covering(request)
+    content = await read_admitted(request, MAX_MESH_BYTES, "format", "unit", json=False)
+    is_new = await asyncio.to_thread(_put, folder, digest, content)
+    cover = None
+    if how is not None:
+        told = json.loads((await service_of(request).cover(digest, *how, client_of(request))).body)
+        cover = Covered(pieces=told["pieces"], excess_m=told["excess_m"])
+    request.scope[FACTS]["outcome"] = "new mesh" if is_new else "known mesh"
+    return _response(digest, folder.known(digest), cover, 201 if is_new else 200)
+
+
+@mesh_router.get(
+    "/v1/meshes/{sha256}",
+    summary="Whether a mesh is known, its size, and until when it is kept",
+    response_model=KeptMesh,
+    responses=problems("mesh-unknown", "no-mesh-folder", "bad-input"),
+    openapi_extra={"parameters": [SHA256]},
+)
+@mesh_router.head("/v1/meshes/{sha256}", include_in_schema=False)
+def show_mesh(request: Request) -> Response:
+    folder, digest = _folder(request), _digest(request)
+    return _response(digest, folder.known(digest), None, 200)
+
+
+def _folder(request: Request) -> MeshFolder:
+    folder = service_of(request).meshes
+    if folder is None:
+        raise Problem("no-mesh-folder", "Send meshes as data in requests. An operator may set ASSUR_MESH_FOLDER.")
+    return folder
+
+
+def _digest(request: Request) -> str:
+    digest = str(request.path_params["sha256"])
+    if not DIGEST.fullmatch(digest):
+        raise Problem.of_input(InputError("sha256", digest, "64 hexadecimal digits, small letters"))
+    return digest
+
+
+def _covering(request: Request) -> tuple[str, str] | None:
+    """Format and unit with which a mesh is to be covered; None: later. Raises `Problem`."""
+    given = {name: request.query_params.get(name) for name in ("format", "unit")}
+    if given == {"format": None, "unit": None}:
+        return None
+    found: list[str] = []
+    for name, allowed in (("format", get_args(MeshFormat)), ("unit", get_args(MeshUnit))):
+        value = given[name]
+        if value is None or value not in allowed:
+            raise Problem.of_input(InputError(name, value, f"one of {', '.join(allowed)}, with format and unit both"))
+        found.append(value)
+    return found[0], found[1]
+
+
+def _put(folder: MeshFolder, digest: str, content: bytes) -> bool:
+    """Keeps the bytes; whether they are new. Raises `Problem`."""
+    there = hashlib.sha256(content).hexdigest()
+    if there != digest:
+        error = FieldError("body", f"{len(content)} bytes with the SHA-256 {there}", f"bytes with the SHA-256 {digest}")
+        raise Problem("bad-input", str(error), (error,))
+    try:
+        return folder.put_mesh(digest, content)
+    except FolderError as error:
+        event("a mesh is not kept", logging.ERROR, why=str(error))
+        kind = "mesh-folder-full" if error.full else "mesh-folder-fault"
+        raise Problem(kind, f"{error}. Send the mesh as data in requests meanwhile.") from error
+
+
+def _response(digest: str, kept: Kept | None, cover: Covered | None, status: int) -> Response:
+    if kept is None:
+        raise Problem("mesh-unknown", f"Send the file with PUT /v1/meshes/{digest}.")
+    until = datetime.fromtimestamp(time.time() + kept.left_s, UTC).isoformat(timespec="seconds")
+    document = KeptMesh(sha256=digest, bytes=kept.size, expires=until, cover=cover)
+    return Response(to_json(dict(document)), status, media_type="application/json")
