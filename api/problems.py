@@ -30,7 +30,7 @@ STATUS = {
     "job-lost": (404, "There is no such job here"),
     "method-not-allowed": (405, "This address does not know that method"),
     "job-not-done": (409, "The job has no answer"),
-    "too-slow": (408, "The body did not arrive in time"),
+    "too-slow": (408, "The request did not arrive in time"),
     "too-large": (413, "The body is too large"),
     "wrong-media-type": (415, "The body is not declared to be JSON"),
     "bad-input": (422, "A field holds a value that is not allowed"),
@@ -39,6 +39,7 @@ STATUS = {
     "worker-crashed": (503, "The worker that served this request crashed"),
     "busy": (503, "All workers are busy and the queue is full"),
     "not-ready": (503, "Not every worker has planned yet"),
+    "draining": (503, "The service is about to stop"),
     "worker-timeout": (504, "The worker did not end within its budget and was killed"),
 }
 """Kinds of problem: the end of `type`, with HTTP status and title."""

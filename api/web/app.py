@@ -16,6 +16,7 @@ from assur.api.documents import problem_response
 from assur.api.problems import Problem
 from assur.api.version import version
 from assur.api.web import openapi
+from assur.api.web.connections import Connections, Gate
 from assur.api.web.job_routes import job_bodies, job_router
 from assur.api.web.job_store import JobStore
 from assur.api.web.request_log import RequestLog
@@ -55,11 +56,13 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         },
     )
     app.state.service, app.state.jobs = service, jobs
+    app.state.connections = Connections(service.settings)
     app.include_router(bodies)
     app.include_router(router)
     app.include_router(job_bodies)
     app.include_router(job_router)
     app.include_router(studio_router)
+    app.add_middleware(Gate, connections=app.state.connections)
     app.add_middleware(RequestLog)
     described = app.openapi
 

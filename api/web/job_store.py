@@ -75,7 +75,8 @@ class JobStore:
     def start(self, order: Order) -> Job:
         """A new job. Raises `Problem` where the service is busy."""
         place = self._service.workers.admit(order.wall_s)  # before anything is promised
-        job = Job(secrets.token_hex(16))
+        replica = self._service.settings.replica
+        job = Job(f"{replica}-{secrets.token_hex(16)}" if replica else secrets.token_hex(16))
         self._jobs[job.id] = job
         job.work = asyncio.get_running_loop().create_task(self._run(job, order, place))
         job.work.add_done_callback(lambda _: self._ended(job, place))  # also of a task that never began

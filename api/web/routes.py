@@ -103,7 +103,7 @@ async def read_admitted(request: Request, limit: int, *parameters: str) -> bytes
     service = service_of(request)
     if service.workers.full:
         raise service.workers.busy()
-    return await read_body(request, limit, service.settings.body_s, service.readers)
+    return await read_body(request, limit, service.settings.body_s, service.reading)
 
 
 @bodies.post(
@@ -253,11 +253,13 @@ async def live() -> Response:
 
 @router.get(
     "/readyz",
-    summary="Whether every worker has planned once",
+    summary="Whether every worker has planned once, and the service is not about to stop",
     response_model=Ready,
-    responses=problems("not-ready"),
+    responses=problems("not-ready", "draining"),
 )
 async def ready(request: Request) -> Response:
+    if request.app.state.connections.draining:
+        raise Problem("draining", "The service was told to stop. Send new requests elsewhere.")
     workers = service_of(request).workers
     if not workers.ready:
         detail = f"{workers.warmed} of {workers.total} workers have planned."

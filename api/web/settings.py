@@ -7,6 +7,7 @@ a limit that is not there. The table in docs/service.md is held to this module b
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from difflib import get_close_matches
@@ -62,6 +63,12 @@ def _host(name: str, text: str) -> str:
     return text
 
 
+def _replica(name: str, text: str) -> str:
+    if not re.fullmatch(r"(?:[a-z0-9]{1,40})?", text):
+        raise InputError(name, text, "up to 40 lower case letters and digits")
+    return text
+
+
 def processors() -> int:
     """How many processors this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
@@ -93,8 +100,22 @@ class Settings:
     )
     jobs_kept: int = _setting(50, _whole(1, 10_000), "jobs that have ended and are kept; the oldest goes first")
     job_kept_s: float = _setting(600.0, _seconds(1.0, 86_400.0), "time for which a job is kept that has ended")
-    connections: int = _setting(512, _whole(1, 100_000), "connections at a time; one more gets 503")
+    connections: int = _setting(
+        512, _whole(1, 100_000), "connections at a time; beyond it the one is closed that has been idle longest"
+    )
     log_level: str = _setting("info", _one_of(*LOG_LEVELS), "least severity that is logged")
+    connections_per_address: int = _setting(256, _whole(1, 100_000), "the same of one address, a proxy's too")
+    header_s: float = _setting(
+        5.0,
+        _seconds(0.1, 600.0),
+        "time in which headers must have arrived, from the connection or their first byte on",
+    )
+    keep_alive_s: float = _setting(75.0, _seconds(0.1, 3600.0), "time for which a connection is kept that is not used")
+    write_s: float = _setting(20.0, _seconds(0.1, 3600.0), "time in which a client must take 64 KiB of its answer")
+    drain_s: float = _setting(
+        0.0, _seconds(0.0, 3600.0), "time after SIGTERM in which /readyz fails and requests are still accepted"
+    )
+    replica: str = _setting("", _replica, "name of this replica, with which the ids of its jobs begin; empty: none")
 
     @staticmethod
     def from_environment(environment: Mapping[str, str] | None = None) -> Settings:
@@ -119,6 +140,6 @@ class Settings:
         return self.workers or processors()
 
     @property
-    def drain_s(self) -> float:
+    def stop_s(self) -> float:
         """How long a stopping service may take: what it has accepted is read, waits, is planned and is written."""
         return self.body_s + self.queue_wait_s + max(2 * self.max_budget_s + self.grace_s, self.check_s) + 5.0

@@ -3,7 +3,7 @@
 The process is spawned, plans once, and then answers one job at a time. A message is a byte that says what it is, and,
 where there is something to say, a length and a pickle. In: a job; that the job is called off. Out: that the job has
 begun; how far it has come; its result. A process that crashed or did not end in time is killed and never used again, as
-is one whose job was called off and did not end soon.
+is one whose job was called off, or whose client has gone, and did not end soon.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ BEGUN, TOLD, RESULT = b"B", b"T", b"R"
 LENGTH = struct.Struct("!Q")
 """Stands before each pickle: its length in bytes."""
 ENDS_S = 2.0
-"""A job that was called off has so long to end, s, before its worker is killed. A search is asked at every round."""
+"""A job that is not wanted any more has so long to end, s, before its worker is killed. A search is asked each round;
+most others take less, and starting a worker takes longer."""
 
 Tell = Callable[[Any], None]
 """Takes how far a job has come; None: nothing to say, but the job may have been called off."""
@@ -185,7 +186,7 @@ class WorkerProcess:
         """What `job(*arguments)` returns, or raises, in the worker. Both are pickled.
 
         `told` is called with what the job tells, which then takes one more argument, a `Tell`. Cancelling calls such a
-        job off; the process stays, if the job ends soon. Any other job that is cancelled is killed.
+        job off; any other goes on. The process stays, if the job ends within `ENDS_S`; if not, it is killed.
 
         Raises `CrashedError` when the worker dies and `KilledError` when it is killed after `wall_s`. A process that
         died or was killed is closed until `start` is called again.
@@ -194,7 +195,7 @@ class WorkerProcess:
             raise NotBegunError("was not started")
         self.jobs += 1
         try:
-            succeeded, value = await self._in_time(self._streams, (job, arguments), wall_s, told)
+            succeeded, value = await self._in_time(self._streams, (job, arguments), wall_s, told, ends_s=ENDS_S)
         except BaseException:
             if not self._ended_early:
                 self._spoilt = True
@@ -222,8 +223,13 @@ class WorkerProcess:
         job: tuple[Callable[..., Any], tuple[Any, ...]],
         wall_s: float,
         told: Tell | None = None,
+        *,
+        ends_s: float = 0.0,
     ) -> tuple[bool, Any]:
-        """The exchange of a job, within a time. A task of its own: cancelled, it would lose its place in the stream."""
+        """The exchange of a job, within a time. A task of its own: cancelled, it would lose its place in the stream.
+
+        `ends_s`: how long the job may go on when this is cancelled.
+        """
         self._ended_early = False
         exchange = asyncio.ensure_future(self._exchange(streams, job, told))
         try:
@@ -232,8 +238,8 @@ class WorkerProcess:
         except TimeoutError as late:
             raise KilledError(f"no result after {wall_s:g} s") from late
         except asyncio.CancelledError:
-            if told is not None:
-                self._ended_early = await _ends_when_called_off(streams[1], exchange)
+            if ends_s > 0.0:
+                self._ended_early = await _ends_when_called_off(streams[1], exchange, ends_s)
             raise
         finally:
             exchange.cancel()
@@ -274,11 +280,12 @@ class WorkerProcess:
         return process.exitcode
 
 
-async def _ends_when_called_off(writer: asyncio.StreamWriter, exchange: asyncio.Future[Any]) -> bool:
-    """Tells a worker that its job is called off; whether it then ends in time and can be given another."""
+async def _ends_when_called_off(writer: asyncio.StreamWriter, exchange: asyncio.Future[Any], within_s: float) -> bool:
+    """Tells a worker that its job is called off; whether it then ends in time and can be given another. A job that does
+    not listen leaves that for the worker, which skips it."""
     try:
         writer.write(CALL_OFF)
-        async with asyncio.timeout(ENDS_S):
+        async with asyncio.timeout(within_s):
             await asyncio.shield(exchange)
     except (TimeoutError, CrashedError, ConnectionError, asyncio.CancelledError):
         return False

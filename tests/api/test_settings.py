@@ -86,7 +86,7 @@ def test_no_number_of_workers_means_one_per_processor() -> None:
 
 def test_a_stopping_service_has_time_for_the_slowest_request_that_it_accepted() -> None:
     settings = Settings(body_s=1, queue_wait_s=2, max_budget_s=3, grace_s=0.5, check_s=4)
-    assert settings.drain_s >= 1 + 2 + 2 * 3 + 0.5
+    assert settings.stop_s >= 1 + 2 + 2 * 3 + 0.5
 
 
 def test_the_page_on_the_service_lists_every_setting_with_its_default() -> None:
