@@ -40,11 +40,17 @@ def test_each_setting_is_read_from_its_own_variable() -> None:
         "ASSUR_JOB_KEPT_S": "5",
         "ASSUR_CONNECTIONS": "9",
         "ASSUR_LOG_LEVEL": "warning",
+        "ASSUR_CONNECTIONS_PER_ADDRESS": "8",
+        "ASSUR_HEADER_S": "2.5",
+        "ASSUR_KEEP_ALIVE_S": "61",
+        "ASSUR_WRITE_S": "11",
+        "ASSUR_DRAIN_S": "6",
+        "ASSUR_REPLICA": "a1",
     }
     assert {PREFIX + field.name.upper() for field in fields(Settings)} == set(given)
     assert Settings.from_environment(given) == Settings(
-        "0.0.0.0", 0, 3, 0, 1.5, 2.0, 0.25, 7.0, 60.0, 3.0, 10, 1024, 4, 5.0, 9, "warning"
-    )
+        "0.0.0.0", 0, 3, 0, 1.5, 2.0, 0.25, 7.0, 60.0, 3.0, 10, 1024, 4, 5.0, 9, "warning", 8, 2.5, 61.0, 11.0, 6.0, "a1"
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -52,6 +58,7 @@ def test_each_setting_is_read_from_its_own_variable() -> None:
     [
         ("ASSUR_PORT", "tcp://10.0.0.1:8000"),
         ("ASSUR_PORT", "65536"),
+        ("ASSUR_REPLICA", "a-b"),
         ("ASSUR_PORT", ""),
         ("ASSUR_PORT", "٣"),
         ("ASSUR_PORT", "9" * 5000),
