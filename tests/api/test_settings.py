@@ -49,7 +49,8 @@ def test_each_setting_is_read_from_its_own_variable() -> None:
     }
     assert {PREFIX + field.name.upper() for field in fields(Settings)} == set(given)
     assert Settings.from_environment(given) == Settings(
-        "0.0.0.0", 0, 3, 0, 1.5, 2.0, 0.25, 7.0, 60.0, 3.0, 10, 1024, 4, 5.0, 9, "warning", 8, 2.5, 61.0, 11.0, 6.0, "a1"
+        "0.0.0.0", 0, 3, 0, 1.5, 2.0, 0.25, 7.0, 60.0, 3.0, 10, 1024, 4, 5.0, 9, "warning",
+        8, 2.5, 61.0, 11.0, 6.0, "a1",
     )  # fmt: skip
 
 
