@@ -25,6 +25,7 @@ ENV PATH=/opt/assur/bin:$PATH \
     HOME=/tmp \
     PYTHONDONTWRITEBYTECODE=1 \
     PYTHONUNBUFFERED=1 \
+    ASSUR_DRAIN_S=5 \
     NUMBA_CACHE_DIR=/opt/assur/kernels \
     NUMBA_CPU_NAME=generic \
     NUMBA_CPU_FEATURES=""

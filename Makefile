@@ -3,6 +3,7 @@
 # make test-browser  the reports of all shipped scenarios in a real Chromium (Debian: apt-get install chromium)
 # make pictures  docs/pictures anew, from reports in that Chromium
 # make test-gltf  animated models of all shipped scenarios, by the Khronos validator (npm fetches it); make test does it, too
+# make test-proxy  the shipped proxy in front of two services, by a real HAProxy (Debian: apt-get install haproxy)
 # make kernels compile the inner loops once, for this processor; demo and test do it by themselves
 # make check   ruff, mypy, import rules
 # make serve   the HTTP service on 127.0.0.1:8000
@@ -27,7 +28,7 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.13 python3.12 python3.11 py
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo kernels test test-browser test-gltf pictures check format serve problems bench bench-quick soak clean
+.PHONY: help demo kernels test test-browser test-gltf test-proxy pictures check format serve problems bench bench-quick soak clean
 
 help:
 	@sed -n '/^# make/s/^# //p' $(firstword $(MAKEFILE_LIST))
@@ -74,6 +75,7 @@ test: $(VENV)/installed-test
 	@if test -n "$(NPM)"; then $(MAKE) --no-print-directory test-gltf; \
 		else echo "not run: the Khronos validator on exported models, for there is no npm (Debian: apt-get install npm; then make test-gltf)"; fi
 	@test -n "$(CHROMIUM)" || echo "not run: the tests of the report in a browser, for there is no Chromium (Debian: apt-get install chromium; then make test-browser)"
+	@test -n "$(HAPROXY)" || echo "not run: the tests of the proxy, for there is no HAProxy (Debian: apt-get install haproxy; then make test-proxy)"
 
 # The browser that runs the reports; none is downloaded.
 CHROMIUM ?= $(firstword $(foreach name,chromium chromium-browser google-chrome,$(shell command -v $(name) 2>/dev/null)))
@@ -101,6 +103,14 @@ $(GLTF_VALIDATOR)/installed: Makefile
 test-gltf: $(VENV)/installed-test $(GLTF_VALIDATOR)/installed
 	$(BIN)/assur kernels
 	GLTF_VALIDATOR="$(GLTF_VALIDATOR)" $(BIN)/python -m pytest -n 2 --dist worksteal tests/gltf
+
+# The proxy that compose.yaml puts in front of the service. Debian has it where not every path leads.
+HAPROXY ?= $(firstword $(shell command -v haproxy 2>/dev/null) $(wildcard /usr/sbin/haproxy))
+
+test-proxy: $(VENV)/installed-test
+	@test -n "$(HAPROXY)" || { echo "there is no HAProxy (Debian: apt-get install haproxy); or say: make test-proxy HAPROXY=/path/to/it" >&2; exit 2; }
+	$(BIN)/assur kernels
+	HAPROXY="$(HAPROXY)" $(BIN)/python -m pytest tests/proxy
 
 check: $(VENV)/installed-dev
 	$(BIN)/ruff check .

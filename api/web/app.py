@@ -17,6 +17,7 @@ from assur.api.problems import Problem
 from assur.api.version import version
 from assur.api.web import openapi
 from assur.api.web.clients import Clients, KnowsClients
+from assur.api.web.connections import Connections, Gate
 from assur.api.web.idempotency import Idempotency
 from assur.api.web.job_routes import job_bodies, job_router
 from assur.api.web.job_store import JobStore
@@ -61,6 +62,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.service, app.state.jobs = service, jobs
     app.state.keys = Idempotency(service.meters)
+    app.state.connections = Connections(service.settings)
     app.include_router(bodies)
     app.include_router(router)
     app.include_router(job_bodies)
@@ -71,6 +73,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.include_router(operation_router)
     app.add_middleware(Representation)
     app.add_middleware(KnowsClients, clients=clients)
+    app.add_middleware(Gate, connections=app.state.connections)
     app.add_middleware(RequestLog, meters=watch(service, jobs))
     described = app.openapi
 

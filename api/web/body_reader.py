@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import asyncio
 import re
+from collections import Counter
 
 from starlette.requests import Request
 
 from assur.api.problems import FieldError, Problem
 
-READERS = 32
-"""So many bodies are read at a time; with their caps this bounds the memory that unread requests take."""
+IN_ALL_BYTES = 128 << 20
+"""So much of bodies that are not complete is held at a time: what has come, not what was announced."""
+OF_ONE_BYTES = IN_ALL_BYTES // 2
+"""The same for one client address: the others always have as much."""
+FIRST_S = 3.0
+"""A body may take so long before its rate counts, s."""
+LEAST_BYTES_S = 1024
+"""Least rate of a body from then on, bytes/s since its begin."""
 
 _JSON = re.compile(r"application/(?:[a-z0-9.+-]+\+)?json(?:\s*;\s*charset=\"?utf-8\"?)?\s*", re.IGNORECASE)
 
@@ -35,13 +42,31 @@ def _too_large(limit: int) -> Problem:
     return Problem("too-large", f"A body here has at most {limit} bytes.", (error,))
 
 
-async def read_body(
-    request: Request, limit: int, within_s: float, readers: asyncio.Semaphore, *, json: bool = True
-) -> bytes:
+class Reading:
+    """What is held of bodies that have not come completely. Slow ones hold little, so they are in nobody's way."""
+
+    def __init__(self, in_all: int = IN_ALL_BYTES, of_one: int = OF_ONE_BYTES) -> None:
+        self._in_all, self._of_one = in_all, of_one
+        self._held: Counter[str] = Counter()
+
+    def take(self, address: str, size: int) -> None:
+        """Counts `size` more bytes of a client. Raises `Problem`: busy, where there is no room for them."""
+        if self._held.total() + size > self._in_all or self._held[address] + size > self._of_one:
+            raise Problem("busy", "Too many bodies arrive at a time. Come again in 1 s.", headers={"Retry-After": "1"})
+        self._held[address] += size
+
+    def give_back(self, address: str, size: int) -> None:
+        """Counts `size` bytes no longer."""
+        self._held[address] -= size
+        if not self._held[address]:
+            del self._held[address]
+
+
+async def read_body(request: Request, limit: int, within_s: float, reading: Reading, *, json: bool = True) -> bytes:
     """The body of `request`. `json`: it must be declared to be that; else it may be of any type.
 
-    Raises `Problem`: wrong-media-type; too-large, before reading where the length is declared; too-slow; busy when
-    `readers` is used up.
+    Raises `Problem`: wrong-media-type; too-large, before reading where the length is declared; too-slow; busy where
+    `reading` has no room.
     """
     if json:
         _require_json(request)
@@ -49,15 +74,20 @@ async def read_body(
     length = request.headers.get("content-length", "0")
     if not (length.isascii() and length.isdigit() and len(length) <= 15 and int(length) <= limit):
         raise _too_large(limit)
-    if readers.locked():
-        raise Problem("busy", "Too many bodies arrive at a time. Come again in 1 s.", headers={"Retry-After": "1"})
+    address = request.client.host if request.client else ""
+    loop = asyncio.get_running_loop()
+    began = loop.time()
     body = bytearray()
     try:
-        async with readers, asyncio.timeout(within_s):
+        async with asyncio.timeout(min(within_s, FIRST_S)) as clock:
             async for chunk in request.stream():
+                reading.take(address, len(chunk))
                 body += chunk
                 if len(body) > limit:
                     raise _too_large(limit)
+                clock.reschedule(began + min(within_s, FIRST_S + len(body) / LEAST_BYTES_S))
     except TimeoutError as late:
-        raise Problem("too-slow", f"The body was not complete after {within_s:g} s.") from late
+        raise Problem("too-slow", f"The body was not complete after {loop.time() - began:.1f} s.") from late
+    finally:
+        reading.give_back(address, len(body))
     return bytes(body)

@@ -122,7 +122,7 @@ async def read_admitted(request: Request, limit: int, *parameters: str, json: bo
     service = service_of(request)
     service.workers.require_room(client_of(request))
     with service.meters.reading():
-        return await read_body(request, limit, service.settings.body_s, service.readers, json=json)
+        return await read_body(request, limit, service.settings.body_s, service.reading, json=json)
 
 
 @bodies.post(
@@ -278,11 +278,13 @@ async def live() -> Response:
 
 @router.get(
     "/readyz",
-    summary="Whether every worker has planned once",
+    summary="Whether every worker has planned once, and the service is not about to stop",
     response_model=Ready,
-    responses=problems("not-ready"),
+    responses=problems("not-ready", "draining"),
 )
 async def ready(request: Request) -> Response:
+    if request.app.state.connections.draining:
+        raise Problem("draining", "The service was told to stop. Send new requests elsewhere.")
     workers = service_of(request).workers
     if not workers.ready:
         detail = f"{workers.warmed} of {workers.total} workers have planned."

@@ -5,14 +5,29 @@ from __future__ import annotations
 import os
 import signal
 import socket
+import sys
+import time
+from functools import partial
 from types import FrameType
+from typing import Any, cast
 
 import uvicorn
 
 from assur.api.logs import configure, event, one_log
 from assur.api.web.app import create_app
+from assur.api.web.connections import Connections
+from assur.api.web.http_protocol import TimedProtocol
 from assur.api.web.settings import Settings
 from assur.planner.errors import InputError
+
+TAKEN_AT_ONCE = 32
+"""So many new connections are taken between other work of the event loop."""
+WAITING = 2048
+"""So many may wait to be taken; the system has a limit of its own."""
+
+SWITCH_S = 0.0005
+"""A thread that reads a large body leaves the interpreter to the event loop after this, s. The loop asks for it at each
+read and write of a socket, so the 5 ms that Python takes are 50 ms for a request."""
 
 
 def serve(settings: Settings) -> None:
@@ -22,22 +37,64 @@ def serve(settings: Settings) -> None:
     """
     configure(settings.log_level)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a worker is one thread: its matrices are three by three
+    sys.setswitchinterval(SWITCH_S)
     signal.signal(signal.SIGTERM, _stopped)  # uvicorn repeats the signal when it has drained
     signal.signal(signal.SIGINT, _stopped)
+    with listening(settings.host, settings.port) as door, one_log():
+        event("listening", host=settings.host, port=door.getsockname()[1])
+        made(settings).run(sockets=[door])
+
+
+def made(settings: Settings) -> Server:
+    """The server with its application, not yet running."""
+    app = create_app(settings)
+    connections: Connections = app.state.connections
     config = uvicorn.Config(
-        create_app(settings),
+        app,
+        http=cast(Any, partial(TimedProtocol, connections)),
+        loop="asyncio",
         log_config=None,
         access_log=False,
         server_header=False,
         proxy_headers=bool(settings.forwarded_from),
         forwarded_allow_ips=settings.forwarded_from,
         ws="none",
-        limit_concurrency=settings.connections,
-        timeout_graceful_shutdown=int(settings.drain_s) + 1,
+        backlog=TAKEN_AT_ONCE,
+        timeout_keep_alive=cast(int, settings.keep_alive_s),
+        timeout_graceful_shutdown=int(settings.stop_s) + 1,
     )
-    with listening(settings.host, settings.port) as door, one_log():
-        event("listening", host=settings.host, port=door.getsockname()[1])
-        uvicorn.Server(config).run(sockets=[door])
+    return Server(config, connections)
+
+
+class Server(uvicorn.Server):
+    """uvicorn's server, which goes on for a while when it is told to stop, so that nobody sends it new requests.
+
+    At SIGTERM or SIGINT `/readyz` begins to fail and answers close their connections. After `drain_s`, or at a second
+    signal, it takes no connection any more, and ends when what it has accepted is answered.
+    """
+
+    def __init__(self, config: uvicorn.Config, connections: Connections) -> None:
+        super().__init__(config)
+        self._connections = connections
+        self._drained_at = 0.0
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        for door in sockets or []:
+            door.listen(WAITING)  # asyncio has one number for what waits and for what it takes at once
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        if self._connections.draining or not self._connections.settings.drain_s:
+            self._connections.draining = True
+            super().handle_exit(sig, frame)
+            return
+        self._captured_signals.append(sig)  # which `uvicorn.Server` repeats at its end
+        self._connections.draining = True
+        self._drained_at = time.monotonic() + self._connections.settings.drain_s
+
+    async def on_tick(self, counter: int) -> bool:
+        drained = self._connections.draining and time.monotonic() >= self._drained_at
+        return await super().on_tick(counter) or drained
 
 
 def listening(host: str, port: int) -> socket.socket:

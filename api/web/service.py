@@ -21,7 +21,7 @@ from assur.api.problems import Problem
 from assur.api.telemetry.meters import Meters
 from assur.api.telemetry.trace import current
 from assur.api.version import version_document
-from assur.api.web.body_reader import READERS
+from assur.api.web.body_reader import Reading
 from assur.api.web.results import Results
 from assur.api.web.settings import Settings
 from assur.api.workers import jobs
@@ -38,6 +38,9 @@ from assur.scenes.scenarios import with_files
 SMALL_BYTES = 32768
 """Bodies up to this are looked through at once: it takes less than 1 ms, and the way to a thread and back half as long.
 Larger ones, and scenarios, which are files, are read beside the event loop."""
+BESIDE = 1
+"""So many bodies are read beside the event loop at a time: threads share one interpreter with it, so more of them would
+not be faster, and each makes it wait. The body of a client that leaves while it waits for this is not read at all."""
 STATED = re.compile(rb'"((?:explain_)?budget_m?s)"\s*:\s*(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)')
 """A budget in the text of a request. No other field of a request is called so."""
 
@@ -58,8 +61,9 @@ class Service:
     meters: Meters = field(init=False)
     results: Results = field(init=False)
     workers: Workers = field(init=False)
-    readers: asyncio.Semaphore = field(init=False)
+    reading: Reading = field(init=False)
     meshes: MeshFolder | None = field(init=False)
+    _beside: asyncio.Semaphore = field(init=False)
 
     def __post_init__(self) -> None:
         self.meters = Meters()
@@ -67,7 +71,8 @@ class Service:
         build = to_json(version_document(self.settings.commit)).decode()
         self.results = Results(self.settings.results_mib << 20, build, self.meters)
         self.workers = Workers(self.settings, partial(warm, self.settings.log_level, self.meshes), self.meters)
-        self.readers = asyncio.Semaphore(READERS)
+        self.reading = Reading()
+        self._beside = asyncio.Semaphore(BESIDE)
 
     async def plan(self, body: bytes, certificate: jobs.Detail, client: Client) -> jobs.Answer:
         """The answer to the request in `body`, or to the shipped scenario that it names. Raises `Problem`."""
@@ -77,11 +82,11 @@ class Service:
         """What is to be done about `body`, as `plan` has it. Raises `Problem`."""
         if len(body) <= SMALL_BYTES and b'"scenario"' not in body:
             return self._read(body, certificate, client)
-        return await asyncio.to_thread(self._read, body, certificate, client)
+        return await self._read_beside(body, certificate, client, parsed=False)
 
     async def job_order(self, body: bytes, certificate: jobs.Detail, client: Client) -> Order:
         """The same of a body that is read as JSON before its job is accepted. Raises `Problem`."""
-        return await asyncio.to_thread(self._read, body, certificate, client, parsed=True)
+        return await self._read_beside(body, certificate, client, parsed=True)
 
     async def check(self, body: bytes, client: Client) -> jobs.Answer:
         """The checker's verdict on the request and plan in `body`. Raises `Problem`."""
@@ -120,6 +125,18 @@ class Service:
         kind = job.__name__
         demand = Demand(client, self.settings.check_s, short=True, kind=kind)
         return await self.do(Order(Work(job, asked, _digest(kind, *asked), in_touch=True), demand))
+
+    async def _read_beside(self, body: bytes, certificate: jobs.Detail, client: Client, *, parsed: bool) -> Order:
+        """`_read` in a thread. A thread cannot be stopped: its turn ends with it, also where nobody waits any more."""
+        await self._beside.acquire()
+        reading = asyncio.ensure_future(asyncio.to_thread(self._read, body, certificate, client, parsed=parsed))
+        reading.add_done_callback(self._read_ended)
+        return await asyncio.shield(reading)
+
+    def _read_ended(self, reading: asyncio.Future[Order]) -> None:
+        self._beside.release()
+        if not reading.cancelled():
+            reading.exception()  # whoever waits has it, too; nobody may wait any more
 
     def _read(self, body: bytes, certificate: jobs.Detail, client: Client, *, parsed: bool = False) -> Order:
         document = (None if parsed else self._budgets(body)) or jobs.request_in(body)

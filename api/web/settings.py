@@ -132,7 +132,9 @@ class Settings:
     )
     jobs_kept: int = _setting(50, _whole(1, 10_000), "jobs that have ended and are kept; the oldest goes first")
     job_kept_s: float = _setting(600.0, _seconds(1.0, 86_400.0), "time for which a job is kept that has ended")
-    connections: int = _setting(512, _whole(1, 100_000), "connections at a time; one more gets 503")
+    connections: int = _setting(
+        512, _whole(1, 100_000), "connections at a time; beyond it the one is closed that has been idle longest"
+    )
     log_level: str = _setting("info", _one_of(*LOG_LEVELS), "least severity that is logged")
     short_s: float = _setting(
         2.0,
@@ -165,6 +167,17 @@ class Settings:
     mesh_quota_mib: int = _setting(1024, _whole(1, 1 << 20), "room that files in that folder may take")
     mesh_kept_s: float = _setting(
         604_800.0, _seconds(1.0, 1e9), "time for which a file in that folder is kept after its last use"
+    )
+    connections_per_address: int = _setting(256, _whole(1, 100_000), "the same of one address, a proxy's too")
+    header_s: float = _setting(
+        5.0,
+        _seconds(0.1, 600.0),
+        "time in which headers must have arrived, from the connection or their first byte on",
+    )
+    keep_alive_s: float = _setting(75.0, _seconds(0.1, 3600.0), "time for which a connection is kept that is not used")
+    write_s: float = _setting(20.0, _seconds(0.1, 3600.0), "time in which a client must take 64 KiB of its answer")
+    drain_s: float = _setting(
+        0.0, _seconds(0.0, 3600.0), "time after SIGTERM in which /readyz fails and requests are still accepted"
     )
 
     @staticmethod
@@ -225,6 +238,6 @@ class Settings:
         return most
 
     @property
-    def drain_s(self) -> float:
+    def stop_s(self) -> float:
         """How long a stopping service may take: what it has accepted is read, waits, is planned and is written."""
         return self.body_s + self.queue_wait_s + max(2 * self.max_budget_s + self.grace_s, self.check_s) + 5.0

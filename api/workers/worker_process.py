@@ -3,8 +3,8 @@
 The process is forked from a template that has loaded the libraries (`assur.api.workers.template`), plans once, and then
 answers one job at a time. A message is a byte that says what it is, and, where there is something to say, a length and
 a pickle. In: a job; that the job is called off. Out: that the job has begun; what it means and how far it has come; its
-result. A process that crashed or did not end in time is killed and never used again, as
-is one whose job was called off and did not end soon.
+result. A process that crashed or did not end in time is killed and never used again, as is one whose job was called
+off, or whose client has gone, and did not end soon.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ BEGUN, TOLD, RESULT = b"B", b"T", b"R"
 LENGTH = struct.Struct("!Q")
 """Stands before each pickle: its length in bytes."""
 ENDS_S = 2.0
-"""A job that was called off has so long to end, s, before its worker is killed. A search is asked at every round."""
+"""A job that is not wanted any more has so long to end, s, before its worker is killed. A search is asked each round;
+most others take less, and starting a worker takes longer."""
 
 NO_MEMORY = "ended for want of memory"
 """How a worker died that had no memory left."""
@@ -286,8 +287,8 @@ class WorkerProcess:
         """What `job(*arguments)` returns, or raises, in the worker. Both are pickled.
 
         `about`: the job is in touch: it takes one more argument, a `Line`, and `told` takes what it says there.
-        Cancelling calls such a job off; the process stays, if the job ends soon. Any other job that is cancelled is
-        killed.
+        Cancelling calls such a job off; any other goes on. The process stays, if the job ends within `ENDS_S`; if not,
+        it is killed.
 
         Raises `CrashedError` when the worker dies and `KilledError` when it is killed after `wall_s`. A process that
         died or was killed is closed until `start` is called again.
@@ -296,7 +297,7 @@ class WorkerProcess:
             raise NotBegunError("was not started")
         self.jobs += 1
         try:
-            succeeded, value = await self._in_time(self._streams, (job, arguments, about), wall_s, told)
+            succeeded, value = await self._in_time(self._streams, (job, arguments, about), wall_s, told, ends_s=ENDS_S)
         except BaseException:
             if not self._ended_early:
                 self._spoilt = True
@@ -324,8 +325,13 @@ class WorkerProcess:
         job: tuple[Callable[..., Any], tuple[Any, ...], About | None],
         wall_s: float,
         told: Tell | None = None,
+        *,
+        ends_s: float = 0.0,
     ) -> tuple[bool, Any]:
-        """The exchange of a job, within a time. A task of its own: cancelled, it would lose its place in the stream."""
+        """The exchange of a job, within a time. A task of its own: cancelled, it would lose its place in the stream.
+
+        `ends_s`: how long the job may go on when this is cancelled.
+        """
         self._ended_early = False
         exchange = asyncio.ensure_future(self._exchange(streams, job, told))
         try:
@@ -334,8 +340,8 @@ class WorkerProcess:
         except TimeoutError as late:
             raise KilledError(f"no result after {wall_s:g} s") from late
         except asyncio.CancelledError:
-            if job[2] is not None:
-                self._ended_early = await _ends_when_called_off(streams[1], exchange)
+            if ends_s > 0.0:
+                self._ended_early = await _ends_when_called_off(streams[1], exchange, ends_s)
             raise
         finally:
             exchange.cancel()
@@ -376,11 +382,12 @@ class WorkerProcess:
         return process.exitcode
 
 
-async def _ends_when_called_off(writer: asyncio.StreamWriter, exchange: asyncio.Future[Any]) -> bool:
-    """Tells a worker that its job is called off; whether it then ends in time and can be given another."""
+async def _ends_when_called_off(writer: asyncio.StreamWriter, exchange: asyncio.Future[Any], within_s: float) -> bool:
+    """Tells a worker that its job is called off; whether it then ends in time and can be given another. A job that does
+    not listen leaves that for the worker, which skips it."""
     try:
         writer.write(CALL_OFF)
-        async with asyncio.timeout(ENDS_S):
+        async with asyncio.timeout(within_s):
             await asyncio.shield(exchange)
     except (TimeoutError, CrashedError, ConnectionError, asyncio.CancelledError):
         return False

@@ -12,12 +12,8 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import httpx
@@ -27,10 +23,9 @@ import pytest
 from assur.api.web.serve import listening
 from assur.api.web.settings import PLAN_BODY_BYTES
 from assur.api.workers.jobs import FIRST_PLAN
-from assur.api.workers.worker_process import NAME
 from assur.planner.errors import InputError
+from tests.api.processes import ROOT, Server, environment, serving, until
 
-ROOT = Path(__file__).parents[2]
 SECRET = "the-customers-own-words"
 
 
@@ -39,83 +34,6 @@ def endless(budget_s: float) -> dict[str, Any]:
     request = copy.deepcopy(FIRST_PLAN)
     request["options"] = {"budget_s": budget_s, "stop": "budget", "elbow": "auto"}
     return request
-
-
-@dataclass
-class Server:
-    """A running `assur serve`, its address, and the lines of its log so far."""
-
-    process: subprocess.Popen[bytes]
-    log: list[dict[str, Any]] = field(default_factory=list)
-    raw: list[bytes] = field(default_factory=list)
-
-    @property
-    def port(self) -> int:
-        until(lambda: bool(self.events("listening")) or self.process.poll() is not None)
-        return int(self.events("listening")[0]["port"])
-
-    def client(self) -> httpx.Client:
-        return httpx.Client(base_url=f"http://127.0.0.1:{self.port}", timeout=150.0)
-
-    def ready(self) -> bool:
-        with self.client() as client:
-            return client.get("/readyz").status_code == 200
-
-    def workers(self) -> list[psutil.Process]:
-        """Its worker processes."""
-        found = []
-        for child in psutil.Process(self.process.pid).children(recursive=True):
-            with contextlib.suppress(psutil.Error):
-                if child.name() == NAME.decode():
-                    found.append(child)
-        return found
-
-    def read(self) -> None:
-        assert self.process.stderr is not None
-        for line in self.process.stderr:
-            self.raw.append(line)
-            with contextlib.suppress(ValueError):
-                self.log.append(json.loads(line))
-
-    def events(self, text: str) -> list[dict[str, Any]]:
-        return [line for line in list(self.log) if line["event"] == text]
-
-
-def until(true: Callable[[], bool], within_s: float = 150.0) -> None:
-    """Waits for something that another process does."""
-    end = time.monotonic() + within_s
-    while not true():
-        assert time.monotonic() < end, "it did not happen"
-        time.sleep(0.02)
-
-
-def environment(**settings: str) -> dict[str, str]:
-    """This process's environment with these settings and no others, by their names without the prefix."""
-    kept = {name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")}
-    return {**kept, **{f"ASSUR_{name}": value for name, value in settings.items()}}
-
-
-@contextlib.contextmanager
-def serving(**settings: str) -> Iterator[Server]:
-    """A service on a free port, with these settings."""
-    command = [sys.executable, "-m", "assur.api.command_line", "serve", "--port", "0"]
-    process = subprocess.Popen(command, cwd=ROOT, env=environment(**settings), stderr=subprocess.PIPE)
-    server = Server(process)
-    reader = threading.Thread(target=server.read)
-    reader.start()
-    try:
-        yield server
-    finally:
-        if process.poll() is None:
-            process.send_signal(signal.SIGTERM)
-        try:
-            process.wait(60)
-        finally:
-            process.kill()
-            process.wait()
-            reader.join()
-            assert process.stderr is not None
-            process.stderr.close()
 
 
 @pytest.fixture(scope="module")
@@ -363,9 +281,9 @@ def test_an_address_that_is_not_of_this_machine_is_bad_input() -> None:
         listening("203.0.113.1", 0)
 
 
-@pytest.mark.parametrize(("trusted", "client"), [({"FORWARDED_FROM": "127.0.0.0/8"}, "192.0.2.7"), ({}, "127.0.0.1")])
-def test_who_asks_is_told_by_a_proxy_that_is_known_and_by_nobody_else(trusted: dict[str, str], client: str) -> None:
-    with serving(WORKERS="1", **trusted) as server:
+@pytest.mark.parametrize(("trusted", "client"), [("127.0.0.0/8", "192.0.2.7"), ("", "127.0.0.1")])
+def test_who_asks_is_told_by_a_proxy_that_is_known_and_by_nobody_else(trusted: str, client: str) -> None:
+    with serving(WORKERS="1", FORWARDED_FROM=trusted) as server:
         with server.client() as asking:
             asking.get("/v1/scenes", headers={"X-Forwarded-For": "198.51.100.1, 192.0.2.7"})
         until(lambda: bool(server.events("request")))

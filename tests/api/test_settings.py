@@ -54,6 +54,11 @@ EACH: dict[str, tuple[str, object]] = {
     "mesh_folder": ("/var/meshes", "/var/meshes"),
     "mesh_quota_mib": ("16", 16),
     "mesh_kept_s": ("60", 60.0),
+    "connections_per_address": ("8", 8),
+    "header_s": ("2.5", 2.5),
+    "keep_alive_s": ("61", 61.0),
+    "write_s": ("11", 11.0),
+    "drain_s": ("6", 6.0),
 }
 """For each setting a text, and what it says; none of them is the default."""
 
@@ -70,6 +75,7 @@ def test_each_setting_is_read_from_its_own_variable() -> None:
     [
         ("ASSUR_PORT", "tcp://10.0.0.1:8000"),
         ("ASSUR_PORT", "65536"),
+        ("ASSUR_REPLICA", "a-b"),
         ("ASSUR_PORT", ""),
         ("ASSUR_PORT", "٣"),
         ("ASSUR_PORT", "9" * 5000),
@@ -109,7 +115,7 @@ def test_no_number_of_workers_means_one_per_processor() -> None:
 
 def test_a_stopping_service_has_time_for_the_slowest_request_that_it_accepted() -> None:
     settings = Settings(body_s=1, queue_wait_s=2, max_budget_s=3, grace_s=0.5, check_s=4)
-    assert settings.drain_s >= 1 + 2 + 2 * 3 + 0.5
+    assert settings.stop_s >= 1 + 2 + 2 * 3 + 0.5
 
 
 def test_the_page_on_the_service_lists_every_setting_with_its_default() -> None:

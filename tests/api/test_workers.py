@@ -312,6 +312,21 @@ def test_a_job_whose_caller_has_gone_is_killed() -> None:
     with_workers(Settings(workers=1), story)
 
 
+def test_a_short_job_whose_caller_has_gone_ends_and_costs_no_worker() -> None:
+    async def story(workers: Workers) -> None:
+        pid = await pid_of(workers)
+        for _ in range(5):
+            job = asyncio.create_task(ran(workers, time.sleep, (0.2,), "gone", 90.0))
+            await asyncio.sleep(0.05)
+            job.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await job
+            assert await pid_of(workers) == pid
+        assert not is_full(workers)
+
+    with_workers(Settings(workers=1), story)
+
+
 def test_one_request_more_than_workers_and_queue_is_told_when_to_come_again(held: Held) -> None:
     async def story(workers: Workers) -> None:
         running = held.job(workers)

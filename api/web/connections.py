@@ -1,0 +1,167 @@
+"""The connections of one service: how many there are, which is closed when there are too many, and the stop.
+
+`Connections` counts, in all and per address. It is asked when a connection comes, and looks at all of them twice a
+second. `Gate` is the part that sees requests: what it turns away gets a problem, as any other refusal.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from collections import Counter
+from collections.abc import MutableMapping
+from typing import Any, Protocol
+
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from assur.api.documents import problem_response
+from assur.api.logs import event
+from assur.api.problems import Problem
+from assur.api.web.settings import Settings
+
+HEALTH = frozenset({"/livez", "/readyz"})
+"""Answered on every connection, also where there are too many."""
+RESERVE = 32
+"""So many connections are taken beyond the limits; only `HEALTH` is served on them."""
+LOOK_S = 0.5
+"""How often the connections are looked at, s: no time limit of theirs is more exact."""
+CROWDED = "assur.crowded"
+"""Key of the state of a request whose connection is one too many."""
+SAID_S = 10.0
+"""How often it is logged at most that connections are closed or refused, s."""
+
+
+class Connection(Protocol):
+    """A connection as `Connections` sees it."""
+
+    address: str
+    crowded: bool
+    used: bool
+    """Whether a request was answered on it."""
+    since: float
+    """When it began to do what it does now, by the clock of `time.monotonic`."""
+
+    @property
+    def idle(self) -> bool:
+        """Whether it waits for a request, or for the rest of the headers of one."""
+
+    def look(self, now: float) -> None:
+        """Closes it if what it waits for has not come in time."""
+
+    def give_way(self) -> None:
+        """Closes it, idle, in favour of another."""
+
+
+class Connections:
+    """The open connections of one event loop, and whether the service is about to stop."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.draining = False
+        """Not ready any more, and every answer closes its connection."""
+        self._open: dict[Connection, None] = {}  # in the order in which they came
+        self._of: Counter[str] = Counter()
+        self._crowded = 0
+        self._next_look: asyncio.TimerHandle | None = None
+        self._said = -SAID_S
+
+    def open(self) -> tuple[Connection, ...]:
+        """The open connections, in the order in which they came."""
+        return tuple(self._open)
+
+    def admit(self, connection: Connection) -> bool:
+        """Takes a new connection, and says whether it may stay.
+
+        Where there are too many, in all or of its address, the one closes that has been idle longest. If none is idle,
+        the new one is `crowded`: one of `RESERVE` that are there for `HEALTH`.
+        """
+        full = len(self._open) - self._crowded >= self.settings.connections
+        crowd = self._of[connection.address] >= self.settings.connections_per_address
+        if full or crowd:
+            rivals = [each for each in self._open if each.idle and not each.crowded]
+            if crowd:
+                rivals = [each for each in rivals if each.address == connection.address]
+            connection.crowded = not self._closes_one(rivals)
+        if connection.crowded and self._crowded >= RESERVE:
+            self._tell("refused")
+            if not self._closes_one([each for each in self._open if each.idle and each.crowded]):
+                return False
+        self._open[connection] = None
+        if connection.crowded:
+            self._crowded += 1
+        else:
+            self._of[connection.address] += 1
+        if self._next_look is None:
+            self._look_later()
+        return True
+
+    def leave(self, connection: Connection) -> None:
+        """Forgets a connection that is closed, or about to be; any number of times."""
+        if connection not in self._open:
+            return
+        del self._open[connection]
+        if connection.crowded:
+            self._crowded -= 1
+            return
+        self._of[connection.address] -= 1
+        if not self._of[connection.address]:
+            del self._of[connection.address]
+
+    def _closes_one(self, rivals: list[Connection]) -> bool:
+        """Closes the one of `rivals` that has been idle longest, first of those on which no request ever came."""
+        if not rivals:
+            return False
+        self._tell("closed, idle longest")
+        chosen = min(rivals, key=lambda each: (each.used, each.since))
+        self.leave(chosen)
+        chosen.give_way()
+        return True
+
+    def _tell(self, what: str) -> None:
+        now = time.monotonic()
+        if now - self._said >= SAID_S:
+            self._said = now
+            event("too many connections", logging.WARNING, what=what, open=len(self._open))
+
+    def _look_later(self) -> None:
+        self._next_look = asyncio.get_running_loop().call_later(LOOK_S, self._look)
+
+    def _look(self) -> None:
+        self._next_look = None
+        if self._open:
+            self._look_later()
+        now = time.monotonic()
+        for connection in tuple(self._open):
+            connection.look(now)
+
+
+class Gate:
+    """ASGI middleware. Refuses all but `HEALTH` on a connection that is one too many; while the service drains, and on
+    such a connection, each answer is the last one of its connection, and says so."""
+
+    def __init__(self, app: ASGIApp, connections: Connections) -> None:
+        self._app = app
+        self._connections = connections
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        crowded = bool(scope.get("state", {}).get(CROWDED))
+
+        async def sending(message: MutableMapping[str, Any]) -> None:
+            if message["type"] == "http.response.start" and (crowded or self._connections.draining):
+                others = [pair for pair in message["headers"] if pair[0].lower() != b"connection"]
+                message["headers"] = [*others, (b"connection", b"close")]
+            await send(message)
+
+        if crowded and scope["path"] not in HEALTH:
+            problem = Problem(
+                "busy",
+                "There are too many connections, here or from your address. Come again in 1 s.",
+                headers={"Retry-After": "1"},
+            )
+            await problem_response(problem)(scope, receive, sending)
+        else:
+            await self._app(scope, receive, sending)

@@ -1,0 +1,256 @@
+"""What clients may delay has a time, and too many connections stop nobody: real sockets, a server in this process."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+
+import pytest
+
+from assur.api.problems import Problem
+from assur.api.web import body_reader
+from assur.api.web.body_reader import Reading
+from assur.api.web.serve import Server, listening, made
+from assur.api.web.settings import Settings
+from tests.api.processes import until
+
+SHORT = Settings(
+    workers=1, connections=40, connections_per_address=20, header_s=1.5, keep_alive_s=2.0, write_s=1.0, body_s=30.0
+)
+"""Times short enough to wait for. No test needs a worker, so none waits for one."""
+LIVE = b"GET /livez HTTP/1.1\r\nHost: x\r\n\r\n"
+LARGE = b"GET /openapi.json HTTP/1.1\r\nHost: x\r\n\r\n"
+SLOW = b"POST /v1/plans HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 1000\r\n\r\n"
+
+
+class Running:
+    """A server that runs in a thread of its own."""
+
+    def __init__(self, server: Server, port: int) -> None:
+        self.server, self.port = server, port
+
+    def connect(self, data: bytes = b"", address: str = "127.0.0.1") -> socket.socket:
+        connection = socket.create_connection(("127.0.0.1", self.port), timeout=30.0, source_address=(address, 0))
+        connection.sendall(data)
+        return connection
+
+    @property
+    def at_work(self) -> int:
+        """Connections on which a request is read or answered."""
+        return sum(not each.idle for each in self.server._connections.open())
+
+    def status(self, data: bytes = LIVE, address: str = "127.0.0.1") -> int:
+        with self.connect(data, address) as connection:
+            return status(connection)
+
+
+@contextmanager
+def run(settings: Settings) -> Iterator[Running]:
+    with listening("127.0.0.1", 0) as door:
+        server = made(settings)
+        thread = threading.Thread(target=server.run, kwargs={"sockets": [door]})
+        thread.start()
+        try:
+            yield Running(server, door.getsockname()[1])
+        finally:
+            server.should_exit = True
+            thread.join()
+
+
+@pytest.fixture(scope="module")
+def running() -> Iterator[Running]:
+    with run(SHORT) as made_:
+        yield made_
+
+
+def status(connection: socket.socket) -> int:
+    """The status of the answer that comes on a connection; 0: it is closed without one."""
+    with contextlib.suppress(ConnectionResetError):
+        line = connection.recv(4096).split(b"\r\n")[0]
+        return int(line.split()[1]) if line else 0
+    return 0
+
+
+def rest(connection: socket.socket) -> bytes:
+    """All that comes until it is closed."""
+    found = b""
+    with contextlib.suppress(ConnectionResetError):
+        while part := connection.recv(65536):
+            found += part
+    return found
+
+
+def test_a_connection_on_which_nothing_comes_is_closed(running: Running) -> None:
+    with running.connect() as connection:
+        assert rest(connection) == b""
+
+
+def test_headers_that_trickle_are_refused_however_steadily_they_come(running: Running) -> None:
+    with running.connect(b"GET /livez HTTP/1.1\r\nX: ") as connection:
+        connection.settimeout(0.05)
+        found = b""
+        for _ in range(600):
+            with contextlib.suppress(TimeoutError):
+                found = connection.recv(4096)
+                break
+            connection.sendall(b"x")
+    head, _, body = found.partition(b"\r\n\r\n")
+    assert head.split()[1] == b"408"
+    assert b"connection: close" in head.lower()
+    assert json.loads(body)["type"] == "urn:assur:problem:too-slow"
+
+
+@pytest.mark.parametrize("begun", [b"", b"GET /livez HT"], ids=["idle", "with half a request"])
+def test_a_kept_connection_has_a_time_too(running: Running, begun: bytes) -> None:
+    with running.connect(LIVE) as connection:
+        assert status(connection) == 200
+        connection.sendall(LIVE)
+        assert status(connection) == 200
+        connection.sendall(begun)
+        assert (b" 408 " in rest(connection)) == bool(begun)
+
+
+def test_half_a_request_behind_a_whole_one_has_a_time_too(running: Running) -> None:
+    with running.connect(LIVE + b"GET /livez HT") as connection:
+        statuses = [part.split()[0] for part in rest(connection).split(b"HTTP/1.1 ")[1:]]
+    assert statuses == [b"200", b"408"]
+
+
+@pytest.mark.parametrize("times", [1, 3], ids=["one request", "three in a row"])
+def test_a_client_that_has_finished_writing_gets_its_answers(running: Running, times: int) -> None:
+    with running.connect(LARGE * times) as connection:
+        connection.shutdown(socket.SHUT_WR)
+        found = rest(connection)
+    assert found.count(b"HTTP/1.1 200") == times
+    assert found.endswith(b"}")
+
+
+def test_a_client_that_finishes_in_the_middle_of_its_body_is_gone(running: Running) -> None:
+    with running.connect(SLOW + b"{") as connection:
+        connection.shutdown(socket.SHUT_WR)
+        assert rest(connection) == b""
+
+
+def test_a_client_that_does_not_take_its_answer_is_dropped(running: Running) -> None:
+    with socket.socket() as connection:
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        connection.settimeout(60.0)
+        connection.connect(("127.0.0.1", running.port))
+        with contextlib.suppress(ConnectionResetError, BrokenPipeError):
+            connection.sendall(LARGE * 400)
+        until(lambda: running.at_work == 1)
+        until(lambda: running.at_work == 0)
+        assert rest(connection).count(b"HTTP/1.1 200") < 400, "all of it was taken"
+
+
+def test_beyond_the_limit_of_an_address_the_longest_idle_one_is_closed(running: Running) -> None:
+    with ExitStack() as stack:
+        kept = stack.enter_context(running.connect(LIVE))
+        assert status(kept) == 200
+        idle = [stack.enter_context(running.connect()) for _ in range(3 * SHORT.connections_per_address)]
+        assert running.status() == 200
+        kept.sendall(LIVE)
+        assert status(kept) == 200  # those go first on which nothing ever came
+        assert rest(idle[0]) == b""
+
+
+def test_with_all_connections_at_work_health_is_answered_and_other_addresses_are_served(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(body_reader, "FIRST_S", 100.0)  # nothing ends by itself
+    robots = LIVE.replace(b"/livez", b"/v1/robots")
+    with run(replace(SHORT, connections=24, connections_per_address=16, body_s=100.0, queue=1000)) as running:
+        with ExitStack() as slow:
+            for _ in range(16):
+                slow.enter_context(running.connect(SLOW))
+            until(lambda: running.at_work == 16)
+            assert running.status() == 200
+            with running.connect(robots) as connection:
+                head, _, body = rest(connection).partition(b"\r\n\r\n")
+            assert (head.split()[1], json.loads(body)["type"]) == (b"503", "urn:assur:problem:busy")
+            assert b"connection: close" in head.lower()
+            assert running.status(robots, "127.0.0.2") == 200
+            for _ in range(8):
+                slow.enter_context(running.connect(SLOW, "127.0.0.2"))
+            until(lambda: running.at_work == 24)
+            assert running.status(robots, "127.0.0.3") == 503
+            assert running.status(LIVE, "127.0.0.3") == 200
+        until(lambda: running.at_work == 0)
+        assert running.status(robots) == 200
+
+
+@pytest.mark.parametrize("count", [512, 1000])
+def test_idle_connections_do_not_stop_anybody(running: Running, count: int) -> None:
+    with ExitStack() as idle:
+        for number in range(count):
+            idle.enter_context(running.connect(address=f"127.0.0.{2 + number % 4}"))
+        for _ in range(20):
+            assert running.status() == 200
+        assert len(running.server._connections.open()) <= SHORT.connections
+
+
+def test_a_body_that_comes_too_slowly_is_given_up_before_its_time(running: Running) -> None:
+    with running.connect(SLOW + b"{") as connection:
+        assert status(connection) == 408  # `body_s` is as long as the socket waits
+
+
+def test_bodies_of_one_address_leave_room_for_others() -> None:
+    reading = Reading(in_all=100, of_one=50)
+    reading.take("a", 50)
+    with pytest.raises(Problem, match="busy"):
+        reading.take("a", 1)
+    reading.take("b", 50)
+    with pytest.raises(Problem, match="busy"):
+        reading.take("c", 1)
+    reading.give_back("a", 50)
+    reading.take("c", 50)
+
+
+def test_a_stop_waits_for_a_drain_and_answers_close_their_connections() -> None:
+    with run(Settings(workers=1, drain_s=30.0)) as running:
+        kept = running.connect(LIVE)
+        assert status(kept) == 200
+        running.server.handle_exit(15, None)
+        for connection in (kept, running.connect()):
+            with connection:
+                connection.sendall(LIVE.replace(b"/livez", b"/readyz"))
+                head, _, body = rest(connection).partition(b"\r\n\r\n")
+                assert head.split()[1] == b"503"
+                assert b"connection: close" in head.lower()
+                assert json.loads(body)["type"] == "urn:assur:problem:draining"
+        assert running.status() == 200
+        assert not running.server.should_exit
+        running.server.handle_exit(15, None)
+        until(lambda: running.server.should_exit)
+        running.server._captured_signals.clear()  # not the process of the tests is to end
+
+
+def test_what_is_on_its_way_when_the_door_closes_is_answered() -> None:
+    with run(Settings(workers=1)) as running:
+        new, begun = running.connect(), running.connect(b"GET /livez HT")
+        time.sleep(0.2)
+        running.server.should_exit = True
+        asyncio.run(closed(running.port))
+        begun.sendall(b"TP/1.1\r\nHost: x\r\n\r\n")
+        for connection in (begun, new):
+            with connection:
+                found = rest(connection)
+                assert found == b"" if connection is new else found.startswith(b"HTTP/1.1 200")
+
+
+async def closed(port: int) -> None:
+    """Waits until nobody listens there."""
+    for _ in range(1000):
+        try:
+            _, writer = await asyncio.open_connection("127.0.0.1", port)
+        except OSError:
+            return
+        writer.close()
+        await asyncio.sleep(0.02)
