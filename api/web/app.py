@@ -65,7 +65,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
 
     def described_in_full() -> dict[str, Any]:
         if app.openapi_schema is None:
-            app.openapi_schema = openapi.complete(described())
+            app.openapi_schema = openapi.complete(described(), service.settings.max_budget_s)
         return app.openapi_schema
 
     app.openapi = described_in_full  # type: ignore[method-assign]

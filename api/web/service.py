@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import json
 import logging
 import re
 from collections.abc import Callable
@@ -24,7 +25,7 @@ from assur.api.workers.pool import Place, Workers
 from assur.api.workers.worker_process import Tell
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
-from assur.scenes.requests import shipped, stated_budgets
+from assur.scenes.requests import shipped, stated_budgets, with_options
 from assur.scenes.scenarios import with_files
 
 SMALL_BYTES = 32768
@@ -72,6 +73,10 @@ class Service:
         """The same of a body that is read as JSON before its job is accepted. Raises `Problem`."""
         return await asyncio.to_thread(self._read, body, certificate, parsed=True)
 
+    async def scene_order(self, name: str, body: bytes, certificate: jobs.Detail) -> Order:
+        """What is to be done to plan the shipped scenario `name`, with the options in `body`. Raises `Problem`."""
+        return await asyncio.to_thread(self._scene, name, jobs.options_in(body), certificate)
+
     async def check(self, body: bytes) -> jobs.Answer:
         """The checker's verdict on the request and plan in `body`. Raises `Problem`."""
         return await self.do(Order(jobs.check, (body,), _digest("check", body), self.settings.check_s))
@@ -103,14 +108,21 @@ class Service:
     def _read(self, body: bytes, certificate: jobs.Detail, *, parsed: bool = False) -> Order:
         document = (None if parsed else self._budgets(body)) or jobs.request_in(body)
         if "scenario" not in document:
-            wall_s = self._wall(document)
-            return Order(jobs.plan, (body, certificate), _digest("request", body), wall_s, watched=True)
-        name = _scenario_name(document)
+            wall_s, most_s = self._wall(document), self.settings.max_budget_s
+            return Order(jobs.plan, (body, certificate, most_s), _digest("request", body), wall_s, watched=True)
         try:
-            wall_s = self._wall(scenario_request(name))
+            return self._scene(_scenario_name(document), {}, certificate)
         except InputError as error:
             raise Problem.of_input(error) from error
-        return Order(jobs.plan_shipped, (name, certificate), _digest("scenario", name), wall_s, watched=True)
+
+    def _scene(self, name: str, options: dict[str, Any], certificate: jobs.Detail) -> Order:
+        """As `scene_order`. Raises `InputError` for a scenario that is not there."""
+        own, most_s = stated_budgets(scenario_request(name)), self.settings.max_budget_s
+        # what the scenario's file states is not what the caller asks for: it is cut, and not refused
+        budgets = {key: min(value, most_s) for key, value in own.items()}
+        wall_s = self._wall(with_options({"options": budgets}, options))
+        key = _digest("scenario", name + json.dumps(options, sort_keys=True) if options else name)
+        return Order(jobs.plan_shipped, (name, options, certificate, most_s), key, wall_s, watched=True)
 
     def _budgets(self, body: bytes) -> dict[str, Any] | None:
         """A request with the budgets that stand in the text of one, which the worker validates, and nothing else.
@@ -123,7 +135,8 @@ class Service:
         found = STATED.findall(body)
         request = {"options": {name.decode(): float(value) for name, value in found}}
         twice = len(request["options"]) < len(found)
-        return None if twice or max(stated_budgets(request).values()) > self.settings.max_budget_s else request
+        largest = self.settings.max_budget_s
+        return None if twice or max(stated_budgets(request, largest).values()) > largest else request
 
     def _wall(self, document: dict[str, Any]) -> float:
         """When a worker that plans `document` is killed: after both its budgets and the grace, s.
@@ -131,7 +144,7 @@ class Service:
         Raises the `Problem` of a request that asks for more than the service gives.
         """
         largest = self.settings.max_budget_s
-        budgets = stated_budgets(document)
+        budgets = stated_budgets(document, largest)
         for name, budget in budgets.items():
             if not budget <= largest:
                 allowed = f"at most {largest:g} s, which is ASSUR_MAX_BUDGET_S of this service"

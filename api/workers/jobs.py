@@ -31,6 +31,7 @@ from assur.scenes.requests import (
     shipped,
     verdict_on,
     view_document,
+    with_options,
 )
 from assur.scenes.scenarios import CELLS, scenario_in, with_files
 
@@ -93,21 +94,26 @@ def warm() -> str:
     return "planned"
 
 
-def plan(body: bytes, certificate: Detail, tell: Tell) -> Reply:
-    """The answer to the request in `body`; reading it counts in its budget, as it does in the wall's. `tell` takes how
-    far the search has come, as a document."""
-    started, watch = time.perf_counter(), _watch(tell)
-    return _guarded(
-        lambda: plan_document(request_in(body), certificate=certificate, started=started, watch=watch), "status"
-    )
+def plan(body: bytes, certificate: Detail, most_budget_s: float, tell: Tell) -> Reply:
+    """The answer to the request in `body`; reading it counts in its budget, as it does in the wall's. A budget that it
+    does not state is at most `most_budget_s`. `tell` takes how far the search has come, as a document."""
+    given: dict[str, Any] = {"certificate": certificate, "started": time.perf_counter(), "watch": _watch(tell)}
+    return _guarded(lambda: plan_document(request_in(body), most_budget_s=most_budget_s, **given), "status")
 
 
-def plan_shipped(name: str, certificate: Detail, tell: Tell) -> Reply:
-    """The answer to the request of the shipped scenario `name`, with the files that ship with it. `tell`: as `plan`."""
-    started, watch = time.perf_counter(), _watch(tell)
-    return _guarded(
-        lambda: plan_scenario(shipped(name), certificate=certificate, started=started, watch=watch), "status"
-    )
+def plan_shipped(name: str, options: dict[str, Any], certificate: Detail, most_budget_s: float, tell: Tell) -> Reply:
+    """The answer to the request of the shipped scenario `name`, with the files that ship with it, and with `options`
+    in place of its own. The rest as `plan`."""
+    given: dict[str, Any] = {"certificate": certificate, "started": time.perf_counter(), "watch": _watch(tell)}
+
+    def work() -> dict[str, Any]:
+        scenario = shipped(name)
+        if not options:
+            return plan_scenario(scenario, most_budget_s=most_budget_s, **given)
+        request = with_options(scenario.request, options)  # its faults are the caller's, and in no line of the file
+        return plan_document(request, folder=scenario.folder, most_budget_s=most_budget_s, **given)
+
+    return _guarded(work, "status")
 
 
 def _watch(tell: Tell) -> Callable[[Progress], None]:
@@ -246,6 +252,18 @@ def _taken(document: dict[str, Any], field: str) -> Any:
 def request_in(body: bytes) -> dict[str, Any]:
     """The document in `body`, parsed and not looked at. Raises `Problem` where there is none."""
     return _parsed(body, 'a request, or {"scenario": NAME}')
+
+
+def options_in(body: bytes) -> dict[str, Any]:
+    """The options in `body`, {"options": ...} or nothing, as they are written. Raises `Problem`."""
+    document = _parsed(body, 'nothing, or an object with the field "options" and no others') if body else {}
+    for field, value in document.items():
+        if field != "options":
+            raise Problem.of_input(InputError(field, value, 'no field beside "options"'))
+    options = document.get("options", {})
+    if not isinstance(options, dict):
+        raise Problem.of_input(InputError("options", options, "a mapping of fields"))
+    return options
 
 
 def _parsed(body: bytes, allowed: str, fields: Collection[str] = ()) -> dict[str, Any]:

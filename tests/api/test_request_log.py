@@ -101,7 +101,7 @@ def test_a_worker_without_memory_ends_and_says_so() -> None:
 from assur.api.workers import jobs
 def broken(*_, **__): raise MemoryError
 jobs.plan_document = broken
-jobs.plan(b"{}", "full", print)
+jobs.plan(b"{}", "full", 1.0, print)
 """
     run = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, timeout=60, check=False)
     assert run.returncode == errno.ENOMEM
