@@ -11,6 +11,7 @@ from fastapi_offline import FastAPIOffline
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
+from starlette.routing import Match
 
 from assur.api.documents import problem_response
 from assur.api.problems import Problem
@@ -24,6 +25,7 @@ from assur.api.web.service import Service
 from assur.api.web.settings import Settings
 from assur.api.web.studio_routes import studio_router
 
+ROUTERS = (bodies, router, job_bodies, job_router, studio_router)
 HTTP_KINDS = {404: "not-found", 405: "method-not-allowed"}
 """What Starlette itself refuses, by status."""
 
@@ -55,11 +57,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         },
     )
     app.state.service, app.state.jobs = service, jobs
-    app.include_router(bodies)
-    app.include_router(router)
-    app.include_router(job_bodies)
-    app.include_router(job_router)
-    app.include_router(studio_router)
+    for each in ROUTERS:
+        app.include_router(each)
     app.add_middleware(RequestLog)
     described = app.openapi
 
@@ -76,9 +75,19 @@ async def _on_problem(_: Request, problem: Any) -> Response:
     return problem_response(problem)
 
 
-async def _on_http(_: Request, error: Any) -> Response:
+async def _on_http(request: Request, error: Any) -> Response:
     """What Starlette refuses itself, as a problem; the path that was asked for is not repeated."""
     kind = HTTP_KINDS.get(error.status_code, "bad-syntax")
     headers = dict(error.headers or {})
+    if "Allow" in headers:  # Starlette tells of the first route of a path only
+        headers["Allow"] = ", ".join(sorted(_methods(request)))
     detail = f"Allowed here: {headers['Allow']}." if "Allow" in headers else "See /docs for what there is."
     return problem_response(Problem(kind, detail, headers=headers))
+
+
+def _methods(request: Request) -> set[str]:
+    """The methods that the address of `request` knows."""
+    routes = [route for each in ROUTERS for route in each.routes]
+    here = [route for route in routes if route.matches(request.scope)[0] is not Match.NONE]
+    here = [route for route in here if getattr(route, "path", None) == request.scope["path"]] or here
+    return {method for route in here for method in getattr(route, "methods", None) or ()}

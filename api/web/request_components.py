@@ -7,6 +7,7 @@ that lift are two components, and that at most one of two keys may be given is t
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 from assur.scenes.catalogue import models
@@ -58,7 +59,8 @@ def request_components(marks: dict[str, Any], most_budget_s: float) -> dict[str,
     _split_joints(found)
     for part in found.values():
         _tell_pairs(part)
-    return {name: _moved(part) for name, part in found.items()}
+        _tell_defaults(part)
+    return {name: _moved({**part, "title": name}) for name, part in found.items()}  # a generated class is called so
 
 
 def _forget(part: dict[str, Any], key: str) -> None:
@@ -113,6 +115,14 @@ def _tell_pairs(part: dict[str, Any]) -> None:
     rules = [rule for rule in rules if "not" not in rule]
     if rules:
         part["allOf"] = rules
+
+
+def _tell_defaults(part: dict[str, Any]) -> None:
+    """Says in words what silence means of a quantity that has two keys: a generated client would send the default of
+    one key beside the other."""
+    for key, field in part.get("properties", {}).items():
+        if twin_of(key) in part["properties"] and "default" in field:
+            field["description"] = f"silence in both units: {json.dumps(field.pop('default'))}"
 
 
 def _moved(schema: Any) -> Any:

@@ -31,7 +31,7 @@ from assur.api.web.openapi import (
     problems,
 )
 from assur.api.web.request_log import CLIENT_GONE, FACTS
-from assur.api.web.service import Order, Service, scenario_request
+from assur.api.web.service import Order, Service
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
 from assur.api.workers import jobs
 from assur.planner.errors import InputError
@@ -273,9 +273,11 @@ def list_scenes() -> Response:
     summary="The request of a shipped scenario, ready to be posted",
     responses={**component("Request"), **problems("not-found")},
 )
-def show_scene(name: str) -> Response:
+def show_scene(request: Request, name: str) -> Response:
+    if name == "parse":  # no scenario, but an address that takes a POST
+        raise Problem("method-not-allowed", "Allowed here: POST.", headers={"Allow": "POST"})
     try:
-        return json_response(to_json(scenario_request(name)))
+        return json_response(to_json(service_of(request).scene(name)))
     except InputError as error:
         raise Problem.of_input(error, "not-found") from error
 

@@ -115,6 +115,15 @@ class Service:
         except InputError as error:
             raise Problem.of_input(error) from error
 
+    def scene(self, name: str) -> dict[str, Any]:
+        """The request of the shipped scenario `name`, its budgets cut to what the service gives: it can be posted here.
+
+        Raises `InputError`."""
+        request, most_s = scenario_request(name), self.settings.max_budget_s
+        budgets = stated_budgets(request)
+        cut: dict[str, Any] = {key: most_s for key, value in budgets.items() if value > most_s}
+        return with_options(request, cut) if cut else request
+
     def _scene(self, name: str, options: dict[str, Any], certificate: jobs.Detail) -> Order:
         """As `scene_order`. Raises `InputError` for a scenario that is not there."""
         own, most_s = stated_budgets(scenario_request(name)), self.settings.max_budget_s

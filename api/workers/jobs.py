@@ -18,7 +18,7 @@ from assur.api.workers.worker_process import CalledOffError, Tell
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.progress import Progress
 from assur.scenes.exports.doors import check_trajectory_document, export_document
-from assur.scenes.faults import NOTHING
+from assur.scenes.faults import NOTHING, WHOLE, DocumentError
 from assur.scenes.plan_file import FORM, TEXTS
 from assur.scenes.requests import (
     cell_of,
@@ -34,6 +34,8 @@ from assur.scenes.requests import (
     with_options,
 )
 from assur.scenes.scenarios import CELLS, scenario_in, with_files
+from assur.scenes.schema.read import read
+from assur.scenes.schema.request import OptionsDocument
 
 Detail = Literal["full", "digest"]
 
@@ -255,15 +257,19 @@ def request_in(body: bytes) -> dict[str, Any]:
 
 
 def options_in(body: bytes) -> dict[str, Any]:
-    """The options in `body`, {"options": ...} or nothing, as they are written. Raises `Problem`."""
+    """The options in `body`, {"options": ...} or nothing, as they are written; they are read once, to see whether they
+    can be. Raises `Problem`."""
     document = _parsed(body, 'nothing, or an object with the field "options" and no others') if body else {}
     for field, value in document.items():
         if field != "options":
             raise Problem.of_input(InputError(field, value, 'no field beside "options"'))
     options = document.get("options", {})
-    if not isinstance(options, dict):
-        raise Problem.of_input(InputError("options", options, "a mapping of fields"))
-    return options
+    try:
+        read(OptionsDocument, options)
+    except DocumentError as error:
+        name = "options" if error.field == WHOLE else f"options.{error.field}"
+        raise Problem.of_input(InputError(name, error.value, error.allowed)) from error
+    return dict(options)
 
 
 def _parsed(body: bytes, allowed: str, fields: Collection[str] = ()) -> dict[str, Any]:

@@ -325,7 +325,7 @@ class ToolPoseDocument(Document):
     roll_rad: Angle | None = None
 
 
-Turn = Annotated[int, WHOLE, Field(ge=-MOST_TURNS, le=MOST_TURNS)]
+Turn = Annotated[int, Field(ge=-MOST_TURNS, le=MOST_TURNS), WHOLE]
 
 
 class StartDocument(Document):

@@ -98,7 +98,7 @@ class BodyDocument(Document):
     shape: ShapeDocument
     pose: PlaceInCell | None = None
     mass_kg: Mass | None = None
-    yaw_symmetry: Annotated[int, WHOLE, Field(ge=0, le=360)] = 1
+    yaw_symmetry: Annotated[int, Field(ge=0, le=360), WHOLE] = 1
     uncertainty: PoseUncertaintyDocument = PoseUncertaintyDocument()
 
 
