@@ -70,7 +70,8 @@ def round_of(
 def failures_of(done: dict[str, Any]) -> list[dict[str, Any]]:
     """What a round found, errors of its own making among it."""
     found = [{"seed": done["seed"], **failure} for failure in done["report"]["failures"]]
-    return found + [{"seed": done["seed"], "error": error} for error in done["report"]["errors"]]
+    _, _, told = done["output"].partition(" ERRORS ")
+    return found + [{"seed": done["seed"], "error": error, "told": told[:3000]} for error in done["report"]["errors"]]
 
 
 def main() -> int:

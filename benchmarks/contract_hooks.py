@@ -14,12 +14,7 @@ from assur.planner.errors import InputError
 from assur.scenes.schema.ik import IkDocument
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import OptionsDocument, RequestDocument
-
-NOT_SAID = (", not both", "a number that is not rounded to 0 in ")
-"""What the reader says where a schema of the description says nothing: a quantity in both its units; a number so small
-that it is 0 in SI."""
-AT_MOST = "at most one of "
-"""How the reader begins to speak of what the description tells by `x-at-most-one`."""
+from benchmarks.contract_words import AT_MOST, NOT_SAID
 
 
 def foreseeable(body: Any) -> str | None:

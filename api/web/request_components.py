@@ -57,7 +57,12 @@ def request_components(marks: dict[str, Any], most_budget_s: float) -> dict[str,
     _name(found["MeshDocument"]["properties"]["asset"], list(asset_names()))
     _limit_budgets(found["OptionsDocument"]["properties"], most_budget_s)
     _split_joints(found)
+    frames = request["properties"]["frames"]
+    ((pattern, law),) = frames.pop("patternProperties").items()
+    frames |= {"additionalProperties": law, "propertyNames": {"pattern": pattern}}
     for part in found.values():
+        # of joints by name: generators of clients take one type of value; the limits in SI are the narrowest
+        part.pop("patternProperties", None)
         _tell_pairs(part)
         _tell_defaults(part)
     return {name: _moved({**part, "title": name}) for name, part in found.items()}  # a generated class is called so
