@@ -55,22 +55,22 @@ def test_a_generated_client_plans_a_request_and_a_scenario_and_has_a_plan_checke
     def part(name: str) -> Any:
         return importlib.import_module(f"{package}.{name}")
 
-    to = part("client").Client(base_url=str(client.base_url), timeout=120)
-    models = part("models")
-    demo = client.get("/v1/scenes/demo").json()
-    request = models.Request.from_dict(demo)
-    assert request.to_dict() == demo
-    answer = part("api.plans.plan").sync(client=to, body=request)
-    assert isinstance(answer, models.PlannedAnswer)
-    assert answer.status == "planned"
-    both = models.CheckPlanBody.from_dict({"request": demo, "plan": answer.to_dict()})
-    assert part("api.plans.check_plan").sync(client=to, body=both).ok is True
-    named = part("api.plans.plan_scene").sync("demo", client=to)
-    assert isinstance(named, models.PlannedAnswer)
-    assert named.duration_s == answer.duration_s
-    refused = part("api.plans.plan_scene").sync("nowhere", client=to)
-    assert isinstance(refused, models.Problem)
-    assert refused.status == 404
+    with part("client").Client(base_url=str(client.base_url), timeout=120) as to:
+        models = part("models")
+        demo = client.get("/v1/scenes/demo").json()
+        request = models.Request.from_dict(demo)
+        assert request.to_dict() == demo
+        answer = part("api.plans.plan").sync(client=to, body=request)
+        assert isinstance(answer, models.PlannedAnswer)
+        assert answer.status == "planned"
+        both = models.CheckPlanBody.from_dict({"request": demo, "plan": answer.to_dict()})
+        assert part("api.plans.check_plan").sync(client=to, body=both).ok is True
+        named = part("api.plans.plan_scene").sync("demo", client=to)
+        assert isinstance(named, models.PlannedAnswer)
+        assert named.duration_s == answer.duration_s
+        refused = part("api.plans.plan_scene").sync("nowhere", client=to)
+        assert isinstance(refused, models.Problem)
+        assert refused.status == 404
 
 
 def test_models_can_be_generated_that_read_every_shipped_scenario(description: Path, client: httpx.Client) -> None:
