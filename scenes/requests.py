@@ -7,6 +7,7 @@ planning does.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.scenes.catalogue import RobotFile, load_robot, models, robots, shipped_robot, with_robots
-from assur.scenes.faults import fault, located
+from assur.scenes.faults import fault, located, written_key
 from assur.scenes.files import with_meshes, with_plans
 from assur.scenes.numbers import optional
 from assur.scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet
@@ -25,7 +26,7 @@ from assur.scenes.schema.normal import plain
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import SCHEMA, OptionsDocument, RequestDocument
 from assur.scenes.text.json_text import parse_json
-from assur.scenes.units import twin_of
+from assur.scenes.units import si_key, twin_of
 
 if TYPE_CHECKING:
     from assur.planner.checker.verdict import Finding
@@ -66,6 +67,7 @@ __all__ = [
     "unmet",
     "validate",
     "view_document",
+    "with_options",
 ]
 
 
@@ -81,14 +83,14 @@ BUDGETS = ("budget_s", "explain_budget_s")
 """Options that say for how long a request may be worked on."""
 
 
-def stated_budgets(document: dict[str, Any]) -> dict[str, float]:
-    """The budgets of a request, in s, before it is validated: for whoever limits them. What is no number is left for
-    the validation to refuse, and counts as the default."""
+def stated_budgets(document: dict[str, Any], most_s: float = math.inf) -> dict[str, float]:
+    """The budgets of a request, in s, before it is validated: for whoever limits them. What is not stated is the
+    default, and at most `most_s`. What is no number is left for the validation to refuse, and counts as not stated."""
     options = document.get("options")
     given = options if isinstance(options, dict) else {}
     found: dict[str, float] = {}
     for name in BUDGETS:
-        found[name] = OptionsDocument.model_fields[name].default
+        found[name] = min(OptionsDocument.model_fields[name].default, most_s)
         for key, per_second in ((name, 1), (twin_of(name), 1000)):
             value = given.get(key)
             if isinstance(value, int | float) and not value < 0:
@@ -168,6 +170,7 @@ def plan_document(
     folder: Path | None = None,
     certificate: Literal["full", "digest"] = "full",
     started: float | None = None,
+    most_budget_s: float | None = None,
     watch: Watch | None = None,
     valid: Callable[[RequestDocument], None] | None = None,
     laps: Stopwatch | None = None,
@@ -176,25 +179,29 @@ def plan_document(
 
     `started`: the reading of `time.perf_counter` from which the budget counts. A service gives the time at which it
     took the request up, so that reading it and building the scene count, too, and a budget that ends there is an
-    answer; None: the budget is for the search alone. `watch` is told how far the search has come; what it raises ends
-    the planning and is raised here. `valid`: as `cell_of`; `laps` measures the stages.
+    answer; None: the budget is for the search alone. `most_budget_s`: largest budget of either kind, to which a larger
+    one is cut; None: there is none. `watch` is told how far the search has come; what it raises ends the planning and
+    is raised here. `valid`: as `cell_of`; `laps` measures the stages.
     """
     if started is None:
         cell = cell_of(document, folder=folder, valid=valid, laps=laps)
-        return plan_cell(cell, certificate=certificate, watch=watch, laps=laps)
+        return plan_cell(cell, certificate=certificate, most_budget_s=most_budget_s, watch=watch, laps=laps)
     from assur.scenes.answer import unbuilt
     from assur.scenes.reading.cell import cell_of as build
 
     written, request = _accepted(document, folder, valid, laps)
+    budget_s = request.options.budget_s
     try:
-        with Deadline(started, request.options.budget_s):
+        with Deadline(started, budget_s if most_budget_s is None else min(budget_s, most_budget_s)):
             cell = build(written, request)
     except OutOfTimeError as late:
         return dict(unbuilt(request, time.perf_counter() - started, str(late)))
     finally:
         if laps is not None:
             laps.lap("build")
-    return plan_cell(cell, certificate=certificate, started=started, watch=watch, laps=laps)
+    return plan_cell(
+        cell, certificate=certificate, started=started, most_budget_s=most_budget_s, watch=watch, laps=laps
+    )
 
 
 def plan_cell(
@@ -203,6 +210,7 @@ def plan_cell(
     certificate: Literal["full", "digest"] = "full",
     started: float | None = None,
     explain_budget_s: float | None = None,
+    most_budget_s: float | None = None,
     nearest_pairs: int = 0,
     watch: Watch | None = None,
     laps: Stopwatch | None = None,
@@ -218,6 +226,10 @@ def plan_cell(
     scene = cell.scene
     if explain_budget_s is not None and _silent(cell.document, "explain_budget_s"):
         scene = replace(scene, options=replace(scene.options, explain_budget_s=explain_budget_s))
+    if most_budget_s is not None:
+        options = scene.options
+        budgets = {name: min(getattr(options, name), most_budget_s) for name in BUDGETS}
+        scene = replace(scene, options=replace(options, **budgets))
     with located(cell.document):
         outcome = plan(scene, started=started, nearest_pairs=nearest_pairs, watch=watch, laps=laps)
     return dict(answer_of(cell, outcome, certificate))
@@ -228,6 +240,7 @@ def plan_scenario(
     *,
     certificate: Literal["full", "digest"] = "full",
     started: float | None = None,
+    most_budget_s: float | None = None,
     watch: Watch | None = None,
     valid: Callable[[RequestDocument], None] | None = None,
     laps: Stopwatch | None = None,
@@ -239,10 +252,23 @@ def plan_scenario(
             folder=scenario.folder,
             certificate=certificate,
             started=started,
+            most_budget_s=most_budget_s,
             watch=watch,
             valid=valid,
             laps=laps,
         )
+
+
+def with_options(request: dict[str, Any], options: dict[str, Any]) -> dict[str, Any]:
+    """A request whose options are `options`, and its own where these are silent, in whichever unit."""
+    own = request.get("options") or {}
+    kept = {key: value for key, value in own.items() if written_key(options, _in_si(key)) is None}
+    return {**request, "options": {**kept, **options}}
+
+
+def _in_si(key: str) -> str:
+    twin = si_key(key)
+    return key if twin is None else twin[0]
 
 
 def check_document(request: object, plan: object, *, folder: Path | None = None) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from fastapi_offline import FastAPIOffline
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
+from starlette.routing import Match
 
 from assur.api.documents import problem_response
 from assur.api.problems import Problem
@@ -30,6 +31,7 @@ from assur.api.web.service import Service
 from assur.api.web.settings import Settings
 from assur.api.web.studio_routes import studio_router
 
+ROUTERS = (bodies, router, job_bodies, job_router, studio_router, mesh_bodies, mesh_router, operation_router)
 HTTP_KINDS = {404: "not-found", 405: "method-not-allowed"}
 """What Starlette itself refuses, by status."""
 
@@ -63,14 +65,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.service, app.state.jobs = service, jobs
     app.state.keys = Idempotency(service.meters)
     app.state.connections = Connections(service.settings)
-    app.include_router(bodies)
-    app.include_router(router)
-    app.include_router(job_bodies)
-    app.include_router(job_router)
-    app.include_router(studio_router)
-    app.include_router(mesh_bodies)
-    app.include_router(mesh_router)
-    app.include_router(operation_router)
+    for each in ROUTERS:
+        app.include_router(each)
     app.add_middleware(Representation)
     app.add_middleware(KnowsClients, clients=clients)
     app.add_middleware(Gate, connections=app.state.connections)
@@ -79,7 +75,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
 
     def described_in_full() -> dict[str, Any]:
         if app.openapi_schema is None:
-            app.openapi_schema = openapi.complete(described())
+            app.openapi_schema = openapi.complete(described(), service.settings.max_budget_s)
         return app.openapi_schema
 
     app.openapi = described_in_full  # type: ignore[method-assign]
@@ -96,5 +92,15 @@ async def _on_http(request: Request, error: Any) -> Response:
     kind = HTTP_KINDS.get(error.status_code, "bad-syntax")
     request.scope[FACTS]["problem"] = kind
     headers = dict(error.headers or {})
+    if "Allow" in headers:  # Starlette tells of the first route of a path only
+        headers["Allow"] = ", ".join(sorted(_methods(request)))
     detail = f"Allowed here: {headers['Allow']}." if "Allow" in headers else "See /docs for what there is."
     return problem_response(Problem(kind, detail, headers=headers))
+
+
+def _methods(request: Request) -> set[str]:
+    """The methods that the address of `request` knows."""
+    routes = [route for each in ROUTERS for route in each.routes]
+    here = [route for route in routes if route.matches(request.scope)[0] is not Match.NONE]
+    here = [route for route in here if getattr(route, "path", None) == request.scope["path"]] or here
+    return {method for route in here for method in getattr(route, "methods", None) or ()}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
-from typing import Any, Literal, cast, get_args
+from typing import Any, Literal
 
 from fastapi import APIRouter, Request
 from starlette.responses import Response, StreamingResponse
@@ -13,11 +13,18 @@ from assur.api.documents import json_response, to_json
 from assur.api.problems import Problem
 from assur.api.web.clients import client_of
 from assur.api.web.job_store import Job, JobStore
-from assur.api.web.openapi import PLAN_BODY, problems
-from assur.api.web.routes import BODY_PROBLEMS, KEY_PROBLEMS, Direct, once, read_admitted, service_of
+from assur.api.web.openapi import PLAN_BODY, SCENE_BODY, problems
+from assur.api.web.routes import (
+    BODY_PROBLEMS,
+    KEY_PROBLEMS,
+    Direct,
+    certificate_of,
+    once,
+    read_admitted,
+    scene_order,
+    service_of,
+)
 from assur.api.web.settings import PLAN_BODY_BYTES
-from assur.api.workers import jobs
-from assur.planner.errors import InputError
 from assur.scenes.schema.answer import Answer
 
 SILENCE_S = 15.0
@@ -63,29 +70,53 @@ def _told(job: Job, status: int = 200, headers: dict[str, str] | None = None) ->
 
 @job_bodies.post(
     "/v1/jobs",
-    summary="Plan a request, or a shipped scenario, while the client is elsewhere",
+    operation_id="start_job",
+    tags=["jobs"],
+    summary="Plan a request while the client is elsewhere",
     status_code=202,
     response_model=JobDocument,
     responses=problems(*BODY_PROBLEMS, *KEY_PROBLEMS, "busy", "not-ready"),
     openapi_extra=PLAN_BODY,
 )
 async def start(request: Request) -> Response:
-    certificate = request.query_params.get("certificate", "full")
-    if certificate not in get_args(jobs.Detail):
-        raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(jobs.Detail))))
+    certificate = certificate_of(request)
     body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
 
     async def begun() -> Response:
-        order = await service_of(request).job_order(body, cast(jobs.Detail, certificate), client_of(request))
-        job = _store(request).start(order)
+        job = _store(request).start(await service_of(request).job_order(body, certificate, client_of(request)))
         # relative to this address, whatever prefix a proxy has put before it
         return _told(job, 202, {"Location": f"jobs/{job.id}"})
 
     return await once(request, body, begun)
 
 
+@job_bodies.post(
+    "/v1/scenes/{name}/jobs",
+    operation_id="start_scene_job",
+    tags=["jobs"],
+    summary="Plan a shipped scenario while the client is elsewhere",
+    status_code=202,
+    response_model=JobDocument,
+    responses=problems("not-found", *BODY_PROBLEMS, *KEY_PROBLEMS, "busy", "not-ready"),
+    openapi_extra=SCENE_BODY,
+)
+async def start_scene(request: Request) -> Response:
+    order = await scene_order(request)
+
+    async def begun() -> Response:
+        job = _store(request).start(order)
+        return _told(job, 202, {"Location": f"../../jobs/{job.id}"})
+
+    return await once(request, order.work.key.encode(), begun)
+
+
 @job_router.get(
-    "/v1/jobs/{name}", summary="How far a job has come", response_model=JobDocument, responses=problems("job-lost")
+    "/v1/jobs/{name}",
+    operation_id="show_job",
+    tags=["jobs"],
+    summary="How far a job has come",
+    response_model=JobDocument,
+    responses=problems("job-lost"),
 )
 async def show(request: Request, name: str) -> Response:
     return _told(_store(request).get(name, client_of(request)))
@@ -93,6 +124,8 @@ async def show(request: Request, name: str) -> Response:
 
 @job_router.get(
     "/v1/jobs/{name}/answer",
+    operation_id="show_job_answer",
+    tags=["jobs"],
     summary="The answer of a job that is done, as POST /v1/plans would have given it",
     response_model=Answer,
     responses=problems("job-lost", "job-not-done", "bad-input", "quarantined", "fault", "worker-crashed", "busy",
@@ -111,6 +144,8 @@ async def answer(request: Request, name: str) -> Response:
 
 @job_router.get(
     "/v1/jobs/{name}/events",
+    operation_id="watch_job",
+    tags=["jobs"],
     summary="The progress of a job as server-sent events, until it has ended",
     responses={
         200: {"content": {"text/event-stream": {}}, "description": "events called as the state; data as JobDocument"},
@@ -134,6 +169,8 @@ async def events(request: Request, name: str) -> Response:
 
 @job_router.delete(
     "/v1/jobs/{name}",
+    operation_id="delete_job",
+    tags=["jobs"],
     summary="Call a job off, or forget one that has ended",
     response_model=JobDocument,
     responses=problems("job-lost"),

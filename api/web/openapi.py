@@ -7,10 +7,10 @@ from typing import Any, Literal
 from typing_extensions import TypedDict
 
 from assur.api.problems import MEDIA_TYPE, STATUS
+from assur.api.web.request_components import request_components
 from assur.api.web.service import scenario_request
-from assur.scenes.exports.doors import export_schemas
 from assur.scenes.plan_file import FORM
-from assur.scenes.requests import ik_schema, request_schema
+from assur.scenes.requests import shipped_scenarios
 from assur.scenes.scenarios import scenario_text
 
 TEXT = """\
@@ -67,6 +67,14 @@ class Parsed(TypedDict):
     request: dict[str, Any]
 
 
+ROBOTS: dict[str, Any] = {
+    "type": "object",
+    "description": "The shipped robots, every number with its status and source",
+    "required": ["robots"],
+    "properties": {"robots": {"type": "array", "items": {"type": "object", "additionalProperties": True}}},
+}
+
+
 class Live(TypedDict):
     """The service runs."""
 
@@ -103,20 +111,7 @@ def body(schema: dict[str, Any], examples: dict[str, Any]) -> dict[str, Any]:
     return {"requestBody": {"required": True, "content": {"application/json": {"schema": schema, "examples": wrapped}}}}
 
 
-PLAN_BODY = body(
-    {
-        "oneOf": [
-            {"$ref": "#/components/schemas/Request"},
-            {
-                "type": "object",
-                "required": ["scenario"],
-                "properties": {"scenario": {"type": "string", "description": "a name of GET /v1/scenes"}},
-                "additionalProperties": False,
-            },
-        ]
-    },
-    {"a shipped scenario": {"scenario": "demo"}},
-) | {
+CERTIFICATE = {
     "parameters": [
         {
             "name": "certificate",
@@ -126,6 +121,21 @@ PLAN_BODY = body(
         }
     ]
 }
+PLAN_BODY = (
+    body({"$ref": "#/components/schemas/Request"}, {})
+    | CERTIFICATE
+    | {"description": 'A body `{"scenario": NAME}` is planned, too, as by `/v1/scenes/{name}/plans`.'}
+)
+SCENE_BODY = body(
+    {"$ref": "#/components/schemas/SceneQuestion"}, {"a short search": {"options": {"stop": "first"}}}
+) | {
+    "description": "There may be no body at all.",
+    "parameters": [
+        {"name": "name", "in": "path", "required": True, "schema": {"type": "string"}},
+        *CERTIFICATE["parameters"],
+    ],
+}
+SCENE_BODY["requestBody"]["required"] = False
 
 MARKS: dict[str, Any] = {
     "schema": {"const": FORM, "description": "where the body is a plan file, as `assur plan --out` writes it"},
@@ -190,38 +200,83 @@ IK_BODY = body(
 )
 
 
-def complete(document: dict[str, Any]) -> dict[str, Any]:
-    """FastAPI's own description with our schemas and the demo's whole request as an example."""
-    request, question, export, trajectory = request_schema(), ik_schema(), *export_schemas()
-    every = request, question, export, trajectory
-    parts = {name: _moved(part) for of in every for name, part in of.pop("$defs", {}).items()}
-    for asked, needed in ((export, ["request", "plan"]), (trajectory, ["request"])):
-        asked["properties"]["request"] = {"$ref": "#/components/schemas/Request"}
-        asked["properties"]["plan"] = {"$ref": "#/components/schemas/PlannedAnswer"}
-        asked["properties"] |= MARKS if asked is export else {}
-        asked["required"] = [*needed, *asked.get("required", [])]
-    question["properties"]["request"] = {"$ref": "#/components/schemas/Request"}
-    question["allOf"].append({"oneOf": [{"required": ["request"]}, {"required": ["robot"]}]})
-    request.pop("$schema", None)
-    document.setdefault("components", {}).setdefault("schemas", {}).update(
-        parts,
-        Request=_moved(request),
-        IkQuestion=_moved(question),
-        ExportQuestion=_moved(export),
-        TrajectoryQuestion=_moved(trajectory),
-        Document={"description": "a JSON document"},
+LINKS: dict[tuple[str, str, int], dict[str, dict[str, Any]]] = {
+    ("/v1/scenes", "get", 200): {
+        operation: {"operationId": operation, "parameters": {"name": "$response.body#/scenes/0/name"}}
+        for operation in ("show_scene", "show_scene_text", "plan_scene", "start_scene_job")
+    },
+    ("/v1/scenes/{name}", "get", 200): {
+        operation: {"operationId": operation, "requestBody": "$response.body"} for operation in ("plan", "start_job")
+    },
+    ("/v1/scenes/parse", "post", 200): {
+        "plan": {"operationId": "plan", "requestBody": "$response.body#/request"},
+    },
+    ("/v1/plans", "post", 200): {
+        operation: {
+            "operationId": operation,
+            "description": "of an answer that is planned, with the full certificate",
+            "requestBody": {"request": "$request.body", "plan": "$response.body"},
+        }
+        for operation in ("check_plan", "view_plan", "report_plan")
+    },
+    **{
+        (path, "post", 202): {
+            operation: {"operationId": operation, "parameters": {"name": "$response.body#/id"}}
+            for operation in ("show_job", "show_job_answer", "watch_job", "delete_job")
+        }
+        for path in ("/v1/jobs", "/v1/scenes/{name}/jobs")
+    },
+}
+"""From a response (address, method, status) to what can be asked next: name of the link to its description."""
+TAGS = {
+    "plans": "Plan a request, and what can be done with a plan",
+    "jobs": "Plan now, fetch later",
+    "scenes": "The shipped scenarios, and the text of others",
+    "kinematics": "Robots, and where a tool can be",
+    "service": "Whether the service runs",
+}
+HEADERS = {
+    "RequestId": {"description": "under which the service logs this request", "schema": {"type": "string"}},
+    "RetryAfter": {"description": "seconds after which to ask again", "schema": {"type": "integer", "minimum": 0}},
+    "Location": {
+        "description": "address of the job, relative to that of the request",
+        "schema": {"type": "string", "format": "uri-reference"},
+    },
+}
+AGAIN = (429, 503)
+"""Statuses of problems that say when to ask again, where it is known."""
+
+
+def complete(document: dict[str, Any], most_budget_s: float) -> dict[str, Any]:
+    """FastAPI's own description with our schemas, links and headers, and the demo's whole request as an example.
+
+    `most_budget_s`: largest budget that the service gives, s.
+    """
+    components = document.setdefault("components", {})
+    components.setdefault("schemas", {}).update(
+        request_components(MARKS, most_budget_s),
+        Robots=ROBOTS,
+        JsonSchema={"type": "object", "description": "a JSON Schema", "additionalProperties": True},
         Problem=PROBLEM_SCHEMA,
     )
+    components["headers"] = HEADERS
+    document["tags"] = [{"name": name, "description": about} for name, about in TAGS.items()]
     plans = document["paths"]["/v1/plans"]["post"]["requestBody"]["content"]["application/json"]
-    plans["examples"] = {**plans["examples"], "the demo in full": {"value": scenario_request("demo")}}
+    plans["examples"] = {"the demo": {"value": scenario_request("demo")}}
+    for path, item in document["paths"].items():
+        for method, operation in item.items():
+            for status, response in operation["responses"].items():
+                headers = {"X-Request-Id": {"$ref": "#/components/headers/RequestId"}}
+                if int(status) in AGAIN:
+                    headers["Retry-After"] = {"$ref": "#/components/headers/RetryAfter"}
+                if int(status) == 202:
+                    headers["Location"] = {"$ref": "#/components/headers/Location"}
+                response.setdefault("headers", {}).update(headers)
+                links = LINKS.get((path, method, int(status)))
+                if links:
+                    response["links"] = links
+            for parameter in operation.get("parameters", ()):
+                if parameter["name"] == "name" and path.startswith("/v1/scenes/"):
+                    parameter["schema"] = {"type": "string", "enum": list(shipped_scenarios())}
+                    parameter["description"] = "name of a shipped scenario"
     return document
-
-
-def _moved(schema: Any) -> Any:
-    """`schema` with its references pointing at the components of the description."""
-    if isinstance(schema, dict):
-        return {
-            key: value.replace("#/$defs/", "#/components/schemas/") if key == "$ref" else _moved(value)
-            for key, value in schema.items()
-        }
-    return [_moved(item) for item in schema] if isinstance(schema, list) else schema

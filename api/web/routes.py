@@ -23,6 +23,7 @@ from assur.api.web.openapi import (
     PARSE_BODY,
     PLAN_BODY,
     REPORT_BODY,
+    SCENE_BODY,
     TRAJECTORY_BODY,
     VIEW_BODY,
     Live,
@@ -33,7 +34,7 @@ from assur.api.web.openapi import (
     problems,
 )
 from assur.api.web.request_log import CLIENT_GONE
-from assur.api.web.service import Service, scenario_request
+from assur.api.web.service import Order, Service
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
 from assur.api.workers import jobs
 from assur.planner.errors import InputError
@@ -112,37 +113,81 @@ async def _gone(request: Request) -> None:
 
 
 async def read_admitted(request: Request, limit: int, *parameters: str, json: bool = True) -> bytes:
-    """The body, unless the queue is full already: what would be turned away need not be read. `json`: as `read_body`.
-
-    Raises `Problem`, also for a parameter of the address that is not one of `parameters`.
-    """
-    for name in request.query_params:
-        if name not in parameters:
-            raise Problem.of_input(InputError(name, request.query_params[name], _known(parameters)))
+    """The body of a request that is admitted. `json`: as `read_body`. Raises `Problem`."""
+    admit(request, *parameters)
     service = service_of(request)
-    service.workers.require_room(client_of(request))
     with service.meters.reading():
         return await read_body(request, limit, service.settings.body_s, service.reading, json=json)
 
 
+def admit(request: Request, *parameters: str) -> None:
+    """Raises the `Problem` of a request that is turned away unread: for a parameter of the address that is not one of
+    `parameters`, and when the queue is full."""
+    for name in request.query_params:
+        if name not in parameters:
+            raise Problem.of_input(InputError(name, request.query_params[name], _known(parameters)))
+    service_of(request).workers.require_room(client_of(request))
+
+
+def certificate_of(request: Request) -> jobs.Detail:
+    """How much of the certificate is asked for. Raises `Problem`."""
+    certificate = request.query_params.get("certificate", "full")
+    if certificate not in get_args(jobs.Detail):
+        raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(jobs.Detail))))
+    return cast(jobs.Detail, certificate)
+
+
+async def scene_order(request: Request) -> Order:
+    """What is asked about the shipped scenario that the address names. There may be no body. Raises `Problem`."""
+    certificate, headers = certificate_of(request), request.headers
+    empty = headers.get("content-length", "0") == "0" and "transfer-encoding" not in headers
+    if empty and "content-type" not in headers:
+        admit(request, "certificate")
+        body = b""
+    else:
+        body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
+    name, client = request.path_params["name"], client_of(request)
+    try:
+        return await service_of(request).scene_order(name, body, certificate, client)
+    except InputError as error:
+        raise Problem.of_input(error, "not-found") from error
+
+
 @bodies.post(
     "/v1/plans",
-    summary="Plan a request, or a shipped scenario",
+    operation_id="plan",
+    tags=["plans"],
+    summary="Plan a request",
     response_model=Answer,
     responses=problems(*BODY_PROBLEMS, *KEY_PROBLEMS, *WORKER_PROBLEMS),
     openapi_extra=PLAN_BODY,
 )
 async def plan(request: Request) -> Response:
-    certificate = request.query_params.get("certificate", "full")
-    if certificate not in get_args(jobs.Detail):
-        raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(jobs.Detail))))
+    certificate = certificate_of(request)
     body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
-    detail, client = cast(jobs.Detail, certificate), client_of(request)
-    return await once(request, body, lambda: _unless_gone(request, service_of(request).plan(body, detail, client)))
+    client = client_of(request)
+    return await once(request, body, lambda: _unless_gone(request, service_of(request).plan(body, certificate, client)))
+
+
+@bodies.post(
+    "/v1/scenes/{name}/plans",
+    operation_id="plan_scene",
+    tags=["plans"],
+    summary="Plan a shipped scenario",
+    response_model=Answer,
+    responses=problems("not-found", *BODY_PROBLEMS, *KEY_PROBLEMS, *WORKER_PROBLEMS),
+    openapi_extra=SCENE_BODY,
+)
+async def plan_scene(request: Request) -> Response:
+    order = await scene_order(request)
+    key = order.work.key.encode()
+    return await once(request, key, lambda: _unless_gone(request, service_of(request).do(order)))
 
 
 @bodies.post(
     "/v1/plans/check",
+    operation_id="check_plan",
+    tags=["plans"],
     summary="Check a plan against its request",
     response_model=Verdict,
     responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
@@ -155,6 +200,8 @@ async def check(request: Request) -> Response:
 
 @bodies.post(
     "/v1/plans/view",
+    operation_id="view_plan",
+    tags=["plans"],
     summary="What a viewer plays of a plan, or of a refusal: poses over time, meshes, curves",
     response_model=ViewDocument,
     responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
@@ -167,6 +214,8 @@ async def view(request: Request) -> Response:
 
 @bodies.post(
     "/v1/plans/report",
+    operation_id="report_plan",
+    tags=["plans"],
     summary="A page that plays a plan, or a refusal, and says all of it",
     response_class=HTMLResponse,
     responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
@@ -179,6 +228,8 @@ async def report(request: Request) -> Response:
 
 @bodies.post(
     "/v1/plans/export",
+    operation_id="export_plan",
+    tags=["plans"],
     summary="A plan as a controller's file, proved on the points of the file",
     response_model=ExportAnswer,
     responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
@@ -191,6 +242,8 @@ async def export(request: Request) -> Response:
 
 @bodies.post(
     "/v1/trajectories/check",
+    operation_id="check_trajectory",
+    tags=["plans"],
     summary="Prove or refute a trajectory that was made elsewhere",
     response_model=TrajectoryVerdict,
     responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
@@ -203,6 +256,8 @@ async def check_trajectory(request: Request) -> Response:
 
 @bodies.post(
     "/v1/ik",
+    operation_id="solve_ik",
+    tags=["kinematics"],
     summary="All joint positions at a pose of the tool, or the pose of the tool at joints",
     response_model=IkAnswer,
     responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
@@ -213,12 +268,20 @@ async def ik(request: Request) -> Response:
     return await _unless_gone(request, service_of(request).ik(body, client_of(request)))
 
 
-@router.get("/v1/robots", summary="The robot catalogue", responses=component("Document"))
+@router.get(
+    "/v1/robots",
+    operation_id="list_robots",
+    tags=["kinematics"],
+    summary="The robot catalogue",
+    responses=component("Robots"),
+)
 def list_robots() -> Response:
     return json_response(to_json({"robots": robots()}))
 
 
-@router.get("/v1/scenes", summary="The shipped scenarios", response_model=Scenes)
+@router.get(
+    "/v1/scenes", operation_id="list_scenes", tags=["scenes"], summary="The shipped scenarios", response_model=Scenes
+)
 def list_scenes() -> Response:
     scenes = [{"name": name, "about": about} for name, about in shipped_scenarios().items()]
     return json_response(to_json({"scenes": scenes}))
@@ -226,18 +289,24 @@ def list_scenes() -> Response:
 
 @router.get(
     "/v1/scenes/{name}",
+    operation_id="show_scene",
+    tags=["scenes"],
     summary="The request of a shipped scenario, ready to be posted",
     responses={**component("Request"), **problems("not-found")},
 )
-def show_scene(name: str) -> Response:
+def show_scene(request: Request, name: str) -> Response:
+    if name == "parse":  # no scenario, but an address that takes a POST
+        raise Problem("method-not-allowed", "Allowed here: POST.", headers={"Allow": "POST"})
     try:
-        return json_response(to_json(scenario_request(name)))
+        return json_response(to_json(service_of(request).scene(name)))
     except InputError as error:
         raise Problem.of_input(error, "not-found") from error
 
 
 @router.get(
     "/v1/scenes/{name}/text",
+    operation_id="show_scene_text",
+    tags=["scenes"],
     summary="The text of a shipped scenario, as it is in its file",
     response_class=PlainTextResponse,
     responses={200: {"content": {"application/yaml": {}}}, **problems("not-found")},
@@ -251,6 +320,8 @@ def show_scene_text(name: str) -> Response:
 
 @bodies.post(
     "/v1/scenes/parse",
+    operation_id="parse_scene",
+    tags=["scenes"],
     summary="The request that the text of a scenario means, or its faults with their lines",
     response_model=Parsed,
     responses=problems(*BODY_PROBLEMS, *WORKER_PROBLEMS),
@@ -261,7 +332,13 @@ async def parse(request: Request) -> Response:
     return await _unless_gone(request, service_of(request).parse(body, client_of(request)))
 
 
-@router.get("/v1/schema", summary="JSON Schema of the request", responses=component("Document"))
+@router.get(
+    "/v1/schema",
+    operation_id="show_request_schema",
+    tags=["plans"],
+    summary="JSON Schema of the request",
+    responses=component("JsonSchema"),
+)
 def schema() -> Response:
     return json_response(_schema())
 
@@ -271,13 +348,17 @@ def _schema() -> bytes:
     return to_json(request_schema())
 
 
-@router.get("/livez", summary="Whether the service runs", response_model=Live)
+@router.get(
+    "/livez", operation_id="show_live", tags=["service"], summary="Whether the service runs", response_model=Live
+)
 async def live() -> Response:
     return json_response(to_json({"live": True}))
 
 
 @router.get(
     "/readyz",
+    operation_id="show_ready",
+    tags=["service"],
     summary="Whether every worker has planned once, and the service is not about to stop",
     response_model=Ready,
     responses=problems("not-ready", "draining"),

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import json
 import logging
 import re
 from collections.abc import Callable
@@ -32,7 +33,7 @@ from assur.api.workers.worker_process import Tell
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
 from assur.scenes.meshes.folder import MeshFolder
-from assur.scenes.requests import shipped, stated_budgets
+from assur.scenes.requests import shipped, stated_budgets, with_options
 from assur.scenes.scenarios import with_files
 
 SMALL_BYTES = 32768
@@ -88,6 +89,11 @@ class Service:
         """The same of a body that is read as JSON before its job is accepted. Raises `Problem`."""
         return await self._read_beside(body, certificate, client, parsed=True)
 
+    async def scene_order(self, name: str, body: bytes, certificate: jobs.Detail, client: Client) -> Order:
+        """What is to be done to plan the shipped scenario `name`, with the options in `body`. Raises `Problem`, and
+        `InputError` for a scenario that is not there."""
+        return await asyncio.to_thread(self._scene, name, jobs.options_in(body), certificate, client)
+
     async def check(self, body: bytes, client: Client) -> jobs.Answer:
         """The checker's verdict on the request and plan in `body`. Raises `Problem`."""
         return await self._quick(jobs.check, client, body)
@@ -141,14 +147,31 @@ class Service:
     def _read(self, body: bytes, certificate: jobs.Detail, client: Client, *, parsed: bool = False) -> Order:
         document = (None if parsed else self._budgets(body)) or jobs.request_in(body)
         if "scenario" not in document:
-            work = Work(jobs.plan, (body, certificate), _digest("plan", body), in_touch=True)
+            arguments = body, certificate, self.settings.max_budget_s
+            work = Work(jobs.plan, arguments, _digest("plan", body), in_touch=True)
             return Order(work, self._demand(document, client))
-        name = _scenario_name(document)
-        work = Work(jobs.plan_shipped, (name, certificate), _digest("scenario", name), in_touch=True)
         try:
-            return Order(work, self._demand(scenario_request(name), client))
+            return self._scene(_scenario_name(document), {}, certificate, client)
         except InputError as error:
             raise Problem.of_input(error) from error
+
+    def scene(self, name: str) -> dict[str, Any]:
+        """The request of the shipped scenario `name`, its budgets cut to what the service gives: it can be posted here.
+
+        Raises `InputError`."""
+        request, most_s = scenario_request(name), self.settings.max_budget_s
+        budgets = stated_budgets(request)
+        cut: dict[str, Any] = {key: most_s for key, value in budgets.items() if value > most_s}
+        return with_options(request, cut) if cut else request
+
+    def _scene(self, name: str, options: dict[str, Any], certificate: jobs.Detail, client: Client) -> Order:
+        """As `scene_order`. Raises `InputError` for a scenario that is not there."""
+        own, most_s = stated_budgets(scenario_request(name)), self.settings.max_budget_s
+        # what the scenario's file states is not what the caller asks for: it is cut, and not refused
+        budgets = {key: min(value, most_s) for key, value in own.items()}
+        demand = self._demand(with_options({"options": budgets}, options), client)
+        key = _digest("scenario", name, *([json.dumps(options, sort_keys=True)] if options else []))
+        return Order(Work(jobs.plan_shipped, (name, options, certificate, most_s), key, in_touch=True), demand)
 
     def _budgets(self, body: bytes) -> dict[str, Any] | None:
         """A request with the budgets that stand in the text of one, which the worker validates, and nothing else.
@@ -161,7 +184,8 @@ class Service:
         found = STATED.findall(body)
         request = {"options": {name.decode(): float(value) for name, value in found}}
         twice = len(request["options"]) < len(found)
-        return None if twice or max(stated_budgets(request).values()) > self.settings.max_budget_s else request
+        largest = self.settings.max_budget_s
+        return None if twice or max(stated_budgets(request, largest).values()) > largest else request
 
     def _demand(self, document: dict[str, Any], client: Client) -> Demand:
         """What planning `document` asks of the workers: both its budgets, and the grace after which it is killed.
@@ -169,7 +193,7 @@ class Service:
         Raises the `Problem` of a request that asks for more than the service gives.
         """
         largest = self.settings.max_budget_s
-        budgets = stated_budgets(document)
+        budgets = stated_budgets(document, largest)
         for name, budget in budgets.items():
             if not budget <= largest:
                 allowed = f"at most {largest:g} s, which is ASSUR_MAX_BUDGET_S of this service"

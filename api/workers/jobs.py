@@ -21,7 +21,7 @@ from assur.planner.errors import FaultError, InputError
 from assur.planner.model.progress import Progress
 from assur.planner.model.stopwatch import Stopwatch
 from assur.scenes.exports.doors import check_trajectory_document, export_document
-from assur.scenes.faults import NOTHING
+from assur.scenes.faults import NOTHING, WHOLE, DocumentError
 from assur.scenes.meshes import covered, use_folder
 from assur.scenes.meshes.folder import MeshFolder
 from assur.scenes.plan_file import FORM, TEXTS
@@ -36,9 +36,11 @@ from assur.scenes.requests import (
     shipped,
     verdict_on,
     view_document,
+    with_options,
 )
 from assur.scenes.scenarios import CELLS, scenario_in, with_files
-from assur.scenes.schema.request import RequestDocument
+from assur.scenes.schema.read import read
+from assur.scenes.schema.request import OptionsDocument
 from assur.scenes.schema.shapes import MeshDocument
 
 Detail = Literal["full", "digest"]
@@ -109,35 +111,39 @@ def warm(meshes: MeshFolder | None = None) -> str:
     return "planned"
 
 
-def plan(body: bytes, certificate: Detail, line: Line) -> Reply:
-    """The answer to the request in `body`; reading it counts in its budget, as it does in the wall's. `line` takes how
-    far the search has come, as a document."""
-    started, watch, laps = time.perf_counter(), _watch(line.tell), Stopwatch()
-    valid = _meaning(line)
+def plan(body: bytes, certificate: Detail, most_budget_s: float, line: Line) -> Reply:
+    """The answer to the request in `body`; reading it counts in its budget, as it does in the wall's. A budget that it
+    does not state is at most `most_budget_s`. `line` takes how far the search has come, as a document."""
+    given = _given(certificate, most_budget_s, line)
+    return _guarded(lambda: plan_document(request_in(body), **given), "status", given["laps"])
+
+
+def plan_shipped(name: str, options: dict[str, Any], certificate: Detail, most_budget_s: float, line: Line) -> Reply:
+    """The answer to the request of the shipped scenario `name`, with the files that ship with it, and with `options`
+    in place of its own. The rest as `plan`."""
+    given = _given(certificate, most_budget_s, line)
 
     def work() -> dict[str, Any]:
-        document = request_in(body)
-        return plan_document(document, certificate=certificate, started=started, watch=watch, valid=valid, laps=laps)
+        scenario = shipped(name)
+        if not options:
+            return plan_scenario(scenario, **given)
+        request = with_options(scenario.request, options)  # its faults are the caller's, and in no line of the file
+        return plan_document(request, folder=scenario.folder, **given)
 
-    return _guarded(work, "status", laps)
-
-
-def plan_shipped(name: str, certificate: Detail, line: Line) -> Reply:
-    """The answer to the request of the shipped scenario `name`, with the files that ship with it. `line`: as `plan`."""
-    started, watch, laps = time.perf_counter(), _watch(line.tell), Stopwatch()
-    valid = _meaning(line)
-
-    def work() -> dict[str, Any]:
-        return plan_scenario(
-            shipped(name), certificate=certificate, started=started, watch=watch, valid=valid, laps=laps
-        )
-
-    return _guarded(work, "status", laps)
+    return _guarded(work, "status", given["laps"])
 
 
-def _meaning(line: Line) -> Callable[[RequestDocument], None]:
-    """Says what a request means as soon as it is known to be valid, before meshes and kernels work on it."""
-    return lambda valid: line.means(lambda: f"plan {valid.meaning}")
+def _given(certificate: Detail, most_budget_s: float, line: Line) -> dict[str, Any]:
+    """How every request is planned here. What it means is said as soon as it is known to be valid, before meshes and
+    kernels work on it."""
+    return {
+        "certificate": certificate,
+        "started": time.perf_counter(),
+        "most_budget_s": most_budget_s,
+        "watch": _watch(line.tell),
+        "valid": lambda valid: line.means(lambda: f"plan {valid.meaning}"),
+        "laps": Stopwatch(),
+    }
 
 
 def _watch(tell: Tell) -> Callable[[Progress], None]:
@@ -294,6 +300,22 @@ def _taken(document: dict[str, Any], field: str) -> Any:
 def request_in(body: bytes) -> dict[str, Any]:
     """The document in `body`, parsed and not looked at. Raises `Problem` where there is none."""
     return _parsed(body, 'a request, or {"scenario": NAME}')
+
+
+def options_in(body: bytes) -> dict[str, Any]:
+    """The options in `body`, {"options": ...} or nothing, as they are written; they are read once, to see whether they
+    can be. Raises `Problem`."""
+    document = _parsed(body, 'nothing, or an object with the field "options" and no others') if body else {}
+    for name, value in document.items():
+        if name != "options":
+            raise Problem.of_input(InputError(name, value, 'no field beside "options"'))
+    options = document.get("options", {})
+    try:
+        read(OptionsDocument, options)
+    except DocumentError as error:
+        place = "options" if error.field == WHOLE else f"options.{error.field}"
+        raise Problem.of_input(InputError(place, error.value, error.allowed)) from error
+    return dict(options)
 
 
 def _parsed(body: bytes, allowed: str, fields: Collection[str] = (), line: Line | None = None) -> dict[str, Any]:

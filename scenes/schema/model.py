@@ -8,10 +8,12 @@ given are declared as class variables, so that the reader and the schema agree o
 from __future__ import annotations
 
 import difflib
+from itertools import combinations
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
@@ -24,6 +26,7 @@ from pydantic_core.core_schema import no_info_before_validator_function
 
 from assur.planner.geometry.shapes import LARGEST_M, SMALLEST_M
 from assur.scenes import bounds
+from assur.scenes.schema.twins import by_unit, twin_schema
 from assur.scenes.units import twin_of
 
 Group = tuple[str, ...]
@@ -84,21 +87,26 @@ class Document(BaseModel):
         schema = handler.resolve_ref_schema(handler(core_schema))
         properties = schema.get("properties", {})
         required = set(schema.get("required", ()))
-        rules: list[dict[str, Any]] = [{"oneOf": [_needs(key) for key in group]} for group in cls.exactly_one]
+        of_groups = {key for group in cls.exactly_one for key in group}
+        rules: list[dict[str, Any]] = [
+            {"oneOf": [{"required": [key]} for key in _both_units(group)]} for group in cls.exactly_one
+        ]
         rules += [
-            {"not": {"allOf": [_needs(first), _needs(second)]}}
+            {"not": {"required": [first, second]}}
             for group in cls.at_most_one
-            for i, first in enumerate(group)
-            for second in group[i + 1 :]
+            for first, second in combinations(_both_units(group), 2)
+            if second != twin_of(first)
         ]
         for name, field in list(properties.items()):
             _forget_null(field)
             twin = twin_of(name)
             if twin is None:
                 continue
-            properties[twin] = _twin_of_field(field)
-            both = [{"required": [name]}, {"required": [twin]}]
-            rules.append({"oneOf": both} if name in required else {"not": {"required": [name, twin]}})
+            properties[twin] = twin_schema(field, twin, handler.resolve_ref_schema)
+            if name in required:
+                rules.append({"oneOf": [{"required": [name]}, {"required": [twin]}]})
+            elif name not in of_groups:
+                rules.append({"not": {"required": [name, twin]}})
             required.discard(name)
         if "required" in schema:
             schema["required"] = sorted(required)
@@ -112,14 +120,20 @@ class ByName(Document):
 
     model_config = ConfigDict(extra="allow")
 
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        schema = super().__get_pydantic_json_schema__(core_schema, handler)
+        schema["patternProperties"] = by_unit(schema["additionalProperties"])
+        return schema
+
     @model_serializer(mode="wrap")
     def _sorted(self, written: SerializerFunctionWrapHandler) -> dict[str, Any]:
         return dict(sorted(written(self).items()))
 
 
-def _needs(key: str) -> dict[str, Any]:
-    twin = twin_of(key)
-    return {"required": [key]} if twin is None else {"anyOf": [{"required": [key]}, {"required": [twin]}]}
+def _both_units(group: Group) -> list[str]:
+    """The keys of a group, each followed by its twin."""
+    return [key for name in group for key in (name, twin_of(name)) if key is not None]
 
 
 def _forget_null(field: dict[str, Any]) -> None:
@@ -132,22 +146,6 @@ def _forget_null(field: dict[str, Any]) -> None:
         field["anyOf"] = options
     if field.get("default", 0) is None:
         del field["default"]
-
-
-def _twin_of_field(field: dict[str, Any]) -> dict[str, Any]:
-    """The schema of a field in its other unit: the same, less the title and the numbers that are stated in SI."""
-    if "$ref" in field:
-        return {"type": "object", "additionalProperties": {"type": "number"}}
-    left_out = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "default", "title")
-    copy = {key: value for key, value in field.items() if key not in left_out}
-    if isinstance(copy.get("items"), dict):
-        copy["items"] = _twin_of_field(copy["items"])
-    for union in ("anyOf", "oneOf"):
-        if union in copy:
-            copy[union] = [_twin_of_field(option) for option in copy[union]]
-    if "value" in copy.get("properties", ()):  # a fact with status and source
-        copy["properties"] = {**copy["properties"], "value": _twin_of_field(copy["properties"]["value"])}
-    return copy
 
 
 def _strange(keys: list[str], group: Group) -> str:
@@ -164,6 +162,14 @@ def _refusal(kind: str, keys: list[str], allowed: str) -> PydanticCustomError:
     return PydanticCustomError(kind, "allowed: {allowed}", {"keys": keys, "allowed": allowed})
 
 
+def _whole(value: object) -> object:
+    """A whole number that is written with a fraction of 0 as the whole number: JSON knows no difference."""
+    whole = type(value) is float and value.is_integer() and abs(value) <= bounds.MAX_INTEGER
+    return int(value) if whole else value  # type: ignore[call-overload]
+
+
+WHOLE = BeforeValidator(_whole)
+"""Marks a field that is a whole number."""
 Coordinate = Annotated[float, Field(ge=-bounds.FAR_M, le=bounds.FAR_M)]
 Distance = Annotated[float, Field(ge=0.0, le=bounds.FAR_M)]
 Size = Annotated[float, Field(ge=SMALLEST_M, le=LARGEST_M)]

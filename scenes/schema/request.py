@@ -11,6 +11,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, field_serializer
 from assur.scenes import bounds
 from assur.scenes.schema.frames import FrameDocument
 from assur.scenes.schema.model import (
+    WHOLE,
     ByName,
     Distance,
     Document,
@@ -50,9 +51,9 @@ class ClearanceExceptionDocument(Document):
 class OptionsDocument(Document):
     """How to search, and what is safe enough."""
 
-    seed: Annotated[int, Field(ge=0, le=bounds.MAX_INTEGER)] = 0
+    seed: Annotated[int, Field(ge=0, le=bounds.MAX_INTEGER), WHOLE] = 0
     budget_s: Annotated[float, Field(ge=bounds.MIN_BUDGET_S, le=bounds.MAX_BUDGET_S)] = 1.0
-    max_candidates: Annotated[int, Field(ge=1, le=bounds.MAX_CANDIDATES)] | None = None
+    max_candidates: Annotated[int, Field(ge=1, le=bounds.MAX_CANDIDATES), WHOLE] | None = None
     stop: Literal["first", "budget"] = "budget"
     explain_budget_s: Annotated[float, Field(ge=0.0, le=bounds.MAX_BUDGET_S)] = 0.0
     clearance_m: ClearanceDocument = ClearanceDocument(travel=0.0, near=0.0)

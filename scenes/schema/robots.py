@@ -17,6 +17,7 @@ from assur.planner.geometry.shapes import LARGEST_M
 from assur.planner.robots.turns import MOST_TURNS
 from assur.scenes import bounds
 from assur.scenes.schema.model import (
+    WHOLE,
     Angle,
     ByName,
     Coordinate,
@@ -144,7 +145,7 @@ class JointDocument(Document):
     acceleration_m_s2: LimitFact | None = None
     jerk_rad_s3: JerkFact | None = None
     jerk_m_s3: JerkFact | None = None
-    sign: Literal[1, -1] = 1
+    sign: Annotated[Literal[1, -1], WHOLE] = 1
     zero_m: HeightFact | None = None
     zero_rad: AngleFact | None = None
 
@@ -324,7 +325,7 @@ class ToolPoseDocument(Document):
     roll_rad: Angle | None = None
 
 
-Turn = Annotated[int, Field(ge=-MOST_TURNS, le=MOST_TURNS)]
+Turn = Annotated[int, Field(ge=-MOST_TURNS, le=MOST_TURNS), WHOLE]
 
 
 class StartDocument(Document):

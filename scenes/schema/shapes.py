@@ -8,6 +8,7 @@ from pydantic import Field
 
 from assur.scenes import bounds
 from assur.scenes.schema.model import (
+    WHOLE,
     Angle,
     Document,
     Group,
@@ -100,7 +101,7 @@ class BodyDocument(Document):
     shape: ShapeDocument
     pose: PlaceInCell | None = None
     mass_kg: Mass | None = None
-    yaw_symmetry: Annotated[int, Field(ge=0, le=360)] = 1
+    yaw_symmetry: Annotated[int, Field(ge=0, le=360), WHOLE] = 1
     uncertainty: PoseUncertaintyDocument = PoseUncertaintyDocument()
 
 

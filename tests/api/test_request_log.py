@@ -89,7 +89,7 @@ def test_a_fault_in_a_worker_is_told_by_its_type_and_place_without_a_value(
         raise ZeroDivisionError("the secret of a request")
 
     monkeypatch.setattr("assur.api.workers.jobs.plan_document", broken)
-    reply = plan(b"{}", "full", line)
+    reply = plan(b"{}", "full", 1.0, line)
     assert isinstance(reply, Fault)
     assert reply.name == "ZeroDivisionError"
     assert "secret" not in str(reply)
@@ -100,7 +100,7 @@ def test_an_answer_that_json_cannot_hold_is_a_fault_and_not_sent(monkeypatch: py
     monkeypatch.setattr(
         "assur.api.workers.jobs.plan_document", lambda *_, **__: {"status": "planned", "duration_s": float("nan")}
     )
-    assert isinstance(plan(b"{}", "full", line), Fault)
+    assert isinstance(plan(b"{}", "full", 1.0, line), Fault)
 
 
 def test_a_check_of_no_json_is_a_problem(line: Line) -> None:
@@ -116,7 +116,7 @@ from assur.api.workers import jobs
 from assur.api.workers.worker_process import About, Line
 def broken(*_, **__): raise MemoryError
 jobs.plan_document = broken
-jobs.plan(b"{}", "full", Line(socket.socketpair()[0], About({}, False)))
+jobs.plan(b"{}", "full", 1.0, Line(socket.socketpair()[0], About({}, False)))
 """
     run = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, timeout=60, check=False)
     assert run.returncode == errno.ENOMEM

@@ -1,0 +1,105 @@
+"""Cases of schemathesis, of all its phases, against a service that runs.
+
+    python -m benchmarks.contract http://127.0.0.1:8000 --cases 20000 --seed 1 --out out/contract.json
+
+Rounds with the seeds `seed`, `seed + 1`, ... are run until there are so many cases. The result is a JSON document: how
+many cases there were, and every failure with its seed. The exit code is 0 if there was none. Give the service small
+budgets (`ASSUR_MAX_BUDGET_S=0.05`): most of what is generated has no meaning, and the rest need not be planned well.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[1]
+PHASES = "examples,coverage,fuzzing,stateful"
+EXPECTED = ["2XX", "400", "401", "404", "409", "422", "429", "503"]
+"""Statuses of a request that keeps the description. 400: whole numbers beyond 2**53, where a field has no bound. 422 is
+judged by `benchmarks.contract_hooks`."""
+CONFIG = """\
+[checks.use_after_free]
+enabled = false
+
+[checks.positive_data_acceptance]
+expected-statuses = {expected}
+
+[[operations]]
+include-operation-id = "start_job"
+checks.negative_data_rejection.enabled = false
+"""
+"""A job is accepted before a worker has read its request: what is wrong with it is the problem of a job that failed.
+A job that is called off is kept, and says so."""
+
+
+def round_of(
+    url: str, seed: int, examples: int, phases: str, longest_s: float | None, operations: str | None
+) -> dict[str, Any]:
+    """One run: the number of its cases and its failures."""
+    with tempfile.TemporaryDirectory() as folder:
+        config, report = Path(folder, "schemathesis.toml"), Path(folder, "report.json")
+        config.write_text(CONFIG.format(expected=json.dumps(EXPECTED)), encoding="utf-8")
+        command = [sys.executable, "-m", "schemathesis.cli", "--config-file", str(config), "run"]
+        command += [f"{url.rstrip('/')}/openapi.json", "--phases", phases, "--seed", str(seed), "--no-color"]
+        command += ["--max-examples", str(examples), "--report-json-path", str(report), "--generation-database", "none"]
+        command += ["--request-timeout", "60"]
+        command += [
+            "--suppress-health-check",
+            "all",
+            "--no-shrink",
+            "--continue-on-failure",
+        ]
+        command += [] if longest_s is None else ["--max-time", f"{longest_s:.0f}"]
+        command += [] if operations is None else ["--include-operation-id-regex", operations]
+        paths = os.pathsep.join(str(path) for path in (ROOT, ROOT / "src", os.environ.get("PYTHONPATH", "")) if path)
+        environment = {**os.environ, "PYTHONPATH": paths, "SCHEMATHESIS_HOOKS": "benchmarks.contract_hooks"}
+        told = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        if not report.exists():
+            raise RuntimeError(told.stdout[-4000:] + told.stderr[-4000:])
+        found: dict[str, Any] = json.loads(report.read_text(encoding="utf-8"))
+        return {"seed": seed, "exit": told.returncode, "report": found, "output": told.stdout}
+
+
+def failures_of(done: dict[str, Any]) -> list[dict[str, Any]]:
+    """What a round found, errors of its own making among it."""
+    found = [{"seed": done["seed"], **failure} for failure in done["report"]["failures"]]
+    _, _, told = done["output"].partition(" ERRORS ")
+    return found + [{"seed": done["seed"], "error": error, "told": told[:3000]} for error in done["report"]["errors"]]
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.contract", description="See the top of the file.")
+    parser.add_argument("url", help="address of a service that runs")
+    parser.add_argument("--cases", type=int, default=20_000, help="so many at least, unless --longest-s ends them")
+    parser.add_argument("--examples", type=int, default=50, help="most of one operation in one phase of a round")
+    parser.add_argument("--seed", type=int, default=1, help="of the first round")
+    parser.add_argument("--longest-s", type=float, help="no round begins later")
+    parser.add_argument("--phases", default=PHASES)
+    parser.add_argument("--operations", help="a regular expression of operation ids; silence: all")
+    parser.add_argument("--out", type=Path, default=ROOT / "out" / "contract.json")
+    given = parser.parse_args()
+    started, seed, cases, failures = time.monotonic(), given.seed, 0, []
+    while cases < given.cases:
+        left = None if given.longest_s is None else given.longest_s - (time.monotonic() - started)
+        if left is not None and left < 1.0:
+            break
+        done = round_of(given.url, seed, given.examples, given.phases, left, given.operations)
+        cases += done["report"]["test_cases"]["generated"]
+        failures += failures_of(done)
+        seed += 1
+        result = {"cases": cases, "seeds": [given.seed, seed - 1], "phases": given.phases, "failures": failures}
+        given.out.parent.mkdir(parents=True, exist_ok=True)
+        given.out.write_text(json.dumps(result, indent=1), encoding="utf-8")
+        print(f"{cases} cases, {len(failures)} failures, {time.monotonic() - started:.0f} s", flush=True)
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
