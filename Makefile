@@ -11,6 +11,11 @@
 # make bench   the whole benchmark, peers included: results, tables, plots, page; BESIDE=COMMIT compares with a commit
 # make bench-quick  a sample of it, in under 3 minutes
 # make soak    2,000 random plans, each run 20 times with what is not known realised; PLANS=100 for fewer, SEED=1 for others
+# make check-deployment  the Kubernetes manifests and compose.yaml against the published schemas, and their numbers
+# make lock    deploy/*.lock anew, with hashes; UPGRADE=1 takes the newest releases
+# make sbom    what the image has installed, as CycloneDX: out/sbom.cdx.json
+# make audit   known vulnerabilities of what is locked (it asks an advisory service)
+# make image   the image, from the base in deploy/base-image, which make pin-base writes
 # make clean   remove what these made
 
 VENV := .venv
@@ -28,7 +33,8 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.13 python3.12 python3.11 py
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo kernels test test-browser test-gltf test-proxy pictures check format serve problems bench bench-quick soak clean
+.PHONY: help demo kernels test test-browser test-gltf test-proxy pictures check format serve problems bench \
+	bench-quick soak check-deployment lock sbom audit pin-base image clean
 
 help:
 	@sed -n '/^# make/s/^# //p' $(firstword $(MAKEFILE_LIST))
@@ -159,6 +165,51 @@ SEED ?= 0
 
 soak: kernels
 	$(BIN)/python -m benchmarks.soak --plans $(PLANS) --seed $(SEED) --out $(OUT)/soak
+
+check-deployment: $(VENV)/installed-test
+	$(BIN)/python -m deploy.check
+
+$(VENV)/installed-supply: $(BIN)/python pyproject.toml
+	$(call install,.[supply])
+
+# Cython is left out, and why stands in deploy/locks.py. What is locked already stays, unless UPGRADE is set.
+UPGRADE ?=
+compile_lock = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
+	--no-emit-find-links --custom-compile-command "make lock" $(if $(UPGRADE),--upgrade) -o deploy/$(1) $(2)
+
+lock: $(VENV)/installed-supply
+	$(call compile_lock,requirements.lock,--no-emit-package cython pyproject.toml)
+	$(BIN)/python -m deploy.locks | $(call compile_lock,requirements-build.lock,-)
+
+# An environment with nothing but what is locked, as the image has it.
+LOCKED := $(OUT)/locked
+
+$(LOCKED)/installed: deploy/requirements.lock
+	@rm -rf $(LOCKED) && mkdir -p $(OUT)
+	$(PYTHON) -m venv --without-pip $(LOCKED)
+	$(BIN)/python -m pip --python $(LOCKED)/bin/python install --quiet --require-hashes --no-deps -r deploy/requirements.lock
+	touch $@
+
+sbom: $(VENV)/installed-supply $(LOCKED)/installed
+	$(BIN)/python -m deploy.sbom $(LOCKED)/bin/python $(OUT)/sbom.cdx.json
+
+audit: $(VENV)/installed-supply
+	$(BIN)/python -m deploy.audit
+
+# The base image by its digest. Who builds the image asks the registry for it, and keeps the file that this writes.
+TAG := $(firstword $(shell sed -n 's/^FROM \([^ ]*\) AS build$$/\1/p' Dockerfile))
+BASE ?= $(shell cat deploy/base-image 2>/dev/null)
+COMMIT = $(shell git rev-parse HEAD 2>/dev/null)
+VERSION = $(shell sed -n 's/^version = "\(.*\)"$$/\1/p' pyproject.toml)
+
+pin-base:
+	@digest="$$(docker buildx imagetools inspect $(TAG) --format '{{.Manifest.Digest}}')" && \
+		case "$$digest" in sha256:*) echo "$(TAG)@$$digest" | tee deploy/base-image;; *) echo "no digest of $(TAG): $$digest" >&2; exit 2;; esac
+
+image:
+	@case "$(BASE)" in *@sha256:*) ;; *) echo "which base image? make pin-base writes the digest of $(TAG) into deploy/base-image; or say: make image BASE=$(TAG)@sha256:..." >&2; exit 2;; esac
+	docker build --build-context "$(TAG)=docker-image://$(BASE)" --build-arg VERSION="$(VERSION)" --build-arg COMMIT="$(COMMIT)" \
+		--label org.opencontainers.image.base.name="$(BASE)" --tag assur:$(VERSION) .
 
 clean:
 	rm -rf $(VENV) .venv-peers $(OUT) build .coverage .coverage.* htmlcov .hypothesis .mypy_cache .pytest_cache .ruff_cache .import_linter_cache *.egg-info

@@ -20,6 +20,7 @@ import select
 import signal
 import socket
 import struct
+import tempfile
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -47,6 +48,8 @@ Tell = Callable[[Any], None]
 TEMPLATE = ("assur.api.workers.template", "assur.api.command_line")
 """The module that makes a process the template from which workers are forked; and what runs `assur serve`, for each
 process of multiprocessing imports the program that has started it."""
+SHARED = "/dev/shm"  # noqa: S108 - a folder of the library's own, which nobody else may enter, is made there
+"""Stands in for the folder of temporary files where none can be written, as in a container that may write nothing."""
 NAME = b"assur-worker"
 """What the system calls a worker process; at most 15 characters."""
 SET_NAME = 15
@@ -216,6 +219,10 @@ WHAT_TO_DO = {
 
 def _context() -> ForkServerContext:
     """Where workers come from: one template for all workers of this process."""
+    try:
+        tempfile.gettempdir()
+    except FileNotFoundError:
+        tempfile.tempdir = SHARED  # the socket by which the template is asked needs a folder, and no other file is made
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(list(TEMPLATE))
     return context

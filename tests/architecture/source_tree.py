@@ -13,7 +13,7 @@ FRONT = "src/assur"
 """What `import assur` and `assur.request` are; the packages are linked there."""
 PRODUCT = ("planner", "scenes", "api", "experiments", FRONT)
 """The packages that are installed, as assur.planner and so on, and what names them."""
-BESIDE = ("benchmarks", "tests")
+BESIDE = ("benchmarks", "deploy", "tests")
 """What is only in the repository."""
 
 

@@ -1,0 +1,105 @@
+"""Known vulnerabilities of what is locked: `make audit`.
+
+pip-audit asks the advisory service. Where the service does not know a package, or does not answer for it, pip-audit
+says so in a note and still ends with 0. Here that is an error of its own: silence is no clean bill.
+
+| exit code | means |
+|---|---|
+| 0 | every locked release was asked for, and none has a known vulnerability |
+| 1 | at least one has |
+| 3 | at least one could not be asked for; of those that could, none has a known vulnerability |
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from deploy import locks
+
+CLEAN, VULNERABLE, NOT_ASKED = 0, 1, 3
+
+
+@dataclass
+class Verdict:
+    """What the service said: `asked` releases, `vulnerable` ones with their advisories, and what was `not_asked`."""
+
+    asked: list[str] = field(default_factory=list)
+    vulnerable: list[str] = field(default_factory=list)
+    not_asked: list[str] = field(default_factory=list)
+
+    @property
+    def exit_code(self) -> int:
+        return VULNERABLE if self.vulnerable else NOT_ASKED if self.not_asked else CLEAN
+
+    def lines(self) -> list[str]:
+        found = [f"VULNERABLE {each}" for each in self.vulnerable] + [f"NOT ASKED  {each}" for each in self.not_asked]
+        end = f"{len(self.asked)} releases were asked for, {len(self.vulnerable)} of them have known vulnerabilities"
+        if self.not_asked:
+            end += f"; {len(self.not_asked)} could not be asked for, so nothing is known of them"
+        return [*found, end]
+
+
+def rounds(releases: Iterable[tuple[str, str]]) -> list[list[tuple[str, str]]]:
+    """The releases (name, version), each once, in lists that have every name once: one package may be locked in two
+    versions, for two Pythons, and pip-audit takes one at a time."""
+    lists: list[list[tuple[str, str]]] = []
+    for release in sorted(set(releases)):
+        free = next((each for each in lists if release[0] not in {name for name, _ in each}), None)
+        if free is None:
+            lists.append(free := [])
+        free.append(release)
+    return lists
+
+
+def judge(releases: Sequence[tuple[str, str]], answer: str, error: str, into: Verdict) -> None:
+    """Reads the JSON that pip-audit wrote for these releases; `error` is what it wrote beside it."""
+    try:
+        told: dict[str, Any] = {each["name"]: each for each in json.loads(answer)["dependencies"]}
+    except (ValueError, KeyError, TypeError):
+        last = (error.strip().splitlines() or ["no answer, and no error"])[-1]
+        into.not_asked += [f"{name} {version}: {last}" for name, version in releases]
+        return
+    for name, version in releases:
+        one = told.get(name, {})
+        if one.get("version") != version or "vulns" not in one:
+            into.not_asked.append(f"{name} {version}: {one.get('skip_reason', 'left out of the answer')}")
+            continue
+        into.asked.append(f"{name} {version}")
+        for fault in one["vulns"]:
+            mended = ", ".join(fault.get("fix_versions", [])) or "no release"
+            into.vulnerable.append(f"{name} {version}: {fault['id']}, mended in {mended}")
+
+
+def ask(releases: Sequence[tuple[str, str]]) -> Verdict:
+    """What the advisory service knows of the releases (name, version)."""
+    verdict = Verdict()
+    for some in rounds(releases):
+        with tempfile.TemporaryDirectory() as folder:
+            wanted = Path(folder) / "releases.txt"
+            wanted.write_text("".join(f"{name}=={version}\n" for name, version in some), encoding="utf-8")
+            command = [sys.executable, "-m", "pip_audit", "--requirement", str(wanted), "--no-deps", "--disable-pip"]
+            command += ["--format", "json", "--progress-spinner", "off", *sys.argv[1:]]
+            ran = subprocess.run(command, capture_output=True, text=True, check=False)
+        judge(some, ran.stdout, ran.stderr, verdict)
+    return verdict
+
+
+def main() -> int:
+    pins = [
+        *locks.read(locks.RUNTIME.read_text(encoding="utf-8")),
+        *locks.read(locks.BUILD.read_text(encoding="utf-8")),
+    ]
+    verdict = ask([(pin.name, pin.version) for pin in pins])
+    print("\n".join(verdict.lines()))
+    return verdict.exit_code
+
+
+if __name__ == "__main__":
+    sys.exit(main())
