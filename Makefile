@@ -10,6 +10,7 @@
 # make bench   the whole benchmark, peers included: results, tables, plots, page; BESIDE=COMMIT compares with a commit
 # make bench-quick  a sample of it, in under 3 minutes
 # make soak    2,000 random plans, each run 20 times with what is not known realised; PLANS=100 for fewer, SEED=1 for others
+# make soak-service  the service under harm, in two hours; SHORT=1 in 3 minutes, ONLY="ROW ..." for some rows
 # make clean   remove what these made
 
 VENV := .venv
@@ -27,7 +28,7 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.13 python3.12 python3.11 py
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo kernels test test-browser test-gltf pictures check format serve problems bench bench-quick soak clean
+.PHONY: help demo kernels test test-browser test-gltf pictures check format serve problems bench bench-quick soak soak-service clean
 
 help:
 	@sed -n '/^# make/s/^# //p' $(firstword $(MAKEFILE_LIST))
@@ -149,6 +150,12 @@ SEED ?= 0
 
 soak: kernels
 	$(BIN)/python -m benchmarks.soak --plans $(PLANS) --seed $(SEED) --out $(OUT)/soak
+
+# HAProxy, where there is one, stands between (Debian: apt-get install haproxy).
+soak-service: $(VENV)/installed-test
+	$(BIN)/assur kernels
+	$(BIN)/python -m benchmarks.soak_service $(if $(SHORT),--short) $(foreach row,$(ONLY),--only $(row)) \
+		--seed $(SEED) --out $(OUT)/soak-service/results.json
 
 clean:
 	rm -rf $(VENV) .venv-peers $(OUT) build .coverage .coverage.* htmlcov .hypothesis .mypy_cache .pytest_cache .ruff_cache .import_linter_cache *.egg-info

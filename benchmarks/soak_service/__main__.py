@@ -6,6 +6,7 @@ Each row starts the services that it needs as processes of their own and sees th
 from __future__ import annotations
 
 import json
+import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -38,6 +39,9 @@ def main(
         raise typer.BadParameter(
             f"no such row: {', '.join(sorted(unknown))}; there are {', '.join(r.name for r in ROWS)}"
         )
+    # also where a shell that started this in the background has it ignored: the services end with their blocks
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)
     chosen = [row for row in ROWS if not only or row.name in only]
     out.parent.mkdir(parents=True, exist_ok=True)
     results = []

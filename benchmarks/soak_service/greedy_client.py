@@ -15,7 +15,7 @@ from benchmarks.soak_service.keys import keys_file
 from benchmarks.soak_service.row import NotThereError, Numbers, Row, Run
 from benchmarks.soak_service.served import Service, served
 
-SECONDS, FEW_SECONDS = 60.0, 15.0
+SECONDS, FEW_SECONDS = 60.0, 6.0
 GREEDY, LIGHT, WORKERS = 10, 2, 2
 GREEDY_S, LIGHT_S, PAUSE_S = 10.0, 0.15, 0.48
 """Budgets of both kinds, and the pause between two of the light ones, s."""
@@ -41,11 +41,11 @@ def measure(run: Run) -> Numbers:
     forms = {}
     logs = run.below("logs")
     addresses = {"greedy": "127.0.0.31", "light-0": "127.0.0.32", "light-1": "127.0.0.33"}
-    with served(logs / "greedy-by-address.log", workers=WORKERS) as service:
+    with served(logs / "greedy-by-address.log", workers=WORKERS, patience_s=0.0) as service:
         forms["address"] = _form(run, service, lambda name, _: service.client(addresses[name]))
     try:
         path, keys = keys_file(run.below("greedy-client"), list(addresses))
-        with served(logs / "greedy-by-key.log", workers=WORKERS, keys_file=path) as service:
+        with served(logs / "greedy-by-key.log", workers=WORKERS, patience_s=0.0, keys_file=path) as service:
             forms["key"] = _form(run, service, lambda name, _: service.client(key=keys[name]))
     except NotThereError as absent:
         missing.append(f"clients by key: {absent}")
@@ -76,7 +76,7 @@ def _form(run: Run, service: Service, connect: Connect) -> Numbers:
     beside = _light_ones(connect, light, lasts_s)
     stop.set()
     run.say(f"beside: {_summary(beside)}")
-    # what the greedy one has asked for ends by itself, or with the service
+    # what the greedy client has asked for ends with the service
     found: Numbers = {
         "alone": _summary(alone),
         "beside": _summary(beside),
@@ -118,13 +118,20 @@ def _summary(replies: list[Reply]) -> Numbers:
 
 
 def judge(numbers: Numbers) -> list[str]:
-    """In each form all light requests are served, also beside the greedy client, and their median at most doubles."""
-    found = []
+    """In each form all light requests are served, also beside the greedy client."""
+    found = [] if numbers["forms"] else ["nothing was asked"]
     for name, form in numbers["forms"].items():
         for phase in ("alone", "beside"):
             asked, served_ = form[phase]["asked"], form[phase]["served"]
             if served_ < asked or not asked:
                 found.append(f"by {name}, {phase}: {served_} of {asked} served")
+    return found
+
+
+def judge_times(numbers: Numbers) -> list[str]:
+    """In each form the median of the light requests at most doubles beside the greedy client."""
+    found = []
+    for name, form in numbers["forms"].items():
         if form["times"] is None or not form["times"] <= MOST_TIMES:
             found.append(f"by {name}: median {form['times']} times that alone, allowed at most {MOST_TIMES:g}")
     return found
@@ -147,4 +154,5 @@ ROW = Row(
     measure,
     judge,
     told,
+    judge_times,
 )

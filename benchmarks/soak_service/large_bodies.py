@@ -38,8 +38,8 @@ def small(**changes: Any) -> bytes:
     return json.dumps({**copy.deepcopy(SMALL), **changes}).encode()
 
 
-def of_seconds(scenes: dict[str, Document]) -> dict[str, bytes]:
-    """Requests that state 100,000 s somewhere, by what they are."""
+def of_seconds(scenes: dict[str, Document], longer_s: float) -> dict[str, bytes]:
+    """Requests that state 100,000 s somewhere, by what they are; some with the default budget and with a longer one."""
     fixed = {"t": {"fixed": {"at_m": [0.4, 0, 0.2]}}}
     follow = {"follow": {"to": {"frame": "t", "at_m": [0.02, 0, 0.03], "yaw_rad": 0}, "duration_s": PLENTY}}
     bodies = copy.deepcopy(SMALL["bodies"])
@@ -52,16 +52,16 @@ def of_seconds(scenes: dict[str, Document]) -> dict[str, bytes]:
     }
     return {
         "follow of 1e5 s": small(frames=fixed, task=[follow]),
-        "follow of 1e5 s, 10 s budget": small(frames=fixed, task=[follow], options={"budget_s": 10}),
+        "follow of 1e5 s, longer budget": small(frames=fixed, task=[follow], options={"budget_s": longer_s}),
         "window 1e5 s ahead": small(task=[window]),
-        "window 1e5 s ahead, 10 s budget": small(task=[window], options={"budget_s": 10}),
+        "window 1e5 s ahead, longer budget": small(task=[window], options={"budget_s": longer_s}),
         "dwell of 1e5 s": small(bodies=bodies, task=[pick]),
         "stay safe for 1e5 s": small(options={"stay_safe_s": PLENTY, "elbow": "auto"}),
         "acceleration time 1e5 s": json.dumps(blend).encode(),
     }
 
 
-def of_meshes(scenes: dict[str, Document]) -> dict[str, bytes]:
+def of_meshes(scenes: dict[str, Document], longer_s: float) -> dict[str, bytes]:
     """Requests with meshes that are dear to cover, and others that are dear before the search, by what they are."""
     z_down = copy.deepcopy(scenes["z-down"])
     z_down["options"]["budget_s"] = 0.05
@@ -73,8 +73,8 @@ def of_meshes(scenes: dict[str, Document]) -> dict[str, bytes]:
     return {
         "torus of 400 triangles": small(bodies=[_body("t", torus(20, 10))]),
         "noisy torus of 2,000": small(bodies=[_body("t", torus(50, 20, noise=0.002))]),
-        "noisy torus of 2,000, 10 s budget": small(
-            bodies=[_body("t", torus(50, 20, noise=0.002, seed=1))], options={"budget_s": 10}
+        "noisy torus of 2,000, longer budget": small(
+            bodies=[_body("t", torus(50, 20, noise=0.002, seed=1))], options={"budget_s": longer_s}
         ),
         "torus of 15,600 triangles": small(bodies=[_body("t", torus(130, 60))]),
         "100 different tori": small(bodies=hundred),

@@ -19,7 +19,7 @@ from benchmarks.soak_service.row import Numbers, Row, RowError, Run, above
 from benchmarks.soak_service.served import Service, Watch, served
 
 PATH, CHECK_PATH = "/v1/plans", "/v1/plans/check"
-REQUESTS, FEW_REQUESTS = 50_000, 500
+REQUESTS, FEW_REQUESTS = 50_000, 400
 LONGEST_S = 4000.0
 """A run ends after so long, and says how many requests it has sent."""
 CONNECTIONS, WORKERS = 6, 2
@@ -100,7 +100,7 @@ class _Sender:
         while time.monotonic() < self._ends:
             with self._lock:
                 at = next(self._numbers)
-            if at >= self.total:
+            if at >= self.total or self.service.process.poll() is not None:
                 break
             self._send(client, mutant(self.run.seed, at, self.scenarios))
         client.close()

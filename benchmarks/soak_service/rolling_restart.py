@@ -19,7 +19,7 @@ from benchmarks.soak_service.served import Service, served
 
 CLIENTS, REPLICAS = 4, 2
 ROUNDS, FEW_ROUNDS = 3, 1
-SETTLED_S = 4.0
+SETTLED_S = 3.0
 JOBS, JOB_S, TOLD_S = 3, 4.0, 60.0
 LIMITS: dict[str, float] = {"lost": 0, "jobs_not_told": 0, "ended_badly": 0}
 SETTINGS: dict[str, object] = {"workers": 1, "max_budget_s": 10.0}

@@ -51,8 +51,9 @@ class Run:
 @dataclass(frozen=True)
 class Row:
     """A row of the table. `measure` returns its numbers, among them `missing`: what is not there, in words. `judge`
-    returns why they do not meet the bar, nothing where they do; it is a function of the numbers alone. `told` puts the
-    numbers into one line. `before`: what was found before the service was made for many clients."""
+    returns why they do not meet the bar, nothing where they do; it is a function of the numbers alone. `judge_times`
+    the same of times and rates, which a busy machine spoils: the short form tells them and does not fail for them.
+    `told` puts the numbers into one line. `before`: what was found before the service was made for many clients."""
 
     name: str
     title: str
@@ -61,6 +62,7 @@ class Row:
     measure: Callable[[Run], Numbers]
     judge: Callable[[Numbers], list[str]]
     told: Callable[[Numbers], str]
+    judge_times: Callable[[Numbers], list[str]] = lambda _: []
 
 
 @dataclass(frozen=True)
@@ -84,10 +86,14 @@ class Result:
         return asdict(self)
 
 
-def judged(row: Row, numbers: Numbers) -> tuple[str, list[str]]:
+def judged(row: Row, numbers: Numbers, short: bool = False) -> tuple[str, list[str]]:
     """The verdict on numbers, and its reasons."""
-    reasons = row.judge(numbers)
+    reasons, slow = row.judge(numbers), row.judge_times(numbers)
     missing = [f"not there: {what}" for what in numbers.get("missing", [])]
+    if short:
+        missing += [f"not judged in the short form: {what}" for what in slow]
+    else:
+        reasons += slow
     if reasons:
         return NOT_MET, [*reasons, *missing]
     return (IN_PART, missing) if missing else (MET, [])
@@ -104,7 +110,7 @@ def run_row(row: Row, run: Run) -> Result:
     except RowError as failed:
         verdict, reasons, told = NOT_MET, [str(failed)], f"not measured: {failed}"
     else:
-        (verdict, reasons), told = judged(row, numbers), row.told(numbers)
+        (verdict, reasons), told = judged(row, numbers, run.short), row.told(numbers)
     here = commit()
     took_s = round(time.monotonic() - began, 1)
     return Result(

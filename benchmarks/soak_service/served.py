@@ -85,11 +85,11 @@ class Service:
         client.close()
         return lost_workers(reply.body.decode(errors="replace")) if reply.status == 200 else None
 
-    def stop(self) -> int | None:
-        """SIGTERM, and the exit code; None where the process had to be killed."""
+    def stop(self, patience_s: float = STOP_S) -> int | None:
+        """SIGTERM, and the exit code; None where the process had to be killed, so long after."""
         self.process.send_signal(signal.SIGTERM)
         try:
-            return self.process.wait(STOP_S)
+            return self.process.wait(patience_s)
         except subprocess.TimeoutExpired:
             for child in _listed(self.web):
                 child.kill()
@@ -206,9 +206,15 @@ def _command(process: psutil.Process) -> str:
 
 
 @contextmanager
-def served(log: Path, port: int = 0, settings: Mapping[str, object] | None = None, **more: object) -> Iterator[Service]:
+def served(
+    log: Path,
+    port: int = 0,
+    settings: Mapping[str, object] | None = None,
+    patience_s: float = STOP_S,
+    **more: object,
+) -> Iterator[Service]:
     """A service that is ready, with `settings` and `more` (``workers=2`` is ASSUR_WORKERS); its log is written to
-    `log`. It ends with the block, and nothing of it stays.
+    `log`. It ends with the block, and nothing of it stays: by SIGTERM, and what is left `patience_s` later is killed.
 
     Raises `NotThereError` where it does not know one of the settings, `RowError` where it does not become ready.
     """
@@ -223,7 +229,7 @@ def served(log: Path, port: int = 0, settings: Mapping[str, object] | None = Non
         yield service
     finally:
         if process.poll() is None:
-            service.stop()
+            service.stop(patience_s)
 
 
 def _wait_until_ready(service: Service, given: dict[str, str]) -> None:

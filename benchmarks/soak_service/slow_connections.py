@@ -18,7 +18,7 @@ from benchmarks.soak_service.proxy import proxied
 from benchmarks.soak_service.row import NotThereError, Numbers, Row, Run
 from benchmarks.soak_service.served import served
 
-SECONDS, FEW_SECONDS, QUIET_S = 60.0, 15.0, 5.0
+SECONDS, FEW_SECONDS, QUIET_S = 60.0, 8.0, 3.0
 SLOW, IDLE, LARGE = 64, 512, 20
 PROBE_S, POST_S, PATIENCE_S = 0.05, 0.5, 3.0
 """How often /livez and a quick plan are asked for, and how long a probe waits, s. Orchestrators wait 1 to 5 s."""
@@ -32,7 +32,10 @@ def measure(run: Run) -> Numbers:
     missing: list[str] = []
     for name in ("without the proxy", "behind the proxy"):
         folder = run.below("slow-connections")
-        with ExitStack() as stack, served(run.below("logs") / f"slow, {name}.log", workers=1) as service:
+        with (
+            ExitStack() as stack,
+            served(run.below("logs") / f"slow, {name}.log", workers=1, patience_s=0.0) as service,
+        ):
             port = service.port
             if name == "behind the proxy":
                 try:
@@ -110,20 +113,27 @@ def _status(port: int, path: str) -> int:
 
 
 def judge(numbers: Numbers) -> list[str]:
-    """In each form no probe fails, 99 % of them are answered within 50 ms, and every post of others is served."""
+    """In each form no probe fails, and every post of others is served."""
     found = [] if numbers["forms"] else ["nothing was asked"]
     for name, form in numbers["forms"].items():
         attacked = form[ATTACKED]
         if attacked["livez_failed"] or not attacked["livez"]:
             found.append(f"{name}: {attacked['livez_failed']} of {attacked['livez']} probes of /livez failed")
-        late = attacked["livez_ms"]["99"]
-        if late is None or not late <= MOST_MS:
-            found.append(f"{name}: 99 % of /livez within {late} ms, allowed at most {MOST_MS:g}")
         if attacked["posts_served"] < attacked["posts"] or not attacked["posts"]:
             found.append(f"{name}: {attacked['posts_served']} of {attacked['posts']} posts of others were served")
         if not attacked["attackers"]:
             found.append(f"{name}: the attack did not take place")
     return found
+
+
+def judge_times(numbers: Numbers) -> list[str]:
+    """In each form 99 % of the probes are answered within 50 ms."""
+    late = {name: form[ATTACKED]["livez_ms"]["99"] for name, form in numbers["forms"].items()}
+    return [
+        f"{name}: 99 % of /livez within {each} ms, allowed at most {MOST_MS:g}"
+        for name, each in late.items()
+        if each is None or not each <= MOST_MS
+    ]
 
 
 def told(numbers: Numbers) -> str:
@@ -144,4 +154,5 @@ ROW = Row(
     measure,
     judge,
     told,
+    judge_times,
 )

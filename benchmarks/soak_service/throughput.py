@@ -13,7 +13,7 @@ from benchmarks.soak_service.client import Client, Reply
 from benchmarks.soak_service.row import Numbers, Row, RowError, Run
 from benchmarks.soak_service.served import Service, served
 
-SLICES, FEW_SLICES, SLICE_S = 10, 3, 6.0
+SLICES, FEW_SLICES, SLICE_S = 10, 2, 4.0
 CLIENTS, WORKERS = 4, 2
 LEAST_MS, LEAST_RATIO = 20.0, 1.5
 WARM, TIMED = 8, 15
@@ -119,15 +119,19 @@ def _of_service(service: Service, document: dict[str, object], seeds: range, las
 
 
 def judge(numbers: Numbers) -> list[str]:
-    """The ratio is 1.5 at least, one plan takes 20 ms or more, and every request was answered."""
+    """One plan takes 20 ms or more, and every request was answered."""
     found = []
-    if not numbers["ratio"] >= LEAST_RATIO:
-        found.append(f"{numbers['ratio']} times, asked for at least {LEAST_RATIO:g}")
     if not numbers["plan_ms"] >= LEAST_MS:
         found.append(f"one plan takes {numbers['plan_ms']} ms, which is less than {LEAST_MS:g}")
     if numbers["failed"]:
         found.append(f"{numbers['failed']} requests failed")
     return found
+
+
+def judge_times(numbers: Numbers) -> list[str]:
+    """The ratio is 1.5 at least."""
+    good = numbers["ratio"] >= LEAST_RATIO
+    return [] if good else [f"{numbers['ratio']} times, asked for at least {LEAST_RATIO:g}"]
 
 
 def told(numbers: Numbers) -> str:
@@ -147,4 +151,5 @@ ROW = Row(
     measure,
     judge,
     told,
+    judge_times,
 )
