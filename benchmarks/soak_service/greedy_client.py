@@ -42,18 +42,19 @@ def measure(run: Run) -> Numbers:
     logs = run.below("logs")
     addresses = {"greedy": "127.0.0.31", "light-0": "127.0.0.32", "light-1": "127.0.0.33"}
     with served(logs / "greedy-by-address.log", workers=WORKERS, patience_s=0.0) as service:
-        forms["address"] = _form(run, service, lambda name, _: service.client(addresses[name]))
+        bodies = body_of(service, LIGHT_S), body_of(service, GREEDY_S)
+        forms["address"] = _form(run, bodies, lambda name, _: service.client(addresses[name]))
     try:
         path, keys = keys_file(run.below("greedy-client"), list(addresses))
         with served(logs / "greedy-by-key.log", workers=WORKERS, patience_s=0.0, keys_file=path) as service:
-            forms["key"] = _form(run, service, lambda name, _: service.client(key=keys[name]))
+            forms["key"] = _form(run, bodies, lambda name, _: service.client(key=keys[name]))
     except NotThereError as absent:
         missing.append(f"clients by key: {absent}")
     return {"forms": forms, "missing": missing}
 
 
-def _form(run: Run, service: Service, connect: Connect) -> Numbers:
-    light, greedy = body_of(service, LIGHT_S), body_of(service, GREEDY_S)
+def _form(run: Run, bodies: tuple[bytes, bytes], connect: Connect) -> Numbers:
+    light, greedy = bodies
     lasts_s = run.pick(FEW_SECONDS, SECONDS)
     alone = _light_ones(connect, light, lasts_s)
     run.say(f"alone: {_summary(alone)}")

@@ -12,5 +12,5 @@ def keys_file(folder: Path, names: list[str]) -> tuple[Path, dict[str, str]]:
     keys = {name: hashlib.sha256(f"soak {name}".encode()).hexdigest() for name in names}
     path = folder / "keys.json"
     hashed = [{"name": name, "sha256": hashlib.sha256(key.encode()).hexdigest()} for name, key in keys.items()]
-    path.write_text(json.dumps({"keys": hashed}), encoding="utf-8")
+    path.write_text(json.dumps({"schema": "assur-keys/1", "keys": hashed}), encoding="utf-8")
     return path, keys

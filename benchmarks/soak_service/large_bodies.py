@@ -43,7 +43,8 @@ def of_seconds(scenes: dict[str, Document], longer_s: float) -> dict[str, bytes]
     fixed = {"t": {"fixed": {"at_m": [0.4, 0, 0.2]}}}
     follow = {"follow": {"to": {"frame": "t", "at_m": [0.02, 0, 0.03], "yaw_rad": 0}, "duration_s": PLENTY}}
     bodies = copy.deepcopy(SMALL["bodies"])
-    pick = {"pick": {"part": "part", "grasp_m": [0, 0, 0.03], "dwell_s": PLENTY}}
+    near = {"approach": {"m": 0.03}, "depart": {"m": 0.03}}
+    pick = {"pick": {"part": "part", "grasp_m": [0, 0, 0.03], "dwell_s": PLENTY, **near}}
     window = {"move": {"to": {"at_m": [0.4, 0, 0.25]}, "window_s": [PLENTY - 1, PLENTY]}}
     blend = copy.deepcopy(scenes["parabolic-blend"])
     blend["options"] = {

@@ -20,8 +20,8 @@ PROGRAM = "haproxy"
 START_S = 20.0
 OF_NAMES = re.compile(r"\s(?:resolvers|init-addr|resolve-opts|resolve-prefer)\s+\S+")
 """Options of a server by which its name is looked up."""
-ELSEWHERE = re.compile(r"\s*(?:user|group|chroot|daemon|pidfile|log\s+\S|stats\s+socket)\b")
-"""Lines that need a user, a folder or a log of a machine that this one need not be."""
+ELSEWHERE = re.compile(r"\s*(?:user|group|chroot|daemon|pidfile|stats\s+socket)\b")
+"""Lines that need a user or a folder of a machine that this one need not be."""
 
 
 def free_port() -> int:
@@ -32,27 +32,19 @@ def free_port() -> int:
 
 
 def substituted(text: str, port: int, servers: Sequence[int]) -> str:
-    """A configuration of HAProxy that listens on `port` and has the `servers` in each backend that had some.
+    """A configuration of HAProxy that listens on `port` and has the ports `servers` for its servers, which are told
+    apart by their names, in order. Where there are fewer ports than names, several names have one, once in a backend.
 
-    The first line with `bind` gets the port, further ones get free ports. Names of servers stay as long as there are
-    enough; options of the first server of a backend are those of all.
+    The first line with `bind` gets the port, further ones get free ports.
     """
     lines: list[str] = []
-    bound = 0
     names: list[str] = []
-    options = ""
-    skipping = False
-
-    def close_backend() -> None:
-        for number, each in enumerate(servers if names else ()):
-            name = names[number] if number < len(names) else f"{names[0]}-{number + 1}"
-            lines.append(f"    server {name} 127.0.0.1:{each}{options}")
-        names.clear()
-
+    here: set[int] = set()
+    bound, skipping = 0, False
     for line in text.splitlines():
         words = line.split()
         if words and not line[0].isspace():
-            close_backend()
+            here = set()
             skipping = words[0] == "resolvers"
         if skipping or ELSEWHERE.match(line):
             continue
@@ -60,14 +52,15 @@ def substituted(text: str, port: int, servers: Sequence[int]) -> str:
             rest = "".join(f" {word}" for word in words[2:])
             lines.append(f"    bind 127.0.0.1:{port if not bound else free_port()}{rest}")
             bound += 1
-        elif words and words[0] in ("server", "server-template"):
-            after = 3 if words[0] == "server" else 4
-            options = options if names else OF_NAMES.sub("", "".join(f" {word}" for word in words[after:]))
-            names.append(words[1])
+        elif words and words[0] == "server":
+            names += [] if words[1] in names else [words[1]]
+            to = servers[names.index(words[1]) % len(servers)]
+            rest = OF_NAMES.sub("", "".join(f" {word}" for word in words[3:]))
+            lines += [] if to in here else [f"    server {words[1]} 127.0.0.1:{to}{rest}"]
+            here.add(to)
         else:
-            lines.append(line)
-    close_backend()
-    if not bound or not any(line.lstrip().startswith("server ") for line in lines):
+            lines.append(OF_NAMES.sub("", line) if words and words[0] == "default-server" else line)
+    if not bound or not names:
         raise NotThereError("a bind and a server in the configuration of the proxy")
     return "\n".join(lines) + "\n"
 

@@ -22,6 +22,10 @@ ROUNDS, FEW_ROUNDS = 3, 1
 SETTLED_S = 3.0
 JOBS, JOB_S, TOLD_S = 3, 4.0, 60.0
 LIMITS: dict[str, float] = {"lost": 0, "jobs_not_told": 0, "ended_badly": 0}
+DRAIN_S = 3.0
+"""So long a replica that is told to stop still takes requests, s: the proxy asks each 0.5 s whether it is ready."""
+NAMES = "ab"
+"""Names of the replicas, with which the ids of their jobs begin; the proxy has them in this order."""
 SETTINGS: dict[str, object] = {"workers": 1, "max_budget_s": 10.0}
 
 
@@ -35,7 +39,8 @@ class _Replicas:
 
     def _started(self, number: int, times: int) -> Service:
         log = self._run.below("logs") / f"replica-{number}-{times}.log"
-        return self._stack.enter_context(served(log, self.ports[number], SETTINGS))
+        wished = {"replica": NAMES[number], "drain_s": DRAIN_S, "forwarded_from": "127.0.0.1"}
+        return self._stack.enter_context(served(log, self.ports[number], SETTINGS, wished=wished))
 
     def restart(self, number: int, times: int) -> tuple[int | None, float]:
         """Its exit code after SIGTERM, and how long the end took, s; then it is ready again."""
@@ -56,6 +61,7 @@ def measure(run: Run) -> Numbers:
     with ExitStack() as stack:
         replicas = _Replicas(run, stack)
         long = body_of(replicas.services[0], JOB_S)
+        missing = replicas.services[0].lacking
         port = stack.enter_context(proxied(run.below("rolling-restart"), replicas.ports))
 
         def asks(number: int) -> None:
@@ -80,6 +86,7 @@ def measure(run: Run) -> Numbers:
             thread.join()
     failed = [reply for reply in replies if reply.status != 200]
     return {
+        "missing": missing,
         "restarts": len(ends),
         "requests": len(replies),
         "lost": len(failed),

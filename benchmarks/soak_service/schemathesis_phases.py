@@ -12,13 +12,13 @@ from benchmarks.machine import ROOT
 from benchmarks.soak_service.row import NotThereError, Numbers, Row, Run, above
 from benchmarks.soak_service.served import served
 
-RUNNER = "benchmarks.schemathesis_run"
-"""``python -m RUNNER --url URL --cases COUNT --seed SEED``: its last line is JSON with `cases`, `failures` (a list or a
-count), and `phases` (those that ran)."""
+RUNNER = "benchmarks.contract"
+"""``python -m RUNNER URL --cases COUNT --seed SEED --out FILE``: FILE is JSON with `cases`, `failures` (a list or a
+count) and `phases` (those that ran)."""
 CASES, FEW_CASES = 20_000, 300
 LONGEST_S, FEW_LONGEST_S = 5400.0, 60.0
 PHASES = frozenset({"examples", "coverage", "fuzzing", "stateful"})
-SETTINGS: dict[str, object] = {"workers": 2, "max_budget_s": 1.0, "max_tasks": 1_000_000}
+SETTINGS: dict[str, object] = {"workers": 2, "max_budget_s": 0.05, "max_tasks": 1_000_000}
 
 
 def measure(run: Run) -> Numbers:
@@ -28,12 +28,14 @@ def measure(run: Run) -> Numbers:
             raise NotThereError(what)
     with served(run.below("logs") / "schemathesis.log", settings=SETTINGS) as service:
         url = f"http://127.0.0.1:{service.port}"
+        out = run.below("schemathesis") / "result.json"
+        out.unlink(missing_ok=True)
         cases = int(run.pick(FEW_CASES, CASES))
-        command = [sys.executable, "-m", RUNNER, "--url", url, "--cases", str(cases), "--seed", str(run.seed)]
+        command = [sys.executable, "-m", RUNNER, url, "--cases", str(cases), "--seed", str(run.seed), "--out", str(out)]
         path = run.below("schemathesis") / "output.txt"
         with path.open("w", encoding="utf-8") as stream:
             code = _ended(command, stream, run.pick(FEW_LONGEST_S, LONGEST_S))
-        text = path.read_text(encoding="utf-8")
+        text = out.read_text(encoding="utf-8") if out.exists() else ""
     return {"asked": cases, "exit_code": code, **summary(text)}
 
 
@@ -48,17 +50,19 @@ def _ended(command: list[str], stream: IO[str], limit_s: float) -> int | None:
 
 
 def summary(text: str) -> Numbers:
-    """The cases, failures and phases that the last line of the runner's output has; 0 cases where it has none."""
-    for line in reversed(text.strip().splitlines()[-3:]):
-        try:
-            document = json.loads(line)
-        except ValueError:
-            continue
-        if isinstance(document, dict) and "cases" in document:
-            failures = document.get("failures")
-            count = len(failures) if isinstance(failures, list) else failures
-            return {"cases": document["cases"], "failures": count, "phases": sorted(document.get("phases", []))}
-    return {"cases": 0, "failures": None, "phases": []}
+    """The cases, failures and phases that the runner's file has; 0 cases where it has none."""
+    try:
+        document = json.loads(text)
+    except ValueError:
+        document = None
+    if not isinstance(document, dict) or "cases" not in document:
+        return {"cases": 0, "failures": None, "phases": []}
+    failures, phases = document.get("failures"), document.get("phases", [])
+    return {
+        "cases": document["cases"],
+        "failures": len(failures) if isinstance(failures, list) else failures,
+        "phases": sorted(phases.split(",") if isinstance(phases, str) else phases),
+    }
 
 
 def judge(numbers: Numbers) -> list[str]:

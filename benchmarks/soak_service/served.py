@@ -40,6 +40,7 @@ class Service:
         self.log = log
         self.web = psutil.Process(process.pid)
         self.port = 0
+        self.lacking: list[str] = []
 
     def client(self, source: str = "127.0.0.1", key: str | None = None, timeout: float = 120.0) -> Client:
         """A client at `source`, with an API key or without."""
@@ -211,28 +212,54 @@ def served(
     port: int = 0,
     settings: Mapping[str, object] | None = None,
     patience_s: float = STOP_S,
+    wished: Mapping[str, object] | None = None,
     **more: object,
 ) -> Iterator[Service]:
     """A service that is ready, with `settings` and `more` (``workers=2`` is ASSUR_WORKERS); its log is written to
-    `log`. It ends with the block, and nothing of it stays: by SIGTERM, and what is left `patience_s` later is killed.
+    `log`. Of the settings `wished` it has those that it knows; `lacking` of it names the others. It ends with the
+    block, and nothing of it stays: by SIGTERM, and what is left `patience_s` later is killed.
 
     Raises `NotThereError` where it does not know one of the settings, `RowError` where it does not become ready.
     """
+    given, wishes = {**(settings or {}), **more}, dict(wished or {})
+    lacking: list[str] = []
+    while True:
+        service = _begun(log, port, {_variable(name): str(value) for name, value in {**given, **wishes}.items()})
+        service.lacking = lacking
+        try:
+            _wait_until_ready(service)
+            yield service
+            return
+        except _UnknownSettingError as unknown:
+            name = next((wish for wish in wishes if _variable(wish) == unknown.name), None)
+            if name is None:
+                raise NotThereError(f"the setting {unknown.name}") from unknown
+            del wishes[name]
+            lacking.append(f"the setting {unknown.name}")
+        finally:
+            if service.process.poll() is None:
+                service.stop(patience_s)
+
+
+class _UnknownSettingError(Exception):
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.name = name
+
+
+def _variable(name: str) -> str:
+    return f"ASSUR_{name.upper()}"
+
+
+def _begun(log: Path, port: int, given: dict[str, str]) -> Service:
     clean = {name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")}
-    given = {f"ASSUR_{name.upper()}": str(value) for name, value in {**(settings or {}), **more}.items()}
     command = [sys.executable, "-m", "assur.api.command_line", "serve", "--port", str(port)]
     with log.open("wb") as stream:
         process = subprocess.Popen(command, cwd=ROOT, env=clean | given, stdout=stream, stderr=stream)
-    service = Service(process, log)
-    try:
-        _wait_until_ready(service, given)
-        yield service
-    finally:
-        if process.poll() is None:
-            service.stop(patience_s)
+    return Service(process, log)
 
 
-def _wait_until_ready(service: Service, given: dict[str, str]) -> None:
+def _wait_until_ready(service: Service) -> None:
     def text() -> str:
         return service.log.read_text(encoding="utf-8", errors="replace")
 
@@ -249,9 +276,9 @@ def _wait_until_ready(service: Service, given: dict[str, str]) -> None:
 
     told = until(START_S, listens) and until(START_S, ready)
     if service.process.poll() is not None:
-        unknown = [name for name in given if re.search(rf"{name}: got .*; allowed: one of ASSUR_", text())]
-        if unknown:
-            raise NotThereError(f"the setting {unknown[0]}")
+        unknown = re.search(r"(ASSUR_\w+): got .*; allowed: one of ASSUR_", text())
+        if unknown is not None:
+            raise _UnknownSettingError(unknown.group(1))
         raise RowError(f"the service ended while it started: {text()[-300:]!r}")
     if not told:
         raise RowError(f"the service did not become ready in {START_S:g} s: {text()[-300:]!r}")

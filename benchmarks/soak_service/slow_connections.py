@@ -24,6 +24,8 @@ PROBE_S, POST_S, PATIENCE_S = 0.05, 0.5, 3.0
 """How often /livez and a quick plan are asked for, and how long a probe waits, s. Orchestrators wait 1 to 5 s."""
 MOST_MS = 50.0
 ATTACKED, QUIET = "attacked", "quiet"
+BEHIND = {"forwarded_from": "127.0.0.1"}
+"""With which a service believes the proxy who asks."""
 
 
 def measure(run: Run) -> Numbers:
@@ -34,7 +36,7 @@ def measure(run: Run) -> Numbers:
         folder = run.below("slow-connections")
         with (
             ExitStack() as stack,
-            served(run.below("logs") / f"slow, {name}.log", workers=1, patience_s=0.0) as service,
+            served(run.below("logs") / f"slow, {name}.log", workers=1, patience_s=0.0, wished=BEHIND) as service,
         ):
             port = service.port
             if name == "behind the proxy":

@@ -16,6 +16,8 @@ KEPT = ROOT / "benchmarks" / "results" / "soak_service.json"
 """The results that the page shows."""
 BEFORE = ROOT / "benchmarks" / "results" / "soak_service_before.json"
 """Results of the same rows before the service was changed for them."""
+BUSY = 3.0
+"""Above this load at its begin a row says so: others had the processors, too."""
 MARKED = re.compile(r"(<!-- soak of the service -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 NOTHING = "Not measured yet: `make soak-service` measures, and fills what is empty here.\n"
 
@@ -62,7 +64,9 @@ def table(rows: Sequence[Row], results: Results, before: Results) -> str:
 def _cell(result: Mapping[str, Any] | None) -> str:
     if result is None:
         return "not run"
-    return f"{result['told']}{' (short form)' if result['short'] else ''}"
+    said = ["short form"] if result["short"] else []
+    said += [f"load {result['load']:.0f}"] if result["load"] > BUSY else []
+    return str(result["told"]) + (f" ({', '.join(said)})" if said else "")
 
 
 def _verdict(result: Mapping[str, Any] | None) -> str:

@@ -320,8 +320,8 @@ def test_a_row_that_cannot_be_measured_is_a_result(tmp_path: Path) -> None:
         assert (result.verdict, result.reasons) == (verdict, [str(error)])
 
 
-def test_the_last_line_of_the_runner_is_read() -> None:
-    text = 'noise\n{"cases": 12, "failures": ["a"], "phases": ["fuzzing", "coverage"]}\n'
+def test_the_result_of_the_runner_is_read() -> None:
+    text = '{"cases": 12, "failures": ["a"], "phases": ["fuzzing", "coverage"]}'
     assert schemathesis_phases.summary(text) == {"cases": 12, "failures": 1, "phases": ["coverage", "fuzzing"]}
     assert schemathesis_phases.summary("Traceback\n")["failures"] is None
 
@@ -330,7 +330,14 @@ def test_the_last_line_of_the_runner_is_read() -> None:
 
 
 def result_of(name: str, verdict: str, **more: Any) -> dict[str, Any]:
-    given = {"told": "7 of 9", "reasons": ["7 | 8 lost"], "short": False, "commit": "abcdef" * 6, "changed": False}
+    given = {
+        "told": "7 of 9",
+        "reasons": ["7 | 8 lost"],
+        "short": False,
+        "load": 1.0,
+        "commit": "abcdef" * 6,
+        "changed": False,
+    }
     return {"name": name, "verdict": verdict, "date": "2026-01-02", **given, **more}
 
 
@@ -338,7 +345,7 @@ def test_the_table_says_what_was_found_and_what_was_not_run() -> None:
     machine = {"cpu": "a processor", "cores": 2, "python": "3.11"}
     rows = {
         "mutated-requests": result_of("mutated-requests", NOT_MET),
-        "throughput": result_of("throughput", MET, short=True, changed=True),
+        "throughput": result_of("throughput", MET, short=True, load=12.3, changed=True),
     }
     text = table(ROWS, {"machine": machine, "rows": rows}, {"rows": {}})
     head, *lines = [line for line in text.splitlines() if line]
@@ -347,7 +354,7 @@ def test_the_table_says_what_was_found_and_what_was_not_run() -> None:
     shown = [line for line in lines if line.startswith("| ") and not line.startswith("| figure")]
     assert len(shown) == len(ROWS)
     assert shown[0].endswith("| 0 / 0 / 0 of 50,000 | 7 of 9 | not met: 7 \\| 8 lost |")
-    assert shown[-1].endswith("| 7 of 9 (short form) | met |")
+    assert shown[-1].endswith("| 7 of 9 (short form, load 12) | met |")
     assert shown[1].endswith("| not run | not run |")
     assert table(ROWS, {"machine": None, "rows": {}}, {"rows": {}}) == NOTHING
 
@@ -368,19 +375,21 @@ SHIPPED = """\
 global
     log stdout format raw local0
     user haproxy
-resolvers docker
-    nameserver dns 127.0.0.11:53
 defaults
     mode http
+resolvers docker
+    nameserver dns 127.0.0.11:53
 frontend in
     bind :8443 ssl crt /etc/cert.pem
-    default_backend assur
-backend assur
+    # bind :8444
+    default_backend both
+backend both
     option httpchk GET /readyz
-    server first assur-1:8000 check resolvers docker init-addr none
+    default-server check inter 500ms resolvers docker init-addr last,none
+    server first assur-1:8000
+    server second assur-2:8000 backup
+backend jobs_of_the_second
     server second assur-2:8000 check resolvers docker init-addr none
-backend more
-    server-template replica 2 assur:8000 check inter 1s
 """
 
 
@@ -388,15 +397,22 @@ def test_the_proxy_gets_addresses_of_this_machine_and_keeps_the_rest() -> None:
     lines = [line.strip() for line in substituted(SHIPPED, 4000, [5001, 5002]).splitlines()]
     assert "bind 127.0.0.1:4000 ssl crt /etc/cert.pem" in lines
     assert [line for line in lines if line.startswith("server")] == [
-        "server first 127.0.0.1:5001 check",
+        "server first 127.0.0.1:5001",
+        "server second 127.0.0.1:5002 backup",
         "server second 127.0.0.1:5002 check",
-        "server replica 127.0.0.1:5001 check inter 1s",
-        "server replica-2 127.0.0.1:5002 check inter 1s",
     ]
-    assert lines.index("option httpchk GET /readyz") < lines.index("server first 127.0.0.1:5001 check")
+    assert {"option httpchk GET /readyz", "default-server check inter 500ms", "# bind :8444"} <= set(lines)
     assert not any("docker" in line or "user" in line for line in lines)
     with pytest.raises(NotThereError):
         substituted("frontend in\n    bind :80\n", 4000, [5001])
+
+
+def test_one_service_stands_for_all_names_once_in_a_backend() -> None:
+    lines = [line.strip() for line in substituted(SHIPPED, 4000, [5001]).splitlines()]
+    assert [line for line in lines if line.startswith("server")] == [
+        "server first 127.0.0.1:5001",
+        "server second 127.0.0.1:5001 check",
+    ]
 
 
 # client and processes
@@ -433,11 +449,12 @@ def test_clients_have_addresses_and_keys_of_their_own_and_a_lost_answer_is_an_ou
 
 def test_a_setting_that_the_service_does_not_know_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(NotThereError, match="ASSUR_UNHEARD"), served(tmp_path / "log", unheard=1):
-        pass
+        raise AssertionError("it runs with a setting that it cannot know")
 
 
 def test_a_service_is_asked_and_a_worker_that_ends_is_seen(tmp_path: Path) -> None:
-    with served(tmp_path / "log", workers=1, max_budget_s=1.0, grace_s=30) as service:
+    with served(tmp_path / "log", workers=1, max_budget_s=1.0, grace_s=30, wished={"unheard": 1}) as service:
+        assert service.lacking == ["the setting ASSUR_UNHEARD"]
         (worker,) = service.workers()
         client = service.client()
         demo = client.get("/v1/scenes/demo").document()
