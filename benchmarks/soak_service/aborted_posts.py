@@ -33,9 +33,12 @@ def measure(run: Run) -> Numbers:
         with Watch(service) as watch:
             threads = [
                 threading.Thread(target=_asking, args=(service, "127.0.0.41", None, PROBE_S, ready, stop)),
-                threading.Thread(target=_asking, args=(service, "127.0.0.42", quick, QUICK_S, plans, stop)),
+                threading.Thread(
+                    target=_asking, args=(service, "127.0.0.42", quick, QUICK_S, plans, stop), daemon=True
+                ),
             ]
             for thread in threads:
+                thread.daemon = True
                 thread.start()
             aborted, end = 0, time.monotonic() + run.pick(FEW_SECONDS, SECONDS)
             while time.monotonic() < end:

@@ -99,7 +99,7 @@ def _light_ones(connect: Connect, body: bytes, lasts_s: float) -> list[Reply]:
             time.sleep(PAUSE_S)
         client.close()
 
-    threads = [threading.Thread(target=asks, args=(number,)) for number in range(LIGHT)]
+    threads = [threading.Thread(target=asks, args=(number,), daemon=True) for number in range(LIGHT)]
     for thread in threads:
         thread.start()
     for thread in threads:

@@ -87,7 +87,7 @@ def measure(run: Run) -> Numbers:
                     stop.wait(min(reply.again_s, 1.0))
             client.close()
 
-        threads = [threading.Thread(target=asks, args=(number,)) for number in range(CLIENTS)]
+        threads = [threading.Thread(target=asks, args=(number,), daemon=True) for number in range(CLIENTS)]
         for thread in threads:
             thread.start()
         rng, end = random.Random(run.seed), time.monotonic() + lasts_s

@@ -14,7 +14,7 @@ from typing import Any
 
 from benchmarks.soak_service.client import Client, Reply
 from benchmarks.soak_service.described import description, statuses
-from benchmarks.soak_service.mutations import Mutant, mutant
+from benchmarks.soak_service.mutations import MILD, Mutant, mutant
 from benchmarks.soak_service.row import Numbers, Row, RowError, Run, above
 from benchmarks.soak_service.served import Service, Watch, served
 
@@ -23,8 +23,9 @@ REQUESTS, FEW_REQUESTS = 50_000, 400
 LONGEST_S = 4000.0
 """A run ends after so long, and says how many requests it has sent."""
 CONNECTIONS, WORKERS = 6, 2
-FULL_SHARE = 0.04
-"""Of all requests, those that ask for the whole certificate; each plan of theirs is checked."""
+FULL_SHARE, FULL_SHARE_OF_MILD = 0.04, 0.25
+"""Of all requests, those that ask for the whole certificate; each plan of theirs is checked. Mild ones are planned more
+often."""
 KEPT = 200
 """So many failing bodies are kept."""
 TURNED_AWAY = frozenset({429, 503})
@@ -106,7 +107,8 @@ class _Sender:
         client.close()
 
     def _send(self, client: Client, sent: Mutant) -> None:
-        full = random.Random(f"full/{sent.number}").random() < FULL_SHARE
+        share = FULL_SHARE_OF_MILD if sent.kind in MILD else FULL_SHARE
+        full = random.Random(f"full/{sent.number}").random() < share
         reply = self._answered(client, f"{PATH}?certificate={'full' if full else 'digest'}", sent.body)
         faults = faults_of(reply, self._documented)
         document = reply.document()
@@ -161,8 +163,11 @@ def measure(run: Run) -> Numbers:
         sender = _Sender(run, service, total)
         idle_mib = service.rss_mib()
         with Watch(service) as watch:
-            threads = [threading.Thread(target=sender.connection, args=(number,)) for number in range(CONNECTIONS)]
+            threads = [
+                threading.Thread(target=sender.connection, args=(number,), daemon=True) for number in range(CONNECTIONS)
+            ]
             for thread in threads:
+                thread.daemon = True
                 thread.start()
             for thread in threads:
                 thread.join()

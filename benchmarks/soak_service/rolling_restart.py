@@ -70,7 +70,7 @@ def measure(run: Run) -> Numbers:
                 replies.append(client.post("/v1/plans?certificate=digest", body))
             client.close()
 
-        threads = [threading.Thread(target=asks, args=(number,)) for number in range(CLIENTS)]
+        threads = [threading.Thread(target=asks, args=(number,), daemon=True) for number in range(CLIENTS)]
         for thread in threads:
             thread.start()
         for times in range(1, int(run.pick(FEW_ROUNDS, ROUNDS)) + 1):

@@ -80,7 +80,7 @@ def _asked(probe: int, port: int, lasts_s: float) -> Numbers:
             client.close()
             stop.wait(POST_S)
 
-    thread = threading.Thread(target=asks)
+    thread = threading.Thread(target=asks, daemon=True)
     thread.start()
     probes: list[Reply] = []
     end = time.monotonic() + lasts_s

@@ -36,8 +36,21 @@ def read(path: Path) -> dict[str, Any]:
 def table(rows: Sequence[Row], results: Results, before: Results) -> str:
     """Head and table: each row with its bar, what was found, and the verdict."""
     found = results["rows"]
-    if not found:
+    if not found and not before["rows"]:
         return NOTHING
+    head = _head(rows, results) if found else NOTHING.rstrip()
+    lines = [head, "", "| figure | first measured | before | bar | found | verdict |", "|---|---|---|---|---|---|"]
+    for row in rows:
+        result = found.get(row.name)
+        earlier = before["rows"].get(row.name)
+        cells = [row.title, row.before, _cell(earlier), row.bar, _cell(result), _verdict(result)]
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def _head(rows: Sequence[Row], results: Results) -> str:
+    """When, of what and where it was measured, and how many rows are met."""
+    found = results["rows"]
     commits = sorted(
         {f"{each['commit'] or 'no commit'}"[:10] + ("*" if each["changed"] else "") for each in found.values()}
     )
@@ -52,13 +65,7 @@ def table(rows: Sequence[Row], results: Results, before: Results) -> str:
     )
     if any(name.endswith("*") for name in commits):
         head += " `*`: with changes that were not committed."
-    lines = [head, "", "| figure | first measured | before | bar | found | verdict |", "|---|---|---|---|---|---|"]
-    for row in rows:
-        result = found.get(row.name)
-        earlier = before["rows"].get(row.name)
-        cells = [row.title, row.before, _cell(earlier), row.bar, _cell(result), _verdict(result)]
-        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
-    return "\n".join(lines) + "\n"
+    return head
 
 
 def _cell(result: Mapping[str, Any] | None) -> str:

@@ -109,7 +109,7 @@ def _of_service(service: Service, document: dict[str, object], seeds: range, las
         client.close()
 
     began = time.monotonic()
-    threads = [threading.Thread(target=asks, args=(number,)) for number in range(CLIENTS)]
+    threads = [threading.Thread(target=asks, args=(number,), daemon=True) for number in range(CLIENTS)]
     for thread in threads:
         thread.start()
     for thread in threads:
