@@ -16,6 +16,7 @@
 # make sbom    what the image has installed, as CycloneDX: out/sbom.cdx.json
 # make audit   known vulnerabilities of what is locked (it asks an advisory service)
 # make image   the image, from the base in deploy/base-image, which make pin-base writes
+# make soak-service  the service under harm, in two hours; SHORT=1 in 3 minutes, ONLY="ROW ..." for some rows
 # make clean   remove what these made
 
 VENV := .venv
@@ -34,7 +35,7 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.13 python3.12 python3.11 py
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help demo kernels test test-browser test-gltf test-proxy pictures check format serve problems bench \
-	bench-quick soak check-deployment lock sbom audit pin-base image clean
+	bench-quick soak soak-service check-deployment lock sbom audit pin-base image clean
 
 help:
 	@sed -n '/^# make/s/^# //p' $(firstword $(MAKEFILE_LIST))
@@ -210,6 +211,11 @@ image:
 	@case "$(BASE)" in *@sha256:*) ;; *) echo "which base image? make pin-base writes the digest of $(TAG) into deploy/base-image; or say: make image BASE=$(TAG)@sha256:..." >&2; exit 2;; esac
 	docker build --build-context "$(TAG)=docker-image://$(BASE)" --build-arg VERSION="$(VERSION)" --build-arg COMMIT="$(COMMIT)" \
 		--label org.opencontainers.image.base.name="$(BASE)" --tag assur:$(VERSION) .
+# HAProxy, where there is one, stands between (Debian: apt-get install haproxy).
+soak-service: $(VENV)/installed-test
+	$(BIN)/assur kernels
+	$(BIN)/python -m benchmarks.soak_service $(if $(SHORT),--short) $(foreach row,$(ONLY),--only $(row)) \
+		--seed $(SEED) --out $(OUT)/soak-service/results.json
 
 clean:
 	rm -rf $(VENV) .venv-peers $(OUT) build .coverage .coverage.* htmlcov .hypothesis .mypy_cache .pytest_cache .ruff_cache .import_linter_cache *.egg-info

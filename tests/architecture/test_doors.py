@@ -157,11 +157,22 @@ def test_the_simulation_shares_no_code_with_what_it_simulates() -> None:
     shared = [
         f"{source.path}:{line} imports {name}"
         for source in sources(*BESIDE)
-        if source.name.startswith("benchmarks.soak") and source.name != "benchmarks.soak.campaign"
+        if source.name.startswith("benchmarks.soak.") and source.name != "benchmarks.soak.campaign"
         for name, line in imports(source.tree)
         if name.startswith("assur")
     ]
     assert shared == []
+
+
+def test_the_service_is_seen_from_outside_by_what_puts_it_under_harm() -> None:
+    inside = [
+        f"{source.path}:{line} imports {name}"
+        for source in sources(*BESIDE)
+        if source.name.startswith("benchmarks.soak_service") and source.name != "benchmarks.soak_service.throughput"
+        for name, line in imports(source.tree)
+        if name.startswith("assur")
+    ]
+    assert inside == []
 
 
 def test_the_recheck_shares_no_code_with_what_it_rechecks() -> None:

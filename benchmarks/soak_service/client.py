@@ -1,0 +1,102 @@
+"""A client of the service: one connection that is kept, from an address of its own in 127.0.0.0/8.
+
+Nothing is sent a second time: what fails is an outcome. Only a kept connection that was idle for longer than servers
+keep one is opened anew, as careful clients do.
+"""
+
+from __future__ import annotations
+
+import http.client
+import json
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+IDLE_S = 2.0
+"""A connection that was idle for longer is not used again, s."""
+TIMEOUT_S = 120.0
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What came back. `status` 0: nothing did, and `fault` says why. `began` and `ended` by the monotonic clock, s."""
+
+    status: int
+    body: bytes
+    headers: Mapping[str, str] = field(default_factory=dict)
+    began: float = 0.0
+    ended: float = 0.0
+    fault: str = ""
+
+    @property
+    def seconds(self) -> float:
+        return self.ended - self.began
+
+    def document(self) -> Any:
+        """The JSON of the body; None where it is none."""
+        try:
+            return json.loads(self.body)
+        except ValueError:
+            return None
+
+    @property
+    def kind(self) -> str:
+        """The end of a problem's type; empty for anything else."""
+        document = self.document()
+        told = document.get("type") if isinstance(document, dict) else None
+        return told.rpartition(":")[2] if isinstance(told, str) else ""
+
+    @property
+    def again_s(self) -> float:
+        """What `Retry-After` says, s; 1 without one."""
+        told = self.headers.get("retry-after", "")
+        return float(told) if told.isdigit() else 1.0
+
+
+class Client:
+    """A client at `source`, an address of this machine; `headers` go with every request."""
+
+    def __init__(
+        self, port: int, source: str = "127.0.0.1", headers: Mapping[str, str] | None = None, timeout: float = TIMEOUT_S
+    ) -> None:
+        self._connection = http.client.HTTPConnection("127.0.0.1", port, timeout=timeout, source_address=(source, 0))
+        self._headers = dict(headers or {})
+        self._used = time.monotonic()
+
+    def get(self, path: str) -> Reply:
+        return self.send("GET", path)
+
+    def post(self, path: str, body: bytes) -> Reply:
+        return self.send("POST", path, body, {"Content-Type": "application/json"})
+
+    def send(
+        self, method: str, path: str, body: bytes | None = None, headers: Mapping[str, str] | None = None
+    ) -> Reply:
+        """Sends a request and waits for its answer. Raises nothing: see `Reply`."""
+        began = time.monotonic()
+        if began - self._used > IDLE_S:
+            self._connection.close()
+        try:
+            self._connection.request(method, path, body, {**self._headers, **(headers or {})})
+            response = self._connection.getresponse()
+            content = response.read()
+        except (OSError, http.client.HTTPException) as fault:
+            self._connection.close()
+            return Reply(0, b"", {}, began, time.monotonic(), f"{type(fault).__name__}: {fault}")
+        self._used = time.monotonic()
+        told = {name.lower(): value for name, value in response.getheaders()}
+        return Reply(response.status, content, told, began, self._used)
+
+    def close(self) -> None:
+        self._connection.close()
+
+
+def until(limit_s: float, asked: Callable[[], bool], pause_s: float = 0.1) -> bool:
+    """Whether `asked` became true within a time."""
+    end = time.monotonic() + limit_s
+    while not asked():
+        if time.monotonic() > end:
+            return False
+        time.sleep(pause_s)
+    return True

@@ -1,0 +1,284 @@
+"""A service as a process of its own, seen from outside: its address, its log, its worker processes, their memory."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import psutil
+
+from benchmarks.machine import ROOT
+from benchmarks.soak_service.client import Client, until
+from benchmarks.soak_service.row import NotThereError, RowError
+
+START_S, STOP_S = 180.0, 200.0
+"""Longest start and longest stop of a service, s."""
+WATCHED_S = 0.05
+"""How often processes are looked at, s."""
+MIB = 1 << 20
+LOST = re.compile(r"^assur_worker_restarts_total\{(.*)\}\s+([\d.e+]+)$", re.MULTILINE)
+"""Lines of /metrics that count workers by the cause of their end."""
+PLANNED = frozenset({"max_tasks"})
+"""Causes that are no loss: the service replaced a worker that had done its share."""
+
+
+class Service:
+    """A running service; see `served`."""
+
+    def __init__(self, process: subprocess.Popen[bytes], log: Path) -> None:
+        self.process = process
+        self.log = log
+        self.web = psutil.Process(process.pid)
+        self.port = 0
+        self.lacking: list[str] = []
+
+    def client(self, source: str = "127.0.0.1", key: str | None = None, timeout: float = 120.0) -> Client:
+        """A client at `source`, with an API key or without."""
+        return Client(self.port, source, {"Authorization": f"Bearer {key}"} if key else {}, timeout)
+
+    def workers(self) -> list[psutil.Process]:
+        """The worker processes that live: what the web process has spawned, or had forked from a template, but for the
+        template and the tracker of multiprocessing."""
+        living = {child.pid: (child, _command(child)) for child in self._children()}
+        found = []
+        for child, command in living.values():
+            template = "forkserver" in command and "forkserver" not in living.get(_parent(child), (child, ""))[1]
+            if not template and "resource_tracker" not in command:
+                found.append(child)
+        return found
+
+    def zombies(self) -> int:
+        """Processes below the web process that have ended and were not waited for."""
+        return sum(_status(child) == psutil.STATUS_ZOMBIE for child in _listed(self.web))
+
+    def rss_mib(self) -> float:
+        """Resident memory of the web process, MiB."""
+        return float(self.web.memory_info().rss) / MIB
+
+    def log_lines(self) -> tuple[list[dict[str, Any]], list[str]]:
+        """The lines of the log that are JSON objects, and those that are not."""
+        good, bad = [], []
+        for line in self.log.read_text(encoding="utf-8", errors="replace").splitlines():
+            try:
+                document = json.loads(line)
+            except ValueError:
+                document = None
+            if isinstance(document, dict):
+                good.append(document)
+            else:
+                bad.append(line)
+        return good, bad
+
+    def lost_by_metrics(self) -> dict[str, float] | None:
+        """Workers that ended unasked, by cause, as /metrics counts them; None where it does not."""
+        client = self.client(timeout=10.0)
+        reply = client.get("/metrics")
+        client.close()
+        return lost_workers(reply.body.decode(errors="replace")) if reply.status == 200 else None
+
+    def stop(self, patience_s: float = STOP_S) -> int | None:
+        """SIGTERM, and the exit code; None where the process had to be killed, so long after."""
+        self.process.send_signal(signal.SIGTERM)
+        try:
+            return self.process.wait(patience_s)
+        except subprocess.TimeoutExpired:
+            for child in _listed(self.web):
+                child.kill()
+            self.process.kill()
+            self.process.wait()
+            return None
+
+    def _children(self) -> list[psutil.Process]:
+        return [child for child in _listed(self.web) if _status(child) not in (psutil.STATUS_ZOMBIE, "")]
+
+
+def lost_workers(metrics: str) -> dict[str, float] | None:
+    """What a text in the format of Prometheus says of workers that ended, by cause; None where it says nothing."""
+    found: Counter[str] = Counter()
+    there = False
+    for labels, value in LOST.findall(metrics):
+        there = True
+        cause = dict(re.findall(r'(\w+)="([^"]*)"', labels)).get("cause", "unknown")
+        if cause not in PLANNED and float(value) > 0:
+            found[cause] += float(value)  # type: ignore[assignment]
+    return dict(found) if there else None
+
+
+class Watch:
+    """Looks at the processes of a service while a block runs: which workers ended, how much memory each had."""
+
+    def __init__(self, service: Service) -> None:
+        self._service = service
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._look, daemon=True)
+        self.seen: set[int] = set()
+        self.gone: set[int] = set()
+        self.peak_kib: Counter[int] = Counter()
+        self.web_peak_mib = 0.0
+
+    def __enter__(self) -> Watch:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stop.set()
+        self._thread.join()
+
+    @property
+    def peak_mib(self) -> float:
+        """The highest peak of any worker, MiB."""
+        return max(self.peak_kib.values(), default=0) / 1024
+
+    def _look(self) -> None:
+        while not self._stop.wait(WATCHED_S):
+            if self._service.process.poll() is not None:
+                return
+            living = {worker.pid for worker in self._service.workers()}
+            self.gone |= self.seen - living
+            self.seen |= living
+            for pid in living:
+                self.peak_kib[pid] = max(self.peak_kib[pid], peak_kib(pid))
+            try:
+                self.web_peak_mib = max(self.web_peak_mib, self._service.rss_mib())
+            except psutil.Error:
+                return
+
+
+def peak_kib(pid: int) -> int:
+    """Highest resident memory of a process since it began, or since `forget_peak`, KiB; 0 if it is not there."""
+    return _of_status(pid, "VmHWM")
+
+
+def rss_kib(pid: int) -> int:
+    """Resident memory of a process now, KiB; 0 if it is not there."""
+    return _of_status(pid, "VmRSS")
+
+
+def forget_peak(pid: int) -> None:
+    """Begins anew with the highest resident memory of a process of ours."""
+    Path(f"/proc/{pid}/clear_refs").write_text("5", encoding="ascii")
+
+
+def _of_status(pid: int, name: str) -> int:
+    try:
+        text = Path(f"/proc/{pid}/status").read_text(encoding="ascii", errors="replace")
+    except OSError:
+        return 0
+    found = re.search(rf"^{name}:\s+(\d+) kB", text, re.MULTILINE)
+    return int(found.group(1)) if found else 0
+
+
+def _listed(process: psutil.Process) -> list[psutil.Process]:
+    try:
+        return list(process.children(recursive=True))
+    except psutil.Error:
+        return []
+
+
+def _status(process: psutil.Process) -> str:
+    try:
+        return str(process.status())
+    except psutil.Error:
+        return ""
+
+
+def _parent(process: psutil.Process) -> int:
+    try:
+        return int(process.ppid())
+    except psutil.Error:
+        return 0
+
+
+def _command(process: psutil.Process) -> str:
+    try:
+        return " ".join(process.cmdline())
+    except psutil.Error:
+        return "resource_tracker"  # it has just ended: not one to count
+
+
+@contextmanager
+def served(
+    log: Path,
+    port: int = 0,
+    settings: Mapping[str, object] | None = None,
+    patience_s: float = STOP_S,
+    wished: Mapping[str, object] | None = None,
+    **more: object,
+) -> Iterator[Service]:
+    """A service that is ready, with `settings` and `more` (``workers=2`` is ASSUR_WORKERS); its log is written to
+    `log`. Of the settings `wished` it has those that it knows; `lacking` of it names the others. It ends with the
+    block, and nothing of it stays: by SIGTERM, and what is left `patience_s` later is killed.
+
+    Raises `NotThereError` where it does not know one of the settings, `RowError` where it does not become ready.
+    """
+    given, wishes = {**(settings or {}), **more}, dict(wished or {})
+    lacking: list[str] = []
+    while True:
+        service = _begun(log, port, {_variable(name): str(value) for name, value in {**given, **wishes}.items()})
+        service.lacking = lacking
+        try:
+            _wait_until_ready(service)
+            yield service
+            return
+        except _UnknownSettingError as unknown:
+            name = next((wish for wish in wishes if _variable(wish) == unknown.name), None)
+            if name is None:
+                raise NotThereError(f"the setting {unknown.name}") from unknown
+            del wishes[name]
+            lacking.append(f"the setting {unknown.name}")
+        finally:
+            if service.process.poll() is None:
+                service.stop(patience_s)
+
+
+class _UnknownSettingError(Exception):
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.name = name
+
+
+def _variable(name: str) -> str:
+    return f"ASSUR_{name.upper()}"
+
+
+def _begun(log: Path, port: int, given: dict[str, str]) -> Service:
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")}
+    command = [sys.executable, "-m", "assur.api.command_line", "serve", "--port", str(port)]
+    with log.open("wb") as stream:
+        process = subprocess.Popen(command, cwd=ROOT, env=clean | given, stdout=stream, stderr=stream)
+    return Service(process, log)
+
+
+def _wait_until_ready(service: Service) -> None:
+    def text() -> str:
+        return service.log.read_text(encoding="utf-8", errors="replace")
+
+    def listens() -> bool:
+        found = re.search(r'"event": "listening".*"port": (\d+)', text())
+        service.port = int(found.group(1)) if found else 0
+        return service.port > 0 or service.process.poll() is not None
+
+    def ready() -> bool:
+        client = service.client(timeout=5.0)
+        reply = client.get("/readyz")
+        client.close()
+        return reply.status == 200 or service.process.poll() is not None
+
+    told = until(START_S, listens) and until(START_S, ready)
+    if service.process.poll() is not None:
+        unknown = re.search(r"(ASSUR_\w+): got .*; allowed: one of ASSUR_", text())
+        if unknown is not None:
+            raise _UnknownSettingError(unknown.group(1))
+        raise RowError(f"the service ended while it started: {text()[-300:]!r}")
+    if not told:
+        raise RowError(f"the service did not become ready in {START_S:g} s: {text()[-300:]!r}")
