@@ -22,7 +22,7 @@ def foreseeable(body: Any) -> str | None:
     its form, and what is wrong is a name, a sum, or a place in the cell."""
     if not isinstance(body, dict):
         return None
-    readings = [(RequestDocument, body)] if "task" in body else []
+    readings: list[tuple[Any, Any]] = [(RequestDocument, body)] if "task" in body else []
     readings += [(RequestDocument, body["request"])] if "request" in body else []
     readings += [(OptionsDocument, body["options"])] if body.keys() == {"options"} else []
     if "pose" in body or "joints" in body:

@@ -83,7 +83,7 @@ def _name(field: dict[str, Any], names: list[str]) -> None:
 
 def _limit_budgets(options: dict[str, Any], most_budget_s: float) -> None:
     for name in BUDGETS:
-        for key, factor in ((name, 1), (twin_of(name), 1000)):
+        for key, factor in ((name, 1), (str(twin_of(name)), 1000)):
             options[key]["maximum"] = min(options[key]["maximum"], most_budget_s * factor)
         options[name]["default"] = min(options[name]["default"], most_budget_s)
 

@@ -37,11 +37,11 @@ def made(schema: dict[str, Any], whole: dict[str, Any], rng: random.Random) -> A
 
 
 def _number(schema: dict[str, Any], rng: random.Random) -> float:
-    low = schema.get("minimum", schema.get("exclusiveMinimum"))
-    high = schema.get("maximum", schema.get("exclusiveMaximum"))
-    ends = [schema[key] for key in ("minimum", "maximum") if key in schema]
+    low = float(schema.get("minimum", schema.get("exclusiveMinimum", 0)))
+    high = float(schema.get("maximum", schema.get("exclusiveMaximum", 0)))
+    ends = [float(schema[key]) for key in ("minimum", "maximum") if key in schema]
     if schema["type"] == "integer":
-        return rng.choice([*ends, rng.randint(low, high)])
+        return int(rng.choice([*ends, rng.randint(int(low), int(high))]))
     return float(rng.choice([*ends, low + (high - low) * rng.uniform(0.01, 0.99), max(low, min(high, 1))]))
 
 

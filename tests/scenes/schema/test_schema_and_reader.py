@@ -78,7 +78,8 @@ def reads(model: type[Document], key: str, value: Any) -> bool:
     field = next(field for called, field in model.model_fields.items() if name in (called, field.alias))
     try:
         given = normal({key: value})[name]
-        TypeAdapter(Annotated[(field.annotation, None, *field.metadata)]).validate_python(given)  # type: ignore[misc]
+        form: Any = Annotated[(field.annotation, None, *field.metadata)]
+        TypeAdapter(form).validate_python(given)
     except (ValidationError, InputError):
         return False
     return True
