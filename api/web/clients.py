@@ -33,6 +33,11 @@ NETWORK = 64
 """Of an address of IPv6 so many bits count: the rest is for its holder to choose."""
 
 
+def needs_key(path: str) -> bool:
+    """Whether an address is for those who have a key, where the service has keys."""
+    return path.startswith(KEPT) and path not in OPEN
+
+
 def client_of(request: Request) -> Client:
     """Who sent a request."""
     client: Client = request.scope[CLIENT]
@@ -98,7 +103,7 @@ class KnowsClients:
         self._clients = clients
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "http" and scope["path"].startswith(KEPT) and scope["path"] not in OPEN:
+        if scope["type"] == "http" and needs_key(scope["path"]):
             peer = scope.get("client")
             try:
                 client = self._clients.of(_authorization(scope), peer[0] if peer else "")

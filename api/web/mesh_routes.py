@@ -79,6 +79,8 @@ PUT_BODY: dict[str, Any] = {
 
 @mesh_bodies.put(
     "/v1/meshes/{sha256}",
+    operation_id="keep_mesh",
+    tags=["meshes"],
     summary="Keep a mesh file, so that requests can name it by its digest",
     response_model=KeptMesh,
     responses={
@@ -102,6 +104,8 @@ async def put_mesh(request: Request) -> Response:
 
 @mesh_router.get(
     "/v1/meshes/{sha256}",
+    operation_id="show_mesh",
+    tags=["meshes"],
     summary="Whether a mesh is known, its size, and until when it is kept",
     response_model=KeptMesh,
     responses=problems("mesh-unknown", "no-mesh-folder", "bad-input"),

@@ -7,6 +7,7 @@ from typing import Any, Literal
 from typing_extensions import TypedDict
 
 from assur.api.problems import MEDIA_TYPE, STATUS
+from assur.api.web.clients import needs_key
 from assur.api.web.request_components import request_components
 from assur.api.web.service import scenario_request
 from assur.scenes.plan_file import FORM
@@ -233,7 +234,8 @@ TAGS = {
     "jobs": "Plan now, fetch later",
     "scenes": "The shipped scenarios, and the text of others",
     "kinematics": "Robots, and where a tool can be",
-    "service": "Whether the service runs",
+    "meshes": "Mesh files that are sent once and named by requests",
+    "service": "Whether the service runs, and how",
 }
 HEADERS = {
     "RequestId": {"description": "under which the service logs this request", "schema": {"type": "string"}},
@@ -242,6 +244,11 @@ HEADERS = {
         "description": "address of the job, relative to that of the request",
         "schema": {"type": "string", "format": "uri-reference"},
     },
+}
+KEY = {
+    "type": "http",
+    "scheme": "bearer",
+    "description": "a key of the service, where it has keys (ASSUR_KEYS_FILE); else none is needed",
 }
 AGAIN = (429, 503)
 """Statuses of problems that say when to ask again, where it is known."""
@@ -260,11 +267,16 @@ def complete(document: dict[str, Any], most_budget_s: float) -> dict[str, Any]:
         Problem=PROBLEM_SCHEMA,
     )
     components["headers"] = HEADERS
+    components["securitySchemes"] = {"key": KEY}
     document["tags"] = [{"name": name, "description": about} for name, about in TAGS.items()]
     plans = document["paths"]["/v1/plans"]["post"]["requestBody"]["content"]["application/json"]
     plans["examples"] = {"the demo": {"value": scenario_request("demo")}}
     for path, item in document["paths"].items():
         for method, operation in item.items():
+            if needs_key(path):
+                operation["security"] = [{}, {"key": []}]
+                for status, told in problems("unauthorized").items():
+                    operation["responses"].setdefault(str(status), told)
             for status, response in operation["responses"].items():
                 headers = {"X-Request-Id": {"$ref": "#/components/headers/RequestId"}}
                 if int(status) in AGAIN:

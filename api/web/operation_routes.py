@@ -17,13 +17,21 @@ from assur.api.web.service import Service
 operation_router = APIRouter()
 
 
-@operation_router.get("/v1/version", summary="Which build this is", response_model=VersionDocument)
+@operation_router.get(
+    "/v1/version",
+    operation_id="show_version",
+    tags=["service"],
+    summary="Which build this is",
+    response_model=VersionDocument,
+)
 async def show_version(request: Request) -> Response:
     return json_response(to_json(version_document(service_of(request).settings.commit)))
 
 
 @operation_router.get(
     "/metrics",
+    operation_id="show_metrics",
+    tags=["service"],
     summary="Metrics for operators, as Prometheus reads them",
     response_class=Response,
     responses={200: {"content": {"text/plain": {"schema": {"type": "string"}}}, "description": "text of Prometheus"}},

@@ -20,6 +20,7 @@ from assur.api.web.settings import Settings
 from assur.api.workers.admission import Admission, Places
 from assur.api.workers.client import Client, Demand, Ticket
 from assur.api.workers.quarantine import Quarantine
+from assur.api.workers.start_failures import why_not_started
 from assur.api.workers.worker_process import (
     NO_MEMORY,
     About,
@@ -29,7 +30,6 @@ from assur.api.workers.worker_process import (
     NotBegunError,
     Tell,
     WorkerProcess,
-    why_not_started,
 )
 
 RETRIES = 2

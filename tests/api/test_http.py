@@ -178,6 +178,9 @@ def test_the_description_of_the_service_is_whole(client: httpx.Client) -> None:
         "/v1/scenes",
         "/v1/scenes/{name}",
         "/v1/scenes/{name}/text",
+        "/v1/scenes/{name}/plans",
+        "/v1/scenes/{name}/jobs",
+        "/v1/meshes/{sha256}",
         "/v1/scenes/parse",
         "/v1/schema",
         "/v1/version",
@@ -228,14 +231,16 @@ def test_a_field_that_is_not_typed_is_found() -> None:
     assert untyped({"properties": {"a": {}, "b": {"type": "object"}, "c": {"type": "number"}}}, "X") == ["X.a", "X.b"]
 
 
-def test_the_examples_in_the_description_are_the_demo_by_its_name_which_is_planned_and_in_full(
-    client: httpx.Client,
-) -> None:
+def test_the_example_in_the_description_is_the_demo_in_full(client: httpx.Client) -> None:
     described = client.get("/openapi.json").json()
     body = described["paths"]["/v1/plans"]["post"]["requestBody"]["content"]["application/json"]
-    by_name, in_full = (example["value"] for example in body["examples"].values())
-    assert planned(client, by_name, certificate="digest")["status"] == "planned"
-    assert in_full == client.get(f"/v1/scenes/{by_name['scenario']}").json()
+    (in_full,) = (example["value"] for example in body["examples"].values())
+    assert planned(client, in_full, certificate="digest")["status"] == "planned"
+    assert in_full == client.get("/v1/scenes/demo").json()
+
+
+def test_a_scenario_may_be_named_where_a_request_is_posted(client: httpx.Client) -> None:
+    assert planned(client, {"scenario": "demo"}, certificate="digest")["status"] == "planned"
 
 
 def test_every_answer_bears_an_id_and_is_not_kept_by_caches(client: httpx.Client) -> None:

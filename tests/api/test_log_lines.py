@@ -19,7 +19,8 @@ import httpx
 
 from assur.api.log_lines import LONGEST_LINE, AtOnce, Later
 from assur.api.workers.jobs import FIRST_PLAN
-from assur.api.workers.worker_process import CrashedError, why_not_started
+from assur.api.workers.start_failures import why_not_started
+from assur.api.workers.worker_process import CrashedError
 
 ROOT = Path(__file__).parents[2]
 ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith("ASSUR_")}
@@ -112,7 +113,8 @@ def test_a_service_whose_log_nobody_reads_answers_and_ends() -> None:
 
 
 WORKER = """
-import json, os, sys, warnings
+import json, os, socket, sys, warnings
+from assur.api.workers.worker_process import About, Line
 from assur.api import logs
 from assur.api.workers import jobs
 from assur.api.workers.traced import Traced
@@ -125,7 +127,7 @@ def work():
     except ValueError:
         import traceback
         traceback.print_exc()
-    return jobs.plan(body, "digest", print)
+    return jobs.plan(body, "digest", 1.0, Line(socket.socketpair()[0], About({}, False)))
 print(Traced(work, {"request": "abc", "traceparent": "00-1-2-00"})().kind)
 """
 

@@ -7,7 +7,10 @@ from typing import Any
 import httpx
 import pytest
 
+from assur.api.web.service import scenario_request
+from assur.scenes.requests import BUDGETS
 from assur.scenes.scenarios import shipped_scenarios
+from tests.api.running import PATIENT
 
 TEXT = """\
 about: an arm between two poses
@@ -34,7 +37,13 @@ def test_the_text_of_a_shipped_scenario_means_its_request(client: httpx.Client, 
     told = response.json()
     assert told["status"] == "parsed"
     assert told["about"] == shipped_scenarios()[name]
-    assert told["request"] == client.get(f"/v1/scenes/{name}").json()
+    assert told["request"] == scenario_request(name)
+    # what the service offers to be posted has budgets that it gives
+    offered = client.get(f"/v1/scenes/{name}").json()
+    for budget in BUDGETS:
+        stated = told["request"]["options"].pop(budget, None)
+        assert offered["options"].pop(budget, None) == (None if stated is None else min(stated, PATIENT.max_budget_s))
+    assert offered == told["request"]
 
 
 def test_what_was_parsed_can_be_planned(client: httpx.Client) -> None:

@@ -82,7 +82,7 @@ def test_a_refusal_is_an_answer(service: assur.Client) -> None:
 def test_the_catalogue_and_the_scenarios_are_those_of_the_service(service: assur.Client) -> None:
     assert service.robots() == assur.robots()
     assert service.scenarios() == assur.scenarios()
-    assert service.load("standard-cycle") == assur.load("standard-cycle")
+    assert service.load("demo") == assur.load("demo")
     named = service.plan({"scenario": "demo"}, certificate="digest")
     assert named["request_digest"] == Request.of(assur.load("demo")).digest
 

@@ -58,5 +58,5 @@ def test_the_table_of_problems_is_whole_and_its_statuses_are_right() -> None:
 
 
 def test_the_table_of_addresses_is_whole(client: httpx.Client) -> None:
-    shown = set(re.findall(r"^\| `(?:GET|POST) (/[^`]*)`", PAGE, re.MULTILINE))
+    shown = set(re.findall(r"^\| `(?:GET|POST|PUT) (/[^`]*)`", PAGE, re.MULTILINE))
     assert set(client.get("/openapi.json").json()["paths"]) | {"/docs"} == shown

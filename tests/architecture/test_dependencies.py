@@ -16,7 +16,9 @@ ELSEWHERE = {"pycollada", "xacrodoc"}
 """Extras that trimesh imports, and that a process of its own does."""
 PEERS = ("benchmarks/peers/ompl_rrtconnect.py", "benchmarks/peers/mplib_planner.py", "benchmarks/peers/toppra_legs.py")
 """Programs that are not run in the environment of the project."""
-BROUGHT = {"pydantic-core": "pydantic"}
+GENERATED = {"scara-models"}
+"""Modules that a test has made."""
+BROUGHT = {"pydantic-core": "pydantic", "annotated-types": "pydantic", "jsonschema-rs": "schemathesis"}
 """Imported, but chosen by the library that is declared: they are made for each other, release by release."""
 
 
@@ -35,6 +37,8 @@ def _imported(*packages: str) -> dict[str, str]:
             if top not in sys.stdlib_module_names and top not in ("assur", *BESIDE):
                 for owner in owners.get(top, [top]):
                     name = _plain(owner)
+                    if name in GENERATED:
+                        continue
                     found[BROUGHT.get(name, name)] = f"{source.path}:{line}"
     return found
 
