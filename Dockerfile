@@ -53,6 +53,8 @@ LABEL org.opencontainers.image.title="assur" \
       org.opencontainers.image.licenses="MIT" \
       org.opencontainers.image.version=$VERSION \
       org.opencontainers.image.revision=$COMMIT
+# For ASSUR_MESH_FOLDER, where a volume is mounted there.
+RUN install --directory --owner=10001 --group=10001 /var/lib/assur/meshes
 WORKDIR /opt/assur
 USER 10001:10001
 EXPOSE 8000

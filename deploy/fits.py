@@ -9,11 +9,9 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from assur.api.web.settings import Settings
+from assur.api.web.settings import WEB_MIB, Settings
 from deploy.manifests import Document, Manifests
 
-WEB_MIB = 512
-"""Memory of the web process, MiB: 76 when idle; what large bodies of several clients take at a time is the rest."""
 FROM_IMAGE = {"ASSUR_HOST": "0.0.0.0"}
 """What the image sets; the manifests do not say it again."""
 SLACK_S = 4.0

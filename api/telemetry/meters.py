@@ -172,7 +172,7 @@ def _of_workers(now: Readings) -> Iterable[Metric]:
     for name, about, value in (
         ("assur_requests_waiting", "Requests that wait for a worker.", now.waiting),
         ("assur_requests_running", "Requests that a worker works on.", now.running),
-        ("assur_owed_seconds", "What all accepted requests may take at the most, s.", now.owed_s),
+        ("assur_owed_seconds", "What all accepted requests are expected to take yet, s.", now.owed_s),
         ("assur_workers", "Workers that there should be.", now.total),
         ("assur_workers_ready", "Workers that can take a request, or work on one.", now.ready),
         ("assur_quarantined_requests", "Requests that are not tried again.", now.quarantined),

@@ -24,8 +24,8 @@ from assur.scenes.meshes.folder import MeshFolder
 PREFIX = "ASSUR_"
 LOG_LEVELS = ("debug", "info", "warning", "error")
 
-WEB_MIB = 384
-"""What the web process and the template of the workers may need, MiB."""
+WEB_MIB = 512
+"""What the web process may need, MiB: 76 when idle; what large bodies of several clients take at a time is the rest."""
 LEAST_MIB = 512
 """A worker with less could not even plan once, MiB."""
 PLAN_BODY_BYTES = 1 << 20

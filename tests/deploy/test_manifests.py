@@ -106,7 +106,7 @@ def test_what_the_schemas_do_not_know_is_found(kind: str, change: Callable[[Any]
         (lambda it: container(it)["livenessProbe"].update(failureThreshold=1), {}, "gives up within 15 s"),
         (unchanged, {"ASSUR_WORKERS": "0"}, "ASSUR_WORKERS is 0"),
         (unchanged, {"ASSUR_WORKER_MEMORY_MIB": "4096"}, "8704Mi"),
-        (unchanged, {"ASSUR_WORKERS": "3"}, "3 workers of 1536 MiB"),
+        (unchanged, {"ASSUR_WORKERS": "3"}, "3 workers of 1024 MiB"),
         (lambda it: container(it)["resources"]["requests"].update(memory="4Gi"), {}, "above the limit"),
         (lambda it: container(it)["resources"]["requests"].update(cpu="500m"), {}, "requests.cpu"),
         (lambda it: container(it)["resources"]["limits"].update(cpu="2"), {}, "limits.cpu"),
