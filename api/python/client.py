@@ -39,11 +39,14 @@ TIMEOUT_S = 120.0
 class _Door:
     """Where the service is, and how long to wait for it."""
 
-    def __init__(self, url: str, *, timeout: float = TIMEOUT_S, headers: Mapping[str, str] | None = None) -> None:
+    def __init__(
+        self, url: str, *, timeout: float = TIMEOUT_S, key: str | None = None, headers: Mapping[str, str] | None = None
+    ) -> None:
         """`url`: address of the service, such as ``http://127.0.0.1:8000``; `timeout`: longest wait for an answer, s,
-        longer than the budgets of a request; `headers`: sent with each request, for a proxy that asks for them.
+        longer than the budgets of a request; `key`: the API key, for a service that has keys; `headers`: sent with each
+        request, for a proxy that asks for them.
 
-        Raises `InputError` for an address of another form.
+        Raises `InputError` for an address of another form, and for a key that no header can hold.
         """
         try:
             is_address = httpx.URL(url).scheme in ("http", "https") and httpx.URL(url).host
@@ -53,9 +56,12 @@ class _Door:
             raise InputError("url", url, "an address such as http://127.0.0.1:8000")
         if not timeout > 0:
             raise InputError("timeout", timeout, "a time in s, more than 0")
+        if key is not None and not (key.isascii() and key.isprintable() and key.strip() == key != ""):
+            raise InputError("key", f"{len(key)} characters", "a key of the service, as `assur keys add` has shown it")
+        own = {} if key is None else {"Authorization": f"Bearer {key}"}
         self.url = url
         self._timeout = timeout
-        self._settings: dict[str, Any] = {"base_url": url, "timeout": timeout, "headers": dict(headers or {})}
+        self._settings: dict[str, Any] = {"base_url": url, "timeout": timeout, "headers": {**own, **(headers or {})}}
 
     def _result(self, asked: Exchange[T], response: httpx.Response) -> T:
         return asked.result(self.url, response.status_code, response.headers, response.content)
@@ -89,8 +95,10 @@ class Client(_Door):
     is closed.
     """
 
-    def __init__(self, url: str, *, timeout: float = TIMEOUT_S, headers: Mapping[str, str] | None = None) -> None:
-        super().__init__(url, timeout=timeout, headers=headers)
+    def __init__(
+        self, url: str, *, timeout: float = TIMEOUT_S, key: str | None = None, headers: Mapping[str, str] | None = None
+    ) -> None:
+        super().__init__(url, timeout=timeout, key=key, headers=headers)
         self._http = httpx.Client(**self._settings)
 
     __init__.__doc__ = _Door.__init__.__doc__
@@ -156,8 +164,10 @@ class Client(_Door):
 class AsyncClient(_Door):
     """`Client` for asyncio: the same methods, to be awaited. Use it in an ``async with`` block, or await `aclose`."""
 
-    def __init__(self, url: str, *, timeout: float = TIMEOUT_S, headers: Mapping[str, str] | None = None) -> None:
-        super().__init__(url, timeout=timeout, headers=headers)
+    def __init__(
+        self, url: str, *, timeout: float = TIMEOUT_S, key: str | None = None, headers: Mapping[str, str] | None = None
+    ) -> None:
+        super().__init__(url, timeout=timeout, key=key, headers=headers)
         self._http = httpx.AsyncClient(**self._settings)
 
     __init__.__doc__ = _Door.__init__.__doc__

@@ -13,6 +13,7 @@ import httpx
 import pytest
 from typer.testing import CliRunner
 
+import assur
 from assur.api.command_line import app
 from assur.api.keys import digest, keys_in, new_key
 from assur.api.problems import Problem
@@ -24,7 +25,7 @@ from assur.planner.errors import InputError
 from tests.api.running import PATIENT, running
 
 
-def assur(*words: str) -> tuple[int, str, str]:
+def command(*words: str) -> tuple[int, str, str]:
     result = CliRunner().invoke(app, list(words))
     return result.exit_code, result.stdout, result.stderr
 
@@ -35,7 +36,7 @@ def file(tmp_path: Path) -> Path:
 
 
 def added(file: Path, name: str, *options: str) -> str:
-    code, shown, told = assur("keys", "add", str(file), name, *options)
+    code, shown, told = command("keys", "add", str(file), name, *options)
     assert code == 0, told
     return shown.strip()
 
@@ -52,11 +53,11 @@ def test_a_key_is_shown_once_and_only_its_digest_is_kept(file: Path) -> None:
 def test_keys_are_listed_and_removed(file: Path) -> None:
     added(file, "line-3", "--waiting", "0")
     added(file, "line-4")
-    code, shown, _ = assur("keys", "list", str(file))
+    code, shown, _ = command("keys", "list", str(file))
     assert code == 0
     assert shown.splitlines()[0].startswith("line-3")
     assert "waiting 0" in shown
-    assert assur("keys", "remove", str(file), "line-3")[0] == 0
+    assert command("keys", "remove", str(file), "line-3")[0] == 0
     assert [key.name for key in keys_in(file).keys] == ["line-4"]
 
 
@@ -77,7 +78,7 @@ def test_a_wrong_command_says_what_is_allowed_and_changes_nothing(
 ) -> None:
     added(file, "line-3")
     before = file.read_bytes()
-    code, shown, told = assur("keys", *[str(file) if word == "FILE" else word for word in words])
+    code, shown, told = command("keys", *[str(file) if word == "FILE" else word for word in words])
     assert (code, shown) == (2, "")
     assert says in told
     assert file.read_bytes() == before
@@ -187,6 +188,11 @@ def test_a_service_with_keys_answers_those_who_have_one_and_their_own_jobs_only(
             assert problem.headers["WWW-Authenticate"] == "Bearer"
         assert client.post("v1/plans", json={"scenario": "demo"}).status_code == 401
         assert asked(mine)("GET", "v1/scenes").status_code == 200
+        with assur.Client(str(client.base_url), key=mine) as known:
+            assert known.load("demo") == assur.load("demo")
+        with assur.Client(str(client.base_url), key="wrong") as unknown, pytest.raises(assur.ServiceError) as refused:
+            unknown.robots()
+        assert refused.value.kind == "unauthorized"
 
         job = asked(mine)("POST", "v1/jobs", json=FIRST_PLAN)
         assert job.status_code == 202
@@ -203,3 +209,9 @@ def test_a_service_with_keys_answers_those_who_have_one_and_their_own_jobs_only(
 
 def test_a_key_is_new_each_time() -> None:
     assert len({new_key() for _ in range(100)}) == 100
+
+
+@pytest.mark.parametrize("key", ["", " key", "key\n", "ké"])
+def test_a_key_that_no_header_can_hold_is_refused_by_the_client(key: str) -> None:
+    with pytest.raises(InputError, match="key"):
+        assur.Client("http://127.0.0.1:1", key=key)
