@@ -18,7 +18,7 @@ from assur.planner.feasibility.odd_places import odd_places
 from assur.planner.legs.meeting import every_turn
 from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.legs.tilt import pitch_free
-from assur.planner.model.deadline import Deadline, OutOfTimeError
+from assur.planner.model.deadline import Deadline, OutOfTimeError, out_of_time
 from assur.planner.model.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Relaxation
 from assur.planner.model.phases import phases, yaw_offsets
 from assur.planner.model.progress import Watch
@@ -33,6 +33,9 @@ from assur.planner.search.beam import Found
 from assur.planner.search.best_candidate import best_candidate
 from assur.planner.search.census import Counter
 from assur.planner.search.lower_bound import lower_bound
+
+MARGINS_S = 0.15
+"""So long after the budget, s, the smallest clearance of a plan may still be looked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,9 +111,12 @@ def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: 
 
 def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan, pairs: int) -> Planned:
     of_plan = phases(scene, made.legs, made.arrivals)
+    with Deadline(run.started, max(scene.options.budget_s, run.elapsed) + MARGINS_S):
+        measured = margins(scene, prover, made.trajectory, of_plan, pairs)
+        late = out_of_time()
     return Planned(
         plan=made,
-        margins=margins(scene, prover, made.trajectory, of_plan, pairs),
+        margins=measured,
         contacts=contacts(of_plan),
         carried=carried(scene, of_plan),
         lower_bound_s=lower_bound(scene, found.first_options),
@@ -119,7 +125,7 @@ def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan, 
         seed=scene.options.seed,
         elapsed_s=run.elapsed,
         first_s=found.first_s,
-        cut_by_clock=found.cut_by_clock,
+        cut_by_clock=found.cut_by_clock or late,
     )
 
 

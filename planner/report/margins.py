@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +14,6 @@ from assur.planner.kernels.postures import least_margins
 from assur.planner.legs.limits import parts
 from assur.planner.legs.tool_motion import carrying_peak, tool_accelerations, tool_peaks
 from assur.planner.model.assembly_mode import has_loop
-from assur.planner.model.deadline import Deadline
 from assur.planner.model.load import Carried, held_inertia
 from assur.planner.model.outcome import Busiest, Contact, JointPeak, Margins
 from assur.planner.model.phases import Phase
@@ -31,15 +29,14 @@ MOST_FINE = 100_000
 """So many of these times at most: where the arm moves for longer they are further apart. Where it rests there are none
 beyond so many: nothing is used of a limit there."""
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
-NEAREST_S = 0.15
-"""For so long the smallest clearance is looked for, s: it comes after the search, whose budget is spent by then."""
 INSTANTS = 64
 """Times at which the margin to a singularity is looked for."""
 
 
 def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...], pairs: int = 0) -> Margins:
     """The margins of a plan, with so many `pairs` of bodies that come nearest. Peaks of joints are exact extrema; those
-    of the tool point are looked for at times."""
+    of the tool point are looked for at times. A smallest clearance that is not found before the deadline in force is
+    told as 0, which is proved, too."""
     peaks, (ratio, joint, kind) = _peaks(scene, trajectory, phases)
     serial, parallel = least_margins(scene.robot.row, trajectory.edges, trajectory.coefficients, INSTANTS)
     limit, carrying = scene.carry_acceleration, carrying_peak(scene, trajectory, phases)
@@ -55,12 +52,10 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     else:
         number = [each.name for each in scene.robot.joints].index(joint)
         used = np.abs(trajectory.evaluate(t, ORDERS[kind])[:, number])
-    with Deadline(time.perf_counter(), NEAREST_S):
-        closest = nearest(prover, trajectory, phases)
     return Margins(
         peaks=peaks,
         binds=binds,
-        nearest=closest,
+        nearest=nearest(prover, trajectory, phases),
         tool_acceleration=tool.acceleration if held is None else held,
         tool_acceleration_limit=limit,
         singularity=serial,
