@@ -40,7 +40,9 @@ class Places:
 class Admission:
     """The tickets of one service: those that wait, in the fair queue, and those that are worked on.
 
-    Workers have numbers; the first `places.short` of them take only short requests. `free` says which could begin now.
+    Workers have numbers; the first `places.short` of them are kept for short requests. A long one may borrow such a
+    worker while no short one waits, and gives it back when one does: then it waits again, and borrows none any more.
+    `free` says which workers could begin now.
     """
 
     def __init__(
@@ -69,10 +71,6 @@ class Admission:
         """How many seconds of workers the requests are expected to take that were accepted."""
         return sum(t.expected_s for t in self._queue) + sum(self._left_s(t) for t in self._running)
 
-    def suits(self, demand: Demand, number: int) -> bool:
-        """Whether a worker may be given such a request."""
-        return demand.short or number >= self._places.short
-
     def require_room(self, client: Client) -> None:
         """Raises the `Problem` that a request of this client would meet, whatever it asks for: its body need not be
         read."""
@@ -94,19 +92,43 @@ class Admission:
         self._queue.add(ticket)
         return ticket
 
-    def next(self, number: int) -> Ticket | None:
-        """The ticket that worker `number`, which is free, is to be given now; it is worked on from now on."""
-        running = Counter(ticket.demand.client.name for ticket in self._running)
+    def next(self, number: int, *, lend: bool) -> Ticket | None:
+        """The ticket that worker `number`, which is free, is to be given now; it is worked on from now on. `lend`: such
+        a worker may be lent to a long one. Ask first without: a worker for all may be free."""
+        may_run, kept = self._may_run(), number < self._places.short
 
         def fits(ticket: Ticket) -> bool:
-            client = ticket.demand.client
-            return self.suits(ticket.demand, number) and running[client.name] < client.running
+            return may_run(ticket) and (ticket.demand.short or not kept or (lend and not ticket.recalled))
 
         ticket = self._queue.take(fits)
         if ticket is not None:
-            ticket.begun = self._clock()
+            ticket.begun, ticket.borrows = self._clock(), kept and not ticket.demand.short
             self._running[ticket] = number
         return ticket
+
+    def recall(self) -> Ticket | None:
+        """The ticket that must give back the worker that it has borrowed, if a short request waits for one: of several
+        the one that began last."""
+        may_run = self._may_run()
+        wanted = sum(ticket.demand.short and may_run(ticket) for ticket in self._queue)
+        if wanted <= sum(ticket.borrows and ticket.recalled for ticket in self._running):
+            return None
+        borrowers = [ticket for ticket in self._running if ticket.borrows and not ticket.recalled]
+        found = max(borrowers, key=lambda ticket: ticket.begun or 0.0, default=None)
+        if found is not None:
+            found.recalled = True
+        return found
+
+    def _may_run(self) -> Callable[[Ticket], bool]:
+        """Whether a ticket that waits may be worked on beside the others of its client."""
+        running = Counter(ticket.demand.client.name for ticket in self._running)
+        return lambda ticket: running[ticket.demand.client.name] < ticket.demand.client.running
+
+    def put_back(self, ticket: Ticket) -> None:
+        """Has a ticket wait again that has given back its worker. Its client does not pay for what was in vain."""
+        del self._running[ticket]
+        ticket.begun, ticket.borrows = None, False
+        self._queue.put_back(ticket)
 
     def leave(self, ticket: Ticket) -> None:
         """Ends a ticket, wherever it is; one that has ended stays so. Its client pays for the time that it took."""
@@ -133,7 +155,7 @@ class Admission:
     def _require_place(self, demand: Demand) -> None:
         client = demand.client
         running = sum(ticket.demand.client.name == client.name for ticket in self._running)
-        if running < client.running and any(self.suits(demand, number) for number in self._free()):
+        if running < client.running and self._free():
             return
         if len(self._queue) >= self._places.waiting:
             raise self.full()
@@ -193,7 +215,8 @@ class Admission:
         for heap in (short, any_, *ends.values()):
             heapq.heapify(heap)
         for ticket in sorted((*self._queue, *more), key=lambda ticket: ticket.tag):
-            heap = short if ticket.demand.short and short and (not any_ or short[0] <= any_[0]) else any_
+            lent = ticket.demand.short or not ticket.recalled
+            heap = short if lent and short and (not any_ or short[0] <= any_[0]) else any_
             own = ends.setdefault(ticket.demand.client.name, [])
             start = heap[0]
             if len(own) >= ticket.demand.client.running:

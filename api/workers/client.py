@@ -45,6 +45,10 @@ class Ticket:
     entered: float
     begun: float | None = None
     held: bool = True
+    borrows: bool = False
+    """It is worked on by a worker that is kept for short requests, though it is none."""
+    recalled: bool = False
+    """It had to give such a worker back, and takes none again."""
 
     @property
     def waited_s(self) -> float:

@@ -44,6 +44,10 @@ class FairQueue:
             self._now = max(self._now, found.tag)
         return found
 
+    def put_back(self, ticket: Ticket) -> None:
+        """Puts a ticket that was taken into the queue again, where it was: its client is charged already."""
+        self._waiting.append(ticket)
+
     def remove(self, ticket: Ticket) -> None:
         """Takes out a ticket whose request is not wanted any more; its client gets back what it was charged."""
         self._waiting.remove(ticket)

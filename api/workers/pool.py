@@ -51,6 +51,10 @@ class Work:
     in_touch: bool = False
 
 
+class RecalledError(Exception):
+    """The worker is wanted back that a long request has borrowed."""
+
+
 class Workers:
     """The worker processes, and which are free. One per event loop; `start`, then any number of `run`, then `stop`."""
 
@@ -64,6 +68,7 @@ class Workers:
             Places(settings.processes, settings.reserved, settings.queue, settings.queue_wait_s), self._open
         )
         self._given: dict[Ticket, asyncio.Future[int]] = {}
+        self._recalls: dict[Ticket, asyncio.Future[None]] = {}
         self._filling: set[int] = set()
         self._awaited: dict[int, asyncio.Future[None]] = {}
         self._quarantine = Quarantine(settings.quarantine_s)
@@ -152,10 +157,14 @@ class Workers:
         number = None
         try:
             self._quarantine.refuse(work.key)
-            number = await self._number(ticket)
-            current().queued_s = ticket.waited_s
-            self.meters.queued(ticket.waited_s)
-            return await self._on(number, work, ticket.demand.wall_s, told)
+            while True:
+                number = await self._number(ticket)
+                current().queued_s = ticket.waited_s
+                self.meters.queued(ticket.waited_s)
+                try:
+                    return await self._on(number, work, ticket, told)
+                except RecalledError:
+                    self._put_back(ticket, number)
         except asyncio.CancelledError:
             if number is not None and not self._processes[number].open and number not in self._filling:
                 self.meters.restarted("called_off")
@@ -181,8 +190,14 @@ class Workers:
                 ) from late
             raise self._admission.full() from late
 
-    async def _on(self, number: int, work: Work, wall_s: float, told: Tell | None) -> Any:
-        """What the job returns on worker `number`, or on fresh ones in its place."""
+    def _put_back(self, ticket: Ticket, number: int) -> None:
+        """Has a request wait again, and frees the worker that it had borrowed."""
+        self._admission.put_back(ticket)
+        self._given[ticket] = asyncio.get_running_loop().create_future()
+        self._leave(number)
+
+    async def _on(self, number: int, work: Work, ticket: Ticket, told: Tell | None) -> Any:
+        """What the job returns on worker `number`, or on fresh ones in its place. Raises `RecalledError`."""
         meanings: list[str] = []
 
         def hear(value: Any) -> None:
@@ -193,11 +208,15 @@ class Workers:
 
         deaths = 0
         while True:
+            if ticket.borrows and ticket.recalled:
+                raise RecalledError
             if not self._processes[number].open:
                 await self._renewed(number)
             about = About(self._quarantine.left_s(), suspect=deaths > 0) if work.in_touch else None
             try:
-                return await self._processes[number].run(work.job, work.arguments, wall_s, hear, about)
+                wall_s = ticket.demand.wall_s
+                running = self._processes[number].run(work.job, work.arguments, wall_s, hear, about)
+                return await (self._unless_recalled(ticket, running) if ticket.borrows else running)
             except NotBegunError:
                 self.meters.restarted("idle")
                 continue  # it had died before: nothing of this request has run
@@ -209,6 +228,23 @@ class Workers:
                     event("request quarantined", logging.ERROR, digest=work.key, for_s=self._settings.quarantine_s)
                     why = f"The last of {deaths} workers {died.how}. "
                     raise self._quarantine.add(work.key, *meanings, why=why) from died
+
+    async def _unless_recalled(self, ticket: Ticket, running: Coroutine[Any, Any, Any]) -> Any:
+        """What `running` returns. Raises `RecalledError` where the worker is wanted back; then it was called off."""
+        task, recall = asyncio.ensure_future(running), asyncio.get_running_loop().create_future()
+        self._recalls[ticket] = recall
+        try:
+            await asyncio.wait({task, recall}, return_when=asyncio.FIRST_COMPLETED)
+            if task.done():
+                return task.result()
+        finally:
+            del self._recalls[ticket]
+            if not task.done():
+                task.cancel()
+                await asyncio.wait({task})
+                if not task.cancelled():
+                    task.exception()  # it ended by itself meanwhile, and is worked on again
+        raise RecalledError
 
     async def _renewed(self, number: int) -> None:
         """Returns when place `number`, whose holder waits here, has a new worker."""
@@ -228,17 +264,20 @@ class Workers:
         return {number for number in self._free if self._processes[number].open}
 
     def _hand_out(self) -> None:
-        """Gives free workers to those that wait: those first that are kept for short requests."""
-        for number in sorted(self._free):
-            if not self._processes[number].open:
-                self.meters.restarted("idle")
-                self._free.discard(number)
-                self._refill(number)
-                continue
-            ticket = self._admission.next(number)
-            if ticket is not None:
-                self._free.discard(number)
-                self._given[ticket].set_result(number)
+        """Gives free workers to those that wait; those that are kept for short requests are lent last."""
+        for number in sorted(self._free - self._open()):
+            self.meters.restarted("idle")
+            self._free.discard(number)
+            self._refill(number)
+        for lend in (False, True):
+            for number in sorted(self._free):
+                ticket = self._admission.next(number, lend=lend)
+                if ticket is not None:
+                    self._free.discard(number)
+                    self._given[ticket].set_result(number)
+        recalled = self._admission.recall()
+        if recalled is not None and recalled in self._recalls:
+            self._recalls[recalled].set_result(None)
 
     def _leave(self, number: int) -> None:
         """Frees a worker that is well, and replaces any other."""

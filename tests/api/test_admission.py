@@ -43,10 +43,16 @@ class Service:
         return caught.value
 
     def hand_out(self) -> None:
-        for number in sorted(self.free()):
-            ticket = self.books.next(number)
-            if ticket is not None:
-                self.working[number] = ticket
+        for lend in (False, True):
+            for number in sorted(self.free()):
+                ticket = self.books.next(number, lend=lend)
+                if ticket is not None:
+                    self.working[number] = ticket
+
+    def put_back(self, ticket: Ticket) -> None:
+        self.working = {number: each for number, each in self.working.items() if each is not ticket}
+        self.books.put_back(ticket)
+        self.hand_out()
 
     def end(self, ticket: Ticket, after_s: float = 0.0) -> None:
         self.now += after_s
@@ -95,16 +101,32 @@ def test_nobody_saves_anything_up_while_away() -> None:
     assert all(not ticket.held for ticket in waiting)
 
 
-def test_long_requests_leave_the_workers_that_are_kept_for_short_ones() -> None:
+def test_long_requests_give_back_the_workers_that_are_kept_for_short_ones() -> None:
     service = Service()
-    first, second = service.post(GREEDY), service.post(GREEDY)
-    assert service.working == {1: first}
+    first, second, third = (service.post(GREEDY) for _ in range(3))
+    assert service.working == {0: second, 1: first}
+    borrower, other = second, first
+    assert service.books.recall() is None
     short = service.post(MODEST, 1.0, short=True)
-    assert service.working == {0: short, 1: first}
+    assert service.books.recall() is borrower
+    assert service.books.recall() is None  # it is on its way
+    service.put_back(borrower)
+    assert service.working == {0: short, 1: other}
     service.end(short)
-    assert service.working == {1: first}
-    service.end(first)
-    assert service.working == {1: second}
+    assert service.working == {0: third, 1: other}  # who gave it back once does not take it again
+    service.post(MODEST, 1.0, short=True)
+    assert service.books.recall() is third
+    service.end(other)
+    assert service.working[1] is borrower
+
+
+def test_no_worker_is_asked_for_by_a_client_that_may_not_have_it() -> None:
+    service = Service()
+    limited = Client("limited", running=1)
+    service.post(limited, 1.0, short=True)
+    service.post(GREEDY)
+    service.post(limited, 1.0, short=True)
+    assert service.books.recall() is None
 
 
 def test_short_requests_take_every_worker() -> None:
@@ -223,7 +245,7 @@ def test_before_anything_was_seen_little_is_expected() -> None:
 def test_whatever_comes_everyone_is_served_and_the_books_end_empty(
     demands: list[tuple[str, float, bool, float, int]],
 ) -> None:
-    """Every forecast is finite, nothing is served twice, and long requests never run on the workers that are kept."""
+    """Every forecast is finite, nothing is served twice, and what is borrowed can be had back."""
     service = Service(replace(PLACES, workers=3, waiting=20))
     clients = {name: Client(name, running=2, waiting=6, seconds=40.0) for name in "abc"}
     accepted, refused = [], []
@@ -235,7 +257,12 @@ def test_whatever_comes_everyone_is_served_and_the_books_end_empty(
         for number in list(service.working)[:ends]:
             ticket = service.working[number]
             service.end(ticket, share * ticket.demand.wall_s)
-        assert all(ticket.demand.short or number > 0 for number, ticket in service.working.items())
+        recalled = service.books.recall()
+        if recalled is not None:
+            service.put_back(recalled)
+        assert all(
+            ticket.borrows == (number == 0 and not ticket.demand.short) for number, ticket in service.working.items()
+        )
     while service.working:
         service.end(next(iter(service.working.values())), 1.0)
     assert sorted(map(id, service.ended)) == sorted(map(id, accepted))

@@ -190,7 +190,7 @@ def test_a_service_with_keys_answers_those_who_have_one_and_their_own_jobs_only(
         assert asked(mine)("GET", "v1/scenes").status_code == 200
         with assur.Client(str(client.base_url), key=mine) as known:
             assert known.load("demo") == assur.load("demo")
-        with assur.Client(str(client.base_url), key="wrong") as unknown, pytest.raises(assur.ServiceError) as refused:
+        with assur.Client(str(client.base_url), key="wrong") as unknown, pytest.raises(assur.ProblemError) as refused:
             unknown.robots()
         assert refused.value.kind == "unauthorized"
 

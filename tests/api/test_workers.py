@@ -20,7 +20,7 @@ from assur.api.web.settings import Settings
 from assur.api.workers.client import Client, Demand
 from assur.api.workers.pool import Work, Workers
 from assur.api.workers.worker_process import NAME, WorkerProcess
-from tests.api.watched_jobs import counting, deaf, dies_unless, until_called_off
+from tests.api.watched_jobs import counting, deaf, dies_unless, recalled_once, until_called_off
 
 SETTINGS = Settings(workers=2, queue=1, queue_wait_s=30.0, warm_s=60.0, max_tasks=1000)
 
@@ -73,9 +73,9 @@ class Held:
     pipe: Path
     end: int = -1
 
-    def job(self, workers: Workers) -> asyncio.Task[Any]:
+    def job(self, workers: Workers, *, short: bool = True) -> asyncio.Task[Any]:
         """The job, given to a worker; it returns what `release` writes."""
-        return asyncio.create_task(ran(workers, Path.read_bytes, (self.pipe,), "held", 90.0))
+        return asyncio.create_task(ran(workers, Path.read_bytes, (self.pipe,), "held", 90.0, short=short))
 
     async def begun(self) -> None:
         """Returns when the job runs: a pipe can be opened for writing only once it is read."""
@@ -355,6 +355,30 @@ def test_a_request_that_waited_too_long_for_a_worker_is_told_so(held: Held) -> N
         assert await pid_of(workers)
 
     with_workers(Settings(workers=1, queue=1, queue_wait_s=0.5), story)
+
+
+def test_a_long_job_gives_back_the_worker_that_it_has_borrowed_and_is_done_again(held: Held, tmp_path: Path) -> None:
+    async def story(workers: Workers) -> None:
+        first = held.job(workers, short=False)
+        await held.begun()  # on the worker for all; the next long one borrows the other
+        second = asyncio.create_task(
+            ran(workers, recalled_once, (str(tmp_path / "begun"),), "long", 90.0, lambda _: None, short=False)
+        )
+        await until((tmp_path / "begun").exists)
+        assert await pid_of(workers) > 0  # a short one is served at once
+        assert not first.done()
+        assert not second.done()
+        (tmp_path / "begun").unlink()
+        held.release()
+        assert await first == b"released"
+        await until((tmp_path / "begun").exists)  # the second has begun again, on the worker for all
+        assert await pid_of(workers) > 0  # and keeps it, for there is another for short ones
+        assert not second.done()
+        second.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await second
+
+    with_workers(SETTINGS, story)
 
 
 def test_a_worker_that_dies_while_idle_is_replaced_before_anyone_asks() -> None:

@@ -31,6 +31,17 @@ def counting(most: int, line: Line) -> int:
     return most
 
 
+def recalled_once(file: str, line: Line) -> str:
+    """Notes that it has begun; goes on until it is called off, the first time, and returns the next."""
+    begun = Path(file)
+    again = begun.exists()
+    begun.touch()
+    while not again:
+        time.sleep(0.01)
+        line.tell(None)
+    return "at last"
+
+
 def dies_unless(folder: str, line: Line) -> str:
     """Says what it means, ends its process as often as the first line of a file says, and then returns."""
     line.means(lambda: "what it means")
