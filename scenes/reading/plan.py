@@ -47,7 +47,7 @@ CERTIFICATE_DIGEST = frozenset(document.CertificateDigest.__annotations__)
 """Fields of a certificate that is not in full."""
 
 
-TIME_S = 1e-3
+PATH_TIME_S = 1e-3
 """By so much more may a leg last than a path may: times round, s."""
 
 
@@ -83,7 +83,7 @@ def check_lengths(answer: dict[str, object], made: Plan, scene: Scene) -> None:
             begin = begins.setdefault(leg.step, leg.t0)
         else:
             continue
-        if not leg.t1 - begin <= LONGEST_S + TIME_S:
+        if not leg.t1 - begin <= LONGEST_S + PATH_TIME_S:
             allowed = f"at most {LONGEST_S:g} s after the way along the path of {step.name} begins"
             raise fault({PLAN: answer}, (PLAN, "legs", i, "to_s"), allowed)
 

@@ -7,6 +7,7 @@ import json
 import shutil
 import subprocess
 import sys
+import sysconfig
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -26,9 +27,11 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("small")
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(folder)], check=True)
     (packages,) = folder.glob("lib/python*/site-packages")
+    installed = Path(sysconfig.get_path("purelib"))
     for name in (*LIBRARIES, "assur"):
-        (about,) = (path for path in metadata.files(name) or [] if path.name == "METADATA")
-        shutil.copytree(Path(str(about.locate())).parent, packages / about.parent.name)
+        # by its folder: metadata.distribution("assur") may find an egg-info beside the sources first
+        (about,) = installed.glob(f"{name.replace('-', '_')}-*.dist-info")
+        shutil.copytree(about, packages / about.name)
     (own,) = packages.glob("assur*.dist-info")
     origin = {"url": "file:///srv/assur", "dir_info": {"editable": True}}
     (own / "direct_url.json").write_text(json.dumps(origin), encoding="utf-8")

@@ -119,6 +119,7 @@ class _Clock:
 def run(scene: Scene, monkeypatch: pytest.MonkeyPatch, step: float) -> tuple[Found, float]:
     clock = _Clock(step)
     monkeypatch.setattr("assur.planner.search.beam.time", clock)
+    monkeypatch.setattr("assur.planner.model.deadline.time", clock)
     return Search(scene, Prover(scene), 0.0).run(), clock.now
 
 

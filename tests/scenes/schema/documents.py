@@ -8,7 +8,7 @@ import random
 import re
 from typing import Any
 
-NAMES = ("part", "belt", "front", "j1", "a", "rrpr")
+NAMES = ("part", "belt", "front", "j1", "a", "rrpr", "0f" * 32)
 
 
 def made(schema: dict[str, Any], whole: dict[str, Any], rng: random.Random) -> Any:
