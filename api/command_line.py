@@ -312,7 +312,7 @@ def serve(
     host: Annotated[str | None, typer.Option(help="Address to listen on (ASSUR_HOST).")] = None,
     port: Annotated[int | None, typer.Option(min=0, max=65535, help="Port to listen on (ASSUR_PORT).")] = None,
 ) -> int:
-    """Run the HTTP service until SIGTERM; other settings come from the environment (docs/service.md)."""
+    """Run the HTTP service until SIGTERM; other settings come from the environment (docs/operating.md)."""
     from assur.api.web.serve import serve as run
     from assur.api.web.settings import Settings
 

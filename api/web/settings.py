@@ -1,7 +1,7 @@
 """What the operator decides, read from the environment once: `Settings.from_environment()`.
 
 Every variable begins with `ASSUR_`. A variable of that prefix that is not known is refused, for a misspelt limit is
-a limit that is not there. The table in docs/service.md is held to this module by a test.
+a limit that is not there. The table in docs/operating.md is held to this module by a test.
 """
 
 from __future__ import annotations

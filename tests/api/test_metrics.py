@@ -17,7 +17,7 @@ from assur.api.web.app import create_app
 from assur.api.web.settings import Settings
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "service.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "operating.md").read_text(encoding="utf-8")
 ALERTS = ROOT / "deploy" / "alerts.yaml"
 SECRET = "the-customers-own-words"
 
@@ -45,7 +45,7 @@ def all_metrics() -> dict[str, tuple[str, frozenset[str]]]:
 
 
 def test_the_table_of_metrics_is_whole_with_types_and_labels() -> None:
-    section = PAGE.partition("### Metrics")[2].partition("### Tracing")[0]
+    section = PAGE.partition("## Metrics")[2].partition("## Tracing")[0]
     rows = re.findall(r"^\| `(assur_\w+)` \| (\w+) \|([^|]*)\|", section, re.MULTILINE)
     assert {name: (kind, frozenset(re.findall(r"`(\w+)`", labels))) for name, kind, labels in rows} == all_metrics()
     for word in (*CAUSES, *STAGES):

@@ -12,7 +12,7 @@ from assur.api.container import processors
 from assur.api.web.settings import PREFIX, Settings
 from assur.planner.errors import InputError
 
-PAGE = Path(__file__).parents[2] / "docs" / "service.md"
+PAGE = Path(__file__).parents[2] / "docs" / "operating.md"
 
 
 def test_an_empty_environment_gives_the_defaults() -> None:

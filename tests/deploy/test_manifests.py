@@ -181,7 +181,7 @@ def test_what_probes_and_prometheus_ask_is_served() -> None:
 
 def test_the_metric_of_the_autoscaler_is_one_of_the_service() -> None:
     (metric,) = scaler(READ)["metrics"]
-    assert f"`{metric['pods']['metric']['name']}`" in (ROOT / "docs" / "service.md").read_text(encoding="utf-8")
+    assert f"`{metric['pods']['metric']['name']}`" in (ROOT / "docs" / "operating.md").read_text(encoding="utf-8")
 
 
 def test_the_compose_file_is_as_published(tmp_path: Path) -> None:
