@@ -30,7 +30,7 @@ def test_the_studio_asks_for_a_key_until_it_has_one_that_is_known(browser: Brows
         page.wait_for_selector("html[data-ready=yes]")
         assert asked == ["The service asks for a key:", "The service does not know this key. Its key:"]
         page.click("#plan")
-        page.wait_for_function("!document.getElementById('plan').disabled")
+        page.wait_for_selector("#plan:not([disabled])")
         assert page.locator("#faults").inner_text() == ""
         assert page.locator("#save").is_enabled()
         page.reload()
