@@ -16,7 +16,7 @@ import pytest
 
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
 from assur.api.workers.jobs import FIRST_PLAN
-from tests.api.processes import Server
+from tests.api.processes import Server, until
 from tests.proxy.conftest import ATTACKER, SHIPPED, Pair, answered, on_this_machine, program, proxied, sending
 
 pytestmark = pytest.mark.timeout(600)  # two services start before the first test
@@ -64,14 +64,20 @@ def test_slow_headers_and_slow_bodies_never_reach_a_service_and_are_nobodys_trou
         connection.close()
     assert [head.split()[1] for head in heads] == [b"408"] * 80
     served(pair)
+    # the line of a request is written after its answer
+    until(lambda: seen(pair.a, pair.b) >= before + 2)
     assert seen(pair.a, pair.b) == before + 2
 
 
 def test_idle_connections_of_one_address_are_bounded_and_closed(pair: Pair) -> None:
     with contextlib.ExitStack() as stack:
-        idle = [stack.enter_context(sending(pair.port, b"", ATTACKER)) for _ in range(512)]
+        idle = []
+        for _ in range(512):
+            with contextlib.suppress(ConnectionResetError):  # refused before this side was done with connecting
+                idle.append(stack.enter_context(sending(pair.port, b"", ATTACKER)))
+        assert len(idle) >= 128
         served(pair)
-        assert [answered(connection) for connection in idle] == [b""] * 512
+        assert {answered(connection) for connection in idle} == {b""}
     served(pair)
 
 
