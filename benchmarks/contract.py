@@ -3,8 +3,9 @@
     python -m benchmarks.contract http://127.0.0.1:8000 --cases 20000 --seed 1 --out out/contract.json
 
 Rounds with the seeds `seed`, `seed + 1`, ... are run until there are so many cases. The result is a JSON document: how
-many cases there were, and every failure with its seed. The exit code is 0 if there was none. Give the service small
-budgets (`ASSUR_MAX_BUDGET_S=0.05`): most of what is generated has no meaning, and the rest need not be planned well.
+many cases there were, in which phases, and every failure with its seed. The exit code is 0 if there was none. Give the
+service small budgets (`ASSUR_MAX_BUDGET_S=0.05`): most of what is generated has no meaning, and the rest need not be
+planned well.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
@@ -74,31 +76,56 @@ def failures_of(done: dict[str, Any]) -> list[dict[str, Any]]:
     return found + [{"seed": done["seed"], "error": error, "told": told[:3000]} for error in done["report"]["errors"]]
 
 
+def phases_of(done: dict[str, Any]) -> set[str]:
+    """The phases of a round in which there was something to do, and it was done."""
+    ran = {"success", "failure"}
+    names = {phase.lower() for phase, told in (done["report"]["phases"] or {}).items() if told["status"] in ran}
+    return {phase for phase in PHASES.split(",") if any(name.startswith(phase) for name in names)}
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.contract", description="See the top of the file.")
     parser.add_argument("url", help="address of a service that runs")
     parser.add_argument("--cases", type=int, default=20_000, help="so many at least, unless --longest-s ends them")
     parser.add_argument("--examples", type=int, default=50, help="most of one operation in one phase of a round")
     parser.add_argument("--seed", type=int, default=1, help="of the first round")
-    parser.add_argument("--longest-s", type=float, help="no round begins later")
+    parser.add_argument("--rounds", type=int, default=1, help="so many at a time, each in a process of its own")
+    parser.add_argument("--longest-s", type=float, help="no round begins later, and those under way end")
     parser.add_argument("--phases", default=PHASES)
     parser.add_argument("--operations", help="a regular expression of operation ids; silence: all")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "contract.json")
     given = parser.parse_args()
-    started, seed, cases, failures = time.monotonic(), given.seed, 0, []
-    while cases < given.cases:
-        left = None if given.longest_s is None else given.longest_s - (time.monotonic() - started)
-        if left is not None and left < 1.0:
-            break
-        done = round_of(given.url, seed, given.examples, given.phases, left, given.operations)
-        cases += done["report"]["test_cases"]["generated"]
-        failures += failures_of(done)
-        seed += 1
-        result = {"cases": cases, "seeds": [given.seed, seed - 1], "phases": given.phases, "failures": failures}
-        given.out.parent.mkdir(parents=True, exist_ok=True)
-        given.out.write_text(json.dumps(result, indent=1), encoding="utf-8")
-        print(f"{cases} cases, {len(failures)} failures, {time.monotonic() - started:.0f} s", flush=True)
-    return 1 if failures else 0
+    started, next_seed = time.monotonic(), given.seed
+    result: dict[str, Any] = {"cases": 0, "seeds": [], "phases": [], "failures": []}
+    with ThreadPoolExecutor(given.rounds) as pool:
+        running: set[Future[dict[str, Any]]] = set()
+        while True:
+            left = None if given.longest_s is None else given.longest_s - (time.monotonic() - started)
+            while len(running) < given.rounds and result["cases"] < given.cases and (left is None or left >= 1.0):
+                words = (given.url, next_seed, given.examples, given.phases, left, given.operations)
+                running.add(pool.submit(round_of, *words))
+                next_seed += 1
+            if not running:
+                break
+            ended, running = wait(running, return_when=FIRST_COMPLETED)
+            for round_ in ended:
+                _added(result, round_.result())
+            given.out.parent.mkdir(parents=True, exist_ok=True)
+            given.out.write_text(json.dumps(result, indent=1), encoding="utf-8")
+            told = f"{result['cases']} cases, {len(result['failures'])} failures"
+            print(f"{told}, {time.monotonic() - started:.0f} s", flush=True)
+    return 1 if result["failures"] else 0
+
+
+def _added(result: dict[str, Any], done: dict[str, Any]) -> None:
+    """Counts a round. Raises RuntimeError if it made no case at all."""
+    cases = done["report"]["test_cases"]["generated"]
+    if not cases:
+        raise RuntimeError(f"seed {done['seed']} made no case: {done['output'][-4000:]}")
+    result["cases"] += cases
+    result["seeds"].append(done["seed"])
+    result["phases"] = sorted(phases_of(done) | set(result["phases"]))
+    result["failures"] += failures_of(done)
 
 
 if __name__ == "__main__":

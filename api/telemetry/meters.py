@@ -1,4 +1,4 @@
-"""The metrics of one service, as Prometheus reads them. The table in docs/operating.md is held to this module by a test.
+"""The metrics of one service, as Prometheus reads them. A test holds the table in docs/operating.md to this module.
 
 Labels have few values, all of them ours: a route, a status, a kind of problem, a reason. Nothing that a caller sent is
 a label.

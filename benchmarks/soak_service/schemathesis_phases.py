@@ -15,8 +15,16 @@ from benchmarks.soak_service.served import served
 RUNNER = "benchmarks.contract"
 """``python -m RUNNER URL --cases COUNT --seed SEED --out FILE``: FILE is JSON with `cases`, `failures` (a list or a
 count) and `phases` (those that ran)."""
-CASES, FEW_CASES = 20_000, 300
-LONGEST_S, FEW_LONGEST_S = 5400.0, 60.0
+CASES, FEW_CASES = 20_000, 100
+LONGEST_S, FEW_LONGEST_S = 5400.0, 90.0
+EXAMPLES, FEW_EXAMPLES = 300, 2
+"""Most of one operation in one phase of a round. A request takes Hypothesis half a second to make."""
+ROUNDS = 2
+"""Rounds at a time."""
+FEW_OPERATIONS = "^(plan_scene|parse_scene|start_scene_job|delete_job|keep_mesh|list_.*|show_.*)$"
+"""In the short form: those whose bodies are made quickly."""
+END_S = 30.0
+"""What a runner may take beyond its time to end, s."""
 PHASES = frozenset({"examples", "coverage", "fuzzing", "stateful"})
 SETTINGS: dict[str, object] = {"workers": 2, "max_budget_s": 0.05, "max_tasks": 1_000_000}
 
@@ -30,11 +38,13 @@ def measure(run: Run) -> Numbers:
         url = f"http://127.0.0.1:{service.port}"
         out = run.below("schemathesis") / "result.json"
         out.unlink(missing_ok=True)
-        cases = int(run.pick(FEW_CASES, CASES))
+        cases, longest_s = int(run.pick(FEW_CASES, CASES)), run.pick(FEW_LONGEST_S, LONGEST_S)
         command = [sys.executable, "-m", RUNNER, url, "--cases", str(cases), "--seed", str(run.seed), "--out", str(out)]
+        command += ["--examples", str(int(run.pick(FEW_EXAMPLES, EXAMPLES))), "--longest-s", str(longest_s)]
+        command += ["--operations", FEW_OPERATIONS] if run.short else ["--rounds", str(ROUNDS)]
         path = run.below("schemathesis") / "output.txt"
         with path.open("w", encoding="utf-8") as stream:
-            code = _ended(command, stream, run.pick(FEW_LONGEST_S, LONGEST_S))
+            code = _ended(command, stream, longest_s + END_S)
         text = out.read_text(encoding="utf-8") if out.exists() else ""
     return {"asked": cases, "exit_code": code, **summary(text)}
 
