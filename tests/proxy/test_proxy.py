@@ -21,6 +21,7 @@ from tests.proxy.conftest import ATTACKER, SHIPPED, Pair, answered, on_this_mach
 
 pytestmark = pytest.mark.timeout(600)  # two services start before the first test
 POST = b"POST /v1/plans HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 1000\r\n\r\n"
+STREAMS, STREAMS_OF_A_REPLICA = 16, 64
 ENDLESS = {**FIRST_PLAN, "options": {"budget_s": 55.0, "stop": "budget", "elbow": "auto"}}
 
 
@@ -45,10 +46,12 @@ def seen(*servers: Server) -> int:
 
 
 def served(pair: Pair) -> None:
-    """Others are alive and plan."""
+    """Others are alive and plan. The line of a request is written after its answer: it is waited for."""
+    before = seen(pair.a, pair.b)
     assert pair.client.get("/livez").status_code == 200
     answer = pair.client.post("/v1/plans", json=FIRST_PLAN, params={"certificate": "digest"})
     assert answer.json()["status"] == "planned"
+    until(lambda: seen(pair.a, pair.b) > before)
 
 
 def test_slow_headers_and_slow_bodies_never_reach_a_service_and_are_nobodys_trouble(pair: Pair) -> None:
@@ -64,8 +67,6 @@ def test_slow_headers_and_slow_bodies_never_reach_a_service_and_are_nobodys_trou
         connection.close()
     assert [head.split()[1] for head in heads] == [b"408"] * 80
     served(pair)
-    # the line of a request is written after its answer
-    until(lambda: seen(pair.a, pair.b) >= before + 2)
     assert seen(pair.a, pair.b) == before + 2
 
 
@@ -112,6 +113,25 @@ def test_jobs_are_found_in_their_replica_and_their_events_come_as_they_happen(pa
         assert "event: cancelled" in list(lines)
     lost = pair.client.get("/v1/jobs/a-0123456789")
     assert (lost.status_code, lost.json()["type"]) == (404, "urn:assur:problem:job-lost")
+
+
+def test_streams_of_events_are_bounded_for_each_client_and_keep_nobody_from_jobs(pair: Pair) -> None:
+    job = pair.client.post("/v1/jobs", json=ENDLESS).json()["id"]
+    asking = f"GET /v1/jobs/{job}/events HTTP/1.1\r\nHost: x\r\n\r\n".encode()
+    with contextlib.ExitStack() as stack:
+        clients = [f"127.0.0.{number}" for number in range(3, 7)]
+        streams = [
+            stack.enter_context(sending(pair.port, asking, client)) for client in clients for _ in range(STREAMS)
+        ]
+        begun = [stream.recv(12) for stream in streams]
+        assert set(begun) == {b"HTTP/1.1 200"}
+        one_more = stack.enter_context(sending(pair.port, asking, clients[0]))
+        assert one_more.recv(12) == b"HTTP/1.1 429"
+        # all places for streams of this replica are taken: jobs and plans have places of their own
+        assert len(streams) == STREAMS_OF_A_REPLICA
+        assert pair.client.get(f"/v1/jobs/{job}", timeout=20.0).json()["state"] == "working"
+        assert {pair.client.get("/v1/robots", timeout=20.0).status_code for _ in range(4)} == {200}
+        assert pair.client.delete(f"/v1/jobs/{job}", timeout=20.0).json()["state"] == "cancelled"
 
 
 @contextlib.contextmanager
