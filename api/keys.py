@@ -66,25 +66,26 @@ def digest(key: str) -> str:
     return hashlib.sha256(key.encode("utf-8", "surrogatepass")).hexdigest()
 
 
-def keys_in(path: Path) -> KeysDocument:
-    """The keys in a file. Raises `InputError` that names the field, for two of one name or of one digest, too."""
+def keys_in(path: Path, field: str = "FILE") -> KeysDocument:
+    """The keys in a file, which `field` names. Raises `InputError` that names the field or what is wrong in the file,
+    for two keys of one name or of one digest, too."""
     try:
         if path.stat().st_size > MAX_BYTES:
-            raise InputError(str(path), "a large file", f"a file of keys of at most {MAX_BYTES} bytes")
+            raise InputError(field, str(path), f"a file of keys of at most {MAX_BYTES} bytes")
         content = path.read_bytes()
     except OSError as error:
-        raise InputError(str(path), error.strerror, "a file of keys, which can be read") from error
+        raise InputError(field, str(path), f"a file of keys that can be read ({error.strerror})") from error
     try:
         written = parse_json(content)
     except InputError as error:
-        raise InputError(str(path), error.value, error.allowed) from error
+        raise InputError(field, str(path), f"a file of JSON ({error.value})") from error
     document: KeysDocument = read(KeysDocument, written)
-    for field in ("name", "sha256"):
+    for unique in ("name", "sha256"):
         seen: dict[str, int] = {}
         for place, key in enumerate(document.keys):
-            value = getattr(key, field)
+            value = getattr(key, unique)
             if value in seen:
-                raise InputError(f"keys[{place}].{field}", value, f"one that keys[{seen[value]}] does not have")
+                raise InputError(f"keys[{place}].{unique}", value, f"one that keys[{seen[value]}] does not have")
             seen[value] = place
     return document
 

@@ -85,6 +85,9 @@ class Meters:
             "assur_result_cache", "Requests for a plan, by whether its answer was kept from before.", ("result",),
             registry=self.registry,
         )  # fmt: skip
+        self._faults = Counter(
+            "assur_faults", "Faults of the service, and of its workers, that were met.", registry=self.registry
+        )
         for cause in CAUSES:
             self._restarts.labels(cause)  # there from the start, so that the first one is seen as a rise
         for stage in STAGES:
@@ -102,6 +105,10 @@ class Meters:
         self._times.labels(route).observe(seconds)
         if status == 429:
             self._turned_away.labels(problem).inc()
+
+    def fault(self) -> None:
+        """The service, or a worker, has met a fault of its own."""
+        self._faults.inc()
 
     def queued(self, seconds: float) -> None:
         """A request has waited so long for its worker, s."""

@@ -68,9 +68,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     for each in ROUTERS:
         app.include_router(each)
     app.add_middleware(Representation)
-    app.add_middleware(KnowsClients, clients=clients)
+    app.add_middleware(KnowsClients, clients=clients, routes=[route for each in ROUTERS for route in each.routes])
     app.add_middleware(Gate, connections=app.state.connections)
-    app.add_middleware(RequestLog, meters=watch(service, jobs))
+    app.add_middleware(RequestLog, meters=watch(service, jobs, clients))
     described = app.openapi
 
     def described_in_full() -> dict[str, Any]:

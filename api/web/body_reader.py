@@ -8,7 +8,8 @@ from collections import Counter
 
 from starlette.requests import Request
 
-from assur.api.problems import FieldError, Problem
+from assur.api.problems import FieldError, Problem, shown
+from assur.scenes.faults import NOTHING
 
 IN_ALL_BYTES = 128 << 20
 """So much of bodies that are not complete is held at a time: what has come, not what was announced."""
@@ -26,14 +27,15 @@ def _require_json(request: Request) -> None:
     """Raises the problem of a body that is not declared to be plain JSON in UTF-8."""
     declared = request.headers.getlist("content-type")
     if len(declared) != 1 or not _JSON.fullmatch(declared[0]):
-        error = FieldError("Content-Type", "absent" if not declared else "another type", "application/json")
+        value = shown(", ".join(declared)) if declared else NOTHING
+        error = FieldError("Content-Type", value, "application/json, once, without a charset or with charset=utf-8")
         raise Problem("wrong-media-type", "Send Content-Type: application/json, in UTF-8.", (error,))
 
 
 def _require_plain(request: Request) -> None:
     """Raises the problem of a body that is compressed."""
     if request.headers.get("content-encoding", "identity").lower() != "identity":
-        error = FieldError("Content-Encoding", "an encoding", "none")
+        error = FieldError("Content-Encoding", shown(request.headers["content-encoding"]), "none")
         raise Problem("wrong-media-type", "Send the body as it is, not compressed.", (error,))
 
 

@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import logging
 import time
+from collections.abc import Sequence
 from ipaddress import IPv6Address, ip_address
 from pathlib import Path
 
 from starlette.requests import Request
+from starlette.routing import BaseRoute, Match
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from assur.api.documents import problem_response
@@ -27,6 +29,7 @@ CLIENT = "assur.client"
 KEPT = "/v1/"
 """What needs a key begins with this, but for `OPEN`. Pages, health and metrics are for whoever reaches the service."""
 OPEN = frozenset({"/v1/version"})
+FIELD = "ASSUR_KEYS_FILE"
 LOOKED_AT_S = 2.0
 """A file of keys is looked at this often, s: one that has changed counts without a restart."""
 NETWORK = 64
@@ -55,11 +58,13 @@ class Clients:
             unlimited(settings.client_seconds),
         )
         self._file = Path(settings.keys_file) if settings.keys_file else None
+        self.usable = True
+        """Whether the file of keys can be used as it is now."""
         self._holders: dict[str, Client] = {}
         self._stamp: tuple[int, int] | None = None
         self._looked = 0.0
         if self._file is not None:
-            self._holders = clients_of(keys_in(self._file), self._all)
+            self._holders = clients_of(keys_in(self._file, FIELD), self._all)
             self._stamp, self._looked = _stamp(self._file), time.monotonic()
 
     def of(self, authorization: str | None, address: str) -> Client:
@@ -87,10 +92,12 @@ class Clients:
         if stamp == self._stamp:
             return
         self._stamp = stamp
+        self.usable = False
         try:
-            self._holders = clients_of(keys_in(file), self._all)
+            self._holders = clients_of(keys_in(file, FIELD), self._all)
+            self.usable = True
         except InputError as error:
-            event("the file of keys cannot be used: those of before count", logging.ERROR, why=error.allowed)
+            event("the file of keys cannot be used: those of before count", logging.ERROR, why=str(error))
         else:
             event("the file of keys was read anew", keys=len(self._holders))
 
@@ -98,9 +105,10 @@ class Clients:
 class KnowsClients:
     """ASGI middleware: each request has its client in its scope. Raises nothing: who has no key is answered."""
 
-    def __init__(self, app: ASGIApp, clients: Clients) -> None:
+    def __init__(self, app: ASGIApp, clients: Clients, routes: Sequence[BaseRoute]) -> None:
         self._app = app
         self._clients = clients
+        self._routes = routes
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "http" and needs_key(scope["path"]):
@@ -108,7 +116,9 @@ class KnowsClients:
             try:
                 client = self._clients.of(_authorization(scope), peer[0] if peer else "")
             except Problem as problem:
-                scope[FACTS]["problem"] = problem.kind
+                scope[FACTS] |= {"problem": problem.kind, "client": network(peer[0] if peer else "")}
+                # it is not routed any more; the log and the metrics say what was asked for
+                scope["route"] = next((each for each in self._routes if each.matches(scope)[0] is Match.FULL), None)
                 await problem_response(problem)(scope, receive, send)
                 return
             scope[CLIENT] = client

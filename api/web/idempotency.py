@@ -119,7 +119,7 @@ def _key_of(request: Request) -> bytes | None:
     found = _KEY.fullmatch(sent[0]) if len(sent) == 1 else None
     if found is None:
         allowed = "one key of 1 to 255 visible ASCII characters, without quotation marks and backslashes within"
-        raise Problem.of_input(InputError(HEADER, "another form", allowed))
+        raise Problem.of_input(InputError(HEADER, ", ".join(sent), allowed))
     address = request.client.host if request.client else ""
     client = str(current().facts.get("client", address))
     return _digest(client.encode(), request.url.path.encode(), found[1].encode())

@@ -124,14 +124,16 @@ class JobStore:
 
     async def _run(self, job: Job, order: Order, ticket: Ticket) -> None:
         def told(progress: dict[str, Any]) -> None:
-            job.progress = progress
-            job.change()
+            if job.state == "working":
+                job.progress = progress
+                job.change()
 
         try:
             answer = await self._service.do(order, told, ticket)
         except Problem as problem:
             self._end(job, "failed", problem=problem)
         except Exception:  # noqa: BLE001 - told to whoever asks for the job, and logged
+            self._service.meters.fault()
             LOGGER.exception("a job met a fault")
             self._end(job, "failed", problem=Problem("fault", "The service met a fault of its own; it is logged."))
         else:

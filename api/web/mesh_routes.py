@@ -93,12 +93,14 @@ async def put_mesh(request: Request) -> Response:
     folder, digest = _folder(request), _digest(request)
     how = _covering(request)
     content = await read_admitted(request, MAX_MESH_BYTES, "format", "unit", json=False)
+    if not content:
+        raise Problem.of_input(InputError("body", "0 bytes", "the bytes of a mesh file"))
     is_new = await asyncio.to_thread(_put, folder, digest, content)
     cover = None
     if how is not None:
         told = json.loads((await service_of(request).cover(digest, *how, client_of(request))).body)
         cover = Covered(pieces=told["pieces"], excess_m=told["excess_m"])
-    request.scope[FACTS]["outcome"] = "new mesh" if is_new else "known mesh"
+    request.scope[FACTS]["outcome"] = "new" if is_new else "known"
     return _response(digest, folder.known(digest), cover, 201 if is_new else 200)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+
 from fastapi import APIRouter, Request
 from prometheus_client import CONTENT_TYPE_LATEST
 from starlette.responses import Response
@@ -10,6 +12,7 @@ from assur.api.documents import json_response, to_json
 from assur.api.log_lines import Later
 from assur.api.telemetry.meters import Meters
 from assur.api.version import VersionDocument, version_document
+from assur.api.web.clients import Clients
 from assur.api.web.job_store import JobStore
 from assur.api.web.routes import service_of
 from assur.api.web.service import Service
@@ -37,15 +40,25 @@ async def show_version(request: Request) -> Response:
     responses={200: {"content": {"text/plain": {"schema": {"type": "string"}}}, "description": "text of Prometheus"}},
 )
 async def metrics(request: Request) -> Response:
+    service = service_of(request)
+    if service.meshes is not None:
+        service.mesh_bytes = await asyncio.to_thread(service.meshes.used)
     # on the event loop, so that all numbers are of one moment; it takes a few milliseconds
-    return Response(service_of(request).meters.text(), headers={"Content-Type": CONTENT_TYPE_LATEST})
+    return Response(service.meters.text(), headers={"Content-Type": CONTENT_TYPE_LATEST})
 
 
-def watch(service: Service, jobs: JobStore) -> Meters:
+def watch(service: Service, jobs: JobStore, clients: Clients) -> Meters:
     """The meters of a service, with what it has besides its workers."""
     meters = service.meters
     meters.gauge("assur_jobs_kept", "Jobs that are worked on or kept.", lambda: len(jobs))
     meters.gauge("assur_log_lines_lost_total", "Lines of the log that were dropped since the start.", Later.lost)
+    if service.settings.keys_file:
+        about = "1 while the file of keys can be used as it is; 0 while the keys of before its change count."
+        meters.gauge("assur_keys_file_usable", about, lambda: float(clients.usable))
+    if service.meshes is not None:
+        quota = service.meshes.quota_bytes
+        meters.gauge("assur_mesh_folder_bytes", "Room that files for meshes take.", lambda: service.mesh_bytes)
+        meters.gauge("assur_mesh_folder_quota_bytes", "Room that they may take.", lambda: quota)
     build = version_document(service.settings.commit)
     meters.build({name: str(build.get(name) or "") for name in ("version", "schema", "kernels", "commit", "python")})
     return meters

@@ -41,8 +41,9 @@ def serve(settings: Settings) -> None:
     signal.signal(signal.SIGTERM, _stopped)  # uvicorn repeats the signal when it has drained
     signal.signal(signal.SIGINT, _stopped)
     with listening(settings.host, settings.port) as door, one_log():
+        server = made(settings)
         event("listening", host=settings.host, port=door.getsockname()[1])
-        made(settings).run(sockets=[door])
+        server.run(sockets=[door])
 
 
 def made(settings: Settings) -> Server:
@@ -77,6 +78,7 @@ class Server(uvicorn.Server):
         super().__init__(config)
         self._connections = connections
         self._drained_at = 0.0
+        self._told = False
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
@@ -93,6 +95,9 @@ class Server(uvicorn.Server):
         self._drained_at = time.monotonic() + self._connections.settings.drain_s
 
     async def on_tick(self, counter: int) -> bool:
+        if self._connections.draining and not self._told:
+            self._told = True
+            event("told to stop", drain_s=self._connections.settings.drain_s)  # not in the handler of a signal
         drained = self._connections.draining and time.monotonic() >= self._drained_at
         return await super().on_tick(counter) or drained
 

@@ -64,6 +64,8 @@ class Service:
     workers: Workers = field(init=False)
     reading: Reading = field(init=False)
     meshes: MeshFolder | None = field(init=False)
+    mesh_bytes: int = 0
+    """Room that files in the folder for meshes took when it was last looked at."""
     _beside: asyncio.Semaphore = field(init=False)
 
     def __post_init__(self) -> None:
@@ -227,6 +229,7 @@ class Service:
                 raise reply
             case jobs.Fault():
                 where = list(reply.where)
+                self.meters.fault()
                 event("a worker met a fault", logging.ERROR, fault=reply.name, where=where, digest=work.key)
                 raise Problem("fault", f"The planner met a fault of its own; it is logged with digest {work.key}.")
 

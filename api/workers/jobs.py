@@ -342,9 +342,14 @@ def _guarded(work: Callable[[], dict[str, Any]], says: str, laps: Stopwatch, sta
         body = to_json(document)
         laps.lap("write")
         reason = document.get("reason", "") if document.get("status") == "not_planned" else ""
-        return Answer(body, str(document[says]), str(reason), laps.seconds, _repeatable(document))
+        return Answer(body, _word(document[says]), str(reason), laps.seconds, _repeatable(document))
 
     return _bordered(answered)
+
+
+def _word(said: object) -> str:
+    """What a document says, in a word: a status as it is, a verdict as `right` or `wrong`."""
+    return {True: "right", False: "wrong"}[said] if isinstance(said, bool) else str(said)
 
 
 def _repeatable(document: dict[str, Any]) -> bool:

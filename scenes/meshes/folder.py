@@ -103,6 +103,10 @@ class MeshFolder:
         """Keeps a file of cuts. Raises `FolderError`."""
         self._write(name, content)
 
+    def used(self) -> int:
+        """How many bytes of the quota are used."""
+        return sum(max(facts.st_size, LEAST_BYTES) for _, facts in self._files())
+
     def remove(self, name: str) -> None:
         """Removes a file of the folder, if it is there."""
         with suppress(OSError):

@@ -105,7 +105,9 @@ def test_a_wrong_file_stops_the_service_before_it_starts(file: Path, content: st
     file.write_text(content, encoding="utf-8")
     with pytest.raises(InputError) as caught:
         Clients(Settings(keys_file=str(file)))
-    assert caught.value.field == field.replace("FILE", str(file))
+    named = caught.value.field == "ASSUR_KEYS_FILE"
+    assert caught.value.field == field.replace("FILE", "ASSUR_KEYS_FILE")
+    assert caught.value.value == str(file) or not named
 
 
 def test_a_file_that_is_too_large_is_not_read(file: Path) -> None:
@@ -187,6 +189,10 @@ def test_a_service_with_keys_answers_those_who_have_one_and_their_own_jobs_only(
             assert problem.json()["type"] == "urn:assur:problem:unauthorized"
             assert problem.headers["WWW-Authenticate"] == "Bearer"
         assert client.post("v1/plans", json={"scenario": "demo"}).status_code == 401
+        told = client.get("metrics").text
+        assert 'problem="unauthorized",route="/v1/plans"' in told
+        assert 'problem="unauthorized",route="none"' not in told
+        assert "assur_keys_file_usable 1.0" in told
         assert asked(mine)("GET", "v1/scenes").status_code == 200
         with assur.Client(str(client.base_url), key=mine) as known:
             assert known.load("demo") == assur.load("demo")

@@ -6,6 +6,7 @@ import asyncio
 import base64
 import copy
 import hashlib
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -67,6 +68,11 @@ def test_a_mesh_is_put_once_named_by_its_digest_and_planned_around(service: tupl
     assert client.post("v1/plans/check", json={"request": naming(DIGEST), "plan": answer}).json()["ok"]
 
 
+def told(client: httpx.Client) -> str:
+    """The metrics, numbers without an exponent."""
+    return re.sub(r"\d\.\d+e\+\d+", lambda found: str(float(found[0])), client.get("metrics").text)
+
+
 def test_what_is_not_the_mesh_is_refused(service: tuple[httpx.Client, Path]) -> None:
     client, folder = service
     before = sorted(folder.iterdir())
@@ -80,6 +86,9 @@ def test_what_is_not_the_mesh_is_refused(service: tuple[httpx.Client, Path]) -> 
     assert client.put(f"v1/meshes/{DIGEST}", content=TRAY, params={"form": "stl"}).status_code == 422
     assert client.put(f"v1/meshes/{DIGEST}", content=TRAY, headers={"Content-Encoding": "gzip"}).status_code == 415
     assert sorted(folder.iterdir()) == before
+    empty = client.put(f"v1/meshes/{hashlib.sha256(b'').hexdigest()}", content=b"")
+    assert (empty.status_code, empty.json()["errors"][0]["field"]) == (422, "body")
+    assert f"assur_mesh_folder_bytes {sum(max(4096, file.stat().st_size) for file in before):.1f}" in told(client)
     nonsense = b"solid nonsense"
     digest = hashlib.sha256(nonsense).hexdigest()
     unread = client.put(f"v1/meshes/{digest}", content=nonsense, params={"format": "stl", "unit": "mm"})

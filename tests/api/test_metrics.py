@@ -6,12 +6,14 @@ import re
 import shutil
 import subprocess
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import httpx
 import yaml
 from prometheus_client.parser import text_string_to_metric_families
 
+from assur.api.keys import KeysDocument, write
 from assur.api.telemetry.meters import CAUSES, STAGES, Meters
 from assur.api.web.app import create_app
 from assur.api.web.settings import Settings
@@ -34,8 +36,11 @@ def metrics(text: str) -> dict[str, tuple[str, frozenset[str]]]:
 
 
 def all_metrics() -> dict[str, tuple[str, frozenset[str]]]:
-    """Those of a service in which everything has happened once."""
-    meters: Meters = create_app(Settings(workers=1)).state.service.meters
+    """Those of a service that has everything, in which everything has happened once."""
+    with TemporaryDirectory() as folder:
+        write(Path(folder, "keys"), KeysDocument())
+        settings = Settings(workers=1, keys_file=str(Path(folder, "keys")), mesh_folder=folder)
+        meters: Meters = create_app(settings).state.service.meters
     meters.answered("/v1/plans", "POST", 429, "", "busy", 0.1)
     meters.worked("plan", "not_planned", "OUT_OF_REACH", {"search": 0.1})
     meters.queued(0.1)
