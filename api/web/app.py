@@ -30,6 +30,7 @@ from assur.api.web.routes import bodies, router
 from assur.api.web.service import Service
 from assur.api.web.settings import Settings
 from assur.api.web.studio_routes import studio_router
+from assur.api.web.uploads import Uploads
 
 ROUTERS = (bodies, router, job_bodies, job_router, studio_router, mesh_bodies, mesh_router, operation_router)
 HTTP_KINDS = {404: "not-found", 405: "method-not-allowed"}
@@ -64,6 +65,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.service, app.state.jobs = service, jobs
     app.state.keys = Idempotency(service.meters)
+    app.state.uploads = Uploads(service.settings.mesh_quota_mib << 20)
     app.state.connections = Connections(service.settings)
     for each in ROUTERS:
         app.include_router(each)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import secrets
+from collections import Counter
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -67,7 +68,7 @@ class Job:
 
 
 class JobStore:
-    """The jobs of one service."""
+    """The jobs of one service. Where too many have ended, the oldest of the client goes that has most."""
 
     def __init__(self, service: Service) -> None:
         self._service = service
@@ -82,6 +83,10 @@ class JobStore:
         job.work = asyncio.get_running_loop().create_task(self._run(job, order, ticket))
         job.work.add_done_callback(lambda _: self._ended(job, ticket))  # also of a task that never began
         return job
+
+    def __contains__(self, name: str) -> bool:
+        """Whether there is a job of this id, whosever it is."""
+        return name in self._jobs
 
     def __len__(self) -> int:
         """How many jobs are worked on or kept."""
@@ -152,6 +157,9 @@ class JobStore:
         job.change()
         settings = self._service.settings
         ended = [each for each in self._jobs.values() if each.state != "working"]
-        for each in ended[: max(0, len(ended) - settings.jobs_kept)]:
-            self._jobs.pop(each.id, None)
+        while len(ended) > settings.jobs_kept:
+            of = Counter(each.client.name for each in ended)
+            oldest = next(each for each in ended if of[each.client.name] == max(of.values()))
+            ended.remove(oldest)
+            self._jobs.pop(oldest.id, None)
         asyncio.get_running_loop().call_later(settings.job_kept_s, self._jobs.pop, job.id, None)

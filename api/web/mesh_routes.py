@@ -21,6 +21,7 @@ from assur.api.web.clients import client_of
 from assur.api.web.openapi import problems
 from assur.api.web.request_log import FACTS
 from assur.api.web.routes import BODY_PROBLEMS, WORKER_PROBLEMS, Direct, read_admitted, service_of
+from assur.api.web.uploads import Uploads
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_MESH_BYTES
 from assur.scenes.meshes.folder import DIGEST, FolderError, Kept, MeshFolder
@@ -95,10 +96,18 @@ async def put_mesh(request: Request) -> Response:
     content = await read_admitted(request, MAX_MESH_BYTES, "format", "unit", json=False)
     if not content:
         raise Problem.of_input(InputError("body", "0 bytes", "the bytes of a mesh file"))
-    is_new = await asyncio.to_thread(_put, folder, digest, content)
+    uploads: Uploads = request.app.state.uploads
+    client = client_of(request)
+    uploads.add(client.name, len(content))
+    is_new = False
+    try:
+        is_new = await asyncio.to_thread(_put, folder, digest, content)
+    finally:
+        if not is_new:
+            uploads.take_back(client.name, len(content))
     cover = None
     if how is not None:
-        told = json.loads((await service_of(request).cover(digest, *how, client_of(request))).body)
+        told = json.loads((await service_of(request).cover(digest, *how, client)).body)
         cover = Covered(pieces=told["pieces"], excess_m=told["excess_m"])
     request.scope[FACTS]["outcome"] = "new" if is_new else "known"
     return _response(digest, folder.known(digest), cover, 201 if is_new else 200)

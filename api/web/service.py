@@ -39,6 +39,8 @@ from assur.scenes.scenarios import with_files
 SMALL_BYTES = 32768
 """Bodies up to this are looked through at once: it takes less than 1 ms, and the way to a thread and back half as long.
 Larger ones, and scenarios, which are files, are read beside the event loop."""
+SHORT_BYTES = 1 << 20
+"""Work without a budget on a body up to this is short. Common plans have a tenth of it."""
 BESIDE = 1
 """So many bodies are read beside the event loop at a time: threads share one interpreter with it, so more of them would
 not be faster, and each makes it wait. The body of a client that leaves while it waits for this is not read at all."""
@@ -131,7 +133,8 @@ class Service:
     async def _quick(self, job: Callable[..., jobs.Reply], client: Client, *asked: bytes | str) -> jobs.Answer:
         """The answer of a job that has no budget of its own, for its work is bounded by what is asked."""
         kind = job.__name__
-        demand = Demand(client, self.settings.check_s, short=True, kind=kind)
+        short = sum(map(len, asked)) <= SHORT_BYTES
+        demand = Demand(client, self.settings.check_s, short, kind=kind if short else f"long {kind}")
         return await self.do(Order(Work(job, asked, _digest(kind, *asked), in_touch=True), demand))
 
     async def _read_beside(self, body: bytes, certificate: jobs.Detail, client: Client, *, parsed: bool) -> Order:

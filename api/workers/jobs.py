@@ -141,7 +141,7 @@ def _given(certificate: Detail, most_budget_s: float, line: Line) -> dict[str, A
         "started": time.perf_counter(),
         "most_budget_s": most_budget_s,
         "watch": _watch(line.tell),
-        "valid": lambda valid: line.means(lambda: f"plan {valid.meaning}"),
+        "valid": lambda valid: line.means(lambda: f"plan {certificate} {valid.meaning}"),
         "laps": Stopwatch(),
     }
 
@@ -165,13 +165,13 @@ def _watch(tell: Tell) -> Callable[[Progress], None]:
 def check(body: bytes, line: Line) -> Reply:
     """The checker's verdict on the plan in `body`, {"request": ..., "plan": ...}."""
     laps = Stopwatch()
-    return _guarded(lambda: check_document(**_both(body, line, laps)), "ok", laps, "check")
+    return _guarded(lambda: check_document(**_both(body, line, laps, "check")), "ok", laps, "check")
 
 
 def view(body: bytes, line: Line) -> Reply:
     """What a viewer plays of the plan in `body`, {"request": ..., "plan": ...}."""
     laps = Stopwatch()
-    return _guarded(lambda: view_document(**_both(body, line, laps)), "status", laps, "draw")
+    return _guarded(lambda: view_document(**_both(body, line, laps, "view")), "status", laps, "draw")
 
 
 LONGEST_TEXT = 2000
@@ -187,7 +187,7 @@ def report(body: bytes, line: Line) -> Reply:
     laps = Stopwatch()
 
     def work() -> Answer:
-        document = {"title": "plan", "about": "", **_unmarked(_parsed(body, REPORTED, line=line))}
+        document = {"title": "plan", "about": "", **_unmarked(_parsed(body, REPORTED, line, "report"))}
         laps.lap("read")
         if document.keys() != {"request", "plan", "title", "about"}:
             raise Problem.of_input(InputError("body", sorted(document), REPORTED))
@@ -220,7 +220,7 @@ def ik(body: bytes, line: Line) -> Reply:
     """The answer to the question in `body`, {"request": ..., "pose": ...} and the like."""
 
     def work() -> dict[str, Any]:
-        question = _parsed(body, "a pose or joints, with a request or a robot", line=line)
+        question = _parsed(body, "a pose or joints, with a request or a robot", line, "ik")
         # null is left for the question to refuse
         request = question.pop("request") if question.get("request") is not None else None
         return ik_document(request, question)
@@ -237,7 +237,7 @@ def parse(body: bytes, line: Line) -> Reply:
     hold that it names. Everything that can be told without planning is told now, with its line."""
 
     def work() -> dict[str, Any]:
-        text = _parsed(body, TEXT, {"text"}, line)["text"]
+        text = _parsed(body, TEXT, line, "parse", {"text"})["text"]
         if not isinstance(text, str):
             raise Problem.of_input(InputError("text", text, "a text"))
         scenario = scenario_in(text.encode("utf-8", "surrogatepass"), CELLS / "text")
@@ -253,7 +253,7 @@ def export(body: bytes, line: Line) -> Reply:
     """The export of the plan in `body`, {"request": ..., "plan": ..., "format": ...}."""
 
     def work() -> dict[str, Any]:
-        asked = _unmarked(_parsed(body, f"{BOTH_AND} and how to export it", line=line), *TEXTS)
+        asked = _unmarked(_parsed(body, f"{BOTH_AND} and how to export it", line, "export"), *TEXTS)
         request, plan = _taken(asked, "request"), _taken(asked, "plan")
         return export_document(request, plan, asked)
 
@@ -264,16 +264,16 @@ def check_trajectory(body: bytes, line: Line) -> Reply:
     """The verdict on the trajectory in `body`, {"request": ..., "file": ..., "format": ...}."""
 
     def work() -> dict[str, Any]:
-        asked = _parsed(body, "a request, a file and its format", line=line)
+        asked = _parsed(body, "a request, a file and its format", line, "check_trajectory")
         request, plan = _taken(asked, "request"), asked.pop("plan", None)
         return check_trajectory_document(request, asked, plan)
 
     return _guarded(work, "ok", Stopwatch(), "check")
 
 
-def _both(body: bytes, line: Line, laps: Stopwatch) -> dict[str, Any]:
+def _both(body: bytes, line: Line, laps: Stopwatch, kind: str) -> dict[str, Any]:
     """Request and plan in `body`, and nothing else. Raises `Problem`, or `InputError`."""
-    document = _unmarked(_parsed(body, BOTH, line=line), *TEXTS)
+    document = _unmarked(_parsed(body, BOTH, line, kind), *TEXTS)
     laps.lap("read")
     if document.keys() != {"request", "plan"}:
         found = FieldError("body", shown(document), BOTH)
@@ -318,9 +318,12 @@ def options_in(body: bytes) -> dict[str, Any]:
     return dict(options)
 
 
-def _parsed(body: bytes, allowed: str, fields: Collection[str] = (), line: Line | None = None) -> dict[str, Any]:
-    """The object in `body`; with these fields and no others, if any are named. `line` is told what it means, which is
-    the same for bodies that differ in blanks and in the order of fields. Raises `Problem`."""
+def _parsed(
+    body: bytes, allowed: str, line: Line | None = None, kind: str = "", fields: Collection[str] = ()
+) -> dict[str, Any]:
+    """The object in `body`; with these fields and no others, if any are named. `line` is told what it means: the `kind`
+    of work, and a digest that is the same for bodies that differ in blanks and in the order of fields. Raises
+    `Problem`."""
     try:
         document = parse_json(body)
     except InputError as error:
@@ -329,7 +332,7 @@ def _parsed(body: bytes, allowed: str, fields: Collection[str] = (), line: Line 
         found = FieldError("body", shown(document), allowed)
         raise Problem("bad-input", str(found), (found,))
     if line is not None:
-        line.means(lambda: hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest())
+        line.means(lambda: f"{kind} {hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()}")
     return document
 
 

@@ -2,13 +2,14 @@
 
 It holds `<sha256>.mesh`, the bytes of a file, and `<sha256>-<format>-<unit>.cover`, where a mesh is cut. Both are data
 from outside when they are read: bytes count if they have the digest, cuts as `assur.scenes.meshes.kept_cuts` says.
-Files appear at once and whole (a temporary name, then a rename). Names are made of digests alone, links are not
-followed, and nothing else in the folder is read or removed.
+Files appear at once and whole (a temporary name, then a rename), one at a time. Names are made of digests alone, links
+are not followed, and nothing else in the folder is read or removed.
 """
 
 from __future__ import annotations
 
 import errno
+import fcntl
 import hashlib
 import os
 import re
@@ -16,7 +17,7 @@ import secrets
 import stat
 import time
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,8 +29,13 @@ _OURS = re.compile(r"[0-9a-f]{64}(?:\.mesh|-[a-z]{2,4}-[a-z]{1,2}\.cover)")
 _TEMPORARY = re.compile(r"\.[0-9a-f]{32}\.tmp")
 LEFT_S = 3600.0
 """A temporary file that is older than this was left by a process that died, s."""
-LEAST_BYTES = 4096
-"""What a file takes at least of the quota: a block of the disk."""
+LEAST_BYTES = 64 << 10
+"""What a file takes at least of the quota. So there are at most 16,384 files for each GiB: all are looked at when one
+is added."""
+LOCK = ".lock"
+"""Locked while a file is added: no two processes use the same room."""
+UNUSED_S = 3600.0
+"""An upload that no request has used is kept for so long at the most, s."""
 MAX_COVER_BYTES = 64 << 10
 """A file with cuts."""
 TOUCHED_S = 60.0
@@ -88,11 +94,11 @@ class MeshFolder:
         return None
 
     def put_mesh(self, digest: str, content: bytes) -> bool:
-        """Keeps a mesh, whose digest is right; whether it is new. Raises `FolderError`."""
+        """Keeps a mesh, whose digest is right; whether it is new. That is no use of it. Raises `FolderError`."""
         name = f"{_digest(digest)}.mesh"
-        if self.mesh(digest) is not None:
+        if self._is_whole(name, digest):
             return False
-        self._write(name, content)
+        self._write(name, content, min(UNUSED_S, self.kept_s))
         return True
 
     def cuts(self, name: str) -> bytes | None:
@@ -101,7 +107,7 @@ class MeshFolder:
 
     def put_cuts(self, name: str, content: bytes) -> None:
         """Keeps a file of cuts. Raises `FolderError`."""
-        self._write(name, content)
+        self._write(name, content, self.kept_s)
 
     def used(self) -> int:
         """How many bytes of the quota are used."""
@@ -120,8 +126,8 @@ class MeshFolder:
         left = facts.st_mtime + self.kept_s - time.time()
         return Kept(facts.st_size, left) if stat.S_ISREG(facts.st_mode) and left > 0 else None
 
-    def _read(self, name: str, most: int) -> bytes | None:
-        """What is in a regular file of up to `most` bytes that is not too old; its use is noted."""
+    def _read(self, name: str, most: int, *, use: bool = True) -> bytes | None:
+        """What is in a regular file of up to `most` bytes that is not too old; its `use` is noted."""
         kept = self._kept(name)
         if kept is None or not kept.size <= most:
             return None
@@ -133,28 +139,46 @@ class MeshFolder:
                 content = file.read(most + 1)
         except OSError:
             return None
-        if kept.left_s < self.kept_s - TOUCHED_S:
+        if use and kept.left_s < self.kept_s - TOUCHED_S:
             with suppress(OSError):
                 os.utime(self.path / name, follow_symlinks=False)
         return content if len(content) <= most else None
 
-    def _write(self, name: str, content: bytes) -> None:
+    def _is_whole(self, name: str, digest: str) -> bool:
+        content = self._read(name, MAX_MESH_BYTES, use=False)
+        return content is not None and hashlib.sha256(content).hexdigest() == digest
+
+    def _write(self, name: str, content: bytes, left_s: float) -> None:
+        """Adds a file that is kept for `left_s` if it is not used."""
         if not _OURS.fullmatch(name):
             raise FolderError("a name that is none of this folder", full=False)
         temporary = self.path / f".{secrets.token_hex(16)}.tmp"
         try:
-            used = self._swept()
-            if used + max(len(content), LEAST_BYTES) > self.quota_bytes:
-                raise FolderError(f"{used} of {self.quota_bytes} bytes are used", full=True)
-            descriptor = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o600)
-            with os.fdopen(descriptor, "wb") as file:
-                file.write(content)
-            temporary.replace(self.path / name)
+            with self._locked():
+                used = self._swept()
+                if used + max(len(content), LEAST_BYTES) > self.quota_bytes:
+                    raise FolderError(f"{used} of {self.quota_bytes} bytes are used", full=True)
+                descriptor = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o600)
+                with os.fdopen(descriptor, "wb") as file:
+                    file.write(content)
+                last_use = time.time() - self.kept_s + left_s
+                os.utime(temporary, (last_use, last_use))
+                temporary.replace(self.path / name)
         except OSError as error:
             with suppress(OSError):
                 temporary.unlink()
             full = error.errno in (errno.ENOSPC, errno.EDQUOT)
             raise FolderError(error.strerror or type(error).__name__, full=full) from error
+
+    @contextmanager
+    def _locked(self) -> Iterator[None]:
+        """Within it no other process adds a file."""
+        descriptor = os.open(self.path / LOCK, os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+            yield
+        finally:
+            os.close(descriptor)
 
     def _swept(self) -> int:
         """Removes what is too old; the bytes that are used then."""

@@ -18,6 +18,9 @@ from assur.scenes.text.scalars import LONGEST_NUMBER, Refused, real, whole
 
 OF_NUMBERS = bytes(ord("0") if character in b"0123456789.eE+-" else ord(" ") for character in range(256))
 """Turns each character that a number may have into a zero, and any other into a space."""
+BYTES_A_VALUE, BYTES_A_CONTAINER = 8, 48
+"""A text has at most one value for so many bytes of its limit, and one object or list. Plans have some 11 and 70. A
+value takes up to 80 bytes of memory, an object 240: this bounds what a text of a given limit takes."""
 LONG_NUMBER = b"0" * (LONGEST_NUMBER + 1)
 """Is then in every text with a longer number."""
 SURROGATES = (b"\\ud", b"\\uD")
@@ -31,6 +34,7 @@ def parse_json(data: bytes, *, limit_bytes: int = MAX_JSON_BYTES) -> Any:
     """
     if len(data) > limit_bytes:
         raise InputError("request", f"{len(data)} bytes", f"up to {limit_bytes} bytes")
+    _check_counts(data, limit_bytes)
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError as error:
@@ -52,6 +56,18 @@ def parse_json(data: bytes, *, limit_bytes: int = MAX_JSON_BYTES) -> Any:
         raise InputError("request", "deeper nesting", f"nesting up to {MAX_DEPTH} levels") from None
     _inspect(document)
     return document
+
+
+def _check_counts(data: bytes, limit_bytes: int) -> None:
+    """Raises `InputError` for a text of more values, or objects and lists, than any document has. What stands in texts
+    counts, too: no document has so many commas and brackets there."""
+    containers = data.count(b"{") + data.count(b"[")
+    for found, what, most in (
+        (containers, "objects and lists", limit_bytes // BYTES_A_CONTAINER),
+        (containers + data.count(b","), "values", limit_bytes // BYTES_A_VALUE),
+    ):
+        if found > most:
+            raise InputError("request", f"{found} {what}", f"up to {most} {what}")
 
 
 def _constant(name: str) -> Refused:

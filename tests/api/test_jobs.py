@@ -219,3 +219,44 @@ def test_jobs_that_come_before_any_has_begun_have_places_of_their_own() -> None:
         assert service.workers.admission.waiting == 0
 
     asyncio.run(served())
+
+
+def test_a_client_whose_jobs_end_in_numbers_drives_out_its_own_first() -> None:
+    async def served() -> None:
+        store = JobStore(Service(Settings(workers=1, queue=99, jobs_kept=3)))  # its workers are not started
+        work = Work(lambda: Problem("fault", "not to be reached"), (), "")
+
+        async def ended(client: Client) -> str:
+            job = store.start(Order(work, Demand(client, 30.0, short=True, kind="test")))
+            store.cancel(job.id, client)
+            assert job.work is not None
+            await asyncio.gather(job.work, return_exceptions=True)
+            await asyncio.sleep(0)
+            return job.id
+
+        mine, other = Client("mine"), Client("other")
+        first = await ended(mine)
+        theirs = [await ended(other) for _ in range(10)]
+        assert store.get(first, mine).state == "cancelled"
+        assert [job for job in theirs if job in store] == theirs[-2:]
+        mine_too = [await ended(mine) for _ in range(2)]
+        assert [job for job in (first, *theirs, *mine_too) if job in store] == [theirs[-1], *mine_too]
+
+    asyncio.run(served())
+
+
+def test_a_check_of_a_large_body_does_not_count_as_short() -> None:
+    async def asked(size: int) -> Demand:
+        service = Service(Settings(workers=2))
+        seen: list[Order] = []
+
+        async def do(order: Order) -> Any:
+            seen.append(order)
+
+        service.do = do  # type: ignore[method-assign, assignment]
+        await service.check(b" " * size, ANYONE)
+        return seen[0].demand
+
+    small, large = asyncio.run(asked(1 << 20)), asyncio.run(asked((1 << 20) + 1))
+    assert (small.short, large.short) == (True, False)
+    assert small.kind != large.kind

@@ -9,6 +9,7 @@ import logging
 import os
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.scenes.meshes import covered, process_covers, use_folder
 from assur.scenes.meshes.cover import MAX_WORK, Cover, Covering, cover, cover_by
 from assur.scenes.meshes.covers import Covers, Key
-from assur.scenes.meshes.folder import LEFT_S, FolderError, MeshFolder
+from assur.scenes.meshes.folder import LEAST_BYTES, LEFT_S, UNUSED_S, FolderError, MeshFolder
 from assur.scenes.meshes.kept_cuts import KeptCutsError, cover_from, hulls_digest, written
 from assur.scenes.meshes.load import load
 from assur.scenes.schema.shapes import MeshDocument
@@ -243,7 +244,7 @@ def test_meshes_by_digest_are_taken_from_the_folder_and_no_other_bytes_are(tmp_p
 
 
 def test_the_folder_keeps_its_quota_and_forgets_what_is_not_used(tmp_path: Path) -> None:
-    folder = folder_at(tmp_path, quota=3 * 4096, kept_s=100.0)
+    folder = folder_at(tmp_path, quota=3 * LEAST_BYTES, kept_s=100.0)
     digests = [hashlib.sha256(bytes([i])).hexdigest() for i in range(4)]
     for i in range(3):
         assert folder.put_mesh(digests[i], bytes([i]))
@@ -264,6 +265,35 @@ def test_the_folder_keeps_its_quota_and_forgets_what_is_not_used(tmp_path: Path)
     assert known.left_s > 90.0
 
 
+def test_an_upload_is_kept_for_an_hour_until_a_request_uses_it(tmp_path: Path) -> None:
+    folder = folder_at(tmp_path, kept_s=100_000.0)
+    assert folder.put_mesh(KEY.digest, FLANGE)
+    assert not folder.put_mesh(KEY.digest, FLANGE)  # sent again, which is no use either
+    kept = folder.known(KEY.digest)
+    assert kept is not None
+    assert UNUSED_S - 60.0 < kept.left_s <= UNUSED_S
+    assert folder.mesh(KEY.digest) == FLANGE
+    used = folder.known(KEY.digest)
+    assert used is not None
+    assert used.left_s > 99_000.0
+
+
+def test_no_two_processes_use_the_same_room(tmp_path: Path) -> None:
+    folder = folder_at(tmp_path, quota=3 * LEAST_BYTES)
+    contents = [bytes([i]) for i in range(12)]
+
+    def put(content: bytes) -> str:
+        try:
+            return str(folder.put_mesh(hashlib.sha256(content).hexdigest(), content))
+        except FolderError as error:
+            return f"full: {error.full}"
+
+    # each opens the lock anew, so threads exclude each other as processes do
+    with ThreadPoolExecutor(len(contents)) as pool:
+        assert sorted(pool.map(put, contents)) == ["True"] * 3 + ["full: True"] * 9
+    assert folder.used() == 3 * LEAST_BYTES
+
+
 def test_only_files_of_the_folder_are_read_written_and_removed(tmp_path: Path) -> None:
     outside_, inside = tmp_path / "outside", tmp_path / "inside"
     outside_.write_bytes(FLANGE)
@@ -279,7 +309,7 @@ def test_only_files_of_the_folder_are_read_written_and_removed(tmp_path: Path) -
     assert folder.put_mesh(KEY.digest, FLANGE)
     assert not (inside / f"{KEY.digest}.mesh").is_symlink()
     assert outside_.read_bytes() == FLANGE
-    assert sorted(path.name for path in inside.iterdir()) == sorted([f"{KEY.digest}.mesh", "notes.txt"])
+    assert sorted(path.name for path in inside.iterdir()) == sorted([f"{KEY.digest}.mesh", "notes.txt", ".lock"])
     for name in ("../outside", "x" * 64, KEY.digest.upper(), ""):
         with pytest.raises(InputError):
             folder.mesh(name)

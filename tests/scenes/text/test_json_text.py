@@ -66,6 +66,20 @@ def test_a_long_text_is_refused_before_it_is_read() -> None:
         parse_json(b"[1, 2, 3, 4]", limit_bytes=10)
 
 
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        (b"[" + b"[]," * 99 + b"[[]]]", "objects and lists"),
+        (b"[" + b'{"":0},' * 99 + b'{"":[]}]', "objects and lists"),
+        (b"[" + b"0," * 600 + b"0]", "values"),
+    ],
+)
+def test_a_text_of_more_values_than_any_document_has_is_refused_before_it_is_read(text: bytes, what: str) -> None:
+    with pytest.raises(InputError, match=f"up to [0-9]+ {what}"):
+        parse_json(text, limit_bytes=4800)
+    assert parse_json(text, limit_bytes=9600)
+
+
 @given(st.binary(max_size=60))
 def test_any_bytes_are_read_or_refused(data: bytes) -> None:
     with contextlib.suppress(InputError):
