@@ -33,7 +33,12 @@ def add(
     key = keys.new_key()
     limits = {"running": running, "waiting": waiting, "seconds": seconds}
     given = {field: value for field, value in limits.items() if value is not None}
-    keys.write(file, keys.with_key(before, {"name": name, "sha256": keys.digest(key), **given}))
+    try:
+        after = keys.with_key(before, {"name": name, "sha256": keys.digest(key), **given})
+    except InputError as error:
+        option = "NAME" if error.field == "name" else f"--{error.field}"
+        raise InputError(option, error.value, error.allowed) from error
+    keys.write(file, after)
     say(f"the key of {name}, which is not kept anywhere; a service that runs knows it within some seconds:")
     show(key)
     return RIGHT

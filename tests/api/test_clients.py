@@ -65,9 +65,9 @@ def test_keys_are_listed_and_removed(file: Path) -> None:
     ("words", "says"),
     [
         (("add", "FILE", "line-3"), "line-3"),
-        (("add", "FILE", "Line 4"), "name"),
-        (("add", "FILE", "line-4", "--running", "0"), "running"),
-        (("add", "FILE", "line-4", "--seconds", "nan"), "seconds"),
+        (("add", "FILE", "Line 4"), "NAME"),
+        (("add", "FILE", "line-4", "--running", "0"), "--running"),
+        (("add", "FILE", "line-4", "--seconds", "nan"), "--seconds"),
         (("remove", "FILE", "line-4"), "line-3"),
         (("list", "nowhere.json"), "nowhere.json"),
         (("add", "nowhere/keys.json", "line-4"), "nowhere"),

@@ -21,6 +21,7 @@ from tests.proxy.conftest import ATTACKER, SHIPPED, Pair, answered, on_this_mach
 
 pytestmark = pytest.mark.timeout(600)  # two services start before the first test
 POST = b"POST /v1/plans HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 1000\r\n\r\n"
+IDENTITY = "0123456789abcdef"
 STREAMS, STREAMS_OF_A_REPLICA = 16, 64
 ENDLESS = {**FIRST_PLAN, "options": {"budget_s": 55.0, "stop": "budget", "elbow": "auto"}}
 
@@ -145,6 +146,7 @@ def recorder() -> Iterator[tuple[int, list[tuple[str, dict[str, str]]]]]:
                 found.append((self.path, {name.lower(): value for name, value in self.headers.items()}))
             self.send_response(200)
             self.send_header("Content-Length", "0")
+            self.send_header("X-Request-Id", IDENTITY)
             self.end_headers()
 
         def log_message(self, *_: object) -> None:
@@ -171,6 +173,11 @@ def test_what_a_caller_says_of_itself_is_not_passed_on_and_metrics_are_not_told(
             with sending(proxy, request.encode()) as connection:
                 assert b"urn:assur:problem:not-found" in answered(connection), path
         assert httpx.get(f"http://127.0.0.1:{proxy}/v1/metrics").status_code == 200
+    # each line of the log is JSON, has the id under which the service has logged the request, and nothing of the caller
+    log = (tmp_path / "haproxy.log").read_text(encoding="utf-8")
+    lines = [json.loads(line) for line in log.splitlines() if '"proxied"' in line]
+    assert [line["request"] for line in lines if line["status"] == 200] == [IDENTITY] * 2
+    assert not any(word in log for word in ("8.8.8.8", "evil", "/v1/", "metrics"))
     (_, headers), (other, _) = found
     assert other == "/v1/metrics"
     assert (headers["x-forwarded-for"], headers["x-forwarded-proto"]) == ("127.0.0.1", "http")
@@ -184,7 +191,11 @@ def test_without_a_replica_the_answer_is_a_problem(tmp_path: Path) -> None:
         closed = int(nobody.getsockname()[1])
         with proxied(tmp_path, {"a": closed, "b": closed}) as port:
             for path, status, kind in (("/v1/robots", 503, "not-ready"), ("/v1/jobs/b-17", 404, "job-lost")):
-                answer = httpx.get(f"http://127.0.0.1:{port}{path}", timeout=60.0)
+                where = f"http://127.0.0.1:{port}{path}"
+                # before the checks have failed twice, a job is not known to be lost
+                until(lambda where=where, status=status: httpx.get(where).status_code == status)  # type: ignore[misc]
+                answer = httpx.get(where, timeout=60.0)
+                assert (answer.headers.get("retry-after") == "5") == (status == 503)
                 assert (answer.status_code, answer.json()["status"]) == (status, status)
                 assert answer.json()["type"] == f"urn:assur:problem:{kind}"
                 assert answer.headers["content-type"] == "application/problem+json"
