@@ -1,7 +1,7 @@
-"""What the operator decides, read from the environment once: `Settings.from_environment()`.
+"""The settings of the operator, read from the environment once: `Settings.from_environment()`.
 
-Every variable begins with `ASSUR_`. A variable of that prefix that is not known is refused, for a misspelt limit is
-a limit that is not there. The table in docs/operating.md is held to this module by a test.
+Every variable begins with `ASSUR_`. An unknown variable with that prefix is refused, because a misspelt limit would
+have no effect. The table in docs/operating.md is held to this module by a test.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, fields
 from difflib import get_close_matches
 from ipaddress import ip_network
 from math import isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 from assur.api.container import memory_mib, processors
 from assur.api.workers.memory import MEMORY_MIB
@@ -34,150 +34,149 @@ CHECK_BODY_BYTES = 16 << 20
 """Largest body of a check, 16 MiB: a request and a plan with its full certificate."""
 
 
-def _whole(lowest: int, highest: int) -> Callable[[str, str], int]:
-    def read(name: str, text: str) -> int:
-        if not (text.isascii() and text.isdigit() and len(text) <= 12 and lowest <= int(text) <= highest):
-            raise InputError(name, text, f"a whole number from {lowest} to {highest}")
-        return int(text)
+class Reader(NamedTuple):
+    """How a variable is read: `read` takes its name and its text, and raises `InputError`; `allowed`: in words."""
 
-    return read
+    read: Callable[[str, str], Any]
+    allowed: str
 
 
-def _seconds(lowest: float, highest: float) -> Callable[[str, str], float]:
-    def read(name: str, text: str) -> float:
+def _reader(allowed: str, value: Callable[[str], Any]) -> Reader:
+    """A reader by `value`, which gives the value of a text, and None for a text that is not allowed."""
+
+    def read(name: str, text: str) -> Any:
+        found = value(text)
+        if found is None:
+            raise InputError(name, text, allowed)
+        return found
+
+    return Reader(read, allowed)
+
+
+def _whole(lowest: int, highest: int) -> Reader:
+    def value(text: str) -> int | None:
+        right = text.isascii() and text.isdigit() and len(text) <= 12 and lowest <= int(text) <= highest
+        return int(text) if right else None
+
+    return _reader(f"a whole number from {lowest} to {highest}", value)
+
+
+def _seconds(lowest: float, highest: float) -> Reader:
+    def value(text: str) -> float | None:
         try:
-            value = float(text)
+            found = float(text)
         except ValueError:
-            value = float("nan")
-        if not (isfinite(value) and lowest <= value <= highest):
-            raise InputError(name, text, f"seconds from {lowest:g} to {highest:g}")
-        return value
+            return None
+        return found if isfinite(found) and lowest <= found <= highest else None
 
-    return read
+    return _reader(f"seconds from {lowest:.10g} to {highest:.10g}", value)
 
 
-def _one_of(*allowed: str) -> Callable[[str, str], str]:
-    def read(name: str, text: str) -> str:
-        if text not in allowed:
-            raise InputError(name, text, "one of " + ", ".join(allowed))
-        return text
-
-    return read
+def _one_of(*allowed: str) -> Reader:
+    return _reader("one of " + ", ".join(allowed), lambda text: text if text in allowed else None)
 
 
-def _host(name: str, text: str) -> str:
-    if not text or len(text) > 253 or not all(c.isalnum() or c in ".:-" for c in text) or not text.isascii():
-        raise InputError(name, text, "an address or a host name to listen on")
-    return text
+def _host(text: str) -> str | None:
+    right = text and len(text) <= 253 and all(c.isalnum() or c in ".:-" for c in text) and text.isascii()
+    return text if right else None
 
 
-def _name(name: str, text: str) -> str:
-    if text and not re.fullmatch("[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?", text):
-        raise InputError(name, text, "up to 63 letters from a to z, digits and hyphens within, or nothing")
-    return text
-
-
-def _mark(name: str, text: str) -> str:
-    if not re.fullmatch(r"[0-9A-Za-z._+-]{0,64}", text):
-        raise InputError(name, text, "up to 64 letters, digits and . _ + -")
-    return text
-
-
-def _text(name: str, text: str) -> str:
-    if len(text) > 1000 or not text.isprintable():
-        raise InputError(name, text, "up to 1,000 characters that can be printed")
-    return text
-
-
-def _networks(name: str, text: str) -> str:
-    for part in text.split(",") if text else ():
-        try:
+def _networks(text: str) -> str | None:
+    try:
+        for part in text.split(",") if text else ():
             ip_network(part.strip())
-        except ValueError:
-            raise InputError(name, text, "addresses or networks, with commas between them") from None
+    except ValueError:
+        return None
     return text
 
 
-def _folder(name: str, text: str) -> str:
-    if "\0" in text or len(text) > 4096:
-        raise InputError(name, text, "the path of a folder")
-    return text
+def _text(allowed: str, right: Callable[[str], object]) -> Reader:
+    return _reader(allowed, lambda text: text if right(text) else None)
 
 
-def _setting(default: Any, read: Callable[[str, str], Any], about: str) -> Any:
-    return field(default=default, metadata={"read": read, "about": about})
+HOST = _reader("an address or a host name to listen on", _host)
+NETWORKS = _reader("addresses or networks, separated by commas; or empty", _networks)
+FILE = _text("up to 1000 printable characters; or empty", lambda text: len(text) <= 1000 and text.isprintable())
+FOLDER = _text("the path of a folder; or empty", lambda text: "\0" not in text and len(text) <= 4096)
+NAME = _text(
+    "up to 63 characters: a to z, 0 to 9, and hyphens between them; or empty",
+    re.compile("(?:[a-z0-9](?:[a-z0-9-]{0,61}[a-z0-9])?)?").fullmatch,
+)
+MARK = _text("up to 64 letters, digits and . _ + -; or empty", re.compile(r"[0-9A-Za-z._+-]{0,64}").fullmatch)
+
+
+def _setting(default: Any, reader: Reader, about: str) -> Any:
+    return field(default=default, metadata={"reader": reader, "about": about})
 
 
 @dataclass(frozen=True)
 class Settings:
     """Settings of the service; see the `about` of each field. Seconds, bytes, counts."""
 
-    host: str = _setting("127.0.0.1", _host, "address to listen on; in the container 0.0.0.0")
-    port: int = _setting(8000, _whole(0, 65535), "port to listen on; 0: any free one")
+    host: str = _setting("127.0.0.1", HOST, "address to listen on; in the container 0.0.0.0")
+    port: int = _setting(8000, _whole(0, 65535), "port to listen on; 0: any free port")
     workers: int = _setting(0, _whole(0, 256), "worker processes; 0: one per processor that the container may use")
-    queue: int = _setting(32, _whole(0, 10_000), "requests that may wait for a worker; one more gets 503")
+    queue: int = _setting(32, _whole(0, 10_000), "requests that may wait for a worker; further ones get 503")
     queue_wait_s: float = _setting(30.0, _seconds(0.1, 3600.0), "longest wait for a worker; then 503")
     max_budget_s: float = _setting(
         MAX_BUDGET_S, _seconds(0.01, MAX_BUDGET_S), "largest budget_s and explain_budget_s that a request may ask for"
     )
-    grace_s: float = _setting(0.5, _seconds(0.1, 60.0), "time beyond both budgets after which a worker is killed")
-    check_s: float = _setting(30.0, _seconds(0.1, 600.0), "time after which a check is killed")
-    warm_s: float = _setting(120.0, _seconds(1.0, 3600.0), "time a new worker has to plan for the first time")
-    body_s: float = _setting(10.0, _seconds(0.1, 600.0), "time in which a body must have arrived; then 408")
-    max_tasks: int = _setting(1000, _whole(1, 1_000_000), "requests after which a worker is replaced by a new one")
+    grace_s: float = _setting(
+        0.5, _seconds(0.1, 60.0), "extra time of a plan beyond its two budgets; then its worker is killed"
+    )
+    check_s: float = _setting(30.0, _seconds(0.1, 600.0), "time limit of short work; then its worker is killed")
+    warm_s: float = _setting(120.0, _seconds(1.0, 3600.0), "time limit for the first plan of a new worker")
+    body_s: float = _setting(10.0, _seconds(0.1, 600.0), "time limit for the body of a request; then 408")
+    max_tasks: int = _setting(1000, _whole(1, 1_000_000), "requests after which a worker is replaced")
     worker_memory_mib: int = _setting(
         0,
         _whole(0, 1 << 20),
-        "memory of a worker; a request that needs more ends it; 0: what the container leaves it, at most 2048",
+        "memory limit of a worker, MiB; a worker that needs more ends; 0: what the container has for it, at most 2048",
     )
-    jobs_kept: int = _setting(50, _whole(1, 10_000), "jobs that have ended and are kept; the oldest goes first")
-    job_kept_s: float = _setting(600.0, _seconds(1.0, 86_400.0), "time for which a job is kept that has ended")
+    jobs_kept: int = _setting(50, _whole(1, 10_000), "ended jobs that are kept; the oldest is removed first")
+    job_kept_s: float = _setting(600.0, _seconds(1.0, 86_400.0), "time for which an ended job is kept")
     connections: int = _setting(
-        512, _whole(1, 100_000), "connections at a time; beyond it the one is closed that has been idle longest"
+        512,
+        _whole(1, 100_000),
+        "connections at a time; beyond this, a new one replaces the one that has been idle longest",
     )
-    log_level: str = _setting("info", _one_of(*LOG_LEVELS), "least severity that is logged")
-    short_s: float = _setting(
-        2.0,
-        _seconds(0.0, 120.0),
-        "a request whose budgets are at most this in sum is short, as checks and the like are",
-    )
+    log_level: str = _setting("info", _one_of(*LOG_LEVELS), "lowest severity that is logged")
+    short_s: float = _setting(2.0, _seconds(0.0, 120.0), "largest sum of budget_s and explain_budget_s of a short plan")
     short_workers: int = _setting(
-        1, _whole(0, 256), "workers that take only short requests; one at the least is left for all others"
+        1, _whole(0, 256), "workers reserved for short work and short plans; at least one worker is not reserved"
     )
-    client_running: int = _setting(0, _whole(0, 10_000), "requests of a client that are worked on; 0: no limit")
-    client_waiting: int = _setting(8, _whole(0, 10_000), "requests of a client that may wait; one more gets 429")
+    client_running: int = _setting(0, _whole(0, 10_000), "requests of one client in progress at a time; 0: no limit")
+    client_waiting: int = _setting(8, _whole(0, 10_000), "waiting requests of one client; further ones get 429")
     client_seconds: int = _setting(
-        0, _whole(0, 1_000_000), "seconds of workers that a client has each minute; then 429; 0: no limit"
+        0, _whole(0, 1_000_000), "worker seconds of one client per minute; then 429; 0: no limit"
     )
-    keys_file: str = _setting("", _text, "file of API keys, which `assur keys` makes; without one nobody needs a key")
-    forwarded_from: str = _setting(
-        "", _networks, "proxies whose X-Forwarded-For says who asks: addresses or networks, with commas between them"
-    )
+    keys_file: str = _setting("", FILE, "file of API keys, made by `assur keys`; empty: nobody needs a key")
+    forwarded_from: str = _setting("", NETWORKS, "proxies whose X-Forwarded-For gives the address of the client")
     quarantine_s: float = _setting(
         600.0, _seconds(1.0, 86_400.0), "time for which a request is refused that ended three workers"
     )
-    replica: str = _setting(
-        "", _name, "name with which the ids of jobs begin, for a proxy with several services behind it"
-    )
-    results_mib: int = _setting(0, _whole(0, 1 << 20), "memory for answers that are kept and given again; 0: none is")
-    commit: str = _setting("", _mark, "what /v1/version says of where the build comes from")
+    replica: str = _setting("", NAME, "name with which job ids begin, for a proxy in front of several services")
+    results_mib: int = _setting(0, _whole(0, 1 << 20), "memory for answers that are kept and given again, MiB; 0: none")
+    commit: str = _setting("", MARK, "commit of the build, as GET /v1/version states it")
     mesh_folder: str = _setting(
-        "", _folder, "folder for uploaded meshes and for covers, shared by workers and restarts; empty: none"
+        "", FOLDER, "folder for uploaded meshes and for covers, shared by workers and restarts; empty: none"
     )
-    mesh_quota_mib: int = _setting(1024, _whole(1, 1 << 20), "room that files in that folder may take")
+    mesh_quota_mib: int = _setting(1024, _whole(1, 1 << 20), "total size of the files in that folder, MiB")
     mesh_kept_s: float = _setting(
         604_800.0, _seconds(1.0, 1e9), "time for which a file in that folder is kept after its last use"
     )
-    connections_per_address: int = _setting(256, _whole(1, 100_000), "the same of one address, a proxy's too")
-    header_s: float = _setting(
-        5.0,
-        _seconds(0.1, 600.0),
-        "time in which headers must have arrived, from the connection or their first byte on",
+    connections_per_address: int = _setting(
+        256, _whole(1, 100_000), "connections at a time of one address, also of a proxy"
     )
-    keep_alive_s: float = _setting(75.0, _seconds(0.1, 3600.0), "time for which a connection is kept that is not used")
-    write_s: float = _setting(20.0, _seconds(0.1, 3600.0), "time in which a client must take 64 KiB of its answer")
+    header_s: float = _setting(
+        5.0, _seconds(0.1, 600.0), "time limit for the headers, from the connection or from their first byte"
+    )
+    keep_alive_s: float = _setting(75.0, _seconds(0.1, 3600.0), "time for which an idle connection is kept open")
+    write_s: float = _setting(20.0, _seconds(0.1, 3600.0), "time limit for a client to take 64 KiB of its answer")
     drain_s: float = _setting(
-        0.0, _seconds(0.0, 3600.0), "time after SIGTERM in which /readyz fails and requests are still accepted"
+        0.0,
+        _seconds(0.0, 3600.0),
+        "time after SIGTERM in which /readyz fails and requests are still accepted; in the image 5",
     )
 
     @staticmethod
@@ -194,7 +193,7 @@ class Settings:
                 near = get_close_matches(name, known, n=1)
                 meant = f"; did you mean {near[0]}?" if near else ""
                 raise InputError(name, given[name], f"one of {', '.join(known)}{meant}")
-            values[known[name].name] = known[name].metadata["read"](name, given[name].strip())
+            values[known[name].name] = known[name].metadata["reader"].read(name, given[name].strip())
         return Settings(**values)
 
     @staticmethod

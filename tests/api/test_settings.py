@@ -117,9 +117,41 @@ def test_a_stopping_service_has_time_for_the_slowest_request_that_it_accepted() 
     assert settings.stop_s >= 1 + 2 + 2 * 3 + 0.5
 
 
-def test_the_page_on_the_service_lists_every_setting_with_its_default() -> None:
-    rows = dict(re.findall(r"^\| `(ASSUR_\w+)` \| `?([^`|]*?)`? \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE))
-    assert rows == {PREFIX + field.name.upper(): _text(field.default) for field in fields(Settings)}
+def test_the_page_lists_every_setting_with_its_default_what_is_allowed_and_its_meaning() -> None:
+    rows = re.findall(
+        r"^\| `(ASSUR_\w+)` \| `?([^`|]*?)`? \| ([^|]+) \| ([^|]+) \|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE
+    )
+    assert [(name, default, allowed, _plain(about)) for name, default, allowed, about in rows] == [
+        (
+            PREFIX + field.name.upper(),
+            _text(field.default),
+            field.metadata["reader"].allowed,
+            _plain(field.metadata["about"]),
+        )
+        for field in fields(Settings)
+    ]
+
+
+def test_the_ends_of_each_range_that_is_stated_are_accepted_and_what_is_beyond_is_not() -> None:
+    ranges = 0
+    for field in fields(Settings):
+        found = re.fullmatch(r"(a whole number|seconds) from (\S+) to (\S+)", field.metadata["reader"].allowed)
+        if found is None:
+            continue
+        ranges += 1
+        name, (lowest, highest) = PREFIX + field.name.upper(), (float(end) for end in found.groups()[1:])
+        step = 1.0 if found[1] == "a whole number" else 0.001
+        for value in (lowest, highest):
+            assert getattr(Settings.from_environment({name: f"{value:.12g}"}), field.name) == value
+        for value in (lowest - step, highest + step):
+            with pytest.raises(InputError):
+                Settings.from_environment({name: f"{value:.15g}"})
+    assert ranges > 20
+
+
+def _plain(text: str) -> str:
+    """A text without code spans and links."""
+    return re.sub(r"\[([^\]]+)\]\([^)]+\)", r"\1", text).replace("`", "")
 
 
 def _text(default: object) -> str:
