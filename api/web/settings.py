@@ -133,7 +133,9 @@ class Settings:
         _whole(0, 1 << 20),
         "memory limit of a worker, MiB; a worker that needs more ends; 0: what the container has for it, at most 2048",
     )
-    jobs_kept: int = _setting(50, _whole(1, 10_000), "ended jobs that are kept; the oldest is removed first")
+    jobs_kept: int = _setting(
+        50, _whole(1, 10_000), "ended jobs that are kept; the oldest of the client with most is removed first"
+    )
     job_kept_s: float = _setting(600.0, _seconds(1.0, 86_400.0), "time for which an ended job is kept")
     connections: int = _setting(
         512,
