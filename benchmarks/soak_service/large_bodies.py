@@ -84,6 +84,65 @@ def of_meshes(scenes: dict[str, Document], longer_s: float) -> dict[str, bytes]:
     }
 
 
+def of_counts() -> dict[str, bytes]:
+    """Requests with many bodies in one place, many corners and points of paths, long motions on moving frames, and many
+    steps, by what they are. Each is legal, or refused for where it is."""
+    box = {"box": {"size_m": [0.06, 0.04, 0.02]}}
+    at = {"at_m": [0.4, 0.0, 0.01]}
+    crowd = [{"name": f"b{i}", "shape": box, "pose": at} for i in range(900)]
+    grip = {"grasp_m": [0, 0, 0.01], "approach": {"m": 0.03}, "depart": {"m": 0.04}}
+    handled: list[Document] = []
+    for i in range(32):
+        handled.append({"pick": {"part": f"b{i}", "dwell_s": 0.01, **grip}})
+        place = {"at_m": [0.3, 0.2, 0.01], "yaw_rad": 0}
+        handled.append({"place": {"part": f"b{i}", "to": place, "dwell_s": 0.01, **_without(grip, "grasp_m")}})
+    flange = {"mesh": {"asset": "flange", "unit": "mm"}}
+    flanges = [
+        {"name": f"b{i}", "shape": flange, "pose": {"at_m": [0.38 + 0.001 * (i % 40), 0.002 * (i // 40), 0.05]}}
+        for i in range(600)
+    ]
+    zigzag = [{"line": {"to_m": [0.4 + 0.0005 * (i % 2), 0.0005 * i + 0.0003, 0.12]}} for i in range(200)]
+    points = [{"spline": {"through_m": [[0.4, round(-0.05 + 0.0005 * (i + 1), 6), 0.12] for i in range(200)]}}]
+    start = {"at_m": [0.4, 0, 0.12], "yaw_rad": 0}
+    blended = {"trace": {"start": start, "speed_m_s": 0.1, "blend_m": 0.0001, "path": zigzag}}
+    splined = {"trace": {"start": {**start, "at_m": [0.4, -0.05, 0.12]}, "speed_m_s": 0.05, "path": points}}
+    turning = {"turntable": {"at_m": [0.4, 0, 0.1], "rate_rad_s": 0.002}}
+    shaking = {"oscillation": {"at_m": [0.4, 0, 0.1], "direction": [1, 0, 0], "amplitude_m": 0.005, "period_s": 1}}
+    stepping = {"indexer": {"at_m": [0.4, 0, 0.05], "step_rad": 0.02, "move_s": 0.001, "dwell_s": 0}}
+    on_frame = {"frame": "s", "at_m": [0, 0, 0.05], "yaw_rad": 0}
+    move = {"move": {"to": {"frame": "s", "at_m": [0.05, 0, 0.05]}}}
+    return {
+        "32 parts among 900 boxes": small(bodies=crowd, task=handled),
+        "600 flanges": small(bodies=flanges),
+        "4 traces of 200 corners": small(task=[blended] * 4),
+        "a trace through 200 points": small(task=[splined]),
+        "60 traces through 200 points": small(task=[splined] * 60),
+        "a follow of 1,500 s on a turntable": small(
+            frames={"s": turning}, task=[{"follow": {"to": on_frame, "duration_s": 1500}}]
+        ),
+        "a follow of 300 s on a shaker": small(
+            frames={"s": shaking}, task=[{"follow": {"to": on_frame, "duration_s": 300}}]
+        ),
+        "64 moves to an indexer": small(frames={"s": stepping}, task=[move] * 64),
+    }
+
+
+def of_checks() -> dict[str, bytes]:
+    """Bodies of a check, of up to 16 MiB, that are dear to read, by what they are."""
+    head, tail = b'{"request": {}, "plan": [', b"0]}"
+    most = (16 << 20) - len(head) - len(tail)
+    texts = b",".join(b'"%d"' % i for i in range(1_700_000))
+    return {
+        "a check of 16 MiB of objects": head + b'{"":0},' * (most // 7) + tail,
+        "a check of 349,000 objects": head + b'{"":0},' * 349_000 + tail,
+        "a check of 1,700,000 texts": head + texts + b"," + tail,
+    }
+
+
+def _without(document: Document, name: str) -> Document:
+    return {key: value for key, value in document.items() if key != name}
+
+
 def of_megabytes() -> dict[str, bytes]:
     """Bodies of up to 1 MiB that are dear to read, by what they are."""
     rows = [[0.01 * i, 0, 0, 0, 0] for i in range(30_000)]

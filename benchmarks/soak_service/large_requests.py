@@ -1,5 +1,6 @@
-"""Row 6: requests that state 100,000 s, meshes that are dear to cover, bodies of 1 MB. A worker stays below 400 MiB,
-each is answered in its time, and the proof of a long time is as short as that of a short one."""
+"""Row 6: requests that state 100,000 s, meshes that are dear to cover, many bodies, corners and points, bodies of 1 MB,
+and of 16 MB to check. A worker stays below 400 MiB, each is answered in its time, and the proof of a long time is as
+short as that of a short one."""
 
 from __future__ import annotations
 
@@ -7,14 +8,15 @@ import json
 from typing import Any
 
 from benchmarks.soak_service.client import until
-from benchmarks.soak_service.large_bodies import of_megabytes, of_meshes, of_seconds
+from benchmarks.soak_service.large_bodies import of_checks, of_counts, of_megabytes, of_meshes, of_seconds
 from benchmarks.soak_service.row import Numbers, Row, RowError, Run
 from benchmarks.soak_service.served import Service, Watch, forget_peak, peak_kib, rss_kib, served
 
 MOST_MIB, MOST_CERTIFICATE_BYTES = 400.0, 100_000
 ANSWERED = frozenset({200, 400, 413, 422})
 """What may come back. 503 and 504 say that the service could not keep what it promises."""
-OF_SECONDS = "seconds"
+OF_SECONDS, OF_CHECKS = "seconds", "checks"
+ADDRESS = {OF_CHECKS: "/v1/plans/check"}
 SCENES = ("parabolic-blend", "crowded", "z-down")
 
 
@@ -34,13 +36,16 @@ def measure(run: Run) -> Numbers:
         groups = {
             OF_SECONDS: of_seconds(scenes, longer_s),
             "meshes": of_meshes(scenes, longer_s),
+            "counts": of_counts(),
             "megabytes": of_megabytes(),
+            OF_CHECKS: of_checks(),
         }
         with Watch(service) as watch:
             for group, bodies in groups.items():
                 for name, body in bodies.items():
                     for _ in range(1 if run.short else 2):
-                        asked.append({"group": group, "request": name, "bytes": len(body), **_asked(service, body)})
+                        cost = _asked(service, ADDRESS.get(group, "/v1/plans"), body)
+                        asked.append({"group": group, "request": name, "bytes": len(body), **cost})
                         run.say(str(asked[-1]))
             lost = service.lost_by_metrics()
         client.close()
@@ -55,14 +60,14 @@ def measure(run: Run) -> Numbers:
     }
 
 
-def _asked(service: Service, body: bytes) -> Numbers:
+def _asked(service: Service, address: str, body: bytes) -> Numbers:
     """What a request costs: the status, the time, the bytes that came, and the peak of the worker."""
     until(60.0, lambda: bool(service.workers()) and _ready(service))
     for worker in service.workers():
         forget_peak(worker.pid)
     with Watch(service) as watch:
         client = service.client()
-        reply = client.post("/v1/plans", body)
+        reply = client.post(address, body)
         client.close()
         last = max((peak_kib(worker.pid) for worker in service.workers()), default=0) / 1024
     document: Any = reply.document()
