@@ -38,12 +38,13 @@ def foreseeable(body: Any) -> str | None:
 
 def keeps_description(case: Any) -> bool:
     """Whether the body of a case keeps the schema of its operation: not all that is meant to does. False for an
-    operation without a body: the answer of a job that failed is 422 for the body that was posted before."""
+    operation without a body of JSON: the answer of a job that failed is 422 for the body that was posted before, and a
+    mesh must have the digest of its address."""
     raw = case.operation.schema.raw_schema
     described = raw["paths"][case.operation.path][case.operation.method]
-    if "requestBody" not in described:
+    content = described.get("requestBody", {}).get("content", {})
+    if "application/json" not in content:
         return False
-    content = described["requestBody"]["content"]
     schema = {**content["application/json"]["schema"], "components": raw["components"]}
     return bool(jsonschema_rs.Draft202012Validator(schema).is_valid(case.body))
 

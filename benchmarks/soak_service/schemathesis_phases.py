@@ -26,7 +26,7 @@ FEW_OPERATIONS = "^(plan_scene|parse_scene|start_scene_job|delete_job|keep_mesh|
 END_S = 30.0
 """What a runner may take beyond its time to end, s."""
 PHASES = frozenset({"examples", "coverage", "fuzzing", "stateful"})
-SETTINGS: dict[str, object] = {"workers": 2, "max_budget_s": 0.05, "max_tasks": 1_000_000}
+SETTINGS: dict[str, object] = {"workers": 2, "max_budget_s": 0.05, "max_tasks": 1_000_000, "client_waiting": 100}
 
 
 def measure(run: Run) -> Numbers:
@@ -34,7 +34,8 @@ def measure(run: Run) -> Numbers:
     for needed, what in ((RUNNER, "the runner of schemathesis"), ("schemathesis", "schemathesis")):
         if find_spec(needed) is None:
             raise NotThereError(what)
-    with served(run.below("logs") / "schemathesis.log", settings=SETTINGS) as service:
+    meshes = str(run.below("schemathesis") / "meshes")
+    with served(run.below("logs") / "schemathesis.log", settings={**SETTINGS, "mesh_folder": meshes}) as service:
         url = f"http://127.0.0.1:{service.port}"
         out = run.below("schemathesis") / "result.json"
         out.unlink(missing_ok=True)
