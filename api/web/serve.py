@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import socket
-import sys
 import time
 from functools import partial
 from types import FrameType
@@ -25,10 +24,6 @@ TAKEN_AT_ONCE = 32
 WAITING = 2048
 """So many may wait to be taken; the system has a limit of its own."""
 
-SWITCH_S = 0.0005
-"""A thread that reads a large body leaves the interpreter to the event loop after this, s. The loop asks for it at each
-read and write of a socket, so the 5 ms that Python takes are 50 ms for a request."""
-
 
 def serve(settings: Settings) -> None:
     """Serves until SIGTERM or SIGINT, then answers what has been accepted and ends by `SystemExit(0)`.
@@ -37,7 +32,6 @@ def serve(settings: Settings) -> None:
     """
     configure(settings.log_level)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a worker is one thread: its matrices are three by three
-    sys.setswitchinterval(SWITCH_S)
     signal.signal(signal.SIGTERM, _stopped)  # uvicorn repeats the signal when it has drained
     signal.signal(signal.SIGINT, _stopped)
     with listening(settings.host, settings.port) as door, one_log():
