@@ -12,6 +12,7 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from starlette.requests import Request
@@ -269,7 +270,8 @@ def test_connections_of_one_network_are_counted_together() -> None:
     async def address(of: str) -> str:
         server = made(SHORT)
         server.config.load()
-        protocol = server.config.http_protocol_class(server.config, ServerState(), {})
+        kind: Any = server.config.http_protocol_class
+        protocol = kind(server.config, ServerState(), {})
         protocol.connection_made(asyncio.Transport({"peername": (of, 1)}))
         return str(protocol.address)
 
