@@ -41,8 +41,8 @@ from assur.scenes.scenarios import with_files
 SMALL_BYTES = 32768
 """Bodies up to this are looked through at once: it takes less than 1 ms, and the way to a thread and back half as long.
 Larger ones, and scenarios, which are files, are read beside the event loop, one at a time, the clients in turn: threads
-share one interpreter with it, so more of them would not be faster, and each makes it wait. The body of a client that leaves
-while it waits for this is not read at all."""
+share one interpreter with it, so more of them would not be faster, and each makes it wait. The body of a client that
+leaves while it waits for this is not read at all."""
 STATED = re.compile(rb'"((?:explain_)?budget_m?s)"\s*:\s*(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)')
 """A budget in the text of a request. No other field of a request is called so."""
 
@@ -143,8 +143,8 @@ class Service:
         return await self._beside(client, read)
 
     async def _beside(self, client: Client, read: Callable[[], Order]) -> Order:
-        """What `read` returns, in a thread, when it is the turn of `client`, which pays for its time. A thread cannot be
-        stopped: its turn ends with it, also where nobody waits any more. Raises `Problem`, also as `Turns.take`."""
+        """What `read` returns, in a thread, when it is the turn of `client`, which pays for its time. A thread cannot
+        be stopped: its turn ends with it, also where nobody waits any more. Raises `Problem`, also as `Turns.take`."""
         await self._turns.take(client)
         took_s: list[float] = []
 
@@ -169,7 +169,7 @@ class Service:
         document = (None if parsed else self._budgets(body)) or jobs.request_in(body)
         if "scenario" not in document:
             arguments = body, certificate, self.settings.max_budget_s
-            work = Work(jobs.plan, arguments, _digest("plan", body), in_touch=True)
+            work = Work(jobs.plan, arguments, _digest("plan", body), in_touch=True, listens=True)
             return Order(work, self._demand(document, client))
         try:
             return self._scene(_scenario_name(document), {}, certificate, client)
@@ -192,7 +192,8 @@ class Service:
         budgets = {key: min(value, most_s) for key, value in own.items()}
         demand = self._demand(with_options({"options": budgets}, options), client)
         key = _digest("scenario", name, *([json.dumps(options, sort_keys=True)] if options else []))
-        return Order(Work(jobs.plan_shipped, (name, options, certificate, most_s), key, in_touch=True), demand)
+        arguments = name, options, certificate, most_s
+        return Order(Work(jobs.plan_shipped, arguments, key, in_touch=True, listens=True), demand)
 
     def _budgets(self, body: bytes) -> dict[str, Any] | None:
         """A request with the budgets that stand in the text of one, which the worker validates, and nothing else.
