@@ -27,6 +27,12 @@ class CountedConnection(h11.Connection):
         self.sent = 0
         """Bytes of all that was to be written."""
 
+    def send(self, event: h11.Event) -> bytes | None:  # type: ignore[override]
+        """As h11's."""
+        data: bytes | None = super().send(event)
+        self.sent += len(data or b"")
+        return data
+
     def next_event(self) -> h11.Event | type[h11.NEED_DATA] | type[h11.PAUSED]:
         """As h11's. Raises `SmallChunksError` at the first chunk that is one too many."""
         event = super().next_event()

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import fcntl
+import socket
 import struct
 import termios
 import time
@@ -26,6 +27,8 @@ from assur.api.web.connections import CROWDED, Connections
 
 PIECE_BYTES = 64 << 10
 """What a client must take of an answer in `write_s`, or all of it."""
+UNSENT_BYTES = 256 << 10
+"""So much of an answer the system keeps of its own for a client, bytes, and not the megabytes to which it would go."""
 PROBES_S = (0.25, 1.0, 4.0, 16.0)
 """When a client that has closed its side is asked again whether it is still there, s after the time before."""
 LINGER_S = 0.5
@@ -49,14 +52,14 @@ class TimedProtocol(H11Protocol, asyncio.BufferedProtocol):
         _loop: asyncio.AbstractEventLoop | None = None,
     ) -> None:
         super().__init__(config, server_state, app_state, _loop)
-        self.conn = CountedConnection(config.h11_max_incomplete_event_size)
+        self.conn = self._counted = CountedConnection(config.h11_max_incomplete_event_size)
         self._all = connections
         self._settings = connections.settings
         self._begun = False  # some of the headers of a request are there
         self._closed_side = False  # the client has finished writing
         self._stopping = False
         self._given_up = False  # its chunks are too small: what else it sends is read and dropped
-        self._unsent: tuple[float, int] | None = None  # when, and how much of the answers was to be taken then
+        self._unsent: tuple[float, int] | None = None  # when, and how much of the answers had been taken by then
         self._probe: asyncio.TimerHandle | None = None
         self.address = ""
         self.crowded = False
@@ -69,11 +72,19 @@ class TimedProtocol(H11Protocol, asyncio.BufferedProtocol):
         cycle: RequestResponseCycle | None = self.cycle  # None before the first request, whatever uvicorn declares
         return cycle is None or cycle.response_complete
 
+    @property
+    def waiting(self) -> bool:
+        """Whether only its client keeps it: it is idle, or its answer is not taken."""
+        return self.idle or (self.flow.write_paused and self.cycle.response_started)
+
     # --- what the transport tells ---
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
         self.address = network(self.client[0] if self.client else "")
+        door = transport.get_extra_info("socket")
+        if door is not None:
+            door.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, UNSENT_BYTES)
         if not self._all.admit(self):
             transport.abort()
         if self.crowded:
@@ -152,10 +163,11 @@ class TimedProtocol(H11Protocol, asyncio.BufferedProtocol):
     def look(self, now: float) -> None:
         """Closes what has taken too long: headers, the rest of a body that nobody reads, an answer not taken."""
         size = self.transport.get_write_buffer_size()
+        taken = self._counted.sent - size
         if size == 0:
             self._unsent = None
-        elif self._unsent is None or size <= self._unsent[1] - PIECE_BYTES:
-            self._unsent = (now, size)
+        elif self._unsent is None or taken >= self._unsent[1] + PIECE_BYTES:
+            self._unsent = (now, taken)
         elif now - self._unsent[0] > self._settings.write_s:
             self._all.leave(self)
             self.transport.abort()
@@ -174,7 +186,7 @@ class TimedProtocol(H11Protocol, asyncio.BufferedProtocol):
             self._stop_if_quiet(now)
 
     def give_way(self) -> None:
-        """Closes it at once, in favour of another: `Connections` has forgotten it already."""
+        """Closes it at once, which is `waiting`, in favour of another: `Connections` has forgotten it already."""
         self.transport.abort() if self.transport.get_write_buffer_size() else self._close()
 
     # --- ends ---

@@ -203,6 +203,34 @@ def test_a_client_that_does_not_take_its_answer_is_dropped(running: Running) -> 
         assert rest(connection).count(b"HTTP/1.1 200") < 400, "all of it was taken"
 
 
+def test_a_client_that_takes_its_answer_slowly_gets_all_of_it(running: Running) -> None:
+    with socket.socket() as connection:
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        connection.settimeout(60.0)
+        connection.connect(("127.0.0.1", running.port))
+        connection.sendall(LARGE * 40)
+        began, found = time.monotonic(), 0
+        while time.monotonic() - began < 3 * SHORT.write_s:
+            found += len(connection.recv(65536))
+            time.sleep(0.05)
+        connection.shutdown(socket.SHUT_WR)
+        assert (found + len(rest(connection))) % 40 == 0
+
+
+def test_an_answer_that_is_not_taken_gives_way_to_a_new_connection() -> None:
+    with run(replace(SHORT, connections_per_address=4, write_s=100.0)) as running, ExitStack() as unread:
+        for _ in range(4):
+            connection = unread.enter_context(socket.socket())
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            connection.connect(("127.0.0.1", running.port))
+            connection.setblocking(False)
+            with contextlib.suppress(BlockingIOError):
+                connection.send(LARGE * 200)
+        until(lambda: running.at_work == 4)
+        until(lambda: all(each.waiting for each in running.server._connections.open()))
+        assert running.status(LIVE.replace(b"/livez", b"/v1/robots")) == 200
+
+
 def test_beyond_the_limit_of_an_address_the_longest_idle_one_is_closed(running: Running) -> None:
     with ExitStack() as stack:
         kept = stack.enter_context(running.connect(LIVE))
