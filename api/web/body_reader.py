@@ -9,12 +9,14 @@ from collections import Counter
 from starlette.requests import Request
 
 from assur.api.problems import FieldError, Problem, shown
+from assur.api.web.addresses import network
+from assur.api.web.chunks import CHUNK_BYTES, FIRST_CHUNKS, SMALL_CHUNKS
 from assur.scenes.faults import NOTHING
 
 IN_ALL_BYTES = 128 << 20
 """So much of bodies that are not complete is held at a time: what has come, not what was announced."""
 OF_ONE_BYTES = IN_ALL_BYTES // 2
-"""The same for one client address: the others always have as much."""
+"""The same for one client address, of IPv6 its network: the others always have as much."""
 FIRST_S = 3.0
 """A body may take so long before its rate counts, s."""
 LEAST_BYTES_S = 1024
@@ -44,6 +46,14 @@ def _too_large(limit: int) -> Problem:
     return Problem("too-large", f"A body here has at most {limit} bytes.", (error,))
 
 
+def _require_larger_chunks(request: Request) -> None:
+    """Raises the problem of a body whose chunks are so small that the connection has given it up."""
+    if request.scope.get("state", {}).get(SMALL_CHUNKS):
+        allowed = f"chunks of at least {CHUNK_BYTES} bytes on average, but for the first {FIRST_CHUNKS}"
+        error = FieldError("Transfer-Encoding", "many small chunks", allowed)
+        raise Problem("bad-syntax", "Send the body in larger chunks, or with Content-Length.", (error,))
+
+
 class Reading:
     """What is held of bodies that have not come completely. Slow ones hold little, so they are in nobody's way."""
 
@@ -67,8 +77,8 @@ class Reading:
 async def read_body(request: Request, limit: int, within_s: float, reading: Reading, *, json: bool = True) -> bytes:
     """The body of `request`. `json`: it must be declared to be that; else it may be of any type.
 
-    Raises `Problem`: wrong-media-type; too-large, before reading where the length is declared; too-slow; busy where
-    `reading` has no room.
+    Raises `Problem`: wrong-media-type; too-large, before reading where the length is declared; too-slow; bad-syntax
+    for small chunks; busy where `reading` has no room.
     """
     if json:
         _require_json(request)
@@ -76,7 +86,7 @@ async def read_body(request: Request, limit: int, within_s: float, reading: Read
     length = request.headers.get("content-length", "0")
     if not (length.isascii() and length.isdigit() and len(length) <= 15 and int(length) <= limit):
         raise _too_large(limit)
-    address = request.client.host if request.client else ""
+    address = network(request.client.host if request.client else "")
     loop = asyncio.get_running_loop()
     began = loop.time()
     body = bytearray()
@@ -88,6 +98,7 @@ async def read_body(request: Request, limit: int, within_s: float, reading: Read
                 if len(body) > limit:
                     raise _too_large(limit)
                 clock.reschedule(began + min(within_s, FIRST_S + len(body) / LEAST_BYTES_S))
+            _require_larger_chunks(request)
     except TimeoutError as late:
         raise Problem("too-slow", f"The body was not complete after {loop.time() - began:.1f} s.") from late
     finally:

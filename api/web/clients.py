@@ -8,7 +8,6 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Sequence
-from ipaddress import IPv6Address, ip_address
 from pathlib import Path
 
 from starlette.requests import Request
@@ -19,6 +18,7 @@ from assur.api.documents import problem_response
 from assur.api.keys import clients_of, digest, keys_in, unlimited
 from assur.api.logs import event
 from assur.api.problems import Problem
+from assur.api.web.addresses import network
 from assur.api.web.request_log import FACTS
 from assur.api.web.settings import Settings
 from assur.api.workers.client import Client
@@ -32,8 +32,6 @@ OPEN = frozenset({"/v1/version"})
 FIELD = "ASSUR_KEYS_FILE"
 LOOKED_AT_S = 2.0
 """A file of keys is looked at this often, s: one that has changed counts without a restart."""
-NETWORK = 64
-"""Of an address of IPv6 so many bits count: the rest is for its holder to choose."""
 
 
 def needs_key(path: str) -> bool:
@@ -124,17 +122,6 @@ class KnowsClients:
             scope[CLIENT] = client
             scope[FACTS]["client"] = client.name
         await self._app(scope, receive, send)
-
-
-def network(address: str) -> str:
-    """What of an address tells clients apart."""
-    try:
-        parsed = ip_address(address)
-    except ValueError:
-        return "elsewhere"  # a socket without addresses, or a name that a proxy has given
-    if isinstance(parsed, IPv6Address) and parsed.ipv4_mapped is None:
-        return f"{IPv6Address(int(parsed) >> (128 - NETWORK) << (128 - NETWORK))}/{NETWORK}"
-    return str(parsed.ipv4_mapped if isinstance(parsed, IPv6Address) else parsed)
 
 
 def _authorization(scope: Scope) -> str | None:

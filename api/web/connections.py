@@ -46,11 +46,15 @@ class Connection(Protocol):
     def idle(self) -> bool:
         """Whether it waits for a request, or for the rest of the headers of one."""
 
+    @property
+    def waiting(self) -> bool:
+        """Whether only its client keeps it: it is idle, or its answer is not taken."""
+
     def look(self, now: float) -> None:
         """Closes it if what it waits for has not come in time."""
 
     def give_way(self) -> None:
-        """Closes it, idle, in favour of another."""
+        """Closes it, which is `waiting`, in favour of another."""
 
 
 class Connections:
@@ -73,19 +77,19 @@ class Connections:
     def admit(self, connection: Connection) -> bool:
         """Takes a new connection, and says whether it may stay.
 
-        Where there are too many, in all or of its address, the one closes that has been idle longest. If none is idle,
-        the new one is `crowded`: one of `RESERVE` that are there for `HEALTH`.
+        Where there are too many, in all or of its address, the one closes that has waited longest for its client. If
+        none waits, the new one is `crowded`: one of `RESERVE` that are there for `HEALTH`.
         """
         full = len(self._open) - self._crowded >= self.settings.connections
         crowd = self._of[connection.address] >= self.settings.connections_per_address
         if full or crowd:
-            rivals = [each for each in self._open if each.idle and not each.crowded]
+            rivals = [each for each in self._open if each.waiting and not each.crowded]
             if crowd:
                 rivals = [each for each in rivals if each.address == connection.address]
             connection.crowded = not self._closes_one(rivals)
         if connection.crowded and self._crowded >= RESERVE:
             self._tell("refused")
-            if not self._closes_one([each for each in self._open if each.idle and each.crowded]):
+            if not self._closes_one([each for each in self._open if each.waiting and each.crowded]):
                 return False
         self._open[connection] = None
         if connection.crowded:

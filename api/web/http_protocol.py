@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import fcntl
+import socket
 import struct
 import termios
 import time
@@ -20,17 +21,26 @@ from uvicorn.server import ServerState
 
 from assur.api.documents import problem_response
 from assur.api.problems import Problem
+from assur.api.web.addresses import network
+from assur.api.web.chunks import SMALL_CHUNKS, CountedConnection, SmallChunksError
 from assur.api.web.connections import CROWDED, Connections
 
 PIECE_BYTES = 64 << 10
 """What a client must take of an answer in `write_s`, or all of it."""
+UNSENT_BYTES = 256 << 10
+"""So much of an answer the system keeps of its own for a client, bytes, and not the megabytes to which it would go."""
 PROBES_S = (0.25, 1.0, 4.0, 16.0)
 """When a client that has closed its side is asked again whether it is still there, s after the time before."""
 LINGER_S = 0.5
-"""A service that stops leaves a connection open that was used so short a time ago, s."""
+"""A service that stops leaves a connection open that was used so short a time ago, s; so long, too, one that has been
+told to send larger chunks, for a connection that is closed while more comes loses the answer on its way."""
+READ_BYTES = 16 << 10
+"""So much is read and parsed of a connection at a time; then it is the turn of the others."""
+_BUFFER = memoryview(bytearray(READ_BYTES))
+"""What has just been read: all protocols of the process are called by one event loop, and none keeps it."""
 
 
-class TimedProtocol(H11Protocol):
+class TimedProtocol(H11Protocol, asyncio.BufferedProtocol):
     """One connection. Make it by `functools.partial` with the `Connections` of the service."""
 
     def __init__(
@@ -42,12 +52,14 @@ class TimedProtocol(H11Protocol):
         _loop: asyncio.AbstractEventLoop | None = None,
     ) -> None:
         super().__init__(config, server_state, app_state, _loop)
+        self.conn = self._counted = CountedConnection(config.h11_max_incomplete_event_size)
         self._all = connections
         self._settings = connections.settings
         self._begun = False  # some of the headers of a request are there
         self._closed_side = False  # the client has finished writing
         self._stopping = False
-        self._unsent: tuple[float, int] | None = None  # when, and how much of the answers was to be taken then
+        self._given_up = False  # its chunks are too small: what else it sends is read and dropped
+        self._unsent: tuple[float, int] | None = None  # when, and how much of the answers had been taken by then
         self._probe: asyncio.TimerHandle | None = None
         self.address = ""
         self.crowded = False
@@ -60,11 +72,19 @@ class TimedProtocol(H11Protocol):
         cycle: RequestResponseCycle | None = self.cycle  # None before the first request, whatever uvicorn declares
         return cycle is None or cycle.response_complete
 
+    @property
+    def waiting(self) -> bool:
+        """Whether only its client keeps it: it is idle, or its answer is not taken."""
+        return self.idle or (self.flow.write_paused and self.cycle.response_started)
+
     # --- what the transport tells ---
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
-        self.address = self.client[0] if self.client else ""
+        self.address = network(self.client[0] if self.client else "")
+        door = transport.get_extra_info("socket")
+        if door is not None:
+            door.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, UNSENT_BYTES)
         if not self._all.admit(self):
             transport.abort()
         if self.crowded:
@@ -76,7 +96,17 @@ class TimedProtocol(H11Protocol):
         self._unset_probe()
         super().connection_lost(exc)
 
+    def get_buffer(self, sizehint: int) -> memoryview:  # noqa: ARG002 - the protocol of asyncio has it
+        """Where the transport is to write what it reads next."""
+        return _BUFFER
+
+    def buffer_updated(self, nbytes: int) -> None:
+        """The transport has read so many bytes."""
+        self.data_received(bytes(_BUFFER[:nbytes]))
+
     def data_received(self, data: bytes) -> None:
+        if self._given_up:
+            return
         if self.idle and not self._begun and self.conn.their_state is h11.IDLE:
             self._begun, self.since = True, time.monotonic()
         super().data_received(data)
@@ -92,7 +122,15 @@ class TimedProtocol(H11Protocol):
     # --- what uvicorn does with it ---
 
     def handle_events(self) -> None:
-        super().handle_events()
+        if self._given_up:
+            return
+        try:
+            super().handle_events()
+        except SmallChunksError:  # whoever reads the body answers; `look` closes the connection then
+            self._given_up = True
+            self.scope["state"][SMALL_CHUNKS] = True
+            self.cycle.more_body = False
+            self.cycle.message_event.set()
         if not self.idle:
             self._begun = False
 
@@ -125,10 +163,11 @@ class TimedProtocol(H11Protocol):
     def look(self, now: float) -> None:
         """Closes what has taken too long: headers, the rest of a body that nobody reads, an answer not taken."""
         size = self.transport.get_write_buffer_size()
+        taken = self._counted.sent - size
         if size == 0:
             self._unsent = None
-        elif self._unsent is None or size <= self._unsent[1] - PIECE_BYTES:
-            self._unsent = (now, size)
+        elif self._unsent is None or taken >= self._unsent[1] + PIECE_BYTES:
+            self._unsent = (now, taken)
         elif now - self._unsent[0] > self._settings.write_s:
             self._all.leave(self)
             self.transport.abort()
@@ -140,14 +179,14 @@ class TimedProtocol(H11Protocol):
             if waited > self._settings.header_s and (self._begun or not self._arriving()):
                 self._refuse_late_headers() if self._begun else self._close()
                 return
-        elif self.conn.their_state is not h11.IDLE and waited > self._settings.body_s:
+        elif self.conn.their_state is not h11.IDLE and waited > (LINGER_S if self._given_up else self._settings.body_s):
             self._close()  # it was answered before its body had come, and goes on sending
             return
         if self._stopping:
             self._stop_if_quiet(now)
 
     def give_way(self) -> None:
-        """Closes it at once, in favour of another: `Connections` has forgotten it already."""
+        """Closes it at once, which is `waiting`, in favour of another: `Connections` has forgotten it already."""
         self.transport.abort() if self.transport.get_write_buffer_size() else self._close()
 
     # --- ends ---

@@ -24,6 +24,9 @@ AT_ONCE = 65536
 """Bodies up to this are compressed on the event loop, in less than 1 ms; larger ones beside it."""
 COMPRESSIBLE = re.compile(r"(?:text/(?!event-stream)|application/(?:[\w.+-]*\+)?(?:json|yaml|javascript)|image/svg)")
 STREAM = "text/event-stream"
+PIECE = 65536
+"""A body is written in pieces of this size, each when the client has taken enough of those before, and others have
+their turn between: to copy a large one takes long, and as much memory for each client that does not read it."""
 CONSTANT = re.compile(
     r"/(?:docs|redoc|openapi\.json|studio(?:/[^/]+)?|static-offline-docs/.+|v1/(?:schema|robots|version|scenes(?:/.+)?))"
 )
@@ -32,6 +35,8 @@ REVALIDATED = "no-cache"
 """May be kept, and is asked for again each time, which costs a 304."""
 COMPRESSED_KEPT = 64
 """So many constant documents are kept compressed."""
+PACKED_BYTES = 16 << 20
+"""So much of the latest large bodies is kept with what they are compressed: one may be asked for many times."""
 
 
 class Representation:
@@ -40,6 +45,7 @@ class Representation:
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
         self._compressed: OrderedDict[str, bytes] = OrderedDict()
+        self._packed: OrderedDict[int, tuple[bytes, asyncio.Future[bytes]]] = OrderedDict()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http" or scope["method"] == "HEAD":
@@ -56,12 +62,17 @@ class Representation:
             if held is None:
                 await send(message)
                 return
-            parts.append(message.get("body", b""))
+            if message.get("body"):
+                parts.append(message["body"])
             if not message.get("more_body", False):
                 start, held = held, None
-                body = await self._represented(scope, start, b"".join(parts))
+                body = await self._represented(scope, start, parts[0] if len(parts) == 1 else b"".join(parts))
                 await send(start)
-                await send({"type": "http.response.body", "body": body})
+                for at in range(0, max(len(body), 1), PIECE):
+                    piece, more = body[at : at + PIECE], at + PIECE < len(body)
+                    await send({"type": "http.response.body", "body": piece, "more_body": more})
+                    if more:
+                        await asyncio.sleep(0)  # the turn of others, also where the system takes all at once
 
         await self._app(scope, receive, sending)
 
@@ -99,12 +110,24 @@ class Representation:
         if len(body) <= AT_ONCE:
             found = _compress(body)
         else:
-            found = await asyncio.to_thread(_compress, body)
+            found = await self._pack(body)
         if key:
             self._compressed[key] = found
             while len(self._compressed) > COMPRESSED_KEPT:
                 self._compressed.popitem(last=False)
         return found
+
+    async def _pack(self, body: bytes) -> bytes:
+        """A large body compressed, beside the event loop, once for all who ask for it at about the same time. It is
+        known by being the same object: an answer that is kept is."""
+        _, packing = self._packed.get(id(body), (body, None))
+        if packing is None:
+            packing = asyncio.ensure_future(asyncio.to_thread(_compress, body))
+            self._packed[id(body)] = body, packing
+            while len(self._packed) > 1 and sum(len(each) for each, _ in self._packed.values()) > PACKED_BYTES:
+                self._packed.popitem(last=False)
+        self._packed.move_to_end(id(body))
+        return await asyncio.shield(packing)
 
 
 def _compress(body: bytes) -> bytes:

@@ -11,6 +11,7 @@ import hashlib
 import json
 import logging
 import re
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
@@ -25,6 +26,7 @@ from assur.api.version import version_document
 from assur.api.web.body_reader import Reading
 from assur.api.web.results import Results
 from assur.api.web.settings import Settings
+from assur.api.web.turns import Turns
 from assur.api.workers import jobs
 from assur.api.workers.client import Client, Demand, Ticket
 from assur.api.workers.pool import Work, Workers
@@ -38,12 +40,11 @@ from assur.scenes.scenarios import with_files
 
 SMALL_BYTES = 32768
 """Bodies up to this are looked through at once: it takes less than 1 ms, and the way to a thread and back half as long.
-Larger ones, and scenarios, which are files, are read beside the event loop."""
+Larger ones, and scenarios, which are files, are read beside the event loop, one at a time, the clients in turn: threads
+share one interpreter with it, so more of them would not be faster, and each makes it wait. The body of a client that
+leaves while it waits for this is not read at all."""
 SHORT_BYTES = 1 << 20
 """Work without a budget on a body up to this is short. Common plans have a tenth of it."""
-BESIDE = 1
-"""So many bodies are read beside the event loop at a time: threads share one interpreter with it, so more of them would
-not be faster, and each makes it wait. The body of a client that leaves while it waits for this is not read at all."""
 STATED = re.compile(rb'"((?:explain_)?budget_m?s)"\s*:\s*(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)')
 """A budget in the text of a request. No other field of a request is called so."""
 
@@ -68,7 +69,7 @@ class Service:
     meshes: MeshFolder | None = field(init=False)
     mesh_bytes: int = 0
     """Room that files in the folder for meshes took when it was last looked at."""
-    _beside: asyncio.Semaphore = field(init=False)
+    _turns: Turns = field(default_factory=Turns)
 
     def __post_init__(self) -> None:
         self.meters = Meters()
@@ -77,7 +78,6 @@ class Service:
         self.results = Results(self.settings.results_mib << 20, build, self.meters)
         self.workers = Workers(self.settings, partial(warm, self.settings.log_level, self.meshes), self.meters)
         self.reading = Reading()
-        self._beside = asyncio.Semaphore(BESIDE)
 
     async def plan(self, body: bytes, certificate: jobs.Detail, client: Client) -> jobs.Answer:
         """The answer to the request in `body`, or to the shipped scenario that it names. Raises `Problem`."""
@@ -85,18 +85,20 @@ class Service:
 
     async def order(self, body: bytes, certificate: jobs.Detail, client: Client) -> Order:
         """What is to be done about `body`, as `plan` has it. Raises `Problem`."""
-        if len(body) <= SMALL_BYTES and b'"scenario"' not in body:
-            return self._read(body, certificate, client)
-        return await self._read_beside(body, certificate, client, parsed=False)
+        return await self._order(body, certificate, client, parsed=False)
 
     async def job_order(self, body: bytes, certificate: jobs.Detail, client: Client) -> Order:
         """The same of a body that is read as JSON before its job is accepted. Raises `Problem`."""
-        return await self._read_beside(body, certificate, client, parsed=True)
+        return await self._order(body, certificate, client, parsed=True)
 
     async def scene_order(self, name: str, body: bytes, certificate: jobs.Detail, client: Client) -> Order:
         """What is to be done to plan the shipped scenario `name`, with the options in `body`. Raises `Problem`, and
         `InputError` for a scenario that is not there."""
-        return await asyncio.to_thread(self._scene, name, jobs.options_in(body), certificate, client)
+
+        def read() -> Order:
+            return self._scene(name, jobs.options_in(body), certificate, client)
+
+        return await (self._beside(client, read) if body else asyncio.to_thread(read))
 
     async def check(self, body: bytes, client: Client) -> jobs.Answer:
         """The checker's verdict on the request and plan in `body`. Raises `Problem`."""
@@ -137,23 +139,40 @@ class Service:
         demand = Demand(client, self.settings.check_s, short, kind=kind if short else f"long {kind}")
         return await self.do(Order(Work(job, asked, _digest(kind, *asked), in_touch=True), demand))
 
-    async def _read_beside(self, body: bytes, certificate: jobs.Detail, client: Client, *, parsed: bool) -> Order:
-        """`_read` in a thread. A thread cannot be stopped: its turn ends with it, also where nobody waits any more."""
-        await self._beside.acquire()
-        reading = asyncio.ensure_future(asyncio.to_thread(self._read, body, certificate, client, parsed=parsed))
-        reading.add_done_callback(self._read_ended)
-        return await asyncio.shield(reading)
+    async def _order(self, body: bytes, certificate: jobs.Detail, client: Client, *, parsed: bool) -> Order:
+        read = partial(self._read, body, certificate, client, parsed=parsed)
+        if len(body) <= SMALL_BYTES and b'"scenario"' not in body:
+            return read()
+        return await self._beside(client, read)
 
-    def _read_ended(self, reading: asyncio.Future[Order]) -> None:
-        self._beside.release()
-        if not reading.cancelled():
-            reading.exception()  # whoever waits has it, too; nobody may wait any more
+    async def _beside(self, client: Client, read: Callable[[], Order]) -> Order:
+        """What `read` returns, in a thread, when it is the turn of `client`, which pays for its time. A thread cannot
+        be stopped: its turn ends with it, also where nobody waits any more. Raises `Problem`, also as `Turns.take`."""
+        await self._turns.take(client)
+        took_s: list[float] = []
+
+        def timed() -> Order:
+            began = time.thread_time()
+            try:
+                return read()
+            finally:
+                took_s.append(time.thread_time() - began)
+
+        def ended(reading: asyncio.Future[Order]) -> None:
+            self._turns.give_on()
+            self.workers.admission.charge(client, sum(took_s))
+            if not reading.cancelled():
+                reading.exception()  # whoever waits has it, too; nobody may wait any more
+
+        reading = asyncio.ensure_future(asyncio.to_thread(timed))
+        reading.add_done_callback(ended)
+        return await asyncio.shield(reading)
 
     def _read(self, body: bytes, certificate: jobs.Detail, client: Client, *, parsed: bool = False) -> Order:
         document = (None if parsed else self._budgets(body)) or jobs.request_in(body)
         if "scenario" not in document:
             arguments = body, certificate, self.settings.max_budget_s
-            work = Work(jobs.plan, arguments, _digest("plan", body), in_touch=True)
+            work = Work(jobs.plan, arguments, _digest("plan", body), in_touch=True, listens=True)
             return Order(work, self._demand(document, client))
         try:
             return self._scene(_scenario_name(document), {}, certificate, client)
@@ -176,7 +195,8 @@ class Service:
         budgets = {key: min(value, most_s) for key, value in own.items()}
         demand = self._demand(with_options({"options": budgets}, options), client)
         key = _digest("scenario", name, *([json.dumps(options, sort_keys=True)] if options else []))
-        return Order(Work(jobs.plan_shipped, (name, options, certificate, most_s), key, in_touch=True), demand)
+        arguments = name, options, certificate, most_s
+        return Order(Work(jobs.plan_shipped, arguments, key, in_touch=True, listens=True), demand)
 
     def _budgets(self, body: bytes) -> dict[str, Any] | None:
         """A request with the budgets that stand in the text of one, which the worker validates, and nothing else.

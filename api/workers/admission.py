@@ -143,7 +143,18 @@ class Admission:
         self._queue.settle(ticket, took_s)
         share = min(1.0, took_s / demand.wall_s) if demand.wall_s > 0.0 else 0.0
         self._shares[demand.kind] = self._share(demand) + NEWS * (share - self._share(demand))
-        self._pay(demand.client, took_s)
+        self.charge(demand.client, took_s)
+
+    def charge(self, client: Client, took_s: float) -> None:
+        """Has a client pay for so many seconds of a worker, or of what else was done for it."""
+        if math.isinf(client.seconds):
+            return
+        now = self._clock()
+        self._balances[client.name] = self._balance(client) - took_s, now
+        # who owes nothing and has not asked for a minute has all of its seconds again, as one who is not known
+        self._balances = {
+            name: (balance, at) for name, (balance, at) in self._balances.items() if balance < 0.0 or now - at < 60.0
+        }
 
     def full(self) -> Problem:
         """The problem of a request that finds no place to wait: one is free when the next of those that wait begins."""
@@ -179,16 +190,6 @@ class Admission:
         now = self._clock()
         balance, at = self._balances.get(client.name, (client.seconds, now))
         return min(client.seconds, balance + (now - at) * client.seconds / 60.0)
-
-    def _pay(self, client: Client, took_s: float) -> None:
-        if math.isinf(client.seconds):
-            return
-        now = self._clock()
-        self._balances[client.name] = self._balance(client) - took_s, now
-        # who owes nothing and has not asked for a minute has all of its seconds again, as one who is not known
-        self._balances = {
-            name: (balance, at) for name, (balance, at) in self._balances.items() if balance < 0.0 or now - at < 60.0
-        }
 
     def _share(self, demand: Demand) -> float:
         """What part of the time that it might take a request of this kind is expected to take."""

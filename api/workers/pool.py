@@ -43,12 +43,14 @@ LONGEST_RETRY_S = 30.0
 @dataclass(frozen=True, slots=True)
 class Work:
     """What a worker is to do: the job and its arguments, and the digest of the request's body. `in_touch`: the last
-    argument of the job is a `Line`, by which it tells how far it has come and can be called off."""
+    argument of the job is a `Line`, by which it tells how far it has come. `listens`: it asks there again and again
+    whether it is called off; any other goes on when its client leaves, and its result is dropped."""
 
     job: Callable[..., Any]
     arguments: tuple[Any, ...]
     key: str
     in_touch: bool = False
+    listens: bool = False
 
 
 class RecalledError(Exception):
@@ -215,7 +217,9 @@ class Workers:
             about = About(self._quarantine.left_s(), suspect=deaths > 0) if work.in_touch else None
             try:
                 wall_s = ticket.demand.wall_s
-                running = self._processes[number].run(work.job, work.arguments, wall_s, hear, about)
+                running = self._processes[number].run(
+                    work.job, work.arguments, wall_s, hear, about, listens=work.listens
+                )
                 return await (self._unless_recalled(ticket, running) if ticket.borrows else running)
             except NotBegunError:
                 self.meters.restarted("idle")

@@ -3,8 +3,8 @@
 The process is forked from a template that has loaded the libraries (`assur.api.workers.template`), plans once, and then
 answers one job at a time. A message is a byte that says what it is, and, where there is something to say, a length and
 a pickle. In: a job; that the job is called off. Out: that the job has begun; what it means and how far it has come; its
-result. A process that crashed or did not end in time is killed and never used again, as is one whose job was called
-off, or whose client has gone, and did not end soon.
+result. A process that crashed or did not end in time is killed and never used again, as is one whose job listens, was
+called off, and did not end soon.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ BEGUN, TOLD, RESULT = b"B", b"T", b"R"
 LENGTH = struct.Struct("!Q")
 """Stands before each pickle: its length in bytes."""
 ENDS_S = 2.0
-"""A job that is not wanted any more has so long to end, s, before its worker is killed. A search is asked each round;
-most others take less, and starting a worker takes longer."""
+"""A job that listens and is not wanted any more has so long to end, s, before its worker is killed: a search asks each
+round. Any other has the rest of its time, so that whoever comes and goes costs nobody a worker."""
 
 NO_MEMORY = "ended for want of memory"
 """How a worker died that had no memory left."""
@@ -254,12 +254,15 @@ class WorkerProcess:
         wall_s: float,
         told: Tell | None = None,
         about: About | None = None,
+        *,
+        listens: bool = False,
     ) -> Any:
         """What `job(*arguments)` returns, or raises, in the worker. Both are pickled.
 
         `about`: the job is in touch: it takes one more argument, a `Line`, and `told` takes what it says there.
-        Cancelling calls such a job off; any other goes on. The process stays, if the job ends within `ENDS_S`; if not,
-        it is killed.
+        `listens`: it asks there whether it is called off, which cancelling does; it is killed if it does not end
+        within `ENDS_S`. Any other goes on when this is cancelled, up to `wall_s`, and its result is dropped; the second
+        time it is killed. The process stays if the job has ended.
 
         Raises `CrashedError` when the worker dies and `KilledError` when it is killed after `wall_s`. A process that
         died or was killed is closed until `start` is called again.
@@ -268,7 +271,8 @@ class WorkerProcess:
             raise NotBegunError("was not started")
         self.jobs += 1
         try:
-            succeeded, value = await self._in_time(self._streams, (job, arguments, about), wall_s, told, ends_s=ENDS_S)
+            ends_s = ENDS_S if listens else wall_s
+            succeeded, value = await self._in_time(self._streams, (job, arguments, about), wall_s, told, ends_s=ends_s)
         except BaseException:
             if not self._ended_early:
                 self._spoilt = True
@@ -301,9 +305,10 @@ class WorkerProcess:
     ) -> tuple[bool, Any]:
         """The exchange of a job, within a time. A task of its own: cancelled, it would lose its place in the stream.
 
-        `ends_s`: how long the job may go on when this is cancelled.
+        `ends_s`: how long the job may go on when this is cancelled, at most to the end of `wall_s`.
         """
         self._ended_early = False
+        end_s = asyncio.get_running_loop().time() + wall_s
         exchange = asyncio.ensure_future(self._exchange(streams, job, told))
         try:
             async with asyncio.timeout(wall_s):
@@ -312,7 +317,8 @@ class WorkerProcess:
             raise KilledError(f"no result after {wall_s:g} s") from late
         except asyncio.CancelledError:
             if ends_s > 0.0:
-                self._ended_early = await _ends_when_called_off(streams[1], exchange, ends_s)
+                left_s = end_s - asyncio.get_running_loop().time()
+                self._ended_early = await _ends_when_called_off(streams[1], exchange, min(ends_s, left_s))
             raise
         finally:
             exchange.cancel()

@@ -18,7 +18,8 @@ from assur.api.command_line import app
 from assur.api.keys import digest, keys_in, new_key
 from assur.api.problems import Problem
 from assur.api.web import clients
-from assur.api.web.clients import Clients, network
+from assur.api.web.addresses import network
+from assur.api.web.clients import Clients
 from assur.api.web.settings import Settings
 from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner.errors import InputError

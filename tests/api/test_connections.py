@@ -5,18 +5,24 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import re
 import socket
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from typing import Any
 
 import pytest
+from starlette.requests import Request
+from uvicorn.server import ServerState
 
 from assur.api.problems import Problem
 from assur.api.web import body_reader
+from assur.api.web.addresses import network
 from assur.api.web.body_reader import Reading
+from assur.api.web.chunks import CHUNK_BYTES, FIRST_CHUNKS
 from assur.api.web.serve import Server, listening, made
 from assur.api.web.settings import Settings
 from tests.api.processes import until
@@ -27,7 +33,12 @@ SHORT = Settings(
 """Times short enough to wait for. No test needs a worker, so none waits for one."""
 LIVE = b"GET /livez HTTP/1.1\r\nHost: x\r\n\r\n"
 LARGE = b"GET /openapi.json HTTP/1.1\r\nHost: x\r\n\r\n"
+JSON = [(b"content-type", b"application/json")]
+CHUNKED = b"POST /v1/jobs HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nTransfer-Encoding: chunked\r\n\r\n"
 SLOW = b"POST /v1/plans HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 1000\r\n\r\n"
+
+ANSWER = re.compile(rb"HTTP/1.1 \d+ .*?\r\ncontent-length: \d+\r\n.*?\r\n\r\n.", re.DOTALL)
+"""An answer has come: its head, and some of its body, which is written behind it in one piece."""
 
 
 class Running:
@@ -72,10 +83,11 @@ def running() -> Iterator[Running]:
 
 def status(connection: socket.socket) -> int:
     """The status of the answer that comes on a connection; 0: it is closed without one."""
+    found = b""
     with contextlib.suppress(ConnectionResetError):
-        line = connection.recv(4096).split(b"\r\n")[0]
-        return int(line.split()[1]) if line else 0
-    return 0
+        while not ANSWER.match(found) and (part := connection.recv(4096)):
+            found += part
+    return int(found.split()[1]) if found else 0
 
 
 def rest(connection: socket.socket) -> bytes:
@@ -123,6 +135,47 @@ def test_half_a_request_behind_a_whole_one_has_a_time_too(running: Running) -> N
     assert statuses == [b"200", b"408"]
 
 
+def in_chunks(size: int, count: int) -> bytes:
+    return CHUNKED + (b"%x\r\n" % size + b"x" * size + b"\r\n") * count + b"0\r\n\r\n"
+
+
+@pytest.mark.parametrize(("size", "count"), [(1, 100_000), (1, 130), (CHUNK_BYTES - 100, 1000)])
+def test_a_body_in_many_small_chunks_is_refused_before_it_is_parsed(running: Running, size: int, count: int) -> None:
+    with running.connect(in_chunks(size, count)) as connection:
+        head, _, body = rest(connection).partition(b"\r\n\r\n")  # the connection is closed behind the answer
+    assert head.split()[1] == b"400"
+    problem = json.loads(body)
+    assert problem["type"] == "urn:assur:problem:bad-syntax"
+    assert [error["field"] for error in problem["errors"]] == ["Transfer-Encoding"]
+
+
+@pytest.mark.parametrize(("size", "count"), [(1, FIRST_CHUNKS), (CHUNK_BYTES, 500), (200_000, 2)])
+def test_a_body_in_few_or_in_large_chunks_is_read(running: Running, size: int, count: int) -> None:
+    last = LIVE.replace(b"Host: x", b"Host: x\r\nConnection: close")
+    with running.connect(in_chunks(size, count) + last) as connection:
+        found = rest(connection)
+    assert [part[:3] for part in found.split(b"HTTP/1.1 ")[1:]] == [b"400", b"200"]
+    assert b"Transfer-Encoding" not in found
+
+
+def test_health_is_answered_while_bodies_come_in_small_chunks(running: Running) -> None:
+    with ExitStack() as stack:
+        small = [stack.enter_context(running.connect()) for _ in range(8)]
+        senders = [threading.Thread(target=sent, args=(each, in_chunks(1, 1_000_000))) for each in small]
+        for sender in senders:
+            sender.start()
+        assert running.status() == 200
+        assert any(sender.is_alive() for sender in senders) or all(b" 400 " in rest(each) for each in small)
+        for sender in senders:
+            sender.join()
+
+
+def sent(connection: socket.socket, data: bytes) -> None:
+    """Sends as much as is taken."""
+    with contextlib.suppress(OSError):
+        connection.sendall(data)
+
+
 @pytest.mark.parametrize("times", [1, 3], ids=["one request", "three in a row"])
 def test_a_client_that_has_finished_writing_gets_its_answers(running: Running, times: int) -> None:
     with running.connect(LARGE * times) as connection:
@@ -148,6 +201,34 @@ def test_a_client_that_does_not_take_its_answer_is_dropped(running: Running) -> 
         until(lambda: running.at_work == 1)
         until(lambda: running.at_work == 0)
         assert rest(connection).count(b"HTTP/1.1 200") < 400, "all of it was taken"
+
+
+def test_a_client_that_takes_its_answer_slowly_gets_all_of_it(running: Running) -> None:
+    with socket.socket() as connection:
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        connection.settimeout(60.0)
+        connection.connect(("127.0.0.1", running.port))
+        connection.sendall(LARGE * 40)
+        began, found = time.monotonic(), 0
+        while time.monotonic() - began < 3 * SHORT.write_s:
+            found += len(connection.recv(65536))
+            time.sleep(0.05)
+        connection.shutdown(socket.SHUT_WR)
+        assert (found + len(rest(connection))) % 40 == 0
+
+
+def test_an_answer_that_is_not_taken_gives_way_to_a_new_connection() -> None:
+    with run(replace(SHORT, connections_per_address=4, write_s=100.0)) as running, ExitStack() as unread:
+        for _ in range(4):
+            connection = unread.enter_context(socket.socket())
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            connection.connect(("127.0.0.1", running.port))
+            connection.setblocking(False)
+            with contextlib.suppress(BlockingIOError):
+                connection.send(LARGE * 200)
+        until(lambda: running.at_work == 4)
+        until(lambda: all(each.waiting for each in running.server._connections.open()))
+        assert running.status(LIVE.replace(b"/livez", b"/v1/robots")) == 200
 
 
 def test_beyond_the_limit_of_an_address_the_longest_idle_one_is_closed(running: Running) -> None:
@@ -211,6 +292,31 @@ def test_bodies_of_one_address_leave_room_for_others() -> None:
         reading.take("c", 1)
     reading.give_back("a", 50)
     reading.take("c", 50)
+
+
+def test_connections_of_one_network_are_counted_together() -> None:
+    async def address(of: str) -> str:
+        server = made(SHORT)
+        server.config.load()
+        kind: Any = server.config.http_protocol_class
+        protocol = kind(server.config, ServerState(), {})
+        protocol.connection_made(asyncio.Transport({"peername": (of, 1)}))
+        return str(protocol.address)
+
+    assert asyncio.run(address("2001:db8::1")) == asyncio.run(address("2001:db8::2")) == "2001:db8::/64"
+    assert asyncio.run(address("127.0.0.1")) != asyncio.run(address("127.0.0.2"))
+
+
+def test_bodies_of_one_network_are_counted_together() -> None:
+    reading = Reading(in_all=100, of_one=50)
+    reading.take(network("2001:db8::2"), 50)
+
+    async def coming() -> dict[str, object]:
+        return {"type": "http.request", "body": b"1", "more_body": False}
+
+    request = Request({"type": "http", "method": "POST", "headers": JSON, "client": ("2001:db8::1", 1)}, coming)
+    with pytest.raises(Problem, match="busy"):
+        asyncio.run(body_reader.read_body(request, 100, 1.0, reading))
 
 
 def test_a_stop_waits_for_a_drain_and_answers_close_their_connections() -> None:

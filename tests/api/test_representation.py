@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import asyncio
 import gzip
 import json
 from typing import Any
 
 import httpx
 import pytest
+from starlette.responses import Response
+from starlette.types import ASGIApp, Message
 
-from assur.api.web.representation import AT_ONCE, CONSTANT, takes_gzip
+from assur.api.web import representation
+from assur.api.web.representation import AT_ONCE, CONSTANT, PIECE, Representation, takes_gzip
 
 TIMES = ("elapsed_s", "first_s")
 CONSTANTS = (
@@ -94,3 +98,77 @@ def test_gzip_is_sent_only_to_those_who_take_it(asked: list[str], taken: bool) -
 def test_no_address_that_plans_counts_as_constant() -> None:
     for path in ("/v1/plans", "/v1/jobs/v1/scenes", "/livez", "/metrics", "/v1/schema/x"):
         assert CONSTANT.fullmatch(path) is None
+
+
+def test_a_large_answer_that_is_kept_is_compressed_once_for_all_who_ask(monkeypatch: pytest.MonkeyPatch) -> None:
+    body, packed = b"plan " * AT_ONCE, list[bytes]()
+    pack = representation._compress
+
+    def counted(data: bytes) -> bytes:
+        packed.append(data)
+        return pack(data)
+
+    monkeypatch.setattr(representation, "_compress", counted)
+
+    async def story() -> None:
+        app = Representation(Response(body, media_type="text/plain"))
+        answers = await asyncio.gather(*(sent(app) for _ in range(5)), sent(app))
+        assert {gzip.decompress(b"".join(pieces)) for pieces in answers} == {body}
+        assert len(packed) == 1
+        other = Representation(Response(body[1:], media_type="text/plain"))
+        assert gzip.decompress(b"".join(await sent(other))) == body[1:]
+        assert len(packed) == 2
+
+    asyncio.run(story())
+
+
+def test_of_large_answers_only_so_much_is_kept_compressed(monkeypatch: pytest.MonkeyPatch) -> None:
+    bodies = [bytes([65 + number]) * (AT_ONCE + 1) for number in range(4)]
+    monkeypatch.setattr(representation, "PACKED_BYTES", 2 * len(bodies[0]))
+
+    async def story() -> None:
+        app = Representation(Response(b""))
+        for each in bodies:
+            assert gzip.decompress(await app._pack(each)) == each
+        assert [each for each, _ in app._packed.values()] == bodies[2:]
+
+    asyncio.run(story())
+
+
+def test_a_large_body_leaves_in_pieces_and_others_have_their_turn_between() -> None:
+    body = bytes(range(256)) * 4 * (PIECE // 256) + b"the end"
+
+    async def story() -> None:
+        turns = 0
+
+        async def others() -> None:
+            nonlocal turns
+            while True:
+                turns += 1
+                await asyncio.sleep(0)
+
+        beside = asyncio.ensure_future(others())
+        pieces = await sent(Representation(Response(body)))
+        beside.cancel()
+        assert b"".join(pieces) == body
+        assert [len(each) for each in pieces] == [PIECE] * 4 + [7]
+        assert turns >= 4
+        assert await sent(Representation(Response(b""))) == [b""]
+
+    asyncio.run(story())
+
+
+async def sent(app: ASGIApp) -> list[bytes]:
+    """The pieces of the body that `app` sends to a caller that reads gzip."""
+    pieces: list[bytes] = []
+
+    async def receive() -> Message:
+        return {"type": "http.disconnect"}
+
+    async def send(message: Message) -> None:
+        if message["type"] == "http.response.body":
+            pieces.append(message["body"])
+
+    headers = [(b"accept-encoding", b"gzip")]
+    await app({"type": "http", "method": "GET", "path": "/kept", "headers": headers}, receive, send)
+    return pieces

@@ -17,6 +17,7 @@ import pytest
 
 from assur.api.problems import Problem
 from assur.api.web.settings import Settings
+from assur.api.workers import worker_process
 from assur.api.workers.client import Client, Demand
 from assur.api.workers.pool import Work, Workers
 from assur.api.workers.worker_process import NAME, WorkerProcess
@@ -39,9 +40,9 @@ async def ran(
     client: Client = ANYONE,
     short: bool = True,
 ) -> Any:
-    """What a job returns; one that tells is in touch."""
-    ticket = workers.admit(Demand(client, wall_s, short, kind="test"))
-    return await workers.run(ticket, Work(job, arguments, key, in_touch=told is not None), told)
+    """What a job returns; one that tells is in touch, and listens."""
+    ticket, tells = workers.admit(Demand(client, wall_s, short, kind="test")), told is not None
+    return await workers.run(ticket, Work(job, arguments, key, in_touch=tells, listens=tells), told)
 
 
 def with_workers(settings: Settings, story: Callable[[Workers], Awaitable[None]]) -> None:
@@ -152,6 +153,41 @@ def test_a_job_that_is_called_off_keeps_its_worker_if_it_ends_soon(job: Callable
             await working
         assert (await pid_of(workers) == told[0]) == stays
         assert told == told[:1]
+
+    with_workers(replace(SETTINGS, workers=1), story)
+
+
+def test_a_job_that_does_not_listen_goes_on_when_its_client_leaves_and_keeps_its_worker(
+    held: Held, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(worker_process, "ENDS_S", 0.02)
+
+    async def story(workers: Workers) -> None:
+        pid = await pid_of(workers)
+        job = held.job(workers)
+        await held.begun()
+        job.cancel()
+        await asyncio.sleep(10 * worker_process.ENDS_S)
+        assert not job.done()
+        held.release()
+        with pytest.raises(asyncio.CancelledError):
+            await job
+        assert await pid_of(workers) == pid
+
+    with_workers(replace(SETTINGS, workers=1), story)
+
+
+def test_a_job_that_does_not_listen_is_killed_at_its_own_limit_when_its_client_has_left() -> None:
+    async def story(workers: Workers) -> None:
+        pid = await pid_of(workers)
+        job = asyncio.create_task(ran(workers, time.sleep, (600.0,), "asleep", 1.0))
+        await until(lambda: workers.admission.running == 1)
+        job.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await job
+        await until(lambda: not alive(pid))
+        assert await pid_of(workers) != pid
+        assert not is_full(workers)
 
     with_workers(replace(SETTINGS, workers=1), story)
 
@@ -295,19 +331,6 @@ def test_what_a_job_raises_is_raised_here_and_its_worker_goes_on() -> None:
         with pytest.raises(ZeroDivisionError):
             await ran(workers, divmod, (1, 0), "raises", 30.0)
         assert await pid_of(workers) == pid
-
-    with_workers(Settings(workers=1), story)
-
-
-def test_a_job_whose_caller_has_gone_is_killed() -> None:
-    async def story(workers: Workers) -> None:
-        pid = await pid_of(workers)
-        job = asyncio.create_task(ran(workers, time.sleep, (60.0,), "gone", 90.0))
-        await asyncio.sleep(0.3)
-        job.cancel()
-        await until(lambda: not alive(pid))
-        assert await pid_of(workers) != pid
-        assert not is_full(workers)
 
     with_workers(Settings(workers=1), story)
 
