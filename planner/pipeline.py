@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from functools import partial
 
 from assur.planner.blends.search import searcher
 from assur.planner.collision.proof import Prover
@@ -15,11 +16,13 @@ from assur.planner.feasibility.necessary import arches_impossible, start_collide
 from assur.planner.feasibility.odd_arrivals import odd_arrivals
 from assur.planner.feasibility.odd_input import odd_input
 from assur.planner.feasibility.odd_places import odd_places
+from assur.planner.feasibility.posed_bodies import AtStart
 from assur.planner.legs.meeting import every_turn
 from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.legs.tilt import pitch_free
 from assur.planner.model.deadline import Deadline, OutOfTimeError, out_of_time
-from assur.planner.model.outcome import Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Relaxation
+from assur.planner.model.input_warning import InputWarning
+from assur.planner.model.outcome import Arrival, Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Relaxation
 from assur.planner.model.phases import phases, yaw_offsets
 from assur.planner.model.progress import Watch
 from assur.planner.model.refusal import OF_CANDIDATES, ForbiddenYaw, Reason, Refusal, Stage
@@ -35,7 +38,7 @@ from assur.planner.search.census import Counter
 from assur.planner.search.lower_bound import lower_bound
 
 MARGINS_S = 0.15
-"""So long after the budget, s, the smallest clearance of a plan may still be looked for."""
+"""So long after the budget, s, warnings and the smallest clearance of a plan may still be looked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +52,10 @@ class _Run:
     @property
     def elapsed(self) -> float:
         return time.perf_counter() - self.started
+
+    def tail(self, scene: Scene) -> Deadline:
+        """Until when what is told of an outcome beside it may be looked for, now that there is one."""
+        return Deadline(self.started, max(scene.options.budget_s, self.elapsed) + MARGINS_S)
 
 
 def plan(
@@ -77,10 +84,26 @@ def plan(
     run = _Run(time.perf_counter() if started is None else started, watch, laps or Stopwatch())
     prover = Prover(scene)
     outcome = _outcome(scene, run, prover, adaptive=adaptive, pairs=nearest_pairs)
-    missed = odd_arrivals(scene, outcome.plan.arrivals) if isinstance(outcome, Planned) else ()
-    warned = replace(outcome, warnings=(*odd_input(scene, prover), *odd_places(scene, prover), *missed))
+    if isinstance(outcome, NotPlanned):
+        with run.tail(scene):
+            told, late = _warnings(scene, prover, ())
+        cut = outcome.cut_by_clock or late
+        outcome = replace(outcome, warnings=told, elapsed_s=run.elapsed, cut_by_clock=cut)
     run.laps.lap("margins")
-    return warned
+    return outcome
+
+
+def _warnings(scene: Scene, prover: Prover, arrivals: tuple[Arrival, ...]) -> tuple[tuple[InputWarning, ...], bool]:
+    """What is probably not meant by a request, and by the arrivals of its plan; and whether the deadline in force
+    passed before all was looked for. Then the kinds that were not finished are left out."""
+    found, at = list[InputWarning](), AtStart(scene, prover)
+    kinds = partial(odd_input, at=at), partial(odd_places, at=at), partial(odd_arrivals, arrivals=arrivals)
+    for kind in kinds:
+        try:
+            found += kind(scene)
+        except OutOfTimeError:
+            return tuple(found), True
+    return tuple(found), False
 
 
 def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: int) -> Outcome:
@@ -100,8 +123,9 @@ def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: 
     found = searcher(scene, prover, run.started, adaptive=adaptive, watch=run.watch).run()
     run.laps.lap("search")
     if found.plan is None:
-        # the search may have ended before it asked
-        never = found.never or start_collides(scene, prover)
+        with run.tail(scene):
+            # the search may have ended before it asked
+            never = found.never or start_collides(scene, prover)
         if never is not None:
             census = found.census.census()
             return _not_planned(scene, run, never, census, proved=True, cut=False, deepest=never.step)
@@ -111,7 +135,9 @@ def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: 
 
 def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan, pairs: int) -> Planned:
     of_plan = phases(scene, made.legs, made.arrivals)
-    with Deadline(run.started, max(scene.options.budget_s, run.elapsed) + MARGINS_S):
+    with run.tail(scene):
+        # first what is told of the request: a smallest clearance takes what time there is
+        told, _ = _warnings(scene, prover, made.arrivals)
         measured = margins(scene, prover, made.trajectory, of_plan, pairs)
         late = out_of_time()
     return Planned(
@@ -126,6 +152,7 @@ def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan, 
         elapsed_s=run.elapsed,
         first_s=found.first_s,
         cut_by_clock=found.cut_by_clock or late,
+        warnings=told,
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from assur.planner.geometry.shapes import Body, support
 from assur.planner.model.arrival_error import Cause
 from assur.planner.model.attachments import at_start
+from assur.planner.model.deadline import look
 from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.outcome import Arrival
 from assur.planner.model.scene import Pick, Scene
@@ -20,7 +21,7 @@ DIRECTIONS = 180
 
 def odd_arrivals(scene: Scene, arrivals: Sequence[Arrival]) -> tuple[InputWarning, ...]:
     """A warning for each pick without a tolerance of its position where the tool may be farther from the part than half
-    of the part's smallest horizontal extent."""
+    of the part's smallest horizontal extent. Raises `OutOfTimeError` where the deadline in force passes."""
     attached, found = at_start(scene), list[InputWarning]()
     errors = {arrival.step: arrival.error for arrival in arrivals}
     for number, step in enumerate(scene.task):
@@ -44,6 +45,7 @@ def smallest_extent(body: Body) -> float:
     askew in their body's frame, as it is looked for in steps of 1°."""
     widths = []
     for angle in np.pi * np.arange(DIRECTIONS) / DIRECTIONS:
+        look()
         n = np.array([np.cos(angle), np.sin(angle), 0.0])
         widths.append(
             max(support(piece, n) for piece in body.pieces) + max(support(piece, -n) for piece in body.pieces)

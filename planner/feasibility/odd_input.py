@@ -6,13 +6,11 @@ touch nothing. FCL decides, on the true shapes, where everything is at the start
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from assur.planner.collision.fcl_door import Posed
 from assur.planner.collision.proof import Prover
-from assur.planner.feasibility.posed_bodies import moved, posed_body, touch, world_pose
+from assur.planner.feasibility.posed_bodies import AtStart, moved, touch
 from assur.planner.model.attachments import AT_START, at_start
 from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.phases import CONTACT_M, resting_on
@@ -26,9 +24,10 @@ HALVINGS = 20
 """Of `FLOAT_M`, until the height of a part above what is below it is known: to less than 0.1 µm."""
 
 
-def odd_input(scene: Scene, prover: Prover) -> tuple[InputWarning, ...]:
-    """The warnings of a request: tools first, then parts in the order of the task."""
-    return (*_tools_in_the_arm(scene, prover), *_floating_parts(scene, prover))
+def odd_input(scene: Scene, at: AtStart) -> tuple[InputWarning, ...]:
+    """The warnings of a request: tools first, then parts in the order of the task. Raises `OutOfTimeError` where the
+    deadline in force passes."""
+    return (*_tools_in_the_arm(scene, at.prover), *_floating_parts(scene, at))
 
 
 def _tools_in_the_arm(scene: Scene, prover: Prover) -> list[InputWarning]:
@@ -58,7 +57,7 @@ def _tools_in_the_arm(scene: Scene, prover: Prover) -> list[InputWarning]:
     return found
 
 
-def _floating_parts(scene: Scene, prover: Prover) -> list[InputWarning]:
+def _floating_parts(scene: Scene, at: AtStart) -> list[InputWarning]:
     """Parts to be picked that rest on nothing at the start, with the body just below them."""
     attached, found = at_start(scene), []
     taken = {attached.held.part} if attached.held is not None else set()
@@ -69,34 +68,26 @@ def _floating_parts(scene: Scene, prover: Prover) -> list[InputWarning]:
         frame, pose = attached.point(scene, step)
         if resting_on(scene, step.part, frame, pose, step.contact_with, attached):
             continue
-        below = _just_below(scene, prover, step.part)
+        below = _just_below(scene, at, step.part)
         if below is not None:
             found.append(InputWarning(Odd.PART_FLOATS, (step.part, below[0]), below[1]))
     return found
 
 
-def _just_below(scene: Scene, prover: Prover, part: str) -> tuple[str, float] | None:
+def _just_below(scene: Scene, at: AtStart, part: str) -> tuple[str, float] | None:
     """The first body that a part would touch if it sank, and how far it would sink, m; None: it touches one already,
     or none within `FLOAT_M`."""
-    t, arrangement = scene.start.time, prover.arrangement(AT_START)
-    here = world_pose(scene, part, t)
+    here = at.pose(part)
     if here is None:
         return None
-    body = scene.index[part].body
-    bottom = here.z + body.heights[0]
-    posed = posed_body(scene, prover, part)
+    bottom = here.z + scene.index[part].body.heights[0]
+    posed = at.shapes(part)
     nearest: tuple[float, str] | None = None
-    for other in scene.bodies:
-        there = None if other.name == part else world_pose(scene, other.name, t)
-        if there is None or math.hypot(there.x - here.x, there.y - here.y) > body.radius + other.body.radius:
-            continue
-        low, high = (there.z + height for height in other.body.heights)
-        if high < bottom - FLOAT_M or low > bottom or other.name not in arrangement.number:
-            continue
-        below = posed_body(scene, prover, other.name)
+    for other in at.near(part, bottom - FLOAT_M, bottom):
+        below = at.shapes(other)
 
         def sunk(by: float, below: list[Posed] = below) -> bool:
-            return touch(prover, moved(posed, np.array([0.0, 0.0, -by])), below)
+            return touch(at.prover, moved(posed, np.array([0.0, 0.0, -by])), below)
 
         if sunk(CONTACT_M):
             return None
@@ -105,5 +96,5 @@ def _just_below(scene: Scene, prover: Prover, part: str) -> tuple[str, float] | 
             for _ in range(HALVINGS):
                 middle = (free + hit) / 2
                 free, hit = (free, middle) if sunk(middle) else (middle, hit)
-            nearest = min(nearest or (hit, other.name), (hit, other.name))
+            nearest = min(nearest or (hit, other), (hit, other))
     return None if nearest is None else (nearest[1], nearest[0])

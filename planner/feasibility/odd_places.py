@@ -14,11 +14,11 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.fcl_door import Posed
-from assur.planner.collision.proof import Prover
-from assur.planner.feasibility.posed_bodies import moved, posed_body, touch, world_pose
+from assur.planner.feasibility.posed_bodies import AtStart, moved, touch
 from assur.planner.frames import Fixed
 from assur.planner.frames.motion import Pose
 from assur.planner.model.attachments import AT_START, Attachments, at_start
+from assur.planner.model.deadline import look
 from assur.planner.model.input_warning import InputWarning, Odd
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.scene import Pick, Place, Scene
@@ -36,23 +36,26 @@ MOST_OVERLAPS = 5
 AXES = np.concatenate([np.eye(3), -np.eye(3)])
 
 
-def odd_places(scene: Scene, prover: Prover) -> tuple[InputWarning, ...]:
-    """The warnings about picks and places, in the order of the task, and then about bodies that overlap."""
+def odd_places(scene: Scene, at: AtStart) -> tuple[InputWarning, ...]:
+    """The warnings about picks and places, in the order of the task, and then about bodies that overlap.
+
+    Raises `OutOfTimeError` where the deadline in force passes."""
     attached, found = at_start(scene), dict[InputWarning, None]()
     for step in scene.task:
-        if isinstance(step, Pick) and _grips_beside(scene, prover, step, attached):
+        look()
+        if isinstance(step, Pick) and _grips_beside(scene, at, step, attached):
             found[InputWarning(Odd.TOOL_OFF_PART, (scene.tool.bodies[0].name, step.part), GRIP_M)] = None
         if isinstance(step, Place):
-            below = _air_below(scene, prover, step, attached)
+            below = _air_below(scene, at, step, attached)
             if below is not None:
                 found[InputWarning(Odd.RELEASED_IN_AIR, (step.part, below[0]), below[1])] = None
         attached = attached.after(scene, step)
-    return (*found, *_overlaps(scene, prover))
+    return (*found, *_overlaps(scene, at))
 
 
-def _grips_beside(scene: Scene, prover: Prover, step: Pick, attached: Attachments) -> bool:
+def _grips_beside(scene: Scene, at: AtStart, step: Pick, attached: Attachments) -> bool:
     """Whether the tool touches the part in none of the turns in which it may grip it, nor near."""
-    here = world_pose(scene, step.part, scene.start.time)
+    here, prover = at.pose(step.part), at.prover
     if not scene.tool.bodies or scene.robot.tilting or here is None:
         return False
     q, t, arrangement = scene.start.q, scene.start.time, prover.arrangement(AT_START)
@@ -61,7 +64,7 @@ def _grips_beside(scene: Scene, prover: Prover, step: Pick, attached: Attachment
     at_flange[:3, :3], at_flange[:3, 3] = flange[3:].reshape(3, 3), flange[:3]
     units = [unit for body in scene.tool.bodies for unit in arrangement.pieces(arrangement.number[body.name])]
     tool = prover.posed(arrangement, q, t, np.array(units))
-    part = posed_body(scene, prover, step.part)
+    part = at.shapes(step.part)
     ways = [np.zeros(3), *(GRIP_M * k / GRIP_STEPS * axis for k in range(1, GRIP_STEPS + 1) for axis in AXES)]
     for turn in yaw_offsets(scene, step) or (0.0,):
         held = attached.after(scene, step, turn).held
@@ -73,32 +76,30 @@ def _grips_beside(scene: Scene, prover: Prover, step: Pick, attached: Attachment
     return True
 
 
-def _air_below(scene: Scene, prover: Prover, step: Place, attached: Attachments) -> tuple[str, float] | None:
+def _air_below(scene: Scene, at: AtStart, step: Place, attached: Attachments) -> tuple[str, float] | None:
     """The highest body below a part that is released in the air, and how far below it is, m; None: the part is put down
     on something, or it is not known what is there when it is.
 
     Not looked at: places that name what the part rests on, or on frames that move, or beside bodies that move."""
     if step.contact_with is not None or not isinstance(scene.frames[step.target.frame].law, Fixed):
         return None
-    t = scene.start.time
     others = [body.name for body in scene.bodies if body.name != step.part]
     if not all(isinstance(scene.frames[attached.pose_of(scene, name)[0]].law, Fixed) for name in others):
         return None
-    here = world_pose(scene, step.part, t)
-    there = world_pose(scene, step.part, t, (step.target.frame, step.target.pose))
+    here, there = at.pose(step.part), at.pose(step.part, (step.target.frame, step.target.pose))
     if here is None or there is None:
         return None
-    part = _carried(posed_body(scene, prover, step.part), _matrix(there) @ np.linalg.inv(_matrix(here)))
+    part = _carried(at.shapes(step.part), _matrix(there) @ np.linalg.inv(_matrix(here)))
     sunk, body = moved(part, np.array([0.0, 0.0, -DROP_M])), scene.index[step.part].body
     bottom, highest = there.z + body.heights[0], None
     for name in others:
-        old, now = world_pose(scene, name, t), world_pose(scene, name, t, attached.pose_of(scene, name))
-        if old is None or now is None or name not in prover.arrangement(AT_START).number:
+        old, now = at.pose(name), at.pose(name, attached.pose_of(scene, name))
+        if old is None or now is None or name not in at.prover.arrangement(AT_START).number:
             return None
         other = scene.index[name].body
         if math.hypot(now.x - there.x, now.y - there.y) > body.radius + other.radius:
             continue
-        if touch(prover, sunk, _carried(posed_body(scene, prover, name), _matrix(now) @ np.linalg.inv(_matrix(old)))):
+        if touch(at.prover, sunk, _carried(at.shapes(name), _matrix(now) @ np.linalg.inv(_matrix(old)))):
             return None
         gap = bottom - (now.z + other.heights[1])
         if gap > 0.0 and (highest is None or gap < highest[1]):
@@ -106,31 +107,35 @@ def _air_below(scene: Scene, prover: Prover, step: Place, attached: Attachments)
     return highest
 
 
-def _overlaps(scene: Scene, prover: Prover) -> list[InputWarning]:
-    """Parts that stand, and are inside a body that stands, or inside another such part."""
-    t, found, parts = scene.start.time, list[InputWarning](), dict[str, None]()
+def _overlaps(scene: Scene, at: AtStart) -> list[InputWarning]:
+    """Parts that stand, and are inside a body that stands, or inside another such part: the first `MOST_OVERLAPS`."""
+    found, parts = list[InputWarning](), dict[str, None]()
     held = at_start(scene).held
     for step in scene.task:
         if isinstance(step, Pick) and (held is None or held.part != step.part):
             parts[step.part] = None
     if not parts:
         return []
-    numbers = prover.arrangement(AT_START).number
+    numbers = at.prover.arrangement(AT_START).number
     standing = [body for body in scene.bodies if isinstance(scene.frames[body.frame].law, Fixed)]
     standing = [body for body in standing if body.name in numbers and (held is None or held.part != body.name)]
-    for i, one in enumerate(standing):
-        for other in standing[i + 1 :]:
-            if one.name not in parts and other.name not in parts:
-                continue  # fixtures are often made of shapes that overlap
-            here, there = world_pose(scene, one.name, t), world_pose(scene, other.name, t)
-            if here is None or there is None:
-                continue
-            if math.hypot(here.x - there.x, here.y - there.y) > one.body.radius + other.body.radius:
-                continue
-            ones, others = posed_body(scene, prover, one.name), posed_body(scene, prover, other.name)
-            if all(touch(prover, moved(ones, OVERLAP_M * axis), others) for axis in AXES):
-                found.append(InputWarning(Odd.BODIES_OVERLAP, (one.name, other.name), OVERLAP_M))
-    return found[:MOST_OVERLAPS]
+    order = {body.name: i for i, body in enumerate(standing)}
+    pairs = set[tuple[int, int]]()
+    for name in parts:
+        here = at.pose(name)
+        if name in order and here is not None:
+            low, high = (here.z + height for height in scene.index[name].body.heights)
+            others = [order[other] for other in at.near(name, low, high) if other in order]
+            pairs |= {(min(order[name], other), max(order[name], other)) for other in others}
+    # fixtures, which are no parts, are often made of shapes that overlap
+    for i, j in sorted(pairs):
+        one, other = standing[i].name, standing[j].name
+        ones, theirs = at.shapes(one), at.shapes(other)
+        if all(touch(at.prover, moved(ones, OVERLAP_M * axis), theirs) for axis in AXES):
+            found.append(InputWarning(Odd.BODIES_OVERLAP, (one, other), OVERLAP_M))
+            if len(found) == MOST_OVERLAPS:
+                break
+    return found
 
 
 def _carried(posed: list[Posed], by: FloatArray) -> list[Posed]:

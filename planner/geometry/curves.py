@@ -6,11 +6,10 @@ Equations Q1 to Q5 of docs/kinematics.md. Every method takes arc lengths (T,) in
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
+from assur.planner.arrays import FloatArray, IntArray
 
 Along = tuple[FloatArray, FloatArray, FloatArray]
 """Point (T, 3) m, tangent (T, 3) of length 1, and derivative of the tangent by arc length (T, 3) 1/m."""
@@ -56,60 +55,80 @@ class Circular:
 
 @dataclass(frozen=True, eq=False)
 class Polynomial:
-    """Σ_k `coefficients`[k] u^k, (6, 3), for u from 0 to 1."""
+    """Σ_k `coefficients`[k] u^k, (6, 3), for u from 0 to 1. `lengths`: arc lengths (STEPS + 1,), m, at even
+    parameters."""
 
     coefficients: FloatArray
+    lengths: FloatArray
 
-    @cached_property
+    @property
     def length(self) -> float:
         """m."""
-        return float(self._lengths[-1])
-
-    @cached_property
-    def slowest(self) -> float:
-        """The least |dr/du| at many parameters, m: near zero the curve has a cusp."""
-        return float(np.linalg.norm(self._derivative(np.linspace(0.0, 1.0, 8 * STEPS + 1), 1), axis=1).min())
+        return float(self.lengths[-1])
 
     def at(self, s: FloatArray) -> Along:
         """Point, tangent and curvature (Q3)."""
-        u = self._parameter(s)
-        first, second = self._derivative(u, 1), self._derivative(u, 2)
-        speed = np.linalg.norm(first, axis=1, keepdims=True)
-        tangent = first / speed
-        bend = second - (second * tangent).sum(1, keepdims=True) * tangent
-        return self._derivative(u, 0), tangent, bend / speed**2
+        return along(self.coefficients[None], self.lengths[None], np.zeros(len(s), dtype=np.int64), s)
 
-    def _derivative(self, u: FloatArray, order: int) -> FloatArray:
-        c = self.coefficients
-        for _ in range(order):
-            c = c[1:] * np.arange(1, len(c))[:, None]
-        found = np.zeros((len(u), 3))
-        for row in c[::-1]:
-            found = found * u[:, None] + row
-        return found
 
-    @cached_property
-    def _lengths(self) -> FloatArray:
-        """Arc lengths (STEPS + 1,) at even parameters."""
-        edges = np.arange(STEPS) / STEPS
-        return np.append(0.0, np.cumsum(self._between(edges, edges + 1 / STEPS)))
+def polynomials(coefficients: FloatArray) -> tuple[Polynomial, ...]:
+    """The curves of coefficients (P, 6, 3)."""
+    edges = np.arange(STEPS) / STEPS
+    many = _differentiated(coefficients)[:, None]
+    table = np.zeros((len(coefficients), STEPS + 1))
+    np.cumsum(_between(many, edges[None], (edges + 1 / STEPS)[None]), axis=1, out=table[:, 1:])
+    return tuple(Polynomial(c, lengths) for c, lengths in zip(coefficients, table, strict=True))
 
-    def _between(self, a: FloatArray, b: FloatArray) -> FloatArray:
-        """Arc lengths (T,) between parameters, by Gauss's rule."""
-        u = (a + b)[:, None] / 2 + (b - a)[:, None] / 2 * _X
-        speed = np.linalg.norm(self._derivative(u.ravel(), 1), axis=1).reshape(u.shape)
-        return np.asarray((b - a) / 2 * (speed @ _W))
 
-    def _parameter(self, s: FloatArray) -> FloatArray:
-        """Parameters (T,) at arc lengths, by Newton's method."""
-        table = self._lengths
-        i = np.clip(np.searchsorted(table, s, side="right") - 1, 0, STEPS - 1)
-        begin = i / STEPS
-        u = begin + (s - table[i]) / (table[i + 1] - table[i]) / STEPS
-        for _ in range(NEWTON):
-            off = table[i] + self._between(begin, u) - s
-            u = u - off / np.linalg.norm(self._derivative(u, 1), axis=1)
-        return np.clip(u, 0.0, 1.0)
+def slowest(coefficients: FloatArray) -> FloatArray:
+    """The least |dr/du| (P,) of curves of coefficients (P, 6, 3) at many parameters, m: near zero there is a cusp."""
+    u = np.linspace(0.0, 1.0, 8 * STEPS + 1)[None]
+    return np.asarray(_norm(_sum(_differentiated(coefficients)[:, None], u)).min(1))
+
+
+def along(coefficients: FloatArray, lengths: FloatArray, curve: IntArray, s: FloatArray) -> Along:
+    """Point, tangent and curvature (Q3) at arc lengths s (T,), each on one `curve` (T,) of those with coefficients
+    (P, 6, 3) and tables of `lengths` (P, STEPS + 1)."""
+    c, table = coefficients[curve], lengths[curve]
+    once = _differentiated(c)
+    # Newton's method, from the line of the table
+    i = np.clip((table <= s[:, None]).sum(1) - 1, 0, STEPS - 1)[:, None]
+    low, high = (np.take_along_axis(table, k, 1)[:, 0] for k in (i, i + 1))
+    begin = i[:, 0] / STEPS
+    u = begin + (s - low) / (high - low) / STEPS
+    for _ in range(NEWTON):
+        off = low + _between(once, begin, u) - s
+        u = u - off / _norm(_sum(once, u))
+    u = np.clip(u, 0.0, 1.0)
+    first, second = _sum(once, u), _sum(_differentiated(once), u)
+    speed = _norm(first)[:, None]
+    tangent = first / speed
+    bend = second - (second * tangent).sum(1, keepdims=True) * tangent
+    return _sum(c, u), tangent, bend / speed**2
+
+
+def _differentiated(c: FloatArray) -> FloatArray:
+    """Coefficients (..., K - 1, 3) of the derivative of polynomials with coefficients (..., K, 3)."""
+    return np.asarray(c[..., 1:, :] * np.arange(1, c.shape[-2])[:, None])
+
+
+def _sum(c: FloatArray, u: FloatArray) -> FloatArray:
+    """Values (..., 3) of polynomials with coefficients (..., K, 3) at parameters u (...)."""
+    found = np.zeros((*u.shape, 3))
+    for k in range(c.shape[-2] - 1, -1, -1):
+        found = found * u[..., None] + c[..., k, :]
+    return found
+
+
+def _norm(v: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt((v * v).sum(-1)))
+
+
+def _between(once: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
+    """Arc lengths (...) between parameters a and b (...) of curves whose derivatives have coefficients (..., K, 3), by
+    Gauss's rule."""
+    u = (a + b)[..., None] / 2 + (b - a)[..., None] / 2 * _X
+    return np.asarray((b - a) / 2 * (_norm(_sum(once[..., None, :, :], u)) @ _W))
 
 
 Curve = Straight | Circular | Polynomial
@@ -146,13 +165,11 @@ def spline_through(points: FloatArray, tangent: FloatArray | None) -> tuple[Poly
     if tangent is not None:
         matrix[0, :2], right[0] = (h[0] / 3, h[0] / 6), mean[0] - tangent
     m = np.linalg.solve(matrix, right)
-    found = []
-    for i in range(n - 1):
-        slope = mean[i] - h[i] * (2 * m[i] + m[i + 1]) / 6
-        c = np.zeros((6, 3))
-        c[:4] = points[i], slope * h[i], m[i] / 2 * h[i] ** 2, (m[i + 1] - m[i]) / 6 * h[i] ** 2
-        found.append(Polynomial(c))
-    return tuple(found)
+    slope = mean - h[:, None] * (2 * m[:-1] + m[1:]) / 6
+    c = np.zeros((n - 1, 6, 3))
+    c[:, 0], c[:, 1], c[:, 2] = points[:-1], slope * h[:, None], m[:-1] / 2 * h[:, None] ** 2
+    c[:, 3] = (m[1:] - m[:-1]) / 6 * h[:, None] ** 2
+    return polynomials(c)
 
 
 def joining(one: Along, other: Along, speed: float) -> Polynomial:
@@ -161,15 +178,19 @@ def joining(one: Along, other: Along, speed: float) -> Polynomial:
     (p, t, k), (q, w, c) = ((row[0] for row in state) for state in (one, other))
     v0, a0, v1, a1 = speed * t, speed**2 * k, speed * w, speed**2 * c
     d = q - p
-    return Polynomial(
-        np.array(
-            [
-                p,
-                v0,
-                a0 / 2,
-                10 * d - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1,
-                -15 * d + 8 * v0 + 7 * v1 + 1.5 * a0 - a1,
-                6 * d - 3 * (v0 + v1) - 0.5 * (a0 - a1),
-            ]
-        )
-    )
+    coefficients = [
+        p,
+        v0,
+        a0 / 2,
+        10 * d - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1,
+        -15 * d + 8 * v0 + 7 * v1 + 1.5 * a0 - a1,
+        6 * d - 3 * (v0 + v1) - 0.5 * (a0 - a1),
+    ]
+    return polynomials(np.array([coefficients]))[0]
+
+
+def middle(one: Along, other: Along, speed: FloatArray) -> FloatArray:
+    """The points (T, 3) at u = 1/2 of the polynomials that join states (T, 3) of curves (`joining`); `speed` (T,)."""
+    (p, t, k), (q, w, c) = one, other
+    v = speed[:, None]
+    return np.asarray((p + q) / 2 + 5 / 32 * v * (t - w) + v**2 * (k + c) / 64)

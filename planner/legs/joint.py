@@ -108,7 +108,8 @@ class JointMotion:
         spent = sum(profile.duration for profile in self.prefix)
         # velocity limits alone say that nothing earlier can be met; Ruckig says the rest
         least = branch.velocity_times(self.origin[0], self.pace.rates[0])
-        rows = np.flatnonzero(branch.time >= begin + spent + least)
+        # an arm that moves with the point already is at it now: a leg that takes no time is none
+        rows = np.flatnonzero(branch.time >= begin + spent + np.maximum(least, SHORTEST))
         times = branch.time[rows]
         number, late = 0, self.shape.late
         for _ in range(TRIES):

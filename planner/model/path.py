@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
+from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.errors import InputError
 from assur.planner.geometry.curves import (
     Along,
@@ -22,10 +22,14 @@ from assur.planner.geometry.curves import (
     Curve,
     Polynomial,
     Straight,
+    along,
     circle_through,
     joining,
+    middle,
+    slowest,
     spline_through,
 )
+from assur.planner.model.deadline import look
 
 Point = tuple[float, float, float]
 
@@ -42,7 +46,10 @@ SHARE = 0.45
 PULL = 1.75
 """|dr/du| at both ends of a rounded corner, in lengths that it takes of the parts: the curvature then rises and falls
 once, and the middle is nearest to the corner."""
-HALVINGS = 60
+SECTIONS, ROUNDS = 64, 10
+"""Into so many sections the range of what a corner may take is divided, and so often the one that is left: by 2^60."""
+BLOCK = 2048
+"""Arc lengths between two looks at the clock."""
 CUSP = 0.05
 """A spline whose |dr/du| falls below this share of its chord turns too sharply to be followed."""
 
@@ -107,31 +114,56 @@ class PathCurve:
         self.parts = parts
         self.edges = np.append(0.0, np.cumsum([end - begin for _, begin, end in parts]))
         self.length = float(self.edges[-1])
+        self._begins, self._ends = (np.array([part[k] for part in parts]) for k in (1, 2))
+        many = [k for k, part in enumerate(parts) if isinstance(part[0], Polynomial)]
+        curves = [part[0] for part in parts if isinstance(part[0], Polynomial)]
+        self._polynomial = np.full(len(parts), -1)
+        self._polynomial[many] = np.arange(len(many))
+        """Which of the polynomials each part is; -1: none."""
+        self._coefficients = np.array([curve.coefficients for curve in curves])
+        self._lengths = np.array([curve.lengths for curve in curves])
 
     def at(self, s: FloatArray) -> Along:
-        """Points (T, 3), tangents and curvatures at arc lengths (T,); at a junction those of the part behind it."""
+        """Points (T, 3), tangents and curvatures at arc lengths (T,); at a junction those of the part behind it. Raises
+        `OutOfTimeError` where the deadline in force passes."""
         found = np.zeros((3, len(s), 3))
+        for first in range(0, len(s), BLOCK):
+            look()
+            rows = slice(first, first + BLOCK)
+            found[:, rows] = self._block(s[rows])
+        return found[0], found[1], found[2]
+
+    def _block(self, s: FloatArray) -> FloatArray:
+        """What `at` gives (3, T, 3)."""
         number = np.clip(np.searchsorted(self.edges, s, side="right") - 1, 0, len(self.parts) - 1)
-        for k in np.unique(number).tolist():
-            rows = number == k
-            curve, begin, end = self.parts[k]
-            own = np.clip(s[rows] - self.edges[k] + begin, begin, end)
-            for target, value in zip(found, curve.at(own), strict=True):
-                target[rows] = value
+        begin, end = self._begins[number], self._ends[number]
+        found = self._on(number, np.clip(s - self.edges[number] + begin, begin, end))
         for rows, edge in ((s < 0.0, 0.0), (s > self.length, self.length)):
             found[0, rows] += (s[rows] - edge)[:, None] * found[1, rows]
             found[2, rows] = 0.0
-        return found[0], found[1], found[2]
+        return found
+
+    def _on(self, number: IntArray, own: FloatArray) -> FloatArray:
+        """Points, tangents and curvatures (3, T, 3) on parts `number` (T,), at their `own` arc lengths (T,)."""
+        found = np.zeros((3, len(own), 3))
+        polynomial = self._polynomial[number]
+        among = polynomial >= 0
+        if among.any():
+            found[:, among] = along(self._coefficients, self._lengths, polynomial[among], own[among])
+        for k in np.unique(number[~among]).tolist():
+            rows = number == k
+            for target, value in zip(found, self.parts[k][0].at(own[rows]), strict=True):
+                target[rows] = value
+        return found
 
     @cached_property
     def junctions(self) -> tuple[Junction, ...]:
         """All junctions, the two ends among them, where the curve goes on straight."""
-        found = []
-        for k in range(len(self.parts) + 1):
-            before = np.zeros((1, 3)) if k == 0 else _end(self.parts[k - 1])[2]
-            behind = np.zeros((1, 3)) if k == len(self.parts) else _begin(self.parts[k])[2]
-            found.append(Junction(float(self.edges[k]), float(np.linalg.norm(behind - before))))
-        return tuple(found)
+        none, every = np.zeros((1, 3)), np.arange(len(self.parts))
+        before = np.concatenate([none, self._on(every, self._ends)[2]])
+        behind = np.concatenate([self._on(every, self._begins)[2], none])
+        jumps = np.linalg.norm(behind - before, axis=1)
+        return tuple(Junction(at, jump) for at, jump in zip(self.edges.tolist(), jumps.tolist(), strict=True))
 
 
 def _begin(part: tuple[Curve, float, float]) -> Along:
@@ -145,6 +177,7 @@ def _end(part: tuple[Curve, float, float]) -> Along:
 @dataclass(frozen=True)
 class Path:
     """From `begin`, m in a frame, along `parts`; corners are rounded so that the way passes them within `blend_m`.
+    Making it raises `OutOfTimeError` where the deadline in force passes.
 
     Raises `PathError` for points that coincide, arcs whose three points are on a line or that are larger than
     `LARGEST_RADIUS_M`, splines with a cusp, and corners where nothing is rounded or that turn back.
@@ -168,6 +201,7 @@ class Path:
         found: list[tuple[Curve, float, float]] = []
         here = np.array(self.begin)
         for number, part in enumerate(self.parts):
+            look()
             tangent = None if not found else _end(found[-1])[1][0]
             pieces = _curves(number, part, here, tangent)
             found += self._rounded(number, found, pieces)
@@ -218,16 +252,18 @@ def corner_length(
     the corner (Q5), and `SHARE` of the shorter of them at most. `whole`: length of the one before, uncut."""
     corner = _end(last)[0][0]
 
-    def off(taken: float) -> float:
-        middle = 0.5 ** np.arange(6) @ _corner(last, first, taken).coefficients
-        return float(np.linalg.norm(middle - corner))
+    def off(taken: FloatArray) -> FloatArray:
+        ends, begins = last[0].at(last[2] - taken), first[0].at(first[1] + taken)
+        return np.asarray(np.linalg.norm(middle(ends, begins, PULL * taken) - corner, axis=1))
 
     low, high = 0.0, SHARE * min(whole, first[0].length)
-    if off(high) <= blend:
+    if off(np.array([high]))[0] <= blend:
         return high
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        low, high = (middle, high) if off(middle) <= blend else (low, middle)
+    for _ in range(ROUNDS):
+        tried = np.linspace(low, high, SECTIONS + 1)
+        beyond = np.append(off(tried[1:-1]) > blend, True)
+        k = int(beyond.argmax())
+        low, high = float(tried[k]), float(tried[k + 1])
     return low
 
 
@@ -251,8 +287,9 @@ def _curves(number: int, part: PathPart, here: FloatArray, tangent: FloatArray |
     if isinstance(part, SplineThrough):
         points = np.array([here, *part.points])
         splines = spline_through(points, tangent)
-        for k, spline in enumerate(splines):
-            if not spline.slowest >= CUSP * float(np.linalg.norm(points[k + 1] - points[k])):
+        least = slowest(np.array([spline.coefficients for spline in splines]))
+        for k, slow in enumerate(least.tolist()):
+            if not slow >= CUSP * float(np.linalg.norm(points[k + 1] - points[k])):
                 allowed = "points through which a spline has no cusp: nearer to each other where it turns"
                 raise PathError(number, "points", part.points[k], allowed)
         return splines

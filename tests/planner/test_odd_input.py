@@ -10,6 +10,7 @@ import pytest
 
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.odd_input import FLOAT_M, MOUNT_M, odd_input
+from assur.planner.feasibility.posed_bodies import AtStart
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, box, cylinder
 from assur.planner.model.input_warning import InputWarning, Odd
@@ -20,7 +21,7 @@ from tests.planner.cells import PART, Around, cell, go, mesh_box, solid, stands,
 
 
 def odd(scene: Scene) -> tuple[InputWarning, ...]:
-    return odd_input(scene, Prover(scene))
+    return odd_input(scene, AtStart(scene, Prover(scene)))
 
 
 def lifted(by: float, **changes: Any) -> Scene:

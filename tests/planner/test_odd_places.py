@@ -10,6 +10,7 @@ import pytest
 
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.odd_places import DROP_M, GRIP_M, OVERLAP_M, odd_places
+from assur.planner.feasibility.posed_bodies import AtStart
 from assur.planner.frames import Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder
@@ -21,7 +22,7 @@ from tests.planner.cells import BARE, Around, belt_and_dial, frame, mesh_box, so
 
 
 def odd(scene: Scene) -> tuple[InputWarning, ...]:
-    return odd_places(scene, Prover(scene))
+    return odd_places(scene, AtStart(scene, Prover(scene)))
 
 
 def placed(by: float, **changes: Any) -> Scene:

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from assur.planner.frames import Conveyor, Law, Swing, Turntable
+from assur.planner.frames import Conveyor, Indexer, Law, Swing, Turntable
 from assur.planner.frames.motion import Pose
 from assur.planner.legs.arched import Hop
 from assur.planner.legs.branch import Branch
@@ -20,9 +20,11 @@ from assur.planner.legs.joint import JointMotion, Reached, Shape, Via
 from assur.planner.legs.meeting import meetings
 from assur.planner.legs.state import Knots, State
 from assur.planner.model.attachments import AT_START
+from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.model.scene import Scene, Window
-from assur.planner.timing import Solver
+from assur.planner.pipeline import plan
+from assur.planner.timing import SHORTEST, Solver
 from assur.planner.trajectory import check_limits
 from tests.planner.cells import amount_of, cell, frame, go, limits, unit_of
 
@@ -210,6 +212,16 @@ def test_a_later_meeting_is_later_and_a_wait_is_waited() -> None:
     assert late.end >= first.end + 0.3
     assert waited.begin == 0.9
     assert np.array_equal(waited.trajectory.q[0], begin.q)
+
+
+def test_steps_to_one_point_of_an_indexer_that_hardly_stands_are_planned() -> None:
+    """The arm has the state of the point already when the next leg begins, at rest but for rounding."""
+    steps = [go(0.02, 0.0, 0.05, 0.0, "dial", name=name) for name in ("once", "again", "at last")]
+    indexer = Indexer(Pose(0.4, 0.0, 0.05), math.radians(1.0), 0.001, 0.0)
+    outcome = plan(cell(*steps, frames=(frame("dial", indexer),), max_candidates=20))
+    assert isinstance(outcome, Planned)
+    moves = [leg for leg in outcome.plan.legs if leg.kind is LegKind.MOVE]
+    assert all(leg.t1 - leg.t0 >= SHORTEST for leg in moves)
 
 
 def test_less_effort_takes_longer_and_uses_less() -> None:

@@ -1,0 +1,114 @@
+"""Paths cost little: their corners and splines are found together, and making and asking them ends with the budget."""
+
+from __future__ import annotations
+
+import copy
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from assur.planner.arrays import FloatArray
+from assur.planner.geometry import curves
+from assur.planner.geometry.curves import Along, Polynomial, Straight
+from assur.planner.model.deadline import Deadline, OutOfTimeError
+from assur.planner.model.path import LineTo, Path, PathPart, Point, SplineThrough
+from assur.scenes.reading.cell import cell_of
+from assur.scenes.requests import validate
+from tests.scenes.test_budgets import ARM
+
+CORNERS = 20
+BEGIN: Point = (0.4, 0.0, 0.1)
+
+
+def zigzag() -> Path:
+    """A path with many rounded corners."""
+    parts: list[PathPart] = [LineTo((0.4 + 0.01 * (k % 2), 0.01 * (k + 1), 0.1)) for k in range(CORNERS + 1)]
+    return Path(BEGIN, tuple(parts), 5e-4)
+
+
+def wave(points: int = 100) -> Path:
+    """A spline through many points."""
+    through = [(0.4 + 0.02 * float(np.sin(0.3 * k)), 0.005 * (k + 1), 0.1) for k in range(points)]
+    return Path(BEGIN, (SplineThrough(tuple(through)),))
+
+
+def test_a_corner_asks_for_few_places_on_the_parts_beside_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls, own = 0, Straight.at
+
+    def counted(self: Straight, s: FloatArray) -> Along:
+        nonlocal calls
+        calls += 1
+        return own(self, s)
+
+    monkeypatch.setattr(Straight, "at", counted)
+    assert len(zigzag().curve.parts) == 2 * CORNERS + 1
+    assert calls < 40 * CORNERS
+
+
+def test_a_spline_is_evaluated_at_once_however_many_points_it_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls, own = 0, curves._sum
+
+    def counted(c: FloatArray, u: FloatArray) -> FloatArray:
+        nonlocal calls
+        calls += 1
+        return own(c, u)
+
+    monkeypatch.setattr(curves, "_sum", counted)
+    asked = []
+    for points in (5, 100):
+        path = wave(points)
+        path.curve.at(np.linspace(0.0, path.length, 200))
+        assert path.curve.junctions
+        asked.append(calls)
+        calls = 0
+    assert asked[0] == asked[1]
+
+
+def test_what_is_found_together_is_what_each_part_says() -> None:
+    for path in (zigzag(), wave()):
+        s = np.linspace(-0.01, path.length + 0.01, 501)
+        curve = path.curve
+        for at, point, tangent, bend in zip(s.tolist(), *curve.at(s), strict=True):
+            k = int(np.clip(np.searchsorted(curve.edges, at, side="right") - 1, 0, len(curve.parts) - 1))
+            part, begin, end = curve.parts[k]
+            place = float(np.clip(at - curve.edges[k] + begin, begin, end))
+            beyond = at - min(max(at, 0.0), path.length)
+            p, t, c = (row[0] for row in part.at(np.array([place])))
+            assert point == pytest.approx(p + beyond * t, abs=1e-12)
+            assert tangent == pytest.approx(t, abs=1e-9)
+            assert bend == pytest.approx(np.zeros(3) if beyond else c, abs=1e-6)
+
+
+def test_the_middle_of_a_rounded_corner_is_as_far_from_it_as_was_asked() -> None:
+    path = zigzag()
+    corners = [part for part, _, _ in path.curve.parts if isinstance(part, Polynomial)]
+    ends = [part.to for part in path.parts if isinstance(part, LineTo)]
+    for corner, end in zip(corners, ends, strict=False):
+        middle = 0.5 ** np.arange(6) @ corner.coefficients
+        assert np.linalg.norm(middle - np.array(end)) == pytest.approx(path.blend_m, abs=1e-12)
+
+
+def _points_of_a_move() -> Callable[[], object]:
+    """Reads a request whose one step goes along a path from where the arm stands."""
+    move = {"to": {"at_mm": [350, 100, 250], "yaw_deg": 0}, "leg": "cartesian", "path": [{"line": {}}]}
+    document: dict[str, Any] = {**copy.deepcopy(ARM), "bodies": [], "task": [{"move": move}]}
+    request = validate(document)
+    return lambda: cell_of(document, request)
+
+
+MADE = zigzag().curve
+WORK: dict[str, Callable[[], object]] = {
+    "making": zigzag,
+    "asking": lambda: MADE.at(np.zeros(1)),
+    "reading": _points_of_a_move(),
+}
+
+
+@pytest.mark.parametrize("name", sorted(WORK))
+def test_work_on_paths_ends_where_the_deadline_has_passed(name: str) -> None:
+    WORK[name]()
+    with Deadline(time.perf_counter(), -1.0), pytest.raises(OutOfTimeError):
+        WORK[name]()
