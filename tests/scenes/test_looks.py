@@ -1,0 +1,69 @@
+"""The deadline is looked at in each part of the work, as often as there are things to work on.
+
+A clock counts who reads it. A part of the work that does not look any more is found here, whatever the machine.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+
+import pytest
+
+from assur.planner.model import deadline
+from assur.scenes.requests import plan_scenario, shipped
+
+
+class Clock:
+    """Reads the time for `assur.planner.model.deadline`, and counts by module and function who asks."""
+
+    def __init__(self) -> None:
+        self.asked: Counter[str] = Counter()
+
+    def perf_counter(self) -> float:
+        frame = sys._getframe(1)
+        while frame.f_globals["__name__"] == deadline.__name__ and frame.f_back is not None:
+            frame = frame.f_back
+        module = str(frame.f_globals["__name__"]).removeprefix("assur.")
+        self.asked[f"{module}.{frame.f_code.co_name}"] += 1
+        return time.perf_counter()
+
+
+def asked(name: str, monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
+    clock = Clock()
+    monkeypatch.setattr(deadline, "time", clock)
+    plan_scenario(shipped(name))
+    return clock.asked
+
+
+FRAMES, BODIES, STEPS = "frames", "bodies", "task"
+"""At least as often as the request has of these."""
+LOOKS: dict[str, dict[str, str | int]] = {
+    "demo": {
+        "scenes.reading.frames.frames_of": FRAMES,
+        "scenes.reading.cell._cell_of": BODIES,
+        "scenes.meshes.covers._found": 1,
+        "scenes.meshes.cover.run": 2,
+        "planner.search.beam._late": 10,
+        "planner.search.beam._sampler": STEPS,
+        "planner.search.meeting_options.options": STEPS,
+        "planner.legs.tracking._spline": STEPS,
+        "planner.feasibility.odd_places.odd_places": STEPS,
+    },
+    "crowded": {"scenes.reading.cell._cell_of": BODIES, "planner.feasibility.posed_bodies._table": BODIES},
+    "carton": {"planner.feasibility.necessary._point": STEPS},
+    "hose-on-gripper": {"planner.feasibility.forbidden_yaw.yaw_impossible": STEPS},
+    "parabolic-blend": {"planner.blends.search._blend_sampler": STEPS},
+    "circular-legs": {"scenes.reading.task._parts": STEPS, "planner.model.path.at": STEPS},
+    "shut-gate": {"planner.collision.proof.over": 1},
+}
+
+
+@pytest.mark.parametrize("name", LOOKS)
+def test_each_part_of_the_work_looks_at_the_deadline(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    request = shipped(name).request
+    found = asked(name, monkeypatch)
+    for place, least in LOOKS[name].items():
+        wanted = least if isinstance(least, int) else len(request[least])
+        assert found[place] >= wanted > 0, (place, found)
