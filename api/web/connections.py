@@ -83,9 +83,11 @@ class Connections:
         full = len(self._open) - self._crowded >= self.settings.connections
         crowd = self._of[connection.address] >= self.settings.connections_per_address
         if full or crowd:
-            rivals = [each for each in self._open if each.waiting and not each.crowded]
-            if crowd:
-                rivals = [each for each in rivals if each.address == connection.address]
+            rivals = [
+                each
+                for each in self._open
+                if not each.crowded and (each.address == connection.address or not crowd) and each.waiting
+            ]
             connection.crowded = not self._closes_one(rivals)
         if connection.crowded and self._crowded >= RESERVE:
             self._tell("refused")

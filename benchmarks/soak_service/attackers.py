@@ -1,8 +1,9 @@
-"""``python -m benchmarks.soak_service.attackers PORT SECONDS SLOW IDLE LARGE``: clients that do harm by being clumsy.
+"""``python -m benchmarks.soak_service.attackers PORT SECONDS SLOW IDLE LARGE CHUNKS``: clients that do harm.
 
 A process of its own, so that what it does costs the measuring process nothing. SLOW connections send a body a byte a
-second, IDLE ones send nothing, LARGE ones send at once a body of 1 MB each that is refused only after it was read; all
-come again when they are answered or closed. Its last line is JSON: how often that was.
+second, IDLE ones send nothing, LARGE ones send at once a body of 1 MB each that is refused only after it was read, and
+CHUNKS ones a body in chunks of a byte; all come again when they are answered or closed. Its last line is JSON: how
+often that was.
 """
 
 from __future__ import annotations
@@ -17,6 +18,9 @@ from benchmarks.soak_service.large_bodies import unknown_fields
 
 SOURCE = "127.0.0.66"
 HEAD = "POST /v1/plans HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/json\r\nContent-Length: {}\r\n\r\n"
+CHUNKED = HEAD.replace("Content-Length: {}", "Transfer-Encoding: chunked")
+MANY_CHUNKS = 200_000
+"""Chunks of such a body."""
 AGAIN_S = 0.5
 """Pause before a connection that was closed comes again, s."""
 LARGE_AGAIN_S = 10.0
@@ -67,6 +71,16 @@ async def _large(port: int, told: Counter[str], body: bytes) -> None:
     await asyncio.sleep(LARGE_AGAIN_S)
 
 
+async def _chunks(port: int, told: Counter[str], body: bytes) -> None:
+    reader, writer = await _connected(port)
+    told["bodies in small chunks"] += 1
+    try:
+        writer.write(CHUNKED.encode() + body)
+        told[f"small chunks answered {_status(await reader.readline())}"] += 1
+    finally:
+        writer.close()
+
+
 def _status(line: bytes) -> str:
     return line[9:12].decode(errors="replace") if line.startswith(b"HTTP/1.") else "without a word"
 
@@ -74,8 +88,8 @@ def _status(line: bytes) -> str:
 async def _again_and_again(kind: str, port: int, told: Counter[str], body: bytes) -> None:
     while True:
         try:
-            if kind == "large":
-                await _large(port, told, body)
+            if body:
+                await (_large if kind == "large" else _chunks)(port, told, body)
             else:
                 await (_slow if kind == "slow" else _idle)(port, told)
         except OSError as error:
@@ -83,12 +97,12 @@ async def _again_and_again(kind: str, port: int, told: Counter[str], body: bytes
         await asyncio.sleep(AGAIN_S)
 
 
-async def attack(port: int, seconds: float, slow: int, idle: int, large: int) -> Counter[str]:
+async def attack(port: int, seconds: float, slow: int, idle: int, large: int, chunks: int) -> Counter[str]:
     """Attacks for some seconds, and counts what came back."""
     told: Counter[str] = Counter()
-    body = unknown_fields()
-    kinds = ["idle"] * idle + ["slow"] * slow + ["large"] * large
-    tasks = [asyncio.ensure_future(_again_and_again(kind, port, told, body)) for kind in kinds]
+    bodies = {"large": unknown_fields(), "chunks": b"1\r\n{\r\n" * MANY_CHUNKS + b"0\r\n\r\n"}
+    kinds = ["idle"] * idle + ["slow"] * slow + ["large"] * large + ["chunks"] * chunks
+    tasks = [asyncio.ensure_future(_again_and_again(kind, port, told, bodies.get(kind, b""))) for kind in kinds]
     await asyncio.sleep(seconds)
     for task in tasks:
         task.cancel()
@@ -98,10 +112,10 @@ async def attack(port: int, seconds: float, slow: int, idle: int, large: int) ->
 
 def main() -> None:
     """Reads the arguments, attacks, and prints the counts."""
-    port, seconds, slow, idle, large = (float(word) for word in sys.argv[1:])
+    port, seconds, *counts = (float(word) for word in sys.argv[1:])
     files, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (max(files, min(4096, most)), most))
-    print(json.dumps(asyncio.run(attack(int(port), seconds, int(slow), int(idle), int(large)))))
+    print(json.dumps(asyncio.run(attack(int(port), seconds, *map(int, counts)))))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
-"""Row 5: slow bodies, idle sockets and large bodies at the same time. /livez is answered at once, others' posts are
-served; without the proxy, and behind it."""
+"""Row 5: slow bodies, idle sockets, large bodies and bodies in small chunks at the same time. /livez is answered at
+once, others' posts are served; without the proxy, and behind it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from benchmarks.soak_service.row import NotThereError, Numbers, Row, Run
 from benchmarks.soak_service.served import served
 
 SECONDS, FEW_SECONDS, QUIET_S = 60.0, 8.0, 3.0
-SLOW, IDLE, LARGE = 64, 512, 20
+SLOW, IDLE, LARGE, CHUNKS = 64, 512, 20, 8
 PROBE_S, POST_S, PATIENCE_S = 0.05, 0.5, 3.0
 """How often /livez and a quick plan are asked for, and how long a probe waits, s. Orchestrators wait 1 to 5 s."""
 MOST_MS = 50.0
@@ -57,7 +57,7 @@ def measure(run: Run) -> Numbers:
 
 
 def _attacked(probe: int, port: int, lasts_s: float) -> Numbers:
-    words = [str(port), str(lasts_s + 3), str(SLOW), str(IDLE), str(LARGE)]
+    words = [str(port), str(lasts_s + 3), str(SLOW), str(IDLE), str(LARGE), str(CHUNKS)]
     command = [sys.executable, "-m", "benchmarks.soak_service.attackers", *words]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as attackers:
         time.sleep(1.5)  # they have connected
