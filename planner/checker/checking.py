@@ -6,6 +6,7 @@ It trusts request and facts (shapes, numbers of robots and laws), and nobody who
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from assur.planner.checker.tracking import arches, assembled, pulled, straight, 
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.checker.world import World
 from assur.planner.frames import ALWAYS
+from assur.planner.geometry.containment import nothing
 from assur.planner.model.claims import NOTHING, Claims
 from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Contact, Plan, covered
@@ -34,9 +36,12 @@ from assur.planner.model.scene import Scene
 
 
 @np.errstate(all="ignore")
-def check(scene: Scene, plan: Plan, claims: Claims = NOTHING) -> Verdict:
+def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[[], None] = nothing) -> Verdict:
     """Whether `plan` does what `scene` asks and is proved to, from both alone (docs/guarantees.md), and whether what
     else is said of it is so (`claims`).
+
+    `between` is called between blocks of work, for a caller who has no time for all of it: what it raises is raised
+    here, and there is no verdict then.
 
     A plan of another task or robot gets findings, not exceptions. Not checked: that the plan is good; that a Cartesian
     leg is straight (that pitch and roll go along with it is); the working mode and the singularity margin, which are
@@ -50,6 +55,7 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING) -> Verdict:
     if digest(scene.digest, knots, plan.legs, plan.arrivals, certificate) != certificate.digest:
         findings.append(Finding(Code.DIGEST, "request, plan and certificate do not belong together"))
     world = World(scene, plan)
+    between()
     findings += limits(world, blended=blended) + ends(world)
     broken = assembled(world)
     if broken:
@@ -59,22 +65,26 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING) -> Verdict:
     if disorder:
         # Who is solid against whom follows from the legs: with others than the task's, nothing more can be said.
         return Verdict.of(findings + disorder)
+    between()
     goals = targets(scene, plan.arrivals)
     findings += meetings(world, plan.legs, plan.arrivals, goals) + arches(world, plan.legs)
     findings += blends(world, plan.arrivals, goals) + tracked(world, plan.legs, goals)
+    between()
     findings += traced(world, plan.legs, plan.arrivals, goals)
     findings += straight(world, plan.legs, plan.arrivals)
     of_plan = phases(scene, plan.legs, plan.arrivals)
     findings += loads(world, of_plan, claims.carried, blended=blended)
     findings += accuracies(world, plan.arrivals, goals, of_plan)
     findings += pulled(world, of_plan) + turned_into(world)
+    between()
     table = solids(scene, of_plan)
     findings += corrected(world, of_plan, table)
     apart = Apart.of(scene, of_plan, table, world.tables)
     said = claims.nearest
     claimed = -math.inf if said is None else math.inf if said[0] is None else said[0].gap_m - WITHIN_M
+    between()
     apart_findings, against = apart.found(certificate, claimed)
-    findings += _known(scene, table, of_plan) + apart_findings + enclosed(world, apart)
+    findings += _known(scene, table, of_plan) + apart_findings + enclosed(world, apart, between)
     findings += [] if said is None else nearest(apart, said[0], against)
     findings += pairs(apart, claims.pairs) + _touching(of_plan, claims.contacts)
     return Verdict.of(findings + peaks(world, of_plan, claims) + tool(world, of_plan, claims))

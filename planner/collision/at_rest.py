@@ -14,6 +14,7 @@ from assur.planner.kernels.screening import HIT_A, HIT_B, HIT_GAP, HIT_NEED, HIT
 from assur.planner.kernels.solids import EARLY, FIRST, LATE, SECOND, SET
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.clearance import rule_of
+from assur.planner.model.deadline import look
 from assur.planner.model.phases import Contacts, Phase, pair
 from assur.planner.model.refusal import Separation
 from assur.planner.model.scene import Scene
@@ -75,7 +76,7 @@ def enclosed(
     """A body of the arm and the mesh whose surface encloses a point of it (a mesh is hollow to FCL and to gaps).
 
     `attached`: where each body of the surroundings sits by then; `contacts`: pairs that do not count; `among`: only
-    these bodies of the surroundings.
+    these bodies of the surroundings. Raises `OutOfTimeError` where the deadline in force passes.
     """
     if all(world.body.surface is None for world in scene.bodies):
         return None
@@ -91,8 +92,8 @@ def enclosed(
         number = arrangement.number[world.name]
         if arrangement.of_robot[number]:
             continue  # it is in the gripper
-        vertices = world.body.surface[0]
-        low, high = vertices.min(0), vertices.max(0)
+        look()
+        low, high = prover.box(world.body.surface[0])
         carrier = carriers[int(arrangement.carrier[arrangement.roots[number]])]
         origin, turn = carrier[:3], carrier[3:].reshape(3, 3)
         pose = attached.pose_of(scene, world.name)[1]
@@ -104,7 +105,7 @@ def enclosed(
             near = ~((local < low) | (local > high)).any(-1)
             if pair(arrangement.names[mine], world.name) in contacts or not near.any():
                 continue
-            if inside(world.body.surface, local[near]).any():
+            if inside(world.body.surface, local[near], look).any():
                 return arrangement.names[mine], world.name
     return None
 

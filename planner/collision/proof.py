@@ -151,6 +151,7 @@ class Prover:
         self.exact: Doubt = (np.zeros((0, SET_COLUMNS)), none, np.array([scene.start.time, 0.0, 0.0, 0.0]))
         """What kernels are told where all is where it is planned."""
         self.has_loop = has_loop(scene.robot)
+        self._boxes: dict[int, tuple[FloatArray, FloatArray, FloatArray]] = {}
         self._spline: tuple[Trajectory, Spline] | None = None
         self._rows: dict[Phase, FloatArray] = {}
         """Rows that screening found for phases of that trajectory."""
@@ -309,6 +310,12 @@ class Prover:
         """Whether unit a at time t with joints q (n,) touches unit b, which is `ahead` s of the clock, by FCL."""
         one, other = self.posed(arrangement, q, t, np.array([a])), self.posed(arrangement, q, t + ahead, np.array([b]))
         return self.collider.touch(*one, *other)
+
+    def box(self, vertices: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The least and the greatest coordinates (3,) of vertices (m, 3), which are kept: many bodies have one mesh."""
+        if id(vertices) not in self._boxes:
+            self._boxes[id(vertices)] = vertices, vertices.min(0), vertices.max(0)
+        return self._boxes[id(vertices)][1:]
 
     def carriers(self, q: FloatArray, t: float) -> FloatArray:
         """Where links and frames are at time t with joints q: (K, 12), position and rotation, row by row."""

@@ -94,8 +94,10 @@ def _even(trajectory: Trajectory) -> tuple[FloatArray, float]:
     spans = np.stack([trajectory.time[:-1], trajectory.time[1:]], 1)[rates[:-1] | rates[1:]]
     lengths = spans[:, 1] - spans[:, 0]
     apart = max(FINE_S, float(lengths.sum()) / MOST_FINE)
-    even = [np.linspace(low, high, math.ceil((high - low) / apart) + 1)[:-1] for low, high in spans.tolist()]
-    return np.concatenate([*even, trajectory.time[-1:]]), apart
+    counts = np.ceil(lengths / apart).astype(np.int64)
+    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    even = within * np.repeat(lengths / counts, counts) + np.repeat(spans[:, 0], counts)
+    return np.append(even, trajectory.time[-1]), apart
 
 
 def _peaks(

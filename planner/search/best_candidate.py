@@ -5,12 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from assur.planner.legs.state import Knots
 from assur.planner.model.outcome import Arrival, BestCandidate, Course, Leg, LegKind, Route
 from assur.planner.model.refusal import Refusal, Separation
 from assur.planner.model.scene import Scene
 from assur.planner.search.partial_plan import Extension, PartialPlan, TimedCandidate
 from assur.planner.trajectory import Trajectory
+
+MOST_KNOTS = 1_000
+"""Knots of the motion that is told of a refusal, about 100 kB of an answer: a follow of many minutes has 20,000."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +45,7 @@ def best_candidate(scene: Scene, refused: RefusedMotion | None, proved: PartialP
         return _of_motion(scene, refused)
     if proved is None or proved.knots is None:
         return None
-    return BestCandidate(_trajectory(scene, proved.knots), proved.legs, proved.arrivals)
+    return BestCandidate(motion_told(scene, proved.knots), proved.legs, proved.arrivals)
 
 
 def _of_motion(scene: Scene, refused: RefusedMotion) -> BestCandidate:
@@ -57,7 +62,7 @@ def _of_motion(scene: Scene, refused: RefusedMotion) -> BestCandidate:
     met = isinstance(facts, Separation)
     bodies = refused.refusal.bodies
     return BestCandidate(
-        trajectory=_trajectory(scene, knots),
+        trajectory=motion_told(scene, knots),
         legs=legs,
         arrivals=arrivals,
         at=interval[0] if met and interval is not None else None,
@@ -78,7 +83,12 @@ def _leg_of(motion: TimedCandidate) -> tuple[tuple[Leg, ...], tuple[Arrival, ...
     return (*legs, Leg(kind, step, begin, end, shape.route)), before.arrivals
 
 
-def _trajectory(scene: Scene, knots: Knots) -> Trajectory:
+def motion_told(scene: Scene, knots: Knots) -> Trajectory:
+    """The motion through knots, or, where they are more than `MOST_KNOTS`, through so many of them: it is told for help
+    and nothing is proved of it."""
     if scene.options.blended:
         return Trajectory(knots.time, knots.q, knots.qd, knots.qdd, jumps=True)
-    return Trajectory.of_knots(knots.table)
+    table = knots.table
+    if len(table) > MOST_KNOTS:
+        table = table[np.linspace(0, len(table) - 1, MOST_KNOTS).round().astype(np.int64)]
+    return Trajectory.of_knots(table)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from assur.planner.checker import check
 from assur.planner.collision.rows import written
 from assur.planner.errors import FaultError
+from assur.planner.model.deadline import look
 from assur.planner.model.outcome import Plan
 from assur.planner.model.refusal import Reason, Refusal, Refuted, Stage
 from assur.planner.model.scene import Scene
@@ -16,7 +17,8 @@ def completed(scene: Scene, partial: PartialPlan) -> Plan | Refusal:
     """The plan of a partial through all steps, with its certificate; a refusal where the checker does not accept it.
 
     That would be a defect of the planner, so it is told in the census under the stage `checker`; the tests and the
-    benchmark hold that it never happens there.
+    benchmark hold that it never happens there. Raises `OutOfTimeError` where the deadline in force passes before the
+    checker has accepted it.
     """
     if partial.knots is None:
         raise FaultError("a whole partial without knots")
@@ -27,7 +29,7 @@ def completed(scene: Scene, partial: PartialPlan) -> Plan | Refusal:
         trajectory = Trajectory.of_knots(knots.table)
     certificate = written(scene, trajectory, partial.legs, partial.arrivals, list(partial.proofs))
     plan = Plan(trajectory, partial.legs, partial.arrivals, certificate)
-    verdict = check(scene, plan)
+    verdict = check(scene, plan, between=look)
     if verdict.ok:
         return plan
     first = verdict.findings[0]

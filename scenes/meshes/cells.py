@@ -6,6 +6,7 @@ All of this is a judgement of quality. What is covered depends on the cuts alone
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -81,7 +82,26 @@ class Cell:
 
     def __init__(self, triangles: FloatArray, number: int, tight: float) -> None:
         self.triangles, self.number, self._tight = triangles, number, tight
-        self.excess, self._rays = excess(self.hull.planes, rays_of(triangles), triangles, tight)
+
+    def parts(self) -> Iterator[None]:
+        """Finds what a cell is compared by, and may be left, and gone on with, between two parts of the work. What is
+        not found by then is found when it is asked for."""
+        for part in ("mesh", "hull", "excess"):
+            getattr(self, part)
+            yield
+
+    @property
+    def excess(self) -> float:
+        """How far its hull reaches out of the solid, m."""
+        return self._reach[0]
+
+    @cached_property
+    def _reach(self) -> tuple[float, Rays | None]:
+        return excess(self.hull.planes, rays_of(self.triangles), self.triangles, self._tight)
+
+    @property
+    def _rays(self) -> Rays | None:
+        return self._reach[1]
 
     def __lt__(self, other: Cell) -> bool:
         return (self.excess, len(self.triangles)) > (other.excess, len(other.triangles))

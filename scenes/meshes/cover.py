@@ -16,7 +16,7 @@ same triangles.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,7 +69,7 @@ class Cuts:
 
 
 class Covering:
-    """The way to a cover. It may be left between two cuts and taken up later: the cuts are the same."""
+    """The way to a cover. It may be left between two parts of the work and taken up later: the cuts are the same."""
 
     def __init__(self, surface: Surface) -> None:
         self._surface = surface
@@ -78,59 +78,83 @@ class Covering:
         self._planes: list[tuple[int, int, float]] = []
         self._cells: list[Cell] = []
         self._done: list[Cell] = []
+        self._open: list[Cell] = []
+        """The cell that is being cut."""
         self.work = 0
         """Points of which hulls were made."""
-        self._found: Cover | None = None
-        self._begun = False
+        self._parts = self._in_parts()
+        self._found: tuple[Cuts, Cover] | None = None
 
     @property
     def pieces(self) -> int:
         """Cells so far."""
-        return len(self._cells) + len(self._done)
+        return len(self._cells) + len(self._done) + len(self._open)
 
     @property
     def excess_m(self) -> float:
         """How far the hulls of the cells so far reach out of the solid, m."""
-        return max((cell.excess for cell in (*self._cells, *self._done)), default=0.0)
+        return max((cell.excess for cell in (*self._cells, *self._done, *self._open)), default=0.0)
 
     def run(self, out_of_time: Callable[[], bool] = lambda: False) -> tuple[Cuts, Cover] | None:
-        """The cover and its cuts; None where `out_of_time`, which is asked between two cuts, ended it before."""
-        surface = self._surface
-        if not self._begun:
-            solid = volume_of(surface.corners)
-            if volume_of_hull(surface.vertices) - solid <= CONVEX_SHARE * solid:
-                whole = Cuts(True, (), ((0,),), 0.0)
-                return whole, cover_by(surface, whole)
-            self._cells = [Cell(surface.corners, 0, self.tight_m)]
-            self._begun = True
-        while self._cells and self.pieces < MAX_PIECES and self.work < MAX_WORK:
+        """The cover and its cuts; None where `out_of_time`, which is asked between two parts of it, ended it."""
+        while self._found is None:
             if out_of_time():
                 return None
-            self._cut(heapq.heappop(self._cells))
-        if out_of_time():
-            return None
+            next(self._parts)
+        return self._found
+
+    def _in_parts(self) -> Iterator[None]:
+        """Finds the cover, and may be left, and gone on with, between two parts of the work."""
+        surface = self._surface
+        solid = volume_of(surface.corners)
+        yield
+        if volume_of_hull(surface.vertices) - solid <= CONVEX_SHARE * solid:
+            whole = Cuts(True, (), ((0,),), 0.0)
+            self._found = whole, cover_by(surface, whole)
+            yield
+            return
+        first = Cell(surface.corners, 0, self.tight_m)
+        yield
+        yield from first.parts()
+        self._cells = [first]
+        while self._cells and self.pieces < MAX_PIECES and self.work < MAX_WORK:
+            yield from self._cut(heapq.heappop(self._cells))
+        yield
         found = sorted(self._done + self._cells, key=lambda cell: cell.number)
         hulls = [hull_of(cell.triangles.reshape(-1, 3)) for cell in found]
         groups = tuple(tuple(found[i].number for i in group) for group in convex_groups(hulls))
         cuts = Cuts(False, tuple(self._planes), groups, self.excess_m)
-        return cuts, _joined(
-            surface,
+        self._found = (
             cuts,
-            {cell.number: cell.triangles.reshape(-1, 3) for cell in found},
-            {cell.number: hull for cell, hull in zip(found, hulls, strict=True)},
+            _joined(
+                surface,
+                cuts,
+                {cell.number: cell.triangles.reshape(-1, 3) for cell in found},
+                {cell.number: hull for cell, hull in zip(found, hulls, strict=True)},
+            ),
         )
+        yield
 
-    def _cut(self, cell: Cell) -> None:
+    def _cut(self, cell: Cell) -> Iterator[None]:
         place: Place | None = None
         if cell.excess > self.tight_m:
             place, made = cell.best()
             self.work += made
         if place is None:
             self._done.append(cell)
+            yield
             return
-        for half in cell.halves(place, 2 * len(self._planes) + 1):
-            heapq.heappush(self._cells, half)
+        number = 2 * len(self._planes) + 1
         self._planes.append((cell.number, *place))
+        self._open.append(cell)
+        yield
+        halves = cell.halves(place, number)
+        for half in halves:
+            yield from half.parts()
+        self._open.remove(cell)
+        for half in halves:
+            heapq.heappush(self._cells, half)
+        yield
 
 
 def cover(surface: Surface) -> Cover:

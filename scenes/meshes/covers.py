@@ -19,6 +19,7 @@ from assur.scenes.meshes.folder import FolderError, MeshFolder
 
 if TYPE_CHECKING:
     from assur.scenes.meshes.cover import Cover, Covering
+    from assur.scenes.meshes.load import Loading
 
 LOGGER = logging.getLogger("assur.meshes")
 
@@ -49,7 +50,7 @@ class Covers:
         self.folder = folder
         self._kept_bytes, self._used = kept_bytes, 0
         self._covers: OrderedDict[Key, tuple[Cover, int]] = OrderedDict()
-        self._begun: OrderedDict[Key, Covering] = OrderedDict()
+        self._begun: OrderedDict[Key, Loading | Covering] = OrderedDict()
         self._lock = threading.Lock()
         self.cuts_made = 0
         """Coverings that were begun here: what a cache saves."""
@@ -78,22 +79,23 @@ class Covers:
     def _found(self, key: Key, content: bytes) -> Cover:
         from assur.scenes.meshes.cover import Covering
         from assur.scenes.meshes.kept_cuts import written
-        from assur.scenes.meshes.load import load
+        from assur.scenes.meshes.load import Loading, load_in_parts
 
         with self._lock:
-            covering = self._begun.pop(key, None)
-        if covering is None:
-            if out_of_time():
-                raise OutOfTimeError("had not been read")
-            covering = Covering(load(content, key.form, key.unit))
+            begun = self._begun.pop(key, None)
+        if begun is None:
+            begun = Loading(load_in_parts(content, key.form, key.unit))
             self.cuts_made += 1
-        done = covering.run(out_of_time)
+        if isinstance(begun, Loading):
+            surface = begun.run(out_of_time)
+            if surface is None:
+                self._leave(key, begun)
+                raise OutOfTimeError("had not been read")
+            begun = Covering(surface)
+        done = begun.run(out_of_time)
         if done is None:
-            with self._lock:
-                self._begun[key] = covering
-                while len(self._begun) > UNFINISHED:
-                    self._begun.popitem(last=False)
-            raise OutOfTimeError(_so_far(covering))
+            self._leave(key, begun)
+            raise OutOfTimeError(_so_far(begun))
         cuts, cover = done
         if self.folder is not None:
             try:
@@ -101,6 +103,13 @@ class Covers:
             except FolderError as error:
                 _log("the cuts of a cover are not kept", key, str(error))
         return cover
+
+    def _leave(self, key: Key, begun: Loading | Covering) -> None:
+        """Keeps what is not finished."""
+        with self._lock:
+            self._begun[key] = begun
+            while len(self._begun) > UNFINISHED:
+                self._begun.popitem(last=False)
 
     def _kept_in_folder(self, key: Key, content: bytes) -> Cover | None:
         """The cover by the cuts in the folder. A file that cannot be used is removed, for a new one."""
@@ -141,6 +150,8 @@ def _size(cover: Cover) -> int:
 
 
 def _so_far(covering: Covering) -> str:
+    if not covering.pieces:
+        return "had been read, and was not covered yet"
     out, tight = (f"{1e3 * length:.3g} mm" for length in (covering.excess_m, covering.tight_m))
     return (
         f"was being covered by convex pieces, {covering.pieces} so far, which reach up to {out} out of it; {tight} are "

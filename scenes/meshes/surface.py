@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,13 +35,29 @@ def closed_surface(corners: FloatArray, unit_m: float) -> Surface:
     means that every edge is run through as often one way as the other, which is what a winding number needs.
     Raises `InputError` naming mesh.data or mesh.unit. Not checked: that the surface does not cross itself.
     """
+    return drained(surface_in_parts(corners, unit_m))
+
+
+def drained(parts: Generator[None, None, Surface]) -> Surface:
+    """What work in parts gives, done at once."""
+    while True:
+        try:
+            next(parts)
+        except StopIteration as done:
+            found: Surface = done.value
+            return found
+
+
+def surface_in_parts(corners: FloatArray, unit_m: float) -> Generator[None, None, Surface]:
+    """`closed_surface`, which may be left, and gone on with, between two parts of the work."""
     if not MIN_FACES <= len(corners) <= MAX_FACES:
         raise InputError("mesh.data", f"{len(corners)} triangles", f"{MIN_FACES} to {MAX_FACES} triangles")
     if not np.all(np.isfinite(corners)):
         raise InputError("mesh.data", "a vertex that is not finite", "finite vertices")
     scaled = corners.reshape(-1, 3) * unit_m + 0.0
-    vertices, inverse = np.unique(scaled, axis=0, return_inverse=True)
-    faces = inverse.reshape(-1, 3).astype(np.int64)
+    yield
+    vertices, faces = _once(scaled)
+    yield
     extent = float(np.ptp(vertices, axis=0).max())
     if not SMALLEST_MESH_M <= extent <= LARGEST_MESH_M:
         raise InputError(
@@ -53,12 +70,24 @@ def closed_surface(corners: FloatArray, unit_m: float) -> Surface:
     if not np.array_equal(there, back):
         odd = len(np.setxor1d(there, back)) // 2
         raise InputError("mesh.data", f"{max(odd, 1)} open edges", "a closed surface (watertight, faces turned alike)")
+    yield
     volume = volume_of(vertices[faces])
     if not volume >= SMALLEST_VOLUME_M3:
         raise InputError("mesh.data", f"a volume of {volume:g} m³", "a positive volume: faces that look outwards")
     vertices.flags.writeable = False
     faces.flags.writeable = False
     return Surface(vertices, faces)
+
+
+def _once(points: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Points (m, 3), each once, in the order of x, y, z; and which of them each of `points` (3 f, 3) is, as triangles
+    (f, 3). As `np.unique` gives them, in a quarter of its time."""
+    order = np.lexsort(points.T[::-1])
+    ordered = points[order]
+    new = np.concatenate([[True], (ordered[1:] != ordered[:-1]).any(1)])
+    which = np.empty(len(points), dtype=np.int64)
+    which[order] = np.cumsum(new) - 1
+    return ordered[new], which.reshape(-1, 3)
 
 
 def volume_of(corners: FloatArray) -> float:

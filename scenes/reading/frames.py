@@ -177,6 +177,7 @@ def _check_fixed(item: FrameDocument, frames: Mapping[str, FrameDocument]) -> No
 
 def _fixed_on(name: str, frames: Mapping[str, FrameDocument], laws: Mapping[str, Frame]) -> tuple[str, Pose]:
     """The frame with a law that carries the frame `name`, directly or over others, and its pose there."""
+    look()
     pose, way = Pose(), [name]
     while way[-1] not in laws:
         fixed = frames[way[-1]].fixed

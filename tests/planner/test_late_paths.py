@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import copy
+import math
 import time
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,10 +15,15 @@ import pytest
 from assur.planner.arrays import FloatArray
 from assur.planner.geometry import curves
 from assur.planner.geometry.curves import Along, Polynomial, Straight
+from assur.planner.legs.state import Knots
 from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.planner.model.path import LineTo, Path, PathPart, Point, SplineThrough
+from assur.planner.report import margins
+from assur.planner.search.best_candidate import MOST_KNOTS, motion_told
+from assur.planner.trajectory import Trajectory
 from assur.scenes.reading.cell import cell_of
 from assur.scenes.requests import validate
+from tests.planner.cells import cell, go
 from tests.scenes.test_budgets import ARM
 
 CORNERS = 20
@@ -112,3 +119,34 @@ def test_work_on_paths_ends_where_the_deadline_has_passed(name: str) -> None:
     WORK[name]()
     with Deadline(time.perf_counter(), -1.0), pytest.raises(OutOfTimeError):
         WORK[name]()
+
+
+def test_a_long_motion_that_is_told_of_a_refusal_has_a_bounded_number_of_knots() -> None:
+    scene = cell(go(0.33, -0.25))
+    t = np.linspace(0.0, 100.0, 5 * MOST_KNOTS)
+    q = np.stack([np.sin(0.01 * (k + 1) * t) for k in range(4)], 1)
+    rates = [np.stack([sign * (0.01 * (k + 1)) ** n * wave(0.01 * (k + 1) * t) for k in range(4)], 1)
+             for n, sign, wave in ((1, 1.0, np.cos), (2, -1.0, np.sin))]  # fmt: skip
+    long = Knots(np.concatenate([t[:, None], q, *rates], axis=1))
+    told = motion_told(scene, long)
+    assert len(told.time) == MOST_KNOTS
+    assert (told.start, told.end) == (0.0, 100.0)
+    assert np.abs(told.evaluate(t) - q).max() < 1e-6
+    short = Knots(long.table[:MOST_KNOTS])
+    assert np.array_equal(motion_told(scene, short).knots, short.table)
+
+
+def test_times_at_which_a_long_motion_is_looked_at_are_even_in_each_part_that_moves(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(margins, "MOST_FINE", 500)
+    time_s = np.cumsum(np.append(0.0, np.random.default_rng(3).uniform(0.5, 2.0, 60)))
+    q = np.repeat(np.sin(time_s)[:, None], 4, 1)
+    qd = np.repeat(np.cos(time_s)[:, None], 4, 1)
+    qd[20:30], q[20:30] = 0.0, q[20]
+    motion = Trajectory(time_s, q, qd, np.zeros_like(q))
+    t, apart = margins._even(motion)
+    moving = [(a, b) for k, (a, b) in enumerate(pairwise(time_s.tolist())) if not 20 <= k < 29]
+    parts = [np.linspace(a, b, math.ceil((b - a) / apart) + 1)[:-1] for a, b in moving]
+    assert np.array_equal(t, np.append(np.concatenate(parts), time_s[-1]))
+    assert apart == pytest.approx(sum(b - a for a, b in moving) / 500)

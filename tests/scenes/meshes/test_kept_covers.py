@@ -10,7 +10,9 @@ import os
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from itertools import count
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,7 +21,7 @@ import pytest
 from assur.planner.errors import InputError
 from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.scenes.meshes import covered, process_covers, use_folder
-from assur.scenes.meshes.cover import MAX_WORK, Cover, Covering, cover, cover_by
+from assur.scenes.meshes.cover import MAX_WORK, Covering, cover, cover_by
 from assur.scenes.meshes.covers import Covers, Key
 from assur.scenes.meshes.folder import LEAST_BYTES, LEFT_S, UNUSED_S, FolderError, MeshFolder
 from assur.scenes.meshes.kept_cuts import KeptCutsError, cover_from, hulls_digest, written
@@ -203,21 +205,24 @@ def test_memory_is_bounded_and_the_least_used_goes_first() -> None:
     assert Covers(kept_bytes=10).cover(keys[0], contents[0]).pieces
 
 
-def test_what_the_deadline_ends_is_said_kept_and_never_used_unfinished() -> None:
+def test_what_the_deadline_ends_is_said_kept_and_never_used_unfinished(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a clock that goes on by a second at each look: each request has time for one part of the work."""
+    looks = count()
+    monkeypatch.setattr("assur.planner.model.deadline.time", SimpleNamespace(perf_counter=lambda: next(looks)))
     covers, left = Covers(), list[str]()
-    while True:
-        try:
-            with Deadline(time.perf_counter(), 1e-4 if left else -1.0):
-                found: Cover = covers.cover(KEY, FLANGE)
-            break
-        except OutOfTimeError as late:
-            left.append(str(late))
-            assert covers.known(KEY) is None
-            if len(left) == 5:
-                found = covers.cover(KEY, FLANGE)
-                break
-    assert left[0] == "had not been read"
-    assert all("was being covered by convex pieces" in text for text in left[1:])
+    while len(left) < 20:
+        with Deadline(next(looks), 1.5), pytest.raises(OutOfTimeError) as late:
+            covers.cover(KEY, FLANGE)
+        left.append(str(late.value))
+        assert covers.known(KEY) is None
+    found = covers.cover(KEY, FLANGE)
+    said = ("had not been read", "had been read, and was not covered yet", "was being covered by convex pieces")
+    order = [next(k for k, begin in enumerate(said) if text.startswith(begin)) for text in left]
+    assert order == sorted(order)
+    # reading, and making the first cell, are left several times each
+    assert order.count(0) == 4
+    assert order.count(1) == 6
+    assert order.count(2) == 10
     assert covers.cuts_made == 1
     assert hulls_digest(found) == hulls_digest(cover(load(FLANGE, "stl", "mm")))
 
