@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from assur.planner.errors import InputError
 from assur.scenes.requests import cell_of, read_plan
 from assur.scenes.scenarios import with_files
-from assur.scenes.schema.export import ExportDocument, TrajectoryDocument
+from assur.scenes.schema.export import ExportDocument, ForeignTrajectoryDocument
 from assur.scenes.schema.read import read
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def check_trajectory_cell(cell: Cell, request: Any, asked: object, plan: object 
     """The same for a cell that has been read; `request`: that of the cell, with what files hold in it."""
     from assur.scenes.exports.foreign import verdict
 
-    how: TrajectoryDocument = read(TrajectoryDocument, asked)
+    how: ForeignTrajectoryDocument = read(ForeignTrajectoryDocument, asked)
     if how.start_tolerance_s is not None:
         execution = {key: value for key, value in (request.get("execution") or {}).items() if key not in TOLERANCE}
         request = {**request, "execution": {**execution, TOLERANCE[0]: how.start_tolerance_s}}
@@ -67,4 +67,4 @@ def check_trajectory_cell(cell: Cell, request: Any, asked: object, plan: object 
 
 def export_schemas() -> tuple[dict[str, Any], dict[str, Any]]:
     """JSON Schemas of what is asked of an export, and of a check of a trajectory, beside request and plan."""
-    return ExportDocument.model_json_schema(), TrajectoryDocument.model_json_schema()
+    return ExportDocument.model_json_schema(), ForeignTrajectoryDocument.model_json_schema()

@@ -19,13 +19,15 @@ if TYPE_CHECKING:
     from assur.planner.trajectory import Trajectory
     from assur.scenes.reading.cell import Cell
     from assur.scenes.schema import answer as written
-    from assur.scenes.schema.export import FirstViolation, TrajectoryDocument
+    from assur.scenes.schema.export import FirstViolation, ForeignTrajectoryDocument
 
 EARLY_S = 1e-9
 """By how much a trajectory may begin before the request does, s: rounding of its times."""
 
 
-def verdict(cell: Cell, request: dict[str, Any], asked: TrajectoryDocument, plan: Plan | None) -> TrajectoryVerdict:
+def verdict(
+    cell: Cell, request: dict[str, Any], asked: ForeignTrajectoryDocument, plan: Plan | None
+) -> TrajectoryVerdict:
     """Whether the trajectory in a file keeps the limits and keeps everything apart. `request`: that of the cell, with
     what files hold in it; `plan`: whose legs it has, and whose promises it must keep. Raises `InputError`."""
     from assur.planner.model.phases import phases

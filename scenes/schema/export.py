@@ -79,7 +79,7 @@ class ExportAnswer(TypedDict):
     notice: Text
 
 
-class TrajectoryDocument(Document):
+class ForeignTrajectoryDocument(Document):
     """A trajectory of another, and how it is to be judged: `file` is its text, in `format`.
 
     `start_s`: the cell's clock when a ROS trajectory starts; silent: when the request begins. `start_tolerance_s`: in

@@ -127,7 +127,7 @@ def work():
     except ValueError:
         import traceback
         traceback.print_exc()
-    return jobs.plan(body, "digest", 1.0, Line(socket.socketpair()[0], About({}, False)))
+    return jobs.plan(body, "digest", 10.0, Line(socket.socketpair()[0], About({}, False)))
 print(Traced(work, {"request": "abc", "traceparent": "00-1-2-00"})().kind)
 """
 

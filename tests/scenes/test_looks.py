@@ -43,8 +43,6 @@ LOOKS: dict[str, dict[str, str | int]] = {
     "demo": {
         "scenes.reading.frames.frames_of": FRAMES,
         "scenes.reading.cell._cell_of": BODIES,
-        "scenes.meshes.covers._found": 1,
-        "scenes.meshes.cover.run": 2,
         "planner.search.beam._late": 10,
         "planner.search.beam._sampler": STEPS,
         "planner.search.meeting_options.options": STEPS,
