@@ -27,7 +27,7 @@ from dataclasses import dataclass
 from multiprocessing.context import ForkServerContext, ForkServerProcess
 from typing import Any
 
-from assur.api.workers.memory import limit_memory
+from assur.api.workers.memory import FreedMemory, limit_memory
 from assur.api.workers.quarantine import quarantined
 
 JOB, CALL_OFF = b"J", b"C"
@@ -133,13 +133,19 @@ def prepare(memory_mib: int) -> None:
 def serve_jobs(end: socket.socket, memory_mib: int) -> None:
     """What a worker process does until the other end is closed: jobs, one after the other."""
     prepare(memory_mib)
+    freed = FreedMemory()
     with suppress(ConnectionError), end:
         while kind := _received(end, len(JOB)):
             if kind == CALL_OFF:
                 continue  # of a job that has ended meanwhile
-            job, arguments, about = pickle.loads(_received_pickle(end))  # noqa: S301 - from our own web process
-            end.sendall(BEGUN)
-            _send(end, RESULT, _result(job, arguments if about is None else (*arguments, Line(end, about))))
+            _serve_job(end)
+            freed.give_back()
+
+
+def _serve_job(end: socket.socket) -> None:
+    job, arguments, about = pickle.loads(_received_pickle(end))  # noqa: S301 - from our own web process
+    end.sendall(BEGUN)
+    _send(end, RESULT, _result(job, arguments if about is None else (*arguments, Line(end, about))))
 
 
 def _send(end: socket.socket, kind: bytes, value: Any) -> None:

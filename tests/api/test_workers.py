@@ -21,7 +21,7 @@ from assur.api.workers import worker_process
 from assur.api.workers.client import Client, Demand
 from assur.api.workers.pool import Work, Workers
 from assur.api.workers.worker_process import NAME, WorkerProcess
-from tests.api.watched_jobs import counting, deaf, dies_unless, recalled_once, until_called_off
+from tests.api.watched_jobs import all_but_the_last, counting, deaf, dies_unless, recalled_once, until_called_off
 
 SETTINGS = Settings(workers=2, queue=1, queue_wait_s=30.0, warm_s=60.0, max_tasks=1000)
 
@@ -455,6 +455,16 @@ def test_a_worker_cannot_take_more_memory_than_it_was_given() -> None:
         await process.stop()
 
     asyncio.run(tell())
+
+
+def test_a_worker_gives_back_what_a_large_job_took() -> None:
+    async def story(workers: Workers) -> None:
+        worker = psutil.Process(await pid_of(workers))
+        before = worker.memory_info().rss
+        assert await ran(workers, all_but_the_last, (200,), "large", 60.0) == worker.pid
+        await until(lambda: worker.memory_info().rss < before + (32 << 20))
+
+    with_workers(Settings(workers=1), story)
 
 
 def test_a_large_result_and_a_large_argument_pass_through() -> None:

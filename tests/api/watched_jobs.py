@@ -9,6 +9,16 @@ from pathlib import Path
 
 from assur.api.workers.worker_process import Line
 
+kept: list[bytes] = []
+"""What `all_but_the_last` does not free."""
+
+
+def all_but_the_last(mib: int) -> int:
+    """Takes so much memory in blocks of 1 KiB and frees all but the last of them, so that the C library keeps what lies
+    below it. Returns its process's number."""
+    kept[:] = [os.urandom(1024) for _ in range(mib << 10)][-1:]
+    return os.getpid()
+
 
 def until_called_off(line: Line) -> None:
     """Tells its process's number, and then goes on until it is called off."""
