@@ -1,7 +1,8 @@
 """The memory of a process: what it may allocate, and what a worker gives back to the system between its jobs.
 
-A worker is bounded for good, a command of the command line while it runs. What is bounded is the memory that is its own and may be written (`RLIMIT_DATA`), not its address space: most of that is
-libraries, and what is reserved and never used. A process that has planned has 400 MiB of the one, 900 of the other.
+A worker is bounded for good, a command of the command line while it runs. What is bounded is the memory that is its own
+and may be written (`RLIMIT_DATA`), not its address space: most of that is libraries, and what is reserved and never
+used. A process that has planned has 400 MiB of the one, 900 of the other.
 """
 
 from __future__ import annotations
