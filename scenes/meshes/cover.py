@@ -16,18 +16,18 @@ same triangles.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.errors import FaultError
 from assur.planner.geometry.shapes import Hull, Piece
 from assur.scenes.meshes.cells import Cell, Place
 from assur.scenes.meshes.clip import clip
 from assur.scenes.meshes.hull import hull_of, volume_of_hull
 from assur.scenes.meshes.merge import convex_groups
+from assur.scenes.meshes.parts import Parts, at_once
 from assur.scenes.meshes.surface import Surface, volume_of
 
 MAX_PIECES = 64
@@ -82,8 +82,6 @@ class Covering:
         """The cell that is being cut."""
         self.work = 0
         """Points of which hulls were made."""
-        self._parts = self._in_parts()
-        self._found: tuple[Cuts, Cover] | None = None
 
     @property
     def pieces(self) -> int:
@@ -95,24 +93,14 @@ class Covering:
         """How far the hulls of the cells so far reach out of the solid, m."""
         return max((cell.excess for cell in (*self._cells, *self._done, *self._open)), default=0.0)
 
-    def run(self, out_of_time: Callable[[], bool] = lambda: False) -> tuple[Cuts, Cover] | None:
-        """The cover and its cuts; None where `out_of_time`, which is asked between two parts of it, ended it."""
-        while self._found is None:
-            if out_of_time():
-                return None
-            next(self._parts)
-        return self._found
-
-    def _in_parts(self) -> Iterator[None]:
-        """Finds the cover, and may be left, and gone on with, between two parts of the work."""
+    def in_parts(self) -> Parts[tuple[Cuts, Cover]]:
+        """Finds the cover and its cuts; once."""
         surface = self._surface
         solid = volume_of(surface.corners)
         yield
         if volume_of_hull(surface.vertices) - solid <= CONVEX_SHARE * solid:
             whole = Cuts(True, (), ((0,),), 0.0)
-            self._found = whole, cover_by(surface, whole)
-            yield
-            return
+            return whole, (yield from cover_by(surface, whole))
         first = Cell(surface.corners, 0, self.tight_m)
         yield
         yield from first.parts()
@@ -124,16 +112,9 @@ class Covering:
         hulls = [hull_of(cell.triangles.reshape(-1, 3)) for cell in found]
         groups = tuple(tuple(found[i].number for i in group) for group in convex_groups(hulls))
         cuts = Cuts(False, tuple(self._planes), groups, self.excess_m)
-        self._found = (
-            cuts,
-            _joined(
-                surface,
-                cuts,
-                {cell.number: cell.triangles.reshape(-1, 3) for cell in found},
-                {cell.number: hull for cell, hull in zip(found, hulls, strict=True)},
-            ),
-        )
-        yield
+        points = {cell.number: cell.triangles.reshape(-1, 3) for cell in found}
+        known = {cell.number: hull for cell, hull in zip(found, hulls, strict=True)}
+        return cuts, (yield from _joined(surface, cuts, points, known))
 
     def _cut(self, cell: Cell) -> Iterator[None]:
         place: Place | None = None
@@ -159,33 +140,32 @@ class Covering:
 
 def cover(surface: Surface) -> Cover:
     """The cover of a surface. Deterministic."""
-    found = Covering(surface).run()
-    if found is None:
-        raise FaultError("a covering without a limit of time did not end")
-    return found[1]
+    return at_once(Covering(surface).in_parts())[1]
 
 
-def cover_by(surface: Surface, cuts: Cuts) -> Cover:
+def cover_by(surface: Surface, cuts: Cuts) -> Parts[Cover]:
     """The cover with these cuts: hulls that hold the surface, whatever the cuts are, for each hull is made of what is
     in its cells. A cell that is in no group has a hull of its own."""
     cells: dict[int, FloatArray] = {0: surface.corners}
     for i, (number, axis, at) in enumerate(cuts.planes):
         cells[2 * i + 1], cells[2 * i + 2] = clip(cells.pop(number), axis, at)
-    return _joined(surface, cuts, {number: cell.reshape(-1, 3) for number, cell in cells.items() if len(cell)}, {})
+        yield
+    points = {number: cell.reshape(-1, 3) for number, cell in cells.items() if len(cell)}
+    return (yield from _joined(surface, cuts, points, {}))
 
 
-def _joined(surface: Surface, cuts: Cuts, points: dict[int, FloatArray], known: dict[int, Hull]) -> Cover:
+def _joined(surface: Surface, cuts: Cuts, points: dict[int, FloatArray], known: dict[int, Hull]) -> Parts[Cover]:
     """The cover of cells with these points: a hull for each group, and for what is in none. `known`: hulls of cells."""
     groups = [tuple(number for number in group if number in points) for group in cuts.groups]
     grouped = {number for group in groups for number in group}
     groups += [(number,) for number in points if number not in grouped]
-    hulls = [
-        known[group[0]]
-        if len(group) == 1 and group[0] in known
+    hulls = list[Hull]()
+    for group in filter(None, groups):
+        if len(group) == 1 and group[0] in known:
+            hulls.append(known[group[0]])
+            continue
+        yield
         # Made of the points themselves, so that rounding does not add up from hull to hull.
-        else hull_of(np.concatenate([points[number] for number in group]))
-        for group in groups
-        if group
-    ]
+        hulls.append(hull_of(np.concatenate([points[number] for number in group])))
     whole = None if cuts.convex else (surface.vertices, surface.faces)
     return Cover(tuple(Piece(hull) for hull in hulls), whole, cuts.excess_m)

@@ -16,10 +16,11 @@ from typing import TYPE_CHECKING
 from assur.planner.geometry.shapes import Hull
 from assur.planner.model.deadline import OutOfTimeError, out_of_time
 from assur.scenes.meshes.folder import FolderError, MeshFolder
+from assur.scenes.meshes.parts import InParts, Parts
 
 if TYPE_CHECKING:
     from assur.scenes.meshes.cover import Cover, Covering
-    from assur.scenes.meshes.load import Loading
+    from assur.scenes.meshes.surface import Surface
 
 LOGGER = logging.getLogger("assur.meshes")
 
@@ -42,6 +43,69 @@ class Key:
         return f"{self.digest}-{self.form}-{self.unit}"
 
 
+class Finding:
+    """The way to the cover of a file: it is read, and then covered by the cuts in the folder, or by new ones, which are
+    kept there."""
+
+    def __init__(self, key: Key, content: bytes, folder: MeshFolder | None) -> None:
+        self._key, self._folder = key, folder
+        self.parts = InParts(self._in_parts(content))
+        self._read = False
+        self.covering: Covering | None = None
+        """Where new cuts are made."""
+
+    @property
+    def so_far(self) -> str:
+        """How far it has come, in words behind the name of the mesh."""
+        if not self._read:
+            return "had not been read"
+        if self.covering is None or not self.covering.pieces:
+            return "had been read, and was not covered yet"
+        out, tight = (f"{1e3 * length:.3g} mm" for length in (self.covering.excess_m, self.covering.tight_m))
+        return (
+            f"was being covered by convex pieces, {self.covering.pieces} so far, which reach up to {out} out of it; "
+            f"{tight} are aimed at"
+        )
+
+    def _in_parts(self, content: bytes) -> Parts[Cover]:
+        from assur.scenes.meshes.cover import Covering
+        from assur.scenes.meshes.kept_cuts import written
+        from assur.scenes.meshes.load import load_in_parts
+
+        surface = yield from load_in_parts(content, self._key.form, self._key.unit)
+        self._read = True
+        yield
+        kept = None if self._folder is None else (yield from self._kept(self._folder, surface))
+        if kept is not None:
+            return kept
+        self.covering = Covering(surface)
+        cuts, cover = yield from self.covering.in_parts()
+        if self._folder is not None:
+            try:
+                self._folder.put_cuts(self._file, written(self._key.name, cuts, cover))
+            except FolderError as error:
+                _log("the cuts of a cover are not kept", self._key, str(error))
+        return cover
+
+    def _kept(self, folder: MeshFolder, surface: Surface) -> Parts[Cover | None]:
+        """The cover by the cuts in the folder. A file that cannot be used is removed, for a new one."""
+        from assur.scenes.meshes.kept_cuts import KeptCutsError, cover_from
+
+        content = folder.cuts(self._file)
+        if content is None:
+            return None
+        try:
+            return (yield from cover_from(content, self._key.name, surface))
+        except KeptCutsError as error:
+            folder.remove(self._file)
+            _log("kept cuts are refused", self._key, str(error), logging.INFO if error.other else logging.WARNING)
+            return None
+
+    @property
+    def _file(self) -> str:
+        return f"{self._key.name}.cover"
+
+
 class Covers:
     """Covers by key, in up to `kept_bytes` of memory; what does not fit is not kept. `folder`: None, or where cuts and
     uploaded meshes are."""
@@ -50,10 +114,10 @@ class Covers:
         self.folder = folder
         self._kept_bytes, self._used = kept_bytes, 0
         self._covers: OrderedDict[Key, tuple[Cover, int]] = OrderedDict()
-        self._begun: OrderedDict[Key, Loading | Covering] = OrderedDict()
+        self._begun: OrderedDict[Key, Finding] = OrderedDict()
         self._lock = threading.Lock()
         self.cuts_made = 0
-        """Coverings that were begun here: what a cache saves."""
+        """Covers that were found with cuts made here: what a cache saves."""
 
     def known(self, key: Key) -> Cover | None:
         """The cover, if it is in memory."""
@@ -72,64 +136,24 @@ class Covers:
         """
         found = self.known(key)
         if found is None:
-            found = self._kept_in_folder(key, content) or self._found(key, content)
+            found = self._found(key, content)
             self._keep(key, found)
         return found
 
     def _found(self, key: Key, content: bytes) -> Cover:
-        from assur.scenes.meshes.cover import Covering
-        from assur.scenes.meshes.kept_cuts import written
-        from assur.scenes.meshes.load import Loading, load_in_parts
-
         with self._lock:
             begun = self._begun.pop(key, None)
         if begun is None:
-            begun = Loading(load_in_parts(content, key.form, key.unit))
-            self.cuts_made += 1
-        if isinstance(begun, Loading):
-            surface = begun.run(out_of_time)
-            if surface is None:
-                self._leave(key, begun)
-                raise OutOfTimeError("had not been read")
-            begun = Covering(surface)
-        done = begun.run(out_of_time)
+            begun = Finding(key, content, self.folder)
+        done = begun.parts.run(out_of_time)
         if done is None:
-            self._leave(key, begun)
-            raise OutOfTimeError(_so_far(begun))
-        cuts, cover = done
-        if self.folder is not None:
-            try:
-                self.folder.put_cuts(f"{key.name}.cover", written(key.name, cuts, cover))
-            except FolderError as error:
-                _log("the cuts of a cover are not kept", key, str(error))
-        return cover
-
-    def _leave(self, key: Key, begun: Loading | Covering) -> None:
-        """Keeps what is not finished."""
-        with self._lock:
-            self._begun[key] = begun
-            while len(self._begun) > UNFINISHED:
-                self._begun.popitem(last=False)
-
-    def _kept_in_folder(self, key: Key, content: bytes) -> Cover | None:
-        """The cover by the cuts in the folder. A file that cannot be used is removed, for a new one."""
-        from assur.scenes.meshes.kept_cuts import KeptCutsError, cover_from
-        from assur.scenes.meshes.load import load
-
-        with self._lock:
-            if key in self._begun:
-                return None
-        kept = None if self.folder is None else self.folder.cuts(f"{key.name}.cover")
-        if self.folder is None or kept is None:
-            return None
-        if out_of_time():
-            raise OutOfTimeError("had not been read")
-        try:
-            return cover_from(kept, key.name, load(content, key.form, key.unit))
-        except KeptCutsError as error:
-            self.folder.remove(f"{key.name}.cover")
-            _log("kept cuts are refused", key, str(error), logging.INFO if error.other else logging.WARNING)
-            return None
+            with self._lock:
+                self._begun[key] = begun
+                while len(self._begun) > UNFINISHED:
+                    self._begun.popitem(last=False)
+            raise OutOfTimeError(begun.so_far)
+        self.cuts_made += begun.covering is not None
+        return done
 
     def _keep(self, key: Key, cover: Cover) -> None:
         size = _size(cover)
@@ -147,16 +171,6 @@ def _size(cover: Cover) -> int:
     hulls = [piece.shape for piece in cover.pieces if isinstance(piece.shape, Hull)]
     arrays = [array for hull in hulls for array in (hull.vertices, hull.faces)]
     return sum(array.nbytes for array in (*arrays, *(cover.surface or ())))
-
-
-def _so_far(covering: Covering) -> str:
-    if not covering.pieces:
-        return "had been read, and was not covered yet"
-    out, tight = (f"{1e3 * length:.3g} mm" for length in (covering.excess_m, covering.tight_m))
-    return (
-        f"was being covered by convex pieces, {covering.pieces} so far, which reach up to {out} out of it; {tight} are "
-        "aimed at"
-    )
 
 
 def _log(what: str, key: Key, why: str, level: int = logging.WARNING) -> None:

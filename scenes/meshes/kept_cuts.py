@@ -17,6 +17,7 @@ from typing import Any
 from assur.planner.errors import FaultError, InputError
 from assur.planner.geometry.shapes import Hull
 from assur.scenes.meshes.cover import MAX_PIECES, Cover, Cuts, cover_by
+from assur.scenes.meshes.parts import Parts
 from assur.scenes.meshes.surface import Surface
 from assur.scenes.text.json_text import parse_json
 
@@ -60,7 +61,7 @@ def written(mesh: str, cuts: Cuts, cover: Cover) -> bytes:
     return json.dumps(document, allow_nan=False).encode("ascii")
 
 
-def cover_from(content: bytes, mesh: str, surface: Surface) -> Cover:
+def cover_from(content: bytes, mesh: str, surface: Surface) -> Parts[Cover]:
     """The cover of a surface with the cuts in a file. Raises `KeptCutsError` for a file that is torn, of another mesh,
     or does not give the hulls that it was made with."""
     try:
@@ -73,7 +74,7 @@ def cover_from(content: bytes, mesh: str, surface: Surface) -> Cover:
         raise KeptCutsError("another mesh")
     if document["version"] != version():
         raise KeptCutsError("another version", other=True)
-    cover = cover_by(surface, _cuts(document))
+    cover = yield from cover_by(surface, _cuts(document))
     if hulls_digest(cover) != document["hulls"]:
         raise KeptCutsError("other hulls")
     return cover

@@ -13,7 +13,6 @@ from __future__ import annotations
 import io
 import re
 import struct
-from collections.abc import Callable, Generator
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,8 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_FACES, MAX_MESH_BYTES
-from assur.scenes.meshes.surface import Surface, drained, surface_in_parts
+from assur.scenes.meshes.parts import Parts, at_once
+from assur.scenes.meshes.surface import Surface, surface_in_parts
 from assur.scenes.text.json_text import parse_json
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
@@ -34,10 +34,10 @@ MOST_NODES = 1_000
 
 def load(content: bytes, form: str, unit: str) -> Surface:
     """The surface in an STL, OBJ, PLY or GLB file. Raises `InputError` naming mesh.data, mesh.format or mesh.unit."""
-    return drained(load_in_parts(content, form, unit))
+    return at_once(load_in_parts(content, form, unit))
 
 
-def load_in_parts(content: bytes, form: str, unit: str) -> Generator[None, None, Surface]:
+def load_in_parts(content: bytes, form: str, unit: str) -> Parts[Surface]:
     """`load`, which may be left, and gone on with, between two parts of the work."""
     if unit not in UNITS_M:
         raise InputError("mesh.unit", unit, f"one of {', '.join(UNITS_M)}")
@@ -46,24 +46,6 @@ def load_in_parts(content: bytes, form: str, unit: str) -> Generator[None, None,
     triangles = triangles_of(content, form)
     yield
     return (yield from surface_in_parts(triangles, UNITS_M[unit]))
-
-
-class Loading:
-    """The way to a surface, in `parts`. It may be left between two of them and taken up later."""
-
-    def __init__(self, parts: Generator[None, None, Surface]) -> None:
-        self._parts = parts
-
-    def run(self, out_of_time: Callable[[], bool]) -> Surface | None:
-        """The surface; None where `out_of_time`, which is asked before each part of the work, ended it before. Raises
-        `InputError` as `load`."""
-        while not out_of_time():
-            try:
-                next(self._parts)
-            except StopIteration as done:
-                found: Surface = done.value
-                return found
-        return None
 
 
 def triangles_of(content: bytes, form: str) -> FloatArray:

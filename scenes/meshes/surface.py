@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.errors import InputError
 from assur.scenes.bounds import FAR_M, LARGEST_MESH_M, MAX_FACES, MIN_FACES, SMALLEST_MESH_M
+from assur.scenes.meshes.parts import Parts, at_once
 
 SMALLEST_VOLUME_M3 = 1e-12
 """Volume from which on a mesh counts as a solid, m³: a cube of a tenth of a millimetre."""
@@ -35,20 +35,10 @@ def closed_surface(corners: FloatArray, unit_m: float) -> Surface:
     means that every edge is run through as often one way as the other, which is what a winding number needs.
     Raises `InputError` naming mesh.data or mesh.unit. Not checked: that the surface does not cross itself.
     """
-    return drained(surface_in_parts(corners, unit_m))
+    return at_once(surface_in_parts(corners, unit_m))
 
 
-def drained(parts: Generator[None, None, Surface]) -> Surface:
-    """What work in parts gives, done at once."""
-    while True:
-        try:
-            next(parts)
-        except StopIteration as done:
-            found: Surface = done.value
-            return found
-
-
-def surface_in_parts(corners: FloatArray, unit_m: float) -> Generator[None, None, Surface]:
+def surface_in_parts(corners: FloatArray, unit_m: float) -> Parts[Surface]:
     """`closed_surface`, which may be left, and gone on with, between two parts of the work."""
     if not MIN_FACES <= len(corners) <= MAX_FACES:
         raise InputError("mesh.data", f"{len(corners)} triangles", f"{MIN_FACES} to {MAX_FACES} triangles")

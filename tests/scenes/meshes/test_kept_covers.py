@@ -26,6 +26,7 @@ from assur.scenes.meshes.covers import Covers, Key
 from assur.scenes.meshes.folder import LEAST_BYTES, LEFT_S, UNUSED_S, FolderError, MeshFolder
 from assur.scenes.meshes.kept_cuts import KeptCutsError, cover_from, hulls_digest, written
 from assur.scenes.meshes.load import load
+from assur.scenes.meshes.parts import InParts, at_once
 from assur.scenes.schema.shapes import MeshDocument
 from tests.scenes.meshes.solids import SOLIDS, binary_stl, on_triangles, surface, torus
 from tests.scenes.meshes.test_cover import WITHIN_M, outside
@@ -57,7 +58,7 @@ class Ticks:
 @pytest.mark.parametrize("looks", [0, 1, 7])
 def test_a_covering_that_is_left_again_and_again_ends_as_one_that_is_not(looks: int) -> None:
     solid = surface(SOLIDS["flange"])
-    covering, done, left = Covering(solid), None, 0
+    covering, done, left = InParts(Covering(solid).in_parts()), None, 0
     while done is None:
         done = covering.run(Ticks(looks)) if looks or left else covering.run(Ticks(0))
         left += done is None
@@ -69,9 +70,10 @@ def test_a_covering_that_is_left_again_and_again_ends_as_one_that_is_not(looks: 
 def test_the_time_is_looked_at_before_each_cut() -> None:
     solid = surface(SOLIDS["flange"])
     covering = Covering(solid)
+    work = InParts(covering.in_parts())
     before = covering.pieces
     for _ in range(5):
-        assert covering.run(Ticks(1)) is None
+        assert work.run(Ticks(1)) is None
         assert covering.pieces <= max(1, before) + 1
         before = covering.pieces
 
@@ -83,10 +85,9 @@ def test_work_is_bounded_by_counting() -> None:
     noisy = (vertices + rng.normal(0.0, 1.5, vertices.shape))[which].reshape(-1, 3, 3)
     for corners in (noisy, torus(20, 10), torus(8, 4)):
         covering = Covering(surface(corners))
-        found = covering.run()
-        assert found is not None
+        _, found = at_once(covering.in_parts())
         assert covering.work <= MAX_WORK + 6_000
-        assert outside(found[1], on_triangles(surface(corners).corners, 500, seed=3)) <= WITHIN_M
+        assert outside(found, on_triangles(surface(corners).corners, 500, seed=3)) <= WITHIN_M
 
 
 def test_the_hole_of_a_ring_that_is_cut_into_slabs_stays_open() -> None:
@@ -96,14 +97,12 @@ def test_the_hole_of_a_ring_that_is_cut_into_slabs_stays_open() -> None:
 
 def test_cuts_give_the_same_hulls_again_and_any_cuts_hold_the_surface() -> None:
     solid = surface(SOLIDS["torus"])
-    found = Covering(solid).run()
-    assert found is not None
-    cuts, first = found
-    assert hulls_digest(cover_by(solid, cuts)) == hulls_digest(first)
+    cuts, first = at_once(Covering(solid).in_parts())
+    assert hulls_digest(at_once(cover_by(solid, cuts))) == hulls_digest(first)
     from dataclasses import replace
 
     moved = replace(cuts, planes=tuple((cell, axis, at + 0.004) for cell, axis, at in cuts.planes), groups=())
-    assert outside(cover_by(solid, moved), on_triangles(solid.corners, 2_000, seed=4)) <= WITHIN_M
+    assert outside(at_once(cover_by(solid, moved)), on_triangles(solid.corners, 2_000, seed=4)) <= WITHIN_M
 
 
 def test_a_mesh_is_covered_once_for_all_processes_with_a_folder(tmp_path: Path) -> None:
@@ -158,7 +157,7 @@ def test_a_forged_or_torn_file_is_refused_logged_and_made_anew(
     whole = path.read_bytes()
     path.write_bytes(TAMPERED[how](whole))
     with pytest.raises(KeptCutsError):
-        cover_from(path.read_bytes(), KEY.name, load(FLANGE, "stl", "mm"))
+        at_once(cover_from(path.read_bytes(), KEY.name, load(FLANGE, "stl", "mm")))
     covers = Covers(folder=folder_at(tmp_path))
     with caplog.at_level(logging.WARNING, "assur.meshes"):
         found = covers.cover(KEY, FLANGE)
@@ -173,12 +172,11 @@ def test_a_file_that_is_forged_consistently_still_covers_the_mesh() -> None:
     from dataclasses import replace
 
     solid = surface(SOLIDS["flange"])
-    found = Covering(solid).run()
-    assert found is not None
-    forged = replace(found[0], planes=tuple((c, axis, at + 0.001) for c, axis, at in found[0].planes))
-    content = written("name", forged, cover_by(solid, forged))
-    taken = cover_from(content, "name", solid)
-    assert hulls_digest(taken) != hulls_digest(found[1])
+    cuts, right = at_once(Covering(solid).in_parts())
+    forged = replace(cuts, planes=tuple((c, axis, at + 0.001) for c, axis, at in cuts.planes))
+    content = written("name", forged, at_once(cover_by(solid, forged)))
+    taken = at_once(cover_from(content, "name", solid))
+    assert hulls_digest(taken) != hulls_digest(right)
     assert outside(taken, on_triangles(solid.corners, 2_000, seed=9)) <= WITHIN_M
 
 
@@ -225,6 +223,24 @@ def test_what_the_deadline_ends_is_said_kept_and_never_used_unfinished(monkeypat
     assert order.count(2) == 10
     assert covers.cuts_made == 1
     assert hulls_digest(found) == hulls_digest(cover(load(FLANGE, "stl", "mm")))
+
+
+def test_a_cover_by_kept_cuts_is_left_when_the_time_is_over_and_gone_on_with(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    right = Covers(folder=folder_at(tmp_path)).cover(KEY, FLANGE)
+    looks = count()
+    monkeypatch.setattr("assur.planner.model.deadline.time", SimpleNamespace(perf_counter=lambda: next(looks)))
+    covers, left, found = Covers(folder=folder_at(tmp_path)), list[str](), None
+    while found is None:
+        try:
+            with Deadline(next(looks), 1.5):
+                found = covers.cover(KEY, FLANGE)
+        except OutOfTimeError as late:
+            left.append(str(late))
+    # once for each cut and each hull that is made
+    assert left.count("had been read, and was not covered yet") > len(right.pieces)
+    assert (covers.cuts_made, hulls_digest(found)) == (0, hulls_digest(right))
 
 
 def test_meshes_by_digest_are_taken_from_the_folder_and_no_other_bytes_are(tmp_path: Path) -> None:

@@ -1,0 +1,38 @@
+"""Work in parts: it may be left between two of them and gone on with later, with the same result."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from typing import Generic, TypeVar
+
+T = TypeVar("T")
+Parts = Generator[None, None, T]
+"""Work that yields between two of its parts, and returns what it gives."""
+
+
+class InParts(Generic[T]):
+    """Work, and how far it has come."""
+
+    def __init__(self, parts: Parts[T]) -> None:
+        self._parts = parts
+
+    def run(self, out_of_time: Callable[[], bool]) -> T | None:
+        """What the work gives. None where `out_of_time`, which is asked before each part, ended it before: call it then
+        again. Raises what the work raises."""
+        while not out_of_time():
+            try:
+                next(self._parts)
+            except StopIteration as done:
+                found: T = done.value
+                return found
+        return None
+
+
+def at_once(parts: Parts[T]) -> T:
+    """What work in parts gives, done without being left."""
+    while True:
+        try:
+            next(parts)
+        except StopIteration as done:
+            found: T = done.value
+            return found
