@@ -143,8 +143,9 @@ def _not_planned(cell: Cell, outcome: NotPlanned) -> document.NotPlannedAnswer:
     }
 
 
-def unbuilt(request: RequestDocument, elapsed_s: float, during: str = "") -> document.NotPlannedAnswer:
-    """The answer to a request whose budget was spent before its scene was built; `during`: what was done then."""
+def unbuilt(request: RequestDocument, budget_s: float, elapsed_s: float, during: str = "") -> document.NotPlannedAnswer:
+    """The answer to a request whose budget, of so many seconds, was spent before its scene was built; `during`: what
+    was done then."""
     advice = "Increase budget_s, or use simpler meshes and fewer bodies."
     if during:
         advice = f"Then {during}. What is found of a mesh is kept: send the request again, or increase budget_s."
@@ -153,8 +154,7 @@ def unbuilt(request: RequestDocument, elapsed_s: float, during: str = "") -> doc
         "status": "not_planned",
         "reason": word(Reason.TIMED_OUT),
         "proved": False,
-        "sentence": f"The budget of {request.options.budget_s:g} s was spent before the cell was built; nothing was "
-        f"tried. {advice}",
+        "sentence": f"The budget of {budget_s:g} s was spent before the cell was built; nothing was tried. {advice}",
         "refusal": None,
         "relaxation": None,
         "tried": [],

@@ -190,12 +190,12 @@ def plan_document(
     from assur.scenes.reading.cell import cell_of as build
 
     written, request = _accepted(document, folder, valid, laps)
-    budget_s = request.options.budget_s
+    budget_s = request.options.budget_s if most_budget_s is None else min(request.options.budget_s, most_budget_s)
     try:
-        with Deadline(started, budget_s if most_budget_s is None else min(budget_s, most_budget_s)):
+        with Deadline(started, budget_s):
             cell = build(written, request)
     except OutOfTimeError as late:
-        return dict(unbuilt(request, time.perf_counter() - started, str(late)))
+        return dict(unbuilt(request, budget_s, time.perf_counter() - started, str(late)))
     finally:
         if laps is not None:
             laps.lap("build")

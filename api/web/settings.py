@@ -122,7 +122,7 @@ class Settings:
         MAX_BUDGET_S, _seconds(0.01, MAX_BUDGET_S), "largest budget_s and explain_budget_s that a request may ask for"
     )
     grace_s: float = _setting(
-        0.5, _seconds(0.1, 60.0), "extra time of a plan beyond its two budgets; then its worker is killed"
+        2.0, _seconds(0.1, 60.0), "extra time of a plan beyond its two budgets; then its worker is killed"
     )
     check_s: float = _setting(30.0, _seconds(0.1, 600.0), "time limit of short work; then its worker is killed")
     warm_s: float = _setting(120.0, _seconds(1.0, 3600.0), "time limit for the first plan of a new worker")

@@ -83,7 +83,7 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     said = claims.nearest
     claimed = -math.inf if said is None else math.inf if said[0] is None else said[0].gap_m - WITHIN_M
     between()
-    apart_findings, against = apart.found(certificate, claimed)
+    apart_findings, against = apart.found(certificate, claimed, between)
     findings += _known(scene, table, of_plan) + apart_findings + enclosed(world, apart, between)
     findings += [] if said is None else nearest(apart, said[0], against)
     findings += pairs(apart, claims.pairs) + _touching(of_plan, claims.contacts)

@@ -52,7 +52,9 @@ from assur.planner.checker.separation import (
     ROW,
     SLACK_M,
     TO,
+    WORK_ROOM,
     WRONG,
+    Work,
     carried,
     descend,
     support,
@@ -280,15 +282,14 @@ def _planes(
             put_behind(cell, marks, p, body, vector(rows[first], N), stays, tables, doubt, jets, known, claimed)
 
 
-@kernel(f"void({F2}, {I1}, {I1}, {CELL}, {I3}, {F2}, {F2})", allocates=True)
-def _cover(
+@kernel(f"void({F2}, {I1}, {I1}, {CELL}, {I3}, {F2}, {I3}, {I2})")
+def chained(
     rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, verdicts: FloatArray,
-    holes: FloatArray,
+    head: IntArray, chain: IntArray,
 ) -> None:  # fmt: skip
-    """What is not covered in each phase."""
-    count, mine, robots, spans = cell[3], cell[4], cell[5], cell[6]
-    # rows of a pair are chained in the order of their begins; 0 is none, so that what is not touched costs nothing
-    head, chain = np.zeros(marks.shape, dtype=np.int64), np.zeros((len(rows), 2), dtype=np.int64)
+    """Chains the rows of each pair in each phase, in the order of their begins: `head` (P, U, B) has the first of them
+    plus 1 and is 0 where there is none, so that what is not touched costs nothing; `chain` (M, 2) as of `hole`."""
+    mine, spans = cell[4], cell[6]
     for i in range(len(order) - 1, -1, -1):
         r = order[i]
         if rows[r, OTHER_NAME] < 0.0 or not good(verdicts[r]):
@@ -301,38 +302,53 @@ def _cover(
                 continue  # it says that the wrong one is ahead
             chain[r, 0], chain[r, 1] = head[p, mine[pair[0]], pair[1]] - 1, int(pair[0] != one)
             head[p, mine[pair[0]], pair[1]] = r + 1
-    for p in range(len(spans)):
-        holes[p, MANY], holes[p, HOLE] = 0.0, np.inf
-        for u in range(robots.shape[1] if spans[p, 1] > spans[p, 0] else 0):
-            a = robots[0, u]
-            for b in range(len(count)):
-                if b == a or marks[p, u, b] & BEHIND or ordered(mine, a, b)[0] != a:
-                    continue
-                if not required(cell, marks, p, a, b):
-                    continue
-                _, early, late = window(cell, marks, p, a, b)
-                found = hole(rows, head[p, u, b] - 1, chain, count[a], count[b], spans[p, 0], spans[p, 1], early, late)
-                if not math.isnan(found):
-                    holes[p, MANY] += 1.0
-                    if found < holes[p, HOLE]:
-                        holes[p, HOLE], holes[p, HOLE_ONE], holes[p, HOLE_OTHER] = found, a, b
 
 
-@kernel(f"boolean({F2}, {I1}, {I1}, {CELL}, {I3}, {TABLES}, {DOUBT}, int64, {F2}, {F2}, {F1})", allocates=True)
+@kernel(f"void({F2}, {CELL}, {I3}, int64, int64, {I3}, {I2}, {F1})", allocates=True)
+def holes_of(
+    rows: FloatArray, cell: Cell, marks: IntArray, p: int, u: int, head: IntArray, chain: IntArray, holes: FloatArray
+) -> None:
+    """What is not covered of the pairs of one body of the robot in one phase goes into `holes` (HOLES,)."""
+    count, mine, robots, spans = cell[3], cell[4], cell[5], cell[6]
+    a = robots[0, u]
+    for b in range(len(count)):
+        if b == a or marks[p, u, b] & BEHIND or ordered(mine, a, b)[0] != a:
+            continue
+        if not required(cell, marks, p, a, b):
+            continue
+        _, early, late = window(cell, marks, p, a, b)
+        found = hole(rows, head[p, u, b] - 1, chain, count[a], count[b], spans[p, 0], spans[p, 1], early, late)
+        if not math.isnan(found):
+            holes[MANY] += 1.0
+            if found < holes[HOLE]:
+                holes[HOLE], holes[HOLE_ONE], holes[HOLE_OTHER] = found, a, b
+
+
+@kernel(f"{WORK_ROOM}({CELL}, {TABLES}, int64)", allocates=True)
+def _work(cell: Cell, tables: Tables, room: int) -> Work:
+    """Where proofs are made, with room for so many items."""
+    carriers = len(cell[2]) + len(tables[2])
+    return (
+        np.empty((PLACES, carriers + MOST_LINKS, JETS, 6)),
+        np.full((PLACES, carriers, 3), np.nan),
+        np.empty((room, ITEM)),
+        np.empty((2 * DEEPEST + 4, 5)),
+    )
+
+
+@kernel(f"boolean({F2}, {I1}, {I1}, {CELL}, {I3}, {TABLES}, {DOUBT}, int64, {F2}, {F1}, {F1})", allocates=True)
 def judge(
     rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, tables: Tables, doubt: Doubt,
-    room: int, verdicts: FloatArray, holes: FloatArray, state: FloatArray,
+    room: int, verdicts: FloatArray, spared: FloatArray, state: FloatArray,
 ) -> bool:  # fmt: skip
-    """Judges the rows of a certificate (M, COLUMNS), in their `order` of begin and end, their names having `numbers`;
-    then what they do not cover; and, of all pairs that may not touch, the clearance that is claimed in `state`.
+    """Judges rows of a certificate (M, COLUMNS), those in `order`, which has all of an interval or none, by begin and
+    end; their names have `numbers`. Of pairs that may not touch, it tries the clearance that is claimed in `state`.
 
-    Fills `verdicts` (M, VERDICT) and `holes` (P, HOLES). `room`: for items of a proof; False: it was not enough.
+    Fills `verdicts` (M, VERDICT) but for SPARED, which goes into `spared` (M,). `room`: for items of a proof; False: it
+    was not enough.
     """
-    wanted, count, robots, spans = cell[2], cell[3], cell[5], cell[6]
-    jets = np.empty((PLACES, len(wanted) + len(tables[2]) + MOST_LINKS, JETS, 6))
-    known = np.full((PLACES, len(wanted) + len(tables[2]), 3), np.nan)
-    items, spared, many = np.empty((room, ITEM)), np.full(len(rows), np.inf), 0
-    work = (jets, known, items, np.empty((2 * DEEPEST + 4, 5)))
+    work, many = _work(cell, tables, room), 0
+    items = work[2]
     for i in range(len(order)):
         r, last = order[i], i + 1 == len(order)
         if many >= room:
@@ -346,6 +362,18 @@ def judge(
             if not descend(rows[r, T0], rows[r, T1], many, tables, doubt, work, spared, state):
                 return False
             many = 0
+    return True
+
+
+@kernel(f"boolean({F2}, {I1}, {I1}, {CELL}, {I3}, {TABLES}, {DOUBT}, int64, {F2}, {F1}, {F1})", allocates=True)
+def judge_planes(
+    rows: FloatArray, order: IntArray, numbers: IntArray, cell: Cell, marks: IntArray, tables: Tables, doubt: Doubt,
+    room: int, verdicts: FloatArray, spared: FloatArray, state: FloatArray,
+) -> bool:  # fmt: skip
+    """When all rows were judged: marks what is behind planes, and tries the clearance that is claimed of it. The rest
+    as `judge`; `state` gets the number of wrong rows."""
+    robots, spans, count, work = cell[5], cell[6], cell[3], _work(cell, tables, room)
+    jets, known, items, _ = work
     for r in range(len(rows)):
         verdicts[r, SPARED] = spared[r]
         alone = rows[r, OTHER_NAME] < 0.0
@@ -366,5 +394,4 @@ def judge(
                     many += 1
         if many > 0 and not descend(spans[p, 0], spans[p, 1], many, tables, doubt, work, spared, state):
             return False
-    _cover(rows, order, numbers, cell, marks, verdicts, holes)
     return True

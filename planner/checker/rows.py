@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,10 +29,15 @@ from assur.planner.checker.separation import CLAIMED, MOST, REACHED, STATE, WRON
 from assur.planner.checker.solids import CARRIER, Solids
 from assur.planner.checker.uncertainty import Doubt
 from assur.planner.checker.verdict import Code, Finding
+from assur.planner.geometry.containment import nothing
 from assur.planner.model.outcome import Certificate
 from assur.planner.model.phases import CONTACT_M, Phase
 from assur.planner.model.scene import Scene
 
+BLOCK = 250
+"""Rows that are judged between two looks at the time: some hundredths of a second."""
+Given = tuple[IntArray, Cell, IntArray, Tables, Doubt, int, FloatArray, FloatArray, FloatArray]
+"""What `cover.judge` and `cover.judge_planes` take beyond rows and their order."""
 ROOM = 64
 """Pairs that may be open at a time, beyond some for each row, at first; who needs more gets it."""
 
@@ -70,14 +76,19 @@ class Apart:
         tables = (*tables[:4], table.table, table.vertices)
         return Apart(phases, table, tables, cell, doubt, marks)
 
-    def found(self, certificate: Certificate, claimed: float) -> tuple[list[Finding], FloatArray]:
+    def found(
+        self, certificate: Certificate, claimed: float, between: Callable[[], None] = nothing
+    ) -> tuple[list[Finding], FloatArray]:
         """Rows that mean or prove nothing, and pairs that are not kept apart; and what stands against the clearance
-        `claimed` of all pairs that may not touch, m (`separation.STATE`; -inf: none is claimed)."""
-        verdicts, holes, state = self.judged(certificate, claimed)
+        `claimed` of all pairs that may not touch, m (`separation.STATE`; -inf: none is claimed). `between` is called
+        between blocks of the work; what it raises is raised."""
+        verdicts, holes, state = self.judged(certificate, claimed, between)
         wrong = _found(certificate, verdicts) if state[WRONG] > 0.0 else []
         return wrong + self._holes(holes), state
 
-    def judged(self, c: Certificate, claimed: float = -math.inf) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def judged(
+        self, c: Certificate, claimed: float = -math.inf, between: Callable[[], None] = nothing
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """What is found of each row (M, cover.VERDICT), of each phase (P, cover.HOLES) and of the claim (STATE,)."""
         table, state, room = self.table, np.zeros(STATE), 4 * len(c) + ROOM
         numbers = np.array([table.number.get(name, -1) for name in c.names], dtype=np.int64)
@@ -86,27 +97,46 @@ class Apart:
         rows[:, row_table.S0], rows[:, row_table.S1] = (0.0, 0.0) if c.shift0 is None else (c.shift0, c.shift1)
         rows[:, row_table.NAME], rows[:, row_table.PIECE] = c.first, c.first_piece
         rows[:, row_table.OTHER_NAME], rows[:, row_table.OTHER_PIECE] = c.second, c.second_piece
-        verdicts, holes = np.zeros((len(c), cover.VERDICT)), np.zeros((len(self.phases), cover.HOLES))
-        while True:
+        verdicts, spared = np.zeros((len(c), cover.VERDICT)), np.empty(len(c))
+        blocks = _blocks(rows, order)
+        while room <= MOST:
             state[:], state[CLAIMED], state[REACHED] = 0.0, claimed, math.nan if claimed == -math.inf else math.inf
-            if cover.judge(
-                rows,
-                order,
-                numbers,
-                self.cell,
-                self.marks.copy(),
-                self.tables,
-                self.doubt,
-                room,
-                verdicts,
-                holes,
-                state,
-            ):
-                return verdicts, holes, state
+            spared[:], marks = np.inf, self.marks.copy()
+            given = (numbers, self.cell, marks, self.tables, self.doubt, room, verdicts, spared, state)
+            if self._judged(rows, blocks, given, between) and cover.judge_planes(rows, order, *given):
+                return verdicts, self._uncovered(rows, order, numbers, marks, verdicts, between), state
             room *= 4
-            if room > MOST:
-                verdicts[:], state[WRONG], state[REACHED] = 0.0, 1.0, math.nan
-                return verdicts, holes, state
+        verdicts[:], state[WRONG], state[REACHED] = 0.0, 1.0, math.nan
+        return verdicts, np.zeros((len(self.phases), cover.HOLES)), state
+
+    @staticmethod
+    def _judged(rows: FloatArray, blocks: list[IntArray], given: Given, between: Callable[[], None]) -> bool:
+        """Judges all rows; whether there was room enough."""
+        for block in blocks:
+            between()
+            if not cover.judge(rows, block, *given):
+                return False
+        return True
+
+    def _uncovered(
+        self,
+        rows: FloatArray,
+        order: IntArray,
+        numbers: IntArray,
+        marks: IntArray,
+        verdicts: FloatArray,
+        between: Callable[[], None],
+    ) -> FloatArray:
+        """What is not covered of each phase (P, cover.HOLES)."""
+        head, chain = np.zeros(marks.shape, dtype=np.int64), np.zeros((len(rows), 2), dtype=np.int64)
+        cover.chained(rows, order, numbers, self.cell, marks, verdicts, head, chain)
+        holes = np.zeros((len(self.phases), cover.HOLES))
+        holes[:, cover.HOLE] = np.inf
+        for p, phase in enumerate(self.phases):
+            for u in range(marks.shape[1] if phase.t1 > phase.t0 else 0):
+                between()
+                cover.holes_of(rows, self.cell, marks, p, u, head, chain, holes[p])
+        return holes
 
     def _holes(self, holes: FloatArray) -> list[Finding]:
         """A finding for each phase in which a pair is not covered throughout, by rows or by a plane."""
@@ -124,6 +154,16 @@ class Apart:
         if a == b or not cover.required(self.cell, self.marks, phase, a, b):
             return False
         return not self.marks[phase, self.table.mine[first], second] & CONTACT
+
+
+def _blocks(rows: FloatArray, order: IntArray) -> list[IntArray]:
+    """The rows in their order, `BLOCK` of them at a time or somewhat more: none cuts an interval."""
+    if not len(order):
+        return [order]
+    spans = rows[order][:, [row_table.T0, row_table.T1]]
+    begins = np.flatnonzero(np.append(True, (spans[1:] != spans[:-1]).any(1)))
+    cuts = begins[np.flatnonzero(np.diff(begins // BLOCK)) + 1]
+    return np.split(order, cuts)
 
 
 def _marks(scene: Scene, phases: tuple[Phase, ...], table: Solids) -> IntArray:

@@ -54,6 +54,7 @@ LOOKS: dict[str, dict[str, str | int]] = {
     "hose-on-gripper": {"planner.feasibility.forbidden_yaw.yaw_impossible": STEPS},
     "parabolic-blend": {"planner.blends.search._blend_sampler": STEPS},
     "circular-legs": {"scenes.reading.task._parts": STEPS, "planner.model.path.at": STEPS},
+    "beside-a-neighbour": {"planner.checker.rows._judged": 2, "planner.checker.rows._uncovered": 4},
     "shut-gate": {"planner.collision.proof.over": 1},
 }
 

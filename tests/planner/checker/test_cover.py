@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from unittest.mock import Mock
+
 import numpy as np
+import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from assur.planner.checker import rows as rows_of
 from assur.planner.checker.row_table import COLUMNS, OTHER_PIECE, PIECE, T0, T1, hole
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import solids
 from assur.planner.checker.world import World
+from assur.planner.model.deadline import OutOfTimeError
+from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import phases
+from assur.planner.model.scene import Scene
 from tests.planner.checker.hand_made import belt_case, crossing_case
 
 LENGTH = 8
@@ -66,6 +74,38 @@ def test_every_pair_of_pieces_must_be_painted(given_rows: list[tuple[int, tuple[
                 of_pieces.append(painted(mine, 0, LENGTH))
         open_ = [hole for hole in of_pieces if hole >= 0]
         assert found[k] == min(open_) if open_ else np.isnan(found[k])
+
+
+@pytest.mark.parametrize("case", [crossing_case, belt_case])
+def test_rows_are_judged_in_blocks_of_whole_intervals_and_alike_in_all_of_them(
+    case: Callable[[], tuple[Scene, Plan]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene, plan = case()
+    of_plan, c = phases(scene, plan.legs, plan.arrivals), plan.certificate
+    apart = Apart.of(scene, of_plan, solids(scene, of_plan), World(scene, plan).tables)
+    intervals = len(set(zip(c.t0.tolist(), c.t1.tolist(), strict=True)))
+    robots = sum(apart.marks.shape[1] for phase in of_plan if phase.t1 > phase.t0)
+    found = {}
+    for size in (1, 7, len(c)):
+        monkeypatch.setattr(rows_of, "BLOCK", size)
+        look = Mock()
+        found[size] = [table.tobytes() for table in apart.judged(c, 1e-3, look)]
+        blocks = look.call_count - robots
+        assert 1 <= blocks <= -(-len(c) // size)
+        assert size > 1 or blocks == intervals
+    assert found[1] == found[7] == found[len(c)]
+
+
+def test_what_is_called_between_blocks_ends_the_work_with_what_it_raises() -> None:
+    scene, plan = crossing_case()
+
+    def out_of_time() -> None:
+        raise OutOfTimeError
+
+    of_plan = phases(scene, plan.legs, plan.arrivals)
+    apart = Apart.of(scene, of_plan, solids(scene, of_plan), World(scene, plan).tables)
+    with pytest.raises(OutOfTimeError):
+        apart.found(plan.certificate, -np.inf, out_of_time)
 
 
 def test_the_asked_pairs_of_a_phase_are_the_robot_against_the_rest_and_its_self_pairs() -> None:
