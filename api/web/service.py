@@ -270,7 +270,8 @@ def _scenario_name(document: dict[str, Any]) -> str:
     """The name in a body {"scenario": NAME}. Raises `Problem` when there is anything else in it."""
     for name, value in document.items():
         if name != "scenario":
-            raise Problem.of_input(InputError(name, value, 'no field beside "scenario"'))
+            allowed = 'no field beside "scenario"; POST /v1/scenes/{name}/plans takes other options'
+            raise Problem.of_input(InputError(name, value, allowed))
     if not isinstance(document["scenario"], str):
         raise Problem.of_input(InputError("scenario", document["scenario"], "the name of a shipped scenario"))
     return document["scenario"]
