@@ -10,12 +10,26 @@ import random
 import struct
 from typing import Any
 
-from assur.api.workers.jobs import FIRST_PLAN
-
 Document = dict[str, Any]
 PLENTY = 1e5
 """The longest time that a request may state, s."""
-SMALL: Document = {**FIRST_PLAN, "options": {}}
+SMALL: Document = {
+    "schema": "assur/1",
+    "robot": {
+        "model": "mitsubishi-rh-6frh5520",
+        "tool": {
+            "tcp_m": [0, 0, 0],
+            "bodies": [{"name": "cup", "shape": {"sphere": {"radius_m": 0.01}}, "at_m": [0, 0, 0]}],
+        },
+    },
+    "start": {"joints": {"j1_deg": 0, "j2_deg": 60, "j3_mm": 250, "j4_deg": 0}},
+    "bodies": [
+        {"name": "post", "shape": {"box": {"size_m": [0.05, 0.05, 0.2]}}, "pose": {"at_m": [0.3, 0.25, 0.1]}},
+        {"name": "part", "shape": {"mesh": {"asset": "bracket", "unit": "mm"}}, "pose": {"at_m": [0.4, -0.2, 0.02]}},
+    ],
+    "task": [{"move": {"to": {"at_m": [0.4, 0.0, 0.25]}}}],
+    "options": {},
+}
 """A request that is planned in milliseconds."""
 
 

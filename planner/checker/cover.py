@@ -326,13 +326,13 @@ def holes_of(
 
 @kernel(f"{WORK_ROOM}({CELL}, {TABLES}, int64)", allocates=True)
 def _work(cell: Cell, tables: Tables, room: int) -> Work:
-    """Where proofs are made, with room for so many items."""
+    """Where proofs are made, with room for so many items. All of it is set, so that it is the same each time."""
     carriers = len(cell[2]) + len(tables[2])
     return (
-        np.empty((PLACES, carriers + MOST_LINKS, JETS, 6)),
+        np.zeros((PLACES, carriers + MOST_LINKS, JETS, 6)),
         np.full((PLACES, carriers, 3), np.nan),
-        np.empty((room, ITEM)),
-        np.empty((2 * DEEPEST + 4, 5)),
+        np.zeros((room, ITEM)),
+        np.zeros((2 * DEEPEST + 4, 5)),
     )
 
 

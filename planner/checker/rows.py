@@ -39,7 +39,8 @@ BLOCK = 250
 Given = tuple[IntArray, Cell, IntArray, Tables, Doubt, int, FloatArray, FloatArray, FloatArray]
 """What `cover.judge` and `cover.judge_planes` take beyond rows and their order."""
 ROOM = 64
-"""Pairs that may be open at a time, beyond some for each row, at first; who needs more gets it."""
+"""Pairs that may be open at a time, at first, beyond some for each row and those behind planes; who needs more gets
+it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +91,7 @@ class Apart:
         self, c: Certificate, claimed: float = -math.inf, between: Callable[[], None] = nothing
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """What is found of each row (M, cover.VERDICT), of each phase (P, cover.HOLES) and of the claim (STATE,)."""
-        table, state, room = self.table, np.zeros(STATE), 4 * len(c) + ROOM
+        table, state = self.table, np.zeros(STATE)
         numbers = np.array([table.number.get(name, -1) for name in c.names], dtype=np.int64)
         order, rows = np.lexsort((c.t1, c.t0)), np.empty((len(c), row_table.COLUMNS))
         rows[:, row_table.T0], rows[:, row_table.T1], rows[:, row_table.N : row_table.N + 3] = c.t0, c.t1, c.normal
@@ -99,15 +100,17 @@ class Apart:
         rows[:, row_table.OTHER_NAME], rows[:, row_table.OTHER_PIECE] = c.second, c.second_piece
         verdicts, spared = np.zeros((len(c), cover.VERDICT)), np.empty(len(c))
         blocks = _blocks(rows, order)
-        while room <= MOST:
+        room = 4 * max(map(len, blocks)) + math.prod(self.marks.shape[1:]) + ROOM
+        while True:
             state[:], state[CLAIMED], state[REACHED] = 0.0, claimed, math.nan if claimed == -math.inf else math.inf
             spared[:], marks = np.inf, self.marks.copy()
             given = (numbers, self.cell, marks, self.tables, self.doubt, room, verdicts, spared, state)
             if self._judged(rows, blocks, given, between) and cover.judge_planes(rows, order, *given):
                 return verdicts, self._uncovered(rows, order, numbers, marks, verdicts, between), state
             room *= 4
-        verdicts[:], state[WRONG], state[REACHED] = 0.0, 1.0, math.nan
-        return verdicts, np.zeros((len(self.phases), cover.HOLES)), state
+            if room > MOST:
+                verdicts[:], state[WRONG], state[REACHED] = 0.0, 1.0, math.nan
+                return verdicts, np.zeros((len(self.phases), cover.HOLES)), state
 
     @staticmethod
     def _judged(rows: FloatArray, blocks: list[IntArray], given: Given, between: Callable[[], None]) -> bool:
