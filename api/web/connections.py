@@ -26,6 +26,9 @@ RESERVE = 32
 """So many connections are taken beyond the limits; only `HEALTH` is served on them."""
 LOOK_S = 0.5
 """How often the connections are looked at, s: no time limit of theirs is more exact."""
+AGAIN = 64
+"""So many new connections of an address that has all it may have are taken between two looks; others of it give way.
+Further ones are closed unseen: to make a connection and to close another takes the event loop ten times as long."""
 CROWDED = "assur.crowded"
 """Key of the state of a request whose connection is one too many."""
 SAID_S = 10.0
@@ -66,6 +69,7 @@ class Connections:
         """Not ready any more, and every answer closes its connection."""
         self._open: dict[Connection, None] = {}  # in the order in which they came
         self._of: Counter[str] = Counter()
+        self._came: Counter[str] = Counter()  # since the last look, of addresses that have all they may have
         self._crowded = 0
         self._next_look: asyncio.TimerHandle | None = None
         self._said = -SAID_S
@@ -73,6 +77,16 @@ class Connections:
     def open(self) -> tuple[Connection, ...]:
         """The open connections, in the order in which they came."""
         return tuple(self._open)
+
+    def takes(self, address: str) -> bool:
+        """Whether a connection that comes from an address is to be made at all, and then to be asked for by `admit`."""
+        if self._of[address] < self.settings.connections_per_address:
+            return True
+        self._came[address] += 1
+        if self._came[address] <= AGAIN:
+            return True
+        self._tell("closed, too many at once")
+        return False
 
     def admit(self, connection: Connection) -> bool:
         """Takes a new connection, and says whether it may stay.
@@ -137,6 +151,7 @@ class Connections:
         self._next_look = None
         if self._open:
             self._look_later()
+        self._came.clear()
         now = time.monotonic()
         for connection in tuple(self._open):
             connection.look(now)

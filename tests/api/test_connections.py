@@ -9,6 +9,7 @@ import re
 import socket
 import threading
 import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
@@ -23,6 +24,7 @@ from assur.api.web import body_reader
 from assur.api.web.addresses import network
 from assur.api.web.body_reader import Reading
 from assur.api.web.chunks import CHUNK_BYTES, FIRST_CHUNKS
+from assur.api.web.connections import AGAIN, LOOK_S
 from assur.api.web.serve import Server, listening, made
 from assur.api.web.settings import Settings
 from tests.api.processes import until
@@ -242,6 +244,27 @@ def test_beyond_the_limit_of_an_address_the_longest_idle_one_is_closed(running: 
         kept.sendall(LIVE)
         assert status(kept) == 200  # those go first on which nothing ever came
         assert rest(idle[0]) == b""
+
+
+def test_an_address_that_comes_again_and_again_beyond_its_limit_is_closed_unseen(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with run(SHORT) as running, ExitStack() as stack:
+        connections, made_ = running.server._connections, Counter[str]()
+        admit = connections.admit
+
+        def counted(connection: Any) -> bool:
+            made_[connection.address] += 1
+            return admit(connection)
+
+        monkeypatch.setattr(connections, "admit", counted)
+        began = time.monotonic()
+        for _ in range(2_000):
+            stack.enter_context(running.connect(address="127.0.0.9"))
+        assert running.status(address="127.0.0.8") == 200
+        looks = (time.monotonic() - began) / LOOK_S + 2
+        assert SHORT.connections_per_address <= made_["127.0.0.9"] <= SHORT.connections_per_address + AGAIN * looks
+        until(lambda: running.status(address="127.0.0.9") == 200, within_s=10.0)
 
 
 def test_with_all_connections_at_work_health_is_answered_and_other_addresses_are_served(
