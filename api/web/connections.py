@@ -21,7 +21,7 @@ from assur.api.problems import Problem
 from assur.api.web.settings import Settings
 
 HEALTH = frozenset({"/livez", "/readyz"})
-"""Answered on every connection, also where there are too many."""
+"""Answered on every connection that is taken, also where there are too many."""
 RESERVE = 32
 """So many connections are taken beyond the limits; only `HEALTH` is served on them."""
 LOOK_S = 0.5
