@@ -13,13 +13,18 @@ import numpy as np
 from assur.planner.checker.accuracy import accuracies
 from assur.planner.checker.blends import blends
 from assur.planner.checker.claims.joints import peaks
+from assur.planner.checker.claims.routes import routes
+from assur.planner.checker.claims.singular import singular
 from assur.planner.checker.claims.tool import tool
+from assur.planner.checker.claims.windows import windows
 from assur.planner.checker.enclosure import enclosed
 from assur.planner.checker.legs import TIME_S, ends, order
 from assur.planner.checker.limits import corrected, limits, loads
 from assur.planner.checker.meeting import meetings
 from assur.planner.checker.nearest import WITHIN_M, nearest, pairs
+from assur.planner.checker.options import modes, options
 from assur.planner.checker.paths.following import traced
+from assur.planner.checker.paths.straight_way import straight_ways
 from assur.planner.checker.rows import Apart
 from assur.planner.checker.solids import CARRIER, Solids, solids
 from assur.planner.checker.targets import targets
@@ -43,9 +48,7 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     `between` is called between blocks of work, for a caller who has no time for all of it: what it raises is raised
     here, and there is no verdict then.
 
-    A plan of another task or robot gets findings, not exceptions. Not checked: that the plan is good; that a Cartesian
-    leg is straight (that pitch and roll go along with it is); the working mode and the singularity margin, which are
-    options of planning and endanger nothing here.
+    A plan of another task or robot gets findings, not exceptions. Not checked: that the plan is good.
     """
     knots, certificate, blended = plan.trajectory, plan.certificate, scene.options.blended
     strange = _strange(scene, plan)
@@ -71,7 +74,9 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     findings += blends(world, plan.arrivals, goals) + tracked(world, plan.legs, goals)
     between()
     findings += traced(world, plan.legs, plan.arrivals, goals)
-    findings += straight(world, plan.legs, plan.arrivals)
+    findings += straight(world, plan.legs, plan.arrivals) + straight_ways(world, plan.legs, plan.arrivals, goals)
+    findings += options(world, plan.legs, plan.arrivals, goals)
+    findings += routes(world, plan.legs, plan.arrivals) + windows(world, plan.arrivals, goals)
     of_plan = phases(scene, plan.legs, plan.arrivals)
     findings += loads(world, of_plan, claims.carried, blended=blended)
     findings += accuracies(world, plan.arrivals, goals, of_plan)
@@ -87,7 +92,8 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     findings += _known(scene, table, of_plan) + apart_findings + enclosed(world, apart, between)
     findings += [] if said is None else nearest(apart, said[0], against)
     findings += pairs(apart, claims.pairs) + _touching(of_plan, claims.contacts)
-    return Verdict.of(findings + peaks(world, of_plan, claims) + tool(world, of_plan, claims))
+    findings += peaks(world, of_plan, claims) + tool(world, of_plan, claims) + singular(world, claims)
+    return Verdict.of(findings + modes(world, plan.arrivals, claims.modes))
 
 
 def _touching(phases: tuple[Phase, ...], said: tuple[Contact, ...] | None) -> list[Finding]:

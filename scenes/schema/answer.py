@@ -444,10 +444,12 @@ class Finding(TypedDict):
 
 @with_config(CLOSED)
 class Verdict(TypedDict):
-    """What the checker says of a plan; `ok` if and only if there are no findings."""
+    """What the checker says of a plan; `ok` if and only if there are no findings. `not_checked`: the fields of the
+    answer that it does not look at."""
 
     schema: Schema
     ok: bool
     findings: list[Finding]
+    not_checked: list[Text]
     request_digest: Text
     notice: Text

@@ -53,7 +53,7 @@ SMALL: dict[str, Document] = {
     "uncertain": task(
         {"pick": PICK | {"contact_tolerance_mm": 5, "window_mm": [200, 700]}},
         frames={"belt": BELT | {"uncertainty": UNKNOWN}},
-        bodies=[PART | {"pose": {"frame": "belt", "at_mm": [0, 0, 10]}, "uncertainty": {"position_mm": 0.4}}],
+        bodies=[PART | {"pose": {"frame": "belt", "at_mm": [0, 0, 40]}, "uncertainty": {"position_mm": 0.4}}],
         execution=LAG,
     ),
     "floating": task({"pick": PICK}, bodies=[TABLE, PART | {"pose": {"at_mm": [250, -100, 113]}}]),

@@ -280,7 +280,6 @@ OF_ROUTES = (
     Forgery("a leg after a wait is not", "waiting", both(route(1, after_wait=False),
                                                          put("legs", 1, "note", "direct"))),
     Forgery("a tracking leg has a route", "demo", both(route(1), put("legs", 1, "note", "direct"))),
-    Forgery("a move has no route", "demo", both(put("legs", 0, "route", None), put("legs", 0, "note", ""))),
     Forgery("a straight leg is direct", "line", both(route(0, course="direct"), put("legs", 0, "note", "direct"))),
 )  # fmt: skip
 
@@ -463,15 +462,14 @@ SHOWN_FOR_ANOTHER_REQUEST = (
             put("task", 2, "move", "leg", "cartesian")),
     Forgery("a straight leg of an elbow arm", "bent-elbow", both(route(0, course="straight"),
             put("legs", 0, "note", "straight")), put(*TASK, "leg", "cartesian")),
-    Forgery("a straight leg from a belt", "off-belt", both(route(3, course="straight"),
-            put("legs", 3, "note", "straight")), put("task", 1, "move", "leg", "cartesian")),
-    Forgery("a joint leg", "line", nothing, put(*TASK, "leg", "joint")),
+    Forgery("a straight leg from a belt", "off-belt", both(route(2, course="straight"),
+            put("legs", 2, "note", "straight")), put("task", 1, "move", "leg", "cartesian")),
     Forgery("a via", "stopped", nothing, put(*TASK, "via", True)),
     Forgery("a blended via", "blended-stop", both(put(*FIRST, "matched", False), put(
             *FIRST, "missed_by", {"joints": [0.0] * 4, "distance_m": 0.0})), put(*TASK, "via", True)),
     Forgery("the end at rest", "moving", nothing, option("end", "rest")),
-    Forgery("a point at rest", "belt", nothing, put("task", 0, "follow", "to", {
-        "at_m": [0.2, 0.35, 0.08], "yaw_free": True})),
+    Forgery("a point at rest", "belt", nothing, put("task", 0, "follow", {
+        "to": {"at_m": [0.2, 0.35, 0.08], "yaw_free": True}, "duration_ms": 100})),
     Forgery("a kept yaw", "stopped", nothing, put(*TASK, "to", {"at_mm": [250, 250, 150], "yaw_keep": True})),
     Forgery("a correction for the belt", "demo", nothing, execution(belt_correction=True)),
     Forgery("an acceleration time", "blended", nothing, option("acceleration_time_ms", 210)),

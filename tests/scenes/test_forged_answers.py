@@ -24,7 +24,7 @@ KINDS = 100
 def sealed(cell: Cell, answer: dict[str, Any]) -> dict[str, Any]:
     """The answer with a digest that fits it, as anyone can compute it; as it is where it is no plan any more."""
     try:
-        made, _ = plan_of(answer, cell.conventions, cell.scene.robot)
+        made, _ = plan_of(answer, cell.conventions)
     except InputError:
         return answer
     fits = digest(cell.scene.digest, made.trajectory, made.legs, made.arrivals, made.certificate)

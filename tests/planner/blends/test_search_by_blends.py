@@ -122,7 +122,7 @@ def planned(name: str) -> tuple[Scene, Planned]:
 
 def test_a_point_that_is_not_yet_in_reach_is_waited_for_and_met_as_soon_as_it_is() -> None:
     _, outcome = planned("not yet in reach")
-    assert [leg.route for leg in outcome.plan.legs] == [Route(Course.FOR_POINT), Route(Course.BLENDS)]
+    assert [leg.route for leg in outcome.plan.legs] == [Route(Course.FOR_POINT), Route(Course.BLENDS, after_wait=True)]
     scene = CELLS["not yet in reach"]()
     robot, law = scene.robot, scene.frames["late"].law
     target = Pose(0.0, 0.0, 0.15)
