@@ -85,6 +85,9 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     table = solids(scene, of_plan)
     findings += corrected(world, of_plan, table)
     apart = Apart.of(scene, of_plan, table, world.tables)
+    unknown = [name for name in certificate.names if name not in table.number]
+    if unknown:
+        findings.append(Finding(Code.ROW, f"the certificate names a body that there is not: {unknown[0]!r:.60}"))
     said = claims.nearest
     claimed = -math.inf if said is None else math.inf if said[0] is None else said[0].gap_m - WITHIN_M
     between()

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from assur.planner.checker import along
 from assur.planner.checker.along import MEET_M
 from assur.planner.checker.legs import TIME_S
-from assur.planner.checker.targets import Target, asks_passing, asks_rest, asks_velocity, may_turn
+from assur.planner.checker.targets import TURN, Target, asks_passing, asks_rest, asks_velocity, may_turn
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
 from assur.planner.frames import Conveyor, Linear
@@ -41,7 +41,8 @@ def meetings(
             findings.append(Finding(Code.ARRIVAL, f"the arrival at {name} is not when its legs end", off, "s", at))
         if arrival.control_point != name:
             findings.append(Finding(Code.ARRIVAL, f"the arrival at {name} names {arrival.control_point!r:.60}"))
-        if not may_turn(world.scene, target.step, arrival.yaw_offset):
+        turned = 0.0 if target.turns else arrival.yaw_offset  # where no yaw is asked for there is none to offset
+        if not may_turn(world.scene, target.step, arrival.yaw_offset) or not abs(turned) <= TURN:
             what = f"the tool may not be turned so at {name}"
             findings.append(Finding(Code.ARRIVAL, what, arrival.yaw_offset, "rad"))
         findings += _met(world, arrival, target) + _in_window(world, arrival, target)

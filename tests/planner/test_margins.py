@@ -285,9 +285,9 @@ def test_the_least_margin_is_found_between_instants() -> None:
 
 
 def test_a_margin_of_what_is_not_known_is_not_a_number() -> None:
-    arm = five_bar("odd")
+    arm = replace(five_bar("odd"), separation=0.6)
     q = np.zeros((2, 4))
-    q[:, :2] = (0.0, np.pi)  # the couplers do not reach each other
+    q[:, :2] = (np.pi / 2, -np.pi / 2)  # the couplers do not reach each other
     path = Trajectory(np.array([0.0, 1.0]), q, np.zeros((2, 4)), np.zeros((2, 4)))
     assert np.isnan(least_margins(arm, path, np.linspace(0.0, 1.0, 11))).all()
 

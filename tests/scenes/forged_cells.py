@@ -72,6 +72,7 @@ SHIPPED = {
     "waiting": "shutter",
     "late": "two-robots-late",
     "transfer": "transfer",
+    "dense-flow": "dense-flow",
 }
 
 
