@@ -14,6 +14,7 @@ from assur.planner.checker.accuracy import accuracies
 from assur.planner.checker.blends import blends
 from assur.planner.checker.claims.joints import peaks
 from assur.planner.checker.claims.tool import tool
+from assur.planner.checker.claims.touching import distances
 from assur.planner.checker.enclosure import enclosed
 from assur.planner.checker.legs import TIME_S, ends, order
 from assur.planner.checker.limits import corrected, limits, loads
@@ -87,6 +88,7 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     findings += _known(scene, table, of_plan) + apart_findings + enclosed(world, apart, between)
     findings += [] if said is None else nearest(apart, said[0], against)
     findings += pairs(apart, claims.pairs) + _touching(of_plan, claims.contacts)
+    findings += distances(apart, scene, plan.arrivals)
     return Verdict.of(findings + peaks(world, of_plan, claims) + tool(world, of_plan, claims))
 
 

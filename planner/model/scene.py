@@ -352,6 +352,16 @@ class Scene:
             if step.match == "position" and not isinstance(self.frames[self._frame_of(step)].law, Fixed):
                 allowed = "velocity: a part is picked from, and placed on, a moving frame with its velocity"
                 raise InputError(f"{field}.match", step.match, allowed)
+        self._check_touching(field, step)
+
+    def _check_touching(self, field: str, step: Step) -> None:
+        """What is asked of a grip or a support has something from which it is measured."""
+        if isinstance(step, Pick) and math.isfinite(step.grip_within_m) and not self.tool.bodies:
+            allowed = "none: the tool has no bodies from which it could be measured"
+            raise InputError(f"{field}.grip_within_m", step.grip_within_m, allowed)
+        if isinstance(step, Place) and math.isfinite(step.support_within_m) and not step.contact_with:
+            allowed = "none without contact_with, which names what the part rests on"
+            raise InputError(f"{field}.support_within_m", step.support_within_m, allowed)
 
     def _check_tilt(self, field: str, target: Target) -> None:
         """Pitch and roll are asked only of an arm that has them."""
