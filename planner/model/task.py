@@ -247,6 +247,11 @@ class Place:
     via: ClassVar[bool] = False
     leg: ClassVar[Literal["joint"]] = "joint"
 
+    def __post_init__(self) -> None:
+        if math.isfinite(self.support_within_m) and not self.contact_with:
+            allowed = "none without contact_with, which names what the part rests on"
+            raise InputError("support_within_m", self.support_within_m, allowed)
+
     @property
     def target(self) -> Target:
         """Where the part is put: its own pose, not that of the tool."""

@@ -236,8 +236,8 @@ def test_a_part_with_any_turn_is_refused_by_the_search_and_not_as_a_proof() -> N
     ("scene", "field"),
     [
         (lambda: asking(table_to_table(tool=BARE), grip_m=0.001), "task[0].pick.grip_within_m"),
-        (lambda: placed(0.0, support_within_m=0.001), "task[1].place.support_within_m"),
-        (lambda: placed(0.0, support_within_m=0.001, contact_with=()), "task[1].place.support_within_m"),
+        (lambda: placed(0.0, support_within_m=0.001), "support_within_m"),
+        (lambda: placed(0.0, support_within_m=0.001, contact_with=()), "support_within_m"),
     ],
     ids=["no tool", "no contact_with", "an empty contact_with"],
 )
