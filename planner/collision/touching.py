@@ -76,8 +76,9 @@ def touching(prover: Prover, attached: Attachments, arrival: Arrival) -> Arrival
         return arrival
     if facts is not None:
         return refused(Stage.TRACKING, arrival.step, found, facts)
-    field = "grip_m" if isinstance(step, Pick) else "support_m"
-    return replace(arrival, **{field: found.distance_m})
+    if isinstance(step, Pick):
+        return replace(arrival, grip_m=found.distance_m)
+    return replace(arrival, support_m=found.distance_m)
 
 
 def too_far(prover: Prover, number: int, attached: Attachments, yaw_offset: float, t: float) -> Refusal | None:

@@ -20,6 +20,9 @@ from assur.planner.frames.turntable import Turntable
 FARTHEST_WAY_M = 200_000.0
 """Greatest way V T, m: sixteen roundings of it are 0.36 nm (docs/guarantees.md, "Rounding"). A dial of 600 mm at one
 turn a second goes so far in 29 hours."""
+FARTHEST_PLACE_M = 10_000.0
+"""How far a body may be from the origin of the frame that bears it, m: forty roundings of it are 0.05 nm. Coordinates
+are 100 m at most, but frames may be fixed on frames."""
 STEEPEST = 35.0 / 16.0
 """Peak of the speed of an indexer's move as a multiple of its mean (F3)."""
 
@@ -56,8 +59,14 @@ def way(law: Law, reach: float, begin: float, end: float) -> float:
 
 
 def check_rounding(field: str, law: Law, reach: float, begin: float, lasts: float) -> None:
-    """Raises `InputError` naming `field` for a law by which a body that reaches so far, m, from the frame's axis goes
-    farther than `FARTHEST_WAY_M` in a plan that begins at `begin`, s, and lasts so long, s, at least."""
+    """Raises `InputError` naming `field` for a body that reaches so far, m, from its frame's origin that it is beyond
+    `FARTHEST_PLACE_M`, or that goes farther than `FARTHEST_WAY_M` in a plan that begins at `begin`, s, and lasts so
+    long, s, at least."""
+    if not reach <= FARTHEST_PLACE_M:
+        allowed = (
+            f"bodies within {FARTHEST_PLACE_M:g} m of the frame's origin, frames that are fixed on it counted along"
+        )
+        raise InputError(field, reach, allowed)
     far = way(law, reach, begin, begin + lasts)
     if far <= FARTHEST_WAY_M:
         return

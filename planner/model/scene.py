@@ -236,9 +236,8 @@ class Scene:
         lasts = sum(step.dwell_s for step in self.task) + self.options.stay_safe_s
         for frame, pose, each in seats:
             law = self.frames[frame].law
-            if not isinstance(law, Fixed):
-                reach = math.hypot(pose.x, pose.y) + each.body.radius
-                check_rounding(f"frames.{frame}", law, reach, self.start.time, lasts)
+            reach = math.hypot(pose.x, pose.y, pose.z) + (0.0 if isinstance(law, Fixed) else each.body.radius)
+            check_rounding(f"frames.{frame}", law, reach, self.start.time, lasts)
 
     @cached_property
     def ending(self) -> tuple[tuple[str, tuple[float, float]], ...]:

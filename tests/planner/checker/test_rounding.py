@@ -20,7 +20,7 @@ from assur.planner.checker.separation import SLACK_M
 from assur.planner.errors import InputError
 from assur.planner.frames import Change, Conveyor, Fixed, Indexer, Law, Linear, Oscillation, Pose, Swing, Turntable
 from assur.planner.frames.indexer import STEP
-from assur.planner.frames.rounding import FARTHEST_WAY_M, speed_of, way
+from assur.planner.frames.rounding import FARTHEST_PLACE_M, FARTHEST_WAY_M, speed_of, way
 from assur.planner.geometry.shapes import box
 from assur.planner.model.outcome import Planned
 from assur.planner.model.scene import Scene, WorldBody
@@ -97,7 +97,7 @@ def exact(law: Law, t: float) -> tuple[Decimal, Decimal, Decimal]:
         if isinstance(law, Swing):
             c, s = wave(yaw + sine)
         else:
-            size = sum(Decimal(part) ** 2 for part in law.direction).sqrt()
+            size = sum((Decimal(part) ** 2 for part in law.direction), Decimal()).sqrt()
             x, y, z = (at + sine * Decimal(part) / size for at, part in zip((x, y, z), law.direction, strict=True))
     else:
         period = Fraction(law.move_s) + Fraction(law.dwell_s)
@@ -128,8 +128,8 @@ def off(law: Law, t: float) -> tuple[float, float]:
     with localcontext() as context:
         context.prec = DIGITS
         place = exact(law, t)
-        error = sum((Decimal(value) - right) ** 2 for value, right in zip(found[0, :3].tolist(), place, strict=True))
-        size = float(error.sqrt())
+        squares = [(Decimal(value) - right) ** 2 for value, right in zip(found[0, :3].tolist(), place, strict=True)]
+        size = float(sum(squares, Decimal()).sqrt())
     reaches = np.full(len(scene.frames), REACH)
     return size, float(rounding(made, reaches, t, t + 1.0)[list(scene.frames).index("moved")])
 
@@ -214,6 +214,17 @@ def test_a_fast_dial_that_was_stated_two_days_ago_is_off_by_nanometres_and_refus
         error.value
     )
     scene_with(replace(law, at_time=250.0), 500.0)
+
+
+def test_bodies_on_frames_that_are_fixed_on_frames_may_be_so_far_away_and_no_farther() -> None:
+    scene = scene_with(Fixed(Pose()))
+    for away, kept in ((FARTHEST_PLACE_M - 1.0, True), (FARTHEST_PLACE_M + 1.0, False)):
+        bodies = (replace(scene.bodies[0], pose=Pose(0.0, away, 0.0)),)
+        if kept:
+            replace(scene, bodies=bodies)
+        else:
+            with pytest.raises(InputError, match=r"bodies within 10000 m of the frame's origin"):
+                replace(scene, bodies=bodies)
 
 
 def test_a_body_near_the_axis_and_a_frame_that_bears_nothing_may_turn_on() -> None:
