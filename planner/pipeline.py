@@ -16,7 +16,9 @@ from assur.planner.feasibility.necessary import arches_impossible, start_collide
 from assur.planner.feasibility.odd_arrivals import odd_arrivals
 from assur.planner.feasibility.odd_input import odd_input
 from assur.planner.feasibility.odd_places import odd_places
+from assur.planner.feasibility.odd_supports import odd_supports
 from assur.planner.feasibility.posed_bodies import AtStart
+from assur.planner.feasibility.touching import never_touching
 from assur.planner.legs.meeting import every_turn
 from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.legs.tilt import pitch_free
@@ -97,7 +99,12 @@ def _warnings(scene: Scene, prover: Prover, arrivals: tuple[Arrival, ...]) -> tu
     """What is probably not meant by a request, and by the arrivals of its plan; and whether the deadline in force
     passed before all was looked for. Then the kinds that were not finished are left out."""
     found, at = list[InputWarning](), AtStart(scene, prover)
-    kinds = partial(odd_input, at=at), partial(odd_places, at=at), partial(odd_arrivals, arrivals=arrivals)
+    kinds = (
+        partial(odd_input, at=at),
+        partial(odd_places, at=at),
+        partial(odd_supports, prover=prover, arrivals=arrivals),
+        partial(odd_arrivals, arrivals=arrivals),
+    )
     for kind in kinds:
         try:
             found += kind(scene)
@@ -115,6 +122,7 @@ def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: 
                 or arches_impossible(scene)
                 or windows_impossible(scene)
                 or yaw_impossible(scene)
+                or never_touching(scene, prover)
             )
     except OutOfTimeError:
         return _not_planned(scene, run, None, Counter().census(), proved=False, cut=True, deepest=0)

@@ -16,8 +16,10 @@ from assur.planner.checker.claims.joints import peaks
 from assur.planner.checker.claims.routes import routes
 from assur.planner.checker.claims.singular import singular
 from assur.planner.checker.claims.tool import tool
+from assur.planner.checker.claims.touching import distances
 from assur.planner.checker.claims.windows import windows
 from assur.planner.checker.enclosure import enclosed
+from assur.planner.checker.laws import rounding
 from assur.planner.checker.legs import TIME_S, ends, order
 from assur.planner.checker.limits import corrected, limits, loads
 from assur.planner.checker.meeting import meetings
@@ -26,7 +28,8 @@ from assur.planner.checker.options import modes, options
 from assur.planner.checker.paths.following import traced
 from assur.planner.checker.paths.straight_way import straight_ways
 from assur.planner.checker.rows import Apart
-from assur.planner.checker.solids import CARRIER, Solids, solids
+from assur.planner.checker.separation import SLACK_M
+from assur.planner.checker.solids import ARM_FLAT, BODY, CARRIER, CENTRE, FIRST, Solids, solids
 from assur.planner.checker.targets import targets
 from assur.planner.checker.tracking import arches, assembled, pulled, straight, tracked, turned_into
 from assur.planner.checker.verdict import Code, Finding, Verdict
@@ -38,6 +41,9 @@ from assur.planner.model.digest import digest
 from assur.planner.model.outcome import Contact, Plan, covered
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Scene
+
+ROUNDED_M = 0.4 * SLACK_M
+"""What rounding of a frame's law may add to a place, m: two frames may meet, and gaps and links round by 1e-13 m."""
 
 
 @np.errstate(all="ignore")
@@ -92,9 +98,10 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     claimed = -math.inf if said is None else math.inf if said[0] is None else said[0].gap_m - WITHIN_M
     between()
     apart_findings, against = apart.found(certificate, claimed, between)
-    findings += _known(scene, table, of_plan) + apart_findings + enclosed(world, apart, between)
+    findings += _known(world, table, of_plan) + apart_findings + enclosed(world, apart, between)
     findings += [] if said is None else nearest(apart, said[0], against)
     findings += pairs(apart, claims.pairs) + _touching(of_plan, claims.contacts)
+    findings += distances(apart, scene, plan.arrivals)
     findings += peaks(world, of_plan, claims) + tool(world, of_plan, claims) + singular(world, claims)
     return Verdict.of(findings + modes(world, plan.arrivals, claims.modes))
 
@@ -146,9 +153,25 @@ def _strange(scene: Scene, plan: Plan) -> list[Finding]:
     return findings
 
 
-def _known(scene: Scene, table: Solids, of_plan: tuple[Phase, ...]) -> list[Finding]:
+def _rounded(world: World, table: Solids) -> list[Finding]:
+    """Every frame that bears a body must be known so well that rounding is within what is kept for it (`SLACK_M`)."""
+    reaches = np.zeros(world.links + len(world.frame))
+    boxes = table.table[table.seats[:, FIRST] + table.count[table.seats[:, BODY]]]
+    far = np.hypot(boxes[:, CENTRE], boxes[:, CENTRE + 1]) + boxes[:, ARM_FLAT]
+    np.maximum.at(reaches, table.seats[:, CARRIER], far)
+    bears = np.isin(np.arange(len(reaches)), table.seats[:, CARRIER])[world.links :]
+    found = np.where(bears, rounding(world.tables, reaches[world.links :], world.start, world.until), 0.0)
+    return [
+        Finding(Code.LAW_ENDS, f"places on {name} round by more than is kept for it", float(amount), "m", "rounding")
+        for name, amount in zip(world.frame, found.tolist(), strict=True)
+        if not amount <= ROUNDED_M
+    ]
+
+
+def _known(world: World, table: Solids, of_plan: tuple[Phase, ...]) -> list[Finding]:
     """Every frame that bears a body or guides the tool must be known for as long as it does."""
-    findings, late = [], scene.execution.start_tolerance_s
+    scene = world.scene
+    findings, late = _rounded(world, table), scene.execution.start_tolerance_s
     carriers = table.seats[table.seat, CARRIER]
     for k, (name, frame) in enumerate(scene.frames.items(), start=table.links):
         first, last = frame.law.valid

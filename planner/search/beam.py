@@ -14,6 +14,7 @@ import numpy as np
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.collision.screening import Encounter, Screened, screen
+from assur.planner.collision.touching import too_far, touching
 from assur.planner.feasibility.necessary import points_impossible
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
@@ -23,7 +24,7 @@ from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.progress import Progress, Watch
 from assur.planner.model.refusal import Refusal
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Pick, Scene
 from assur.planner.search.best_candidate import RefusedMotion
 from assur.planner.search.candidates import Sampler
 from assur.planner.search.census import Counter, refused_proof
@@ -197,7 +198,7 @@ class Search:
         offsets = yaw_offsets(scene, scene.task[partial.step])
         if offsets is None:
             offsets = free_yaws(scene, partial, partial.step, modes)
-        for offset, tilt in product(offsets, attitudes):
+        for offset, tilt in product(self._gripping(partial, offsets), attitudes):
             look()
             for meeting in prepared(scene, partial, offset, tilt, modes):
                 for refusal in (meeting,) if isinstance(meeting, Refusal) else meeting.refusals:
@@ -216,6 +217,19 @@ class Search:
             self.found.census.note(high)
             sampler.options = ()
         return sampler
+
+    def _gripping(self, partial: PartialPlan, offsets: tuple[float, ...]) -> list[float]:
+        """The turns of the tool in which it is near enough to the part that is picked; any, where that is not asked."""
+        step, kept = self.scene.task[partial.step], list[float]()
+        for offset in offsets:
+            apart = None
+            if isinstance(step, Pick) and math.isfinite(step.grip_within_m):
+                apart = too_far(self.prover, partial.step, partial.attached, offset, self.scene.start.time)
+            if apart is None:
+                kept.append(offset)
+            else:
+                self.found.census.note(apart)
+        return kept
 
     def _modes(self, partial: PartialPlan) -> tuple[int, ...]:
         robot, elbow = self.scene.robot, self.scene.options.elbow
@@ -302,6 +316,10 @@ class Search:
         made = extended(self.scene, motion) if isinstance(motion, TimedCandidate) else motion
         if isinstance(made, Refusal):
             return self.found.refused(motion, (Encounter(made),))
+        met = touching(self.prover, made.before.attached, made.after.arrivals[-1])
+        if isinstance(met, Refusal):
+            return self.found.refused(made, (Encounter(met),))
+        after = replace(made.after, arrivals=(*made.after.arrivals[:-1], met))
         if len(made.phases) > len(motion.phases):
             # only the leg to the point has been screened, not what follows there
             rest = screen(self.prover, made)
@@ -314,7 +332,7 @@ class Search:
                 why = refused_proof(rows, made.before.step, rule_of(self.scene, phase, *rows.bodies))
                 return self.found.refused(made, (Encounter(why),))
             proofs.append(rows)
-        return replace(made.after, proofs=(*made.before.proofs, *proofs))
+        return replace(after, proofs=(*made.before.proofs, *proofs))
 
     def _add(self, partial: PartialPlan) -> None:
         if self._late():

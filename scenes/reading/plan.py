@@ -140,6 +140,8 @@ def _arrival(i: int, item: document.Arrival, conventions: Conventions) -> Arriva
         missed_by=_missed(i, item.get("missed_by"), conventions),
         error=_error(item.get("error"), conventions),
         trace=_traced(item.get("trace")),
+        grip_m=item.get("grip_m"),
+        support_m=item.get("support_m"),
     )
 
 
