@@ -12,6 +12,7 @@ import numpy as np
 
 from assur.planner.checker.accuracy import accuracies
 from assur.planner.checker.blends import blends
+from assur.planner.checker.claims.bound import bound
 from assur.planner.checker.claims.joints import peaks
 from assur.planner.checker.claims.tool import tool
 from assur.planner.checker.enclosure import enclosed
@@ -87,6 +88,8 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     findings += _known(scene, table, of_plan) + apart_findings + enclosed(world, apart, between)
     findings += [] if said is None else nearest(apart, said[0], against)
     findings += pairs(apart, claims.pairs) + _touching(of_plan, claims.contacts)
+    between()
+    findings += bound(scene, knots.end - knots.start, claims.lower_bound)
     return Verdict.of(findings + peaks(world, of_plan, claims) + tool(world, of_plan, claims))
 
 

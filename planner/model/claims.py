@@ -15,7 +15,7 @@ class Claims:
     `nearest`: the smallest clearance, (None,) being that there is nothing to keep apart; `pairs`: how near pairs of
     bodies come; `carried`: the loads; `contacts`: which bodies may touch; `peaks`, `binds`: of the joints; `tool`: of
     the tool point over all of the motion, and `tool_acceleration`, m/s², the largest while a part is carried (where
-    none is: over all of the motion).
+    none is: over all of the motion); `lower_bound`, s: a duration that no plan of the request beats.
     """
 
     nearest: tuple[Nearest | None] | None = None
@@ -26,6 +26,7 @@ class Claims:
     binds: str | None = None
     tool: ToolPeaks | None = None
     tool_acceleration: float | None = None
+    lower_bound: float | None = None
 
 
 NOTHING = Claims()

@@ -35,6 +35,7 @@ def claims_of(plan: object) -> Claims:
         for i, each in enumerate(_items(margins.get(key), "margins", key))
     ]
     peaks, contacts = margins.get("peaks"), plan.get("contacts") if isinstance(plan, dict) else None
+    bound = plan.get("lower_bound_s") if isinstance(plan, dict) else None
     tool, pull = margins.get("tool"), margins.get("tool_acceleration_m_s2")
     return Claims(
         nearest=None if nearest is MISSING else (None if nearest is None else _nearest(nearest, "margins", "nearest"),),
@@ -49,6 +50,7 @@ def claims_of(plan: object) -> Claims:
         binds=_read(document.Text, margins.get("binds"), "margins", "binds"),
         tool=None if tool is None else _tool(tool),
         tool_acceleration=_read(document.Number, pull, "margins", "tool_acceleration_m_s2"),
+        lower_bound=_read(document.Number, bound, "lower_bound_s"),
     )
 
 
