@@ -19,6 +19,8 @@ from assur.planner.compiled import kernel
 ROUNDING = 1e-10
 """rad or m. A position that is no farther beyond what can be reached counts as reached: rounding of kinematics is
 1e-14, and of a joint beside a singularity 1e-12."""
+ROUNDING_S = 1e-11
+"""s. So much less time than is needed counts as enough: a joint at 10 rad/s goes as far as `ROUNDING` in it."""
 HALVINGS = 40
 """Of a bracket of velocities or times, which is then a billionth of a thousandth of what it was. The end of it that is
 worse for the bound is taken."""
@@ -52,6 +54,8 @@ def risen(v: float, a: float, peak: float, most_a: float, most_j: float) -> tupl
 def changed(v0: float, a0: float, v1: float, a1: float, most_a: float, most_j: float) -> float:
     """The least time from (v0, a0) to (v1, a1), whatever the way and the velocities between."""
     direct = 0.5 * (a0 + a1) * abs(a1 - a0) / most_j
+    if abs(v1 - v0 - direct) <= ROUNDING:
+        return abs(a1 - a0) / most_j  # with a little less or more velocity it may take much longer
     if v1 - v0 < direct:
         v0, a0, v1, a1 = -v0, -a0, -v1, -a1
     gain = v1 - v0
@@ -120,7 +124,8 @@ def farthest(
     time: float, v0: float, a0: float, v1: float, a1: float, most_v: float, most_a: float, most_j: float
 ) -> float:
     """The longest way in exactly `time` from (v0, a0) to (v1, a1), or more; −inf where there is none."""
-    if time < changed(v0, a0, v1, a1, most_a, most_j):
+    least = changed(v0, a0, v1, a1, most_a, most_j)
+    if time < least - ROUNDING_S * max(1.0, least):
         return -math.inf
     low = max(v0 + 0.5 * a0 * abs(a0) / most_j, v1 - 0.5 * a1 * abs(a1) / most_j)
     if not low <= most_v:
@@ -149,7 +154,9 @@ def farthest(
             low = peak
         else:
             high = peak
-    return risen(v0, a0, high, most_a, most_j)[1] + risen(v1, -a1, high, most_a, most_j)[1]
+    t0, way0 = risen(v0, a0, high, most_a, most_j)
+    t1, way1 = risen(v1, -a1, high, most_a, most_j)
+    return way0 + way1 + high * (time - t0 - t1)  # the time is a little less than that of this peak
 
 
 @kernel(f"{PAIR}(float64, {F2}, {F2}, int64, float64, float64, float64)")
