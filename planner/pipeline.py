@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from assur.planner.blends.search import searcher
+from assur.planner.checker.bound.duration import least_duration
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.forbidden_yaw import yaw_impossible
 from assur.planner.feasibility.necessary import arches_impossible, start_collides, start_impossible, windows_impossible
@@ -37,7 +38,6 @@ from assur.planner.report.straight_parts import assumed
 from assur.planner.search.beam import Found
 from assur.planner.search.best_candidate import best_candidate
 from assur.planner.search.census import Counter
-from assur.planner.search.lower_bound import lower_bound
 
 MARGINS_S = 0.15
 """So long after the budget, s, warnings and the smallest clearance of a plan may still be looked for."""
@@ -153,7 +153,7 @@ def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan, 
         margins=measured,
         contacts=contacts(of_plan),
         carried=carried(scene, of_plan),
-        lower_bound_s=lower_bound(scene, found.first_options),
+        lower_bound_s=least_duration(scene),
         census=found.census.census(),
         assumptions=assumed(scene),
         seed=scene.options.seed,

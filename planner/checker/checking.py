@@ -12,6 +12,7 @@ import numpy as np
 
 from assur.planner.checker.accuracy import accuracies
 from assur.planner.checker.blends import blends
+from assur.planner.checker.claims.bound import bound
 from assur.planner.checker.claims.joints import peaks
 from assur.planner.checker.claims.routes import routes
 from assur.planner.checker.claims.singular import singular
@@ -101,6 +102,8 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     findings += _known(world, table, of_plan) + apart_findings + enclosed(world, apart, between)
     findings += [] if said is None else nearest(apart, said[0], against)
     findings += pairs(apart, claims.pairs) + _touching(of_plan, claims.contacts)
+    between()
+    findings += bound(scene, knots.end - knots.start, claims.lower_bound)
     findings += distances(apart, scene, plan.arrivals)
     findings += peaks(world, of_plan, claims) + tool(world, of_plan, claims) + singular(world, claims)
     return Verdict.of(findings + modes(world, plan.arrivals, claims.modes))

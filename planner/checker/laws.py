@@ -84,7 +84,7 @@ def tables(scene: Scene, trajectory: Trajectory, begin: float, until: float) -> 
     arms, at = [], 0
     for robot, path in moved:
         curve(np.array(path.knots, order="C"), path.n, at, curves)
-        arms.append(_arm(robot, at, at + len(path.time) - 1))
+        arms.append(arm_row(robot, at, at + len(path.time) - 1))
         at += len(path.time)
     return np.array(arms), curves, frames, pieces, np.zeros((0, 1)), np.zeros((0, 3))
 
@@ -124,8 +124,8 @@ def _link_speed(tables: Tables, arm: int, reach: float) -> float:
     return float(rates.sum()) * (1.0 + reach + float(np.abs(row[motion.NUMBERS :]).sum() + bends))
 
 
-def _arm(robot: Robot, first: int, last: int) -> list[float]:
-    """A row of the table of arms."""
+def arm_row(robot: Robot, first: int = 0, last: int = 0) -> list[float]:
+    """A row of the table of arms, with the first and last knot of its trajectory."""
     family, numbers = motion.SCARA, list[float]()
     if isinstance(robot, Scara):
         numbers = [robot.l1, robot.l2, float(robot.arms_rise)]
@@ -163,14 +163,14 @@ def _pieces(law: Law, start: float, until: float) -> list[Piece]:
         gone = begin - law.at_time
         return [(begin, end, ((x + u * gone, u), (y + v * gone, v), (z + w * gone, w), (yaw,)))]
     if type(law) is Turntable:
-        ways = _ramped(law.rate, law.changes, law.at_time, start, until)
+        ways = ramped(law.rate, law.changes, law.at_time, start, until)
         rise = law.rise
         return [
             (begin, end, ((x,), (y,), (z + rise * (begin - law.at_time), rise), (yaw + s[0], *s[1:])))
             for begin, end, s in ways
         ]
     if type(law) is Conveyor:
-        ways = _ramped(law.speed, law.changes, law.at_time, start, until)
+        ways = ramped(law.speed, law.changes, law.at_time, start, until)
     elif type(law) is Indexer:
         ways = _indexed(law)
         if law.kind == "turn":
@@ -184,7 +184,7 @@ def _pieces(law: Law, start: float, until: float) -> list[Piece]:
     ]
 
 
-def _ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: float, until: float) -> list[Way]:
+def ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: float, until: float) -> list[Way]:
     """The travel with changes of speed (R1), 0 at `at_time`: begin, end and coefficients of each piece."""
     edges: list[tuple[float, float, float, float]] = [(-math.inf, speed, 0.0, 0.0)]
     for change in changes:

@@ -15,9 +15,10 @@ class Claims:
     `nearest`: the smallest clearance, (None,) being that there is nothing to keep apart; `pairs`: how near pairs of
     bodies come; `carried`: the loads; `contacts`: which bodies may touch; `peaks`, `binds`: of the joints; `tool`: of
     the tool point over all of the motion, and `tool_acceleration`, m/s², the largest while a part is carried (where
-    none is: over all of the motion). `busiest`: the leg in which the limit that binds is used longest; `helps`: what would
-    make it quicker; `singularity`, `parallel`: the least margins. Of three of them (None,) is that there is none.
-    `modes`: the working modes of the arrivals. `not_checked`: what is said beside all this, that no plan shows.
+    none is: over all of the motion). `busiest`: the leg in which the limit that binds is used longest; `helps`: what
+    would make it quicker; `singularity`, `parallel`: the least margins. Of three of them (None,) is that there is none.
+    `modes`: the working modes of the arrivals; `lower_bound`, s: a duration that no plan of the request beats.
+    `not_checked`: what is said beside all this, that no plan shows.
     """
 
     nearest: tuple[Nearest | None] | None = None
@@ -34,6 +35,7 @@ class Claims:
     parallel: tuple[float | None] | None = None
     modes: tuple[str | None, ...] | None = None
     not_checked: tuple[str, ...] = ()
+    lower_bound: float | None = None
 
 
 NOTHING = Claims()

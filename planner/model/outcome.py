@@ -381,7 +381,8 @@ class Planned:
     margins: Margins
     contacts: tuple[Contact, ...]
     carried: tuple[Carried, ...]
-    lower_bound_s: float
+    lower_bound_s: float | None
+    """A proved duration that no plan of the request beats; None: none is known."""
     census: Census
     assumptions: tuple[str, ...]
     seed: int

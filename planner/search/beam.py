@@ -11,6 +11,7 @@ from itertools import product
 
 import numpy as np
 
+from assur.planner.checker.bound.duration import least_duration
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.collision.screening import Encounter, Screened, screen
@@ -30,7 +31,6 @@ from assur.planner.search.candidates import Sampler
 from assur.planner.search.census import Counter, refused_proof
 from assur.planner.search.completion import completed
 from assur.planner.search.extension import extended, straight_extension, timed, wrist_travel
-from assur.planner.search.lower_bound import lower_bound
 from assur.planner.search.meeting_options import Option, ahead, free_yaws, options
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, initial, prepared
 from assur.planner.search.rough_score import CoarseScore, score_of
@@ -48,7 +48,6 @@ class Found:
     first_s: float = float("nan")
     cut_by_clock: bool = False
     deepest: int = 0
-    first_options: tuple[Option, ...] = ()
     never: Refusal | None = None
     """A necessary condition that does not hold, if that is what ended the search."""
     census: Counter = field(default_factory=Counter)
@@ -80,7 +79,8 @@ class Search:
         self.until_first = scene.options.stop == "first"
         """Whether the first plan ends the search. It says nothing about how that one is found."""
         self.found = Found()
-        self._bound: float | None = None
+        self._bound: list[float | None] = []
+        """What no plan beats, once it was asked for."""
 
     def run(self) -> Found:
         """Rounds over all lengths until something ends them, or the budget is spent."""
@@ -129,8 +129,8 @@ class Search:
 
     def _progress(self) -> Progress:
         found = self.found
-        if self._bound is None and found.first_options:
-            self._bound = lower_bound(self.scene, found.first_options)
+        if not self._bound:
+            self._bound.append(least_duration(self.scene))
         best = None if found.best is None else found.best.state.time - self.scene.start.time
         return Progress(
             stage="search",
@@ -138,7 +138,7 @@ class Search:
             candidates=found.census.candidates,
             steps=found.deepest,
             duration_s=best,
-            lower_bound_s=self._bound,
+            lower_bound_s=self._bound[0],
         )
 
     def _late(self) -> bool:
@@ -205,11 +205,7 @@ class Search:
                     self.found.census.note(refusal)
                 if isinstance(meeting, Meetings):
                     met.append((offset, meeting))
-        every = options(scene, partial, met)
-        if partial.step == 0:
-            # all of them: a lower bound must hold for those that are not tried, too
-            self.found.first_options = every
-        found = every[: max(MOST_OPTIONS, len(attitudes))]
+        found = options(scene, partial, met)[: max(MOST_OPTIONS, len(attitudes))]
         score = bound(CoarseScore, self.prover, partial, found)
         sampler = Sampler(scene, partial, found, self.rng, score, self.adaptive)
         high = sampler.too_high()

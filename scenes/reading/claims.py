@@ -64,6 +64,7 @@ def claims_of(plan: object) -> Claims:
     ]
     peaks, contacts = margins.get("peaks"), plan.get("contacts") if isinstance(plan, dict) else None
     arrivals = plan.get("arrivals") if isinstance(plan, dict) else None
+    bound = plan.get("lower_bound_s") if isinstance(plan, dict) else None
     tool, pull = margins.get("tool"), margins.get("tool_acceleration_m_s2")
     return Claims(
         nearest=None if nearest is MISSING else (None if nearest is None else _nearest(nearest, "margins", "nearest"),),
@@ -84,6 +85,7 @@ def claims_of(plan: object) -> Claims:
         parallel=_stated(margins, "parallel", float),
         modes=tuple(each.get("mode") for each in arrivals if isinstance(each, dict)) if arrivals else None,
         not_checked=not_checked(plan),
+        lower_bound=_read(document.Number, bound, "lower_bound_s"),
     )
 
 
