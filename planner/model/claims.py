@@ -15,8 +15,8 @@ class Claims:
     `nearest`: the smallest clearance, (None,) being that there is nothing to keep apart; `pairs`: how near pairs of
     bodies come; `carried`: the loads; `contacts`: which bodies may touch; `peaks`, `binds`: of the joints; `tool`: of
     the tool point over all of the motion, and `tool_acceleration`, m/s², the largest while a part is carried (where
-    none is: over all of the motion). `busiest`: the leg in which the limit that binds is used longest; `helps`: what would
-    make it quicker; `singularity`, `parallel`: the least margins. Of three of them (None,) is that there is none.
+    none is: over all of the motion). `busiest`: the leg in which the limit that binds is used longest; `helps`: what
+    would make it quicker; `singularity`, `parallel`: the least margins. Of three of them (None,) is that there is none.
     `modes`: the working modes of the arrivals. `not_checked`: what is said beside all this, that no plan shows.
     """
 
