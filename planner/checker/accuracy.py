@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from assur.planner.checker.error_terms import DIRECTION, LATE, Terms, gone, terms_of
+from assur.planner.checker.claims.error_terms import DIRECTION, LATE, Terms, gone, terms_of
 from assur.planner.checker.targets import Target
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World

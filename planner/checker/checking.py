@@ -14,6 +14,7 @@ from assur.planner.checker.accuracy import accuracies
 from assur.planner.checker.blends import blends
 from assur.planner.checker.claims.bound import bound
 from assur.planner.checker.claims.joints import peaks
+from assur.planner.checker.claims.options import modes, options
 from assur.planner.checker.claims.routes import routes
 from assur.planner.checker.claims.singular import singular
 from assur.planner.checker.claims.tool import tool
@@ -25,7 +26,6 @@ from assur.planner.checker.legs import TIME_S, ends, order
 from assur.planner.checker.limits import corrected, limits, loads
 from assur.planner.checker.meeting import meetings
 from assur.planner.checker.nearest import WITHIN_M, nearest, pairs
-from assur.planner.checker.options import modes, options
 from assur.planner.checker.paths.following import traced
 from assur.planner.checker.paths.straight_way import straight_ways
 from assur.planner.checker.rows import Apart

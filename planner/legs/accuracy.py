@@ -184,8 +184,8 @@ def _turned(scene: Scene, q: FloatArray, lag: FloatArray, bounds: FloatArray) ->
         return rate
     corners = scene.robot.forward(q + lag * _signs(len(lag)))[1] - scene.robot.forward(q)[1]
     most = float(np.abs(np.remainder(corners + np.pi, 2.0 * np.pi) - np.pi).max())
-    # twice for each half of the bow, as above
-    return most + 1.5 * math.sqrt(2.0) * (rate_d + rate**2)
+    # more than the bow of a heading: the checker bounds its cosine and its sine apart, over all of the lag
+    return most + 2.0 * math.sqrt(2.0) * (rate_d + rate**2)
 
 
 def _worst(terms: _Terms, grasp: float) -> ArrivalError:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cache
-from typing import Any, NotRequired, TypeVar, get_args, get_origin
+from typing import Any, TypeVar
 
 from typing_extensions import get_type_hints
 
@@ -32,7 +32,7 @@ MISSING = object()
 
 
 def check_beside(plan: object) -> None:
-    """Raises `DocumentError` below "plan" for a field beside the plan that no answer has, or that is not of its kind."""
+    """Raises `DocumentError` below "plan" for a field beside the plan that no answer has, or of another kind."""
     if not isinstance(plan, dict):
         return  # no answer, which who reads the plan says
     for key, model in _fields(document.PlannedAnswer).items():
@@ -49,8 +49,7 @@ def check_beside(plan: object) -> None:
 @cache
 def _fields(kind: Any) -> dict[str, Any]:
     """The kinds of the fields of a TypedDict."""
-    found = get_type_hints(kind, include_extras=True)
-    return {key: get_args(value)[0] if get_origin(value) is NotRequired else value for key, value in found.items()}
+    return get_type_hints(kind, include_extras=True)
 
 
 def claims_of(plan: object) -> Claims:

@@ -44,7 +44,7 @@ ONE_SIDE = (
     "margins.travel_pairs",
     "margins.near_pairs",
 )
-"""True, but another value might be, too: rows are a proof, and others may be one; an ARCH is one, and is a MOVE as well;
+"""True, but another value might be, too: rows are a proof, and others may be one; an ARCH is one, and a MOVE as well;
 bounds are bounds, and may be wider; pairs are so near, and may be nearer at another time."""
 NOT_CHECKED = (
     "census",

@@ -289,7 +289,10 @@ def test_a_margin_of_what_is_not_known_is_not_a_number() -> None:
     q = np.zeros((2, 4))
     q[:, :2] = (np.pi / 2, -np.pi / 2)  # the couplers do not reach each other
     path = Trajectory(np.array([0.0, 1.0]), q, np.zeros((2, 4)), np.zeros((2, 4)))
-    assert np.isnan(least_margins(arm, path, np.linspace(0.0, 1.0, 11))).all()
+    serial, parallel = least_margins(arm, path, np.linspace(0.0, 1.0, 11))
+    assert np.isnan(serial)
+    assert parallel is not None
+    assert np.isnan(parallel)
 
 
 @pytest.mark.parametrize("posts", [9, 90])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from assur.planner.checker.postures import margin_kept, parallel_kept
+from assur.planner.checker.claims.postures import margin_kept, parallel_kept
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
 from assur.planner.model.claims import Claims

@@ -12,9 +12,9 @@ import math
 import numpy as np
 
 from assur.planner.arrays import FloatArray
+from assur.planner.checker.claims.postures import margin_kept, mode_of, parallel_kept
 from assur.planner.checker.legs import TIME_S
 from assur.planner.checker.meeting import MEET_RAD_S
-from assur.planner.checker.postures import margin_kept, mode_of, parallel_kept
 from assur.planner.checker.targets import Target, asks_passing, asks_velocity
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
