@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from fractions import Fraction
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -36,13 +35,13 @@ Piece = tuple[float, float, Sequence[Sequence[float]]]
 HALF_ULP = 2.0**-53
 """By so much of itself a number rounds."""
 ROUNDINGS = 16
-"""By how many roundings of the way V T the place of what is on a frame may be off. V is its greatest speed, T the
-longest of the times from the instant at which the law is stated, and from time zero. A turn or a travel is a product
-with that time (3 roundings, of the time, the product and its sum with where it begins), minus what it was when it is
-stated (2), its control values (2), a time as a share of the piece (2) and one cut between two of them (3); each piece
-behind a change of speed adds 3 of its own way; a sine and a product with the reach 1."""
-SHIFT_ROUNDINGS = 4
-"""The same of a link of another robot, whose knots are exact: only a time that is shifted rounds."""
+"""By how many roundings of V T the place of what is on a frame may be off: V is its greatest speed, T how long its
+table spans, from the instant at which the law is stated on. A turn or a travel is a product with a time (3 roundings:
+time, product, sum with where it begins), minus what it was when it is stated (2), its control values (2), a time as a
+share of the piece (2), a cut between two of them (3), a sine and a product with the reach (1); and how long ramps last,
+and how fast they become, rounds by 3 of their own way."""
+SHIFT_ROUNDINGS = 2
+"""The same of V and the time since time zero: the end of a ramp is a sum of times, and so is a time that is shifted."""
 FORMULAS = (Conveyor, Fixed, Indexer, Keyframes, Linear, Oscillation, Swing, Turntable)
 
 
@@ -95,8 +94,8 @@ def rounding(tables: Tables, reaches: FloatArray, begin: float, until: float) ->
     frames, pieces, found = tables[2], tables[3], np.zeros(len(tables[2]))
     for f, (row, reach) in enumerate(zip(frames, reaches.tolist(), strict=True)):
         if int(row[motion.KIND]) == NEIGHBOUR:
-            way = _link_speed(tables, int(row[motion.FIRST]), reach) * max(abs(begin), abs(until))
-            found[f] = SHIFT_ROUNDINGS * HALF_ULP * way
+            speed = _link_speed(tables, int(row[motion.FIRST]), reach)
+            found[f] = HALF_ULP * speed * SHIFT_ROUNDINGS * max(abs(begin), abs(until))
             continue
         first, degree = int(row[motion.FIRST]), int(row[motion.DEGREE])
         if degree == 0:
@@ -109,8 +108,10 @@ def rounding(tables: Tables, reaches: FloatArray, begin: float, until: float) ->
         if int(row[motion.KIND]) == SWING:
             x, y, z, turning = (turning * np.abs(row[motion.AMPLITUDE : motion.AMPLITUDE + 4])).tolist()
         times = np.array([begin, until, own[:, motion.BEGIN].min(), own[:, motion.END].max()])
-        far = max(float(np.abs(times).max()), float(times.max() - times.min()))
-        found[f] = ROUNDINGS * HALF_ULP * (math.hypot(x, y, z) + reach * turning) * far
+        late, span = float(np.abs(times).max()), float(times.max() - times.min())
+        if int(row[motion.KIND]) == SWING:
+            span = late  # its angle counts from time zero
+        found[f] = HALF_ULP * (math.hypot(x, y, z) + reach * turning) * (ROUNDINGS * span + SHIFT_ROUNDINGS * late)
     return found
 
 
@@ -185,10 +186,14 @@ def _pieces(law: Law, start: float, until: float) -> list[Piece]:
 
 
 def ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: float, until: float) -> list[Way]:
-    """The travel with changes of speed (R1), 0 at `at_time`: begin, end and coefficients of each piece."""
+    """The travel with changes of speed (R1), 0 at `at_time`: begin, end and coefficients of each piece.
+
+    How long a piece lasts follows from the numbers of the request, not from its ends, which round as times do; and what
+    was gone by is summed with what each sum leaves over (Neumaier): errors of thousands of changes would add up."""
     edges: list[tuple[float, float, float, float]] = [(-math.inf, speed, 0.0, 0.0)]
+    marks = [(0.0, 0.0)]
     for change in changes:
-        time, delta = change.time, abs(change.speed - speed)
+        past, delta = 0.0, abs(change.speed - speed)
         if delta > 0.0:
             rise = min(change.acceleration / change.jerk, math.sqrt(delta / change.jerk))
             sign = math.copysign(1.0, change.speed - speed)
@@ -196,13 +201,15 @@ def ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: flo
             parts = [(rise, 0.0, change.jerk), (delta / reached - rise, reached, 0.0), (rise, reached, -change.jerk)]
             for lasts, a, j in parts:
                 if lasts > 0.0:
-                    edges.append((time, speed, sign * a / 2.0, sign * j / 6.0))
+                    edges.append((change.time + past, speed, sign * a / 2.0, sign * j / 6.0))
+                    marks.append((change.time, past))
                     speed += sign * (a * lasts + j * lasts**2 / 2.0)
-                    time += lasts
-            edges.append((time, change.speed, 0.0, 0.0))
+                    past += lasts
+            edges.append((change.time + past, change.speed, 0.0, 0.0))
+            marks.append((change.time, past))
         speed = change.speed
     anchor = edges[1][0] if len(edges) > 1 else at_time
-    gone, exact, found = 0.0, Fraction(), list[Way]()
+    gone, total, rest, found = 0.0, 0.0, 0.0, list[Way]()
     for k, (time, v, a, j) in enumerate(edges):
         begin, end = (anchor if k == 0 else time), (edges[k + 1][0] if k + 1 < len(edges) else math.inf)
         if k == 0 or end == math.inf:
@@ -212,9 +219,12 @@ def ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: flo
         else:
             found.append((begin, end, [gone, v, a, j]))
         if k > 0 and end < math.inf:
-            h = end - begin
-            exact += Fraction(h * (v + h * (a + h * j)))  # thousands of terms would round to more than each of them
-            gone = float(exact)
+            (base, past), (following, then) = marks[k : k + 2]
+            h = (following - base) + (then - past)
+            before, term = total, h * (v + h * (a + h * j))
+            total = before + term
+            rest += (before - total) + term if abs(before) >= abs(term) else (term - total) + before
+            gone = total + rest
     at = next(piece for piece in found if piece[0] <= at_time <= piece[1])
     zero = float(np.polynomial.polynomial.polyval(at_time - at[0], at[2]))
     return [(begin, end, [c[0] - zero, *c[1:]]) for begin, end, c in found if end > begin]

@@ -18,13 +18,14 @@ from assur.planner.frames.swing import Swing
 from assur.planner.frames.turntable import Turntable
 
 FARTHEST_WAY_M = 200_000.0
-"""Greatest way V T, m: sixteen roundings of it are 0.36 nm (docs/guarantees.md, "Rounding"). A dial of 600 mm at one
+"""Greatest way V T, m: eighteen roundings of it are 0.4 nm (docs/guarantees.md, "Rounding"). A dial of 600 mm at one
 turn a second goes so far in 29 hours."""
 FARTHEST_PLACE_M = 10_000.0
 """How far a body may be from the origin of the frame that bears it, m: forty roundings of it are 0.05 nm. Coordinates
 are 100 m at most, but frames may be fixed on frames."""
-STEEPEST = 35.0 / 16.0
-"""Peak of the speed of an indexer's move as a multiple of its mean (F3)."""
+STEEPEST = 7.0
+"""Bound of the speed of an indexer's move as a multiple of its mean: the law of degree 7 (F3) has its peak at 2.2 of
+it, but its control values differ by this, and the checker bounds it by them."""
 
 
 def speed_of(law: Law, reach: float) -> float:

@@ -112,6 +112,10 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
 
 NO_SOLIDS = "the tool has no bodies: nothing is kept clear of it between flange and tool point"
 """What an answer says where a tool has a length alone."""
+NO_PAIRS = "no pair of self_pairs names the flange: nothing keeps tool and part clear of the robot's own arm"
+"""What an answer says of an arm that may reach into itself."""
+NO_LAG = "{}: its links count as exactly where its trajectory has them, at its time; no lag of its servos can be stated"
+"""What an answer says of another robot."""
 NO_BODIES = "the arm has no bodies: nothing is kept clear of its links"
 """What an answer says of an arm that is lengths alone, as a file without collision shapes is imported."""
 
@@ -119,8 +123,12 @@ NO_BODIES = "the arm has no bodies: nothing is kept clear of its links"
 def _left_out(robot: Robot, request: RequestDocument) -> tuple[str, ...]:
     """What the request leaves out and no plan knows."""
     tool = request.robot.tool
-    of_tool = (NO_SOLIDS,) if any(tool.tcp_m) and not tool.bodies else ()
-    return of_tool if robot.bodies else (NO_BODIES, *of_tool)
+    found = [] if robot.bodies else [NO_BODIES]
+    if any(tool.tcp_m) and not tool.bodies:
+        found.append(NO_SOLIDS)
+    if tool.bodies and robot.bodies and not any("flange" in links for links in robot.self_pairs):
+        found.append(NO_PAIRS)
+    return (*found, *(NO_LAG.format(other.name) for other in request.neighbours))
 
 
 def _check_riders(request: RequestDocument, picked: set[str]) -> None:

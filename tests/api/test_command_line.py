@@ -114,6 +114,15 @@ def test_a_request_that_is_not_planned_says_why_and_ends_with_one(far_file: Path
     assert "plan checked" not in output
 
 
+def test_a_part_that_is_taken_at_a_distance_is_told_and_one_that_touches_is_not() -> None:
+    """The fingers of the lab's arm are 4.5 mm from the tube that they take; the cup of the demo touches its part."""
+    _, output, _ = run("plan", "lab-arm")
+    assert "pick-1    4.50  from the tool, when it is taken" in output
+    assert "when it is put down" not in output
+    _, output, _ = run("plan", "demo")
+    assert "from the tool" not in output
+
+
 def test_a_refusal_says_by_how_much_and_what_was_tried_and_would_help() -> None:
     code, output, errors = run("plan", "behind-the-base-keep")
     assert code == WRONG
