@@ -1,4 +1,4 @@
-"""How far one joint can go in a given time, and how soon it can be somewhere (docs/guarantees.md, "The lower bound").
+"""How far one joint can go in a given time, and how soon it can be somewhere (equation D1 of docs/guarantees.md).
 
 A state is (position, velocity, acceleration); limits are those of velocity V, acceleration A and jerk J. For a fixed
 time T and fixed velocities and accelerations at both ends, the positions that can be reached are an interval, because
