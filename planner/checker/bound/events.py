@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.fastest import EXACT, FREE, KINDS, STATE, soonest
+from assur.planner.checker.bound.fastest import EXACT, FREE, KINDS, STATE, soonest
 from assur.planner.checker.legs import dwell
 from assur.planner.checker.targets import asks_passing, asks_rest
 from assur.planner.frames import Fixed

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from assur.planner.arrays import FloatArray
+from assur.planner.checker.bound.fastest import STATE
+from assur.planner.checker.bound.guided import BOUNDED, DYAD, NOWHERE, UNKNOWN, guided
 from assur.planner.checker.bound.places import LEAST_SINE, Unplaced, modes_asked, places
 from assur.planner.checker.bound.rates import climbs, known, rates
-from assur.planner.checker.fastest import STATE
-from assur.planner.checker.guided import BOUNDED, DYAD, NOWHERE, UNKNOWN, guided
 from assur.planner.checker.laws import arm_row
 from assur.planner.frames import (
     Conveyor,

@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.checker.fastest import EXACT, FREE, KINDS, ROUNDING, STATE, unhindered, ways
+from assur.planner.checker.bound.fastest import EXACT, FREE, KINDS, ROUNDING, STATE, unhindered, ways
 from assur.planner.checker.jets import F1, F2, F3, TURN
 from assur.planner.checker.motion import BASE, FAMILY, FIVE_BAR, NUMBERS
 from assur.planner.compiled import kernel
