@@ -38,8 +38,8 @@ def climbs(law: Law) -> bool:
 
 
 def rates(law: Law, arm_m: float, begin: FloatArray, end: FloatArray) -> FloatArray:
-    """Bounds (N, 9) as `assur.planner.checker.bound.guided` has them, of a point `arm_m` metres from a frame's axis, over
-    [begin, end] (N,), s: of the velocity, acceleration and jerk of the point in the plane, of its height, and of
+    """Bounds (N, 9) as `assur.planner.checker.bound.guided` has them, of a point `arm_m` metres from a frame's axis,
+    over [begin, end] (N,), s: of the velocity, acceleration and jerk of the point in the plane, of its height, and of
     the frame's yaw. Infinite: not bounded."""
     plane, height, yaw = (np.zeros((3, len(begin))) for _ in range(3))
     if isinstance(law, Linear):

@@ -142,7 +142,10 @@ def test_guided_joints_are_those_of_the_inverse_and_keep_to_their_bounds(robot: 
     arm, work, seen = np.array(arm_row(robot)), np.zeros(2 * DYAD), {BOUNDED: 0, UNKNOWN: 0, NOWHERE: 0}
     for _ in range(60):
         (x, y), (u, v) = rng.uniform(-0.5, 0.5, 2).tolist(), rng.uniform(-0.4, 0.4, 2).tolist()
-        law, pose = Turntable(Pose(x, y, 0.2), float(rng.uniform(-3.0, 3.0))), Pose(u, v, 0.0, 0.3)
+        law, pose = (
+            Turntable(Pose(x + robot.base.x, y + robot.base.y, 0.2), float(rng.uniform(-3.0, 3.0))),
+            Pose(u, v, 0.0, 0.3),
+        )
         t = np.linspace(0.0, before, 41)
         motion = law.motion(t).at(pose)
         bounds_of_point = rates(law, math.hypot(pose.x, pose.y), t[:1], t[-1:])[0]
