@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 
 ROOMS = ("kernels", "checker")
-"""Rooms of the planner whose modules may hold kernels."""
+"""Rooms of the planner whose modules, and those of rooms within them, may hold kernels."""
 VARIABLE = "NUMBA_CACHE_DIR"
 """Environment variable that says below which folder compiled kernels are kept; the compiler's own."""
 WHOLE = "all-kernels-compiled"
@@ -24,7 +24,7 @@ def digest() -> str:
     """A number, in hexadecimal, of the sources of all kernels."""
     here = Path(__file__).parent
     found = hashlib.sha256()
-    for path in [here / "compiled.py", *sorted(path for room in ROOMS for path in (here / room).glob("*.py"))]:
+    for path in [here / "compiled.py", *sorted(path for room in ROOMS for path in (here / room).rglob("*.py"))]:
         content = path.read_bytes()
         found.update(f"{path.parent.name}/{path.name} {len(content)}\n".encode() + content)
     return found.hexdigest()[:16]

@@ -29,17 +29,18 @@ class Loaded:
 def counted() -> tuple[int, int]:
     """How many kernels the folder has by now, and how many there are: while they are compiled, how far that is."""
     sources = Path(kernel_cache.__file__).parent
-    texts = (path.read_text(encoding="utf-8") for room in ROOMS for path in (sources / room).glob("*.py"))
+    texts = (path.read_text(encoding="utf-8") for room in ROOMS for path in (sources / room).rglob("*.py"))
     there = sum(text.count("\n@kernel(") for text in texts)
     return min(there, sum(1 for _ in folder().rglob("*.nbi"))), there
 
 
 def load_room(room: str) -> list[str]:
-    """Loads the kernels of one room of the planner, and returns the names of those that had to be compiled now."""
+    """Loads the kernels of one room of the planner and of those within it. Returns the names of those that had to be
+    compiled now."""
     from assur.planner import compiled
 
     package = import_module(f"assur.planner.{room}")
-    for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
+    for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
         import_module(module.name)
     return compiled.compiled_now()
 

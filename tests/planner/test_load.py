@@ -198,6 +198,7 @@ def test_a_plan_with_a_tool_above_the_rated_load_takes_as_long_as_its_share_says
         # nothing is quicker: the bound is made of the limits with the load, too
         whole, sharp = share * 50.0, share * 1000.0
         least = whole / sharp + math.sqrt((whole / sharp) ** 2 + 4 * 0.4 / whole)
+        assert found.lower_bound_s is not None
         assert found.lower_bound_s == pytest.approx(least, rel=2e-6)
         assert found.lower_bound_s <= found.plan.trajectory.duration
 

@@ -394,6 +394,19 @@ def _assert_same(one: Plan, other: Plan) -> None:
             assert a == b
 
 
+@pytest.mark.parametrize("claimed", [1.0, 0.9999, 1e9])
+def test_a_lower_bound_that_is_not_proved_is_found(claimed: float) -> None:
+    """In shares of the duration: of a plan that goes round something nobody proves that there is no shorter one."""
+    cell, outcome = good()
+    answer = through_json(answer_of(cell, outcome))
+    assert check_document(GOOD_REQUEST, answer)["ok"]
+    answer["lower_bound_s"] = claimed * answer["duration_s"]
+    verdict = check_document(GOOD_REQUEST, answer)
+    assert [(finding["code"], finding["where"]) for finding in verdict["findings"]] == [("CLAIM", "lower_bound_s")]
+    answer["lower_bound_s"] = None
+    assert check_document(GOOD_REQUEST, answer)["ok"]
+
+
 @pytest.mark.parametrize(("key", "change"), [("duration_s", 1e-6), ("start_s", -1e-6), ("duration_s", -1.0)])
 def test_what_an_answer_says_of_its_own_durations_is_held_to_its_trajectory(key: str, change: float) -> None:
     cell, outcome = good()

@@ -26,10 +26,10 @@ from assur.planner.checker.bound.events import (
     still,
     straight_times,
 )
+from assur.planner.checker.bound.fastest import EXACT, FREE, KINDS, STATE, arrivals, changed
+from assur.planner.checker.bound.guided import BOUNDED, DYAD, UNKNOWN, first_open, guided
 from assur.planner.checker.bound.places import Unplaced, modes_asked, places
 from assur.planner.checker.bound.rates import climbs, known, rates
-from assur.planner.checker.fastest import EXACT, FREE, KINDS, STATE, arrivals, changed
-from assur.planner.checker.guided import BOUNDED, DYAD, UNKNOWN, first_open, guided
 from assur.planner.checker.laws import arm_row
 from assur.planner.checker.legs import TIME_S
 from assur.planner.frames import Conveyor, Linear

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.checker.fastest import EXACT, FREE, KINDS, STATE, soonest
+from assur.planner.checker.bound.fastest import EXACT, FREE, KINDS, STATE, soonest
 from assur.planner.checker.legs import dwell
 from assur.planner.checker.targets import asks_passing, asks_rest
 from assur.planner.frames import Fixed
@@ -98,6 +98,8 @@ def _events(
     window = step.window.time
     opens = max(scene.start.time, scene.frames[frame].law.valid[0], -math.inf if window is None else window[0])
     kind = PASSES if asks_passing(step) else STOPS if asks_rest(step) else ALONG
+    if kind == STOPS and not isinstance(step, Move) and not isinstance(scene.frames[frame].law, Fixed):
+        kind = PASSES  # above the point the tool goes along with it, and stands at the point: nothing holds at both
     lasts = dwell(step)
     if isinstance(step, Trace):
         ends = (step.path.begin, step.path.end)

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from assur.planner.arrays import FloatArray
+from assur.planner.checker.bound.fastest import STATE
+from assur.planner.checker.bound.guided import BOUNDED, DYAD, NOWHERE, UNKNOWN, guided
 from assur.planner.checker.bound.places import LEAST_SINE, Unplaced, modes_asked, places
 from assur.planner.checker.bound.rates import climbs, known, rates
-from assur.planner.checker.fastest import STATE
-from assur.planner.checker.guided import BOUNDED, DYAD, NOWHERE, UNKNOWN, guided
 from assur.planner.checker.laws import arm_row
 from assur.planner.frames import (
     Conveyor,
@@ -141,8 +141,11 @@ def test_guided_joints_are_those_of_the_inverse_and_keep_to_their_bounds(robot: 
     rng, n = np.random.default_rng(5), len(robot.joints)
     arm, work, seen = np.array(arm_row(robot)), np.zeros(2 * DYAD), {BOUNDED: 0, UNKNOWN: 0, NOWHERE: 0}
     for _ in range(60):
-        law = Turntable(Pose(*rng.uniform(-0.5, 0.5, 2).tolist(), 0.2), float(rng.uniform(-3.0, 3.0)))
-        pose = Pose(*rng.uniform(-0.4, 0.4, 2).tolist(), 0.0, 0.3)
+        (x, y), (u, v) = rng.uniform(-0.5, 0.5, 2).tolist(), rng.uniform(-0.4, 0.4, 2).tolist()
+        law, pose = (
+            Turntable(Pose(x + robot.base.x, y + robot.base.y, 0.2), float(rng.uniform(-3.0, 3.0))),
+            Pose(u, v, 0.0, 0.3),
+        )
         t = np.linspace(0.0, before, 41)
         motion = law.motion(t).at(pose)
         bounds_of_point = rates(law, math.hypot(pose.x, pose.y), t[:1], t[-1:])[0]

@@ -1,4 +1,4 @@
-"""How far one joint can go in a given time, and how soon it can be somewhere (docs/guarantees.md, "The lower bound").
+"""How far one joint can go in a given time, and how soon it can be somewhere (equation D1 of docs/guarantees.md).
 
 A state is (position, velocity, acceleration); limits are those of velocity V, acceleration A and jerk J. For a fixed
 time T and fixed velocities and accelerations at both ends, the positions that can be reached are an interval, because
@@ -188,7 +188,7 @@ def beyond(
 ) -> bool:
     """Whether a joint cannot come in exactly `time` from its state in `begin` (4, n) to that in `end` (`ways`)."""
     down, up = ways(time, begin, end, joint, most_v, most_a, most_j)
-    way = end[0, joint] - begin[0, joint]
+    way: float = end[0, joint] - begin[0, joint]
     slack = ROUNDING * max(1.0, abs(way))
     return way > up + slack or way < down - slack
 
@@ -205,7 +205,7 @@ def from_rest(way: float, most_v: float, most_a: float, most_j: float) -> float:
             return ramp + math.sqrt(ramp * ramp + 4.0 * way / most_a)
     elif way >= 2.0 * most_v * math.sqrt(most_v / most_j):
         return way / most_v + 2.0 * math.sqrt(most_v / most_j)
-    return 4.0 * (way / (2.0 * most_j)) ** (1.0 / 3.0)
+    return 4.0 * math.pow(way / (2.0 * most_j), 1.0 / 3.0)
 
 
 @kernel(f"float64({F2}, {F2}, {F1}, {F2}, float64)")

@@ -1,12 +1,11 @@
 """The joints of an arm whose flange is guided along a point that moves, and when they can be there first.
 
 For arms that are one or two dyads in a horizontal plane, with a lift and a wrist: SCARAs and five-bars. With the
-absolute angles φ1, φ2 of a dyad, e its unit vectors and s = sin(φ2 − φ1):
+absolute angles φ1, φ2 of a dyad, e its unit vectors, s = sin(φ2 − φ1) and b = a + l1 φ̇1² e1 + l2 φ̇2² e2,
 
-    l1 φ̇1 = v·e2 / s          l2 φ̇2 = −v·e1 / s          b = a + l1 φ̇1² e1 + l2 φ̇2² e2
-    l1 φ̈1 = b·e2 / s          l2 φ̈2 = −b·e1 / s          |l1 (φ⃛1 − φ̇1³)| ≤ (|j| + 3 Σ l |φ̇ φ̈|) / |s|           (L1)
+    l1 φ̇1 = v·e2 / s        l2 φ̇2 = −v·e1 / s        l1 φ̈1 = b·e2 / s        l2 φ̈2 = −b·e1 / s
 
-The same with the greatest |v|, |a|, |j| and the least |s| of an interval bounds the rates over all of it.
+and the rates of an interval are bounded by equation D2 of docs/guarantees.md.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ import math
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.checker.fastest import EXACT, FREE, KINDS, ROUNDING, STATE, unhindered, ways
+from assur.planner.checker.bound.fastest import EXACT, FREE, KINDS, ROUNDING, STATE, unhindered, ways
 from assur.planner.checker.jets import F1, F2, F3, TURN
 from assur.planner.checker.motion import BASE, FAMILY, FIVE_BAR, NUMBERS
 from assur.planner.compiled import kernel
