@@ -6,7 +6,7 @@ everything else is SI and in the world frame. What has no number is null. Nothin
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from enum import StrEnum
 from typing import Literal, TypeVar, cast
 
@@ -33,6 +33,7 @@ from assur.planner.model.outcome import (
 )
 from assur.planner.model.refusal import Facts, Reason, Refusal
 from assur.planner.model.scene import Scene
+from assur.planner.model.witness import Witness
 from assur.planner.report.notes import note, warned
 from assur.planner.report.sentence import because
 from assur.planner.trajectory import Trajectory
@@ -125,7 +126,7 @@ def _not_planned(cell: Cell, outcome: NotPlanned) -> document.NotPlannedAnswer:
         "reason": word(outcome.reason),
         "proved": bool(outcome.proved),
         "sentence": outcome.sentence,
-        "refusal": None if outcome.refusal is None else _refusal(cell.scene, outcome.refusal),
+        "refusal": None if outcome.refusal is None else refusal_document(cell.scene, outcome.refusal, outcome.witness),
         "relaxation": None
         if relaxation is None
         else {"what": relaxation.what, "value": relaxation.value, "duration_s": optional(relaxation.duration_s)},
@@ -367,8 +368,13 @@ def _census(scene: Scene, census: Census) -> document.Census:
     }
 
 
-def _refusal(scene: Scene, refusal: Refusal) -> document.Refusal:
-    return {**refused_document(scene, refusal), "amount": None if refusal.amount is None else refusal.amount.value}
+def refusal_document(scene: Scene, refusal: Refusal, witness: Witness | None) -> document.Refusal:
+    """The leading refusal, with what proves it."""
+    return {
+        **refused_document(scene, refusal),
+        "amount": None if refusal.amount is None else refusal.amount.value,
+        "witness": None if witness is None else cast(Witness, _plain(witness)),
+    }
 
 
 def refused_document(scene: Scene, refusal: Refusal) -> document.Refused:
@@ -383,7 +389,7 @@ def refused_document(scene: Scene, refusal: Refusal) -> document.Refused:
         "interval_s": interval(refusal.interval),
         "unit": None if refusal.amount is None else refusal.amount.unit,
         # as the dataclass is described in the schema, and as JSON has it
-        "facts": cast(Facts, {fact.name: _plain(getattr(refusal.facts, fact.name)) for fact in fields(refusal.facts)}),
+        "facts": cast(Facts, _plain(refusal.facts)),
         "detail": because(scene, refusal),
     }
 
@@ -396,4 +402,6 @@ def word(value: Word) -> Word:
 def _plain(value: object) -> object:
     if isinstance(value, StrEnum):
         return value.value
+    if is_dataclass(value):
+        return {each.name: _plain(getattr(value, each.name)) for each in fields(value)}
     return [_plain(item) for item in value] if isinstance(value, tuple) else value
