@@ -23,6 +23,7 @@ from assur.planner.model.witness import (
     PROVED_TRACKED_M,
     Hindrance,
 )
+from assur.planner.robots.polar_arm import PolarArm
 
 Make = Callable[..., Hindrance]
 """Makes the hindrance of one way, mode and height of its reason, amount, unit and joint."""
@@ -45,7 +46,8 @@ def hindrances(scene: Scene, way: Way, mode: str, above: float) -> Iterator[Hind
 
     if wide.level.low > 0.0 or wide.level.high < 0.0:
         yield hindrance(Reason.OUT_OF_REACH, abs(exact.level.middle), "m")
-    if wide.short.low > 0.0:
+    # a polar arm is out of reach where its ram is beyond its range
+    if wide.short.low > 0.0 and not isinstance(robot, PolarArm):
         yield hindrance(Reason.OUT_OF_REACH, exact.short.low, "m")
         return
     if scene.options.blended and way_is_via(scene, way):
@@ -57,7 +59,7 @@ def hindrances(scene: Scene, way: Way, mode: str, above: float) -> Iterator[Hind
         if beyond(wide.joints[k], low, high, turns=turns) > least:
             by = beyond(Span(exact.joints[k].middle, exact.joints[k].middle), low, high, turns=turns)
             yield hindrance(Reason.JOINT_LIMIT, by, "rad" if turns else "m", joint.name)
-    yield from _singular(scene, exact, wide, hindrance)
+    yield from _singular(scene, way, exact, wide, hindrance)
     yield from _yaw(scene, way, at, wide, hindrance)
 
 
@@ -66,9 +68,10 @@ def way_is_via(scene: Scene, way: Way) -> bool:
     return scene.task[way.number].via
 
 
-def _singular(scene: Scene, exact: Posture, wide: Posture, hindrance: Make) -> Iterator[Hindrance]:
-    """The margins that a meeting must leave."""
-    asked = scene.options.singularity_margin
+def _singular(scene: Scene, way: Way, exact: Posture, wide: Posture, hindrance: Make) -> Iterator[Hindrance]:
+    """The margins that a meeting must leave: those that are asked where the tool tracks the point, and that to a type 2
+    singularity everywhere."""
+    asked = scene.options.singularity_margin if scene.task[way.number].tracks else 0.0
     for reason, need, one, other in (
         (Reason.NEAR_SINGULARITY, asked, exact.margin, wide.margin),
         (Reason.NEAR_PARALLEL_SINGULARITY, max(asked, scene.robot.parallel_least), exact.parallel, wide.parallel),
