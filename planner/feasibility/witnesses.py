@@ -74,7 +74,7 @@ def _at_start(scene: Scene, prover: Prover) -> Met | None:
     within = enclosed(scene, prover, attached, q, t, frozenset())
     phase = Phase(t, t, LegKind.WAIT, 0, attached)
     near = within or closest(scene, prover, phase, q, frozenset())
-    return None if near is None else Met(ways=(_meeting(prover, near, phase, q, None, 0.0, "start"),))
+    return None if near is None else Met(ways=(_meeting(prover, near, phase, q, None, None, "start"),))
 
 
 def _at_point(scene: Scene, prover: Prover, number: int) -> Met | None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from assur.planner.checker.refusals import start
+from assur.planner.checker.refusals.amiss import amiss
 from assur.planner.checker.refusals.points import every_pitch, hindered, met, orbit, yaws_forbidden
 from assur.planner.checker.refusals.start import amount_of, same
 from assur.planner.checker.refusals.windows import missed
@@ -46,7 +47,7 @@ def check_refusal(scene: Scene, refusal: Refusal, witness: Witness | None) -> Ve
     """Whether a refusal that is said to be proved is proved: no plan of `scene` exists, for what the refusal says."""
     if not 0 <= refusal.step < len(scene.task):
         return _verdict(f"the task has no step {refusal.step}")
-    complaint = _complaint(scene, refusal, witness)
+    complaint = amiss(scene, refusal) or _complaint(scene, refusal, witness)
     return Verdict.of([]) if not complaint else _verdict(complaint)
 
 
@@ -70,7 +71,8 @@ def _complaint(scene: Scene, refusal: Refusal, witness: Witness | None) -> str:
                 return "times prove nothing of it"
             return missed(scene, refusal, witness)
         case Orbit():
-            if refusal.reason is not Reason.OUT_OF_REACH or refusal.facts != OutOfReach():
+            proves = refusal.stage is Stage.CONTROL_POINT and refusal.reason is Reason.OUT_OF_REACH
+            if not proves or refusal.facts != OutOfReach():
                 return "a period proves nothing of it"
             return orbit(scene, refusal, witness)
         case None:
@@ -80,9 +82,6 @@ def _complaint(scene: Scene, refusal: Refusal, witness: Witness | None) -> str:
 def _by_hindrances(scene: Scene, refusal: Refusal, witness: Hindered) -> str:
     if refusal.stage not in (Stage.CONTROL_POINT, Stage.INVERSE) or refusal.reason not in HINDRANCES:
         return "hindrances prove nothing of it"
-    spans = refusal.interval
-    if spans is not None and not (spans[0] == spans[1] and spans[0] >= scene.start.time):
-        return "a point that stands still is met at no other time either"
     return hindered(scene, refusal, witness)
 
 
@@ -105,10 +104,7 @@ def _by_facts(scene: Scene, refusal: Refusal) -> str:
 
 
 def _at_start(scene: Scene, refusal: Refusal) -> str:
-    facts, reason, t = refusal.facts, refusal.reason, scene.start.time
-    when = scene.frames[refusal.frame].law.valid if refusal.frame in scene.frames else (t, t)
-    if refusal.step != 0 or refusal.interval not in (None, (t, t), when):
-        return "the start is at another time"
+    facts, reason = refusal.facts, refusal.reason
     if isinstance(facts, BeyondRange) and reason is Reason.JOINT_LIMIT:
         return start.beyond_range(scene, refusal, facts)
     if isinstance(facts, MotionLimit) and reason is Reason.MOTION_LIMIT and facts.obstacle is Obstacle.RATE:
@@ -131,10 +127,8 @@ def _arch(scene: Scene, refusal: Refusal, facts: BeyondRange) -> str:
     high = float(robot.limits.upper[robot.lift])
     if not top - high > PROVED_M:
         return "the lift reaches the top of the arch"
-    told = same(amount_of(refusal), top - high) and facts.arch_top_m == arch.top_m
-    told = (
-        told
-        and same(facts.value, scene.counted(robot.lift, top))
-        and same(facts.limit, scene.counted(robot.lift, high))
-    )
+    told = facts == BeyondRange(value=facts.value, limit=facts.limit, arch_top_m=arch.top_m)
+    told = told and same(amount_of(refusal), top - high)
+    ends = ((facts.value, top), (facts.limit, high))
+    told = told and all(same(one, scene.counted(robot.lift, other)) for one, other in ends)
     return "" if told else "the arch is too high by another amount"

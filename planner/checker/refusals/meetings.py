@@ -52,6 +52,8 @@ class Judged:
     distance: float
     required: float
     rule: Rule
+    above: float
+    """m. How far above the control point it is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +84,7 @@ def at_the_start(scene: Scene, meeting: Meeting) -> Judged | str:
     first, second = (_stood(scene, world, t, attached, name) for name in meeting.bodies)
     if first is None or second is None:
         return "a body is nowhere at the start"
-    return _judged(scene, phase, first, second, meeting, PROVED_M, 0.0)
+    return _judged(scene, phase, first, second, meeting, 0.0, 0.0)
 
 
 def at_a_point(scene: Scene, way: Way, meeting: Meeting) -> Judged | str:
@@ -124,8 +126,8 @@ def at_a_point(scene: Scene, way: Way, meeting: Meeting) -> Judged | str:
     if refused:
         return refused
     axis = math.dist(meeting.points_m[0][:2], wanted[:2])
-    near, angle = (PROVED_TRACKED_M, TRACKED_RAD) if above > 0.0 else (PROVED_M, PROVED_RAD)
-    return _judged(scene, phase, first, second, meeting, near, 2.0 * angle * axis if way.turn is not None else 0.0)
+    angle = TRACKED_RAD if above > 0.0 else PROVED_RAD
+    return _judged(scene, phase, first, second, meeting, above, 2.0 * angle * axis if way.turn is not None else 0.0)
 
 
 def _place(scene: Scene, way: Way, meeting: Meeting) -> tuple[Phase, float, Contacts] | str:
@@ -207,10 +209,11 @@ def _stood(scene: Scene, world: World, t: float, attached: Attachments, name: st
 
 
 def _judged(
-    scene: Scene, phase: Phase, first: _Stood, second: _Stood, meeting: Meeting, near: float, turned: float
+    scene: Scene, phase: Phase, first: _Stood, second: _Stood, meeting: Meeting, above: float, turned: float
 ) -> Judged | str:
-    """Whether both points of a meeting show that its bodies are nearer than required by more than `near` + `turned`,
-    m."""
+    """Whether both points of a meeting show that its bodies are nearer than required by more than a plan may be off its
+    place, `turned`, m, of it by its yaw."""
+    near = PROVED_TRACKED_M if above > 0.0 else PROVED_M
     x, y = (np.array(point) for point in meeting.points_m)
     rule, required = rule_of(scene, phase, first.body.name, second.body.name)
     own = deepest(first.body, first.local(x))
@@ -220,11 +223,11 @@ def _judged(
         surface = second.body.surface
         if surface is None or not (x == y).all() or not within(surface, second.local(y), near + turned):
             return f"the point is not inside the surface of {second.body.name}"
-        return Judged(math.nan, required, rule)
+        return Judged(math.nan, required, rule, above)
     other = deepest(second.body, second.local(y))
     if not other >= -OUTSIDE_M:
         return f"the point is not inside {second.body.name}"
     distance = float(np.linalg.norm(x - y)) - own - other
     if not distance <= required - near - turned - 2.0 * OUTSIDE_M:
         return f"{first.body.name} and {second.body.name} are not shown to be nearer than they may be"
-    return Judged(distance, required, rule)
+    return Judged(distance, required, rule, above)

@@ -37,6 +37,8 @@ from assur.planner.robots.five_axis_arm import FiveAxisArm
 TOLD = 5e-6
 """Amounts that are told may be off by this, m, rad or 1: the square root of what a posture that is nearly stretched
 rounds, and what the planner counts ranges of yaw wider."""
+MOST_HINDRANCES = 4096
+"""If a witness names more things it is not looked at: four modes, dozens of turns, and all joints of each are fewer."""
 PARTS, DEEPEST = 64, 12
 """Into so many parts a period is cut, and each is halved so often at most."""
 
@@ -62,6 +64,8 @@ def heights(scene: Scene, way: Way) -> tuple[float, ...]:
 def hindered(scene: Scene, refusal: Refusal, witness: Hindered) -> str:
     """Why it is not shown that each way to a control point is hindered; nothing: it is."""
     shown = list[tuple[Way, Hindrance]]()
+    if len(witness.ways) > MOST_HINDRANCES:
+        return "its witness speaks of more than there is"
     for way in ways(scene, refusal.step):
         for mode in allowed_modes(scene):
             said = [each for each in witness.ways if each.mode == mode and _turn(each.turn_rad, way.turn)]
@@ -96,8 +100,6 @@ def _tells(scene: Scene, refusal: Refusal, way: Way, of: Hindrance) -> bool:
     facts, robot, amount = refusal.facts, scene.robot, amount_of(refusal)
     if (refusal.reason, refusal.joint) != (of.reason, of.joint) or refusal.bodies or refusal.frame is not None:
         return False
-    if amount is not None and refusal.amount is not None and refusal.amount.unit != of.unit:
-        return False
     at = way.still(scene)
     if at is None or not isinstance(facts, OutOfReach | BeyondRange | Singular | ForbiddenYaw):
         return False
@@ -122,13 +124,9 @@ def _tells(scene: Scene, refusal: Refusal, way: Way, of: Hindrance) -> bool:
             told and same(abs((facts.value or 0.0) - (facts.limit or 0.0)), of.by, TOLD) and _on_path(scene, way, facts)
         )
     if isinstance(facts, Singular):
-        need = facts.required
-        return (
-            need is not None
-            and facts.margin is not None
-            and same(need - facts.margin, of.by, TOLD)
-            and facts.modes is None
-        )
+        need, margin = facts.required, facts.margin
+        told = need is not None and margin is not None and same(need - margin, of.by, TOLD)
+        return told and facts == Singular(margin=margin, required=need, mode=facts.mode)
     return True
 
 
@@ -145,7 +143,10 @@ def _amount_told(scene: Scene, way: Way, facts: Facts, of: Hindrance, amount: fl
     yaw = at.then(way.flange).yaw + scene.tool.tcp.yaw
     if not (abs(math.remainder(facts.yaw_rad - yaw, math.tau)) <= TOLD and same(facts.lag_rad, slack)):
         return False
-    if not facts.on_the_way:
+    inside = max(each.depth(yaw, slack) for each in scene.forbidden_yaw) > PROVED_RAD
+    if inside is facts.on_the_way:
+        return False
+    if inside:
         return same(amount, of.by, TOLD)
     room = room_at_start(scene)
     turned = [yaw + math.tau * k for k in range(-64, 65)]
@@ -184,10 +185,13 @@ def met(scene: Scene, refusal: Refusal, witness: Met) -> str:
     """Why it is not shown that bodies are in the way in each way to a control point, or at the start; nothing:
     it is."""
     if refusal.reason is Reason.START_IN_COLLISION:
-        if len(witness.ways) != 1 or witness.ways[0].place != "start":
+        first = witness.ways[0] if len(witness.ways) == 1 else None
+        if first is None or (first.place, first.mode, first.turn_rad) != ("start", None, None):
             return "one pair must be named, at the start"
         return _refuted([(witness.ways[0], at_the_start(scene, witness.ways[0]))], refusal)
     judged = list[tuple[Meeting, Judged | str]]()
+    if len(witness.ways) > MOST_HINDRANCES:
+        return "its witness speaks of more than there is"
     for way in ways(scene, refusal.step):
         for mode in allowed_modes(scene):
             said = [each for each in witness.ways if each.mode == mode and _turn(each.turn_rad, way.turn)]
@@ -225,7 +229,9 @@ def _told(meeting: Meeting, found: Judged, refusal: Refusal) -> bool:
     if gap > TOLD:  # what is apart is as near as is told
         told = told and found.distance <= gap + 10.0 * TOLD
     ends = {"approach", "depart"}
-    return told and (facts.end == meeting.place if meeting.place in ends else facts.end is None)
+    if meeting.place not in ends:
+        return told and (facts.end, facts.straight_m, facts.least_m) == (None, None, None)
+    return told and facts.end == meeting.place and facts.straight_m is not None and same(facts.straight_m, found.above)
 
 
 def orbit(scene: Scene, refusal: Refusal, witness: Orbit) -> str:
@@ -234,8 +240,8 @@ def orbit(scene: Scene, refusal: Refusal, witness: Orbit) -> str:
     found = ways(scene, number)
     lasts = _period(scene.frames[found[0].frame].law)
     amount = amount_of(refusal)
-    if lasts is None or not same(witness.span_s[0], t0) or not witness.span_s[1] >= t0 + lasts - 1e-9:
-        return "not a whole period was looked at"
+    if lasts is None or not same(witness.span_s[0], t0) or not same(witness.span_s[1], t0 + lasts):
+        return "it was not looked at for a period"
     if not witness.short_m > PROVED_M or not same(amount, witness.short_m):
         return "the point is not out of reach by as much"
     world = standing(scene, scene.start.q, 2.0 * lasts + 1.0)

@@ -52,7 +52,8 @@ def beyond_range(scene: Scene, refusal: Refusal, facts: BeyondRange) -> str:
     end = low if low - q > q - high else high
     if not (same(amount_of(refusal), over) and same(facts.value, scene.counted(k, q))):
         return "the joint is beyond its range by another amount"
-    return "" if same(facts.limit, scene.counted(k, end)) else "its range ends elsewhere"
+    told = facts == BeyondRange(value=facts.value, limit=facts.limit)
+    return "" if told and same(facts.limit, scene.counted(k, end)) else "its range ends elsewhere"
 
 
 def too_fast(scene: Scene, refusal: Refusal, facts: MotionLimit) -> str:

@@ -73,6 +73,8 @@ def _by_window(of: Asked, refusal: Refusal, facts: WindowMissed, told: list[Time
     amount = None if refusal.amount is None else refusal.amount.value
     if facts.searched_s is not None:
         return "only a part of the time was searched"
+    if facts.miss is not Miss.TOO_SHORT and facts != WindowMissed(miss=facts.miss):
+        return "it tells how long a window is open that is none"
     true = _amount(of, refusal, facts, told)
     if true is None or not same(amount, true, TOLD) or not true > 0.0:
         return f"it is not so that it is missed by as much ({facts.miss})"
@@ -87,8 +89,9 @@ def _amount(of: Asked, refusal: Refusal, facts: WindowMissed, told: list[Times])
     match facts.miss:
         case Miss.TOO_SHORT:
             longest = max((b - a for a, b in told), default=-math.inf)
-            ends = [refusal.interval is not None and same(refusal.interval[k], span[k], TOLD)
-                    for span in told if same(span[1] - span[0], longest, TOLD) for k in (0, 1)]  # fmt: skip
+            longest_spans = [span for span in told if same(span[1] - span[0], longest, TOLD)]
+            said = refusal.interval
+            ends = [said is not None and all(map(_near, said, span)) for span in longest_spans]
             belt = refusal.interval and _gone(of, refusal.interval[1], refusal.interval[1] + of.needed_s - longest)
             right = same(facts.open_s, longest, TOLD) and same(facts.needed_s, of.needed_s) and any(ends)
             return of.needed_s - longest if right and same(facts.belt_m, belt or None, TOLD) else None
@@ -107,6 +110,10 @@ def _amount(of: Asked, refusal: Refusal, facts: WindowMissed, told: list[Times])
                 return None
             return min(max(a - high, low - b) for a, b in spans)
     return None
+
+
+def _near(one: float, other: float) -> bool:
+    return same(one, other, TOLD)
 
 
 def _gone(of: Asked, t0: float, t1: float) -> float | None:
