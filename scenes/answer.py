@@ -6,9 +6,7 @@ everything else is SI and in the world frame. What has no number is null. Nothin
 
 from __future__ import annotations
 
-from dataclasses import fields, is_dataclass
-from enum import StrEnum
-from typing import Literal, TypeVar, cast
+from typing import Literal, cast
 
 import numpy as np
 
@@ -31,21 +29,19 @@ from assur.planner.model.outcome import (
     Route,
     Traced,
 )
-from assur.planner.model.refusal import Facts, Reason, Refusal
+from assur.planner.model.refusal import Reason
 from assur.planner.model.scene import Scene
-from assur.planner.model.witness import Witness
 from assur.planner.report.notes import note, warned
-from assur.planner.report.sentence import because
 from assur.planner.trajectory import Trajectory
 from assur.scenes.conventions import Conventions, as_counted, as_maker, rates_as_maker
-from assur.scenes.numbers import interval, number, optional
+from assur.scenes.numbers import number, optional
 from assur.scenes.reading.cell import Cell
+from assur.scenes.refusals import refusal_document, refused_document, word
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.written_knots import settled, trajectory_document
 
 Detail = Literal["full", "digest"]
-Word = TypeVar("Word", bound=StrEnum)
 
 NOTICE = (
     "Proved against the model: robot data, time laws, shapes and uncertainties as requested and as listed under "
@@ -366,42 +362,3 @@ def _census(scene: Scene, census: Census) -> document.Census:
             for line in census.lines
         ],
     }
-
-
-def refusal_document(scene: Scene, refusal: Refusal, witness: Witness | None) -> document.Refusal:
-    """The leading refusal, with what proves it."""
-    return {
-        **refused_document(scene, refusal),
-        "amount": None if refusal.amount is None else refusal.amount.value,
-        "witness": None if witness is None else cast(Witness, _plain(witness)),
-    }
-
-
-def refused_document(scene: Scene, refusal: Refusal) -> document.Refused:
-    """What a refusal is about, its facts, and the same for people."""
-    return {
-        "stage": word(refusal.stage),
-        "reason": word(refusal.reason),
-        "step": int(refusal.step),
-        "bodies": list(refusal.bodies),
-        "joint": refusal.joint,
-        "frame": refusal.frame,
-        "interval_s": interval(refusal.interval),
-        "unit": None if refusal.amount is None else refusal.amount.unit,
-        # as the dataclass is described in the schema, and as JSON has it
-        "facts": cast(Facts, _plain(refusal.facts)),
-        "detail": because(scene, refusal),
-    }
-
-
-def word(value: Word) -> Word:
-    """The word of an enumeration as plain text, as readers, JSON and YAML have it."""
-    return cast(Word, value.value)
-
-
-def _plain(value: object) -> object:
-    if isinstance(value, StrEnum):
-        return value.value
-    if is_dataclass(value):
-        return {each.name: _plain(getattr(value, each.name)) for each in fields(value)}
-    return [_plain(item) for item in value] if isinstance(value, tuple) else value

@@ -15,8 +15,8 @@ from assur.planner.legs.control_point import ControlPoint
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Contacts, Phase, contacts_of
+from assur.planner.model.proofs.witness import Place
 from assur.planner.model.scene import Scene
-from assur.planner.model.witness import Place
 from assur.planner.robots.facts import Code
 
 

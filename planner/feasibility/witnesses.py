@@ -23,9 +23,9 @@ from assur.planner.legs.tilt import tilts
 from assur.planner.model.attachments import at_start
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Phase
+from assur.planner.model.proofs.witness import Meeting, Met, Orbit, Place, Witness
 from assur.planner.model.refusal import ForbiddenYaw, OutOfReach, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene
-from assur.planner.model.witness import Meeting, Met, Orbit, Place, Witness
 
 
 @dataclass(frozen=True, slots=True)

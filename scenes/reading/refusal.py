@@ -11,6 +11,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.model.outcome import Census
+from assur.planner.model.proofs.witness import Witness
 from assur.planner.model.refusal import (
     Bodies,
     Facts,
@@ -22,12 +23,11 @@ from assur.planner.model.refusal import (
     Subject,
 )
 from assur.planner.model.scene import Scene
-from assur.planner.model.witness import Witness
 from assur.planner.report.sentence import sentence
-from assur.scenes.answer import refusal_document
 from assur.scenes.faults import Refused, located, within
 from assur.scenes.reading.claims import untrue_repeats
 from assur.scenes.reading.plan import PLAN
+from assur.scenes.refusals import refusal_document
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.read import read_normal
 

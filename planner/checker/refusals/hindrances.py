@@ -14,15 +14,15 @@ from assur.planner.checker.refusals.spans import Span, beyond, minus, plus
 from assur.planner.checker.refusals.ways import Way
 from assur.planner.frames.motion import Pose
 from assur.planner.model.forbidden_yaw import slack_of
-from assur.planner.model.refusal import Reason, Unit
-from assur.planner.model.scene import Scene
-from assur.planner.model.witness import (
+from assur.planner.model.proofs.witness import (
     PROVED_M,
     PROVED_RAD,
     PROVED_SHARE,
     PROVED_TRACKED_M,
     Hindrance,
 )
+from assur.planner.model.refusal import Reason, Unit
+from assur.planner.model.scene import Scene
 from assur.planner.robots.polar_arm import PolarArm
 
 Make = Callable[..., Hindrance]

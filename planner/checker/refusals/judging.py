@@ -14,6 +14,7 @@ from assur.planner.checker.refusals.points import every_pitch, hindered, met, or
 from assur.planner.checker.refusals.start import amount_of, same
 from assur.planner.checker.refusals.windows import missed
 from assur.planner.checker.verdict import Code, Finding, Verdict
+from assur.planner.model.proofs.witness import PROVED_M, Hindered, Met, Openings, Orbit, Witness
 from assur.planner.model.refusal import (
     BeyondRange,
     ForbiddenYaw,
@@ -28,7 +29,6 @@ from assur.planner.model.refusal import (
     Stage,
 )
 from assur.planner.model.scene import Scene
-from assur.planner.model.witness import PROVED_M, Hindered, Met, Openings, Orbit, Witness
 
 HINDRANCES = frozenset(
     {

@@ -32,9 +32,9 @@ from assur.planner.model.attachments import Attachments, at_start
 from assur.planner.model.clearance import rule_of
 from assur.planner.model.outcome import LegKind
 from assur.planner.model.phases import Contacts, Phase, contacts_of, pair
+from assur.planner.model.proofs.witness import PROVED_M, PROVED_RAD, PROVED_TRACKED_M, Meeting
 from assur.planner.model.refusal import Rule
 from assur.planner.model.scene import Scene
-from assur.planner.model.witness import PROVED_M, PROVED_RAD, PROVED_TRACKED_M, Meeting
 
 OUTSIDE_M = 1e-9
 """By this much, m, a point may be outside of the body that it is said to be of: rounding of poses."""

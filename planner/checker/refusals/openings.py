@@ -19,8 +19,8 @@ from assur.planner.checker.legs import dwell
 from assur.planner.frames import Conveyor, Law, Linear
 from assur.planner.frames.motion import Pose
 from assur.planner.model.attachments import at_start
+from assur.planner.model.proofs.witness import PROVED_M, PROVED_S
 from assur.planner.model.scene import Scene, Window
-from assur.planner.model.witness import PROVED_M, PROVED_S
 
 Times = tuple[float, float]
 LONG_S = 2e6

@@ -19,6 +19,7 @@ from assur.planner.checker.refusals.ways import Way, ways
 from assur.planner.checker.world import World
 from assur.planner.frames import Conveyor, Fixed, Keyframes, Law, Linear, Oscillation, Swing, Turntable
 from assur.planner.model.forbidden_yaw import slack_of
+from assur.planner.model.proofs.witness import PROVED_M, PROVED_RAD, Hindered, Hindrance, Meeting, Met, Orbit
 from assur.planner.model.refusal import (
     BeyondRange,
     Enclosed,
@@ -31,7 +32,6 @@ from assur.planner.model.refusal import (
     Singular,
 )
 from assur.planner.model.scene import Scene, Trace
-from assur.planner.model.witness import PROVED_M, PROVED_RAD, Hindered, Hindrance, Meeting, Met, Orbit
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 
 TOLD = 5e-6

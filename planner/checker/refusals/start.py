@@ -14,6 +14,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.model.attachments import at_start
 from assur.planner.model.forbidden_yaw import slack_of
 from assur.planner.model.phases import yaw_offsets
+from assur.planner.model.proofs.witness import PROVED_M, PROVED_RAD, PROVED_S, PROVED_SHARE
 from assur.planner.model.refusal import (
     BeyondRange,
     ForbiddenYaw,
@@ -25,7 +26,6 @@ from assur.planner.model.refusal import (
     finite,
 )
 from assur.planner.model.scene import Move, Pick, Scene
-from assur.planner.model.witness import PROVED_M, PROVED_RAD, PROVED_S, PROVED_SHARE
 from assur.planner.robots.five_bar import FiveBar
 
 SAME = 1e-9

@@ -8,10 +8,10 @@ from assur.planner.checker.laws import travel
 from assur.planner.checker.refusals.openings import Asked, Times, asked, farthest_inside, inside, open_spans
 from assur.planner.checker.refusals.start import same
 from assur.planner.frames import Conveyor, Linear
+from assur.planner.model.proofs.witness import PROVED_S, Openings
 from assur.planner.model.refusal import LawEnds, Refusal, finite
 from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
-from assur.planner.model.witness import PROVED_S, Openings
 
 TOLD = 1e-6
 """Times, s, and lengths, m, that are told may be off by this: an end of a window in time is found to 1e-9 of a
