@@ -20,6 +20,7 @@ from assur.planner.model.refusal import (
     ForbiddenYaw,
     LawEnds,
     MotionLimit,
+    Obstacle,
     Overload,
     Refusal,
     Singular,
@@ -69,7 +70,9 @@ def too_fast(scene: Scene, refusal: Refusal, facts: MotionLimit) -> str:
         value, limit = abs(float(start.qdd[k])), share_of(scene, mass) * float(limits.acceleration[k])
     if not value > limit * (1.0 + PROVED_SHARE):
         return "the joint keeps its limit at the start"
-    told = same(facts.value, value) and same(facts.limit, limit) and same(amount_of(refusal), value - limit)
+    bare = MotionLimit(obstacle=Obstacle.RATE, rate=facts.rate, value=facts.value, limit=facts.limit)
+    told = facts == bare and same(facts.value, value) and same(facts.limit, limit)
+    told = told and same(amount_of(refusal), value - limit)
     return "" if told else "the joint exceeds its limit by another amount"
 
 
@@ -87,7 +90,8 @@ def unassembled(scene: Scene, refusal: Refusal, facts: Singular) -> str:
     margin = math.sqrt(1.0 - fold * fold) if abs(fold) <= 1.0 else None
     if not (margin or 0.0) < robot.parallel_least * (1.0 - PROVED_SHARE):
         return "the arm is far enough from the singularity"
-    told = same(facts.margin, margin, 1e-6) and same(facts.required, robot.parallel_least)
+    told = facts == Singular(margin=facts.margin, required=facts.required)
+    told = told and same(facts.margin, margin, 1e-6) and same(facts.required, robot.parallel_least)
     short = robot.parallel_least - (margin or 0.0)
     return "" if told and same(amount_of(refusal), short, 1e-6) else "its margin is another one"
 
@@ -125,6 +129,7 @@ def in_range(scene: Scene, refusal: Refusal, facts: ForbiddenYaw, yaw: float) ->
         return "the yaw is not in the range"
     off = abs(math.remainder(facts.yaw_rad - yaw, math.tau))
     told = off <= PROVED_RAD and same(facts.lag_rad, slack) and same(amount_of(refusal), depth, PROVED_RAD)
+    told = told and facts.mode is None
     return "" if told else "the yaw is another one, or deeper or less deep in the range"
 
 

@@ -86,4 +86,4 @@ def test_an_arm_that_is_not_known_is_a_fault() -> None:
     with pytest.raises(FaultError):
         posture(
             object.__new__(type("Strange", (), {"base": five_bar().base, "name": "strange"})), "left", Goal(*[ANY] * 3)
-        )  # type: ignore[arg-type]
+        )
