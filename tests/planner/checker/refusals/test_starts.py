@@ -20,10 +20,9 @@ from assur.planner.model.refusal import (
     Reason,
     Refusal,
     Stage,
-    WindowMissed,
 )
 from assur.planner.model.scene import Scene
-from assur.planner.model.window_missed import Miss
+from assur.planner.model.window_missed import Miss, WindowMissed
 from assur.planner.pipeline import plan
 from tests.planner.cells import cell, go
 
