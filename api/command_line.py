@@ -129,23 +129,35 @@ def check(
     plan: Plan = None,
     as_json: AsJson = False,
 ) -> int:
-    """Check the plan in a plan file, or a PLAN against the cell in FILE, with the checker, which trusts no planner."""
+    """Check the answer in a plan file, or an answer (PLAN) to the cell in FILE, with the checker, which trusts no
+    planner."""
     given = target(file)
-    read = requests.read_plan(read_cell(given), plan_files.answer_for(given, plan))
+    cell, answer = read_cell(given), plan_files.answer_for(given, plan)
+    refused = requests.refused(answer)
+    read = None if refused else requests.read_plan(cell, answer)
     announce_compilation()
     with console_report.working(f"checking {given.name if plan is None else plan.name}"):
-        verdict = requests.check_plan(given.cell, *read)
+        verdict = requests.check_cell(cell, answer) if read is None else requests.check_plan(cell, *read)
     if as_json:
         show_json(verdict)
     elif verdict["ok"]:
-        show("plan right: everything that it promises holds against the model", verdict["notice"])
+        show(_right(answer), verdict["notice"])
     else:
         findings = console_report.table("what is wrong", ">by", "where")
         for finding in verdict["findings"]:
             by = amount(finding["amount"], finding["unit"])
             console_report.row(findings, finding["what"], by, finding["where"])
-        show("plan wrong", "", findings)
+        show("refusal wrong" if refused else "plan wrong", "", findings)
     return RIGHT if verdict["ok"] else WRONG
+
+
+def _right(answer: dict[str, Any]) -> str:
+    """What is said of an answer in which nothing is wrong."""
+    if not requests.refused(answer):
+        return "plan right: everything that it promises holds against the model"
+    if answer["proved"]:
+        return "refusal right: no plan exists, for the reason that it says"
+    return "refusal right as far as it can be checked: it says that it is not proved"
 
 
 @app.command()
@@ -337,7 +349,7 @@ def main() -> None:
 
 def _held_to_checker(verdict: dict[str, Any] | None) -> dict[str, Any] | None:
     if verdict is not None and not verdict["ok"]:
-        raise FaultError("the checker refuses this plan: " + "; ".join(f["what"] for f in verdict["findings"]))
+        raise FaultError("the checker refuses this answer: " + "; ".join(f["what"] for f in verdict["findings"]))
     return verdict
 
 

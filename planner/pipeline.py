@@ -20,6 +20,7 @@ from assur.planner.feasibility.odd_places import odd_places
 from assur.planner.feasibility.odd_supports import odd_supports
 from assur.planner.feasibility.posed_bodies import AtStart
 from assur.planner.feasibility.touching import never_touching
+from assur.planner.feasibility.witnesses import Shown, shown
 from assur.planner.legs.meeting import every_turn
 from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.legs.tilt import pitch_free
@@ -125,9 +126,10 @@ def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: 
                 or never_touching(scene, prover)
             )
     except OutOfTimeError:
-        return _not_planned(scene, run, None, Counter().census(), proved=False, cut=True, deepest=0)
+        return _not_planned(scene, run, None, Counter().census(), proof=None, cut=True, deepest=0)
     if never is not None:
-        return _not_planned(scene, run, never, Counter().census(), proved=True, cut=False, deepest=never.step)
+        proof = shown(scene, prover, never)
+        return _not_planned(scene, run, never, Counter().census(), proof=proof, cut=False, deepest=never.step)
     found = searcher(scene, prover, run.started, adaptive=adaptive, watch=run.watch).run()
     run.laps.lap("search")
     if found.plan is None:
@@ -136,8 +138,9 @@ def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: 
             never = found.never or start_collides(scene, prover)
         if never is not None:
             census = found.census.census()
-            return _not_planned(scene, run, never, census, proved=True, cut=False, deepest=never.step)
-        return _not_found(scene, run, found)
+            proof = shown(scene, prover, never)
+            return _not_planned(scene, run, never, census, proof=proof, cut=False, deepest=never.step)
+        return _not_found(scene, run, prover, found)
     return _planned(scene, run, prover, found, found.plan, pairs)
 
 
@@ -164,14 +167,16 @@ def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan, 
     )
 
 
-def _not_found(scene: Scene, run: _Run, found: Found) -> NotPlanned:
+def _not_found(scene: Scene, run: _Run, prover: Prover, found: Found) -> NotPlanned:
     census = found.census.census()
     line = leading(census, found.deepest)
     refusal = None if line is None else line.refusal
     nothing_tried = census.candidates == 0 and not found.cut_by_clock
-    proved = nothing_tried and refusal is not None and for_all_times(scene, refusal)
+    proof = None
+    if nothing_tried and refusal is not None and for_all_times(scene, refusal):
+        proof = shown(scene, prover, refusal)
     without = _not_planned(
-        scene, run, refusal, census, proved=proved, cut=found.cut_by_clock, deepest=found.deepest, line=line
+        scene, run, refusal, census, proof=proof, cut=found.cut_by_clock, deepest=found.deepest, line=line
     )
     return replace(without, best=best_candidate(scene, found.furthest, found.longest))
 
@@ -208,11 +213,12 @@ def _not_planned(
     refusal: Refusal | None,
     census: Census,
     *,
-    proved: bool,
+    proof: Shown | None,
     cut: bool,
     deepest: int,
     line: CensusLine | None = None,
 ) -> NotPlanned:
+    """The outcome of a refusal; `proof`: what shows that it holds for all times and modes (None: it may not)."""
     options = scene.options
     relaxation: Relaxation | None = None
     tried: tuple[str, ...] = ()
@@ -225,14 +231,14 @@ def _not_planned(
             _blocker(scene, census, refusal, deepest),
             deadline,
             refusal,
-            proved=proved,
+            proved=proof is not None,
             watch=run.watch,
         )
         run.laps.lap("explain")
     ended = Reason.TIMED_OUT if cut or not census.candidates else Reason.COUNT_SPENT
     return NotPlanned(
         reason=ended if refusal is None else refusal.reason,
-        proved=proved,
+        proved=proof is not None,
         sentence=sentence(scene, refusal, line, census, cut=cut),
         refusal=refusal,
         census=census,
@@ -243,6 +249,7 @@ def _not_planned(
         seed=options.seed,
         elapsed_s=run.elapsed,
         cut_by_clock=cut,
+        witness=None if proof is None else proof.witness,
     )
 
 

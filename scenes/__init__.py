@@ -56,9 +56,10 @@ def plan(request: object, *, certificate: Literal["full", "digest"] = "full") ->
 
 
 def check(request: object, answer: object) -> dict[str, Any]:
-    """What the checker, which trusts no planner, says of a planned answer: ``{"ok": ..., "findings": [...]}``.
+    """What the checker, which trusts no planner, says of an answer: ``{"ok": ..., "findings": [...]}``.
 
-    Raises `InputError` for what is no plan with a certificate in full.
+    Of a refusal it says whether what is called proved is proved. Raises `InputError` for a plan whose certificate is
+    not in full.
     """
     from assur.scenes.requests import check_document
 

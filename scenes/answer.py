@@ -6,9 +6,7 @@ everything else is SI and in the world frame. What has no number is null. Nothin
 
 from __future__ import annotations
 
-from dataclasses import fields
-from enum import StrEnum
-from typing import Literal, TypeVar, cast
+from typing import Literal, cast
 
 from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.load import Carried
@@ -26,19 +24,18 @@ from assur.planner.model.outcome import (
     Planned,
     Route,
 )
-from assur.planner.model.refusal import Facts, Reason, Refusal
+from assur.planner.model.refusal import Reason
 from assur.planner.model.scene import Scene
 from assur.planner.report.notes import note, warned
-from assur.planner.report.sentence import because
-from assur.scenes.numbers import interval, number, optional
+from assur.scenes.numbers import number, optional
 from assur.scenes.reading.cell import Cell
+from assur.scenes.refusals import refusal_document, refused_document, word
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.request import RequestDocument
 from assur.scenes.written_arrivals import arrival_document
 from assur.scenes.written_knots import settled, trajectory_document
 
 Detail = Literal["full", "digest"]
-Word = TypeVar("Word", bound=StrEnum)
 
 NOTICE = (
     "Proved against the model: robot data, time laws, shapes and uncertainties as requested and as listed under "
@@ -119,7 +116,7 @@ def _not_planned(cell: Cell, outcome: NotPlanned) -> document.NotPlannedAnswer:
         "reason": word(outcome.reason),
         "proved": bool(outcome.proved),
         "sentence": outcome.sentence,
-        "refusal": None if outcome.refusal is None else _refusal(cell.scene, outcome.refusal),
+        "refusal": None if outcome.refusal is None else refusal_document(cell.scene, outcome.refusal, outcome.witness),
         "relaxation": None
         if relaxation is None
         else {"what": relaxation.what, "value": relaxation.value, "duration_s": optional(relaxation.duration_s)},
@@ -302,35 +299,3 @@ def _census(scene: Scene, census: Census) -> document.Census:
             for line in census.lines
         ],
     }
-
-
-def _refusal(scene: Scene, refusal: Refusal) -> document.Refusal:
-    return {**refused_document(scene, refusal), "amount": None if refusal.amount is None else refusal.amount.value}
-
-
-def refused_document(scene: Scene, refusal: Refusal) -> document.Refused:
-    """What a refusal is about, its facts, and the same for people."""
-    return {
-        "stage": word(refusal.stage),
-        "reason": word(refusal.reason),
-        "step": int(refusal.step),
-        "bodies": list(refusal.bodies),
-        "joint": refusal.joint,
-        "frame": refusal.frame,
-        "interval_s": interval(refusal.interval),
-        "unit": None if refusal.amount is None else refusal.amount.unit,
-        # as the dataclass is described in the schema, and as JSON has it
-        "facts": cast(Facts, {fact.name: _plain(getattr(refusal.facts, fact.name)) for fact in fields(refusal.facts)}),
-        "detail": because(scene, refusal),
-    }
-
-
-def word(value: Word) -> Word:
-    """The word of an enumeration as plain text, as readers, JSON and YAML have it."""
-    return cast(Word, value.value)
-
-
-def _plain(value: object) -> object:
-    if isinstance(value, StrEnum):
-        return value.value
-    return [_plain(item) for item in value] if isinstance(value, tuple) else value

@@ -19,13 +19,13 @@ from assur.planner.model.refusal import Bodies, Enclosed, Reason, Refusal, Separ
 from assur.planner.model.scene import Scene, check_tool_point
 from assur.planner.robots.codes import Code
 from assur.planner.robots.solutions import ModeSolutions, solutions
-from assur.scenes.answer import refused_document, word
 from assur.scenes.conventions import as_maker
 from assur.scenes.faults import NOTHING, Refused, located, within
 from assur.scenes.numbers import number, optional
 from assur.scenes.reading import frames, robots
 from assur.scenes.reading.start import position
 from assur.scenes.reading.tool_pose import flange_of, known_from, knows, lacks, wrist_turns
+from assur.scenes.refusals import refused_document, word
 from assur.scenes.schema import ik as written
 from assur.scenes.schema.read import read
 
@@ -196,12 +196,14 @@ def _collisions(prover: Prover, q: FloatArray, t: float) -> Iterator[written.Col
     while len(told) < MOST_COLLISIONS:
         known = frozenset(told)
         facts: Separation | Enclosed = Enclosed()
-        names = enclosed(scene, prover, AT_START, q, t, known)
-        if names is None:
-            hit = closest(scene, prover, phase, q, known)
-            if hit is None:
+        within = enclosed(scene, prover, AT_START, q, t, known)
+        if within is not None:
+            names = within.names
+        else:
+            near = closest(scene, prover, phase, q, known)
+            if near is None:
                 return
-            names, facts = hit
+            names, facts = near.names, near.facts
         told.add(pair(*names))
         refusal = Refusal(stage=Stage.START, reason=Reason.BODY_COLLISION, step=0, subject=Bodies(names), facts=facts)
         found = refused_document(scene, refusal)

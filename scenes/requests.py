@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -42,6 +42,7 @@ __all__ = [
     "Scenario",
     "assumptions_of",
     "cell_of",
+    "check_cell",
     "check_document",
     "check_plan",
     "ik_cell",
@@ -272,9 +273,33 @@ def _in_si(key: str) -> str:
 
 
 def check_document(request: object, plan: object, *, folder: Path | None = None) -> dict[str, Any]:
-    """The checker's verdict on a planned answer with a full certificate. Raises `InputError` naming the field."""
-    cell = cell_of(request, folder=folder)
-    return check_plan(cell, *read_plan(cell, plan))
+    """The checker's verdict on an answer: on a plan with its certificate in full, or on a refusal. Raises `InputError`
+    naming the field."""
+    return check_cell(cell_of(request, folder=folder), plan)
+
+
+def check_cell(cell: Cell, answer: object) -> dict[str, Any]:
+    """The verdict on an answer to the request of a cell; as `check_document`."""
+    if refused(answer):
+        return _check_refusal(cell, answer)
+    return check_plan(cell, *read_plan(cell, answer))
+
+
+def refused(answer: object) -> bool:
+    """Whether an answer says that there is no plan."""
+    return isinstance(answer, dict) and answer.get("status") == "not_planned"
+
+
+def _check_refusal(cell: Cell, answer: object) -> dict[str, Any]:
+    """The verdict on an answer without a plan: whether what it calls proved is proved, and what it repeats is so."""
+    from assur.planner.checker.refusals.judging import check_refusal
+    from assur.scenes.reading.refusal import refusal_of, untold
+
+    told = refusal_of(plain(answer), cell.scene)
+    findings = told.findings
+    if told.refusal is not None and told.proved:
+        findings += check_refusal(cell.scene, told.refusal, told.witness).findings
+    return _verdict(cell, findings, untold(told))
 
 
 def view_document(request: object, plan: object, *, folder: Path | None = None) -> dict[str, Any]:
@@ -286,12 +311,12 @@ def view_document(request: object, plan: object, *, folder: Path | None = None) 
 
 
 def verdict_on(cell: Cell, answer: dict[str, Any]) -> dict[str, Any] | None:
-    """What the checker says of an answer; None where there is nothing to check: a refusal, or a plan with the digest of
-    its certificate. Raises `InputError` naming the field."""
+    """What the checker says of an answer; None where there is nothing to check: a plan with the digest of its
+    certificate. Raises `InputError` naming the field."""
     certificate = answer.get("certificate")
-    if answer.get("status") != "planned" or not (isinstance(certificate, dict) and "normal" in certificate):
+    if not refused(answer) and not (isinstance(certificate, dict) and "normal" in certificate):
         return None
-    return check_plan(cell, *read_plan(cell, answer))
+    return check_cell(cell, answer)
 
 
 def report_page(
@@ -347,9 +372,15 @@ def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = (), claims: C
     findings before the checker's, who knows no documents."""
     from assur.planner.checker import check
     from assur.planner.model.claims import NOTHING
-    from assur.scenes.answer import NOTICE
 
     verdict = check(cell.scene, made, claims or NOTHING)
+    return _verdict(cell, (*told, *verdict.findings), (claims or NOTHING).not_checked)
+
+
+def _verdict(cell: Cell, found: tuple[Finding, ...], not_checked: Iterable[str]) -> dict[str, Any]:
+    """A verdict with these findings, and the fields of the answer that were not checked."""
+    from assur.scenes.answer import NOTICE
+
     findings: list[written.Finding] = [
         {
             "code": str(finding.code),
@@ -358,14 +389,14 @@ def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = (), claims: C
             "unit": finding.unit,
             "where": finding.where,
         }
-        for finding in (*told, *verdict.findings)
+        for finding in found
     ]
-    found: written.Verdict = {
+    verdict: written.Verdict = {
         "schema": "assur/1",
-        "ok": verdict.ok and not told,
+        "ok": not findings,
         "findings": findings,
-        "not_checked": list((claims or NOTHING).not_checked),
+        "not_checked": list(not_checked),
         "request_digest": cell.scene.digest,
         "notice": NOTICE,
     }
-    return dict(found)
+    return dict(verdict)

@@ -41,9 +41,10 @@ def plan(request: Mapping[str, Any] | Request, *, certificate: Literal["full", "
 
 
 def check(request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Verdict:
-    """What the checker, which trusts no planner, says of a planned answer: ``{"ok": ..., "findings": [...]}``.
+    """What the checker, which trusts no planner, says of an answer: ``{"ok": ..., "findings": [...]}``.
 
-    Raises `InputError` for what is no plan with a certificate in full.
+    Of a refusal it says whether what is called proved is proved. Raises `InputError` for a plan whose certificate is
+    not in full.
     """
     from assur.scenes.requests import check_document
 

@@ -185,6 +185,15 @@ def _pieces(law: Law, start: float, until: float) -> list[Piece]:
     ]
 
 
+def travel(law: Conveyor | Linear, start: float, until: float) -> list[Way]:
+    """How far a belt, or what goes along a line, has gone since its `at_time`, m, in its direction of travel: pieces
+    that cover [start, until] at least. The last one goes on for ever, as far as the law is known."""
+    if isinstance(law, Conveyor):
+        return ramped(law.speed, law.changes, law.at_time, start, until)
+    speed = math.hypot(*law.velocity)
+    return [(start, until, [speed * (start - law.at_time), speed])]
+
+
 def ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: float, until: float) -> list[Way]:
     """The travel with changes of speed (R1), 0 at `at_time`: begin, end and coefficients of each piece.
 

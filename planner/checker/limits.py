@@ -82,8 +82,8 @@ def _carried(scene: Scene, phases: list[Phase], *, turned: bool) -> Carried:
     part = None if held is None else held.part
     mass = (scene.tool.mass_kg or 0.0) + (0.0 if part is None else scene.index[part].mass_kg or 0.0)
     if turned and "yaw" in scene.robot.coordinates and "pitch" not in scene.robot.coordinates:
-        inertia = _tool_inertia(scene) + (0.0 if held is None else _part_inertia(scene, held.part, held.in_flange))
-    return Carried(part, mass, inertia, _share(scene, mass), phases[0].t0, phases[-1].t1)
+        inertia = tool_inertia(scene) + (0.0 if held is None else part_inertia(scene, held.part, held.in_flange))
+    return Carried(part, mass, inertia, share_of(scene, mass), phases[0].t0, phases[-1].t1)
 
 
 def _said(own: list[Carried], said: tuple[Carried, ...]) -> list[Finding]:
@@ -145,7 +145,7 @@ def _too_heavy(scene: Scene, mass: float, where: str) -> list[Finding]:
     ]
 
 
-def _share(scene: Scene, mass: float) -> float:
+def share_of(scene: Scene, mass: float) -> float:
     """Of acceleration and jerk that a load leaves (G2)."""
     known = scene.load_limits
     if not known.shares:
@@ -158,27 +158,28 @@ def _share(scene: Scene, mass: float) -> float:
     return kept
 
 
-def _tool_inertia(scene: Scene) -> float:
+def tool_inertia(scene: Scene) -> float:
+    """Of the tool about the flange's axis, kg·m²."""
     tool = scene.tool
     if tool.inertia_kgm2 is not None or not tool.mass_kg:
         return tool.inertia_kgm2 or 0.0
     if not tool.bodies:
         return tool.mass_kg * math.hypot(tool.tcp.x, tool.tcp.y) ** 2
-    sums = np.sum([_integrals(body) for body in tool.bodies], axis=0)
+    sums = np.sum([integrals(body) for body in tool.bodies], axis=0)
     return float(tool.mass_kg * sums[3] / sums[0])
 
 
-def _part_inertia(scene: Scene, part: str, in_flange: Pose) -> float:
+def part_inertia(scene: Scene, part: str, in_flange: Pose) -> float:
     """Of a held part about the flange's axis, which is where the inverse of its pose puts it in its own frame."""
     mass, axis = scene.index[part].mass_kg, in_flange.inverse()
     if not mass:
         return 0.0
-    volume, x, y, square = _integrals(scene.index[part].body)
+    volume, x, y, square = integrals(scene.index[part].body)
     whole = square - 2.0 * (axis.x * x + axis.y * y) + (axis.x**2 + axis.y**2) * volume
     return float(mass * whole / volume)
 
 
-def _integrals(body: Body) -> tuple[float, float, float, float]:
+def integrals(body: Body) -> tuple[float, float, float, float]:
     """The integrals of 1, x, y and x² + y² over a body, in its frame."""
     if body.surface is not None:
         return _of_triangles(body.surface[0][body.surface[1]])
@@ -206,7 +207,7 @@ def _integrals(body: Body) -> tuple[float, float, float, float]:
 
 
 def _of_triangles(corners: FloatArray) -> tuple[float, float, float, float]:
-    """`_integrals` of what closed triangles (F, 3, 3) enclose: each with the origin is a tetrahedron with a sign."""
+    """`integrals` of what closed triangles (F, 3, 3) enclose: each with the origin is a tetrahedron with a sign."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     six = (a * np.cross(b, c)).sum(-1)
     first = six[:, None] * (a + b + c) / 24.0

@@ -50,6 +50,8 @@ class Code(StrEnum):
     CLAIM = "CLAIM"
     """Something else that the answer says beside its plan is not so: contacts, peaks, or what it repeats of the
     request."""
+    REFUSAL = "REFUSAL"
+    """A refusal that is said to be proved is not shown to be, or says what is not so."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,6 +22,23 @@ from assur.planner.model.scene import Scene
 from assur.planner.tables.bodies import Arrangement
 
 
+@dataclass(frozen=True, slots=True)
+class TooNear:
+    """Two bodies, by name, how near they are, and the numbers of the pieces of theirs that are."""
+
+    names: tuple[str, str]
+    facts: Separation
+    units: tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Within:
+    """A body and the mesh that it is inside of, by name, and a point of the body that is, world."""
+
+    names: tuple[str, str]
+    point: tuple[float, float, float]
+
+
 def closest(
     scene: Scene,
     prover: Prover,
@@ -28,7 +46,7 @@ def closest(
     q: FloatArray,
     contacts: Contacts,
     among: frozenset[str] | None = None,
-) -> tuple[tuple[str, str], Separation] | None:
+) -> TooNear | None:
     """The first pair nearer than required at the phase's beginning, where everything is where it is planned; `among`:
     only these bodies of the surroundings, against what hangs on the flange."""
     arrangement = prover.of(phase)
@@ -53,7 +71,7 @@ def closest(
     apart = min(gap if touching else max(0.0, gap), need)
     rule, clearance = rule_of(scene, phase, first, second)
     facts = Separation(touching=touching, gap_m=apart, required_m=need, rule=rule, clearance_m=clearance)
-    return (first, second), facts
+    return TooNear((first, second), facts, units)
 
 
 def _hanging(scene: Scene, arrangement: Arrangement, among: frozenset[str]) -> tuple[BoolArray, BoolArray]:
@@ -72,7 +90,7 @@ def enclosed(
     t: float,
     contacts: Contacts,
     among: frozenset[str] | None = None,
-) -> tuple[str, str] | None:
+) -> Within | None:
     """A body of the arm and the mesh whose surface encloses a point of it (a mesh is hollow to FCL and to gaps).
 
     `attached`: where each body of the surroundings sits by then; `contacts`: pairs that do not count; `among`: only
@@ -105,8 +123,10 @@ def enclosed(
             near = ~((local < low) | (local > high)).any(-1)
             if pair(arrangement.names[mine], world.name) in contacts or not near.any():
                 continue
-            if inside(world.body.surface, local[near], look).any():
-                return arrangement.names[mine], world.name
+            within = inside(world.body.surface, local[near], look)
+            if within.any():
+                x, y, z = here[near][within.argmax()].tolist()
+                return Within((arrangement.names[mine], world.name), (x, y, z))
     return None
 
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import replace
 
 import numpy as np
 
-from assur.planner.collision.at_rest import closest, enclosed
+from assur.planner.collision.at_rest import Within, closest, enclosed
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.reach import beyond_every_pitch, out_of_range, whatever_the_yaw
+from assur.planner.feasibility.spots import Spot, in_the_way, spots
+from assur.planner.feasibility.witnesses import shown
 from assur.planner.frames import Fixed
 from assur.planner.kernels.solids import REACH
 from assur.planner.legs.arched import too_high
@@ -24,7 +25,7 @@ from assur.planner.model.deadline import look
 from assur.planner.model.joint_range import beyond
 from assur.planner.model.load import SUMS
 from assur.planner.model.outcome import LegKind
-from assur.planner.model.phases import Contacts, Phase, contacts_of, yaw_offsets
+from assur.planner.model.phases import Phase, yaw_offsets
 from assur.planner.model.refusal import (
     RATES,
     Bodies,
@@ -42,7 +43,6 @@ from assur.planner.model.refusal import (
     of_joint,
 )
 from assur.planner.model.scene import Move, Pick, Scene
-from assur.planner.robots.facts import Code
 
 MOST_WAYS = 64
 """Ways in which parts may sit in the gripper and where they were put down that are looked at, all together."""
@@ -108,12 +108,12 @@ def overloaded(scene: Scene) -> Refusal | None:
 
 def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
     """A start that collides, or a control point that can never be met: it is out of range, or what hangs on the flange
-    would be too near what stands still around it, there or where a straight part ends.
+    would be too near what stands still around it, there or where a straight part ends; and the checker is shown it.
 
     Asked only when the first candidates have failed: where they have not, the arm can leave and the points can be met.
     """
     colliding = start_collides(scene, prover)
-    if colliding is not None:
+    if colliding is not None and shown(scene, prover, colliding):
         return colliding
     # all ways in which parts may sit by then; `turned`: the part is held in some yaw or other
     ways: tuple[Attachments, ...] = (at_start(scene),)
@@ -122,7 +122,7 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
         offsets, tilt = yaw_offsets(scene, step), tilts(scene, step, scene.start.q)[0]
         if pitch_free(scene, step):
             never = beyond_every_pitch(scene, control_point(scene, number, ways[0], 0.0, tilt))
-            if never is not None:
+            if never is not None and shown(scene, prover, never):
                 return never
             continue  # some pitch reaches it; which of them are free of bodies is a matter of search
         any_yaw = turned or offsets is None
@@ -132,15 +132,17 @@ def points_impossible(scene: Scene, prover: Prover) -> Refusal | None:
             for turn in ((0.0,) if offsets is None else offsets)
         ]
         beyond = [out_of_range(scene, point) for _, point in points]
-        if all(r is not None and (not any_yaw or whatever_the_yaw(scene, r)) for r in beyond):
-            return beyond[0]
+        out = beyond[0] if all(r is not None and (not any_yaw or whatever_the_yaw(scene, r)) for r in beyond) else None
+        if out is not None and shown(scene, prover, out):
+            return out
         if roll_free(scene, step):
             continue  # at another roll a body on the flange may be elsewhere
         if scene.options.blended and step.via:
             continue  # its pose is missed: that it collides there proves nothing
         found = [_point(scene, prover, point, attached) for attached, point in points]
         hits = [each for each in found if each is not None]
-        if len(hits) == len(found) and (not any_yaw or all(_whatever_the_yaw(scene, prover, *each) for each in hits)):
+        always = not any_yaw or all(_whatever_the_yaw(scene, prover, *each) for each in hits)
+        if len(hits) == len(found) and always and shown(scene, prover, hits[0][0]):
             return hits[0][0]
         ways = tuple(dict.fromkeys(attached.after(scene, step, point.yaw_offset) for attached, point in points))
         if len(ways) > MOST_WAYS:
@@ -220,7 +222,7 @@ def start_collides(scene: Scene, prover: Prover) -> Refusal | None:
     found = closest(scene, prover, phase, scene.start.q, frozenset())
     if found is None:
         return None
-    return _hit(Stage.START, Reason.START_IN_COLLISION, 0, *found, interval=(t, t))
+    return _hit(Stage.START, Reason.START_IN_COLLISION, 0, found.names, found.facts, interval=(t, t))
 
 
 def _hit(
@@ -247,7 +249,7 @@ def _start_enclosed(scene: Scene, prover: Prover) -> Refusal | None:
     within = enclosed(scene, prover, at_start(scene), scene.start.q, t, frozenset())
     if within is None:
         return None
-    return _hit(Stage.START, Reason.START_IN_COLLISION, 0, within, Enclosed(), interval=(t, t))
+    return _hit(Stage.START, Reason.START_IN_COLLISION, 0, within.names, Enclosed(), interval=(t, t))
 
 
 def _no_path(scene: Scene) -> Refusal | None:
@@ -259,37 +261,6 @@ def _no_path(scene: Scene) -> Refusal | None:
     return made if isinstance(made, Refusal) else None
 
 
-@dataclass(frozen=True, slots=True)
-class _Place:
-    """The flange `above` a point, m, in a phase of this kind, with bodies as `attached` has them and pairs that may
-    touch; `end`: of which straight part it is the outer end."""
-
-    attached: Attachments
-    kind: LegKind
-    contacts: Contacts
-    above: float = 0.0
-    end: Literal["approach", "depart"] | None = None
-
-
-def _places(scene: Scene, point: ControlPoint, attached: Attachments) -> list[_Place]:
-    """Where the flange is on every way through a point, whatever comes before and after it: at the point, before and
-    after the part is taken or put down, and at the outer ends of the straight parts, where travel ends and begins."""
-    step = point.facts
-    if not point.tracks:
-        return [_Place(attached, LegKind.MOVE, frozenset())]
-    before, behind = contacts_of(scene, step, attached, None)
-    found = [_Place(attached, LegKind.FOLLOW, before)]
-    after = attached.after(scene, step, point.yaw_offset)
-    if step.part is not None:
-        found += [
-            _Place(after, LegKind.DEPART, behind),
-            _Place(attached, LegKind.MOVE, frozenset(), point.approach, "approach"),
-        ]
-        if point.step + 1 < len(scene.task):
-            found.append(_Place(after, LegKind.MOVE, frozenset(), point.depart, "depart"))
-    return found
-
-
 def _point(
     scene: Scene, prover: Prover, point: ControlPoint, attached: Attachments
 ) -> tuple[Refusal, Attachments] | None:
@@ -299,10 +270,10 @@ def _point(
     t = scene.start.time
     if not point.still and not _known(scene, point.frame, t):
         return None
-    places = _places(scene, point, attached)
+    around = spots(scene, point, attached)
     found = list[tuple[Refusal, Attachments]]()
     for mode in range(len(scene.robot.modes)):
-        hit = next((hit for place in places if (hit := _in_the_way(scene, prover, point, place, mode))), None)
+        hit = next((hit for spot in around if (hit := _in_the_way(scene, prover, point, spot, mode))), None)
         if hit is None:
             return None
         found.append(hit)
@@ -310,38 +281,25 @@ def _point(
 
 
 def _in_the_way(
-    scene: Scene, prover: Prover, point: ControlPoint, place: _Place, mode: int
+    scene: Scene, prover: Prover, point: ControlPoint, spot: Spot, mode: int
 ) -> tuple[Refusal, Attachments] | None:
-    """What is in the way of the flange's bodies at one place and in one working mode; None: nothing, or it is not
-    known, as the place may be reached at another time."""
-    t, attached = scene.start.time, place.attached
-    solution = scene.robot.inverse(point.flange(np.array([t]), place.above).at_rest(), mode, 0)
-    if solution.code[0] not in (Code.ASSEMBLED, Code.STRETCHED, Code.FOLDED):
-        return None
-    fixed = isinstance(scene.frames[point.frame].law, Fixed)
-    frames = {body.name: attached.pose_of(scene, body.name)[0] for body in scene.bodies}
-    among = frozenset(
-        name
-        for name, frame in frames.items()
-        if frame == point.frame or (fixed and isinstance(scene.frames[frame].law, Fixed))
-    )
-    tracked = None if place.kind is LegKind.MOVE else point.frame
-    phase = Phase(t, t, place.kind, point.step, attached, tracked=tracked)
-    within = enclosed(scene, prover, attached, solution.q[0], t, place.contacts, among) if fixed else None
-    if within is not None:
-        return _hit(Stage.CONTROL_POINT, Reason.CONTROL_POINT_IN_COLLISION, point.step, within, Enclosed()), attached
-    hit = closest(scene, prover, phase, solution.q[0], place.contacts, among)
+    """What is in the way of the flange's bodies at one spot and in one working mode; None: nothing, or it is not
+    known, as the spot may be reached at another time."""
+    hit = in_the_way(scene, prover, point, spot, mode)
     if hit is None:
         return None
-    names, facts = hit
-    if place.end is not None:
-        facts = replace(facts, end=place.end, straight_m=place.above)
+    reason, attached = Reason.CONTROL_POINT_IN_COLLISION, spot.attached
+    if isinstance(hit.found, Within):
+        return _hit(Stage.CONTROL_POINT, reason, point.step, hit.found.names, Enclosed()), attached
+    facts = hit.found.facts
+    if spot.end is not None:
+        facts = replace(facts, end=spot.end, straight_m=spot.above)
         gap, required = facts.gap_m, facts.required_m
         if gap is not None and required is not None:
-            longer = replace(place, above=place.above + required - max(gap, 0.0) + ROOM_M, end=None)
+            longer = replace(spot, above=spot.above + required - max(gap, 0.0) + ROOM_M, end=None)
             if _in_the_way(scene, prover, point, longer, mode) is None:
                 facts = replace(facts, least_m=longer.above)
-    return _hit(Stage.CONTROL_POINT, Reason.CONTROL_POINT_IN_COLLISION, point.step, names, facts), attached
+    return _hit(Stage.CONTROL_POINT, reason, point.step, hit.found.names, facts), attached
 
 
 def _whatever_the_yaw(scene: Scene, prover: Prover, refusal: Refusal, attached: Attachments) -> bool:

@@ -129,7 +129,7 @@ def _never_near(scene: Scene, point: ControlPoint) -> Refusal | None:
     the flange is so far from the arm's axis, and in half a part it comes no nearer than its greatest speed takes it
     (equation F11)."""
     law, robot = scene.frames[point.frame].law, scene.robot
-    period = _period(law)
+    period = period_of(law)
     if period is None or not isinstance(robot, Scara):
         return None
     edges = scene.start.time + period * np.arange(PARTS + 1) / PARTS
@@ -147,7 +147,7 @@ def _never_near(scene: Scene, point: ControlPoint) -> Refusal | None:
     return out_of_reach(Stage.CONTROL_POINT, point.step, short_m=short, facts=OutOfReach())
 
 
-def _period(law: Law) -> float | None:
+def period_of(law: Law) -> float | None:
     """After how many seconds a frame is where it was, again and again; None: never, or nobody knows."""
     if isinstance(law, Swing | Oscillation):
         return law.period

@@ -176,7 +176,7 @@ def _refused(scene: Scene, point: ControlPoint, lead: float, mode: int, looked: 
         known = np.asarray(np.isfinite(looked.targets[:, 0, :3]).all(-1))
         return _unreachable(scene, point, looked, mode, known)
     if not safe.any():
-        best = looked.near(assembled, scene.options.singularity_margin)
+        best = looked.near(assembled, looked.required)
         return best.refusal(Stage.INVERSE, point.step, _span(t), mode=robot.modes[mode])
     if not slow.any():
         limits = looked.limits

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from assur.planner.arrays import FloatArray
 from assur.planner.errors import FaultError
 from assur.planner.frames import Conveyor, Linear
-from assur.planner.frames.belt_window import HORIZON_S
+from assur.planner.frames.belt_window import HORIZON_S, PARTS, ROUNDS
 from assur.planner.legs.control_point import ControlPoint
 from assur.planner.model.refusal import LawEnds, Quantity, Refusal, Stage, law_ends, window_missed
 from assur.planner.model.scene import Scene
@@ -144,12 +145,26 @@ def _never_inside(point: ControlPoint, window: tuple[float, float]) -> tuple[Qua
     """The same for a point that is in its window along a conveyor at no time that is searched."""
     grid = point.scene.start.time + HORIZON_S * np.arange(1001) / 1000
     way = point.along(grid)
-    low, high = window
     if way is None or not np.isfinite(way).all():
         return None, WindowMissed(miss=Miss.NOT_INSIDE_WHILE_KNOWN)
     if not point.outside_for_good:
         return None, WindowMissed(miss=Miss.NOT_INSIDE_SOON, searched_s=HORIZON_S)
-    return Quantity.of(float(np.maximum(low - way, way - high).min()), "m"), WindowMissed(miss=Miss.NEVER_INSIDE)
+    return Quantity.of(_stays_away(point, window, grid, way), "m"), WindowMissed(miss=Miss.NEVER_INSIDE)
+
+
+def _stays_away(point: ControlPoint, window: tuple[float, float], grid: FloatArray, way: FloatArray) -> float:
+    """How far, m, a point stays outside its window along a conveyor; between two times of a grid it is looked for
+    again and again."""
+    low, high = window
+    for _ in range(ROUNDS):
+        away = np.maximum(low - way, way - high)
+        k = int(away.argmin())
+        grid = np.linspace(grid[max(k - 1, 0)], grid[min(k + 1, len(grid) - 1)], PARTS + 1)
+        finer = point.along(grid)
+        if finer is None or not np.isfinite(finer).all():
+            break
+        way = finer
+    return float(np.maximum(low - way, way - high).min())
 
 
 def _belt(point: ControlPoint, t0: float, t1: float) -> float | None:

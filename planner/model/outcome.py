@@ -18,6 +18,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.model.arrival_error import ArrivalError
 from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.load import Carried
+from assur.planner.model.proofs.witness import Witness
 from assur.planner.model.refusal import Reason, Refusal
 from assur.planner.trajectory import Trajectory
 
@@ -422,8 +423,9 @@ class BestCandidate:
 class NotPlanned:
     """No plan: the leading reason, whether it is proved for all times and modes, and a sentence for an operator.
 
-    `tried`: changes of the request that were tried; `explain_budget_spent`: before all of them were; `best`: the
-    candidate that came furthest (None: nothing was timed).
+    `witness`: what proves it beside the facts of the refusal (None: those do, or it is not proved); `tried`: changes of
+    the request that were tried; `explain_budget_spent`: before all of them were; `best`: the candidate that came
+    furthest (None: nothing was timed).
     """
 
     reason: Reason
@@ -440,6 +442,7 @@ class NotPlanned:
     cut_by_clock: bool
     warnings: tuple[InputWarning, ...] = ()
     best: BestCandidate | None = None
+    witness: Witness | None = None
 
 
 Outcome = Planned | NotPlanned

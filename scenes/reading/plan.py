@@ -38,7 +38,7 @@ TIME_S = 1e-9
 """By how much durations may be off the trajectory's, s: sums of times round."""
 JOINTS = 1e-9
 """... and by how much the joints of arrivals, rad or m: what writing rounds."""
-REFUSAL = "planned; this answer is a refusal: its status is not_planned, so there is no plan in it to check"
+REFUSAL = "planned; this answer is a refusal: its status is not_planned, so there is no plan in it"
 
 
 BESIDE = document.PlannedAnswer.__annotations__.keys() - document.CheckedPlan.__annotations__.keys()

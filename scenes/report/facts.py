@@ -150,14 +150,18 @@ def census(answer: Document) -> str:
     return said + table(["count", "reason", "what"], rows)
 
 
-def refusal(answer: Document) -> str:
-    """Why there is no plan."""
+def refusal(answer: Document, verdict: Document | None) -> str:
+    """Why there is no plan, and what the checker says of it."""
     relaxation = answer["relaxation"]
     rows = [
         ("reason", answer["reason"]),
         ("why", answer["sentence"]),
         ("proved for all times and modes", "yes" if answer["proved"] else "no"),
     ]
+    if verdict is not None and not verdict["ok"]:
+        rows.append(("checker", "the refusal is wrong: " + "; ".join(each["what"] for each in verdict["findings"])))
+    elif verdict is not None and answer["proved"]:
+        rows.append(("checker", "the refusal is right: no plan exists"))
     if relaxation is not None:
         rows.append(("this change works", f"{relaxation['what']}: {relaxation['value']}"))
     return pairs(rows) + ("<h3>Tried</h3>" + lines(answer["tried"], "") if answer["tried"] else "")

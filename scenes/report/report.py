@@ -102,7 +102,7 @@ def _facts(
             cards.append(facts.card("Margins", facts.margins(answer)))
         cards.append(facts.card("Proof", facts.proof(answer, verdict)))
     else:
-        cards.append(facts.card("Why there is no plan", facts.refusal(answer), wide=True))
+        cards.append(facts.card("Why there is no plan", facts.refusal(answer, verdict), wide=True))
     warnings = [each["detail"] for each in answer.get("warnings", ())]
     if warnings:
         cards.append(facts.card("Warnings", facts.lines(warnings, "")))

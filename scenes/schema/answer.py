@@ -7,7 +7,7 @@ only `CheckedPlan` is judged: what the checker does not look at may be left out.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, NotRequired, Required
+from typing import Annotated, Any, Literal, NotRequired, Required
 
 from pydantic import ConfigDict, Field, with_config
 from typing_extensions import TypedDict
@@ -17,6 +17,7 @@ from assur.planner.model.input_warning import Odd
 from assur.planner.model.outcome import (
     Course,
 )
+from assur.planner.model.proofs.witness import Witness
 from assur.planner.model.refusal import Facts, Reason, Stage, Unit
 from assur.scenes import bounds
 from assur.scenes.schema.model import Angle, Point, Strength
@@ -312,9 +313,29 @@ class Census(TypedDict):
 
 @with_config(CLOSED)
 class Refusal(Refused):
-    """The leading refusal: the stage that made it, why, about what, when, and by how much."""
+    """The leading refusal: the stage that made it, why, about what, when, and by how much. `witness`: what proves it
+    beside its facts; null: those do, or it is not proved."""
 
     amount: Number | None
+    witness: NotRequired[Annotated[Witness, Field(discriminator="kind")] | None]
+
+
+@with_config(CLOSED)
+class CheckedReason(TypedDict):
+    """As `Refusal`, with any facts and any witness."""
+
+    stage: Annotated[Stage, Field(strict=False)]
+    reason: Annotated[Reason, Field(strict=False)]
+    step: Step
+    bodies: Annotated[list[Text], Field(max_length=2)]
+    joint: Text | None
+    frame: Text | None
+    interval_s: Interval | None
+    unit: Unit | None
+    facts: dict[str, Any]
+    detail: Text
+    amount: Number | None
+    witness: NotRequired[dict[str, Any] | None]
 
 
 @with_config(CLOSED)
@@ -407,6 +428,18 @@ class NotPlannedAnswer(_Common):
     best_candidate: NotRequired[BestCandidate | None]
 
 
+@with_config(CLOSED)
+class CheckedRefusal(TypedDict, total=False):
+    """What the checker judges of an answer without a plan; the facts and the witness of the refusal are read apart."""
+
+    schema: Schema
+    status: Required[Literal["not_planned"]]
+    reason: Required[Annotated[Reason, Field(strict=False)]]
+    proved: Required[bool]
+    sentence: Required[Text]
+    refusal: Required[CheckedReason | None]
+
+
 Answer = Annotated[PlannedAnswer | NotPlannedAnswer, Field(discriminator="status")]
 
 
@@ -447,8 +480,8 @@ class Finding(TypedDict):
 
 @with_config(CLOSED)
 class Verdict(TypedDict):
-    """What the checker says of a plan; `ok` if and only if there are no findings. `not_checked`: the fields of the
-    answer that it does not look at."""
+    """What the checker says of an answer; `ok` if and only if there are no findings. `not_checked`: the fields of the
+    answer that nobody looked at."""
 
     schema: Schema
     ok: bool

@@ -234,17 +234,21 @@ def test_an_answer_without_a_plan_is_written_too_and_is_nothing_to_check(far_fil
     out = tmp_path / "plan.json"
     assert run("plan", str(far_file), "--out", str(out))[0] == WRONG
     assert json.loads(out.read_bytes())["plan"]["status"] == "not_planned"
-    code, _, errors = run("check", str(far_file), str(out))
-    assert code == BAD_INPUT
-    assert "plan.status" in errors
+    code, output, _ = run("check", str(far_file), str(out))
+    assert code == RIGHT
+    assert output.startswith("refusal right: no plan exists")
 
 
-def test_a_refusal_that_is_checked_against_a_scenario_gets_no_line_of_the_scenario(tmp_path: Path) -> None:
+def test_a_refusal_is_checked_against_a_scenario_and_a_forged_one_is_wrong(tmp_path: Path) -> None:
     out = tmp_path / "plan.json"
     assert run("plan", "behind-the-base-keep", "--out", str(out))[0] == WRONG
-    code, _, errors = run("check", "behind-the-base-keep", str(out))
-    assert code == BAD_INPUT
-    assert errors.startswith('assur: plan.status: got "not_planned"; allowed: planned; this answer is a refusal')
+    assert run("check", "behind-the-base-keep", str(out))[0] == RIGHT
+    document = json.loads(out.read_bytes())
+    document["plan"]["refusal"]["amount"] *= 2
+    out.write_text(json.dumps(document))
+    code, output, _ = run("check", "behind-the-base-keep", str(out))
+    assert code == WRONG
+    assert output.startswith("refusal wrong")
 
 
 def test_an_answer_is_no_request_and_a_plan_of_another_robot_is_told_as_such(small_file: Path, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.checker.limits import _integrals
+from assur.planner.checker.limits import integrals
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.inertia import spread
@@ -94,7 +94,7 @@ def test_a_hull_is_the_box_that_it_is() -> None:
 
 @pytest.mark.parametrize("name", SOLIDS)
 def test_the_checker_integrates_in_its_own_way_and_finds_the_same(name: str) -> None:
-    found, (volume, x, y, square) = spread(SOLIDS[name]), _integrals(SOLIDS[name])
+    found, (volume, x, y, square) = spread(SOLIDS[name]), integrals(SOLIDS[name])
     assert volume == pytest.approx(found.volume, rel=1e-12)
     assert (x / volume, y / volume) == pytest.approx(found.centroid[:2], rel=1e-10, abs=1e-15)
     about = found.square + found.centroid[0] ** 2 + found.centroid[1] ** 2

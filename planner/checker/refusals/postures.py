@@ -1,0 +1,172 @@
+"""Where the joints of an arm must be for its flange to be at a place that is known within a span.
+
+The inverse kinematics of the checker, in closed form and on spans.
+
+A planar arm of two links of lengths a and b that reaches a point at the distance D has, by the law of cosines,
+
+    cos β = (D² - a² - b²) / (2ab)      the angle β between its links, 0 where it is stretched
+    cos α = (D² + a² - b²) / (2aD)      the angle α between its first link and the point
+
+and D is not below |a - b| nor above a + b. All five families are made of it. A mode is a choice of signs.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from assur.planner.checker.refusals.spans import (
+    ANY,
+    Span,
+    arc_cosine,
+    direction,
+    length,
+    minus,
+    over,
+    pick,
+    plus,
+    scaled,
+    sine,
+    size,
+    square,
+    times,
+)
+from assur.planner.errors import FaultError
+from assur.planner.robots.elbow_arm import ElbowArm
+from assur.planner.robots.five_axis_arm import FiveAxisArm
+from assur.planner.robots.five_bar import FiveBar
+from assur.planner.robots.polar_arm import PolarArm
+from assur.planner.robots.robot import Robot
+from assur.planner.robots.scara import Scara
+
+AT = Span(0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """The flange in the world: its position, m, its yaw, and pitch and roll of a hand, rad; each within a span, every
+    number where it is free."""
+
+    x: Span
+    y: Span
+    z: Span
+    yaw: Span = ANY
+    pitch: Span = ANY
+    roll: Span = ANY
+
+
+@dataclass(frozen=True, slots=True)
+class Posture:
+    """What a goal asks of an arm in one working mode. `short`: by how much, m, it is out of reach (below 0: it is not);
+    `level`: how far, m, it is above the height at which an arm without a lift has its flange; `joints`: their values,
+    rad or m, revolute ones up to full turns; `margin`, `parallel`: serial and parallel margin (None: the arm has
+    none)."""
+
+    short: Span
+    level: Span
+    joints: tuple[Span, ...]
+    margin: Span
+    parallel: Span | None = None
+
+
+def posture(robot: Robot, mode: str, goal: Goal) -> Posture:
+    """The posture of an arm in the working mode of this name. Raises `FaultError` for an arm that is not known."""
+    base = robot.base
+    x, y = plus(goal.x, Span(-base.x, -base.x)), plus(goal.y, Span(-base.y, -base.y))
+    z = plus(goal.z, Span(-base.z, -base.z))
+    own = Goal(x, y, z, plus(goal.yaw, Span(-base.yaw, -base.yaw)), goal.pitch, goal.roll)
+    if isinstance(robot, Scara):
+        return _scara(robot, mode, own)
+    if isinstance(robot, FiveBar):
+        return _five_bar(robot, mode, own)
+    if isinstance(robot, ElbowArm | PolarArm):
+        return _tilting(robot, mode, own)
+    raise FaultError(f"the checker does not know the kinematics of {robot.name}")
+
+
+def _angle(value: float) -> Span:
+    return Span(value, value)
+
+
+@dataclass(frozen=True, slots=True)
+class _Links:
+    """Two links to a point: by how much it is out of reach, the angle of the first link from the way to the point, and
+    that of the second from the first, both without a sign."""
+
+    short: Span
+    first: Span
+    second: Span
+
+
+def _links(a: float, b: float, distance: Span) -> _Links:
+    outer = plus(distance, Span(-a - b, -a - b))
+    inner = minus(Span(abs(a - b), abs(a - b)), distance)
+    away = square(distance)
+    bend = over(plus(away, Span(-a * a - b * b, -a * a - b * b)), Span(2.0 * a * b, 2.0 * a * b))
+    turn = over(plus(away, Span(a * a - b * b, a * a - b * b)), scaled(2.0 * a, distance))
+    known = math.isfinite(turn.low) and math.isfinite(turn.high)
+    return _Links(pick(max, outer, inner), arc_cosine(turn) if known else Span(0.0, math.pi), arc_cosine(bend))
+
+
+def _scara(robot: Scara, mode: str, goal: Goal) -> Posture:
+    found = _links(robot.l1, robot.l2, length(goal.x, goal.y))
+    side = {"left": -1.0, "right": 1.0}[mode]
+    heading = plus(direction(goal.x, goal.y), _angle(-robot.base.yaw))
+    first, second = plus(heading, scaled(-side, found.first)), scaled(side, found.second)
+    joints = [first, second, goal.z]
+    if robot.axes == 4:
+        # θ1 and θ2 are both known up to what is not known of the distance
+        joints.append(minus(goal.yaw, plus(first, second)))
+    return Posture(found.short, AT, tuple(joints), size(sine(found.second)))
+
+
+def _five_bar(robot: FiveBar, mode: str, goal: Goal) -> Posture:
+    c, s = math.cos(robot.base.yaw), math.sin(robot.base.yaw)
+    x = plus(scaled(c, goal.x), scaled(s, goal.y))
+    y = plus(scaled(-s, goal.x), scaled(c, goal.y))
+    cranks, couplers, found = [], [], []
+    for side, word in enumerate(mode.split("-")):
+        shift = robot.separation * (side - 0.5)
+        across = plus(y, Span(shift, shift))
+        one = _links(robot.proximal[side], robot.distal[side], length(x, across))
+        # an elbow to the left has its crank turned counter-clockwise from the way to the tool axis
+        turn, way = 1.0 if word == "left" else -1.0, direction(x, across)
+        crank = plus(way, scaled(turn, one.first))
+        cranks.append(crank)
+        couplers.append(minus(crank, scaled(turn, one.second)))
+        found.append(one)
+    joints = [cranks[0], cranks[1], goal.z, minus(goal.yaw, couplers[0])][: robot.axes]
+    level = AT if robot.axes > 2 else goal.z
+    front = 1.0 if robot.assembly == "front" else -1.0
+    return Posture(
+        pick(max, *(one.short for one in found)),
+        level,
+        tuple(joints),
+        pick(min, *(size(sine(one.second)) for one in found)),
+        scaled(front, sine(minus(couplers[1], couplers[0]))),
+    )
+
+
+def _tilting(robot: ElbowArm | PolarArm, mode: str, goal: Goal) -> Posture:
+    back = mode.startswith("back")
+    radius, height = length(goal.x, goal.y), plus(goal.z, Span(-robot.height, -robot.height))
+    heading = plus(direction(goal.x, goal.y), _angle((math.pi if back else 0.0) - robot.base.yaw))
+    out = scaled(-1.0, radius) if back else radius
+    aligned = over(radius, Span(robot.longest, robot.longest))
+    if isinstance(robot, FiveAxisArm):
+        hand = Span(robot.l3, robot.l3)
+        out = minus(out, times(hand, sine(plus(goal.pitch, _angle(math.pi / 2)))))
+        height = minus(height, times(hand, sine(goal.pitch)))
+    distance, up = length(out, height), direction(out, height)
+    if isinstance(robot, PolarArm):
+        low, high = float(robot.limits.lower[2]), float(robot.limits.upper[2])
+        short = pick(max, plus(distance, Span(-high, -high)), minus(Span(low, low), distance))
+        reach = over(distance, Span(robot.longest, robot.longest))
+        return Posture(short, AT, (heading, up, distance), pick(min, reach, aligned, Span(1.0, 1.0)))
+    found = _links(robot.l1, robot.l2, distance)
+    side = 1.0 if mode.endswith("up") is not back else -1.0
+    first, second = plus(up, scaled(side, found.first)), scaled(-side, found.second)
+    joints: tuple[Span, ...] = (heading, first, second)
+    if isinstance(robot, FiveAxisArm):
+        joints = (*joints, minus(goal.pitch, plus(first, second)), goal.roll)
+    return Posture(found.short, AT, joints, pick(min, size(sine(found.second)), aligned))

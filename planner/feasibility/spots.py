@@ -1,0 +1,84 @@
+"""Where the flange is on every way through a control point, and what is in its way there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.collision.at_rest import TooNear, Within, closest, enclosed
+from assur.planner.collision.proof import Prover
+from assur.planner.frames import Fixed
+from assur.planner.legs.control_point import ControlPoint
+from assur.planner.model.attachments import Attachments
+from assur.planner.model.outcome import LegKind
+from assur.planner.model.phases import Contacts, Phase, contacts_of
+from assur.planner.model.proofs.witness import Place
+from assur.planner.model.scene import Scene
+from assur.planner.robots.facts import Code
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """The flange `above` a point, m, in a phase of this kind, with bodies as `attached` has them and pairs that may
+    touch; `end`: of which straight part it is the outer end. `place`: what a witness calls it."""
+
+    attached: Attachments
+    kind: LegKind
+    contacts: Contacts
+    place: Place
+    above: float = 0.0
+    end: Literal["approach", "depart"] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    """What is in the way at a spot, in a phase, with the joints q (n,)."""
+
+    found: TooNear | Within
+    phase: Phase
+    q: FloatArray
+
+
+def spots(scene: Scene, point: ControlPoint, attached: Attachments) -> list[Spot]:
+    """Where the flange is on every way through a point, whatever comes before and after it: at the point, before and
+    after the part is taken or put down, and at the outer ends of the straight parts, where travel ends and begins."""
+    step = point.facts
+    if not point.tracks:
+        return [Spot(attached, LegKind.MOVE, frozenset(), "point")]
+    before, behind = contacts_of(scene, step, attached, None)
+    found = [Spot(attached, LegKind.FOLLOW, before, "point")]
+    after = attached.after(scene, step, point.yaw_offset)
+    if step.part is not None:
+        found += [
+            Spot(after, LegKind.DEPART, behind, "behind"),
+            Spot(attached, LegKind.MOVE, frozenset(), "approach", point.approach, "approach"),
+        ]
+        if point.step + 1 < len(scene.task):
+            found.append(Spot(after, LegKind.MOVE, frozenset(), "depart", point.depart, "depart"))
+    return found
+
+
+def in_the_way(scene: Scene, prover: Prover, point: ControlPoint, spot: Spot, mode: int) -> Hit | None:
+    """What is in the way of the flange's bodies at one spot and in one working mode; None: nothing, or it is not known,
+    as the spot may be reached at another time."""
+    t, attached = scene.start.time, spot.attached
+    solution = scene.robot.inverse(point.flange(np.array([t]), spot.above).at_rest(), mode, 0)
+    if solution.code[0] not in (Code.ASSEMBLED, Code.STRETCHED, Code.FOLDED):
+        return None
+    fixed = isinstance(scene.frames[point.frame].law, Fixed)
+    frames = {body.name: attached.pose_of(scene, body.name)[0] for body in scene.bodies}
+    among = frozenset(
+        name
+        for name, frame in frames.items()
+        if frame == point.frame or (fixed and isinstance(scene.frames[frame].law, Fixed))
+    )
+    tracked = None if spot.kind is LegKind.MOVE else point.frame
+    q, phase = solution.q[0], Phase(t, t, spot.kind, point.step, attached, tracked=tracked)
+    within = enclosed(scene, prover, attached, q, t, spot.contacts, among) if fixed else None
+    if within is not None:
+        return Hit(within, phase, q)
+    near = closest(scene, prover, phase, q, spot.contacts, among)
+    return None if near is None else Hit(near, phase, q)

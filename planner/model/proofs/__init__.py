@@ -1,0 +1,1 @@
+"""What proves an outcome, beside the outcome itself."""

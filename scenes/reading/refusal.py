@@ -1,0 +1,191 @@
+"""A refusal out of its document: the facts and the witness that the checker judges, and what else it says."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from typing import Annotated, Any
+
+from pydantic import Field, TypeAdapter, ValidationError
+
+from assur.planner.checker.verdict import Code, Finding
+from assur.planner.model.outcome import Census
+from assur.planner.model.proofs.witness import Witness
+from assur.planner.model.refusal import (
+    Bodies,
+    Facts,
+    FrameName,
+    JointName,
+    Quantity,
+    Refusal,
+    Separation,
+    Subject,
+)
+from assur.planner.model.scene import Scene
+from assur.planner.report.sentence import sentence
+from assur.scenes.faults import Refused, located, within
+from assur.scenes.reading.claims import untrue_repeats
+from assur.scenes.reading.plan import PLAN
+from assur.scenes.refusals import refusal_document
+from assur.scenes.schema import answer as document
+from assur.scenes.schema.read import read_normal
+
+SEARCH = (
+    "best_candidate",
+    "census",
+    "cut_by_clock",
+    "elapsed_s",
+    "explain_budget_spent",
+    "relaxation",
+    "tried",
+    "warnings",
+)
+"""Fields of an answer without a plan that tell of the search, its times, and what may help: nobody looks at them."""
+REPEATED = ("assumptions", "notice", "request_digest", "seed")
+"""... and those that repeat the request."""
+NOT_PROVED = ("reason", "refusal", "sentence")
+"""What a refusal that is not proved tells of the search."""
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What an answer without a plan says: whether it is proved, its refusal and witness, and what of it is not so and
+    needs no checker to see."""
+
+    proved: bool
+    refusal: Refusal | None
+    witness: Witness | None
+    findings: tuple[Finding, ...]
+
+
+def refusal_of(answer: object, scene: Scene) -> Told:
+    """The refusal in an answer without a plan. Raises `DocumentError` below "plan"."""
+    with located({PLAN: answer}), within(PLAN):
+        if not isinstance(answer, dict):
+            raise Refused("an answer")
+        known = document.CheckedRefusal.__annotations__.keys() | {*SEARCH, *REPEATED}
+        for key in answer:
+            if key not in known:
+                raise Refused("no such field: an answer without a plan has none of this name", key)
+        kept = {key: value for key, value in answer.items() if key in document.CheckedRefusal.__annotations__}
+        item: document.CheckedRefusal = read_normal(document.CheckedRefusal, kept, kept, (PLAN,))
+        found = untrue_repeats(answer, scene)
+        reason = item["refusal"]
+        if reason is None:
+            return Told(item["proved"], None, None, found + _without(item))
+        with within("refusal"):
+            refusal, witness = _refusal(reason, scene), _typed(_witnesses, reason.get("witness"), "witness")
+        return Told(item["proved"], refusal, witness, found + _untrue(item, reason, refusal, witness, scene))
+
+
+def untold(told: Told) -> tuple[str, ...]:
+    """The fields of an answer that are not checked."""
+    fields = list(SEARCH)
+    if not told.proved:
+        fields += NOT_PROVED
+    elif told.refusal is not None and isinstance(told.refusal.facts, Separation):
+        facts = told.refusal.facts
+        if facts.touching:  # how deep bodies overlap is told, not shown
+            fields += ["refusal.amount", "refusal.facts.gap_m"]
+        if facts.least_m is not None:
+            fields += ["refusal.facts.least_m"]
+    return tuple(sorted(fields))
+
+
+def _without(item: document.CheckedRefusal) -> tuple[Finding, ...]:
+    if not item["proved"]:
+        return ()
+    return (Finding(Code.REFUSAL, "the answer says that it is proved, and not what", where="proved"),)
+
+
+def _untrue(
+    item: document.CheckedRefusal,
+    given: document.CheckedReason,
+    refusal: Refusal,
+    witness: Witness | None,
+    scene: Scene,
+) -> tuple[Finding, ...]:
+    """What an answer says in words or twice, and is not what its facts say."""
+    found = list[Finding]()
+    if item["reason"] is not refusal.reason:
+        what = f"the answer's reason is {item['reason']}, but its refusal's is {refusal.reason}"
+        found.append(Finding(Code.CLAIM, what, where="reason"))
+    if witness is not None and not item["proved"]:
+        found.append(Finding(Code.CLAIM, "a refusal that is not proved has no witness", where="refusal.witness"))
+    own: dict[str, Any] = dict(refusal_document(scene, refusal, witness))
+    found += [
+        Finding(Code.CLAIM, f"{key} of the refusal is not what its facts say", where=f"refusal.{key}")
+        for key, value in given.items()
+        if key != "witness" and own[key] != _listed(value)
+    ]
+    if "witness" in given and own["witness"] != _listed(given["witness"]):
+        found.append(Finding(Code.FORM, "the witness has fields that no witness has", where="refusal.witness"))
+    told = sentence(scene, refusal, None, Census(0, 0), cut=False)
+    right = item["sentence"] == told if item["proved"] else item["sentence"].startswith(told.removesuffix("."))
+    if not right:
+        found.append(Finding(Code.CLAIM, "the sentence is not what the facts of the refusal say", where="sentence"))
+    return tuple(found)
+
+
+def _refusal(given: document.CheckedReason, scene: Scene) -> Refusal:
+    if not 0 <= given["step"] < len(scene.task):
+        raise Refused(f"a step of the task, from 0 to {len(scene.task) - 1}", "step")
+    subjects: list[Subject] = []
+    if given["bodies"]:
+        subjects.append(Bodies(tuple(given["bodies"])))
+    if given["joint"] is not None:
+        subjects.append(JointName(given["joint"]))
+    if given["frame"] is not None:
+        subjects.append(FrameName(given["frame"]))
+    if len(subjects) > 1:
+        raise Refused("one of bodies, a joint or a frame", "bodies")
+    amount, unit = given["amount"], given["unit"]
+    if (amount is None) is not (unit is None):
+        raise Refused("a unit where there is an amount, and only there", "unit")
+    return Refusal(
+        stage=given["stage"],
+        reason=given["reason"],
+        step=given["step"],
+        subject=subjects[0] if subjects else None,
+        interval=_interval(given["interval_s"]),
+        amount=None if amount is None or unit is None else Quantity(amount, unit),
+        facts=_typed(_facts, given["facts"], "facts"),
+    )
+
+
+def _interval(given: list[float | None] | None) -> tuple[float, float] | None:
+    """An interval whose ends are null where they are infinite."""
+    if given is None:
+        return None
+    low, high = given
+    return -math.inf if low is None else low, math.inf if high is None else high
+
+
+def _typed(adapter: Any, given: object, key: str) -> Any:
+    """Facts or a witness as typed facts; null is none. Raises `Refused` for what is none."""
+    if given is None:
+        return None
+    try:
+        return adapter().validate_python(given)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise Refused(f"those of its kind ({where}: {first['msg']})"[:200], key) from None
+
+
+@cache
+def _facts() -> TypeAdapter[Facts]:
+    return TypeAdapter(Annotated[Facts, Field(discriminator="kind")])
+
+
+@cache
+def _witnesses() -> TypeAdapter[Witness]:
+    return TypeAdapter(Annotated[Witness, Field(discriminator="kind")])
+
+
+def _listed(value: object) -> object:
+    """A document with lists in place of tuples."""
+    if isinstance(value, dict):
+        return {key: _listed(item) for key, item in value.items()}
+    return [_listed(item) for item in value] if isinstance(value, list | tuple) else value

@@ -1,0 +1,264 @@
+"""The checker proves what an answer without a plan calls proved, and finds every lie in it."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+import pytest
+
+from assur.planner.errors import InputError
+from assur.planner.model.outcome import Census
+from assur.planner.report.sentence import sentence
+from assur.scenes.reading.refusal import NOT_PROVED, SEARCH, refusal_of
+from assur.scenes.refusals import refusal_document
+from assur.scenes.requests import cell_of, check_cell, check_document, plan_document
+from tests.scenes.refused_cells import PROVED, cell, follow, go, options
+
+Document = dict[str, Any]
+Place = tuple[str | int, ...]
+FAR = 1.0
+"""By so much numbers of a witness are moved, m, rad or s."""
+WITNESS_KINDS = {"hindered", "met", "openings", "orbit", None}
+
+
+@cache
+def _answer(name: str) -> str:
+    return json.dumps(plan_document(PROVED[name][0]))
+
+
+def answer(name: str) -> Document:
+    """The answer to the impossible request of a name, a document of its own."""
+    found: Document = json.loads(_answer(name))
+    return found
+
+
+def fitted(request: Document, forged: Document) -> Document:
+    """A forged answer whose words and repeats fit what it says now: the forger knows how they are made."""
+    scene = cell_of(request).scene
+    forged["request_digest"] = scene.digest
+    try:
+        told = refusal_of(forged, scene)
+    except InputError:
+        return forged
+    if told.refusal is not None:
+        own = refusal_document(scene, told.refusal, told.witness)
+        forged["refusal"]["detail"] = own["detail"]
+        forged["sentence"] = sentence(scene, told.refusal, None, Census(0, 0), cut=False)
+        forged["reason"] = told.refusal.reason.value
+    return forged
+
+
+def refused(request: Document, forged: Document) -> bool:
+    """Whether the checker has something against an answer, or cannot even read it."""
+    try:
+        return not check_cell(cell_of(request), forged)["ok"]
+    except InputError:
+        return True
+
+
+def leaves(value: object, at: Place = ()) -> Iterator[tuple[Place, object]]:
+    """All numbers, texts and truth values of a document, and where they are."""
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from leaves(item, (*at, key))
+    elif isinstance(value, list):
+        for k, item in enumerate(value):
+            yield from leaves(item, (*at, k))
+    else:
+        yield at, value
+
+
+def put(document: Any, at: Place, value: object) -> None:
+    for key in at[:-1]:
+        document = document[key]
+    document[at[-1]] = value
+
+
+def places(witness: Document) -> set[tuple[str, str]]:
+    """Where which bodies meet: with points that are as deep in other cells such a witness is true there, too."""
+    return {(way["place"], *sorted(way["bodies"])) for way in witness["ways"]}
+
+
+@pytest.mark.parametrize("name", PROVED)
+def test_each_kind_of_proof_has_its_witness_and_the_checker_accepts_it(name: str) -> None:
+    request, _, reason, kind = PROVED[name]
+    given = answer(name)
+    assert (given["status"], given["reason"], given["proved"]) == ("not_planned", reason, True), given["sentence"]
+    witness = given["refusal"]["witness"]
+    assert (None if witness is None else witness["kind"]) == kind
+    verdict = check_document(request, given)
+    assert (verdict["ok"], verdict["findings"]) == (True, [])
+    assert verdict["request_digest"] == given["request_digest"]
+    more = set(verdict["not_checked"]) - set(SEARCH)
+    assert more <= {"refusal.amount", "refusal.facts.gap_m", "refusal.facts.least_m"}
+    assert not more or given["reason"].endswith("COLLISION")
+
+
+def test_every_kind_of_witness_is_among_them() -> None:
+    assert {kind for *_, kind in PROVED.values()} == WITNESS_KINDS
+    assert len({reason for _, _, reason, _ in PROVED.values()}) == 10
+
+
+@pytest.mark.parametrize("name", PROVED)
+def test_the_same_refusal_of_a_request_that_has_a_plan_is_a_lie(name: str) -> None:
+    _, possible, _, _ = PROVED[name]
+    assert plan_document(possible)["status"] == "planned"
+    assert refused(possible, fitted(possible, answer(name)))
+
+
+@pytest.mark.parametrize("name", PROVED)
+def test_no_number_or_name_of_a_refusal_can_be_another_one(name: str) -> None:
+    """Every leaf of the refusal, its witness aside, is changed, and all words are made to fit."""
+    request, given = PROVED[name][0], answer(name)
+    not_checked = check_document(request, given)["not_checked"]
+    tried = 0
+    for at, value in leaves({key: item for key, item in given["refusal"].items() if key != "witness"}):
+        if ".".join(("refusal", *map(str, at))) in not_checked or (
+            at == ("interval_s", 0) and given["refusal"]["unit"] is None
+        ):
+            continue
+        if isinstance(value, bool):
+            others: list[object] = [not value]
+        elif isinstance(value, int | float):
+            others = [value + 0.01, -value - 0.02]
+        elif isinstance(value, str):
+            others = [f"{value}x", "BODY_COLLISION" if at == ("reason",) else "elsewhere"]
+        else:
+            others = [0.125]
+        for other in others:
+            forged = copy.deepcopy(given)
+            put(forged["refusal"], at, other)
+            assert refused(request, forged), (at, other)
+            if at != ("detail",):
+                assert refused(request, fitted(request, forged)), (at, other)
+            tried += 1
+    assert tried > 15
+
+
+@pytest.mark.parametrize("name", [name for name, (*_, kind) in PROVED.items() if kind is not None])
+def test_no_number_or_name_of_a_witness_can_be_another_one(name: str) -> None:
+    request, given = PROVED[name][0], answer(name)
+    for at, value in leaves(given["refusal"]["witness"]):
+        other: object = f"{value}x" if isinstance(value, str) else (not value if isinstance(value, bool) else FAR)
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            other = value + FAR
+        forged = copy.deepcopy(given)
+        put(forged["refusal"]["witness"], at, other)
+        assert refused(request, forged), (at, value)
+
+
+@pytest.mark.parametrize("name", PROVED)
+def test_a_proof_is_not_left_out_cut_short_or_taken_from_elsewhere(name: str) -> None:
+    request, _, _, kind = PROVED[name]
+    given = answer(name)
+    for other in PROVED:
+        witness = answer(other)["refusal"]["witness"]
+        same_pair = (
+            witness and witness["kind"] == kind == "met" and places(witness) == places(given["refusal"]["witness"])
+        )
+        if other != name and witness != given["refusal"]["witness"] and not same_pair:
+            forged = copy.deepcopy(given)
+            forged["refusal"]["witness"] = witness
+            assert refused(request, forged), other
+    if kind is not None:
+        forged = copy.deepcopy(given)
+        forged["refusal"]["witness"] = None
+        assert refused(request, forged)
+        del forged["refusal"]["witness"]
+        assert refused(request, forged)
+    if kind in ("hindered", "met"):
+        for k, way in enumerate(given["refusal"]["witness"]["ways"]):
+            same = [each for each in given["refusal"]["witness"]["ways"]
+                    if (each["mode"], each["turn_rad"]) == (way["mode"], way["turn_rad"])]  # fmt: skip
+            if len(same) == 1:
+                forged = copy.deepcopy(given)
+                del forged["refusal"]["witness"]["ways"][k]
+                assert refused(request, forged)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("sentence", "No plan exists; certified safe."),
+        ("reason", "OUT_OF_REACH"),
+        ("notice", "Certified safe under ISO 10218."),
+        ("assumptions", ["none"]),
+        ("seed", 7),
+        ("request_digest", "0" * 64),
+        ("proved", False),
+        ("refusal", None),
+        ("schema", "assur/2"),
+        ("approved_by", "nobody"),
+    ],
+)
+def test_nothing_else_that_an_answer_says_can_be_another_thing(key: str, value: object) -> None:
+    request = PROVED["a block at a point"][0]
+    forged = {**answer("a block at a point"), key: value}
+    assert refused(request, forged)
+
+
+def test_what_was_only_searched_for_cannot_be_called_proved() -> None:
+    wall = {"name": "wall", "shape": {"box": {"size_mm": [20, 1600, 1200]}}, "pose": {"at_mm": [-160, 0, 0]}}
+    request = cell(go(-350, 100, 200, None), bodies=[wall], options=options(max_candidates=30))
+    given = plan_document(request)
+    assert (given["status"], given["proved"]) == ("not_planned", False)
+    verdict = check_document(request, given)
+    assert verdict["ok"]
+    assert set(verdict["not_checked"]) == {*SEARCH, *NOT_PROVED}
+    assert refused(request, {**given, "proved": True})
+    assert refused(request, fitted(request, {**copy.deepcopy(given), "proved": True}))
+    assert refused(request, {**given, "sentence": "goal: it is proved that no plan exists."})
+
+
+# what was called proved, and was not: each was found by experiment
+
+
+@pytest.mark.parametrize("upper", range(280, 300))
+def test_a_point_exactly_at_the_end_of_a_range_is_not_proved_to_be_beyond_it(upper: int) -> None:
+    request = cell(go(350, 0, upper - 60))
+    request["robot"]["tool"] = {"tcp_mm": [0, 0, -60]}
+    request["robot"]["limits"] = {"j3_mm": [140, upper]}
+    found = plan_document(request)
+    assert found["status"] == "planned", found.get("sentence")
+    beyond = copy.deepcopy(request)
+    beyond["task"] = [go(350, 0, upper - 60 + 0.1)]
+    found = plan_document(beyond)
+    assert (found["reason"], found["proved"], check_document(beyond, found)["ok"]) == ("JOINT_LIMIT", True, True)
+
+
+def test_a_frame_that_bears_nothing_may_be_over_at_the_start() -> None:
+    cart = {"linear": {"at_m": [5, 5, 0], "velocity_m_s": [0.1, 0, 0]}, "valid_s": [-20, -10]}
+    request = cell(go(350, 0, 200), frames={"old-cart": cart})
+    assert plan_document(request)["status"] == "planned"
+    lies = answer("a law that is over at the start")
+    lies["refusal"]["frame"] = "old-cart"
+    lies["refusal"]["facts"]["known_s"] = lies["refusal"]["interval_s"] = [-20.0, -10.0]
+    assert refused(request, fitted(request, lies))
+
+
+@pytest.mark.parametrize(
+    ("changes", "speed", "step"),
+    [
+        ([{"at_s": 70, "speed_m_s": -0.25, "acceleration_m_s2": 1, "jerk_m_s3": 100}], 0.05,
+         follow(500, 0, 80, "belt", duration_ms=200, window_mm=[-300, 300])),
+        ([{"at_s": 3, "speed_m_s": 0, "acceleration_m_s2": 1, "jerk_m_s3": 100},
+          {"at_s": 65, "speed_m_s": -0.1, "acceleration_m_s2": 1, "jerk_m_s3": 100}], 1.0,
+         follow(-500, 0, 80, "belt", duration_ms=1000, window_mm=[-300, 300])),
+    ],
+)  # fmt: skip
+def test_a_belt_that_comes_back_after_a_minute_is_not_said_never_to(
+    changes: list[Any], speed: float, step: Document
+) -> None:
+    belt = {"conveyor": {"at_m": [0, 0.35, 0.05], "speed_m_s": speed, "changes": changes}}
+    request = cell(step, frames={"belt": belt}, options=options(max_candidates=20))
+    found = plan_document(request)
+    assert found["status"] == "planned" or not found["proved"]
+    # nor can it be forged: the way of the belt after the last change is looked at
+    lies = answer("a window that is never reached")
+    assert refused(request, fitted(request, lies))
+    short = answer("a window that is too short")
+    assert refused(request, fitted(request, short))
