@@ -1,0 +1,124 @@
+"""The rows of a certificate in a bundle: those of two bodies as they are, and in place of planes rows of the pairs that
+they keep apart; and instants at which bodies are outside of what is hollow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.frames.fixed import Fixed
+from assur.planner.geometry.shapes import Body, support
+from assur.planner.model.clearance import clearances
+from assur.planner.model.outcome import Plan
+from assur.planner.model.phases import Phase, pair
+from assur.planner.model.scene import Scene
+from assur.scenes.bundle.solids import bodies_in
+
+Document = dict[str, Any]
+INSTANTS = 9
+"""Times of a phase at which it is looked which plane keeps two bodies farthest apart."""
+SURE_M = 1e-3
+"""Bodies that are outside of what is hollow by this much more than is asked are shown to be."""
+AXES = [sign * np.eye(3)[k] for k in range(3) for sign in (1.0, -1.0)]
+Rows = list[tuple[float, float, float, float, int, int, int, int, list[float]]]
+COLUMNS = ("t0", "t1", "s0", "s1", "first", "first_piece", "second", "second_piece", "normal")
+
+
+class _Places:
+    """Where bodies reach to along normals, by the planner's own kinematics: only to choose rows, which are proved."""
+
+    def __init__(self, scene: Scene, plan: Plan, seats: list[Document]) -> None:
+        self.scene, self.plan, self.seats, self.bodies = scene, plan, seats, bodies_in(scene)
+        self.laws = [frame.law for frame in scene.frames.values()]
+
+    def reach(self, seat: int, t: float, n: FloatArray) -> float:
+        """The largest n·x of a body in a seat at a time, m."""
+        at = self.seats[seat]
+        if at["link"] >= 0:
+            path = self.plan.trajectory
+            place, turn = self.scene.robot.placements(path.evaluate(np.array([min(max(t, path.start), path.end)])))
+            p, r = place[0, at["link"]], turn[0, at["link"]]
+        else:
+            motion = self.laws[at["frame"]].motion(np.array(t))
+            p, r = motion.p, _turned(float(motion.yaw))
+        x, y, z, yaw = at["pose"]
+        local = r.T @ n
+        return float(n @ p + local @ np.array([x, y, z]) + _support(self.bodies[at["body"]], _turned(yaw).T @ local))
+
+
+def _support(body: Body, n: FloatArray) -> float:
+    return max(support(piece, n) for piece in body.pieces)
+
+
+def _turned(yaw: float) -> FloatArray:
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def rows_of(scene: Scene, plan: Plan, phases: Sequence[Phase], seats: list[Document], seat: list[list[int]]) -> Document:
+    """All rows, column by column."""
+    c, number = plan.certificate, {body.name: k for k, body in enumerate(bodies_in(scene))}
+    at = [number[name] for name in c.names]
+    shifts = np.zeros((2, len(c))) if c.shift0 is None or c.shift1 is None else np.stack([c.shift0, c.shift1])
+    rows: Rows = []
+    planes: dict[tuple[int, int], list[list[float]]] = {}
+    begins = np.array([phase.t0 for phase in phases])
+    paired: set[tuple[int, int, int]] = set()
+    for k in range(len(c)):
+        first, second, n = at[int(c.first[k])], int(c.second[k]), c.normal[k].tolist()
+        p = int(np.searchsorted(begins, c.t0[k], side="right")) - 1
+        if second < 0:
+            known = planes.setdefault((p, first), [])
+            known += [] if n in known else [n]
+            continue
+        other = at[second]
+        paired |= {(p, first, other), (p, other, first)}
+        pieces = int(c.first_piece[k]), int(c.second_piece[k])
+        span = float(c.t0[k]), float(c.t1[k]), float(shifts[0, k]), float(shifts[1, k])
+        rows.append((*span, first, pieces[0], other, pieces[1], n))
+    places = _Places(scene, plan, seats)
+    stands = [isinstance(frame.law, Fixed) for frame in scene.frames.values()]
+    for (p, body), normals in planes.items():
+        t = np.linspace(phases[p].t0, phases[p].t1, INSTANTS).tolist()
+        far = [max(places.reach(seat[p][body], x, np.array(n)) for x in t) for n in normals]
+        for other, own in enumerate(seat[p]):
+            on = seats[own]["frame"]
+            if on < 0 or not stands[on] or (p, body, other) in paired:
+                continue
+            gaps = [-places.reach(own, t[0], -np.array(n)) - f for n, f in zip(normals, far, strict=True)]
+            n = normals[int(np.argmax(gaps))]
+            rows.append((phases[p].t0, phases[p].t1, 0.0, 0.0, body, -1, other, -1, n))
+    rows += _outside(scene, phases, seats, seat, places)
+    rows.sort(key=lambda row: (row[0], row[1]))
+    columns = list(zip(*rows, strict=True)) if rows else [()] * len(COLUMNS)
+    return {name: list(column) for name, column in zip(COLUMNS, columns, strict=True)}
+
+
+def _outside(
+    scene: Scene, phases: Sequence[Phase], seats: list[Document], seat: list[list[int]], places: _Places
+) -> Rows:
+    """For what is hollow, an instant of each phase at which the robot's bodies are outside of it, if there is one."""
+    bodies, rows = places.bodies, Rows()
+    names = [body.name for body in bodies]
+    hollow = [k for k, body in enumerate(bodies) if body.surface is not None]
+    for p, phase in enumerate(phases):
+        if not phase.robot or not hollow:
+            continue
+        asked = clearances(scene, phase.near, names, names)
+        mine = [k for k, own in enumerate(seat[p]) if seats[own]["link"] >= 0]
+        for one in mine:
+            for other in (k for k in range(len(bodies)) if seats[seat[p][k]]["frame"] >= 0):
+                if not {one, other} & set(hollow) or pair(names[one], names[other]) in phase.contacts:
+                    continue
+                for t in dict.fromkeys((phase.t1, phase.t0)):
+                    gaps = [
+                        -places.reach(seat[p][one], t, n) - places.reach(seat[p][other], t, -n) for n in AXES
+                    ]
+                    best = int(np.argmax(gaps))
+                    if gaps[best] >= asked[one, other] + SURE_M:
+                        rows.append((t, t, 0.0, 0.0, one, -1, other, -1, AXES[best].tolist()))
+                        break
+    return rows
