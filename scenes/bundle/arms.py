@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from assur.planner.errors import FaultError
 from assur.planner.robots.elbow_arm import ElbowArm
 from assur.planner.robots.five_axis_arm import FiveAxisArm
 from assur.planner.robots.five_bar import FiveBar
@@ -51,7 +52,7 @@ def _chain(robot: Robot) -> Document:
     elif isinstance(robot, FiveBar):
         loop.append(
             {
-                "cranks": [1, 3],
+                "cranks": [1, 2],
                 "lengths": list(robot.proximal),
                 "couplers": list(robot.distal),
                 "side": float(robot.sigma),
@@ -60,13 +61,13 @@ def _chain(robot: Robot) -> Document:
         )
         half, lift = robot.separation / 2.0, make.slide(2, UP) if len(robot.joints) > 2 else None
         links.append(make.link("proximal-left", 0, (0.0, half, 0.0), joints=(0,)))
-        links.append({**make.link("distal-left", 1, (robot.proximal[0], 0.0, 0.0), coupler=0), "yaw": make.angle(0.0)})
         links.append(make.link("proximal-right", 0, (0.0, -half, 0.0), joints=(1,)))
-        links.append({**make.link("distal-right", 3, (robot.proximal[1], 0.0, 0.0), coupler=1), "yaw": make.angle(0.0)})
+        links.append({**make.link("distal-left", 1, (robot.proximal[0], 0.0, 0.0), coupler=0), "yaw": make.angle(0.0)})
+        links.append({**make.link("distal-right", 2, (robot.proximal[1], 0.0, 0.0), coupler=1), "yaw": make.angle(0.0)})
         end = (robot.distal[0], 0.0, 0.0)
-        links.append({**make.link("quill", 2, end, slide=lift), "yaw": make.angle(0.0)})
+        links.append({**make.link("quill", 3, end, slide=lift), "yaw": make.angle(0.0)})
         wrist = (3,) if len(robot.joints) > 3 else ()
-        links.append({**make.link("flange", 2, end, slide=lift, coupler=0), "yaw": make.angle(0.0, wrist)})
+        links.append({**make.link("flange", 3, end, slide=lift, coupler=0), "yaw": make.angle(0.0, wrist)})
     elif isinstance(robot, FiveAxisArm | ElbowArm | PolarArm):
         links.append(make.link("link1", 0, (0.0, 0.0, robot.height), joints=(0,)))
         links.append(make.link("link2", 1, NONE, joints=(0,), pitch=(1,)))
@@ -85,9 +86,14 @@ def _chain(robot: Robot) -> Document:
                 links.append(make.link("flange", 3, end, joints=(0,), pitch=(1, 2)))
     else:
         raise unstated(f"the kinematics of {robot.name}")
-    for link, name in zip(links, robot.links, strict=True):
-        link["name"] = name
+    if sorted(link["name"] for link in links) != sorted(robot.links):
+        raise FaultError(f"links of {robot.name}")
     return {"links": links, "loop": loop}
+
+
+def link_number(robot: Robot, link: int) -> int:
+    """The number in a bundle of a link of an arm: those of a closed chain come after both cranks."""
+    return {2: 3, 3: 2}.get(link, link) if isinstance(robot, FiveBar) else link
 
 
 class _Links:

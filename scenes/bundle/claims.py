@@ -72,28 +72,29 @@ def points_of(scene: Scene, plan: Plan) -> list[Document]:
                     **common,
                     "t0": t,
                     "t1": t,
+                    "middle": 0.0,
                     "height": [],
                     "position": MEET_M,
                     "yaw": [MEET_RAD] if turns else [],
-                    "speed": [MEET_M_S] if fast else [],
-                    "spin": [MEET_RAD_S] if fast and turns else [],
+                    "rates": [MEET_M_S, MEET_RAD_S][: 1 + turns] if fast else [],
                 }
             )
         for leg in plan.legs:
             if leg.step == number and leg.kind in TRACKING and not isinstance(step, Trace):
-                height = []
+                half, height = 0.0, list[float]()
                 if leg.kind is not LegKind.FOLLOW and isinstance(step, Pick | Place):
-                    height = [scene.straight(step)[leg.kind is LegKind.DEPART]]
+                    half = scene.straight(step)[leg.kind is LegKind.DEPART] / 2.0
+                    height = [half + TRACKED_M]
                 found.append(
                     {
                         **common,
                         "t0": leg.t0,
                         "t1": leg.t1,
+                        "middle": half,
                         "height": height,
                         "position": TRACKED_M,
                         "yaw": [TRACKED_RAD] if turns else [],
-                        "speed": [],
-                        "spin": [],
+                        "rates": [],
                     }
                 )
         attached = attached.after(scene, step, arrival.yaw_offset)

@@ -12,6 +12,7 @@ from assur.planner.frames import Conveyor, Linear
 from assur.planner.frames.law import EXACT, Frame, Law
 from assur.planner.model.phases import CONTACT_M, Phase
 from assur.planner.model.scene import Scene
+from assur.scenes.bundle.arms import link_number
 from assur.scenes.bundle.solids import bodies_in
 from assur.scenes.bundle.unstated import unstated
 
@@ -31,11 +32,15 @@ def phases_of(scene: Scene, phases: Sequence[Phase], seats: list[list[int]]) -> 
         for body in bodies:
             within = known.get(body.name) or own.get(body.name, EXACT)
             unknown.append([within.position_m + within.yaw_rad * body.radius, within.vertical_m])
-        contacts = [tuple(sorted(number[name] for name in pair)) for pair in sorted(phase.contacts) if set(pair) <= set(number)]
+        contacts = [
+            tuple(sorted(number[name] for name in pair)) for pair in sorted(phase.contacts) if set(pair) <= set(number)
+        ]
         put_down = []
         for name, _ in phase.handled.within:
             if name != held:
-                supports = sorted(number[x] for pair in phase.handled.supports if name in pair for x in pair if x != name)
+                supports = sorted(
+                    number[x] for pair in phase.handled.supports if name in pair for x in pair if x != name
+                )
                 put_down.append({"body": number[name], "supports": supports})
         found.append(
             {
@@ -108,7 +113,9 @@ def required_of(scene: Scene, until: float) -> Document:
     return {
         "travel": asked.travel_m,
         "near": asked.near_m,
-        "self_pairs": [[links.index(one), links.index(other)] for one, other in scene.robot.self_pairs],
+        "self_pairs": [
+            [link_number(scene.robot, links.index(name)) for name in names_] for names_ in scene.robot.self_pairs
+        ],
         "until": until,
         "lag": list(scene.execution.lag) or [0.0] * len(scene.robot.joints),
         "late": scene.execution.start_tolerance_s,

@@ -15,6 +15,7 @@ from assur.planner.model.clearance import clearances
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import Phase, pair
 from assur.planner.model.scene import Scene
+from assur.scenes.bundle.arms import link_number
 from assur.scenes.bundle.solids import bodies_in
 
 Document = dict[str, Any]
@@ -40,7 +41,8 @@ class _Places:
         if at["link"] >= 0:
             path = self.plan.trajectory
             place, turn = self.scene.robot.placements(path.evaluate(np.array([min(max(t, path.start), path.end)])))
-            p, r = place[0, at["link"]], turn[0, at["link"]]
+            link = link_number(self.scene.robot, at["link"])  # which is its own inverse
+            p, r = place[0, link], turn[0, link]
         else:
             motion = self.laws[at["frame"]].motion(np.array(t))
             p, r = motion.p, _turned(float(motion.yaw))
@@ -58,7 +60,9 @@ def _turned(yaw: float) -> FloatArray:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def rows_of(scene: Scene, plan: Plan, phases: Sequence[Phase], seats: list[Document], seat: list[list[int]]) -> Document:
+def rows_of(
+    scene: Scene, plan: Plan, phases: Sequence[Phase], seats: list[Document], seat: list[list[int]]
+) -> Document:
     """All rows, column by column."""
     c, number = plan.certificate, {body.name: k for k, body in enumerate(bodies_in(scene))}
     at = [number[name] for name in c.names]
@@ -114,9 +118,7 @@ def _outside(
                 if not {one, other} & set(hollow) or pair(names[one], names[other]) in phase.contacts:
                     continue
                 for t in dict.fromkeys((phase.t1, phase.t0)):
-                    gaps = [
-                        -places.reach(seat[p][one], t, n) - places.reach(seat[p][other], t, -n) for n in AXES
-                    ]
+                    gaps = [-places.reach(seat[p][one], t, n) - places.reach(seat[p][other], t, -n) for n in AXES]
                     best = int(np.argmax(gaps))
                     if gaps[best] >= asked[one, other] + SURE_M:
                         rows.append((t, t, 0.0, 0.0, one, -1, other, -1, AXES[best].tolist()))

@@ -9,6 +9,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Hull, Piece
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import Scene
+from assur.scenes.bundle.arms import link_number
 
 Document = dict[str, Any]
 
@@ -43,7 +44,7 @@ def seats_of(scene: Scene, phases: Sequence[Phase]) -> tuple[list[Document], lis
     links, frames = scene.robot.links, list(scene.frames)
     bodies = bodies_in(scene)
     flange, around = links.index("flange"), {item.name for item in scene.bodies}
-    ridden = {item.body.name: item.link for item in scene.robot.bodies}
+    ridden = {item.body.name: link_number(scene.robot, item.link) for item in scene.robot.bodies}
     seats, number, of_phases = list[Document](), dict[tuple[Any, ...], int](), []
     for phase in phases:
         held, row = phase.attached.held, []

@@ -9,7 +9,7 @@ from assur.planner.model.phases import phases
 from assur.planner.model.scene import Scene, Trace
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
-from assur.scenes.bundle.arms import arm_of
+from assur.scenes.bundle.arms import arm_of, link_number
 from assur.scenes.bundle.claims import limits_of, points_of, pulls_of
 from assur.scenes.bundle.laws import law_of
 from assur.scenes.bundle.phases import frame_of, phases_of, required_of
@@ -38,7 +38,7 @@ def bundle_of(scene: Scene, plan: Plan) -> Document:
             if not same:
                 followed.append((robot, path))
                 arms.append(arm_of(robot, path, begin, end))
-            on, link = (same or [len(followed) - 1])[0] + 1, law.link  # type: ignore[attr-defined]
+            on, link = (same or [len(followed) - 1])[0] + 1, link_number(robot, law.link)  # type: ignore[attr-defined]
             moved = {"pose": [0.0] * 4, "rate": [0.0] * 4, "edges": [], "acceleration": [], "waves": []}
         else:
             moved = law_of(law, begin, end)
