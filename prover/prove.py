@@ -1,25 +1,20 @@
 """Shows what a proof bundle claims, with ball arithmetic that is rounded outwards, or says what it cannot show.
 
 It reads one document, whose form and meaning are in bundle.schema.json, and takes every number as the double that it
-is. A ball of Arb (`flint.arb`) holds every value that its centre and radius allow, and a comparison of balls is true
-only if it is true for all of them. So no rounding is lost and there is no tolerance here: what may be off by how much
-is said in the bundle, as a part of the claim. What is not shown is refused, and so is what takes too much work.
+is. A ball of Arb (`flint.arb`) holds every value that its centre and radius allow; a comparison is true only if it is
+true for all of them. So no rounding is lost and there is no tolerance here: what may be off by how much is said in the
+bundle, as a part of the claim. What is not shown is refused, and so is what takes too much work (docs/bundle.md).
 
-Motion. Joints and frames follow polynomials between instants; a carrier (a link of an arm, or a frame) has its place
-p(t) and the columns of its rotation R(t) from them. Over an interval every quantity is a series f, f', f''/2, f'''/6 of
-balls that hold all its values there (P1); sums, products, sines and roots of series bound the motion of all points.
+Motion. Over an interval every quantity f is a series of balls that hold all values of f, of its rate and so on (P1). A
+carrier (a link or a frame) has the series of its place p and of the columns of its rotation R.
 
-Apart. A piece is centre + edges [-1, 1] + disc + ball, or the hull of its vertices; its support along m is the largest
-m·x of its points (P2). Pieces A and B have the gap -support_A(n) - support_B(-n) along a normal n, in lengths of n; no
-distance is smaller. For points x of A and y of B n·(y - x) leaves its chord over an interval h long by M h²/8 at most,
-if its second derivative is M at most. So with M for all points
+Apart. The support of a piece along m is the largest m·x of its points (P2). Along a normal n two pieces have the gap
+-support_A(n) - support_B(-n), in lengths of n; no distance is smaller. For points x of A and y of B n·(y - x) leaves
+its chord over an interval h long by M h²/8 at most, if its second derivative is M at most. So with M for all points
 
     gap(t) >= min(gap(t0), gap(t1)) - max(M, 0) h²/8                                                        (P3)
 
-A row of the bundle names an interval, two pieces and a normal. It holds if (P3) is no less than what is required over
-all of the interval, or over all of its parts. Balls, and discs about the vertical on what turns about the vertical
-only, do not change and add nothing to M. Where B is s ahead of the clock, s0 <= s <= s1, the least of four corners
-counts, less max(M_B, 0) (s1 - s0)²/8 (P4).
+Where B is s ahead of the clock, s0 <= s <= s1, the least of four corners counts, less max(M_B, 0) (s1 - s0)²/8 (P4).
 """
 
 from __future__ import annotations
@@ -28,21 +23,21 @@ import json
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterable
-from functools import cached_property
+from fractions import Fraction
+from functools import cached_property, partial
 from itertools import pairwise, product
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from flint import arb, arb_mat, arb_poly, arb_series, ctx
-from jsonschema import Draft202012Validator
+from jsonschema_rs import validator_for
 
 SCHEMA, BITS, TERMS = Path(__file__).parent / "bundle.schema.json", 160, 4
-WORK, DEEPEST, MOST_BYTES, MOST_TOLD = 1_000_000, 40, 32_000_000, 20
-"""Carriers in all; how often an interval is halved; the longest file; how many failures are told."""
+WORK, DEEPEST, MOST_BYTES, MOST_TOLD = 5_000_000, 40, 32_000_000, 20
+"""Intervals and pairs in all; how often an interval is halved; the longest file; how many failures are told."""
+SHOWN, WRONG, IN_TIME, AHEAD = range(4)
+"""What a test says of an interval: it is shown, or not so; or it is to be halved, in time or in what is ahead."""
 Document, Vector = dict[str, Any], list[Any]
-Test = Callable[[float, float, float, float], str]
-SHOWN, WRONG, IN_TIME, AHEAD = "shown", "wrong", "in time", "ahead"
-"""What a test says of an interval: it is shown, it is not so, or it is to be halved, in time or in what is ahead."""
 
 
 class UnreadableError(Exception):
@@ -50,7 +45,11 @@ class UnreadableError(Exception):
 
 
 class NotKnownError(Exception):
-    """A motion is asked for where it is not given or not known, or there is no work left."""
+    """A motion is asked for where it is not given, or a loop may come apart."""
+
+
+class TooMuchError(Exception):
+    """More work than `WORK`."""
 
 
 def nth(items: Any, k: int, what: str) -> Any:
@@ -66,7 +65,7 @@ def dot(a: Vector, b: Vector) -> Any:
 
 def length(vector: Iterable[Any]) -> arb:
     """No vector in a ball of vectors is longer."""
-    return sum((x * x for x in vector), arb(0)).max(arb(0)).upper().sqrt().upper()
+    return sum((x * x for x in vector), arb(0)).upper().sqrt().upper()
 
 
 def largest(balls: Iterable[arb]) -> arb:
@@ -79,25 +78,6 @@ def largest(balls: Iterable[arb]) -> arb:
 
 def constant(x: Any) -> arb_series:
     return arb_series([arb(x)], TERMS)
-
-
-def everywhere(t0: float, t1: float, s0: float, s1: float, test: Test) -> bool:
-    """Whether a test is shown on an interval, or on all parts of it."""
-    stack = [(t0, t1, s0, s1, 0)]
-    while stack:
-        t0, t1, s0, s1, depth = stack.pop()
-        try:
-            said = test(t0, t1, s0, s1)
-        except NotKnownError:
-            said = IN_TIME  # a loop may be known to be closed on parts of what is too wide
-        if said == SHOWN:
-            continue
-        if said == WRONG or depth >= DEEPEST or (t0 == t1 and s0 == s1):
-            return False
-        t, s = (t0 + t1) / 2, (s0 + s1) / 2
-        halves = [(t0, t1, s0, s), (t0, t1, s, s1)] if said == AHEAD else [(t0, t, s0, s1), (t, t1, s0, s1)]
-        stack += [(*half, depth + 1) for half in halves]
-    return True
 
 
 class Curve:
@@ -238,208 +218,221 @@ def closed(loop: Document, found: list[Carrier]) -> list[Vector]:
 
 
 class Solid:
-    """A piece of a body at a pose in its carrier."""
+    """A piece of a body at a pose in its carrier: centre (or the hull of vertices) + edges [-1, 1] + disc + ball."""
 
     def __init__(self, piece: Document, pose: Vector) -> None:
         at, (s, c) = [arb(x) for x in pose[:3]], arb(pose[3]).sin_cos()
-
-        def turned(v: Vector) -> Vector:
-            x, y, z = map(arb, v)
-            return [c * x - s * y, s * x + c * y, z]
-
-        corners = [[a + b for a, b in zip(at, turned(v), strict=True)] for v in [piece["centre"], *piece["vertices"]]]
-        self.centre, self.edges, self.corners = corners[0], [turned(edge) for edge in piece["edges"]], corners[1:]
-        self.disc, self.axis, self.ball = arb(piece["disc"]), turned(piece["axis"]), arb(piece["ball"])
-        self.hull = arb_mat(len(corners) - 1, 3, [x for corner in corners[1:] for x in corner])
-        if not (self.disc >= 0 and self.ball >= 0 and dot(self.axis, self.axis) > 0):
-            raise UnreadableError("a disc and a ball are not negative, an axis is not zero")
+        turned = [[c * x - s * y, s * x + c * y, arb(z)] for x, y, z in piece["edges"] + [piece["axis"]]]
+        points = [[c * x - s * y, s * x + c * y, arb(z)] for x, y, z in piece["vertices"] or [piece["centre"]]]
+        self.points = [[a + b for a, b in zip(at, point, strict=True)] for point in points]
+        self.hull = arb_mat(len(points), 3, [x for point in self.points for x in point])
+        self.edges, self.axis = turned[:-1], turned[-1]
+        self.disc, self.ball, self.size = arb(piece["disc"]), arb(piece["ball"]), dot(self.axis, self.axis).sqrt()
+        if not self.size > 0:
+            raise UnreadableError("the axis of a disc is not zero")
 
     @cached_property
     def reach(self) -> arb:
         """How far its points are from the carrier's axis."""
-        rims = self.corners or [self.centre]
+        rims = self.points
         for edge in self.edges:
             rims = [[x + sign * y for x, y in zip(rim, edge, strict=True)] for rim in rims for sign in (-1, 1)]
         return largest(length(rim[:2]) for rim in rims) + self.disc + self.ball
 
     def support(self, place: Vector, columns: list[Vector], m: Vector, size: arb | None, upright: bool) -> arb:
-        """The largest m·x (P2). `size`: |m|; None: of derivatives, where what does not change counts nothing."""
+        """The largest m·x (P2). `size`: |m|; None: of derivatives, where what does not change counts nothing: balls,
+        and discs about the vertical on what turns about the vertical only."""
         g, (x, y, z) = [dot(column, m) for column in columns], self.axis
-        base = largest((self.hull * arb_mat(3, 1, g)).entries()) if self.corners else dot(g, self.centre)
-        found = sum((abs(dot(g, edge)) for edge in self.edges), dot(m, place) + base)
+        found = dot(m, place) + largest((self.hull * arb_mat(3, 1, g)).entries())
+        found += sum(abs(dot(g, edge)) for edge in self.edges)
         if self.disc > 0 and size is not None:
             across = length([g[1] * z - g[2] * y, g[2] * x - g[0] * z, g[0] * y - g[1] * x])
-            found += self.disc * across / length(self.axis).lower()
+            found += self.disc * across / self.size
         elif self.disc > 0 and not (upright and x == 0 and y == 0):
             found += self.disc * length(g)
         return found if size is None else found + self.ball * size
 
 
+def box(pieces: list[Document]) -> Document:
+    """The box in a body's own axes that holds its pieces."""
+    solids, centre, edges = [Solid(piece, [0] * 4) for piece in pieces], list[arb](), list[Vector]()
+    unit = [[arb(int(i == k)) for i in range(3)] for k in range(3)]
+    for way in unit:
+        back = [-x for x in way]
+        high, low = (largest(one.support([0] * 3, unit, m, arb(1), False) for one in solids) for m in (way, back))
+        centre.append(((high - low) / 2).mid())
+        edges.append([x * largest([high - centre[-1], low + centre[-1]]) for x in way])
+    return {"centre": centre, "edges": edges, "disc": 0, "axis": [0, 0, 1], "ball": 0, "vertices": []}
+
+
+class Duty(NamedTuple):
+    """Two bodies of a phase must stay `least` apart (less than 0: may touch as deep), before what is not known of them;
+    the first is looked at by the clock, the second from `early` to `late` ahead of it."""
+
+    bodies: tuple[int, int]
+    least: float
+    early: Fraction
+    late: Fraction
+    rows: list[Document]
+
+
 class World:
-    """Where every body of a bundle is at every time."""
+    """What a bundle says of bodies and their motion, and what must be kept; failures are what is not shown of it."""
 
     def __init__(self, bundle: Document) -> None:
-        self.bundle, self.work, self.kept = bundle, WORK, dict[Any, Any]()
+        self.bundle, self.work, self.kept, self.failures = bundle, WORK, dict[Any, Any](), list[str]()
         self.splines = [spline(arm) for arm in bundle["arms"]]
         self.laws = [law(frame) if frame["edges"] else None for frame in bundle["frames"]]
+        self.frames, self.bodies, self.phases, self.must = (
+            bundle[x] for x in ("frames", "bodies", "phases", "required")
+        )
+        self.seats = [[nth(bundle["seats"], k, "seat") for k in phase["seats"]] for phase in self.phases]
+        if any([seat["body"] for seat in seats] != list(range(len(self.bodies))) for seats in self.seats):
+            raise UnreadableError("a phase has a seat of each body, in their order")
 
-    def box(self, body: Document) -> Document:
-        """The box in a body's own axes that holds its pieces."""
-        solids, centre, edges = [Solid(piece, [0] * 4) for piece in body["pieces"]], list[arb](), list[Vector]()
-        unit = [[arb(int(i == k)) for i in range(3)] for k in range(3)]
-        for way in unit:
-            back = [-x for x in way]
-            high, low = (largest(one.support([0] * 3, unit, m, arb(1), False) for one in solids) for m in (way, back))
-            centre.append(((high - low) / 2).mid())
-            edges.append([x * largest([high - centre[-1], low + centre[-1]]) for x in way])
-        return {"centre": centre, "edges": edges, "disc": 0, "axis": [0, 0, 1], "ball": 0, "vertices": []}
+    def spend(self, work: int) -> None:
+        self.work -= work
+        if self.work < 0:
+            raise TooMuchError
 
-    def solid(self, seat: Document, piece: int) -> Solid:
-        """A piece of a body where it sits; -1: the box that holds them all."""
-        key = (id(seat), piece)
-        if key not in self.kept:
-            body = nth(self.bundle["bodies"], seat["body"], "body")
-            given = self.box(body) if piece < 0 else nth(body["pieces"], piece, "piece")
-            self.kept[key] = Solid(given, seat["pose"])
-        return self.kept[key]  # type: ignore[no-any-return]
+    def everywhere(self, test: Callable[..., int], t0: float, t1: float, s0: float = 0.0, s1: float = 0.0) -> bool:
+        """Whether a test is shown on an interval, or on all parts of it."""
+        stack = [(t0, t1, s0, s1, 0)]
+        while stack:
+            t0, t1, s0, s1, depth = stack.pop()
+            self.spend(1)
+            try:
+                said = test(t0, t1, s0, s1)
+            except NotKnownError:
+                said = IN_TIME  # a loop may be known to be closed on parts of what is too wide
+            if said == SHOWN:
+                continue
+            if said == WRONG or depth >= DEEPEST or (t0 == t1 and s0 == s1):
+                return False
+            t, s = (t0 + t1) / 2, (s0 + s1) / 2
+            halves = [(t0, t1, s0, s), (t0, t1, s, s1)] if said == AHEAD else [(t0, t, s0, s1), (t, t1, s0, s1)]
+            stack += [(*half, depth + 1) for half in halves]
+        return True
 
     def stands(self, f: int) -> bool:
         """Whether a frame never moves."""
-        frame = nth(self.bundle["frames"], f, "frame")
+        frame = nth(self.frames, f, "frame")
         return self.laws[f] is None and frame["arm"] < 0 and not frame["waves"]
 
     def carrier(self, link: int, f: int, t0: float, t1: float, s0: float = 0.0, s1: float = 0.0) -> Carrier:
         """A link of the robot, which follows the clock, or else a frame, which is s ahead of it."""
-        ahead = (0.0, 0.0) if link >= 0 else (s0, s1)
-        key = (-1 if link >= 0 else f, *((0.0,) * 4 if link < 0 and self.stands(f) else (t0, t1, *ahead)))
+        s0, s1 = (0.0, 0.0) if link >= 0 else (s0, s1)
+        key = (-1, t0, t1, s0, s1) if link >= 0 else (f, 0, 0, 0, 0) if self.stands(f) else (f, t0, t1, s0, s1)
         if key not in self.kept:
-            self.work -= 1
-            if self.work < 0:
-                raise NotKnownError("there is no work left")
-            low, high = arb(t0) + ahead[0], arb(t1) + ahead[1]
-            self.kept[key] = self._links(0, low, high) if link >= 0 else self._frame(f, low, high)
+            low, high = arb(t0) + s0, arb(t1) + s1
+            self.kept[key] = self.links(0, low, high) if link >= 0 else self.frame(f, low, high)
         return nth(self.kept[key], link, "link") if link >= 0 else self.kept[key]  # type: ignore[no-any-return]
 
-    def _links(self, arm: int, low: arb, high: arb) -> list[Carrier]:
+    def links(self, arm: int, low: arb, high: arb) -> list[Carrier]:
         return chain(nth(self.bundle["arms"], arm, "arm"), self.splines[arm].over(low, high))
 
-    def _frame(self, f: int, low: arb, high: arb) -> Carrier:
-        frame, own = self.bundle["frames"][f], self.laws[f]
+    def frame(self, f: int, low: arb, high: arb) -> Carrier:
+        frame, own = self.frames[f], self.laws[f]
         if frame["arm"] >= 0:
-            return nth(self._links(frame["arm"], low, high), frame["link"], "link")  # type: ignore[no-any-return]
+            return nth(self.links(frame["arm"], low, high), frame["link"], "link")  # type: ignore[no-any-return]
         now = [constant(x) for x in frame["pose"]] if own is None else own.over(low, high)
         for wave in frame["waves"]:
             angle = arb_series([low.union(high), 1], TERMS) * arb(wave["rate"]) + arb(wave["phase"])
             now[wave["coordinate"]] = now[wave["coordinate"]] + angle.sin() * arb(wave["amplitude"])
         return upright(now[:3], *now[3].sin_cos())
 
+    def solid(self, seat: Document, piece: int) -> Solid:
+        """A piece of a body where it sits; -1: the box in the body's own axes that holds them all."""
+        key = (id(seat), piece)
+        if key not in self.kept:
+            pieces = self.bodies[seat["body"]]["pieces"]
+            self.kept[key] = Solid(box(pieces) if piece < 0 else nth(pieces, piece, "piece"), seat["pose"])
+        return self.kept[key]  # type: ignore[no-any-return]
 
-class Duty:
-    """Bodies a and b of a phase must stay `least` apart (less than 0: may touch as deep), before what is not known of
-    them; a is looked at by the clock, b from `early` to `late` ahead of it."""
-
-    def __init__(self, a: int, b: int, least: float, early: float, late: float) -> None:
-        self.a, self.b, self.least, self.early, self.late, self.rows = a, b, least, early, late, list[int]()
-
-
-class Separation:
-    """Which bodies must stay apart in each phase, and whether the rows of the bundle show it."""
-
-    def __init__(self, world: World) -> None:
-        self.world, self.failures, bundle = world, list[str](), world.bundle
-        self.frames, self.bodies, self.rows, self.must = (bundle[x] for x in ("frames", "bodies", "rows", "required"))
-        self.phases, self.names = bundle["phases"], [body["name"] for body in bundle["bodies"]]
-        self.seats = [[nth(bundle["seats"], k, "seat") for k in phase["seats"]] for phase in self.phases]
-        if any([seat["body"] for seat in seats] != list(range(len(self.bodies))) for seats in self.seats):
-            raise UnreadableError("a phase has a seat of each body, in their order")
-
-    def ahead(self, f: int, late: float) -> tuple[float, float]:
+    def ahead(self, f: int, late: float) -> tuple[Fraction, Fraction]:
         """Between which times a frame may be ahead of a robot that starts up to `late` late."""
-        least, most = self.frames[f]["shift"]
-        return (0.0, 0.0) if self.world.stands(f) else (-most, late - least)
+        least, most = map(Fraction, self.frames[f]["shift"])
+        return (Fraction(0), Fraction(0)) if self.stands(f) else (-most, Fraction(late) - least)
 
     def duties(self, p: int) -> dict[frozenset[int], Duty]:
         """The robot's bodies and all others; those on links that are asked to stay apart; parts that were put down and
         what is on another frame, if one of both moves and they were not put on it."""
-        phase, at, found, stands = self.phases[p], self.seats[p], dict[frozenset[int], Duty](), self.world.stands
-        touching = {frozenset(each["bodies"]): each["depth"] for each in phase["contacts"]}
-        asked = [frozenset(pair) for pair in self.must["self_pairs"]]
+        phase, at, found, must = self.phases[p], self.seats[p], dict[frozenset[int], Duty](), self.must
+        touching = {frozenset(each["bodies"]): -each["depth"] for each in phase["contacts"]}
+        asked = [frozenset(pair) for pair in must["self_pairs"]]
+        self.spend(len(at) ** 2 * (1 + len(asked) + len(must["exceptions"])))
 
-        def add(a: int, b: int, kind: str, early: float = 0.0, late: float = 0.0) -> None:
-            least, key = self.must[kind], frozenset((a, b))
-            for rule in self.must["exceptions"]:
+        def add(a: int, b: int, kind: str, early: Fraction = Fraction(0), late: Fraction = Fraction(0)) -> None:
+            least, key = must[kind], frozenset((a, b))
+            for rule in must["exceptions"]:
                 if any(x in (rule["first"] or [x]) and y in (rule["second"] or [y]) for x, y in ((a, b), (b, a))):
                     least = rule[kind]
-            found.setdefault(key, Duty(a, b, -touching[key] if key in touching else least, early, late))
+            found.setdefault(key, Duty((a, b), touching.get(key, least), early, late, []))
 
         for a, b in product(range(len(at)), repeat=2) if phase["robot"] else ():
             one, other, kind = at[a]["link"], at[b]["link"], "near" if phase["near"] else "travel"
             if one >= 0 > other:
-                add(a, b, kind, *self.ahead(at[b]["frame"], self.must["late"]))
+                add(a, b, kind, *self.ahead(at[b]["frame"], must["late"]))
             elif one >= 0 and a < b and one != other and frozenset((one, other)) in asked:
                 add(a, b, kind)
-        for part in phase["put_down"]:
-            here = nth(at, part["body"], "body")["frame"]
+        for a, supports in ((part["body"], part["supports"]) for part in phase["put_down"]):
+            here = nth(at, a, "body")["frame"]
             for b, there in enumerate(seat["frame"] for seat in at):
-                if there in (-1, here) or b in part["supports"] or (stands(here) and stands(there)):
-                    continue
-                (low, high), (first, last) = self.ahead(there, 0.0), self.ahead(here, 0.0)
-                add(part["body"], b, "near", *((0.0, 0.0) if stands(there) else (low - last, high - first)))
+                if there not in (-1, here) and b not in supports and not (self.stands(here) and self.stands(there)):
+                    (low, high), (first, last) = self.ahead(there, 0.0), self.ahead(here, 0.0)
+                    add(a, b, "near", *(() if self.stands(there) else (low - last, high - first)))
         return found
 
-    def show(self) -> tuple[int, int]:
+    def apart(self) -> tuple[int, int]:
         """Shows all rows, and that they cover every pair for the whole of every phase; how many rows and pairs."""
-        rows, many, begins = self.rows, 0, [phase["t0"] for phase in self.phases]
+        many, begins, names = 0, [phase["t0"] for phase in self.phases], [body["name"] for body in self.bodies]
         duties, outside = [self.duties(p) for p in range(len(begins))], [set[frozenset[int]]() for _ in begins]
-        for r, (t0, t1) in enumerate(zip(rows["t0"], rows["t1"], strict=True)):
-            pair, p = (rows["first"][r], rows["second"][r]), bisect_right(begins, t0) - 1
-            one, other = (nth(self.names, k, "body") for k in pair)
-            duty = duties[p].get(frozenset(pair)) if p >= 0 and t0 <= t1 <= self.phases[p]["t1"] else None
-            if duty is None or ((duty.early, duty.late) != (0.0, 0.0) and duty.a != pair[0]):
+        for row in self.bundle["rows"]:
+            bodies, pieces, p = row["bodies"], row["pieces"], bisect_right(begins, row["t0"]) - 1
+            duty = (
+                duties[p].get(frozenset(bodies)) if p >= 0 and row["t0"] <= row["t1"] <= self.phases[p]["t1"] else None
+            )
+            if duty is None or ((duty.early, duty.late) != (0, 0) and duty.bodies[0] != bodies[0]):
                 continue  # nobody asks for it, or it is not within one phase
-            if not self.holds(p, r, duty):
-                self.failures.append(f"row {r}: {one} and {other} from {t0:.9g} s to {t1:.9g} s")
+            if not self.holds(p, row, duty):
+                told = " and ".join(names[body] for body in bodies)
+                self.failures.append(f"a row of {told} from {row['t0']:.9g} s to {row['t1']:.9g} s")
                 continue
-            duty.rows.append(r)
+            duty.rows.append(row)
             many += 1
-            boxes = [k < 0 or len(self.bodies[body]["pieces"]) == 1 for body, k in self.pieces(r).items()]
-            outside[p] |= {frozenset(pair)} if duty.least >= 0 and all(boxes) else set()
+            whole = all(k < 0 or len(self.bodies[body]["pieces"]) == 1 for body, k in zip(bodies, pieces, strict=True))
+            outside[p] |= {frozenset(bodies)} if duty.least >= 0 and whole else set()
         for p, phase in enumerate(self.phases):
             for key, duty in duties[p].items() if phase["t1"] > phase["t0"] else ():
-                where = f"{self.names[duty.a]} and {self.names[duty.b]} in {phase['kind']} from {phase['t0']:.9g} s"
-                if not self.covered(p, duty):
-                    self.failures.append(f"{where}: no row for a part of it")
+                told = f"{' and '.join(names[k] for k in duty.bodies)} in {phase['kind']} from {phase['t0']:.9g} s"
+                if not self.covered(duty, phase["t0"], phase["t1"]):
+                    self.failures.append(f"{told}: no row for a part of it")
                 if duty.least >= 0 and any(self.bodies[k]["hollow"] for k in key):
                     # as long as a pair stays apart, one is within what is hollow all the time, or never
                     ends = [k for k, each in enumerate(duties) if not (key in each and each[key].least >= 0)]
-                    first, last = (
-                        max((k + 1 for k in ends if k < p), default=0),
-                        min((k for k in ends if k > p), default=None),
-                    )
+                    first = max((k + 1 for k in ends if k < p), default=0)
+                    last = min((k for k in ends if k > p), default=len(duties))
                     if not any(key in each for each in outside[first:last]):
-                        self.failures.append(f"{where}: nothing shows that one is not within the other")
+                        self.failures.append(f"{told}: nothing shows that one is not within the other")
         return many, sum(map(len, duties))
 
-    def pieces(self, r: int) -> dict[int, int]:
-        rows = self.rows
-        return {rows["first"][r]: rows["first_piece"][r], rows["second"][r]: rows["second_piece"][r]}
-
-    def holds(self, p: int, r: int, duty: Duty) -> bool:
+    def holds(self, p: int, row: Document, duty: Duty) -> bool:
         """Whether a row holds on its interval, or on all parts of it (P3, P4)."""
-        world, n, rows = self.world, [arb(x) for x in self.rows["normal"][r]], self.rows
-        (one, a), (other, b) = ((self.seats[p][k], world.solid(self.seats[p][k], j)) for k, j in self.pieces(r).items())
-        size, back = length(n), [-x for x in n]
+        (one, other), n = (self.seats[p][k] for k in row["bodies"]), [arb(x) for x in row["normal"]]
+        (a, b), size, back = map(self.solid, (one, other), row["pieces"]), dot(n, n).sqrt(), [-x for x in n]
 
-        def test(t0: float, t1: float, s0: float, s1: float) -> str:
+        def test(t0: float, t1: float, s0: float, s1: float) -> int:
             far = []
             for t, s in product((t0, t1), {s0, s1}):
-                on, beside = self.under(one, t, t, 0.0, 0.0), self.under(other, t, t, s, s)
+                on = self.carrier(one["link"], one["frame"], t, t)
+                beside = self.carrier(other["link"], other["frame"], t, t, s, s)
                 reach = a.support(*on.orders[0], n, size, on.upright)
                 far.append(reach + b.support(*beside.orders[0], back, size, beside.upright))
             need = self.need(p, duty, n, size, t0, t1, ((one, a), (other, b)))
             if any(-x < need for x in far):
                 return WRONG
-            on, beside = self.under(one, t0, t1, 0.0, 0.0), self.under(other, t0, t1, s0, s1)
+            on = self.carrier(one["link"], one["frame"], t0, t1)
+            beside = self.carrier(other["link"], other["frame"], t0, t1, s0, s1)
             bend_s = b.support(*beside.orders[2], n, None, beside.upright)
             bend_t = bend_s + a.support(*on.orders[2], back, None, on.upright)
             less_t = largest([bend_t, arb(0)]) * (arb(t1) - t0) ** 2 / 8
@@ -448,10 +441,7 @@ class Separation:
                 return SHOWN
             return AHEAD if s1 > s0 and (t0 == t1 or not less_t >= less_s) else IN_TIME
 
-        return everywhere(rows["t0"][r], rows["t1"][r], rows["s0"][r], rows["s1"][r], test)
-
-    def under(self, seat: Document, t0: float, t1: float, s0: float, s1: float) -> Carrier:
-        return self.world.carrier(seat["link"], seat["frame"], t0, t1, s0, s1)
+        return self.everywhere(test, row["t0"], row["t1"], row["s0"], row["s1"])
 
     def need(self, p: int, duty: Duty, n: Vector, size: arb, t0: float, t1: float, sides: Any) -> arb:
         """The gap that is required along a normal, and how much nearer what is not known may bring both bodies (P8)."""
@@ -459,117 +449,102 @@ class Separation:
         lasts = (arb(t1) + must["late"] - must["since"]).max(arb(0))
         tools = [seat["link"] >= must["tool_from"] for seat, _ in sides]
         for f, frame in enumerate(self.frames):
-            here = [seat["frame"] == f for seat, _ in sides]
+            on = [seat["frame"] == f for seat, _ in sides]
             for each in frame["unknown"] if not all(tools) else ():
                 given = phase["shares"][f] if each["shared"] else (0.0, 0.0)
-                (a, b), (c, d) = (
-                    (1.0, 1.0) if x else given if y else (0.0, 0.0) for x, y in zip(here, tools, strict=True)
-                )
+                shares = [(1.0, 1.0) if x else given if tool else (0.0, 0.0) for x, tool in zip(on, tools, strict=True)]
+                share = largest(abs(arb(shares[i][1]) - shares[1 - i][0]) for i in (0, 1))
                 along = abs(dot(n, each["direction"])) if each["direction"] else flat
-                found += max(abs(d - a), abs(b - c)) * (each["amount"] + each["growth"] * lasts) * along
-            for on, (_, solid) in zip(here, sides, strict=True) if frame["yaw"] else ():
-                found += frame["yaw"] * solid.reach * flat if on else 0
+                found += share * (each["amount"] + each["growth"] * lasts) * along
+            found += sum(frame["yaw"] * solid.reach * flat for x, (_, solid) in zip(on, sides, strict=True) if x)
         for seat, solid in sides:
             across, upwards = phase["unknown"][seat["body"]]
             found += across * flat + upwards * abs(n[2])
             if seat["link"] >= 0 and any(must["lag"]):
-                now, lags = self.world.splines[0].over(arb(t0), arb(t1)), [arb(0, x) for x in must["lag"]]
+                now, lags = self.splines[0].over(arb(t0), arb(t1)), [arb(0, x) for x in must["lag"]]
                 moved = [arb_series([x[0] + lag, lag], TERMS) for x, lag in zip(now, lags, strict=True)]
-                carrier = nth(chain(self.world.bundle["arms"][0], moved), seat["link"], "link")
+                carrier = nth(chain(self.bundle["arms"][0], moved), seat["link"], "link")
                 found += solid.support(*carrier.orders[1], n, None, carrier.upright)
         return found
 
-    def covered(self, p: int, duty: Duty) -> bool:
+    def covered(self, duty: Duty, t0: float, t1: float) -> bool:
         """Whether rows of all pieces of a pair follow each other over a whole phase, for all shifts of its window."""
-        rows, t0, t1 = self.rows, self.phases[p]["t0"], self.phases[p]["t1"]
-        own = sorted(duty.rows, key=rows["t0"].__getitem__)
-        at = {r: [self.pieces(r)[body] for body in (duty.a, duty.b)] for r in own}
-        many = [range(len(self.bodies[body]["pieces"])) for body in (duty.a, duty.b)]
-        edges = {x for r in own for x in (rows["s0"][r], rows["s1"][r]) if duty.early < x < duty.late}
+        many = [range(len(self.bodies[body]["pieces"])) for body in duty.bodies]
+        edges = {x for row in duty.rows for x in (row["s0"], row["s1"]) if duty.early < x < duty.late}
         for low, high in pairwise([duty.early, *sorted(edges), duty.late]):
-            there = [r for r in own if rows["s0"][r] <= low and high <= rows["s1"][r]]
-            for pair in product(*many) if any(at[r] != [-1, -1] for r in there) else [(-1, -1)]:
+            rows, split = [], False
+            for row in sorted(duty.rows, key=lambda row: row["t0"]):
+                if row["s0"] <= low and high <= row["s1"]:
+                    pieces = row["pieces"] if row["bodies"][0] == duty.bodies[0] else row["pieces"][::-1]
+                    rows.append((row["t0"], row["t1"], pieces))
+                    split = split or pieces != [-1, -1]
+            for pair in product(*many) if split else [(-1, -1)]:
+                self.spend(len(rows))
                 reached = t0
-                for r in there:
-                    if rows["t0"][r] <= reached and all(k in (-1, j) for k, j in zip(at[r], pair, strict=True)):
-                        reached = max(reached, rows["t1"][r])
+                for begin, end, pieces in rows:
+                    if begin <= reached and all(k in (-1, j) for k, j in zip(pieces, pair, strict=True)):
+                        reached = max(reached, end)
                 if reached < t1:
                     return False
         return True
 
+    def limited(self) -> None:
+        """Each joint keeps its limits on every piece of the spline that reaches into the time for which they count."""
+        own, spans = self.splines[0], self.bundle["limits"]
+        if not any(span["t0"] <= own.edges[0] and own.edges[-1] <= span["t1"] for span in spans):
+            self.failures.append("no limits count for all of the motion")
 
-def limits(world: World) -> list[str]:
-    """Each joint keeps its limits on every piece of the spline that reaches into the time for which they count."""
-    own, failures, covered = world.splines[0], list[str](), False
-    for span in world.bundle["limits"]:
-        lower, upper = ([arb(x) for x in span[key]] for key in ("lower", "upper"))
-        rates = [span[key] for key in ("velocity", "acceleration", "jerk") if span[key]]
-        covered = covered or (span["t0"] <= own.edges[0] and own.edges[-1] <= span["t1"])
-
-        def test(
-            t0: float,
-            t1: float,
-            *_: float,
-            span: Document = span,
-            rates: Vector = rates,
-            lower: Vector = lower,
-            upper: Vector = upper,
-        ) -> str:
-            for q, low, high, *most in zip(own.over(arb(t0), arb(t1)), lower, upper, *rates, strict=True):
-                slack = (high - low) / 2 * span["shares"][0]
-                kept = [q[0] - high <= slack, low - q[0] <= slack]
+        def test(span: Document, t0: float, t1: float, *_: float) -> int:
+            rates = [span[key] for key in ("velocity", "acceleration", "jerk") if span[key]]
+            for q, low, high, *most in zip(
+                own.over(arb(t0), arb(t1)), span["lower"], span["upper"], *rates, strict=True
+            ):
+                half = (arb(high) - low) / 2
+                kept = [abs(q[0] - (arb(high) + low) / 2) <= half * (1 + arb(span["shares"][0]))]
                 for k, (x, share) in enumerate(zip(most, span["shares"][1:], strict=False), start=1):
-                    kept.append(abs(q[k]) * math.factorial(k) <= arb(x) * (1 + arb(share)))
+                    kept.append(abs(q[k]) * math.factorial(k) <= x * (1 + arb(share)))
                 if not all(kept):
                     return IN_TIME
             return SHOWN
 
-        for t0, t1 in pairwise(own.edges):
-            if t1 > span["t0"] and t0 < span["t1"] and not everywhere(t0, t1, 0.0, 0.0, test):
-                failures.append(f"a joint does not keep its limits from {t0:.9g} s to {t1:.9g} s")
-    return failures if covered else [*failures, "no limits count for all of the motion"]
+        for span, (t0, t1) in product(spans, pairwise(own.edges)):
+            if t1 > span["t0"] and t0 < span["t1"] and not self.everywhere(partial(test, span), t0, t1):
+                self.failures.append(f"a joint does not keep its limits from {t0:.9g} s to {t1:.9g} s")
 
+    def pointed(self) -> None:
+        """The tool is where it must be, as fast as it must be, and with a part accelerates no harder than it may (P9)."""
 
-def points(world: World) -> list[str]:
-    """The tool point is where it must be, as fast as it must be, and with a part it accelerates no harder than allowed."""
-    failures = []
-    for point in world.bundle["points"]:
-
-        def test(t0: float, t1: float, *_: float, point: Document = point) -> str:
-            limits, h = [*point["height"], point["position"], *point["yaw"]], arb(t1) - t0
-            bends = [length(s[2] * 2 for s in vector) * h * h / 8 for vector in relative(world, point, t0, t1)]
+        def near(point: Document, t0: float, t1: float, *_: float) -> int:
+            limits, bend = [*point["height"], point["position"], *point["yaw"]], (arb(t1) - t0) ** 2 / 8
+            bends = [length(s[2] * 2 for s in vector) * bend for vector in self.relative(point, t0, t1)]
             for t in (t0, t1):
-                for vector, most, bend in zip(relative(world, point, t, t), limits, bends, strict=True):
-                    if not length(s[0] for s in vector) + bend <= most:  # as in (P3)
-                        return IN_TIME
-            fast = zip(relative(world, point, t0, t0), point["rates"], strict=False)
+                vectors = self.relative(point, t, t)
+                if not all(length(s[0] for s in v) + x <= y for v, x, y in zip(vectors, bends, limits, strict=True)):
+                    return IN_TIME
+            fast = zip(self.relative({**point, "height": []}, t0, t0), point["rates"], strict=False)
             return SHOWN if all(length(s[1] for s in vector) <= most for vector, most in fast) else WRONG
 
-        if not everywhere(point["t0"], point["t1"], 0.0, 0.0, test):
-            failures.append(f"the tool is not at {point['name']} from {point['t0']:.9g} s to {point['t1']:.9g} s")
-    for pull in world.bundle["pulls"]:
+        def gentle(pull: Document, t0: float, t1: float, *_: float) -> int:
+            tool = self.carrier(pull["link"], -1, t0, t1).point(pull["tool"])
+            return SHOWN if length(s[2] * 2 for s in tool) <= pull["most"] * (1 + arb(pull["share"])) else IN_TIME
 
-        def gentle(t0: float, t1: float, *_: float, pull: Document = pull) -> str:
-            tool = world.carrier(pull["link"], -1, t0, t1).point(pull["tool"])
-            return SHOWN if length(s[2] * 2 for s in tool) <= arb(pull["most"]) * (1 + arb(pull["share"])) else IN_TIME
+        for test, claims in ((near, self.bundle["points"]), (gentle, self.bundle["pulls"])):
+            for claim in claims:
+                if not self.everywhere(partial(test, claim), claim["t0"], claim["t1"]):
+                    self.failures.append(f"the tool, {claim['name']}, from {claim['t0']:.9g} s to {claim['t1']:.9g} s")
 
-        if not everywhere(pull["t0"], pull["t1"], 0.0, 0.0, gentle):
-            failures.append(f"the tool may accelerate too hard from {pull['t0']:.9g} s to {pull['t1']:.9g} s")
-    return failures
-
-
-def relative(world: World, point: Document, t0: float, t1: float) -> list[Vector]:
-    """Of a tool point against its control point: how far it is from the middle of the heights that it may have, if it
-    may have any, how far it is beside it, or away from it, and, of arms with a yaw, the difference of directions."""
-    (*tool, turn), (*target, yaw), found = point["tool"], point["target"], list[Vector]()
-    here, there = world.carrier(point["link"], -1, t0, t1), world.carrier(-1, point["frame"], t0, t1)
-    away = [x - y for x, y in zip(here.point(tool), there.point(target), strict=True)]
-    if point["height"]:
-        found.append([away.pop() - arb(point["middle"])])
-    (s, c), (u, v) = arb(turn).sin_cos(), arb(yaw).sin_cos()
-    axes = zip(*here.columns[:2], *there.columns[:2], strict=True)
-    turned = [x * c + y * s - z * v - w * u for x, y, z, w in axes]
-    return [*found, away, turned][: len(found) + 1 + len(point["yaw"])]
+    def relative(self, point: Document, t0: float, t1: float) -> list[Vector]:
+        """Of a tool point against its control point: how far it is from the middle of the heights that it may have, if
+        it may have any; how far it is beside it, or away from it; and the difference of directions, if they count."""
+        (*tool, turn), (*target, yaw), found = point["tool"], point["target"], list[Vector]()
+        here, there = self.carrier(point["link"], -1, t0, t1), self.carrier(-1, point["frame"], t0, t1)
+        away = [x - y for x, y in zip(here.point(tool), there.point(target), strict=True)]
+        if point["height"]:
+            found.append([away.pop() - arb(point["middle"])])
+        (s, c), (u, v) = arb(turn).sin_cos(), arb(yaw).sin_cos()
+        axes = zip(*here.columns[:2], *there.columns[:2], strict=True)
+        found += [away, [x * c + y * s - z * v - w * u for x, y, z, w in axes]]
+        return found if point["yaw"] else found[:-1]
 
 
 def read(data: bytes) -> Document:
@@ -578,11 +553,11 @@ def read(data: bytes) -> Document:
         raise UnreadableError(f"{len(data)} bytes; up to {MOST_BYTES} are allowed")
     try:
         document = json.loads(data)
+        wrong = next(validator_for(json.loads(SCHEMA.read_bytes())).iter_errors(document), None)
     except (ValueError, RecursionError) as error:
         raise UnreadableError(f"not JSON: {error}") from error
-    error = next(Draft202012Validator(json.loads(SCHEMA.read_bytes())).iter_errors(document), None)
-    if error is not None:
-        raise UnreadableError(f"{error.json_path}: {error.message:.200}")
+    if wrong is not None:
+        raise UnreadableError(f"{'.'.join(map(str, wrong.instance_path))}: {wrong.message:.200}")
     return dict(document)
 
 
@@ -594,23 +569,25 @@ def prove(data: bytes) -> tuple[bool, list[str]]:
     ctx.prec, ctx.cap = BITS, TERMS
     try:
         bundle = read(data)
-        world, must, failures = World(bundle), bundle["required"], list[str]()
+        world, until = World(bundle), bundle["required"]["until"]
         edges = [world.splines[0].edges[0], *(phase["t1"] for phase in bundle["phases"])]
         if any(not phase["t0"] == t <= phase["t1"] for phase, t in zip(bundle["phases"], edges, strict=False)):
-            failures.append("phases do not follow each other without a gap")
-        if not edges[-1] >= must["until"]:
-            failures.append("the phases end too early")
-        separation = Separation(world)
-        rows, pairs = separation.show()
-        failures += limits(world) + points(world) + separation.failures
+            world.failures.append("phases do not follow each other without a gap")
+        if not edges[-1] >= until:
+            world.failures.append("the phases end too early")
+        world.limited()
+        world.pointed()
+        rows, pairs = world.apart()
     except (IndexError, TypeError, ValueError, RecursionError) as error:
         raise UnreadableError(f"lists that do not fit together: {error}") from error
+    except TooMuchError:
+        return False, [f"more work than {WORK} intervals and pairs"]
     finally:
         ctx.prec, ctx.cap = before
-    if failures:
-        return False, [*failures[:MOST_TOLD], f"{len(failures)} claims are not shown"]
+    if world.failures:
+        return False, [*world.failures[:MOST_TOLD], f"{len(world.failures)} claims are not shown"]
     return True, [
         f"Shown of the plan {bundle['plan_digest'][:16]} for the request {bundle['request_digest'][:16]}:",
-        f"{pairs} pairs of bodies stay apart, in {len(edges) - 1} phases until {must['until']:.6g} s, by {rows} rows",
-        f"the joints keep their limits; {len(bundle['points'])} times the tool is where it must be",
+        f"{pairs} pairs of bodies stay apart, in {len(edges) - 1} phases until {until:.6g} s, by {rows} rows;",
+        f"the joints keep their limits; {len(bundle['points'])} times the tool is where it must be.",
     ]

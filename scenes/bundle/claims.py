@@ -115,6 +115,7 @@ def pulls_of(scene: Scene, plan: Plan, phases: Sequence[Phase]) -> list[Document
         return []
     return [
         {
+            "name": str(phase.kind),
             "t0": phase.t0,
             "t1": min(phase.t1, end),
             "link": len(scene.robot.links) - 1,

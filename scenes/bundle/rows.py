@@ -25,7 +25,6 @@ SURE_M = 1e-3
 """Bodies that are outside of what is hollow by this much more than is asked are shown to be."""
 AXES = [sign * np.eye(3)[k] for k in range(3) for sign in (1.0, -1.0)]
 Rows = list[tuple[float, float, float, float, int, int, int, int, list[float]]]
-COLUMNS = ("t0", "t1", "s0", "s1", "first", "first_piece", "second", "second_piece", "normal")
 
 
 class _Places:
@@ -62,8 +61,8 @@ def _turned(yaw: float) -> FloatArray:
 
 def rows_of(
     scene: Scene, plan: Plan, phases: Sequence[Phase], seats: list[Document], seat: list[list[int]]
-) -> Document:
-    """All rows, column by column."""
+) -> list[Document]:
+    """All rows."""
     c, number = plan.certificate, {body.name: k for k, body in enumerate(bodies_in(scene))}
     at = [number[name] for name in c.names]
     shifts = np.zeros((2, len(c))) if c.shift0 is None or c.shift1 is None else np.stack([c.shift0, c.shift1])
@@ -97,8 +96,10 @@ def rows_of(
             rows.append((phases[p].t0, phases[p].t1, 0.0, 0.0, body, -1, other, -1, n))
     rows += _outside(scene, phases, seats, seat, places)
     rows.sort(key=lambda row: (row[0], row[1]))
-    columns = list(zip(*rows, strict=True)) if rows else [()] * len(COLUMNS)
-    return {name: list(column) for name, column in zip(COLUMNS, columns, strict=True)}
+    return [
+        {"t0": t0, "t1": t1, "s0": s0, "s1": s1, "bodies": [one, other], "pieces": [j, k], "normal": n}
+        for t0, t1, s0, s1, one, j, other, k, n in rows
+    ]
 
 
 def _outside(

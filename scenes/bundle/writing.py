@@ -18,6 +18,8 @@ from assur.scenes.bundle.solids import bodies_in, body_of, seats_of
 
 Document = dict[str, Any]
 FORM = "assur-bundle/1"
+BEYOND_S = 1e-3
+"""Motions around the robot are stated for so long before and after they count, s: sums of times are rounded."""
 
 
 def bundle_of(scene: Scene, plan: Plan) -> Document:
@@ -25,8 +27,8 @@ def bundle_of(scene: Scene, plan: Plan) -> Document:
     of_plan = phases(scene, plan.legs, plan.arrivals)
     until, start = of_plan[-1].t1, plan.trajectory.start
     shifts = [frame.uncertainty.shift_s for frame in scene.frames.values()]
-    begin = start - max((high for _, high in shifts), default=0.0)
-    end = until + scene.execution.start_tolerance_s - min((low for low, _ in shifts), default=0.0)
+    begin = start - max((high for _, high in shifts), default=0.0) - BEYOND_S
+    end = until + scene.execution.start_tolerance_s - min((low for low, _ in shifts), default=0.0) + BEYOND_S
     arms = [arm_of(scene.robot, plan.trajectory, start, until)]
     followed: list[tuple[Robot, Trajectory]] = []
     frames = []
