@@ -40,22 +40,10 @@ SHOWN, WRONG, IN_TIME, AHEAD = range(4)
 Document, Vector = dict[str, Any], list[Any]
 
 
-class UnreadableError(Exception):
-    """The document is no bundle: where, and what is allowed."""
-
-
-class NotKnownError(Exception):
-    """A motion is asked for where it is not given, or a loop may come apart."""
-
-
-class TooMuchError(Exception):
-    """More work than `WORK`."""
-
-
 def nth(items: Any, k: int, what: str) -> Any:
-    """Item k of a list. Raises `UnreadableError` where there is none."""
+    """Item k of a list. Raises `ValueError`, as for all that is no bundle."""
     if not 0 <= k < len(items):
-        raise UnreadableError(f"{what} {k} does not exist; there are {len(items)}")
+        raise ValueError(f"{what} {k} does not exist; there are {len(items)}")
     return items[k]
 
 
@@ -89,7 +77,7 @@ class Curve:
     def over(self, low: arb, high: arb) -> Vector:
         """Series of all coordinates over [low, high] (P1), from all pieces that are touched."""
         if not (low >= self.edges[0] and high <= self.edges[-1]):
-            raise NotKnownError("a motion is not given")
+            raise ArithmeticError("a motion is not given")
         found: list[Vector] = []
         for k in range(max(bisect_right(self.edges, float(low)) - 2, 0), len(self.pieces)):
             begin, end = arb(self.edges[k]), arb(self.edges[k + 1])
@@ -118,7 +106,7 @@ def spline(arm: Document) -> Curve:
         if h == 0 and one[:2] == other[:2]:
             continue  # the acceleration jumps
         if not h > 0:
-            raise UnreadableError("times of knots increase, or position and velocity are the same")
+            raise ValueError("times of knots increase, or position and velocity are the same")
         for state in zip(*one, *other, strict=True):
             x, v, a, y, w, b = map(arb, state)
             d, u = y - x, h * h
@@ -132,12 +120,12 @@ def spline(arm: Document) -> Curve:
 
 
 def law(frame: Document) -> Curve:
-    """Of a frame: its acceleration, integrated twice from pose and rate at the first edge, so that neither jumps (P6)."""
+    """Of a frame: its acceleration, integrated twice from pose and rate at the first edge; neither jumps (P6)."""
     pieces, state = [], [(arb(x), arb(v)) for x, v in zip(frame["pose"], frame["rate"], strict=True)]
     for (t0, t1), accelerations in zip(pairwise(frame["edges"]), frame["acceleration"], strict=True):
         h, own = arb(t1) - t0, []
         if not h > 0:
-            raise UnreadableError("edges of a frame's motion increase")
+            raise ValueError("edges of a frame's motion increase")
         for (x, v), powers in zip(state, accelerations, strict=True):
             own.append(arb_poly([x, v, *(arb(a) / ((m + 1) * (m + 2)) for m, a in enumerate(powers))]))
         state = [(path(h), path.derivative()(h)) for path in own]
@@ -211,7 +199,7 @@ def closed(loop: Document, found: list[Carrier]) -> list[Vector]:
     fold = (square - (a * a + b * b)) / (2 * a * b)
     margin = 1 - fold * fold
     if not (margin[0] >= arb(loop["least"]) ** 2 and arb(loop["least"]) > 0):
-        raise NotKnownError("a loop may come apart")
+        raise ArithmeticError("a loop may come apart")
     along, across = (square + (a * a - b * b)) / (square * 2), margin.sqrt() / square * (arb(loop["side"]) * a * b)
     ex, ey = along * dx - across * dy, along * dy + across * dx
     return [[ex / a, ey / a], [(ex - dx) / b, (ey - dy) / b]]
@@ -229,7 +217,7 @@ class Solid:
         self.edges, self.axis = turned[:-1], turned[-1]
         self.disc, self.ball, self.size = arb(piece["disc"]), arb(piece["ball"]), dot(self.axis, self.axis).sqrt()
         if not self.size > 0:
-            raise UnreadableError("the axis of a disc is not zero")
+            raise ValueError("the axis of a disc is not zero")
 
     @cached_property
     def reach(self) -> arb:
@@ -265,6 +253,29 @@ def box(pieces: list[Document]) -> Document:
     return {"centre": centre, "edges": edges, "disc": 0, "axis": [0, 0, 1], "ball": 0, "vertices": []}
 
 
+def swung(arm: Document, tool_from: int, elbow: arb, shift: arb) -> tuple[arb, arb, arb]:
+    """Of two links that carry the tool like those of a SCARA, with an elbow joint in a ball: the length of the first,
+    and by what angles both turn at most where the tool is shifted: shift / (length sin elbow), the sine being the least
+    of those at the radii that the shift may lead to, which is at one end of them (P10)."""
+    first, second, tool = (nth(arm["links"], k, "link") for k in (1, 2, tool_from))
+    parents = [link["parent"] for link in (first, second, tool)]
+    yaws = [sum(abs(a - b) for a, b in zip(link["yaw"]["joints"], yaw, strict=False)) for link, yaw in (
+        (first, (1, 0, 0, 0)), (second, (1, 1, 0, 0)))]  # fmt: skip
+    plain = all(link["pitch"] is None and link["coupler"] < 0 for link in (first, second))
+    a, b, aside = second["offset"][0], tool["offset"][0], any(link["offset"][1] for link in (second, tool))
+    if parents != [0, 1, 2] or any(yaws) or not plain or aside or not (a > 0 and b > 0) or len(arm["q"][0]) != 4:
+        raise ValueError("only the tool of a SCARA with four axes has a share in a displacement")
+    square = arb(a) ** 2 + arb(b) ** 2 + 2 * arb(a) * b * elbow.cos()
+    radii, sines = [square.lower().max(arb(0)).sqrt().lower() - shift, square.upper().sqrt() + shift], []
+    for radius in radii:
+        cosine = (radius * radius - arb(a) ** 2 - arb(b) ** 2) / (2 * arb(a) * b)
+        sines.append(1 - cosine * cosine)
+    if not (radii[0] > abs(arb(a) - b) and radii[1] < arb(a) + b and all(sine > 0 for sine in sines)):
+        raise ArithmeticError("an arm that a correction may stretch or fold")
+    sine = sines[0].min(sines[1]).lower().sqrt().lower()
+    return arb(a), shift / (a * sine), shift / (b * sine)
+
+
 class Duty(NamedTuple):
     """Two bodies of a phase must stay `least` apart (less than 0: may touch as deep), before what is not known of them;
     the first is looked at by the clock, the second from `early` to `late` ahead of it."""
@@ -288,12 +299,12 @@ class World:
         )
         self.seats = [[nth(bundle["seats"], k, "seat") for k in phase["seats"]] for phase in self.phases]
         if any([seat["body"] for seat in seats] != list(range(len(self.bodies))) for seats in self.seats):
-            raise UnreadableError("a phase has a seat of each body, in their order")
+            raise ValueError("a phase has a seat of each body, in their order")
 
     def spend(self, work: int) -> None:
         self.work -= work
         if self.work < 0:
-            raise TooMuchError
+            raise OverflowError
 
     def everywhere(self, test: Callable[..., int], t0: float, t1: float, s0: float = 0.0, s1: float = 0.0) -> bool:
         """Whether a test is shown on an interval, or on all parts of it."""
@@ -303,8 +314,8 @@ class World:
             self.spend(1)
             try:
                 said = test(t0, t1, s0, s1)
-            except NotKnownError:
-                said = IN_TIME  # a loop may be known to be closed on parts of what is too wide
+            except ArithmeticError:  # a motion is not known there, or a loop may come apart
+                said = IN_TIME
             if said == SHOWN:
                 continue
             if said == WRONG or depth >= DEEPEST or (t0 == t1 and s0 == s1):
@@ -447,24 +458,31 @@ class World:
         """The gap that is required along a normal, and how much nearer what is not known may bring both bodies (P8)."""
         found, flat, phase, must = duty.least * size, length(n[:2]), self.phases[p], self.must
         lasts = (arb(t1) + must["late"] - must["since"]).max(arb(0))
-        tools = [seat["link"] >= must["tool_from"] for seat, _ in sides]
+        tools, shift = [seat["link"] >= must["tool_from"] for seat, _ in sides], arb(0)
         for f, frame in enumerate(self.frames):
             on = [seat["frame"] == f for seat, _ in sides]
             for each in frame["unknown"] if not all(tools) else ():
                 given = phase["shares"][f] if each["shared"] else (0.0, 0.0)
+                amount = each["amount"] + each["growth"] * lasts
+                shift += largest(map(abs, map(arb, given))) * amount
                 shares = [(1.0, 1.0) if x else given if tool else (0.0, 0.0) for x, tool in zip(on, tools, strict=True)]
                 share = largest(abs(arb(shares[i][1]) - shares[1 - i][0]) for i in (0, 1))
                 along = abs(dot(n, each["direction"])) if each["direction"] else flat
-                found += share * (each["amount"] + each["growth"] * lasts) * along
+                found += share * amount * along
             found += sum(frame["yaw"] * solid.reach * flat for x, (_, solid) in zip(on, sides, strict=True) if x)
         for seat, solid in sides:
             across, upwards = phase["unknown"][seat["body"]]
             found += across * flat + upwards * abs(n[2])
-            if seat["link"] >= 0 and any(must["lag"]):
-                now, lags = self.splines[0].over(arb(t0), arb(t1)), [arb(0, x) for x in must["lag"]]
-                moved = [arb_series([x[0] + lag, lag], TERMS) for x, lag in zip(now, lags, strict=True)]
-                carrier = nth(chain(self.bundle["arms"][0], moved), seat["link"], "link")
-                found += solid.support(*carrier.orders[1], n, None, carrier.upright)
+            if seat["link"] < 0 or not (any(must["lag"]) or shift > 0):
+                continue
+            arm, now, lags = self.bundle["arms"][0], self.splines[0].over(arb(t0), arb(t1)), map(arb, must["lag"])
+            moved = [arb_series([x[0] + arb(0, lag), arb(0, lag)], TERMS) for x, lag in zip(now, lags, strict=True)]
+            carrier = nth(chain(arm, moved), seat["link"], "link")
+            found += solid.support(*carrier.orders[1], n, None, carrier.upright)
+            if shift > 0 and 0 < seat["link"] < must["tool_from"]:
+                inner, first, second = swung(arm, must["tool_from"], moved[1][0], shift)
+                turns = [solid.reach * first, inner * first + solid.reach * second]
+                found += flat * nth(turns, seat["link"] - 1, "link of two that a correction turns, less one,")
         return found
 
     def covered(self, duty: Duty, t0: float, t1: float) -> bool:
@@ -512,7 +530,7 @@ class World:
                 self.failures.append(f"a joint does not keep its limits from {t0:.9g} s to {t1:.9g} s")
 
     def pointed(self) -> None:
-        """The tool is where it must be, as fast as it must be, and with a part accelerates no harder than it may (P9)."""
+        """The tool is where it must be, and as fast, and with a part accelerates no harder than it may (P9)."""
 
         def near(point: Document, t0: float, t1: float, *_: float) -> int:
             limits, bend = [*point["height"], point["position"], *point["yaw"]], (arb(t1) - t0) ** 2 / 8
@@ -548,23 +566,23 @@ class World:
 
 
 def read(data: bytes) -> Document:
-    """The bundle in a file. Raises `UnreadableError`."""
+    """The bundle in a file. Raises `ValueError`."""
     if len(data) > MOST_BYTES:
-        raise UnreadableError(f"{len(data)} bytes; up to {MOST_BYTES} are allowed")
+        raise ValueError(f"{len(data)} bytes; up to {MOST_BYTES} are allowed")
     try:
         document = json.loads(data)
         wrong = next(validator_for(json.loads(SCHEMA.read_bytes())).iter_errors(document), None)
-    except (ValueError, RecursionError) as error:
-        raise UnreadableError(f"not JSON: {error}") from error
+    except RecursionError as error:
+        raise ValueError("lists within lists, too deep") from error
     if wrong is not None:
-        raise UnreadableError(f"{'.'.join(map(str, wrong.instance_path))}: {wrong.message:.200}")
+        raise ValueError(f"{'.'.join(map(str, wrong.instance_path))}: {wrong.message:.200}")
     return dict(document)
 
 
 def prove(data: bytes) -> tuple[bool, list[str]]:
     """Whether everything that a bundle claims is shown, and what was shown, or else the first failures.
 
-    Raises `UnreadableError`."""
+    Raises `ValueError`."""
     before = ctx.prec, ctx.cap
     ctx.prec, ctx.cap = BITS, TERMS
     try:
@@ -578,9 +596,9 @@ def prove(data: bytes) -> tuple[bool, list[str]]:
         world.limited()
         world.pointed()
         rows, pairs = world.apart()
-    except (IndexError, TypeError, ValueError, RecursionError) as error:
-        raise UnreadableError(f"lists that do not fit together: {error}") from error
-    except TooMuchError:
+    except (IndexError, TypeError) as error:
+        raise ValueError(f"values that do not fit together: {error}") from error
+    except OverflowError:
         return False, [f"more work than {WORK} intervals and pairs"]
     finally:
         ctx.prec, ctx.cap = before

@@ -14,7 +14,6 @@ from assur.planner.model.phases import CONTACT_M, Phase
 from assur.planner.model.scene import Scene
 from assur.scenes.bundle.arms import link_number
 from assur.scenes.bundle.solids import bodies_in
-from assur.scenes.bundle.unstated import unstated
 
 Document = dict[str, Any]
 
@@ -62,11 +61,14 @@ def phases_of(scene: Scene, phases: Sequence[Phase], seats: list[list[int]]) -> 
 
 
 def _shares(scene: Scene, phase: Phase) -> list[list[float]]:
-    """What share of each frame's error the tool has, at least and at most."""
+    """What share of each frame's error along its line the tool has, at least and at most, by belt correction."""
     followed = phase.corrected if phase.tracked is None else (phase.tracked,)
-    if any(scene.corrects(name) for name in followed):
-        raise unstated("a belt correction")
-    return [[0.0, 0.0] for _ in scene.frames]
+    found = []
+    for name in scene.frames:
+        whole = phase.tracked is not None and scene.corrects_all(name)
+        some = name in followed and scene.corrects(name)
+        found.append([1.0 if some and whole else 0.0, 1.0 if some else 0.0])
+    return found
 
 
 def frame_of(frame: Frame) -> Document:

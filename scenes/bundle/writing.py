@@ -6,7 +6,7 @@ from typing import Any
 
 from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import phases
-from assur.planner.model.scene import Scene, Trace
+from assur.planner.model.scene import Scene
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 from assur.scenes.bundle.arms import arm_of, link_number
