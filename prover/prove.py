@@ -37,7 +37,8 @@ WORK, DEEPEST, MOST_BYTES, MOST_TOLD = 5_000_000, 40, 32_000_000, 20
 """Intervals and pairs in all; how often an interval is halved; the longest file; how many failures are told."""
 SHOWN, WRONG, IN_TIME, AHEAD = range(4)
 """What a test says of an interval: it is shown, or not so; or it is to be halved, in time or in what is ahead."""
-Document, Vector = dict[str, Any], list[Any]
+Document = dict[str, Any]
+Vector = list[Any]
 
 
 def nth(items: Any, k: int, what: str) -> Any:
@@ -165,7 +166,7 @@ def chain(arm: Document, q: Vector) -> list[Carrier]:
         total = constant(angle["constant"])
         for share, value in zip(angle["joints"], q, strict=True):
             total = total + value * arb(share) if share else total
-        return total.sin_cos()  # type: ignore[no-any-return]
+        return total.sin_cos()
 
     for link in arm["links"]:
         place, slide = [constant(x) for x in link["offset"]], link["slide"]
@@ -238,7 +239,7 @@ class Solid:
             found += self.disc * across / self.size
         elif self.disc > 0 and not (upright and x == 0 and y == 0):
             found += self.disc * length(g)
-        return found if size is None else found + self.ball * size
+        return arb(found if size is None else found + self.ball * size)
 
 
 def box(pieces: list[Document]) -> Document:
@@ -403,7 +404,7 @@ class World:
             duty = (
                 duties[p].get(frozenset(bodies)) if p >= 0 and row["t0"] <= row["t1"] <= self.phases[p]["t1"] else None
             )
-            if duty is None or ((duty.early, duty.late) != (0, 0) and duty.bodies[0] != bodies[0]):
+            if duty is None or ((duty.early != 0 or duty.late != 0) and duty.bodies[0] != bodies[0]):
                 continue  # nobody asks for it, or it is not within one phase
             if not self.holds(p, row, duty):
                 told = " and ".join(names[body] for body in bodies)

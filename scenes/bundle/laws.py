@@ -30,7 +30,9 @@ def law_of(law: Law, begin: float, until: float) -> Document:
         return {**_still(law.pose), "waves": _waves(law)}
     if not begin < until:
         raise unstated("a frame whose motion is not known during the plan")
-    pieces = [piece for piece in _pieces(law, begin, until) if piece[0] < until]
+    found = [piece for piece in _pieces(law, begin, until) if piece[0] < until]
+    ends = [*(time for time, _ in found[1:]), until]
+    pieces = [piece for piece, end in zip(found, ends, strict=True) if piece[0] < end]  # some last no time
     first = max((k for k, piece in enumerate(pieces) if piece[0] <= begin), default=0)
     pieces = pieces[first:]
     at = law.motion(np.array(pieces[0][0]))

@@ -3,6 +3,7 @@ they keep apart; and instants at which bodies are outside of what is hollow."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -80,7 +81,11 @@ def rows_of(
         other = at[second]
         paired |= {(p, first, other), (p, other, first)}
         pieces = int(c.first_piece[k]), int(c.second_piece[k])
-        span = float(c.t0[k]), float(c.t1[k]), float(shifts[0, k]), float(shifts[1, k])
+        # windows are sums of two numbers, which the rows have rounded
+        ahead = [
+            float(shifts[i, k]) and math.nextafter(shifts[i, k], end) for i, end in enumerate((-math.inf, math.inf))
+        ]
+        span = float(c.t0[k]), float(c.t1[k]), ahead[0], ahead[1]
         rows.append((*span, first, pieces[0], other, pieces[1], n))
     places = _Places(scene, plan, seats)
     stands = [isinstance(frame.law, Fixed) for frame in scene.frames.values()]
