@@ -453,7 +453,7 @@ class World:
                 return SHOWN
             return AHEAD if s1 > s0 and (t0 == t1 or not less_t >= less_s) else IN_TIME
 
-        return self.everywhere(test, row["t0"], row["t1"], row["s0"], row["s1"])
+        return bool(size > 0) and self.everywhere(test, row["t0"], row["t1"], row["s0"], row["s1"])
 
     def need(self, p: int, duty: Duty, n: Vector, size: arb, t0: float, t1: float, sides: Any) -> arb:
         """The gap that is required along a normal, and how much nearer what is not known may bring both bodies (P8)."""
