@@ -34,7 +34,7 @@ from jsonschema_rs import validator_for
 
 SCHEMA, BITS, TERMS = Path(__file__).parent / "bundle.schema.json", 160, 4
 WORK, DEEPEST, MOST_BYTES, MOST_TOLD = 5_000_000, 40, 32_000_000, 20
-"""Intervals and pairs in all; how often an interval is halved; the longest file; how many failures are told."""
+"""Work in all (intervals, pairs, pieces of motions); halvings of an interval; the longest file; failures that are told."""
 SHOWN, WRONG, IN_TIME, AHEAD = range(4)
 """What a test says of an interval: it is shown, or not so; or it is to be halved, in time or in what is ahead."""
 Document = dict[str, Any]
@@ -73,7 +73,7 @@ class Curve:
     """Several coordinates: polynomials of the time since the begin of each piece, between `edges`."""
 
     def __init__(self, edges: list[float], pieces: list[Vector]) -> None:
-        self.edges, self.pieces = edges, pieces
+        self.edges, self.pieces, self.touched = edges, pieces, 0
 
     def over(self, low: arb, high: arb) -> Vector:
         """Series of all coordinates over [low, high] (P1), from all pieces that are touched."""
@@ -86,6 +86,7 @@ class Curve:
                 break
             if end < low or (end <= low and low < high):
                 continue
+            self.touched += 1
             a, b, here = low.max(begin) - begin, high.min(end) - begin, []
             middle = ((a + b) / 2).mid()
             for path in self.pieces[k]:
@@ -304,7 +305,7 @@ class World:
 
     def spend(self, work: int) -> None:
         self.work -= work
-        if self.work < 0:
+        if self.work < sum(curve.touched for curve in (*self.splines, *self.laws) if curve):
             raise OverflowError
 
     def everywhere(self, test: Callable[..., int], t0: float, t1: float, s0: float = 0.0, s1: float = 0.0) -> bool:
@@ -346,7 +347,10 @@ class World:
     def frame(self, f: int, low: arb, high: arb) -> Carrier:
         frame, own = self.frames[f], self.laws[f]
         if frame["arm"] >= 0:
-            return nth(self.links(frame["arm"], low, high), frame["link"], "link")  # type: ignore[no-any-return]
+            found: Carrier = nth(self.links(frame["arm"], low, high), frame["link"], "link")
+            if not found.upright:
+                raise ValueError("a frame turns about the vertical only")
+            return found
         now = [constant(x) for x in frame["pose"]] if own is None else own.over(low, high)
         for wave in frame["waves"]:
             angle = arb_series([low.union(high), 1], TERMS) * arb(wave["rate"]) + arb(wave["phase"])
@@ -540,8 +544,9 @@ class World:
                 vectors = self.relative(point, t, t)
                 if not all(length(s[0] for s in v) + x <= y for v, x, y in zip(vectors, bends, limits, strict=True)):
                     return IN_TIME
-            fast = zip(self.relative({**point, "height": []}, t0, t0), point["rates"], strict=False)
-            return SHOWN if all(length(s[1] for s in vector) <= most for vector, most in fast) else WRONG
+            rates = self.relative({**point, "height": []}, t0, t0) if point["rates"] else []
+            fast = [length(s[1] for s in v) <= most for v, most in zip(rates, point["rates"], strict=True)]
+            return SHOWN if all(fast) else WRONG
 
         def gentle(pull: Document, t0: float, t1: float, *_: float) -> int:
             tool = self.carrier(pull["link"], -1, t0, t1).point(pull["tool"])
@@ -600,7 +605,7 @@ def prove(data: bytes) -> tuple[bool, list[str]]:
     except (IndexError, TypeError) as error:
         raise ValueError(f"values that do not fit together: {error}") from error
     except OverflowError:
-        return False, [f"more work than {WORK} intervals and pairs"]
+        return False, [f"more work than {WORK} intervals, pairs and pieces of motions"]
     finally:
         ctx.prec, ctx.cap = before
     if world.failures:

@@ -32,17 +32,27 @@ class _Places:
     """Where bodies reach to along normals, by the planner's own kinematics: only to choose rows, which are proved."""
 
     def __init__(self, scene: Scene, plan: Plan, seats: list[Document]) -> None:
-        self.scene, self.plan, self.seats, self.bodies = scene, plan, seats, bodies_in(scene)
+        self.robot, self.path, self.seats, self.bodies = scene.robot, plan.trajectory, seats, bodies_in(scene)
         self.laws = [frame.law for frame in scene.frames.values()]
+        self.stands = [isinstance(law, Fixed) for law in self.laws]
+        self.known: dict[tuple[int, float, tuple[float, ...]], float] = {}
+        self.arms: dict[float, tuple[FloatArray, FloatArray]] = {}
 
     def reach(self, seat: int, t: float, n: FloatArray) -> float:
         """The largest n·x of a body in a seat at a time, m."""
-        at = self.seats[seat]
+        on = self.seats[seat]["frame"]
+        key = (seat, 0.0 if on >= 0 and self.stands[on] else t, tuple(n.tolist()))
+        if key not in self.known:
+            self.known[key] = self._reach(self.seats[seat], t, n)
+        return self.known[key]
+
+    def _reach(self, at: Document, t: float, n: FloatArray) -> float:
         if at["link"] >= 0:
-            path = self.plan.trajectory
-            place, turn = self.scene.robot.placements(path.evaluate(np.array([min(max(t, path.start), path.end)])))
-            link = link_number(self.scene.robot, at["link"])  # which is its own inverse
-            p, r = place[0, link], turn[0, link]
+            if t not in self.arms:
+                held = np.array([min(max(t, self.path.start), self.path.end)])
+                self.arms[t] = self.robot.placements(self.path.evaluate(held))
+            link = link_number(self.robot, at["link"])  # which is its own inverse
+            p, r = self.arms[t][0][0, link], self.arms[t][1][0, link]
         else:
             motion = self.laws[at["frame"]].motion(np.array(t))
             p, r = motion.p, _turned(float(motion.yaw))
@@ -88,13 +98,12 @@ def rows_of(
         span = float(c.t0[k]), float(c.t1[k]), ahead[0], ahead[1]
         rows.append((*span, first, pieces[0], other, pieces[1], n))
     places = _Places(scene, plan, seats)
-    stands = [isinstance(frame.law, Fixed) for frame in scene.frames.values()]
     for (p, body), normals in planes.items():
         t = np.linspace(phases[p].t0, phases[p].t1, INSTANTS).tolist()
         far = [max(places.reach(seat[p][body], x, np.array(n)) for x in t) for n in normals]
         for other, own in enumerate(seat[p]):
             on = seats[own]["frame"]
-            if on < 0 or not stands[on] or (p, body, other) in paired:
+            if on < 0 or not places.stands[on] or (p, body, other) in paired:
                 continue
             gaps = [-places.reach(own, t[0], -np.array(n)) - f for n, f in zip(normals, far, strict=True)]
             n = normals[int(np.argmax(gaps))]
