@@ -34,7 +34,7 @@ from jsonschema_rs import validator_for
 
 SCHEMA, BITS, TERMS = Path(__file__).parent / "bundle.schema.json", 160, 4
 WORK, DEEPEST, MOST_BYTES, MOST_TOLD = 5_000_000, 40, 32_000_000, 20
-"""Work in all (intervals, pairs, pieces of motions); halvings of an interval; the longest file; failures that are told."""
+"""Work in all (intervals, pairs, pieces of motions); halvings of an interval; bytes of a file; failures told."""
 SHOWN, WRONG, IN_TIME, AHEAD = range(4)
 """What a test says of an interval: it is shown, or not so; or it is to be halved, in time or in what is ahead."""
 Document = dict[str, Any]
@@ -296,6 +296,7 @@ class World:
         self.bundle, self.work, self.kept, self.failures = bundle, WORK, dict[Any, Any](), list[str]()
         self.splines = [spline(arm) for arm in bundle["arms"]]
         self.laws = [law(frame) if frame["edges"] else None for frame in bundle["frames"]]
+        self.curves = [curve for curve in (*self.splines, *self.laws) if curve is not None]
         self.frames, self.bodies, self.phases, self.must = (
             bundle[x] for x in ("frames", "bodies", "phases", "required")
         )
@@ -305,7 +306,7 @@ class World:
 
     def spend(self, work: int) -> None:
         self.work -= work
-        if self.work < sum(curve.touched for curve in (*self.splines, *self.laws) if curve):
+        if self.work < sum(curve.touched for curve in self.curves):
             raise OverflowError
 
     def everywhere(self, test: Callable[..., int], t0: float, t1: float, s0: float = 0.0, s1: float = 0.0) -> bool:
@@ -405,13 +406,13 @@ class World:
         duties, outside = [self.duties(p) for p in range(len(begins))], [set[frozenset[int]]() for _ in begins]
         for row in self.bundle["rows"]:
             bodies, pieces, p = row["bodies"], row["pieces"], bisect_right(begins, row["t0"]) - 1
+            told = " and ".join(nth(names, body, "body") for body in bodies)
             duty = (
                 duties[p].get(frozenset(bodies)) if p >= 0 and row["t0"] <= row["t1"] <= self.phases[p]["t1"] else None
             )
             if duty is None or ((duty.early != 0 or duty.late != 0) and duty.bodies[0] != bodies[0]):
                 continue  # nobody asks for it, or it is not within one phase
             if not self.holds(p, row, duty):
-                told = " and ".join(names[body] for body in bodies)
                 self.failures.append(f"a row of {told} from {row['t0']:.9g} s to {row['t1']:.9g} s")
                 continue
             duty.rows.append(row)

@@ -102,7 +102,7 @@ def test_the_prover_proves_in_a_process_that_has_nothing_of_the_planner(tmp_path
         "print(prove.prove(pathlib.Path('demo.json').read_bytes())[0], *(m for m in sys.modules if 'assur' in m))"
     )
     told = subprocess.run(
-        [sys.executable, "-c", program], cwd=tmp_path, env={"PATH": ""}, capture_output=True, text=True
+        [sys.executable, "-c", program], cwd=tmp_path, env={"PATH": ""}, capture_output=True, text=True, check=True
     )
     assert told.stdout.split() == ["True"], told.stderr
 
