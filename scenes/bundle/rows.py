@@ -124,7 +124,7 @@ def _outside(
     names = [body.name for body in bodies]
     hollow = [k for k, body in enumerate(bodies) if body.surface is not None]
     for p, phase in enumerate(phases):
-        if not phase.robot or not hollow:
+        if not phase.robot or not hollow or not phase.t1 > phase.t0:
             continue
         asked = clearances(scene, phase.near, names, names)
         mine = [k for k, own in enumerate(seat[p]) if seats[own]["link"] >= 0]
@@ -132,7 +132,8 @@ def _outside(
             for other in (k for k in range(len(bodies)) if seats[seat[p][k]]["frame"] >= 0):
                 if not {one, other} & set(hollow) or pair(names[one], names[other]) in phase.contacts:
                     continue
-                for t in dict.fromkeys((phase.t1, phase.t0)):
+                # not its end, which is the next one's begin
+                for t in (math.nextafter(phase.t1, -math.inf), 0.5 * (phase.t0 + phase.t1)):
                     gaps = [-places.reach(seat[p][one], t, n) - places.reach(seat[p][other], t, -n) for n in AXES]
                     best = int(np.argmax(gaps))
                     if gaps[best] >= asked[one, other] + SURE_M:

@@ -1,4 +1,4 @@
-"""``python -m benchmarks.soak.proofs``: plans of random cells before both checkers; exit 1 if they do not agree."""
+"""``python -m benchmarks.proofs``: plans of random cells before both checkers; exit 1 if they do not agree."""
 
 from __future__ import annotations
 
