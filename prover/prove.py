@@ -5,16 +5,16 @@ is. A ball of Arb (`flint.arb`) holds every value that its centre and radius all
 true for all of them. So no rounding is lost and there is no tolerance here: what may be off by how much is said in the
 bundle, as a part of the claim. What is not shown is refused, and so is what takes too much work (docs/bundle.md).
 
-Motion. Over an interval every quantity f is a series of balls that hold all values of f, of its rate and so on (P1). A
+Motion. Over an interval every quantity f is a series of balls that hold all values of f, of its rate and so on (N1). A
 carrier (a link or a frame) has the series of its place p and of the columns of its rotation R.
 
-Apart. The support of a piece along m is the largest m·x of its points (P2). Along a normal n two pieces have the gap
+Apart. The support of a piece along m is the largest m·x of its points (N2). Along a normal n two pieces have the gap
 -support_A(n) - support_B(-n), in lengths of n; no distance is smaller. For points x of A and y of B n·(y - x) leaves
 its chord over an interval h long by M h²/8 at most, if its second derivative is M at most. So with M for all points
 
-    gap(t) >= min(gap(t0), gap(t1)) - max(M, 0) h²/8                                                        (P3)
+    gap(t) >= min(gap(t0), gap(t1)) - max(M, 0) h²/8                                                        (N3)
 
-Where B is s ahead of the clock, s0 <= s <= s1, the least of four corners counts, less max(M_B, 0) (s1 - s0)²/8 (P4).
+Where B is s ahead of the clock, s0 <= s <= s1, the least of four corners counts, less max(M_B, 0) (s1 - s0)²/8 (N4).
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class Curve:
         self.edges, self.pieces, self.touched = edges, pieces, 0
 
     def over(self, low: arb, high: arb) -> Vector:
-        """Series of all coordinates over [low, high] (P1), from all pieces that are touched."""
+        """Series of all coordinates over [low, high] (N1), from all pieces that are touched."""
         if not (low >= self.edges[0] and high <= self.edges[-1]):
             raise ArithmeticError("a motion is not given")
         found: list[Vector] = []
@@ -101,7 +101,7 @@ class Curve:
 
 
 def spline(arm: Document) -> Curve:
-    """The quintic between each two knots that has their positions, velocities and accelerations (P5)."""
+    """The quintic between each two knots that has their positions, velocities and accelerations (N5)."""
     pieces, edges = list[Vector](), arm["time"][:1]
     for (t0, *one), (t1, *other) in pairwise(zip(arm["time"], arm["q"], arm["qd"], arm["qdd"], strict=True)):
         h, own = arb(t1) - t0, []
@@ -122,7 +122,7 @@ def spline(arm: Document) -> Curve:
 
 
 def law(frame: Document) -> Curve:
-    """Of a frame: its acceleration, integrated twice from pose and rate at the first edge; neither jumps (P6)."""
+    """Of a frame: its acceleration, integrated twice from pose and rate at the first edge; neither jumps (N6)."""
     pieces, state = [], [(arb(x), arb(v)) for x, v in zip(frame["pose"], frame["rate"], strict=True)]
     for (t0, t1), accelerations in zip(pairwise(frame["edges"]), frame["acceleration"], strict=True):
         h, own = arb(t1) - t0, []
@@ -193,7 +193,7 @@ def chain(arm: Document, q: Vector) -> list[Carrier]:
 def closed(loop: Document, found: list[Carrier]) -> list[Vector]:
     """Cosine and sine of both couplers of a loop, which go from the ends of two cranks to where they meet, on the given
     side. With s from end to end, fold = (s² - a² - b²)/(2 a b) is the cosine of the angle between them, and the margin
-    sqrt(1 - fold²) is as large as is claimed (P7)."""
+    sqrt(1 - fold²) is as large as is claimed (N7)."""
     tips = [[arb(r), arb(0), arb(0)] for r in loop["lengths"]]
     (x, y, _), (u, v, _) = (nth(found, k, "link").point(tip) for k, tip in zip(loop["cranks"], tips, strict=True))
     (a, b), dx, dy = map(arb, loop["couplers"]), u - x, v - y
@@ -230,7 +230,7 @@ class Solid:
         return largest(length(rim[:2]) for rim in rims) + self.disc + self.ball
 
     def support(self, place: Vector, columns: list[Vector], m: Vector, size: arb | None, upright: bool) -> arb:
-        """The largest m·x (P2). `size`: |m|; None: of derivatives, where what does not change counts nothing: balls,
+        """The largest m·x (N2). `size`: |m|; None: of derivatives, where what does not change counts nothing: balls,
         and discs about the vertical on what turns about the vertical only."""
         g, (x, y, z) = [dot(column, m) for column in columns], self.axis
         found = dot(m, place) + largest((self.hull * arb_mat(3, 1, g)).entries())
@@ -258,7 +258,7 @@ def box(pieces: list[Document]) -> Document:
 def swung(arm: Document, tool_from: int, elbow: arb, shift: arb) -> tuple[arb, arb, arb]:
     """Of two links that carry the tool like those of a SCARA, with an elbow joint in a ball: the length of the first,
     and by what angles both turn at most where the tool is shifted: shift / (length sin elbow), the sine being the least
-    of those at the radii that the shift may lead to, which is at one end of them (P10)."""
+    of those at the radii that the shift may lead to, which is at one end of them (N10)."""
     first, second, tool = (nth(arm["links"], k, "link") for k in (1, 2, tool_from))
     parents = [link["parent"] for link in (first, second, tool)]
     yaws = [sum(abs(a - b) for a, b in zip(link["yaw"]["joints"], yaw, strict=False)) for link, yaw in (
@@ -434,7 +434,7 @@ class World:
         return many, sum(map(len, duties))
 
     def holds(self, p: int, row: Document, duty: Duty) -> bool:
-        """Whether a row holds on its interval, or on all parts of it (P3, P4)."""
+        """Whether a row holds on its interval, or on all parts of it (N3, N4)."""
         (one, other), n = (self.seats[p][k] for k in row["bodies"]), [arb(x) for x in row["normal"]]
         (a, b), size, back = map(self.solid, (one, other), row["pieces"]), dot(n, n).sqrt(), [-x for x in n]
 
@@ -461,7 +461,7 @@ class World:
         return bool(size > 0) and self.everywhere(test, row["t0"], row["t1"], row["s0"], row["s1"])
 
     def need(self, p: int, duty: Duty, n: Vector, size: arb, t0: float, t1: float, sides: Any) -> arb:
-        """The gap that is required along a normal, and how much nearer what is not known may bring both bodies (P8)."""
+        """The gap that is required along a normal, and how much nearer what is not known may bring both bodies (N8)."""
         found, flat, phase, must = duty.least * size, length(n[:2]), self.phases[p], self.must
         lasts = (arb(t1) + must["late"] - must["since"]).max(arb(0))
         tools, shift = [seat["link"] >= must["tool_from"] for seat, _ in sides], arb(0)
@@ -536,7 +536,7 @@ class World:
                 self.failures.append(f"a joint does not keep its limits from {t0:.9g} s to {t1:.9g} s")
 
     def pointed(self) -> None:
-        """The tool is where it must be, and as fast, and with a part accelerates no harder than it may (P9)."""
+        """The tool is where it must be, and as fast, and with a part accelerates no harder than it may (N9)."""
 
         def near(point: Document, t0: float, t1: float, *_: float) -> int:
             limits, bend = [*point["height"], point["position"], *point["yaw"]], (arb(t1) - t0) ** 2 / 8
