@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import statistics
 import time
 from collections import Counter
@@ -82,10 +83,17 @@ def main(
 ) -> None:
     """Plan random cells, and ask both checkers of each plan."""
     found = Agreement()
+    # also where a shell that started this in the background has it ignored
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     with Progress(console=PROGRESS) as progress:
         task = progress.add_task("plans", total=plans)
-        for found in agreements(plans, seed):
-            progress.update(task, completed=found.plans)
+        try:
+            for found in agreements(plans, seed):
+                progress.update(task, completed=found.plans)
+        except KeyboardInterrupt:
+            PROGRESS.print("interrupted: what was judged until then")
+    if not found.plans:
+        raise typer.Exit(1)
     CONSOLE.print(
         f"{found.plans} plans, {found.shown} accepted by both checkers; the second took"
         f" {statistics.median(found.times):.2f} s (median), {max(found.times):.2f} s at most"
