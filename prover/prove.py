@@ -553,8 +553,21 @@ class World:
             tool = self.carrier(pull["link"], -1, t0, t1).point(pull["tool"])
             return SHOWN if length(s[2] * 2 for s in tool) <= pull["most"] * (1 + arb(pull["share"])) else IN_TIME
 
-        for test, claims in ((near, self.bundle["points"]), (gentle, self.bundle["pulls"])):
-            for claim in claims:
+        def aimed(axis: Document, t0: float, t1: float, *_: float) -> int:
+            way = [[constant(x) for x in axis[key]] for key in ("axis", "direction")]
+            over, begin, end = (
+                dot(
+                    [dot(row, way[0]) for row in zip(*self.carrier(axis["link"], -1, a, b).columns, strict=True)],
+                    way[1],
+                )
+                for a, b in ((t0, t1), (t0, t0), (t1, t1))
+            )
+            bend = abs(over[2] * 2) * (arb(t1) - t0) ** 2 / 8
+            kept = [axis["low"] <= s[0] - bend and s[0] + bend <= axis["high"] for s in (begin, end)]
+            return SHOWN if all(kept) else IN_TIME
+
+        for test, key in ((near, "points"), (gentle, "pulls"), (aimed, "axes")):
+            for claim in self.bundle[key]:
                 if not self.everywhere(partial(test, claim), claim["t0"], claim["t1"]):
                     self.failures.append(f"the tool, {claim['name']}, from {claim['t0']:.9g} s to {claim['t1']:.9g} s")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import groupby
 from typing import Any
@@ -126,6 +127,32 @@ def pulls_of(scene: Scene, plan: Plan, phases: Sequence[Phase]) -> list[Document
         for phase in phases
         if phase.attached.held is not None and phase.t0 < end
     ]
+
+
+def axes_of(scene: Scene, plan: Plan) -> list[Document]:
+    """Directions of the tool: outside of forbidden ranges of yaw, and with the pitch and roll that arrivals say."""
+    found, path, link = list[Document](), plan.trajectory, len(scene.robot.links) - 1
+    c, s = math.cos(scene.tool.tcp.yaw), math.sin(scene.tool.tcp.yaw)
+    lag = scene.execution.lag
+    late = lag[0] + lag[1] + lag[3] if lag and scene.forbidden_yaw else 0.0
+    for each in scene.forbidden_yaw:
+        way = [math.cos(each.middle), math.sin(each.middle), 0.0]
+        high = math.cos(min(each.width / 2.0 + late, math.pi))
+        span = {"name": "forbidden yaw", "t0": path.start, "t1": path.end, "link": link}
+        found.append({**span, "axis": [c, s, 0.0], "direction": way, "low": -2.0, "high": high})
+    for arrival in plan.arrivals:
+        if arrival.pitch is None or arrival.roll is None or arrival.missed_by is not None:
+            continue
+        spans = [(arrival.time, arrival.time, MEET_RAD), (arrival.time, arrival.until, TRACKED_RAD)]
+        for t0, t1, off in spans[: 2 if arrival.until > arrival.time else 1]:
+            for axis, value in (
+                ([1.0, 0.0, 0.0], math.sin(arrival.pitch)),
+                ([0.0, 1.0, 0.0], math.sin(arrival.roll) * math.cos(arrival.pitch)),
+            ):
+                span = {"name": arrival.control_point, "t0": t0, "t1": t1, "link": link}
+                ends = {"low": value - off, "high": value + off}
+                found.append({**span, "axis": axis, "direction": [0.0, 0.0, 1.0], **ends})
+    return found
 
 
 def _four(pose: Pose) -> list[float]:

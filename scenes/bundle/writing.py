@@ -10,7 +10,7 @@ from assur.planner.model.scene import Scene
 from assur.planner.robots.robot import Robot
 from assur.planner.trajectory import Trajectory
 from assur.scenes.bundle.arms import arm_of, link_number
-from assur.scenes.bundle.claims import limits_of, points_of, pulls_of
+from assur.scenes.bundle.claims import axes_of, limits_of, points_of, pulls_of
 from assur.scenes.bundle.laws import law_of
 from assur.scenes.bundle.phases import frame_of, phases_of, required_of
 from assur.scenes.bundle.rows import rows_of
@@ -59,5 +59,6 @@ def bundle_of(scene: Scene, plan: Plan) -> Document:
         "limits": limits_of(scene, plan, of_plan),
         "points": points_of(scene, plan),
         "pulls": pulls_of(scene, plan, of_plan),
+        "axes": axes_of(scene, plan),
         "rows": rows_of(scene, plan, of_plan, seats, seat),
     }

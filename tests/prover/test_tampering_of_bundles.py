@@ -187,3 +187,17 @@ def test_a_robot_beside_it_that_moves_otherwise_is_not_what_was_proved() -> None
     document = bundle("two-robots")
     document["arms"][1]["time"] = [t + 0.2 * (k > 0) for k, t in enumerate(document["arms"][1]["time"])]
     assert not shown(document)[0]
+
+
+@pytest.mark.parametrize("name", ["hose-on-gripper", "rv-m1"])
+def test_the_tool_has_the_directions_that_are_said(name: str) -> None:
+    document = bundle(name)
+    assert document["axes"]
+    assert shown(document)[0]
+    for axis in document["axes"]:
+        low, high = axis["low"], axis["high"]
+        # as if the range were wider, or the pitch another by some µrad
+        axis["low"], axis["high"] = (low, high - 0.6) if name == "hose-on-gripper" else (low - 4e-3, low)
+        right, lines = shown(document)
+        assert (right, lines[-1]) == (False, "1 claims are not shown")
+        axis["low"], axis["high"] = low, high
