@@ -624,8 +624,14 @@ def prove(data: bytes) -> tuple[bool, list[str]]:
         ctx.prec, ctx.cap = before
     if world.failures:
         return False, [*world.failures[:MOST_TOLD], f"{len(world.failures)} claims are not shown"]
+    must, alone = bundle["required"], next((phase["t0"] for phase in bundle["phases"] if not phase["robot"]), until)
+    contacts = sum(len(phase["contacts"]) for phase in bundle["phases"])
     return True, [
-        f"Shown of the plan {bundle['plan_digest'][:16]} for the request {bundle['request_digest'][:16]}:",
-        f"{pairs} pairs of bodies stay apart, in {len(edges) - 1} phases until {until:.6g} s, by {rows} rows;",
-        f"the joints keep their limits; {len(bundle['points'])} times the tool is where it must be.",
+        f"Shown of the plan {bundle['plan_digest'][:16]} for the request {bundle['request_digest'][:23]}:",
+        f"{pairs} pairs of bodies stay apart in {len(edges) - 1} phases until {until:.6g} s, by {rows} rows,",
+        f"those of the robot from {edges[0]:.6g} s to {alone:.6g} s, if it starts up to {must['late']:g} s late:",
+        f"{must['travel']:g} m in travel, {must['near']:g} m near a point, with {len(must['exceptions'])} exceptions",
+        f"and {contacts} allowed contacts. The joints keep {len(bundle['limits'])} sets of limits. The tool is",
+        f"{len(bundle['points'])} times where it must be, {len(bundle['axes'])} times as directed, and accelerates",
+        f"{len(bundle['pulls'])} times no harder than it may.",
     ]

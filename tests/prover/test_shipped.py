@@ -36,7 +36,10 @@ def test_both_checkers_agree_on_every_plan_that_a_shipped_scenario_has(name: str
     scene, plan = planned(name)
     of_plan = phases(scene, plan.legs, plan.arrivals)
     assert f"in {len(of_plan)} phases until {of_plan[-1].t1:.6g} s" in lines[1]
+    counted = next((phase.t0 for phase in of_plan if not phase.robot), of_plan[-1].t1)
+    assert f"from {plan.trajectory.start:.6g} s to {counted:.6g} s" in lines[2]
     assert plan.certificate.digest.startswith(lines[0].split()[4])
+    assert scene.digest.startswith(lines[0].split()[8].rstrip(":"))
 
 
 def test_a_bundle_has_the_form_that_its_schema_says_by_another_validator() -> None:
