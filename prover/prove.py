@@ -22,7 +22,7 @@ from __future__ import annotations
 import json
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import cached_property, partial
 from itertools import pairwise, product
@@ -48,7 +48,7 @@ def nth(items: Any, k: int, what: str) -> Any:
     return items[k]
 
 
-def dot(a: Vector, b: Vector) -> Any:
+def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
