@@ -154,3 +154,16 @@ def test_a_start_that_may_be_late_is_covered_for_every_lateness() -> None:
     assert shown(document)[0]
     document["rows"][1]["s0"] = 0.41
     assert not shown(document)[0]
+
+
+@pytest.mark.parametrize(("x", "right"), [(0.9, True), (0.6, False)])
+def test_what_comes_near_for_some_lateness_only_is_seen(x: float, right: bool) -> None:
+    # the part rests until 1 s and from 2 s on; in between it comes 0.5 m nearer, and goes back
+    document = sliding(body("part", ball(0.0)), rows=[{**row(0, 1), "s1": 2.0}])
+    document["required"]["late"] = 2.0
+    document["seats"][1].update(frame=1)
+    still: list[list[float]] = [[], [], [], []]
+    ways = [still, *([[a], [], [], []] for a in (-8.0, 8.0, -8.0)), still]
+    moved = {"edges": [-1.0, 1.0, 1.25, 1.75, 2.0, 4.0], "acceleration": ways, "rate": [0.0] * 4}
+    document["frames"][1].update(pose=[x, 0.0, 0.0, 0.0], **moved)
+    assert shown(document)[0] is right
