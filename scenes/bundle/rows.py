@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -62,7 +63,22 @@ class _Places:
 
 
 def _support(body: Body, n: FloatArray) -> float:
-    return max(support(piece, n) for piece in body.pieces)
+    """The largest n·x of a body, or of the box in its axes that holds it if it has more than one piece."""
+    if len(body.pieces) == 1:
+        return support(body.pieces[0], n)
+    low, high = _box(body)
+    return float(np.maximum(n * low, n * high).sum())
+
+
+@lru_cache(maxsize=4096)
+def _box(body: Body) -> tuple[FloatArray, FloatArray]:
+    ends = [[max(support(piece, sign * way) for piece in body.pieces) for way in np.eye(3)] for sign in (-1.0, 1.0)]
+    return -np.array(ends[0]), np.array(ends[1])
+
+
+def _whole(body: Body) -> int:
+    """The number of a piece that is all of a body: its only one, or the box that holds them."""
+    return 0 if len(body.pieces) == 1 else -1
 
 
 def _turned(yaw: float) -> FloatArray:
@@ -98,6 +114,7 @@ def rows_of(
         span = float(c.t0[k]), float(c.t1[k]), ahead[0], ahead[1]
         rows.append((*span, first, pieces[0], other, pieces[1], n))
     places = _Places(scene, plan, seats)
+    whole = [_whole(body) for body in places.bodies]
     for (p, body), normals in planes.items():
         t = np.linspace(phases[p].t0, phases[p].t1, INSTANTS).tolist()
         far = [max(places.reach(seat[p][body], x, np.array(n)) for x in t) for n in normals]
@@ -107,7 +124,7 @@ def rows_of(
                 continue
             gaps = [-places.reach(own, t[0], -np.array(n)) - f for n, f in zip(normals, far, strict=True)]
             n = normals[int(np.argmax(gaps))]
-            rows.append((phases[p].t0, phases[p].t1, 0.0, 0.0, body, -1, other, -1, n))
+            rows.append((phases[p].t0, phases[p].t1, 0.0, 0.0, body, whole[body], other, whole[other], n))
     rows += _outside(scene, phases, seats, seat, places)
     rows.sort(key=lambda row: (row[0], row[1]))
     return [
@@ -137,6 +154,18 @@ def _outside(
                     gaps = [-places.reach(seat[p][one], t, n) - places.reach(seat[p][other], t, -n) for n in AXES]
                     best = int(np.argmax(gaps))
                     if gaps[best] >= asked[one, other] + SURE_M:
-                        rows.append((t, t, 0.0, 0.0, one, -1, other, -1, AXES[best].tolist()))
+                        rows.append(
+                            (
+                                t,
+                                t,
+                                0.0,
+                                0.0,
+                                one,
+                                _whole(bodies[one]),
+                                other,
+                                _whole(bodies[other]),
+                                AXES[best].tolist(),
+                            )
+                        )
                         break
     return rows

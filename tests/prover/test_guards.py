@@ -160,7 +160,10 @@ def test_a_start_that_may_be_late_is_covered_for_every_lateness() -> None:
 def test_what_comes_near_for_some_lateness_only_is_seen(x: float, right: bool) -> None:
     # the part rests until 1 s and from 2 s on; in between it comes 0.5 m nearer, and goes back
     document = sliding(body("part", ball(0.0)), rows=[{**row(0, 1), "s1": 2.0}])
-    document["required"]["late"] = 2.0
+    document["required"].update(late=2.0, until=1e-3)
+    document["arms"][0]["time"][1] = 1e-3
+    for each in (document["phases"][0], document["limits"][0], document["rows"][0]):
+        each["t1"] = 1e-3
     document["seats"][1].update(frame=1)
     still: list[list[float]] = [[], [], [], []]
     ways = [still, *([[a], [], [], []] for a in (-8.0, 8.0, -8.0)), still]
