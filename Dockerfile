@@ -19,6 +19,7 @@ COPY planner planner
 COPY scenes scenes
 COPY api api
 COPY experiments experiments
+COPY prover prover
 COPY src src
 RUN /opt/build/bin/pip wheel --no-build-isolation --no-deps --no-index --wheel-dir /wheel . \
     && /opt/build/bin/pip --python /opt/assur/bin/python install --no-deps --no-index /wheel/*.whl

@@ -11,6 +11,7 @@
 # make bench   the whole benchmark, peers included: results, tables, plots, page; BESIDE=COMMIT compares with a commit
 # make bench-quick  a sample of it, in under 3 minutes
 # make soak    2,000 random plans, each run 20 times with what is not known realised; PLANS=100 for fewer, SEED=1 for others
+# make prove-random  1,000 random plans before both checkers, which must agree; PLANS=100 for fewer, SEED=1 for others
 # make check-deployment  the Kubernetes manifests and compose.yaml against the published schemas, and their numbers
 # make lock    deploy/*.lock anew, with hashes; UPGRADE=1 takes the newest releases
 # make sbom    what the image has installed, as CycloneDX: out/sbom.cdx.json
@@ -35,7 +36,7 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.13 python3.12 python3.11 py
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help demo kernels test test-browser test-gltf test-proxy pictures check format serve problems bench \
-	bench-quick soak soak-service check-deployment lock sbom audit pin-base image clean
+	bench-quick soak prove-random soak-service check-deployment lock sbom audit pin-base image clean
 
 help:
 	@sed -n '/^# make/s/^# //p' $(firstword $(MAKEFILE_LIST))
@@ -212,6 +213,10 @@ image:
 	docker build --build-context "$(TAG)=docker-image://$(BASE)" --build-arg VERSION="$(VERSION)" --build-arg COMMIT="$(COMMIT)" \
 		--label org.opencontainers.image.base.name="$(BASE)" --tag assur:$(VERSION) .
 # HAProxy, where there is one, stands between (Debian: apt-get install haproxy).
+prove-random: $(VENV)/installed-test
+	$(BIN)/assur kernels
+	$(BIN)/python -m benchmarks.proofs --plans $(if $(filter command line,$(origin PLANS)),$(PLANS),1000) --seed $(SEED)
+
 soak-service: $(VENV)/installed-test
 	$(BIN)/assur kernels
 	$(BIN)/python -m benchmarks.soak_service $(if $(SHORT),--short) $(foreach row,$(ONLY),--only $(row)) \

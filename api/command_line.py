@@ -18,6 +18,7 @@ from assur.api.cli import (
     keys_group,
     limits_report,
     plan_files,
+    proofs,
     report_file,
     robots_group,
     trajectories,
@@ -300,6 +301,8 @@ def fit_limits(
 
 app.command()(bordered(within_memory(trajectories.export)))
 app.command("check-trajectory")(bordered(trajectories.check_trajectory))
+app.command()(bordered(within_memory(proofs.bundle)))
+app.command()(bordered(within_memory(proofs.prove)))
 
 
 @app.command()

@@ -51,6 +51,16 @@ def check(request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> Ve
     return cast("Verdict", check_document(plain_request(request), plain_answer(answer)))
 
 
+def bundle(request: Mapping[str, Any] | Request, answer: Mapping[str, Any]) -> dict[str, Any]:
+    """The proof bundle of a planned answer: all that `assur prove`, a second checker, needs (docs/bundle.md).
+
+    Raises `InputError` for what is no plan with a certificate in full, and for what a bundle cannot state.
+    """
+    from assur.scenes.bundle.doors import bundle_document
+
+    return bundle_document(plain_request(request), plain_answer(answer))
+
+
 def ik(request: Mapping[str, Any] | Request | None = None, **question: object) -> IkAnswer:
     """All joint positions of a request's robot at ``pose={"at_mm": ..., "yaw_deg": ..., "frame": ...}``, with their
     margins; or the pose of its tool at ``joints={"j1_deg": ..., ...}``. At the time ``at_s``, or that of the start.

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from assur import request as request
     from assur.api.python.answer import Answer, NotPlannedError
-    from assur.api.python.calls import check, ik, load, plan, robots, scenarios
+    from assur.api.python.calls import bundle, check, ik, load, plan, robots, scenarios
     from assur.api.python.client import AsyncClient, Client
     from assur.api.python.exchange import Health
     from assur.api.python.motion import Samples, Trajectory
@@ -36,6 +36,7 @@ __all__ = [
     "Samples",
     "ServiceError",
     "Trajectory",
+    "bundle",
     "check",
     "ik",
     "load",
@@ -48,7 +49,7 @@ __all__ = [
 
 _CALLS = "assur.api.python.calls"
 _HOME = {
-    **dict.fromkeys(("check", "ik", "load", "plan", "robots", "scenarios"), _CALLS),
+    **dict.fromkeys(("bundle", "check", "ik", "load", "plan", "robots", "scenarios"), _CALLS),
     "load_answer": "assur.api.python.saved",
     **dict.fromkeys(("Answer", "NotPlannedError"), "assur.api.python.answer"),
     **dict.fromkeys(("Samples", "Trajectory"), "assur.api.python.motion"),

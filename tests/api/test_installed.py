@@ -20,7 +20,7 @@ from assur.planner import kernel_cache
 from tests.api.running import started
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("planner", "scenes", "api", "experiments")
+PACKAGES = ("planner", "scenes", "api", "experiments", "prover")
 OTHERS = ("planner", "scenes", "api")
 """Names that other packages have, too."""
 THEIRS = "OWNER = 'somebody else'\n"

@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 FRONT = "src/assur"
 """What `import assur` and `assur.request` are; the packages are linked there."""
-PRODUCT = ("planner", "scenes", "api", "experiments", FRONT)
+PRODUCT = ("planner", "scenes", "api", "experiments", "prover", FRONT)
 """The packages that are installed, as assur.planner and so on, and what names them."""
 BESIDE = ("benchmarks", "deploy", "tests")
 """What is only in the repository."""

@@ -10,7 +10,7 @@ from importlib.metadata import packages_distributions
 from tests.architecture.source_tree import BESIDE, PRODUCT, ROOT, imports, sources
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-EXTRAS = ("plot", "client", "xacro", "dae")
+EXTRAS = ("plot", "client", "xacro", "dae", "proof")
 """Extras of the product; whoever calls what needs one that is not there is told its name."""
 ELSEWHERE = {"pycollada", "xacrodoc"}
 """Extras that trimesh imports, and that a process of its own does."""
@@ -18,7 +18,7 @@ PEERS = ("benchmarks/peers/ompl_rrtconnect.py", "benchmarks/peers/mplib_planner.
 """Programs that are not run in the environment of the project."""
 GENERATED = {"scara-models"}
 """Modules that a test has made."""
-BROUGHT = {"pydantic-core": "pydantic", "annotated-types": "pydantic", "jsonschema-rs": "schemathesis"}
+BROUGHT = {"pydantic-core": "pydantic", "annotated-types": "pydantic"}
 """Imported, but chosen by the library that is declared: they are made for each other, release by release."""
 
 

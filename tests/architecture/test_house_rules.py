@@ -21,6 +21,7 @@ MOST_LINES = 400
 LONG: dict[str, str] = {
     "planner/model/outcome.py": "all facts of an outcome, each documented, beside the plan that they belong to",
     "planner/model/refusal.py": "the reasons and the facts of each, one list that must be complete",
+    "prover/prove.py": "a second checker that is read as a whole, and copied as one file",
     "scenes/schema/answer.py": "the form of one document",
 }
 """Path of a module → why one idea needs that many lines."""

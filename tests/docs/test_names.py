@@ -16,7 +16,7 @@ OF_TESTS = {"ASSUR_HYPOTHESIS", "ASSUR_MAKER_ROBOTS"}
 """Variables that the tests read and the service never sees: their names are its own only by prefix."""
 SOURCES = "\n".join(
     path.read_text(encoding="utf-8")
-    for package in ("planner", "scenes", "api", "experiments", "benchmarks", "docs")
+    for package in ("planner", "scenes", "api", "experiments", "prover", "benchmarks", "docs")
     for path in sorted((ROOT / package).rglob("*.py"))
 )
 CONSTANT = re.compile(r"\b[A-Z][A-Z0-9]+(?:_[A-Z0-9]+)+\b")

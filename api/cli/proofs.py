@@ -1,0 +1,54 @@
+"""Commands about proof bundles: `bundle` writes one, `prove` shows what it claims, or says what it cannot show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from assur.api.cli import console_report
+from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG, say, show, writable
+from assur.api.cli.cell_reading import announce_compilation, read_cell
+from assur.api.cli.inputs import target
+from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for
+from assur.api.documents import to_json
+from assur.planner.errors import InputError
+from assur.scenes.bundle.doors import bundle_cell
+
+NEEDS = "assur prove needs python-flint and jsonschema-rs, which are an extra: pip install 'assur[proof]'"
+
+
+def bundle(
+    file: Annotated[str, typer.Argument(metavar="FILE", help=PLAN_OR_CELL)],
+    plan: Annotated[Path | None, typer.Argument(help=ANSWER)] = None,
+    out: Annotated[Path, typer.Option("--out", help="Write the bundle to this file.")] = Path("bundle.json"),
+) -> int:
+    """Write the proof bundle of a PLAN: all that a second checker needs to prove it."""
+    writable(out, file, plan)
+    given = target(file)
+    answer = answer_for(given, plan)
+    cell = read_cell(given)
+    announce_compilation()
+    with console_report.working(f"writing the bundle of {given.name if plan is None else plan.name}"):
+        data = to_json(bundle_cell(cell, answer)) + b"\n"
+    out.write_bytes(data)
+    show(f"proof bundle of {given.title}: {out}, {len(data) / 1000:.0f} kB; assur prove {out}")
+    return RIGHT
+
+
+def prove(file: Annotated[Path, typer.Argument(metavar="BUNDLE", help="A proof bundle.")]) -> int:
+    """Show what a proof bundle claims, in rigorous arithmetic and without code of the planner, or what is not shown."""
+    try:
+        from assur.prover.prove import prove as show_claims
+    except ImportError:
+        return say(NEEDS, BAD_INPUT)
+    if not file.is_file():
+        raise InputError("BUNDLE", str(file), "a file")
+    try:
+        with console_report.working(f"proving {file.name}"):
+            shown, lines = show_claims(file.read_bytes())
+    except ValueError as error:
+        raise InputError("BUNDLE", file.name, f"a proof bundle: {error}") from error
+    show("bundle shown" if shown else "bundle not shown", *lines)
+    return RIGHT if shown else WRONG

@@ -1,0 +1,108 @@
+"""``python -m benchmarks.proofs``: plans of random cells before both checkers; exit 1 if they do not agree."""
+
+from __future__ import annotations
+
+import json
+import signal
+import statistics
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.progress import Progress
+
+from benchmarks.soak.campaign import ELBOW
+from benchmarks.soak.random_cells import KINDS, random_cell
+
+CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
+
+
+@dataclass(eq=False)
+class Agreement:
+    """`shown`: plans that both checkers accept; `differ`: cells of whose plans they do not say the same, with what the
+    second said; `times`: of the second, s."""
+
+    shown: int = 0
+    refused: Counter[str] = field(default_factory=Counter)
+    differ: list[tuple[str, int, str]] = field(default_factory=list)
+    times: list[float] = field(default_factory=list)
+
+    @property
+    def plans(self) -> int:
+        return self.shown + len(self.differ)
+
+
+def agreements(plans: int, seed: int) -> Iterator[Agreement]:
+    """Cells of all kinds in turn, until `plans` have a plan: after each what was found so far."""
+    found, number = Agreement(), 0
+    while found.plans < plans:
+        kind = list(KINDS)[number % len(KINDS)]
+        own = seed * 1_000_000 + number // len(KINDS)
+        number += 1
+        judged(found, kind, own)
+        yield found
+
+
+def judged(found: Agreement, kind: str, seed: int) -> None:
+    """Plans a random cell, and asks both checkers. Raises `InputError` for a request that is at fault in anything but
+    `ELBOW`, and for an answer that no bundle can state."""
+    from assur.planner.errors import InputError
+    from assur.prover.prove import prove
+    from assur.scenes.bundle.doors import bundle_document
+    from assur.scenes.requests import check_document, plan_document
+
+    request = random_cell(kind, seed)
+    try:
+        answer = plan_document(request)
+    except InputError as error:
+        if error.field != ELBOW:
+            raise
+        found.refused[ELBOW] += 1
+        return
+    if answer["status"] != "planned":
+        found.refused[str(answer["reason"])] += 1
+        return
+    first: Any = check_document(request, answer)
+    data = json.dumps(bundle_document(request, answer)).encode()
+    began = time.perf_counter()
+    second, lines = prove(data)
+    found.times.append(time.perf_counter() - began)
+    if first["ok"] and second:
+        found.shown += 1
+    else:
+        found.differ.append((kind, seed, f"first {first['ok']}, second {second}: {lines[0]}"))
+
+
+def main(
+    plans: Annotated[int, typer.Option(min=1, help="Plans to judge.")] = 1000,
+    seed: Annotated[int, typer.Option(min=0, help="Another seed makes other cells.")] = 0,
+) -> None:
+    """Plan random cells, and ask both checkers of each plan."""
+    found = Agreement()
+    # also where a shell that started this in the background has it ignored
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    with Progress(console=PROGRESS) as progress:
+        task = progress.add_task("plans", total=plans)
+        try:
+            for found in agreements(plans, seed):
+                progress.update(task, completed=found.plans)
+        except KeyboardInterrupt:
+            PROGRESS.print("interrupted: what was judged until then")
+    if not found.plans:
+        raise typer.Exit(1)
+    CONSOLE.print(
+        f"{found.plans} plans, {found.shown} accepted by both checkers; the second took"
+        f" {statistics.median(found.times):.2f} s (median), {max(found.times):.2f} s at most"
+    )
+    for kind, own, told in found.differ:
+        CONSOLE.print(f"{kind}, seed {own}: {told}")
+    if found.differ:
+        raise typer.Exit(1)
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,637 @@
+"""Shows what a proof bundle claims, with ball arithmetic that is rounded outwards, or says what it cannot show.
+
+It reads one document, whose form and meaning are in bundle.schema.json, and takes every number as the double that it
+is. A ball of Arb (`flint.arb`) holds every value that its centre and radius allow; a comparison is true only if it is
+true for all of them. So no rounding is lost and there is no tolerance here: what may be off by how much is said in the
+bundle, as a part of the claim. What is not shown is refused, and so is what takes too much work (docs/bundle.md).
+
+Motion. Over an interval every quantity f is a series of balls that hold all values of f, of its rate and so on (N1). A
+carrier (a link or a frame) has the series of its place p and of the columns of its rotation R.
+
+Apart. The support of a piece along m is the largest m·x of its points (N2). Along a normal n two pieces have the gap
+-support_A(n) - support_B(-n), in lengths of n; no distance is smaller. For points x of A and y of B n·(y - x) leaves
+its chord over an interval h long by M h²/8 at most, if its second derivative is M at most. So with M for all points
+
+    gap(t) >= min(gap(t0), gap(t1)) - max(M, 0) h²/8                                                        (N3)
+
+Where B is s ahead of the clock, s0 <= s <= s1, the least of four corners counts, less max(M_B, 0) (s1 - s0)²/8 (N4).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Sequence
+from fractions import Fraction
+from functools import cached_property, partial
+from itertools import pairwise, product
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from flint import arb, arb_mat, arb_poly, arb_series, ctx
+from jsonschema_rs import validator_for
+
+SCHEMA, BITS, TERMS = Path(__file__).parent / "bundle.schema.json", 160, 4
+WORK, DEEPEST, MOST_BYTES, MOST_TOLD = 5_000_000, 40, 32_000_000, 20
+"""Work in all (intervals, pairs, pieces of motions); halvings of an interval; bytes of a file; failures told."""
+SHOWN, WRONG, IN_TIME, AHEAD = range(4)
+"""What a test says of an interval: it is shown, or not so; or it is to be halved, in time or in what is ahead."""
+Document = dict[str, Any]
+Vector = list[Any]
+
+
+def nth(items: Any, k: int, what: str) -> Any:
+    """Item k of a list. Raises `ValueError`, as for all that is no bundle."""
+    if not 0 <= k < len(items):
+        raise ValueError(f"{what} {k} does not exist; there are {len(items)}")
+    return items[k]
+
+
+def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def length(vector: Iterable[Any]) -> arb:
+    """No vector in a ball of vectors is longer."""
+    return sum((x * x for x in vector), arb(0)).upper().sqrt().upper()
+
+
+def largest(balls: Iterable[arb]) -> arb:
+    """No value in some balls is larger."""
+    found = arb("-inf")
+    for ball in balls:
+        found = found.max(ball.upper())
+    return found
+
+
+def constant(x: Any) -> arb_series:
+    return arb_series([arb(x)], TERMS)
+
+
+class Curve:
+    """Several coordinates: polynomials of the time since the begin of each piece, between `edges`."""
+
+    def __init__(self, edges: list[float], pieces: list[Vector]) -> None:
+        self.edges, self.pieces, self.touched = edges, pieces, 0
+
+    def over(self, low: arb, high: arb) -> Vector:
+        """Series of all coordinates over [low, high] (N1), from all pieces that are touched."""
+        if not (low >= self.edges[0] and high <= self.edges[-1]):
+            raise ArithmeticError("a motion is not given")
+        found: list[Vector] = []
+        for k in range(max(bisect_right(self.edges, float(low)) - 2, 0), len(self.pieces)):
+            begin, end = arb(self.edges[k]), arb(self.edges[k + 1])
+            if begin > high or (begin >= high and found):
+                break
+            if end < low or (end <= low and low < high):
+                continue
+            self.touched += 1
+            a, b, here = low.max(begin) - begin, high.min(end) - begin, []
+            middle = ((a + b) / 2).mid()
+            for path in self.pieces[k]:
+                path, powers = path(arb_poly([middle, 1])), []
+                for m in range(TERMS):
+                    powers.append(path(a.union(b) - middle) / math.factorial(m))
+                    path = path.derivative()
+                here.append(powers)
+            both = zip(found or here, here, strict=True)
+            found = [[x.union(y) for x, y in zip(*each, strict=True)] for each in both]
+        return [arb_series(each, TERMS) for each in found]
+
+
+def spline(arm: Document) -> Curve:
+    """The quintic between each two knots that has their positions, velocities and accelerations (N5)."""
+    pieces, edges = list[Vector](), arm["time"][:1]
+    for (t0, *one), (t1, *other) in pairwise(zip(arm["time"], arm["q"], arm["qd"], arm["qdd"], strict=True)):
+        h, own = arb(t1) - t0, []
+        if h == 0 and one[:2] == other[:2]:
+            continue  # the acceleration jumps
+        if not h > 0:
+            raise ValueError("times of knots increase, or position and velocity are the same")
+        for state in zip(*one, *other, strict=True):
+            x, v, a, y, w, b = map(arb, state)
+            d, u = y - x, h * h
+            third = (20 * d - (8 * w + 12 * v) * h - (3 * a - b) * u) / (2 * h * u)
+            fourth = (-30 * d + (14 * w + 16 * v) * h + (3 * a - 2 * b) * u) / (2 * u * u)
+            fifth = (12 * d - 6 * (v + w) * h + (b - a) * u) / (2 * h * u * u)
+            own.append(arb_poly([x, v, a / 2, third, fourth, fifth]))
+        pieces.append(own)
+        edges.append(t1)
+    return Curve(edges, pieces)
+
+
+def law(frame: Document) -> Curve:
+    """Of a frame: its acceleration, integrated twice from pose and rate at the first edge; neither jumps (N6)."""
+    pieces, state = [], [(arb(x), arb(v)) for x, v in zip(frame["pose"], frame["rate"], strict=True)]
+    for (t0, t1), accelerations in zip(pairwise(frame["edges"]), frame["acceleration"], strict=True):
+        h, own = arb(t1) - t0, []
+        if not h > 0:
+            raise ValueError("edges of a frame's motion increase")
+        for (x, v), powers in zip(state, accelerations, strict=True):
+            own.append(arb_poly([x, v, *(arb(a) / ((m + 1) * (m + 2)) for m, a in enumerate(powers))]))
+        state = [(path(h), path.derivative()(h)) for path in own]
+        pieces.append(own)
+    return Curve(list(frame["edges"]), pieces)
+
+
+class Carrier:
+    """Series of a place (3) and of the columns (3 of 3) of a rotation; whether it turns about the vertical only."""
+
+    def __init__(self, place: Vector, columns: list[Vector], upright: bool) -> None:
+        self.place, self.columns, self.upright = place, columns, upright
+
+    def point(self, local: Vector) -> Vector:
+        """The series of a point that is fixed in it, or moves in it."""
+        rows = zip(self.place, *self.columns, strict=True)
+        return [p + x * local[0] + y * local[1] + z * local[2] for p, x, y, z in rows]
+
+    @cached_property
+    def orders(self) -> list[tuple[Vector, list[Vector]]]:
+        """Place and columns as balls: values, rates, second derivatives."""
+        columns = [[[s[k] * (k or 1) for s in column] for column in self.columns] for k in range(3)]
+        return [([s[k] * (k or 1) for s in self.place], columns[k]) for k in range(3)]
+
+
+def upright(place: Vector, sine: arb_series, cosine: arb_series) -> Carrier:
+    none, one = constant(0), constant(1)
+    return Carrier(place, [[cosine, sine, none], [-sine, cosine, none], [none, none, one]], True)
+
+
+def chain(arm: Document, q: Vector) -> list[Carrier]:
+    """All links of an arm. The origin of a link is its offset in its parent and what its joint slides along the axis;
+    its rotation is Rz(yaw) Ry(-pitch) Rx(roll), each angle a constant and shares of joints, a yaw from a coupler's."""
+    found, couplers = list[Carrier](), list[Vector]()
+
+    def turned(angle: Document) -> tuple[arb_series, arb_series]:
+        total = constant(angle["constant"])
+        for share, value in zip(angle["joints"], q, strict=True):
+            total = total + value * arb(share) if share else total
+        return total.sin_cos()
+
+    for link in arm["links"]:
+        place, slide = [constant(x) for x in link["offset"]], link["slide"]
+        if slide is not None:
+            place = [x + nth(q, slide["joint"], "joint") * arb(a) for x, a in zip(place, slide["axis"], strict=True)]
+        if link["parent"] >= 0:
+            place = nth(found, link["parent"], "an earlier link").point(place)
+        s, c = turned(link["yaw"])
+        if link["coupler"] >= 0:
+            couplers = couplers or closed(nth(arm["loop"], 0, "loop"), found)
+            x, y = nth(couplers, link["coupler"], "coupler")
+            s, c = s * x + c * y, c * x - s * y
+        if link["pitch"] is None:
+            found.append(upright(place, s, c))
+            continue
+        (sp, cp), (sr, cr) = turned(link["pitch"]), turned(link["roll"])
+        both = list(zip([-s, c, constant(0)], [-(sp * c), -(sp * s), cp], strict=True))
+        columns = [[cr * level + sr * up for level, up in both], [cr * up - sr * level for level, up in both]]
+        found.append(Carrier(place, [[cp * c, cp * s, sp], *columns], False))
+    return found
+
+
+def closed(loop: Document, found: list[Carrier]) -> list[Vector]:
+    """Cosine and sine of both couplers of a loop, which go from the ends of two cranks to where they meet, on the given
+    side. With s from end to end, fold = (s² - a² - b²)/(2 a b) is the cosine of the angle between them, and the margin
+    sqrt(1 - fold²) is as large as is claimed (N7)."""
+    tips = [[arb(r), arb(0), arb(0)] for r in loop["lengths"]]
+    (x, y, _), (u, v, _) = (nth(found, k, "link").point(tip) for k, tip in zip(loop["cranks"], tips, strict=True))
+    (a, b), dx, dy = map(arb, loop["couplers"]), u - x, v - y
+    square = dx * dx + dy * dy
+    fold = (square - (a * a + b * b)) / (2 * a * b)
+    margin = 1 - fold * fold
+    if not (margin[0] >= arb(loop["least"]) ** 2 and arb(loop["least"]) > 0):
+        raise ArithmeticError("a loop may come apart")
+    along, across = (square + (a * a - b * b)) / (square * 2), margin.sqrt() / square * (arb(loop["side"]) * a * b)
+    ex, ey = along * dx - across * dy, along * dy + across * dx
+    return [[ex / a, ey / a], [(ex - dx) / b, (ey - dy) / b]]
+
+
+class Solid:
+    """A piece of a body at a pose in its carrier: centre (or the hull of vertices) + edges [-1, 1] + disc + ball."""
+
+    def __init__(self, piece: Document, pose: Vector) -> None:
+        at, (s, c) = [arb(x) for x in pose[:3]], arb(pose[3]).sin_cos()
+        turned = [[c * x - s * y, s * x + c * y, arb(z)] for x, y, z in piece["edges"] + [piece["axis"]]]
+        points = [[c * x - s * y, s * x + c * y, arb(z)] for x, y, z in piece["vertices"] or [piece["centre"]]]
+        self.points = [[a + b for a, b in zip(at, point, strict=True)] for point in points]
+        self.hull = arb_mat(len(points), 3, [x for point in self.points for x in point])
+        self.edges, self.axis = turned[:-1], turned[-1]
+        self.disc, self.ball, self.size = arb(piece["disc"]), arb(piece["ball"]), dot(self.axis, self.axis).sqrt()
+        if not self.size > 0:
+            raise ValueError("the axis of a disc is not zero")
+
+    @cached_property
+    def reach(self) -> arb:
+        """How far its points are from the carrier's axis."""
+        rims = self.points
+        for edge in self.edges:
+            rims = [[x + sign * y for x, y in zip(rim, edge, strict=True)] for rim in rims for sign in (-1, 1)]
+        return largest(length(rim[:2]) for rim in rims) + self.disc + self.ball
+
+    def support(self, place: Vector, columns: list[Vector], m: Vector, size: arb | None, upright: bool) -> arb:
+        """The largest m·x (N2). `size`: |m|; None: of derivatives, where what does not change counts nothing: balls,
+        and discs about the vertical on what turns about the vertical only."""
+        g, (x, y, z) = [dot(column, m) for column in columns], self.axis
+        found = dot(m, place) + largest((self.hull * arb_mat(3, 1, g)).entries())
+        found += sum(abs(dot(g, edge)) for edge in self.edges)
+        if self.disc > 0 and size is not None:
+            across = length([g[1] * z - g[2] * y, g[2] * x - g[0] * z, g[0] * y - g[1] * x])
+            found += self.disc * across / self.size
+        elif self.disc > 0 and not (upright and x == 0 and y == 0):
+            found += self.disc * length(g)
+        return arb(found if size is None else found + self.ball * size)
+
+
+def box(pieces: list[Document]) -> Document:
+    """The box in a body's own axes that holds its pieces."""
+    solids, centre, edges = [Solid(piece, [0] * 4) for piece in pieces], list[arb](), list[Vector]()
+    unit = [[arb(int(i == k)) for i in range(3)] for k in range(3)]
+    for way in unit:
+        back = [-x for x in way]
+        high, low = (largest(one.support([0] * 3, unit, m, arb(1), False) for one in solids) for m in (way, back))
+        centre.append(((high - low) / 2).mid())
+        edges.append([x * largest([high - centre[-1], low + centre[-1]]) for x in way])
+    return {"centre": centre, "edges": edges, "disc": 0, "axis": [0, 0, 1], "ball": 0, "vertices": []}
+
+
+def swung(arm: Document, tool_from: int, elbow: arb, shift: arb) -> tuple[arb, arb, arb]:
+    """Of two links that carry the tool like those of a SCARA, with an elbow joint in a ball: the length of the first,
+    and by what angles both turn at most where the tool is shifted: shift / (length sin elbow), the sine being the least
+    of those at the radii that the shift may lead to, which is at one end of them (N10)."""
+    first, second, tool = (nth(arm["links"], k, "link") for k in (1, 2, tool_from))
+    parents = [link["parent"] for link in (first, second, tool)]
+    yaws = [sum(abs(a - b) for a, b in zip(link["yaw"]["joints"], yaw, strict=False)) for link, yaw in (
+        (first, (1, 0, 0, 0)), (second, (1, 1, 0, 0)))]  # fmt: skip
+    plain = all(link["pitch"] is None and link["coupler"] < 0 for link in (first, second))
+    a, b, aside = second["offset"][0], tool["offset"][0], any(link["offset"][1] for link in (second, tool))
+    if parents != [0, 1, 2] or any(yaws) or not plain or aside or not (a > 0 and b > 0) or len(arm["q"][0]) != 4:
+        raise ValueError("only the tool of a SCARA with four axes has a share in a displacement")
+    square = arb(a) ** 2 + arb(b) ** 2 + 2 * arb(a) * b * elbow.cos()
+    radii, sines = [square.lower().max(arb(0)).sqrt().lower() - shift, square.upper().sqrt() + shift], []
+    for radius in radii:
+        cosine = (radius * radius - arb(a) ** 2 - arb(b) ** 2) / (2 * arb(a) * b)
+        sines.append(1 - cosine * cosine)
+    if not (radii[0] > abs(arb(a) - b) and radii[1] < arb(a) + b and all(sine > 0 for sine in sines)):
+        raise ArithmeticError("an arm that a correction may stretch or fold")
+    sine = sines[0].min(sines[1]).lower().sqrt().lower()
+    return arb(a), shift / (a * sine), shift / (b * sine)
+
+
+class Duty(NamedTuple):
+    """Two bodies of a phase must stay `least` apart (less than 0: may touch as deep), before what is not known of them;
+    the first is looked at by the clock, the second from `early` to `late` ahead of it."""
+
+    bodies: tuple[int, int]
+    least: float
+    early: Fraction
+    late: Fraction
+    rows: list[Document]
+
+
+class World:
+    """What a bundle says of bodies and their motion, and what must be kept; failures are what is not shown of it."""
+
+    def __init__(self, bundle: Document) -> None:
+        self.bundle, self.work, self.kept, self.failures = bundle, WORK, dict[Any, Any](), list[str]()
+        self.splines = [spline(arm) for arm in bundle["arms"]]
+        self.laws = [law(frame) if frame["edges"] else None for frame in bundle["frames"]]
+        self.curves = [curve for curve in (*self.splines, *self.laws) if curve is not None]
+        self.frames, self.bodies, self.phases, self.must = (
+            bundle[x] for x in ("frames", "bodies", "phases", "required")
+        )
+        self.seats = [[nth(bundle["seats"], k, "seat") for k in phase["seats"]] for phase in self.phases]
+        if any([seat["body"] for seat in seats] != list(range(len(self.bodies))) for seats in self.seats):
+            raise ValueError("a phase has a seat of each body, in their order")
+
+    def spend(self, work: int) -> None:
+        self.work -= work
+        if self.work < sum(curve.touched for curve in self.curves):
+            raise OverflowError
+
+    def everywhere(self, test: Callable[..., int], t0: float, t1: float, s0: float = 0.0, s1: float = 0.0) -> bool:
+        """Whether a test is shown on an interval, or on all parts of it."""
+        stack = [(t0, t1, s0, s1, 0)]
+        while stack:
+            t0, t1, s0, s1, depth = stack.pop()
+            self.spend(1)
+            try:
+                said = test(t0, t1, s0, s1)
+            except ArithmeticError:  # a motion is not known there, or a loop may come apart
+                said = IN_TIME
+            if said == SHOWN:
+                continue
+            if said == WRONG or depth >= DEEPEST or (t0 == t1 and s0 == s1):
+                return False
+            t, s = (t0 + t1) / 2, (s0 + s1) / 2
+            halves = [(t0, t1, s0, s), (t0, t1, s, s1)] if said == AHEAD else [(t0, t, s0, s1), (t, t1, s0, s1)]
+            stack += [(*half, depth + 1) for half in halves]
+        return True
+
+    def stands(self, f: int) -> bool:
+        """Whether a frame never moves."""
+        frame = nth(self.frames, f, "frame")
+        return self.laws[f] is None and frame["arm"] < 0 and not frame["waves"]
+
+    def carrier(self, link: int, f: int, t0: float, t1: float, s0: float = 0.0, s1: float = 0.0) -> Carrier:
+        """A link of the robot, which follows the clock, or else a frame, which is s ahead of it."""
+        s0, s1 = (0.0, 0.0) if link >= 0 else (s0, s1)
+        key = (-1, t0, t1, s0, s1) if link >= 0 else (f, 0, 0, 0, 0) if self.stands(f) else (f, t0, t1, s0, s1)
+        if key not in self.kept:
+            low, high = arb(t0) + s0, arb(t1) + s1
+            self.kept[key] = self.links(0, low, high) if link >= 0 else self.frame(f, low, high)
+        return nth(self.kept[key], link, "link") if link >= 0 else self.kept[key]  # type: ignore[no-any-return]
+
+    def links(self, arm: int, low: arb, high: arb) -> list[Carrier]:
+        return chain(nth(self.bundle["arms"], arm, "arm"), self.splines[arm].over(low, high))
+
+    def frame(self, f: int, low: arb, high: arb) -> Carrier:
+        frame, own = self.frames[f], self.laws[f]
+        if frame["arm"] >= 0:
+            found: Carrier = nth(self.links(frame["arm"], low, high), frame["link"], "link")
+            if not found.upright:
+                raise ValueError("a frame turns about the vertical only")
+            return found
+        now = [constant(x) for x in frame["pose"]] if own is None else own.over(low, high)
+        for wave in frame["waves"]:
+            angle = arb_series([low.union(high), 1], TERMS) * arb(wave["rate"]) + arb(wave["phase"])
+            now[wave["coordinate"]] = now[wave["coordinate"]] + angle.sin() * arb(wave["amplitude"])
+        return upright(now[:3], *now[3].sin_cos())
+
+    def solid(self, seat: Document, piece: int) -> Solid:
+        """A piece of a body where it sits; -1: the box in the body's own axes that holds them all."""
+        key = (id(seat), piece)
+        if key not in self.kept:
+            pieces = self.bodies[seat["body"]]["pieces"]
+            self.kept[key] = Solid(box(pieces) if piece < 0 else nth(pieces, piece, "piece"), seat["pose"])
+        return self.kept[key]  # type: ignore[no-any-return]
+
+    def ahead(self, f: int, late: float) -> tuple[Fraction, Fraction]:
+        """Between which times a frame may be ahead of a robot that starts up to `late` late."""
+        least, most = map(Fraction, self.frames[f]["shift"])
+        return (Fraction(0), Fraction(0)) if self.stands(f) else (-most, Fraction(late) - least)
+
+    def duties(self, p: int) -> dict[frozenset[int], Duty]:
+        """The robot's bodies and all others; those on links that are asked to stay apart; parts that were put down and
+        what is on another frame, if one of both moves and they were not put on it."""
+        phase, at, found, must = self.phases[p], self.seats[p], dict[frozenset[int], Duty](), self.must
+        touching = {frozenset(each["bodies"]): -each["depth"] for each in phase["contacts"]}
+        asked = [frozenset(pair) for pair in must["self_pairs"]]
+        self.spend(len(at) ** 2 * (1 + len(asked) + len(must["exceptions"])))
+
+        def add(a: int, b: int, kind: str, early: Fraction = Fraction(0), late: Fraction = Fraction(0)) -> None:
+            least, key = must[kind], frozenset((a, b))
+            for rule in must["exceptions"]:
+                if any(x in (rule["first"] or [x]) and y in (rule["second"] or [y]) for x, y in ((a, b), (b, a))):
+                    least = rule[kind]
+            found.setdefault(key, Duty((a, b), touching.get(key, least), early, late, []))
+
+        for a, b in product(range(len(at)), repeat=2) if phase["robot"] else ():
+            one, other, kind = at[a]["link"], at[b]["link"], "near" if phase["near"] else "travel"
+            if one >= 0 > other:
+                add(a, b, kind, *self.ahead(at[b]["frame"], must["late"]))
+            elif one >= 0 and a < b and one != other and frozenset((one, other)) in asked:
+                add(a, b, kind)
+        for a, supports in ((part["body"], part["supports"]) for part in phase["put_down"]):
+            here = nth(at, a, "body")["frame"]
+            for b, there in enumerate(seat["frame"] for seat in at):
+                if there not in (-1, here) and b not in supports and not (self.stands(here) and self.stands(there)):
+                    (low, high), (first, last) = self.ahead(there, 0.0), self.ahead(here, 0.0)
+                    add(a, b, "near", *(() if self.stands(there) else (low - last, high - first)))
+        return found
+
+    def apart(self) -> tuple[int, int]:
+        """Shows all rows, and that they cover every pair for the whole of every phase; how many rows and pairs."""
+        many, begins, names = 0, [phase["t0"] for phase in self.phases], [body["name"] for body in self.bodies]
+        duties, outside = [self.duties(p) for p in range(len(begins))], [set[frozenset[int]]() for _ in begins]
+        for row in self.bundle["rows"]:
+            bodies, pieces, p = row["bodies"], row["pieces"], bisect_right(begins, row["t0"]) - 1
+            told = " and ".join(nth(names, body, "body") for body in bodies)
+            duty = (
+                duties[p].get(frozenset(bodies)) if p >= 0 and row["t0"] <= row["t1"] <= self.phases[p]["t1"] else None
+            )
+            if duty is None or ((duty.early != 0 or duty.late != 0) and duty.bodies[0] != bodies[0]):
+                continue  # nobody asks for it, or it is not within one phase
+            if not self.holds(p, row, duty):
+                self.failures.append(f"a row of {told} from {row['t0']:.9g} s to {row['t1']:.9g} s")
+                continue
+            duty.rows.append(row)
+            many += 1
+            whole = all(k < 0 or len(self.bodies[body]["pieces"]) == 1 for body, k in zip(bodies, pieces, strict=True))
+            outside[p] |= {frozenset(bodies)} if duty.least >= 0 and whole else set()
+        for p, phase in enumerate(self.phases):
+            for key, duty in duties[p].items() if phase["t1"] > phase["t0"] else ():
+                told = f"{' and '.join(names[k] for k in duty.bodies)} in {phase['kind']} from {phase['t0']:.9g} s"
+                if not self.covered(duty, phase["t0"], phase["t1"]):
+                    self.failures.append(f"{told}: no row for a part of it")
+                if duty.least >= 0 and any(self.bodies[k]["hollow"] for k in key):
+                    # as long as a pair stays apart, one is within what is hollow all the time, or never
+                    ends = [k for k, each in enumerate(duties) if not (key in each and each[key].least >= 0)]
+                    first = max((k + 1 for k in ends if k < p), default=0)
+                    last = min((k for k in ends if k > p), default=len(duties))
+                    if not any(key in each for each in outside[first:last]):
+                        self.failures.append(f"{told}: nothing shows that one is not within the other")
+        return many, sum(map(len, duties))
+
+    def holds(self, p: int, row: Document, duty: Duty) -> bool:
+        """Whether a row holds on its interval, or on all parts of it (N3, N4)."""
+        (one, other), n = (self.seats[p][k] for k in row["bodies"]), [arb(x) for x in row["normal"]]
+        (a, b), size, back = map(self.solid, (one, other), row["pieces"]), dot(n, n).sqrt(), [-x for x in n]
+
+        def test(t0: float, t1: float, s0: float, s1: float) -> int:
+            far = []
+            for t, s in product((t0, t1), {s0, s1}):
+                on = self.carrier(one["link"], one["frame"], t, t)
+                beside = self.carrier(other["link"], other["frame"], t, t, s, s)
+                reach = a.support(*on.orders[0], n, size, on.upright)
+                far.append(reach + b.support(*beside.orders[0], back, size, beside.upright))
+            need = self.need(p, duty, n, size, t0, t1, ((one, a), (other, b)))
+            if any(-x < need for x in far):
+                return WRONG
+            on = self.carrier(one["link"], one["frame"], t0, t1)
+            beside = self.carrier(other["link"], other["frame"], t0, t1, s0, s1)
+            bend_s = b.support(*beside.orders[2], n, None, beside.upright)
+            bend_t = bend_s + a.support(*on.orders[2], back, None, on.upright)
+            less_t = largest([bend_t, arb(0)]) * (arb(t1) - t0) ** 2 / 8
+            less_s = largest([bend_s, arb(0)]) * (arb(s1) - s0) ** 2 / 8
+            if -largest(far) - less_t - less_s - need >= 0:
+                return SHOWN
+            return AHEAD if s1 > s0 and (t0 == t1 or not less_t >= less_s) else IN_TIME
+
+        return bool(size > 0) and self.everywhere(test, row["t0"], row["t1"], row["s0"], row["s1"])
+
+    def need(self, p: int, duty: Duty, n: Vector, size: arb, t0: float, t1: float, sides: Any) -> arb:
+        """The gap that is required along a normal, and how much nearer what is not known may bring both bodies (N8)."""
+        found, flat, phase, must = duty.least * size, length(n[:2]), self.phases[p], self.must
+        lasts = (arb(t1) + must["late"] - must["since"]).max(arb(0))
+        tools, shift = [seat["link"] >= must["tool_from"] for seat, _ in sides], arb(0)
+        for f, frame in enumerate(self.frames):
+            on = [seat["frame"] == f for seat, _ in sides]
+            for each in frame["unknown"] if not all(tools) else ():
+                given = phase["shares"][f] if each["shared"] else (0.0, 0.0)
+                amount = each["amount"] + each["growth"] * lasts
+                shift += largest(map(abs, map(arb, given))) * amount
+                shares = [(1.0, 1.0) if x else given if tool else (0.0, 0.0) for x, tool in zip(on, tools, strict=True)]
+                share = largest(abs(arb(shares[i][1]) - shares[1 - i][0]) for i in (0, 1))
+                along = abs(dot(n, each["direction"])) if each["direction"] else flat
+                found += share * amount * along
+            found += sum(frame["yaw"] * solid.reach * flat for x, (_, solid) in zip(on, sides, strict=True) if x)
+        for seat, solid in sides:
+            across, upwards = phase["unknown"][seat["body"]]
+            found += across * flat + upwards * abs(n[2])
+            if seat["link"] < 0 or not (any(must["lag"]) or shift > 0):
+                continue
+            arm, now, lags = self.bundle["arms"][0], self.splines[0].over(arb(t0), arb(t1)), map(arb, must["lag"])
+            moved = [arb_series([x[0] + arb(0, lag), arb(0, lag)], TERMS) for x, lag in zip(now, lags, strict=True)]
+            carrier = nth(chain(arm, moved), seat["link"], "link")
+            found += solid.support(*carrier.orders[1], n, None, carrier.upright)
+            if shift > 0 and 0 < seat["link"] < must["tool_from"]:
+                inner, first, second = swung(arm, must["tool_from"], moved[1][0], shift)
+                turns = [solid.reach * first, inner * first + solid.reach * second]
+                found += flat * nth(turns, seat["link"] - 1, "link of two that a correction turns, less one,")
+        return found
+
+    def covered(self, duty: Duty, t0: float, t1: float) -> bool:
+        """Whether rows of all pieces of a pair follow each other over a whole phase, for all shifts of its window."""
+        many = [range(len(self.bodies[body]["pieces"])) for body in duty.bodies]
+        edges = {x for row in duty.rows for x in (row["s0"], row["s1"]) if duty.early < x < duty.late}
+        for low, high in pairwise([duty.early, *sorted(edges), duty.late]):
+            rows, split = [], False
+            for row in sorted(duty.rows, key=lambda row: row["t0"]):
+                if row["s0"] <= low and high <= row["s1"]:
+                    pieces = row["pieces"] if row["bodies"][0] == duty.bodies[0] else row["pieces"][::-1]
+                    rows.append((row["t0"], row["t1"], pieces))
+                    split = split or pieces != [-1, -1]
+            for pair in product(*many) if split else [(-1, -1)]:
+                self.spend(len(rows))
+                reached = t0
+                for begin, end, pieces in rows:
+                    if begin <= reached and all(k in (-1, j) for k, j in zip(pieces, pair, strict=True)):
+                        reached = max(reached, end)
+                if reached < t1:
+                    return False
+        return True
+
+    def limited(self) -> None:
+        """Each joint keeps its limits on every piece of the spline that reaches into the time for which they count."""
+        own, spans = self.splines[0], self.bundle["limits"]
+        if not any(span["t0"] <= own.edges[0] and own.edges[-1] <= span["t1"] for span in spans):
+            self.failures.append("no limits count for all of the motion")
+
+        def test(span: Document, t0: float, t1: float, *_: float) -> int:
+            rates = [span[key] for key in ("velocity", "acceleration", "jerk") if span[key]]
+            for q, low, high, *most in zip(
+                own.over(arb(t0), arb(t1)), span["lower"], span["upper"], *rates, strict=True
+            ):
+                half = (arb(high) - low) / 2
+                kept = [abs(q[0] - (arb(high) + low) / 2) <= half * (1 + arb(span["shares"][0]))]
+                for k, (x, share) in enumerate(zip(most, span["shares"][1:], strict=False), start=1):
+                    kept.append(abs(q[k]) * math.factorial(k) <= x * (1 + arb(share)))
+                if not all(kept):
+                    return IN_TIME
+            return SHOWN
+
+        for span, (t0, t1) in product(spans, pairwise(own.edges)):
+            if t1 > span["t0"] and t0 < span["t1"] and not self.everywhere(partial(test, span), t0, t1):
+                self.failures.append(f"a joint does not keep its limits from {t0:.9g} s to {t1:.9g} s")
+
+    def pointed(self) -> None:
+        """The tool is where it must be, and as fast, and with a part accelerates no harder than it may (N9)."""
+
+        def near(point: Document, t0: float, t1: float, *_: float) -> int:
+            limits, bend = [*point["height"], point["position"], *point["yaw"]], (arb(t1) - t0) ** 2 / 8
+            bends = [length(s[2] * 2 for s in vector) * bend for vector in self.relative(point, t0, t1)]
+            for t in (t0, t1):
+                vectors = self.relative(point, t, t)
+                if not all(length(s[0] for s in v) + x <= y for v, x, y in zip(vectors, bends, limits, strict=True)):
+                    return IN_TIME
+            rates = self.relative({**point, "height": []}, t0, t0) if point["rates"] else []
+            fast = [length(s[1] for s in v) <= most for v, most in zip(rates, point["rates"], strict=True)]
+            return SHOWN if all(fast) else WRONG
+
+        def gentle(pull: Document, t0: float, t1: float, *_: float) -> int:
+            tool = self.carrier(pull["link"], -1, t0, t1).point(pull["tool"])
+            return SHOWN if length(s[2] * 2 for s in tool) <= pull["most"] * (1 + arb(pull["share"])) else IN_TIME
+
+        def aimed(axis: Document, t0: float, t1: float, *_: float) -> int:
+            way = [[constant(x) for x in axis[key]] for key in ("axis", "direction")]
+            over, begin, end = (
+                dot(
+                    [dot(row, way[0]) for row in zip(*self.carrier(axis["link"], -1, a, b).columns, strict=True)],
+                    way[1],
+                )
+                for a, b in ((t0, t1), (t0, t0), (t1, t1))
+            )
+            bend = abs(over[2] * 2) * (arb(t1) - t0) ** 2 / 8
+            kept = [axis["low"] <= s[0] - bend and s[0] + bend <= axis["high"] for s in (begin, end)]
+            return SHOWN if all(kept) else IN_TIME
+
+        for test, key in ((near, "points"), (gentle, "pulls"), (aimed, "axes")):
+            for claim in self.bundle[key]:
+                if not self.everywhere(partial(test, claim), claim["t0"], claim["t1"]):
+                    self.failures.append(f"the tool, {claim['name']}, from {claim['t0']:.9g} s to {claim['t1']:.9g} s")
+
+    def relative(self, point: Document, t0: float, t1: float) -> list[Vector]:
+        """Of a tool point against its control point: how far it is from the middle of the heights that it may have, if
+        it may have any; how far it is beside it, or away from it; and the difference of directions, if they count."""
+        (*tool, turn), (*target, yaw), found = point["tool"], point["target"], list[Vector]()
+        here, there = self.carrier(point["link"], -1, t0, t1), self.carrier(-1, point["frame"], t0, t1)
+        away = [x - y for x, y in zip(here.point(tool), there.point(target), strict=True)]
+        if point["height"]:
+            found.append([away.pop() - arb(point["middle"])])
+        (s, c), (u, v) = arb(turn).sin_cos(), arb(yaw).sin_cos()
+        axes = zip(*here.columns[:2], *there.columns[:2], strict=True)
+        found += [away, [x * c + y * s - z * v - w * u for x, y, z, w in axes]]
+        return found if point["yaw"] else found[:-1]
+
+
+def read(data: bytes) -> Document:
+    """The bundle in a file. Raises `ValueError`."""
+    if len(data) > MOST_BYTES:
+        raise ValueError(f"{len(data)} bytes; up to {MOST_BYTES} are allowed")
+    try:
+        document = json.loads(data)
+        wrong = next(validator_for(json.loads(SCHEMA.read_bytes())).iter_errors(document), None)
+    except RecursionError as error:
+        raise ValueError("lists within lists, too deep") from error
+    if wrong is not None:
+        raise ValueError(f"{'.'.join(map(str, wrong.instance_path))}: {wrong.message:.200}")
+    return dict(document)
+
+
+def prove(data: bytes) -> tuple[bool, list[str]]:
+    """Whether everything that a bundle claims is shown, and what was shown, or else the first failures.
+
+    Raises `ValueError`."""
+    before = ctx.prec, ctx.cap
+    ctx.prec, ctx.cap = BITS, TERMS
+    try:
+        bundle = read(data)
+        world, until = World(bundle), bundle["required"]["until"]
+        edges = [world.splines[0].edges[0], *(phase["t1"] for phase in bundle["phases"])]
+        if any(not phase["t0"] == t <= phase["t1"] for phase, t in zip(bundle["phases"], edges, strict=False)):
+            world.failures.append("phases do not follow each other without a gap")
+        if not edges[-1] >= until:
+            world.failures.append("the phases end too early")
+        world.limited()
+        world.pointed()
+        rows, pairs = world.apart()
+    except (IndexError, TypeError) as error:
+        raise ValueError(f"values that do not fit together: {error}") from error
+    except OverflowError:
+        return False, [f"more work than {WORK} intervals, pairs and pieces of motions"]
+    finally:
+        ctx.prec, ctx.cap = before
+    if world.failures:
+        return False, [*world.failures[:MOST_TOLD], f"{len(world.failures)} claims are not shown"]
+    must, alone = bundle["required"], next((phase["t0"] for phase in bundle["phases"] if not phase["robot"]), until)
+    contacts = sum(len(phase["contacts"]) for phase in bundle["phases"])
+    return True, [
+        f"Shown of the plan {bundle['plan_digest'][:16]} for the request {bundle['request_digest'][:23]}:",
+        f"{pairs} pairs of bodies stay apart in {len(edges) - 1} phases until {until:.6g} s, by {rows} rows,",
+        f"those of the robot from {edges[0]:.6g} s to {alone:.6g} s, if it starts up to {must['late']:g} s late:",
+        f"{must['travel']:g} m in travel, {must['near']:g} m near a point, with {len(must['exceptions'])} exceptions",
+        f"and {contacts} allowed contacts. The joints keep {len(bundle['limits'])} sets of limits. The tool is",
+        f"{len(bundle['points'])} times where it must be, {len(bundle['axes'])} times as directed, and accelerates",
+        f"{len(bundle['pulls'])} times no harder than it may.",
+    ]

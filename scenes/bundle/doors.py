@@ -1,0 +1,34 @@
+"""What the command line and Python call: a planned answer in, its proof bundle out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from assur.planner.errors import InputError
+from assur.scenes.requests import cell_of, read_plan
+from assur.scenes.scenarios import with_files
+
+if TYPE_CHECKING:
+    from assur.scenes.reading.cell import Cell
+
+
+def bundle_document(request: object, plan: object, *, folder: Path | None = None) -> dict[str, Any]:
+    """The proof bundle of a planned answer with a full certificate (docs/bundle.md).
+
+    `folder`: below which the request may name files. Raises `InputError` naming the field: for what is wrong with a
+    document, for what the answer repeats of the request and is not so, and for what no bundle can state. Whether the
+    plan is right is not judged: who proves the bundle does.
+    """
+    return bundle_cell(cell_of(request if folder is None else with_files(request, folder)), plan)
+
+
+def bundle_cell(cell: Cell, plan: object) -> dict[str, Any]:
+    """The same for a cell that has been read."""
+    from assur.scenes.bundle.writing import bundle_of
+
+    made, untrue, _ = read_plan(cell, plan)
+    if untrue:
+        told = "; ".join(finding.what for finding in untrue)
+        raise InputError("plan", "this answer", f"one that is right: {told}")
+    return bundle_of(cell.scene, made)

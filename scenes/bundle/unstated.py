@@ -1,0 +1,10 @@
+"""What a bundle cannot state yet."""
+
+from __future__ import annotations
+
+from assur.planner.errors import InputError
+
+
+def unstated(what: str) -> InputError:
+    """The refusal of an answer with something that no bundle can state."""
+    return InputError("plan", what, "an answer without it: a proof bundle cannot state it yet")

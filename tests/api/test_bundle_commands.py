@@ -1,0 +1,95 @@
+"""The commands `bundle` and `prove`."""
+
+from __future__ import annotations
+
+import builtins
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from assur.api.cli.border import BAD_INPUT, RIGHT, WRONG
+from assur.scenes.plan_file import PlanFile
+from assur.scenes.scenarios import shipped
+from tests.api.test_command_line import run
+from tests.scenes.cells.second_kinematics import answer
+
+NAME = "standard-cycle"
+
+
+@pytest.fixture
+def plan_file(tmp_path: Path) -> Path:
+    file = tmp_path / "plan.json"
+    file.write_text(json.dumps(PlanFile(dict(shipped(NAME).request), answer(NAME)).document))
+    return file
+
+
+def test_a_plan_becomes_a_bundle_that_is_shown(plan_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "bundle.json"
+    code, told, _ = run("bundle", str(plan_file), "--out", str(out))
+    assert (code, told.startswith("proof bundle of plan: ")) == (RIGHT, True)
+    code, told, _ = run("prove", str(out))
+    assert (code, told.splitlines()[0]) == (RIGHT, "bundle shown")
+    assert "pairs of bodies stay apart" in told
+
+
+def test_a_bundle_that_claims_too_much_is_not_shown(plan_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "bundle.json"
+    run("bundle", str(plan_file), "--out", str(out))
+    document = json.loads(out.read_text())
+    document["required"]["travel"] = 1.0
+    out.write_text(json.dumps(document))
+    code, told, _ = run("prove", str(out))
+    lines = told.splitlines()
+    assert (code, lines[0]) == (WRONG, "bundle not shown")
+    assert lines[1].startswith("a row of ")
+    assert lines[-1].endswith("claims are not shown")
+
+
+def test_what_is_no_bundle_is_bad_input(plan_file: Path, tmp_path: Path) -> None:
+    code, told, wrong = run("prove", str(plan_file))
+    assert (code, told) == (BAD_INPUT, "")
+    assert wrong.startswith('assur: BUNDLE: got "plan.json"; allowed: a proof bundle: ')
+    code, _, wrong = run("prove", str(tmp_path / "none.json"))
+    assert (code, "a file" in wrong) == (BAD_INPUT, True)
+
+
+def test_an_answer_that_is_not_so_has_no_bundle(plan_file: Path, tmp_path: Path) -> None:
+    document = json.loads(plan_file.read_text())
+    document["plan"]["duration_s"] += 1.0
+    plan_file.write_text(json.dumps(document))
+    code, _, wrong = run("bundle", str(plan_file), "--out", str(tmp_path / "bundle.json"))
+    assert (code, (tmp_path / "bundle.json").exists()) == (BAD_INPUT, False)
+    assert "duration" in wrong
+
+
+def test_a_motion_that_goes_on_where_it_is_needed_at_rest_has_no_bundle() -> None:
+    from dataclasses import replace
+
+    from assur.planner.errors import InputError
+    from assur.scenes.bundle.writing import bundle_of
+    from tests.prover.bundles import planned
+
+    scene, plan = planned(NAME)
+    path = plan.trajectory
+    qd = path.qd.copy()
+    qd[-1, 0] = 1e-10
+    scene = replace(scene, options=replace(scene.options, stay_safe_s=1.0))
+    with pytest.raises(InputError, match="not at rest when it ends"):
+        bundle_of(scene, replace(plan, trajectory=replace(path, qd=qd)))
+
+
+def test_without_the_extra_it_is_said_what_to_install(plan_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    real = builtins.__import__
+
+    def without(name: str, globals: Mapping[str, object] | None = None, *rest: Any) -> Any:  # noqa: A002
+        if name == "assur.prover.prove":
+            raise ImportError(name)
+        return real(name, globals, *rest)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    code, told, wrong = run("prove", str(plan_file))
+    assert (code, told) == (BAD_INPUT, "")
+    assert "pip install 'assur[proof]'" in wrong

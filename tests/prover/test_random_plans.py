@@ -1,0 +1,39 @@
+"""Plans of random cells before both checkers: a short form of ``make prove-random``."""
+
+from __future__ import annotations
+
+import pytest
+
+from assur.scenes.requests import plan_document
+from benchmarks.proofs import Agreement, agreements, judged
+from benchmarks.soak.random_cells import KINDS, random_cell
+
+
+def test_both_checkers_agree_on_a_plan_of_each_kind_of_cell(monkeypatch: pytest.MonkeyPatch) -> None:
+    def first_plan(request: dict[str, object]) -> dict[str, object]:
+        own = dict(request["options"])  # type: ignore[call-overload]
+        own |= {"stop": "first", "budget_s": 60.0}
+        request["options"] = own
+        return plan_document(request)
+
+    monkeypatch.setattr("assur.scenes.requests.plan_document", first_plan)
+    found = Agreement()
+    for found in agreements(len(KINDS), 5):
+        assert found.plans == found.shown
+    assert (found.shown, found.differ, len(found.times)) == (len(KINDS), [], len(KINDS))
+
+
+def test_checkers_that_differ_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    kind = next(iter(KINDS))
+    monkeypatch.setattr("assur.prover.prove.prove", lambda _: (False, ["a row of one and another"]))
+    monkeypatch.setattr("assur.scenes.requests.check_document", lambda *_: {"ok": True})
+    monkeypatch.setattr("assur.scenes.bundle.doors.bundle_document", lambda *_: {})
+    monkeypatch.setattr("assur.scenes.requests.plan_document", lambda _: {"status": "planned"})
+    found = Agreement()
+    judged(found, kind, 5)
+    assert found.differ == [(kind, 5, "first True, second False: a row of one and another")]
+    assert (found.shown, found.plans) == (0, 1)
+    monkeypatch.setattr("assur.scenes.requests.plan_document", lambda _: {"status": "not_planned", "reason": "X"})
+    judged(found, kind, 5)
+    assert (found.plans, dict(found.refused)) == (1, {"X": 1})
+    assert random_cell(kind, 5) == random_cell(kind, 5)

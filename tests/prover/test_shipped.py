@@ -1,0 +1,115 @@
+"""What the prover says of the plans of all shipped scenarios, and how it stands beside the planner."""
+
+from __future__ import annotations
+
+import ast
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from jsonschema import Draft202012Validator
+
+import assur
+from assur.planner.model.phases import phases
+from assur.prover import prove as prover
+from assur.scenes.requests import check_document
+from assur.scenes.scenarios import shipped, shipped_scenarios
+from tests.architecture.source_tree import ROOT, imports
+from tests.prover.bundles import bundle, planned, shown
+from tests.scenes.cells.second_kinematics import answer
+
+PROVER = ROOT / "prover" / "prove.py"
+MOST_LINES = 500
+"""Of code: a sceptic reads it in an evening."""
+
+
+@pytest.mark.parametrize("name", shipped_scenarios())
+def test_both_checkers_agree_on_every_plan_that_a_shipped_scenario_has(name: str) -> None:
+    if answer(name)["status"] != "planned":
+        return
+    scenario = shipped(name)
+    assert check_document(scenario.request, answer(name), folder=scenario.folder)["ok"]
+    right, lines = shown(bundle(name))
+    assert (right, [line for line in lines if "not shown" in line]) == (True, [])
+    scene, plan = planned(name)
+    of_plan = phases(scene, plan.legs, plan.arrivals)
+    assert f"in {len(of_plan)} phases until {of_plan[-1].t1:.6g} s" in lines[1]
+    counted = next((phase.t0 for phase in of_plan if not phase.robot), of_plan[-1].t1)
+    assert f"from {plan.trajectory.start:.6g} s to {counted:.6g} s" in lines[2]
+    assert plan.certificate.digest.startswith(lines[0].split()[4])
+    assert scene.digest.startswith(lines[0].split()[8].rstrip(":"))
+
+
+def test_a_bundle_has_the_form_that_its_schema_says_by_another_validator() -> None:
+    schema = json.loads(prover.SCHEMA.read_text())
+    Draft202012Validator.check_schema(schema)
+    written = json.loads(json.dumps(bundle("demo"), allow_nan=False))
+    assert list(Draft202012Validator(schema).iter_errors(written)) == []
+    written["rows"][0]["note"] = "believe me"
+    assert len(list(Draft202012Validator(schema).iter_errors(written))) == 1
+
+
+def test_every_term_of_a_bundle_is_explained_in_its_schema() -> None:
+    schema = json.loads(prover.SCHEMA.read_text())
+    bare: list[str] = []
+
+    def look(part: object, where: str) -> None:
+        if isinstance(part, dict):
+            if part.get("type") == "object" and not part.get("description") and "$defs" not in part:
+                bare.append(where)
+            for key, value in part.items():
+                look(value, f"{where}.{key}")
+        elif isinstance(part, list):
+            for k, value in enumerate(part):
+                look(value, f"{where}[{k}]")
+
+    look(schema, "schema")
+    assert bare == []
+    assert len(schema["description"]) > 500
+
+
+def code_lines(text: str) -> int:
+    """Lines that are neither blank, nor a comment, nor of a docstring."""
+    told: set[int] = set()
+    for node in ast.walk(ast.parse(text)):
+        for part in getattr(node, "body", []) if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) else []:
+            if (
+                isinstance(part, ast.Expr)
+                and isinstance(part.value, ast.Constant)
+                and isinstance(part.value.value, str)
+            ):
+                told |= set(range(part.lineno, (part.end_lineno or part.lineno) + 1))
+    lines = enumerate(text.splitlines(), start=1)
+    return sum(1 for k, line in lines if line.strip() and not line.strip().startswith("#") and k not in told)
+
+
+def test_the_prover_is_short() -> None:
+    assert code_lines(PROVER.read_text(encoding="utf-8")) <= MOST_LINES
+    assert code_lines('"""Words."""\n\n# a note\nx = 1\n') == 1
+    assert [path.name for path in (ROOT / "prover").glob("*.py") if path.read_text().count("\n") > 2] == ["prove.py"]
+
+
+def test_the_prover_imports_the_standard_library_and_two_others() -> None:
+    found = {name.partition(".")[0] for name, _ in imports(ast.parse(PROVER.read_text(encoding="utf-8")))}
+    assert found - set(sys.stdlib_module_names) == {"flint", "jsonschema_rs"}
+
+
+def test_the_prover_proves_in_a_process_that_has_nothing_of_the_planner(tmp_path: Path) -> None:
+    for name in ("prove.py", "bundle.schema.json"):
+        (tmp_path / name).write_bytes((ROOT / "prover" / name).read_bytes())
+    (tmp_path / "demo.json").write_text(json.dumps(bundle("demo")))
+    program = (
+        "import sys, pathlib, prove\n"
+        "print(prove.prove(pathlib.Path('demo.json').read_bytes())[0], *(m for m in sys.modules if 'assur' in m))"
+    )
+    told = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, env={"PATH": ""}, capture_output=True, text=True, check=True
+    )
+    assert told.stdout.split() == ["True"], told.stderr
+
+
+def test_python_writes_the_same_bundle() -> None:
+    scenario = shipped("standard-cycle")
+    assert assur.bundle(dict(scenario.request), answer("standard-cycle")) == bundle("standard-cycle")
