@@ -39,10 +39,7 @@ class Motion:
         self.arm: Arm | TiltingArm = arm_of(request["robot"])
         self.cell = Cell.of(request, cast(Arm, self.arm))
         self.spline = spline_of(answer["trajectory"])
-        robots = {"": robot_file(request["robot"]["model"])} | {
-            f"{each['name']}/": robot_file(each["robot"]["model"]) for each in request.get("neighbours", [])
-        }
-        self.shapes: dict[str, Shape] = shapes_of(request, {k: next(iter(v.values())) for k, v in robots.items()})
+        self.shapes: dict[str, Shape] = shapes_of(request, robots_in(request))
         self.phases = tuple(self._phases())
 
     @property
@@ -117,3 +114,10 @@ def spline_of(spelt: Document) -> Spline:
     lasting = np.diff(time) > 0.0
     edges = np.concatenate([time[:-1][lasting], time[-1:]])
     return Spline(edges, found.coefficients[lasting])
+
+
+def robots_in(request: Document) -> dict[str, Document]:
+    """The files of the shipped robots in a request, by the prefix of the names of their bodies."""
+    models = {"": request["robot"]["model"]}
+    models |= {f"{each['name']}/": each["robot"]["model"] for each in request.get("neighbours", [])}
+    return {prefix: next(iter(robot_file(model).values())) for prefix, model in models.items()}
