@@ -87,10 +87,12 @@ class Motion:
             grasp = Poses.of(holding["grasp_m"], holding.get("grasp_yaw_rad", 0.0))
             held = {holding["part"]: ("flange", Places.upright(self.arm.tcp.then(grasp.inverse())))}
         legs: list[Document | None] = [*self.answer["legs"], None]
+        last: Stage | None = None
         for stage, leg in zip(stages(self.cell, self.answer, self.spline), legs, strict=False):
             part = next(iter(held), None)
             pairs = self.cell.pairs(stage, part, {name: frame for name, (frame, _) in seated.items()})
             yield Phase(stage, "REST" if leg is None else leg["kind"], leg, tuple(pairs), {**own, **held}, dict(seated))
+            last = stage
             if stage.handed_over is None:
                 continue
             ((kind, given),) = self.request["task"][stage.handed_over].items()
@@ -103,6 +105,13 @@ class Motion:
                 part_in_world = self.links(t)["flange"].then(held[given["part"]][1])
                 seated[given["part"]] = name, self.frame(name, t).inverse().then(part_in_world)[0]
                 held = {}
+        late = float(self.request.get("execution", {}).get("start_tolerance_s", 0.0))
+        if last is not None and last.placed and late > 0.0:
+            # parts that were put down are kept clear for as long as the robot may be late
+            stage = Stage(last.t1, last.t1 + late, False, placed=last.placed)
+            pairs = self.cell.pairs(stage, None, {name: frame for name, (frame, _) in seated.items()})
+            kept = tuple(pair for pair in pairs if pair.first in last.placed)
+            yield Phase(stage, "REST", None, kept, own, dict(seated))
 
 
 def spline_of(spelt: Document) -> Spline:
