@@ -30,13 +30,13 @@ def _blends(motion: Motion) -> bool:
 
 def _limits(motion: Motion) -> list[Broken]:
     arm, limits, found = motion.arm, limits_of(motion.request["robot"]), list[Broken]()
-    least, most = motion.spline.extremes(0)
+    least, most = motion.extremes(0)
     over = np.maximum(arm.lower - least, most - arm.upper) / np.maximum(arm.upper - arm.lower, 1e-9)
     for j, name in enumerate(arm.names):
         found += beyond("range", name, float(over[j]), SHARE * 1e-2)
     kinds = ("velocity", "acceleration", "jerk")[: 2 if _blends(motion) else 3]
     for number, kind in enumerate(kinds):
-        low, high = motion.spline.extremes(number + 1)
+        low, high = motion.extremes(number + 1)
         size, limit = np.maximum(-low, high), getattr(limits, kind)
         slack = 2.0 * SHARE if kind == "jerk" else SHARE
         for j, name in enumerate(arm.names):
@@ -136,7 +136,7 @@ def _peaks(motion: Motion) -> list[Broken]:
     for number, kind in enumerate(("velocity", "acceleration", "jerk")):
         if kind == "jerk" and _blends(motion):
             continue
-        low, high = motion.spline.extremes(number + 1)
+        low, high = motion.extremes(number + 1)
         size = np.maximum(-low, high)
         for told in motion.answer["margins"]["peaks"]:
             j = motion.arm.names.index(told["joint"])

@@ -40,6 +40,7 @@ class Motion:
         self.cell = Cell.of(request, cast(Arm, self.arm))
         self.spline = spline_of(answer["trajectory"])
         self.shapes: dict[str, Shape] = shapes_of(request, robots_in(request))
+        self._extremes: dict[int, tuple[Floats, Floats]] = {}
         self.phases = tuple(self._phases())
 
     @property
@@ -49,6 +50,12 @@ class Motion:
     @property
     def end_s(self) -> float:
         return float(self.spline.time[-1])
+
+    def extremes(self, derivative: int) -> tuple[Floats, Floats]:
+        """Least and greatest value (n,) of a derivative of the joints, between knots, too."""
+        if derivative not in self._extremes:
+            self._extremes[derivative] = self.spline.extremes(derivative)
+        return self._extremes[derivative]
 
     def joints(self, t: Floats) -> Floats:
         """(N, n) at times (N,); before and after the trajectory the arm stands."""

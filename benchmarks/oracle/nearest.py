@@ -61,8 +61,7 @@ def _in_phase(motion: Motion, phase: Phase, beyond_m: float) -> list[Near]:
         if len(near) == 0:
             continue
         gap, values = Gap(one, other), np.full(len(grid), np.inf)
-        for k in near:
-            values[k] = gap.at(places[pair.first][k], places[pair.second][k])
+        values[near] = gap.among(places[pair.first], places[pair.second], near)
         best_k = int(np.argmin(values))
         best, when = float(values[best_k]), float(grid[best_k])
         for k in _dips(values, slack, best):
@@ -106,7 +105,7 @@ def _finer(
         grid = np.linspace(low, high, PARTS + 1)
         places = motion.bodies(phase, grid, {pair.first, pair.second})
         a, b = places[pair.first], places[pair.second]
-        values = np.array([gap.at(a[k], b[k]) for k in range(len(grid))])
+        values = gap.among(a, b, np.arange(len(grid)))
         k = int(np.argmin(values))
         value, time = float(values[k]), float(grid[k])
         rough = float(np.abs(np.diff(values)).max())

@@ -9,6 +9,7 @@ from typing import Any
 
 import coal
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.oracle.places import Places
 from benchmarks.soak.poses import Document, Floats, Poses, pose_in, si
@@ -69,16 +70,21 @@ class Gap:
         self._request.enable_signed_distance = not (first.mesh or second.mesh)
 
     def at(self, a: Places, b: Places) -> float:
-        """With both bodies at single places. Raises `ValueError` where these are not finite: `coal` would be silent."""
-        if not (np.isfinite(a.p).all() and np.isfinite(b.p).all()):
+        """With both bodies at single places, as `among`."""
+        return float(self.among(Places(a.r[None], a.p[None]), Places(b.r[None], b.p[None]), np.zeros(1, dtype=int))[0])
+
+    def among(self, a: Places, b: Places, at: NDArray[np.int_]) -> Floats:
+        """At some (K,) of N places of both bodies, (K,) m. Raises `ValueError` where these are not finite: `coal` would
+        be silent."""
+        one, other = a[at].then(self._one.inner), b[at].then(self._other.inner)
+        if not (np.isfinite(one.p).all() and np.isfinite(other.p).all()):
             raise ValueError("a place that is not finite")
-        self._result.clear()
-        a, b = a.then(self._one.inner), b.then(self._other.inner)
-        return float(self._distance(_transform(a), _transform(b), self._request, self._result))
-
-
-def _transform(place: Places) -> Any:
-    return coal.Transform3s(np.ascontiguousarray(place.r), np.ascontiguousarray(place.p))
+        found, place = np.empty(len(at)), coal.Transform3s
+        for k in range(len(at)):
+            self._result.clear()
+            first, second = place(one.r[k], one.p[k]), place(other.r[k], other.p[k])
+            found[k] = self._distance(first, second, self._request, self._result)
+        return found
 
 
 def shapes_of(request: Document, robots: dict[str, Document]) -> dict[str, Shape]:
