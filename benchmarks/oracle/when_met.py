@@ -96,7 +96,7 @@ class Reach:
         def inside(t: Floats) -> Floats:
             p = self.frames[point.frame].at(t).then(point.pose).p
             along = (p - np.array(law["at_m"])) @ line
-            return np.minimum(along - begin, end - along)
+            return np.asarray(np.minimum(along - begin, end - along))
 
         grid = np.unique(np.append(np.arange(low, high, LOOKED_S), high))
         value = inside(grid)
