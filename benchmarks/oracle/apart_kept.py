@@ -26,8 +26,8 @@ def apart_kept(motion: Motion) -> list[Broken]:
     broken = _required(motion, found)
     free = [near for near in found if not near.pair.contact]
     if told is None:
-        broken += [Broken("nearest", "no pair is told", 0.0, 0.0) for near in free[:1]]
-        return broken
+        asked = any(not pair.contact for phase in motion.phases for pair in phase.pairs)
+        return [*broken, Broken("nearest", "no pair is told", 0.0, 0.0)] if asked else broken
     if not free:
         return [*broken, Broken("nearest", "no pair is so near", float("inf"), told["gap_m"])]
     best = min(free, key=lambda near: near.gap_m)

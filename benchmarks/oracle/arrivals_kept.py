@@ -154,14 +154,16 @@ def _timing(motion: Motion, arrival: Document, kind: str, given: Document, targe
     begin, end = given.get("window_s", (-np.inf, np.inf))
     found += beyond("window", f"{name}, opens", float(begin) - t0, TIME_S, t0)
     found += beyond("window", f"{name}, closes", t1 - float(end), TIME_S, t1)
-    line = motion.cell.frames[target.frame].line
-    if line is not None and "conveyor" in motion.request.get("frames", {}).get(target.frame, {}):
-        law = motion.request["frames"][target.frame]["conveyor"]
+    line, spelt = motion.cell.frames[target.frame].line, motion.request.get("frames", {}).get(target.frame, {})
+    law = spelt.get("conveyor", spelt.get("linear"))
+    if law is None and arrival["along_m"] is not None:
+        found.append(Broken("along", f"{name}: nothing to go along", float(arrival["along_m"]), 0.0, t0))
+    if line is not None and law is not None:
         point = _point(motion, kind, given)
         at = motion.frame(point[0], np.array([t0, t1])).then(Places.upright(point[1])).p
         along = (at - np.array(law["at_m"])) @ line
-        if arrival["along_m"] is not None:
-            found += beyond("along", name, abs(float(arrival["along_m"]) - float(along[0])), MEET_M, t0)
+        told = np.nan if arrival["along_m"] is None else float(arrival["along_m"])
+        found += beyond("along", name, abs(told - float(along[0])), MEET_M, t0)
         first, last = given.get("window_m", (-np.inf, np.inf))
         found += beyond("window", f"{name}, along", float(first - along.min()), MEET_M, t0)
         found += beyond("window", f"{name}, along", float(along.max() - last), MEET_M, t1)
