@@ -10,13 +10,16 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from assur.planner.blends.search import searcher
+from assur.planner.checker.bound.duration import least_duration
 from assur.planner.collision.proof import Prover
 from assur.planner.feasibility.forbidden_yaw import yaw_impossible
 from assur.planner.feasibility.necessary import arches_impossible, start_collides, start_impossible, windows_impossible
 from assur.planner.feasibility.odd_arrivals import odd_arrivals
 from assur.planner.feasibility.odd_input import odd_input
 from assur.planner.feasibility.odd_places import odd_places
+from assur.planner.feasibility.odd_supports import odd_supports
 from assur.planner.feasibility.posed_bodies import AtStart
+from assur.planner.feasibility.touching import never_touching
 from assur.planner.legs.meeting import every_turn
 from assur.planner.legs.missed import holds_for_all_times
 from assur.planner.legs.tilt import pitch_free
@@ -35,7 +38,6 @@ from assur.planner.report.straight_parts import assumed
 from assur.planner.search.beam import Found
 from assur.planner.search.best_candidate import best_candidate
 from assur.planner.search.census import Counter
-from assur.planner.search.lower_bound import lower_bound
 
 MARGINS_S = 0.15
 """So long after the budget, s, warnings and the smallest clearance of a plan may still be looked for."""
@@ -97,7 +99,12 @@ def _warnings(scene: Scene, prover: Prover, arrivals: tuple[Arrival, ...]) -> tu
     """What is probably not meant by a request, and by the arrivals of its plan; and whether the deadline in force
     passed before all was looked for. Then the kinds that were not finished are left out."""
     found, at = list[InputWarning](), AtStart(scene, prover)
-    kinds = partial(odd_input, at=at), partial(odd_places, at=at), partial(odd_arrivals, arrivals=arrivals)
+    kinds = (
+        partial(odd_input, at=at),
+        partial(odd_places, at=at),
+        partial(odd_supports, prover=prover, arrivals=arrivals),
+        partial(odd_arrivals, arrivals=arrivals),
+    )
     for kind in kinds:
         try:
             found += kind(scene)
@@ -115,6 +122,7 @@ def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: 
                 or arches_impossible(scene)
                 or windows_impossible(scene)
                 or yaw_impossible(scene)
+                or never_touching(scene, prover)
             )
     except OutOfTimeError:
         return _not_planned(scene, run, None, Counter().census(), proved=False, cut=True, deepest=0)
@@ -145,7 +153,7 @@ def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan, 
         margins=measured,
         contacts=contacts(of_plan),
         carried=carried(scene, of_plan),
-        lower_bound_s=lower_bound(scene, found.first_options),
+        lower_bound_s=least_duration(scene),
         census=found.census.census(),
         assumptions=assumed(scene),
         seed=scene.options.seed,

@@ -10,13 +10,9 @@ from dataclasses import fields
 from enum import StrEnum
 from typing import Literal, TypeVar, cast
 
-import numpy as np
-
-from assur.planner.model.arrival_error import ArrivalError
 from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.load import Carried
 from assur.planner.model.outcome import (
-    Arrival,
     BestCandidate,
     Census,
     Certificate,
@@ -29,18 +25,16 @@ from assur.planner.model.outcome import (
     Plan,
     Planned,
     Route,
-    Traced,
 )
 from assur.planner.model.refusal import Facts, Reason, Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.report.notes import note, warned
 from assur.planner.report.sentence import because
-from assur.planner.trajectory import Trajectory
-from assur.scenes.conventions import Conventions, as_counted, as_maker, rates_as_maker
 from assur.scenes.numbers import interval, number, optional
 from assur.scenes.reading.cell import Cell
 from assur.scenes.schema import answer as document
 from assur.scenes.schema.request import RequestDocument
+from assur.scenes.written_arrivals import arrival_document
 from assur.scenes.written_knots import settled, trajectory_document
 
 Detail = Literal["full", "digest"]
@@ -101,7 +95,7 @@ def _motion(cell: Cell, plan: Plan) -> document.PlannedMotion:
         "duration_s": number(plan.trajectory.end - plan.trajectory.start),
         "start_s": number(plan.trajectory.start),
         "trajectory": trajectory_document(cell, plan.trajectory),
-        "arrivals": [_arrival(cell, plan.trajectory, arrival) for arrival in plan.arrivals],
+        "arrivals": [arrival_document(cell, plan.trajectory, arrival) for arrival in plan.arrivals],
         "legs": [_leg(leg) for leg in plan.legs],
     }
 
@@ -175,7 +169,7 @@ def _best(cell: Cell, best: BestCandidate) -> document.BestCandidate:
     return {
         "trajectory": trajectory_document(cell, best.trajectory),
         "legs": [_leg(leg) for leg in best.legs],
-        "arrivals": [_arrival(cell, best.trajectory, arrival) for arrival in best.arrivals],
+        "arrivals": [arrival_document(cell, best.trajectory, arrival) for arrival in best.arrivals],
         "at_s": None if best.at is None else number(best.at),
         "bodies": None if best.bodies is None else list(best.bodies),
         "gap_m": optional(best.gap_m),
@@ -219,63 +213,6 @@ def certificate_document(certificate: Certificate, detail: Detail) -> document.C
         "normal": certificate.normal.tolist(),
         "shift0_s": None if certificate.shift0 is None else certificate.shift0.tolist(),
         "shift1_s": None if certificate.shift1 is None else certificate.shift1.tolist(),
-    }
-
-
-def _arrival(cell: Cell, trajectory: Trajectory, arrival: Arrival) -> document.Arrival:
-    missed, robot = arrival.missed_by, cell.scene.robot
-    q = trajectory.evaluate(arrival.time)
-    mode = int(robot.mode_of(q))
-    written: document.Arrival = {
-        "control_point": arrival.control_point,
-        "step": int(arrival.step),
-        "time_s": number(arrival.time),
-        "until_s": number(arrival.until),
-        "at_m": [number(x) for x in (arrival.pose.x, arrival.pose.y, arrival.pose.z)],
-        "yaw_rad": number(arrival.pose.yaw),
-        "yaw_offset_rad": number(arrival.yaw_offset),
-        "matched": bool(arrival.matched),
-        "along_m": None if arrival.along_m is None else number(arrival.along_m),
-        "window_left_s": None if arrival.window_left_s is None else number(arrival.window_left_s),
-        "missed_by": None
-        if missed is None
-        else {
-            "joints": [number(x) for x in rates_as_maker(np.array(missed.joints), cell.conventions).tolist()],
-            "distance_m": number(missed.distance_m),
-        },
-        "error": None if arrival.error is None else _error(arrival.error, cell.conventions),
-        "joints": [number(x) for x in as_maker(q, cell.conventions).tolist()],
-        "mode": robot.modes[mode] if mode >= 0 else None,
-        "trace": None if arrival.trace is None else _traced(arrival.trace),
-    }
-    if arrival.pitch is not None:
-        written["pitch_rad"] = number(arrival.pitch)
-    if arrival.roll is not None:
-        written["roll_rad"] = number(arrival.roll)
-    return written
-
-
-def _traced(trace: Traced) -> document.Traced:
-    return {
-        "length_m": number(trace.length_m),
-        "slowest_m_s": number(trace.slowest_m_s),
-        "fastest_m_s": number(trace.fastest_m_s),
-        "error_m": number(trace.error_m),
-    }
-
-
-def _error(error: ArrivalError, conventions: Conventions) -> document.ArrivalError:
-    within, counted = error.within, as_counted(error.worst, conventions)
-    return {
-        "position_m": number(error.position_m),
-        "horizontal_m": number(within.position_m),
-        "vertical_m": number(within.vertical_m),
-        "yaw_rad": number(within.yaw_rad),
-        "causes": [
-            {"cause": share.cause, "position_m": number(share.position_m), "yaw_rad": number(share.yaw_rad)}
-            for share in error.shares
-        ],
-        "worst": [{"what": what, "value": number(value)} for what, value in counted],
     }
 
 

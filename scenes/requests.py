@@ -331,11 +331,12 @@ def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...], Clai
 
     Raises `InputError` naming the field.
     """
-    from assur.scenes.reading.claims import claims_of, untrue_arrivals, untrue_repeats
+    from assur.scenes.reading.claims import check_beside, claims_of, untrue_arrivals, untrue_repeats
     from assur.scenes.reading.plan import check_lengths, plan_of
 
     answer = plain(plan)
-    made, told = plan_of(answer, cell.conventions, cell.scene.robot)
+    check_beside(answer)
+    made, told = plan_of(answer, cell.conventions)
     check_lengths(answer, made, cell.scene)
     told += untrue_repeats(answer, cell.scene) + untrue_arrivals(made.arrivals, cell.scene)
     return made, told, claims_of(answer)
@@ -363,6 +364,7 @@ def check_plan(cell: Cell, made: Plan, told: tuple[Finding, ...] = (), claims: C
         "schema": "assur/1",
         "ok": verdict.ok and not told,
         "findings": findings,
+        "not_checked": list((claims or NOTHING).not_checked),
         "request_digest": cell.scene.digest,
         "notice": NOTICE,
     }

@@ -28,6 +28,9 @@ RESTING = 1e-9
 """A joint's velocity in rad/s or m/s up to which it is at rest, and a time in s up to which a knot is that of an
 arrival: rounding of what is written down."""
 
+APART_M = 0.002
+"""What is told of the distance of a part from tool or support, m: jaws that are open are nearer."""
+
 
 class _Console(Console):
     def on_broken_pipe(self) -> None:
@@ -115,6 +118,7 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
             position, yaw = f"{1e3 * error['position_m']:.2f}", f"{math.degrees(error['yaw_rad']):.2f}"
             row(errors, arrival["control_point"], position, yaw, causes)
         yield from (errors, "")
+    yield from _apart(answer["arrivals"])
     margins = answer["margins"]
     bound = answer["lower_bound_s"]
     least = f"; no plan takes less than {bound:.3f} s" if bound else "; no bound is known"
@@ -142,6 +146,17 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
         for pair in pairs:
             both = " and ".join(pair["bodies"])
             yield f"  {where:<16}  {1e3 * pair['gap_m']:z.2f} mm at {pair['time_s']:.3f} s, {both}"
+
+
+def _apart(arrivals: list[dict[str, Any]]) -> Iterator[Table | str]:
+    """Parts that are taken, or put down, at a distance."""
+    said = {"grip_m": "from the tool, when it is taken", "support_m": "from what it rests on, when it is put down"}
+    far = [(each, key) for each in arrivals for key in said if each.get(key, 0.0) > APART_M]
+    if far:
+        found = table("part of", ">is mm", "away")
+        for each, key in far:
+            row(found, each["control_point"], f"{1e3 * each[key]:.2f}", said[key])
+        yield from (found, "")
 
 
 def _met(trajectory: dict[str, Any], arrival: dict[str, Any]) -> str:

@@ -115,7 +115,10 @@ def _legs(partial: PartialPlan, shape: BlendShape, found: Blended, end: float) -
     if found.begin > partial.state.time:
         # a wait that was sampled is for bodies; the rest is for points that are not yet there
         route = Route(Course.FOR_BODIES if shape.wait > 0 else Course.FOR_POINT)
-        legs.insert(0, Leg(LegKind.WAIT, partial.step, partial.state.time, found.begin, route))
+        first = legs[0]
+        waited = None if first.route is None else replace(first.route, after_wait=True)
+        wait = Leg(LegKind.WAIT, partial.step, partial.state.time, found.begin, route)
+        legs = [wait, replace(first, route=waited), *legs[1:]]
     return tuple(legs)
 
 

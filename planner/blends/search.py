@@ -21,7 +21,7 @@ from assur.planner.model.progress import Watch
 from assur.planner.model.refusal import OF_CANDIDATES, AccelerationTime, Reason, Refusal
 from assur.planner.model.scene import Scene
 from assur.planner.search.beam import Found, Search
-from assur.planner.search.meeting_options import free_yaws, options
+from assur.planner.search.meeting_options import free_yaws
 from assur.planner.search.partial_plan import Extension, PartialPlan, TimedCandidate
 from assur.planner.search.rough_score import score_of
 
@@ -101,7 +101,6 @@ class BlendSearch(Search):
         choices = []
         for step in run_of(self.scene, partial.step):
             stations = []
-            met = []
             turns = yaw_offsets(self.scene, self.scene.task[step])
             attitudes = tilts(self.scene, self.scene.task[step], partial.state.q)
             yaws = free_yaws(self.scene, partial, step, self._modes(partial)) if turns is None else turns
@@ -111,10 +110,7 @@ class BlendSearch(Search):
                 found = meetings(self.scene, point, partial.state.time, 0.0, self._modes(partial), partial.state.q)
                 for refusal in found.refusals:
                     self.found.census.note(refusal)
-                met.append((turn, found))
                 stations += [Station(point, branch) for branch in found.branches]
-            if step == partial.step == 0:
-                self.found.first_options = options(self.scene, partial, met)
             if not stations:
                 self.found.deepest = max(self.found.deepest, step)
                 return BlendSampler(self.scene, partial, (), self.rng, self.adaptive)

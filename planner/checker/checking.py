@@ -12,16 +12,25 @@ import numpy as np
 
 from assur.planner.checker.accuracy import accuracies
 from assur.planner.checker.blends import blends
+from assur.planner.checker.claims.bound import bound
 from assur.planner.checker.claims.joints import peaks
+from assur.planner.checker.claims.routes import routes
+from assur.planner.checker.claims.singular import singular
 from assur.planner.checker.claims.tool import tool
+from assur.planner.checker.claims.touching import distances
+from assur.planner.checker.claims.windows import windows
 from assur.planner.checker.enclosure import enclosed
+from assur.planner.checker.laws import rounding
 from assur.planner.checker.legs import TIME_S, ends, order
 from assur.planner.checker.limits import corrected, limits, loads
 from assur.planner.checker.meeting import meetings
 from assur.planner.checker.nearest import WITHIN_M, nearest, pairs
+from assur.planner.checker.options import modes, options
 from assur.planner.checker.paths.following import traced
+from assur.planner.checker.paths.straight_way import straight_ways
 from assur.planner.checker.rows import Apart
-from assur.planner.checker.solids import CARRIER, Solids, solids
+from assur.planner.checker.separation import SLACK_M
+from assur.planner.checker.solids import ARM_FLAT, BODY, CARRIER, CENTRE, FIRST, Solids, solids
 from assur.planner.checker.targets import targets
 from assur.planner.checker.tracking import arches, assembled, pulled, straight, tracked, turned_into
 from assur.planner.checker.verdict import Code, Finding, Verdict
@@ -34,6 +43,9 @@ from assur.planner.model.outcome import Contact, Plan, covered
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Scene
 
+ROUNDED_M = 0.4 * SLACK_M
+"""What rounding of a frame's law may add to a place, m: two frames may meet, and gaps and links round by 1e-13 m."""
+
 
 @np.errstate(all="ignore")
 def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[[], None] = nothing) -> Verdict:
@@ -43,9 +55,7 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     `between` is called between blocks of work, for a caller who has no time for all of it: what it raises is raised
     here, and there is no verdict then.
 
-    A plan of another task or robot gets findings, not exceptions. Not checked: that the plan is good; that a Cartesian
-    leg is straight (that pitch and roll go along with it is); the working mode and the singularity margin, which are
-    options of planning and endanger nothing here.
+    A plan of another task or robot gets findings, not exceptions. Not checked: that the plan is good.
     """
     knots, certificate, blended = plan.trajectory, plan.certificate, scene.options.blended
     strange = _strange(scene, plan)
@@ -71,7 +81,9 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     findings += blends(world, plan.arrivals, goals) + tracked(world, plan.legs, goals)
     between()
     findings += traced(world, plan.legs, plan.arrivals, goals)
-    findings += straight(world, plan.legs, plan.arrivals)
+    findings += straight(world, plan.legs, plan.arrivals) + straight_ways(world, plan.legs, plan.arrivals, goals)
+    findings += options(world, plan.legs, plan.arrivals, goals)
+    findings += routes(world, plan.legs, plan.arrivals) + windows(world, plan.arrivals, goals)
     of_plan = phases(scene, plan.legs, plan.arrivals)
     findings += loads(world, of_plan, claims.carried, blended=blended)
     findings += accuracies(world, plan.arrivals, goals, of_plan)
@@ -80,14 +92,21 @@ def check(scene: Scene, plan: Plan, claims: Claims = NOTHING, between: Callable[
     table = solids(scene, of_plan)
     findings += corrected(world, of_plan, table)
     apart = Apart.of(scene, of_plan, table, world.tables)
+    unknown = [name for name in certificate.names if name not in table.number]
+    if unknown:
+        findings.append(Finding(Code.ROW, f"the certificate names a body that there is not: {unknown[0]!r:.60}"))
     said = claims.nearest
     claimed = -math.inf if said is None else math.inf if said[0] is None else said[0].gap_m - WITHIN_M
     between()
     apart_findings, against = apart.found(certificate, claimed, between)
-    findings += _known(scene, table, of_plan) + apart_findings + enclosed(world, apart, between)
+    findings += _known(world, table, of_plan) + apart_findings + enclosed(world, apart, between)
     findings += [] if said is None else nearest(apart, said[0], against)
     findings += pairs(apart, claims.pairs) + _touching(of_plan, claims.contacts)
-    return Verdict.of(findings + peaks(world, of_plan, claims) + tool(world, of_plan, claims))
+    between()
+    findings += bound(scene, knots.end - knots.start, claims.lower_bound)
+    findings += distances(apart, scene, plan.arrivals)
+    findings += peaks(world, of_plan, claims) + tool(world, of_plan, claims) + singular(world, claims)
+    return Verdict.of(findings + modes(world, plan.arrivals, claims.modes))
 
 
 def _touching(phases: tuple[Phase, ...], said: tuple[Contact, ...] | None) -> list[Finding]:
@@ -137,9 +156,25 @@ def _strange(scene: Scene, plan: Plan) -> list[Finding]:
     return findings
 
 
-def _known(scene: Scene, table: Solids, of_plan: tuple[Phase, ...]) -> list[Finding]:
+def _rounded(world: World, table: Solids) -> list[Finding]:
+    """Every frame that bears a body must be known so well that rounding is within what is kept for it (`SLACK_M`)."""
+    reaches = np.zeros(world.links + len(world.frame))
+    boxes = table.table[table.seats[:, FIRST] + table.count[table.seats[:, BODY]]]
+    far = np.hypot(boxes[:, CENTRE], boxes[:, CENTRE + 1]) + boxes[:, ARM_FLAT]
+    np.maximum.at(reaches, table.seats[:, CARRIER], far)
+    bears = np.isin(np.arange(len(reaches)), table.seats[:, CARRIER])[world.links :]
+    found = np.where(bears, rounding(world.tables, reaches[world.links :], world.start, world.until), 0.0)
+    return [
+        Finding(Code.LAW_ENDS, f"places on {name} round by more than is kept for it", float(amount), "m", "rounding")
+        for name, amount in zip(world.frame, found.tolist(), strict=True)
+        if not amount <= ROUNDED_M
+    ]
+
+
+def _known(world: World, table: Solids, of_plan: tuple[Phase, ...]) -> list[Finding]:
     """Every frame that bears a body or guides the tool must be known for as long as it does."""
-    findings, late = [], scene.execution.start_tolerance_s
+    scene = world.scene
+    findings, late = _rounded(world, table), scene.execution.start_tolerance_s
     carriers = table.seats[table.seat, CARRIER]
     for k, (name, frame) in enumerate(scene.frames.items(), start=table.links):
         first, last = frame.law.valid

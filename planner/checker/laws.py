@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from fractions import Fraction
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from assur.planner.arrays import FloatArray
 from assur.planner.checker import motion
 from assur.planner.checker.motion import CONTROL, FRAME, NEIGHBOUR, PIECE, POLYNOMIAL, SWING, WIDTH, Tables
-from assur.planner.checker.spline import COLUMNS, curve
+from assur.planner.checker.spline import COLUMNS, JOINT, JOINTS, ROOM, curve
 from assur.planner.errors import FaultError
 from assur.planner.frames import Conveyor, Fixed, Indexer, Keyframes, Law, Linear, Oscillation, Swing, Turntable
 from assur.planner.frames.ramps import Change
@@ -31,6 +33,16 @@ Way = tuple[float, float, Sequence[float]]
 """Begin, end, and the coefficients of the powers of the time since the begin."""
 Piece = tuple[float, float, Sequence[Sequence[float]]]
 """The same of x, y, z and yaw."""
+HALF_ULP = 2.0**-53
+"""By so much of itself a number rounds."""
+ROUNDINGS = 16
+"""By how many roundings of the way V T the place of what is on a frame may be off. V is its greatest speed, T the
+longest of the times from the instant at which the law is stated, and from time zero. A turn or a travel is a product
+with that time (3 roundings, of the time, the product and its sum with where it begins), minus what it was when it is
+stated (2), its control values (2), a time as a share of the piece (2) and one cut between two of them (3); each piece
+behind a change of speed adds 3 of its own way; a sine and a product with the reach 1."""
+SHIFT_ROUNDINGS = 4
+"""The same of a link of another robot, whose knots are exact: only a time that is shifted rounds."""
 FORMULAS = (Conveyor, Fixed, Indexer, Keyframes, Linear, Oscillation, Swing, Turntable)
 
 
@@ -72,13 +84,48 @@ def tables(scene: Scene, trajectory: Trajectory, begin: float, until: float) -> 
     arms, at = [], 0
     for robot, path in moved:
         curve(np.array(path.knots, order="C"), path.n, at, curves)
-        arms.append(_arm(robot, at, at + len(path.time) - 1))
+        arms.append(arm_row(robot, at, at + len(path.time) - 1))
         at += len(path.time)
     return np.array(arms), curves, frames, pieces, np.zeros((0, 1)), np.zeros((0, 3))
 
 
-def _arm(robot: Robot, first: int, last: int) -> list[float]:
-    """A row of the table of arms."""
+def rounding(tables: Tables, reaches: FloatArray, begin: float, until: float) -> FloatArray:
+    """Upper bounds (F,), m, of what rounding does from `begin` to `until`, s, to places on each frame, for points
+    within `reaches` (F,), m, of its vertical axis (docs/guarantees.md, "Rounding")."""
+    frames, pieces, found = tables[2], tables[3], np.zeros(len(tables[2]))
+    for f, (row, reach) in enumerate(zip(frames, reaches.tolist(), strict=True)):
+        if int(row[motion.KIND]) == NEIGHBOUR:
+            way = _link_speed(tables, int(row[motion.FIRST]), reach) * max(abs(begin), abs(until))
+            found[f] = SHIFT_ROUNDINGS * HALF_ULP * way
+            continue
+        first, degree = int(row[motion.FIRST]), int(row[motion.DEGREE])
+        if degree == 0:
+            continue  # it stands still
+        own = pieces[first : first + int(row[motion.COUNT])]
+        lasts = own[:, motion.END] - own[:, motion.BEGIN]
+        control = own[:, CONTROL:].reshape(-1, 4, WIDTH)[:, :, : degree + 1]
+        rates = degree * np.abs(np.diff(control, axis=2)).max(axis=2, initial=0.0) / lasts[:, None]
+        x, y, z, turning = rates.max(axis=0)
+        if int(row[motion.KIND]) == SWING:
+            x, y, z, turning = (turning * np.abs(row[motion.AMPLITUDE : motion.AMPLITUDE + 4])).tolist()
+        times = np.array([begin, until, own[:, motion.BEGIN].min(), own[:, motion.END].max()])
+        far = max(float(np.abs(times).max()), float(times.max() - times.min()))
+        found[f] = ROUNDINGS * HALF_ULP * (math.hypot(x, y, z) + reach * turning) * far
+    return found
+
+
+def _link_speed(tables: Tables, arm: int, reach: float) -> float:
+    """An upper bound of the speed, m/s, of a point that reaches so far from a link of an arm of the tables: each joint
+    counts as if it turned all of the arm, and travelled as well."""
+    row, curves = tables[0][arm], tables[1]
+    of_arm = curves[int(row[motion.FIRST_KNOT]) : int(row[motion.LAST_KNOT]) + 1, 1:].reshape(-1, JOINTS, JOINT)
+    rates = np.abs(of_arm[:, : int(row[motion.AXIS_COUNT]), ROOM : 2 * ROOM]).max(axis=(0, 2))
+    bends = np.abs(of_arm[:, :, 0:ROOM]).max()  # how far a joint travels makes an arm longer
+    return float(rates.sum()) * (1.0 + reach + float(np.abs(row[motion.NUMBERS :]).sum() + bends))
+
+
+def arm_row(robot: Robot, first: int = 0, last: int = 0) -> list[float]:
+    """A row of the table of arms, with the first and last knot of its trajectory."""
     family, numbers = motion.SCARA, list[float]()
     if isinstance(robot, Scara):
         numbers = [robot.l1, robot.l2, float(robot.arms_rise)]
@@ -112,17 +159,18 @@ def _pieces(law: Law, start: float, until: float) -> list[Piece]:
         return [(start, until, ((x,), (y,), (z,), (w * start + law.phase, w)))]
     if type(law) is Linear:
         u, v, w = law.velocity
-        gone = start - law.at_time
-        return [(start, until, ((x + u * gone, u), (y + v * gone, v), (z + w * gone, w), (yaw,)))]
+        begin, end = min(start, law.at_time), max(until, law.at_time)
+        gone = begin - law.at_time
+        return [(begin, end, ((x + u * gone, u), (y + v * gone, v), (z + w * gone, w), (yaw,)))]
     if type(law) is Turntable:
-        ways = _ramped(law.rate, law.changes, law.at_time, start, until)
+        ways = ramped(law.rate, law.changes, law.at_time, start, until)
         rise = law.rise
         return [
             (begin, end, ((x,), (y,), (z + rise * (begin - law.at_time), rise), (yaw + s[0], *s[1:])))
             for begin, end, s in ways
         ]
     if type(law) is Conveyor:
-        ways = _ramped(law.speed, law.changes, law.at_time, start, until)
+        ways = ramped(law.speed, law.changes, law.at_time, start, until)
     elif type(law) is Indexer:
         ways = _indexed(law)
         if law.kind == "turn":
@@ -136,7 +184,7 @@ def _pieces(law: Law, start: float, until: float) -> list[Piece]:
     ]
 
 
-def _ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: float, until: float) -> list[Way]:
+def ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: float, until: float) -> list[Way]:
     """The travel with changes of speed (R1), 0 at `at_time`: begin, end and coefficients of each piece."""
     edges: list[tuple[float, float, float, float]] = [(-math.inf, speed, 0.0, 0.0)]
     for change in changes:
@@ -154,7 +202,7 @@ def _ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: fl
             edges.append((time, change.speed, 0.0, 0.0))
         speed = change.speed
     anchor = edges[1][0] if len(edges) > 1 else at_time
-    gone, found = 0.0, list[Way]()
+    gone, exact, found = 0.0, Fraction(), list[Way]()
     for k, (time, v, a, j) in enumerate(edges):
         begin, end = (anchor if k == 0 else time), (edges[k + 1][0] if k + 1 < len(edges) else math.inf)
         if k == 0 or end == math.inf:
@@ -165,7 +213,8 @@ def _ramped(speed: float, changes: tuple[Change, ...], at_time: float, start: fl
             found.append((begin, end, [gone, v, a, j]))
         if k > 0 and end < math.inf:
             h = end - begin
-            gone += h * (v + h * (a + h * j))
+            exact += Fraction(h * (v + h * (a + h * j)))  # thousands of terms would round to more than each of them
+            gone = float(exact)
     at = next(piece for piece in found if piece[0] <= at_time <= piece[1])
     zero = float(np.polynomial.polynomial.polyval(at_time - at[0], at[2]))
     return [(begin, end, [c[0] - zero, *c[1:]]) for begin, end, c in found if end > begin]
@@ -175,7 +224,7 @@ def _indexed(law: Indexer) -> list[Way]:
     """The move and the dwell of an indexer (F3)."""
     powers, end = [0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0], law.start + law.move_s
     move = (law.start, end, [law.step * c / law.move_s**k for k, c in enumerate(powers)])
-    return [move, (end, end + law.dwell_s, [law.step])] if law.dwell_s > 0.0 else [move]
+    return [move, (end, end + law.dwell_s, [law.step])] if end + law.dwell_s > end else [move]
 
 
 def _sway(law: Swing | Oscillation) -> tuple[float, float, float, float]:

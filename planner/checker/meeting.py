@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from assur.planner.checker import along
 from assur.planner.checker.along import MEET_M
 from assur.planner.checker.legs import TIME_S
-from assur.planner.checker.targets import Target, asks_passing, asks_rest, asks_velocity, may_turn
+from assur.planner.checker.targets import TURN, Target, asks_passing, asks_rest, asks_velocity, may_turn
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
 from assur.planner.frames import Conveyor, Linear
@@ -41,7 +41,8 @@ def meetings(
             findings.append(Finding(Code.ARRIVAL, f"the arrival at {name} is not when its legs end", off, "s", at))
         if arrival.control_point != name:
             findings.append(Finding(Code.ARRIVAL, f"the arrival at {name} names {arrival.control_point!r:.60}"))
-        if not may_turn(world.scene, target.step, arrival.yaw_offset):
+        turned = 0.0 if target.turns else arrival.yaw_offset  # where no yaw is asked for there is none to offset
+        if not may_turn(world.scene, target.step, arrival.yaw_offset) or not abs(turned) <= TURN:
             what = f"the tool may not be turned so at {name}"
             findings.append(Finding(Code.ARRIVAL, what, arrival.yaw_offset, "rad"))
         findings += _met(world, arrival, target) + _in_window(world, arrival, target)
@@ -144,17 +145,14 @@ def _in_window(world: World, arrival: Arrival, target: Target) -> list[Finding]:
         if not over <= TIME_S:
             what = f"{name} is met outside its window"
             findings.append(Finding(Code.WINDOW, what, over, "s", f"{arrival.time:.6g} s"))
-    if not isinstance(law, Conveyor | Linear):
+    way = measured(law)
+    if way is None:
         if arrival.along_m is not None:
             findings.append(Finding(Code.ARRIVAL, f"{name} is said to be along a conveyor, and is on none"))
         if window.along is not None:
             findings.append(Finding(Code.WINDOW, f"{name} has a window in metres, and is not on a conveyor"))
         return findings
-    yaw = law.pose.yaw
-    way = (math.cos(yaw), math.sin(yaw), 0.0) if isinstance(law, Conveyor) else law.velocity
-    length = math.hypot(*way)
-    u = tuple(share / length for share in way) if length > 0.0 else (1.0, 0.0, 0.0)
-    frame, zero = world.frame[target.frame], _along(law.pose.position.tolist(), u)
+    (u, zero), frame = way, world.frame[target.frame]
     if arrival.along_m is not None:
         (point,) = world.states([(frame, target.point, arrival.time)])
         off = abs(arrival.along_m + zero - _along(point.p, u))
@@ -169,6 +167,18 @@ def _in_window(world: World, arrival: Arrival, target: Target) -> list[Finding]:
             where, amount = f"{excess.time:.6g} s", excess.amount + MEET_M
             findings.append(Finding(Code.WINDOW, f"{name} is outside its window", amount, "m", where))
     return findings
+
+
+def measured(law: object) -> tuple[tuple[float, ...], float] | None:
+    """The direction of travel (3,) in the world along which a conveyor is measured, and where its pose is along it, m;
+    None: it is none."""
+    if not isinstance(law, Conveyor | Linear):
+        return None
+    yaw = law.pose.yaw
+    way = (math.cos(yaw), math.sin(yaw), 0.0) if isinstance(law, Conveyor) else law.velocity
+    length = math.hypot(*way)
+    u = tuple(share / length for share in way) if length > 0.0 else (1.0, 0.0, 0.0)
+    return u, _along(law.pose.position.tolist(), u)
 
 
 def posed(pose: object) -> list[tuple[int, float]]:

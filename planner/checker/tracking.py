@@ -84,7 +84,7 @@ def arches(world: World, legs: tuple[Leg, ...]) -> list[Finding]:
 
 def straight(world: World, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -> list[Finding]:
     """Findings for straight legs on which the hand does not go from its pitch and roll at the beginning to those at the
-    end, the short way and both together. Not checked: by which law of time, and that the tool point's way is straight.
+    end, the short way and both together, by whatever law of time.
     """
     if "pitch" not in world.scene.robot.coordinates:
         return []

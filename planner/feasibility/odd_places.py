@@ -2,7 +2,7 @@
 parts that are inside other bodies.
 
 Where a part is put down, and how it is gripped, is what the request says; nothing else would tell that there is air
-between. FCL decides, on the true shapes.
+between. FCL decides, on the true shapes; how far a tool is from its part is measured on convex pieces.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray
 from assur.planner.collision.fcl_door import Posed
+from assur.planner.collision.proof import Prover
+from assur.planner.collision.touching import Nearest, grip
 from assur.planner.feasibility.posed_bodies import AtStart, moved, touch
 from assur.planner.frames import Fixed
 from assur.planner.frames.motion import Pose
@@ -26,9 +28,7 @@ from assur.planner.model.scene import Pick, Place, Scene
 DROP_M = 0.002
 """A part that has nothing within this below it is released in the air, m: so far some grippers drop it on purpose."""
 GRIP_M = 0.01
-"""A tool that touches its part nowhere, nor moved by up to this along an axis, m, does not grip it."""
-GRIP_STEPS = 10
-"""Of `GRIP_M`, at which it is looked."""
+"""A tool that is farther than this from its part does not grip it, m: jaws that are open leave a few millimetres."""
 OVERLAP_M = 0.001
 """By so much a body may be inside another, m: it was placed by hand."""
 MOST_OVERLAPS = 5
@@ -43,8 +43,9 @@ def odd_places(scene: Scene, at: AtStart) -> tuple[InputWarning, ...]:
     attached, found = at_start(scene), dict[InputWarning, None]()
     for step in scene.task:
         look()
-        if isinstance(step, Pick) and _grips_beside(scene, at, step, attached):
-            found[InputWarning(Odd.TOOL_OFF_PART, (scene.tool.bodies[0].name, step.part), GRIP_M)] = None
+        off = _off_part(scene, at.prover, step, attached) if isinstance(step, Pick) else None
+        if off is not None:
+            found[InputWarning(Odd.TOOL_OFF_PART, off.bodies, off.distance_m)] = None
         if isinstance(step, Place):
             below = _air_below(scene, at, step, attached)
             if below is not None:
@@ -53,27 +54,13 @@ def odd_places(scene: Scene, at: AtStart) -> tuple[InputWarning, ...]:
     return (*found, *_overlaps(scene, at))
 
 
-def _grips_beside(scene: Scene, at: AtStart, step: Pick, attached: Attachments) -> bool:
-    """Whether the tool touches the part in none of the turns in which it may grip it, nor near."""
-    here, prover = at.pose(step.part), at.prover
-    if not scene.tool.bodies or scene.robot.tilting or here is None:
-        return False
-    q, t, arrangement = scene.start.q, scene.start.time, prover.arrangement(AT_START)
-    flange = prover.carriers(q, t)[scene.robot.links.index("flange")]
-    at_flange = np.eye(4)
-    at_flange[:3, :3], at_flange[:3, 3] = flange[3:].reshape(3, 3), flange[:3]
-    units = [unit for body in scene.tool.bodies for unit in arrangement.pieces(arrangement.number[body.name])]
-    tool = prover.posed(arrangement, q, t, np.array(units))
-    part = at.shapes(step.part)
-    ways = [np.zeros(3), *(GRIP_M * k / GRIP_STEPS * axis for k in range(1, GRIP_STEPS + 1) for axis in AXES)]
-    for turn in yaw_offsets(scene, step) or (0.0,):
-        held = attached.after(scene, step, turn).held
-        if held is None:
-            return False
-        gripped = _carried(part, at_flange @ _matrix(held.in_flange) @ np.linalg.inv(_matrix(here)))
-        if any(touch(prover, moved(gripped, by), tool) for by in ways):
-            return False
-    return True
+def _off_part(scene: Scene, prover: Prover, step: Pick, attached: Attachments) -> Nearest | None:
+    """The body of the tool that is nearest to a part, in the turn in which it is nearest, if that is too far to grip
+    it."""
+    turns = yaw_offsets(scene, step) or (0.0,)
+    found = [grip(prover, step, attached, turn) for turn in turns]
+    nearest = min((each for each in found if each is not None), key=lambda each: each.distance_m, default=None)
+    return nearest if nearest is not None and nearest.distance_m > GRIP_M else None
 
 
 def _air_below(scene: Scene, at: AtStart, step: Place, attached: Attachments) -> tuple[str, float] | None:

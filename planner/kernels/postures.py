@@ -12,7 +12,7 @@ from assur.planner.arrays import FloatArray
 from assur.planner.compiled import kernel
 from assur.planner.kernels.dyads import RRR_COLUMNS, WORK_ROWS
 from assur.planner.kernels.intervals import Motion
-from assur.planner.kernels.inverse import LOOP, POSTURE_COLUMNS, SERIAL, posture
+from assur.planner.kernels.inverse import LOOP, POSTURE_COLUMNS, posture
 from assur.planner.kernels.links import LINKS, PARALLEL_LEAST, assembled
 from assur.planner.kernels.motion import COORDINATES, ORDERS, link_motion
 from assur.planner.kernels.solids import CUBE, MOTION, ROW, TABLE
@@ -178,18 +178,3 @@ def tool_peaks(
             rate = tool_rate(robot, x, y, joints, out, work)[which]
             if rate > found[2 * which]:
                 found[2 * which], found[2 * which + 1] = rate, t
-
-
-@kernel("UniTuple(float64, 2)(float64[::1], float64[::1], float64[:, :, ::1], int64)", allocates=True)
-def least_margins(robot: FloatArray, tk: FloatArray, c: FloatArray, many: int) -> tuple[float, float]:
-    """Least margin to a singularity, and to a type 2 singularity, at `many` > 1 instants of a spline; NaN if any is."""
-    out, work = np.empty(POSTURE_COLUMNS), np.empty((WORK_ROWS, RRR_COLUMNS))
-    joints, t0, t1 = np.empty((ORDERS, c.shape[1])), tk[0], tk[len(tk) - 1]
-    serial, parallel = math.inf, math.inf
-    for k in range(many):
-        piece_motion(tk, c, t0 + (t1 - t0) * k / (many - 1), joints)
-        posture(robot, joints[0], out, work)
-        # what is not a number stays
-        serial = serial if serial != serial or serial <= out[SERIAL] else out[SERIAL]
-        parallel = parallel if parallel != parallel or parallel <= out[LOOP] else out[LOOP]
-    return serial, parallel

@@ -20,17 +20,20 @@ from assur.planner.frames.law import EXACT, PoseUncertainty
 from assur.planner.frames.motion import Motion, Pose
 from assur.planner.kernels.carriers import point_bound
 from assur.planner.kernels.laws import bound_frame
-from assur.planner.kernels.links import BOUND_COLUMNS, V_REACH, bound_links
+from assur.planner.kernels.links import ACCELERATION, BOUND_COLUMNS, V_REACH, bound_links
 from assur.planner.model.arrival_error import ArrivalError, Cause, Share
 from assur.planner.model.attachments import Attachments
 from assur.planner.model.phases import Handled, on_way
 from assur.planner.model.refusal import Inaccurate, Quantity, Reason, Refusal, Stage
 from assur.planner.model.scene import Pick, Place, Scene, Trace
+from assur.planner.robots.scara import Scara
 from assur.planner.tables.laws import law_tables
 from assur.planner.tables.uncertainty import direction
 
 RESERVE_M, RESERVE_RAD = 2e-6, 2e-6
 """Added to what is found: the tool meets its point within 1 µm and 1 µrad, and the checker has bounds of its own."""
+LEAST = 1e-12
+"""m or rad. Less than this is rounding, and no error."""
 LATE_STEPS = 16
 """Parts of the time by which a start may be late, at whose ends a frame's way is looked at."""
 UP = np.array([0.0, 0.0, 1.0])
@@ -170,8 +173,19 @@ def _add_lag(scene: Scene, here: Motion, q: FloatArray, terms: _Terms) -> None:
     bend = max(point_bound(bounds, flange, far, math.hypot(far, at.z), *axis)[1] for axis in np.eye(3).tolist())
     # twice for each half of the bow: the checker looks at the bent way from its ends
     bow = 1.5 * math.sqrt(2.0) * bend
-    turn = 0.0 if robot.tilting else float(bounds[flange, V_REACH])
+    turn = 0.0 if robot.tilting else _turned(scene, q, lag, bounds[flange])
     terms.add(Cause.LAG, bow, bow if robot.tilting else 0.0, turn)
+
+
+def _turned(scene: Scene, q: FloatArray, lag: FloatArray, bounds: FloatArray) -> float:
+    """How far joints that lag turn the tool, rad: the heading of a closed chain is bent as well."""
+    rate, rate_d = float(bounds[V_REACH]), float(bounds[ACCELERATION + V_REACH])
+    if isinstance(scene.robot, Scara):
+        return rate
+    corners = scene.robot.forward(q + lag * _signs(len(lag)))[1] - scene.robot.forward(q)[1]
+    most = float(np.abs(np.remainder(corners + np.pi, 2.0 * np.pi) - np.pi).max())
+    # twice for each half of the bow, as above
+    return most + 1.5 * math.sqrt(2.0) * (rate_d + rate**2)
 
 
 def _worst(terms: _Terms, grasp: float) -> ArrivalError:
@@ -187,15 +201,15 @@ def _worst(terms: _Terms, grasp: float) -> ArrivalError:
     worst = [(name, float(sign)) for (_, name, _), sign in zip(terms.signed, signs[row].tolist(), strict=True)]
     if len(terms.late_s) > 1:
         worst.append(("late start s", float(terms.late_s[k])))
-    if flat > 0.0:
+    if flat > LEAST:
         worst.append(("direction rad", math.atan2(float(sums[row, k, 1]), float(sums[row, k, 0]))))
     position = float(size.max()) + yaw * grasp
     within = PoseUncertainty(
-        float(level.max()) + RESERVE_M if level.max() > 0.0 else 0.0,
-        float(height.max()) + RESERVE_M if height.max() > 0.0 else 0.0,
-        yaw + RESERVE_RAD if yaw > 0.0 else 0.0,
+        float(level.max()) + RESERVE_M if level.max() > LEAST else 0.0,
+        float(height.max()) + RESERVE_M if height.max() > LEAST else 0.0,
+        yaw + RESERVE_RAD if yaw > LEAST else 0.0,
     )
-    return ArrivalError(position + RESERVE_M if position > 0.0 else 0.0, within, _shares(terms), tuple(worst))
+    return ArrivalError(position + RESERVE_M if position > LEAST else 0.0, within, _shares(terms), tuple(worst))
 
 
 @cache
@@ -220,7 +234,7 @@ def _shares(terms: _Terms) -> tuple[Share, ...]:
         level = np.hypot(sums[:, 0], sums[:, 1]) + terms.flat.get(cause, 0.0)
         height = np.abs(sums[:, 2]) + terms.upright.get(cause, 0.0)
         position, yaw = float(np.hypot(level, height).max()), terms.yaw.get(cause, 0.0)
-        if position > 0.0 or yaw > 0.0:
+        if position > LEAST or yaw > LEAST:
             found.append(Share(cause, position, yaw))
     return tuple(sorted(found, key=lambda share: (-share.position_m, -share.yaw_rad)))
 

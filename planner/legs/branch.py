@@ -15,13 +15,12 @@ from assur.planner.robots.facts import Limits
 class Branch:
     """The meetings of one mode with one choice of turns, (R, 1 + 3n) as `assur.planner.kernels.meetings` has them: the
     times, which do not decrease, and the joint states. `numbers` (R,): which times of the grid these are; `still`: the
-    point can be met at any time, as in the first row; `grid_s`: the longest step of the grid, s."""
+    point can be met at any time, as in the first row."""
 
     mode: int
     meetings: FloatArray
     numbers: IntArray
     still: bool
-    grid_s: float
 
     @property
     def n(self) -> int:

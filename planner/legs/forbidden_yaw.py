@@ -92,7 +92,7 @@ def allowed_branches(scene: Scene, point: ControlPoint, branches: list[Branch]) 
             kept.append(branch)
         elif may.any():
             rows, numbers = branch.meetings[may].copy(), branch.numbers[may]
-            kept.append(Branch(branch.mode, rows, numbers, branch.still, branch.grid_s))
+            kept.append(Branch(branch.mode, rows, numbers, branch.still))
         else:
             refusals.append(_unmet(scene, point, branch, yaws, outside.tolist(), free))
     return kept, None if kept else min(refusals, key=_amount)

@@ -1,10 +1,11 @@
-"""The way of the flange between two frames that move, p(s, t) = A(t) + s (B(t) - A(t)), timed by a phase law s(t).
+"""The way of the tool point between two frames that move, p(s, t) = A(t) + s (B(t) - A(t)), timed by a phase law s(t).
 
 With Δ = B - A (equation L1):
 
     ṗ = Ȧ + s Δ̇ + ṡ Δ        p̈ = Ä + s Δ̈ + 2 ṡ Δ̇ + s̈ Δ
 
-and likewise yaw, pitch and roll, the short way round.
+and likewise yaw, pitch and roll, the short way round. The flange is where it then has to be: beside a line, where the
+tool point is beside the flange's axis and the yaw changes.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assur.planner.arrays import FloatArray
-from assur.planner.frames.motion import Motion
+from assur.planner.frames.motion import Motion, Pose
 from assur.planner.frames.tilted import TiltedMotion
 from assur.planner.legs.phase_law import PhaseLaw
 from assur.planner.trajectory import Trajectory
@@ -42,20 +43,23 @@ class Uniform:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """The way between two frames under one phase profile that begins at `begin`."""
+    """The way between two frames of the flange under one phase profile that begins at `begin`; `tcp`: the tool point in
+    the flange, which is what goes along the line."""
 
     left: Along
     met: Along
     phase: Phase | Uniform
     begin: float
+    tcp: Pose = Pose()
 
     @property
     def end(self) -> float:
         return self.begin + self.phase.duration
 
     def motion(self, t: FloatArray) -> Motion:
-        """Equation L1 at times t (T,)."""
-        a, b = self.left(t), self.met(t)
+        """Motion (T,) of the flange, equation L1, at times t (T,)."""
+        beside = Pose(self.tcp.x, self.tcp.y)
+        a, b = self.left(t).at(beside), self.met(t).at(beside)
         clock = np.clip(t - self.begin, 0.0, self.phase.duration)
         s, sd, sdd = (x[:, 0] for x in self.phase.states(clock))
         turn = np.round((b.yaw[0] - a.yaw[0]) / (2 * np.pi)) * 2 * np.pi
@@ -63,7 +67,7 @@ class Line:
         yaw, yaw_d, yaw_dd = _blend(a.yaw, a.yaw_d, a.yaw_dd, b.yaw - turn, b.yaw_d, b.yaw_dd, s, sd, sdd)
         motion = Motion(p, v, acceleration, np.zeros_like(p), yaw, yaw_d, yaw_dd, np.zeros_like(yaw))
         if not (isinstance(a, TiltedMotion) and isinstance(b, TiltedMotion)):
-            return motion
+            return motion.at(beside.inverse())
         turns = np.round((b.tilt[0] - a.tilt[0]) / (2 * np.pi)) * 2 * np.pi
         rates = a.tilt_d, a.tilt_dd, b.tilt - turns, b.tilt_d, b.tilt_dd
         tilt = _blend(a.tilt, *rates, s[:, None], sd[:, None], sdd[:, None])

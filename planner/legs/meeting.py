@@ -135,7 +135,6 @@ class _Evaluated:
         self.t, self.targets, self.required = t, targets, required
         self.states, self.margins = np.empty((len(t), 1 + 3 * len(self.robot.joints))), np.empty((len(t), 2))
         self.codes, self.verdicts = np.empty((2, len(t)), dtype=np.int64)
-        self.grid_s = float((t[1:] - t[:-1]).max(initial=0.0))
 
     def branches(self, mode: int, near: FloatArray | None, *, any_time: bool) -> list[Branch]:
         """The mode's branches: choices of full turns of the revolute joints that are within limits at some time."""
@@ -154,7 +153,7 @@ class _Evaluated:
             turned = np.array(choice, dtype=np.float64)
             many = turned_states(robot.row, self.states, self.verdicts, limits.within, turned, rows, numbers)
             if many:
-                found.append(Branch(mode, rows[:many], numbers[:many], any_time, self.grid_s))
+                found.append(Branch(mode, rows[:many], numbers[:many], any_time))
         return found
 
     def joints(self, order: int) -> FloatArray:

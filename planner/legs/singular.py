@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -9,8 +10,14 @@ import numpy as np
 
 from assur.planner.arrays import FloatArray, IntArray
 from assur.planner.model.refusal import Quantity, Reason, Refusal, Singular, Stage, finite
+from assur.planner.model.scene import Scene
 from assur.planner.robots.facts import Code, Inverse
 from assur.planner.robots.robot import Robot
+from assur.planner.trajectory import Trajectory
+
+LOOKED_S = 1e-3
+"""Margins of a motion that is made are looked at so often, s: knots are farther apart, and between them the arm may
+come nearer. The checker allows 1e-3, and at 100 rad/s² an elbow leaves its chord by 1e-5 rad in this time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,3 +75,19 @@ def nearest(robot: Robot, found: Inverse | Margins, asked: float, rows: IntArray
     if parallel[at] >= serial[at] or (found.code[rows[at]] == Code.PARALLEL):
         return Near(Reason.NEAR_PARALLEL_SINGULARITY, need - float(parallel[at]), float(parallel[at]), int(rows[at]))
     return Near(Reason.NEAR_SINGULARITY, float(found.margin[rows[at]]), float(serial[at]), int(rows[at]))
+
+
+def too_near(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, t0: float, t1: float) -> Refusal | None:
+    """Whether the arm comes nearer to a singular position than `singularity_margin` over [t0, t1] of a motion."""
+    asked, robot = scene.options.singularity_margin, scene.robot
+    if not (asked > 0.0 and t1 > t0):
+        return None
+    t = np.linspace(t0, t1, 1 + math.ceil((t1 - t0) / LOOKED_S))
+    q = trajectory.evaluate(t)
+    margin, parallel = robot.margin(q), robot.parallel_margin(q) if robot.parallel_least > 0.0 else None
+    kept = margin >= asked if parallel is None else (margin >= asked) & (parallel >= asked)
+    if kept.all():
+        return None
+    rows = np.flatnonzero(~kept)
+    near = nearest(robot, Margins(robot.singularity(q), margin, parallel), asked, rows, best=False)
+    return near.refusal(stage, step, (float(t[rows[0]]), float(t[rows[-1]])))

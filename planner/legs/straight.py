@@ -1,5 +1,5 @@
 """Straight Cartesian legs between two moving frames: p(s, t) = A(t) + s (B(t) - A(t)), s from 0 to 1 by a phase law.
-Yaw, pitch and roll go from end to end by the same s, the short way round.
+The tool point is on that line. Yaw, pitch and roll go from end to end by the same s, the short way round.
 
 At s = 0 the flange moves with the frame it leaves, at s = 1 with the one it meets, so velocity and acceleration match
 at both ends by construction (equation L1, `assur.planner.legs.line`).
@@ -123,7 +123,7 @@ def _made_for(scene: Scene, mode: int, a: Motion, b: Motion, limits: Limits) -> 
     """
     s = np.linspace(0.0, 1.0, TABLE)
     row = np.zeros(TABLE, dtype=int)
-    line = Line(lambda _: a.at_rest()[row], lambda _: b.at_rest()[row], Uniform(), 0.0)
+    line = Line(lambda _: a.at_rest()[row], lambda _: b.at_rest()[row], Uniform(), 0.0, scene.tool.tcp)
     along = scene.robot.inverse(line.motion(s), mode, 3)
     derivatives = along.qd, along.qdd, along.qddd
     law, plain = quickest(derivatives, limits), constant_law(1.0)
@@ -163,7 +163,7 @@ def scaled(
     """The straight leg by a phase law, as in `by_law`."""
 
     def fit(phase: Phase) -> Trajectory | Refusal:
-        return _spline(scene, step, state, mode, Line(left, met, phase, state.time))
+        return _spline(scene, step, state, mode, Line(left, met, phase, state.time, scene.tool.tcp))
 
     return by_law(scene, step, fit, paced, closely, Course.STRAIGHT, limits)
 

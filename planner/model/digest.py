@@ -83,7 +83,14 @@ def _arrival(arrival: Arrival) -> list[Any]:
         None if missed is None else _numbers(*missed.joints, missed.distance_m),
         None if arrival.error is None else _error(arrival.error),
         None if arrival.trace is None else _trace(arrival.trace),
+        *_touching(arrival),
     ]
+
+
+def _touching(arrival: Arrival) -> list[float | None]:
+    """How far tool or support are from the part; nothing where neither is said, as in plans from before it was."""
+    said = (arrival.grip_m, arrival.support_m)
+    return [] if said == (None, None) else [None if value is None else float(value) + 0.0 for value in said]
 
 
 def _trace(trace: Traced) -> list[float]:

@@ -14,9 +14,11 @@ class Odd(StrEnum):
     PART_FLOATS = "PART_FLOATS"
     """A part rests on nothing, and something is a few millimetres below it."""
     TOOL_OFF_PART = "TOOL_OFF_PART"
-    """No body of the tool touches the part where it is picked, or comes near it."""
+    """No body of the tool is near the part where it is picked."""
     RELEASED_IN_AIR = "RELEASED_IN_AIR"
     """A part is released above a body that it does not touch."""
+    SUPPORT_OFF_PART = "SUPPORT_OFF_PART"
+    """A step names a body that its part touches, and it does not."""
     BODIES_OVERLAP = "BODIES_OVERLAP"
     """A part to be picked is inside another body."""
     MAY_MISS = "MAY_MISS"
@@ -25,10 +27,11 @@ class Odd(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class InputWarning:
-    """`bodies`: the tool's body and the arm's, the part and what is below it, the tool's first body and the part, or
-    two that overlap; `amount_m`: how far the part is above what is below it, the overlap that is allowed and exceeded
-    (0: none), how far beside the tool the part was looked for, or how far off the tool may be. `step`, `cause`:
-    of a pick that may miss its part, the name of the step and what adds most to the error."""
+    """`bodies`: the tool's body and the arm's, the part and what is below it, or what it should touch, the tool's
+    nearest body and the part, or two that overlap; `amount_m`: how far the part is above what is below it, or from what
+    it should touch, the overlap that is allowed and exceeded (0: none), how far the tool is from the part, or may be
+    off it. `step`: the name of a pick that may miss its part, or of the step that names what its part touches; `cause`:
+    what adds most to the error of that pick."""
 
     kind: Odd
     bodies: tuple[str, str]

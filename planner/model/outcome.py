@@ -136,7 +136,9 @@ class Arrival:
     `pose` is where the tool is at `time`, while pitch and roll are those of the pose it misses. `error`: how far the
     tool may be from the control point at `until`; None where all is known. `trace`: of a trace, whose `time` and
     `until` are those of the path's beginning and end; it is `matched` if the tool then has the process speed in the
-    frame.
+    frame. `grip_m`: of a pick, how far the tool's bodies are from the part at `until`; `support_m`: of a place, how far
+    the part is from the nearest body that it may rest on; upper values, 0 where they touch, None where there is nothing
+    to measure.
     Raises `InputError` for what is no number of a step, no pose, no text, or not finite.
     """
 
@@ -154,10 +156,13 @@ class Arrival:
     missed_by: Missed | None = None
     error: ArrivalError | None = None
     trace: Traced | None = None
+    grip_m: float | None = None
+    support_m: float | None = None
 
     def __post_init__(self) -> None:
         _step("arrival.step", self.step)
-        for name in ("time", "until", "yaw_offset", "along_m", "window_left_s", "pitch", "roll"):
+        optional = ("along_m", "window_left_s", "pitch", "roll", "grip_m", "support_m")
+        for name in ("time", "until", "yaw_offset", *optional):
             value = getattr(self, name)
             if value is not None or name in ("time", "until", "yaw_offset"):
                 _finite(f"arrival.{name}", value)
@@ -376,7 +381,8 @@ class Planned:
     margins: Margins
     contacts: tuple[Contact, ...]
     carried: tuple[Carried, ...]
-    lower_bound_s: float
+    lower_bound_s: float | None
+    """A proved duration that no plan of the request beats; None: none is known."""
     census: Census
     assumptions: tuple[str, ...]
     seed: int

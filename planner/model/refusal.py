@@ -34,7 +34,8 @@ class Reason(StrEnum):
     FORBIDDEN_YAW = "FORBIDDEN_YAW"
     """The tool would be in a forbidden range of yaw, or turn through it."""
     TOLERANCE = "TOLERANCE"
-    """The tool may be farther off its control point than is allowed."""
+    """The tool may be farther off its control point than is allowed, or is too far from the part that it takes, or a
+    part from what it is put down on."""
     WINDOW_MISSED = "WINDOW_MISSED"
     LAW_ENDS = "LAW_ENDS"
     NOT_CERTIFIED = "NOT_CERTIFIED"
@@ -337,6 +338,17 @@ class Inaccurate:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class NotTouching:
+    """TOLERANCE of a grip or a support: the tool is `distance_m` from the part that it takes (`grip`), or a part from
+    what it is put down on (`support`), where `allowed_m` are allowed."""
+
+    kind: Literal["not_touching"] = "not_touching"
+    of: Literal["grip", "support"]
+    distance_m: float
+    allowed_m: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Corrected:
     """With a belt correction the tool may be shifted by `shift_m`: a joint would go beyond its range, or the arm come
     to where it is singular."""
@@ -368,6 +380,7 @@ Facts = (
     | Corrected
     | ForbiddenYaw
     | Inaccurate
+    | NotTouching
     | Overload
     | WindowMissed
     | LawEnds

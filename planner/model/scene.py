@@ -14,6 +14,7 @@ from assur.planner.frames.fixed import Fixed, Linear
 from assur.planner.frames.heading import constant_yaw
 from assur.planner.frames.law import EXACT, Frame, PoseUncertainty, Uncertainty
 from assur.planner.frames.motion import Pose
+from assur.planner.frames.rounding import check_rounding
 from assur.planner.geometry.pieces import Pieces, pieces
 from assur.planner.geometry.shapes import Body
 from assur.planner.model.blendable import refuse_acceleration_time, refuse_unblendable
@@ -222,10 +223,21 @@ class Scene:
         self._check_wrist()
         self._check_kept()
         check_execution(self.execution, self.robot, self._tracked())
+        self._check_rounding()
         check_ranges(self.robot, self.forbidden_yaw, self.execution.lag)
         refuse_acceleration_time(self.options.timing, self.options.acceleration_time_s)
         if self.options.blended:
             refuse_unblendable(self.task, self.frames, moving=self.start.moving, end=self.options.end)
+
+    def _check_rounding(self) -> None:
+        """No frame is so fast, or stated so long ago, that proofs about what is on it would be about rounding."""
+        seats = [(body.frame, body.pose, body) for body in self.bodies]
+        seats += [(step.to.frame, step.to.pose, self.index[step.part]) for step in self.task if isinstance(step, Place)]
+        lasts = sum(step.dwell_s for step in self.task) + self.options.stay_safe_s
+        for frame, pose, each in seats:
+            law = self.frames[frame].law
+            reach = math.hypot(pose.x, pose.y, pose.z) + (0.0 if isinstance(law, Fixed) else each.body.radius)
+            check_rounding(f"frames.{frame}", law, reach, self.start.time, lasts)
 
     @cached_property
     def ending(self) -> tuple[tuple[str, tuple[float, float]], ...]:
@@ -352,6 +364,9 @@ class Scene:
             if step.match == "position" and not isinstance(self.frames[self._frame_of(step)].law, Fixed):
                 allowed = "velocity: a part is picked from, and placed on, a moving frame with its velocity"
                 raise InputError(f"{field}.match", step.match, allowed)
+            if isinstance(step, Pick) and math.isfinite(step.grip_within_m) and not self.tool.bodies:
+                allowed = "none: the tool has no bodies from which it could be measured"
+                raise InputError(f"{field}.grip_within_m", step.grip_within_m, allowed)
 
     def _check_tilt(self, field: str, target: Target) -> None:
         """Pitch and roll are asked only of an arm that has them."""

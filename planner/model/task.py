@@ -194,7 +194,8 @@ class Pick:
     `contact_tolerance_m`: how deep allowed contacts may become where things are not where they are planned.
     `held_within`: how well the part is known in the gripper once it is held (None: as well as when it was gripped).
     `approach_stop`, `depart_stop`: whether the tool stops at the outer end of that straight part; else it moves on
-    along the vertical where it can.
+    along the vertical where it can. `grip_within_m`: how far, m, the tool's bodies may be from the part when it is
+    attached.
     """
 
     name: str
@@ -212,6 +213,7 @@ class Pick:
     approach_stop: bool = False
     depart_stop: bool = False
     arch: Arch | None = None
+    grip_within_m: float = math.inf
 
     tracks: ClassVar[bool] = True
     via: ClassVar[bool] = False
@@ -222,7 +224,8 @@ class Pick:
 @dataclass(frozen=True, slots=True)
 class Place:
     """Bring the held part's frame to `to`, track it, detach at the end of `dwell_s`, depart; the part then sits in
-    `to.frame`."""
+    `to.frame`. `support_within_m`: how far, m, the part may be from the nearest body of `contact_with` when it is
+    detached."""
 
     name: str
     part: str
@@ -238,10 +241,16 @@ class Place:
     approach_stop: bool = False
     depart_stop: bool = False
     arch: Arch | None = None
+    support_within_m: float = math.inf
 
     tracks: ClassVar[bool] = True
     via: ClassVar[bool] = False
     leg: ClassVar[Literal["joint"]] = "joint"
+
+    def __post_init__(self) -> None:
+        if math.isfinite(self.support_within_m) and not self.contact_with:
+            allowed = "none without contact_with, which names what the part rests on"
+            raise InputError("support_within_m", self.support_within_m, allowed)
 
     @property
     def target(self) -> Target:

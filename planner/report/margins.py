@@ -7,18 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from assur.planner.arrays import FloatArray
+from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.collision.nearest import nearest, nearest_pairs
 from assur.planner.collision.proof import Prover
-from assur.planner.kernels.postures import least_margins
 from assur.planner.legs.limits import parts
 from assur.planner.legs.tool_motion import carrying_peak, tool_accelerations, tool_peaks
-from assur.planner.model.assembly_mode import has_loop
 from assur.planner.model.load import Carried, held_inertia
 from assur.planner.model.outcome import Busiest, Contact, JointPeak, Margins
 from assur.planner.model.phases import Phase
 from assur.planner.model.refusal import RATES
 from assur.planner.model.scene import Scene
+from assur.planner.report.least_margins import least_margins
 from assur.planner.trajectory import Trajectory
 
 FINE_S = 0.001
@@ -29,8 +28,6 @@ MOST_FINE = 100_000
 """So many of these times at most: where the arm moves for longer they are further apart. Where it rests there are none
 beyond so many: nothing is used of a limit there."""
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
-INSTANTS = 64
-"""Times at which the margin to a singularity is looked for."""
 
 
 def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[Phase, ...], pairs: int = 0) -> Margins:
@@ -38,20 +35,24 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     of the tool point are looked for at times. A smallest clearance that is not found before the deadline in force is
     told as 0, which is proved, too."""
     peaks, (ratio, joint, kind) = _peaks(scene, trajectory, phases)
-    serial, parallel = least_margins(scene.robot.row, trajectory.edges, trajectory.coefficients, INSTANTS)
     limit, carrying = scene.carry_acceleration, carrying_peak(scene, trajectory, phases)
     tool = tool_peaks(scene, trajectory, trajectory.start, trajectory.end)
     held = None if carrying is None else carrying[0]
     binds, helps = f"{kind} of {joint} ({100 * ratio:.0f} %)", f"a higher limit, or less travel of {joint}"
     t, apart = _even(trajectory)
+    serial, parallel = least_margins(scene.robot, trajectory, t)
     if held is not None and limit is not None and held / limit > ratio:
         binds = f"acceleration of the carried part ({100 * held / limit:.0f} %)"
         helps = "a higher limit (carry)"
+        ratio = held / limit
         carried = np.any([(t >= p.t0) & (t <= p.t1) for p in phases if p.attached.held is not None], axis=0)
-        used = np.where(carried, tool_accelerations(scene, trajectory, t), 0.0)
+        used = np.where(carried, tool_accelerations(scene, trajectory, t) / limit, 0.0)
     else:
         number = [each.name for each in scene.robot.joints].index(joint)
         used = np.abs(trajectory.evaluate(t, ORDERS[kind])[:, number])
+        for phase in phases:
+            here = (t >= phase.t0) & (t < phase.t1)
+            used[here] /= getattr(phase.attached.limits(scene), kind)[number]
     return Margins(
         peaks=peaks,
         binds=binds,
@@ -59,9 +60,9 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         tool_acceleration=tool.acceleration if held is None else held,
         tool_acceleration_limit=limit,
         singularity=serial,
-        parallel=parallel if has_loop(scene.robot) else None,
+        parallel=parallel,
         jerk="unbounded" if scene.options.blended else "limited",
-        busiest=_busiest(phases, t, apart, used),
+        busiest=_busiest(phases, t, apart, used >= (1.0 - NEAR_PEAK) * ratio),
         helps=helps,
         tool=tool,
         travel_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if not p.near), pairs),
@@ -69,10 +70,9 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     )
 
 
-def _busiest(phases: tuple[Phase, ...], t: FloatArray, apart: float, used: FloatArray) -> Busiest | None:
-    """The phase in which what is `used` (T,) of a limit at times t (T,), which are `apart`, s, is longest within a
-    hundredth of its peak."""
-    at_peak = used >= (1.0 - NEAR_PEAK) * float(used.max())
+def _busiest(phases: tuple[Phase, ...], t: FloatArray, apart: float, at_peak: BoolArray) -> Busiest | None:
+    """The phase in which a limit is longest within a hundredth of its peak, which it is `at_peak` (T,) of the times t
+    (T,), which are `apart`, s; None: at none of them."""
     found: tuple[int, Phase] | None = None
     for phase in phases:
         count = int(np.count_nonzero(at_peak & (t >= phase.t0) & (t < phase.t1)))

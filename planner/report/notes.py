@@ -13,12 +13,13 @@ def warned(warning: InputWarning) -> str:
     if warning.kind is Odd.PART_FLOATS:
         return f"{first} is {amount(warning.amount_m, 'm')} above {second} and rests on nothing"
     if warning.kind is Odd.TOOL_OFF_PART:
-        return (
-            f"no body of the tool touches {second} where it is picked, nor would it if the part were moved by up to "
-            f"{amount(warning.amount_m, 'm')} along x, y or z: check grasp and tcp"
-        )
+        off = f"{first}, the nearest, is {amount(warning.amount_m, 'm')} away"
+        return f"no body of the tool touches {second} where it is picked: {off}; check grasp and tcp"
     if warning.kind is Odd.RELEASED_IN_AIR:
         return f"{first} is released {amount(warning.amount_m, 'm')} above {second} and rests on nothing there"
+    if warning.kind is Odd.SUPPORT_OFF_PART:
+        away = amount(warning.amount_m, "m")
+        return f"{first} should touch {second} in step {warning.step}, as contact_with says, but is {away} away from it"
     if warning.kind is Odd.BODIES_OVERLAP:
         return f"{first} and {second} overlap by more than {amount(warning.amount_m, 'm')} where they are at the start"
     if warning.kind is Odd.MAY_MISS:

@@ -16,6 +16,7 @@ from assur.planner.model.refusal import (
     Inaccurate,
     LawEnds,
     MotionLimit,
+    NotTouching,
     Obstacle,
     OnPath,
     OutOfReach,
@@ -29,6 +30,7 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Pick, Place, Scene, Trace
 from assur.planner.model.window_missed import WindowMissed
+from assur.planner.report.not_touching import not_touching
 from assur.planner.report.number_format import amount, number, position
 from assur.planner.report.too_late import law_ended, window_missed
 
@@ -95,6 +97,8 @@ def _because(scene: Scene, refusal: Refusal) -> str:
             return f"the part would be accelerated with {most} m/s², but only {limit} m/s² are allowed"
         case Inaccurate() as facts:
             return _inaccurate(facts)
+        case NotTouching() as facts:
+            return not_touching(refusal, facts)
         case Overload() as facts:
             return _overload(scene, refusal, facts)
         case Corrected() as facts:

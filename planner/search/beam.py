@@ -11,9 +11,11 @@ from itertools import product
 
 import numpy as np
 
+from assur.planner.checker.bound.duration import least_duration
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.collision.screening import Encounter, Screened, screen
+from assur.planner.collision.touching import too_far, touching
 from assur.planner.feasibility.necessary import points_impossible
 from assur.planner.legs.meeting import Meetings
 from assur.planner.legs.tilt import tilts
@@ -23,13 +25,12 @@ from assur.planner.model.outcome import Plan
 from assur.planner.model.phases import yaw_offsets
 from assur.planner.model.progress import Progress, Watch
 from assur.planner.model.refusal import Refusal
-from assur.planner.model.scene import Scene
+from assur.planner.model.scene import Pick, Scene
 from assur.planner.search.best_candidate import RefusedMotion
 from assur.planner.search.candidates import Sampler
 from assur.planner.search.census import Counter, refused_proof
 from assur.planner.search.completion import completed
 from assur.planner.search.extension import extended, straight_extension, timed, wrist_travel
-from assur.planner.search.lower_bound import lower_bound
 from assur.planner.search.meeting_options import Option, ahead, free_yaws, options
 from assur.planner.search.partial_plan import Candidate, Extension, PartialPlan, TimedCandidate, initial, prepared
 from assur.planner.search.rough_score import CoarseScore, score_of
@@ -47,7 +48,6 @@ class Found:
     first_s: float = float("nan")
     cut_by_clock: bool = False
     deepest: int = 0
-    first_options: tuple[Option, ...] = ()
     never: Refusal | None = None
     """A necessary condition that does not hold, if that is what ended the search."""
     census: Counter = field(default_factory=Counter)
@@ -79,7 +79,8 @@ class Search:
         self.until_first = scene.options.stop == "first"
         """Whether the first plan ends the search. It says nothing about how that one is found."""
         self.found = Found()
-        self._bound: float | None = None
+        self._bound: list[float | None] = []
+        """What no plan beats, once it was asked for."""
 
     def run(self) -> Found:
         """Rounds over all lengths until something ends them, or the budget is spent."""
@@ -128,8 +129,8 @@ class Search:
 
     def _progress(self) -> Progress:
         found = self.found
-        if self._bound is None and found.first_options:
-            self._bound = lower_bound(self.scene, found.first_options)
+        if not self._bound:
+            self._bound.append(least_duration(self.scene))
         best = None if found.best is None else found.best.state.time - self.scene.start.time
         return Progress(
             stage="search",
@@ -137,7 +138,7 @@ class Search:
             candidates=found.census.candidates,
             steps=found.deepest,
             duration_s=best,
-            lower_bound_s=self._bound,
+            lower_bound_s=self._bound[0],
         )
 
     def _late(self) -> bool:
@@ -197,18 +198,14 @@ class Search:
         offsets = yaw_offsets(scene, scene.task[partial.step])
         if offsets is None:
             offsets = free_yaws(scene, partial, partial.step, modes)
-        for offset, tilt in product(offsets, attitudes):
+        for offset, tilt in product(self._gripping(partial, offsets), attitudes):
             look()
             for meeting in prepared(scene, partial, offset, tilt, modes):
                 for refusal in (meeting,) if isinstance(meeting, Refusal) else meeting.refusals:
                     self.found.census.note(refusal)
                 if isinstance(meeting, Meetings):
                     met.append((offset, meeting))
-        every = options(scene, partial, met)
-        if partial.step == 0:
-            # all of them: a lower bound must hold for those that are not tried, too
-            self.found.first_options = every
-        found = every[: max(MOST_OPTIONS, len(attitudes))]
+        found = options(scene, partial, met)[: max(MOST_OPTIONS, len(attitudes))]
         score = bound(CoarseScore, self.prover, partial, found)
         sampler = Sampler(scene, partial, found, self.rng, score, self.adaptive)
         high = sampler.too_high()
@@ -216,6 +213,19 @@ class Search:
             self.found.census.note(high)
             sampler.options = ()
         return sampler
+
+    def _gripping(self, partial: PartialPlan, offsets: tuple[float, ...]) -> list[float]:
+        """The turns of the tool in which it is near enough to the part that is picked; any, where that is not asked."""
+        step, kept = self.scene.task[partial.step], list[float]()
+        for offset in offsets:
+            apart = None
+            if isinstance(step, Pick) and math.isfinite(step.grip_within_m):
+                apart = too_far(self.prover, partial.step, partial.attached, offset, self.scene.start.time)
+            if apart is None:
+                kept.append(offset)
+            else:
+                self.found.census.note(apart)
+        return kept
 
     def _modes(self, partial: PartialPlan) -> tuple[int, ...]:
         robot, elbow = self.scene.robot, self.scene.options.elbow
@@ -302,6 +312,10 @@ class Search:
         made = extended(self.scene, motion) if isinstance(motion, TimedCandidate) else motion
         if isinstance(made, Refusal):
             return self.found.refused(motion, (Encounter(made),))
+        met = touching(self.prover, made.before.attached, made.after.arrivals[-1])
+        if isinstance(met, Refusal):
+            return self.found.refused(made, (Encounter(met),))
+        after = replace(made.after, arrivals=(*made.after.arrivals[:-1], met))
         if len(made.phases) > len(motion.phases):
             # only the leg to the point has been screened, not what follows there
             rest = screen(self.prover, made)
@@ -314,7 +328,7 @@ class Search:
                 why = refused_proof(rows, made.before.step, rule_of(self.scene, phase, *rows.bodies))
                 return self.found.refused(made, (Encounter(why),))
             proofs.append(rows)
-        return replace(made.after, proofs=(*made.before.proofs, *proofs))
+        return replace(after, proofs=(*made.before.proofs, *proofs))
 
     def _add(self, partial: PartialPlan) -> None:
         if self._late():

@@ -20,7 +20,7 @@ from assur.planner.model.refusal import Refusal
 from assur.planner.model.scene import Scene, Step
 from assur.planner.search import tuning
 from assur.planner.search.meeting_options import Option
-from assur.planner.search.partial_plan import Candidate, PartialPlan
+from assur.planner.search.partial_plan import Candidate, PartialPlan, can_wait
 from assur.planner.search.population import Population, at_the_point
 from assur.planner.search.rough_score import CoarseScore
 
@@ -54,7 +54,7 @@ class Sampler:
             return first_arches
         if self.step.leg == "cartesian":
             # a straight leg from a moving frame has nothing to choose: it has been tried
-            return [self._wait() for _ in range(tuning.BATCH)] if self.partial.state.resting else []
+            return [self._wait() for _ in range(tuning.BATCH)] if can_wait(self.scene, self.partial) else []
         if self.step.arch is not None:
             return [self._arch() for _ in range(tuning.BATCH)]
         if self.population is None:
@@ -150,7 +150,7 @@ class Sampler:
 
     def _may_wait(self) -> bool:
         """Whether waiting is possible and changes anything."""
-        return self.partial.state.resting and not all_stand(self.scene.frames.values())
+        return can_wait(self.scene, self.partial) and not all_stand(self.scene.frames.values())
 
     def _any_option(self) -> Option:
         return self.options[min(len(self.options) - 1, int(self.rng.geometric(tuning.ANY_OPTION)) - 1)]

@@ -21,6 +21,7 @@ from assur.planner.legs.missed import by_law
 from assur.planner.legs.overlap import leaving
 from assur.planner.legs.paths.path_leg import along_path
 from assur.planner.legs.paths.tracing import left_at, trace, traced
+from assur.planner.legs.singular import too_near
 from assur.planner.legs.slowed import slowed
 from assur.planner.legs.state import Knots, TimedLeg
 from assur.planner.legs.straight import mode_changes, straight
@@ -28,7 +29,7 @@ from assur.planner.legs.tilt import tilt_of
 from assur.planner.legs.tool_motion import RESERVE, carrying_peak
 from assur.planner.legs.tracking import track
 from assur.planner.model.assembly_mode import leaves_assembly
-from assur.planner.model.outcome import Arrival, Course, Leg, LegKind, Route
+from assur.planner.model.outcome import TRACKING, Arrival, Course, Leg, LegKind, Route
 from assur.planner.model.phases import Phase, on_way, stay_phases, step_phases
 from assur.planner.model.refusal import (
     Carrying,
@@ -203,7 +204,8 @@ def _continued(
         if not partial.state.resting:
             raise FaultError("an arm in motion cannot wait")
         standing = Knots.standing(partial.state, partial.state.time + candidate.shape.wait)
-        legs.insert(0, TimedLeg(LegKind.WAIT, standing, Route(Course.FOR_BODIES)))
+        waited = None if way.route is None else replace(way.route, after_wait=True)
+        legs = [TimedLeg(LegKind.WAIT, standing, Route(Course.FOR_BODIES)), replace(way, route=waited)]
     begin = end = way.knots.end
     if point.tracks:
         last, mode = way.knots.last, candidate.branch.mode
@@ -240,6 +242,7 @@ def _continued(
             if beyond is not None:
                 return beyond
     lost = leaves_assembly(scene.robot, partial.step, trajectory) or turns_into(scene, partial.step, trajectory)
+    lost = lost or _near_singular(scene, partial.step, trajectory, legs)
     if lost is not None:
         return lost
     made = tuple(Leg(leg.kind, partial.step, leg.knots.begin, leg.knots.end, leg.route) for leg in legs)
@@ -281,6 +284,18 @@ def _continued(
         paces=partial.paces,
     )
     return Extension(partial, candidate, trajectory, tuple(ours), after)
+
+
+def _near_singular(scene: Scene, step: int, trajectory: Trajectory, legs: list[TimedLeg]) -> Refusal | None:
+    """Whether a leg that tracks a point, or goes along a line or a path, comes too near to a singular position."""
+    for leg in legs:
+        course = None if leg.route is None else leg.route.course
+        if leg.kind in TRACKING or course in (Course.STRAIGHT, Course.PATH):
+            stage = Stage.TRACKING if leg.kind in TRACKING else Stage.STRAIGHT
+            lost = too_near(scene, stage, step, trajectory, leg.knots.begin, leg.knots.end)
+            if lost is not None:
+                return lost
+    return None
 
 
 def _lowered(scene: Scene, point: ControlPoint, q: FloatArray) -> FloatArray:

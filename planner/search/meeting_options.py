@@ -27,14 +27,13 @@ SAME_RAD = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Option:
-    """A branch of a control point, with the turn of a symmetric part it belongs to and a lower bound of its duration
-    (`least`, less `grain`: how far before it the last meeting time that was looked at lies)."""
+    """A branch of a control point, with the turn of a symmetric part it belongs to and the least duration of the times
+    that were looked at (`least`)."""
 
     meeting: Meetings
     yaw_offset: float
     branch: Branch
     least: float
-    grain: float
 
 
 def options(scene: Scene, partial: PartialPlan, found: list[tuple[float, Meetings]]) -> tuple[Option, ...]:
@@ -49,17 +48,15 @@ def options(scene: Scene, partial: PartialPlan, found: list[tuple[float, Meeting
             every = 1 + len(branch.meetings) // EVALUATED_MEETINGS
             least = branch.least_durations(start, limits, every, jerk_limited=not scene.options.blended)
             if branch.still:
-                result.append(Option(meeting, yaw_offset, branch, float(least.min()), 0.0))
+                result.append(Option(meeting, yaw_offset, branch, float(least.min())))
                 continue
-            # the earliest time looked at that the lower bound allows; any before it come after the one before
+            # the earliest time looked at that the least duration allows
             time = branch.time[::every]
             ready = np.flatnonzero(time >= state.time + least)
             if not len(ready):
-                result.append(Option(meeting, yaw_offset, branch, np.inf, 0.0))
+                result.append(Option(meeting, yaw_offset, branch, np.inf))
                 continue
-            first = float(time[ready[0]])
-            before = float(time[ready[0] - 1]) if ready[0] > 0 else first - branch.grid_s
-            result.append(Option(meeting, yaw_offset, branch, first - state.time, first - before))
+            result.append(Option(meeting, yaw_offset, branch, float(time[ready[0]]) - state.time))
     # where an option is met first
     result.sort(key=lambda option: option.least * preference(scene.robot, state.q, option.branch.q[0]))
     return tuple(result)

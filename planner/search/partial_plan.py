@@ -118,6 +118,14 @@ def initial(scene: Scene) -> PartialPlan:
     return PartialPlan(0, state, int(scene.robot.mode_of(start.q)), at_start(scene), handled_at_start(scene))
 
 
+def can_wait(scene: Scene, partial: PartialPlan) -> bool:
+    """Whether the arm stands and may stand on: where a via is flown by it may not, even if it rests there for an
+    instant as all its joints turn round."""
+    before = scene.task[partial.step - 1] if partial.step > 0 else None
+    flown_by = before is not None and before.via and before.leg == "joint"
+    return partial.state.resting and not flown_by
+
+
 def prepared(
     scene: Scene, partial: PartialPlan, yaw_offset: float, tilt: Tilt | None, modes: tuple[int, ...]
 ) -> list[Meetings | Refusal]:

@@ -14,7 +14,7 @@ from assur.planner.legs.overlap import may_stop
 from assur.planner.model.scene import Scene
 from assur.planner.search import tuning
 from assur.planner.search.meeting_options import Option
-from assur.planner.search.partial_plan import Candidate, PartialPlan
+from assur.planner.search.partial_plan import Candidate, PartialPlan, can_wait
 from assur.planner.search.rough_score import CoarseScore
 from assur.planner.search.via_batch import Freedom, shape_of
 
@@ -116,7 +116,7 @@ def _freedom(scene: Scene, partial: PartialPlan, options: tuple[Option, ...]) ->
         start=partial.state.q,
         goals=np.array([option.branch.q[0] for option in options]),
         weights=weights / weights.sum(),
-        waits=partial.state.resting,
+        waits=can_wait(scene, partial),
         moving=not all_stand(scene.frames.values()),
         late=np.array([not option.branch.still for option in options]),
         via=step.via,

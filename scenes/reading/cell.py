@@ -80,7 +80,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         raise Refused(f"the name of a body: {choices(places, held)}", "start", "holding", "part")
     with within("start"):
         start = start_of(request.start, given, known, places)
-    steps = task.steps_of(request.task, known, places, robot.coordinates, held)
+    steps = task.steps_of(request.task, known, places, robot.coordinates, held, solid_tool=bool(tool.bodies))
     taken_up = {step.part for step in steps if isinstance(step, Pick)} | ({held} if held else set())
     _check_riders(request, taken_up)
     carry = None if request.carry is None else request.carry.acceleration_m_s2

@@ -1,28 +1,56 @@
 """What an answer says beside its plan: claims for the checker, and what it repeats of the request, held to that here.
 
-What an answer leaves out is no claim. Fields about the search (how long, what was refused), and what is advice for
-people, are read by nobody; docs/api.md has the list.
+What an answer leaves out is no claim. Of fields about the search (how long, what was refused), and of notes for people,
+only the form is looked at (`scenes.schema.checked`). A field that no answer has is refused, wherever it is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any, NotRequired, TypeVar, get_args, get_origin
+
+from typing_extensions import get_type_hints
 
 from assur.planner.checker.targets import asks_velocity, targets
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.frames import Conveyor, Linear
 from assur.planner.model.claims import Claims
 from assur.planner.model.load import Carried
-from assur.planner.model.outcome import Arrival, Contact, JointPeak, Nearest, ToolPeaks
+from assur.planner.model.outcome import Arrival, Busiest, Contact, JointPeak, Nearest, ToolPeaks
 from assur.planner.model.scene import Scene
 from assur.planner.report.straight_parts import assumed
-from assur.scenes.reading.plan import PLAN
+from assur.scenes.faults import fault
+from assur.scenes.reading.plan import BESIDE, PLAN
 from assur.scenes.schema import answer as document
-from assur.scenes.schema.read import read_normal
+from assur.scenes.schema.checked import NOT_CHECKED, not_checked
+from assur.scenes.schema.read import read_normal, read_written
 
+Stated = TypeVar("Stated")
 MISSING = object()
 """Stands for a field that is not there, where null says something."""
+
+
+def check_beside(plan: object) -> None:
+    """Raises `DocumentError` below "plan" for a field beside the plan that no answer has, or that is not of its kind."""
+    if not isinstance(plan, dict):
+        return  # no answer, which who reads the plan says
+    for key, model in _fields(document.PlannedAnswer).items():
+        if key in BESIDE and key != "margins" and key in plan:
+            read = read_written if key in NOT_CHECKED else read_normal
+            read(model, plan[key], plan[key], (PLAN, key))
+    margins, known = _below(plan, "margins"), _fields(document.Margins)
+    for key in margins:
+        if key not in known:
+            raise fault({PLAN: plan}, (PLAN, "margins", key), f"one of {', '.join(known)}")
+        read_normal(known[key], margins[key], margins[key], (PLAN, "margins", key))
+
+
+@cache
+def _fields(kind: Any) -> dict[str, Any]:
+    """The kinds of the fields of a TypedDict."""
+    found = get_type_hints(kind, include_extras=True)
+    return {key: get_args(value)[0] if get_origin(value) is NotRequired else value for key, value in found.items()}
 
 
 def claims_of(plan: object) -> Claims:
@@ -35,6 +63,8 @@ def claims_of(plan: object) -> Claims:
         for i, each in enumerate(_items(margins.get(key), "margins", key))
     ]
     peaks, contacts = margins.get("peaks"), plan.get("contacts") if isinstance(plan, dict) else None
+    arrivals = plan.get("arrivals") if isinstance(plan, dict) else None
+    bound = plan.get("lower_bound_s") if isinstance(plan, dict) else None
     tool, pull = margins.get("tool"), margins.get("tool_acceleration_m_s2")
     return Claims(
         nearest=None if nearest is MISSING else (None if nearest is None else _nearest(nearest, "margins", "nearest"),),
@@ -49,7 +79,25 @@ def claims_of(plan: object) -> Claims:
         binds=_read(document.Text, margins.get("binds"), "margins", "binds"),
         tool=None if tool is None else _tool(tool),
         tool_acceleration=_read(document.Number, pull, "margins", "tool_acceleration_m_s2"),
+        busiest=_stated(margins, "busiest", _busiest),
+        helps=margins.get("helps"),
+        singularity=_stated(margins, "singularity", float),
+        parallel=_stated(margins, "parallel", float),
+        modes=tuple(each.get("mode") for each in arrivals if isinstance(each, dict)) if arrivals else None,
+        not_checked=not_checked(plan),
+        lower_bound=_read(document.Number, bound, "lower_bound_s"),
     )
+
+
+def _stated(margins: dict[str, Any], key: str, made: Callable[[Any], Stated]) -> tuple[Stated | None] | None:
+    """What is said of a margin, (None,) being that there is none; None: nothing is said."""
+    if key not in margins:
+        return None
+    return (None if margins[key] is None else made(margins[key]),)
+
+
+def _busiest(item: document.Busiest) -> Busiest:
+    return Busiest(item["kind"], item["step"], item["from_s"], item["to_s"], item["at_limit_s"])
 
 
 def untrue_repeats(plan: object, scene: Scene) -> tuple[Finding, ...]:

@@ -21,7 +21,7 @@ from assur.planner.model.outcome import (
 )
 from assur.planner.model.path import LONGEST_S
 from assur.planner.model.scene import Move, Scene, Trace
-from assur.planner.robots.robot import Robot
+from assur.planner.report.notes import note
 from assur.planner.trajectory import Trajectory
 from assur.scenes.conventions import Conventions, as_counted, converted, converted_rates
 from assur.scenes.faults import Refused, fault, located, within
@@ -41,7 +41,7 @@ JOINTS = 1e-9
 REFUSAL = "planned; this answer is a refusal: its status is not_planned, so there is no plan in it to check"
 
 
-NOT_CHECKED = document.PlannedAnswer.__annotations__.keys() - document.CheckedPlan.__annotations__.keys()
+BESIDE = document.PlannedAnswer.__annotations__.keys() - document.CheckedPlan.__annotations__.keys()
 """Fields of an answer that are no part of its plan: they may be left out, and what they claim is read by `claims`."""
 CERTIFICATE_DIGEST = frozenset(document.CertificateDigest.__annotations__)
 """Fields of a certificate that is not in full."""
@@ -51,9 +51,9 @@ PATH_TIME_S = 1e-3
 """By so much more may a leg last than a path may: times round, s."""
 
 
-def plan_of(plan: object, conventions: Conventions, robot: Robot | None = None) -> tuple[Plan, tuple[Finding, ...]]:
-    """The plan in a planned answer with a full certificate, and what the answer says of its durations, and of the
-    joints and modes of its arrivals (those of `robot`), that is not so.
+def plan_of(plan: object, conventions: Conventions) -> tuple[Plan, tuple[Finding, ...]]:
+    """The plan in a planned answer with a full certificate, and what the answer says of its durations, of its routes in
+    words, and of the joints of its arrivals, that is not so.
 
     Not looked at here: whether anything else in it is true (`claims`, and the checker). Raises `DocumentError` below
     "plan".
@@ -65,10 +65,10 @@ def plan_of(plan: object, conventions: Conventions, robot: Robot | None = None) 
             certificate = plan.get("certificate")
             if isinstance(certificate, dict) and set(certificate) == CERTIFICATE_DIGEST:
                 raise Refused("the certificate in full, as certificate=full gives it", "certificate")
-            plan = {key: value for key, value in plan.items() if key not in NOT_CHECKED}
+            plan = {key: value for key, value in plan.items() if key not in BESIDE}
         item: document.CheckedPlan = read_normal(document.CheckedPlan, plan, plan, (PLAN,))
         made = _made(item, conventions)
-        return made, _untrue(item) + _untrue_joints(item, made, conventions, robot)
+        return made, _untrue(item) + _untrue_notes(item, made) + _untrue_joints(item, made, conventions)
 
 
 def check_lengths(answer: dict[str, object], made: Plan, scene: Scene) -> None:
@@ -140,6 +140,8 @@ def _arrival(i: int, item: document.Arrival, conventions: Conventions) -> Arriva
         missed_by=_missed(i, item.get("missed_by"), conventions),
         error=_error(item.get("error"), conventions),
         trace=_traced(item.get("trace")),
+        grip_m=item.get("grip_m"),
+        support_m=item.get("support_m"),
     )
 
 
@@ -178,25 +180,29 @@ def _missed(i: int, item: document.Missed | None, conventions: Conventions) -> M
 def _untrue(item: document.CheckedPlan) -> tuple[Finding, ...]:
     """Durations that an answer states and its trajectory has not; what it leaves out is no claim."""
     first, last = item["trajectory"]["time_s"][0], item["trajectory"]["time_s"][-1]
-    duration, bound = last - first, item.get("lower_bound_s")
-    found = [
+    duration = last - first
+    return tuple(
         Finding(Code.FORM, f"{key} is {said:.6f}, but the trajectory's is {true:.6f}", abs(said - true), "s", key)
         for key, said, true in (
             ("duration_s", item.get("duration_s"), duration),
             ("start_s", item.get("start_s"), first),
         )
         if said is not None and not abs(said - true) <= TIME_S
-    ]
-    if bound is not None and not bound <= duration + TIME_S:
-        what = f"lower_bound_s is {bound:.6f}, but this plan takes only {duration:.6f}"
-        found.append(Finding(Code.FORM, what, bound - duration, "s", "lower_bound_s"))
-    return tuple(found)
+    )
 
 
-def _untrue_joints(
-    item: document.CheckedPlan, made: Plan, conventions: Conventions, robot: Robot | None
-) -> tuple[Finding, ...]:
-    """Joints and modes that an answer states of its arrivals and its trajectory has not."""
+def _untrue_notes(item: document.CheckedPlan, made: Plan) -> tuple[Finding, ...]:
+    """Notes of legs that are not their routes in words."""
+    told = [(leg.get("note"), note(own.route)) for leg, own in zip(item["legs"], made.legs, strict=True)]
+    return tuple(
+        Finding(Code.CLAIM, f"the note of a leg is {said!r:.60}, but its route is {true!r}", where=f"legs[{i}].note")
+        for i, (said, true) in enumerate(told)
+        if said not in (None, true)
+    )
+
+
+def _untrue_joints(item: document.CheckedPlan, made: Plan, conventions: Conventions) -> tuple[Finding, ...]:
+    """Joints that an answer states of its arrivals and its trajectory has not."""
     found = []
     for i, arrival in enumerate(item["arrivals"]):
         time, field = arrival["time_s"], f"arrivals[{i}]"
@@ -211,10 +217,6 @@ def _untrue_joints(
             if not off <= JOINTS:
                 what = "the joints of an arrival are not those of the trajectory"
                 found.append(Finding(Code.FORM, what, off, "rad or m", f"{field}.joints"))
-        mode = -1 if robot is None else int(robot.mode_of(q))
-        if robot is not None and mode >= 0 and arrival.get("mode") not in (None, robot.modes[mode]):
-            what = f"an arrival is in mode {robot.modes[mode]}, not {arrival['mode']!r:.40}"
-            found.append(Finding(Code.FORM, what, where=f"{field}.mode"))
     return tuple(found)
 
 

@@ -44,8 +44,10 @@ NO_TILT = "no {}: only arms with five axes have one"
 class _Task:
     """Reads the steps in order, and knows what the gripper holds in between."""
 
-    def __init__(self, frames: Frames, places: Places, coordinates: tuple[str, ...], held: str | None) -> None:
-        self.frames, self.places = frames, places
+    def __init__(
+        self, frames: Frames, places: Places, coordinates: tuple[str, ...], held: str | None, *, solid_tool: bool
+    ) -> None:
+        self.frames, self.places, self.solid_tool = frames, places, solid_tool
         self.has_yaw, self.has_tilt = "yaw" in coordinates, "pitch" in coordinates
         self.no_yaw = NO_HEADING if self.has_tilt else NO_YAW
         self.held = held
@@ -144,6 +146,8 @@ class _Task:
             raise Refused(f"a pick after {self.held} is placed", "part")
         if not self.has_yaw and item.grasp_yaw_rad != 0.0:
             raise Refused(self.no_yaw, "grasp_yaw_rad")
+        if item.grip_within_m is not None and not self.solid_tool:
+            raise Refused("none: the tool has no bodies from which it could be measured", "grip_within_m")
         self.held = item.part
         return Pick(
             name,
@@ -159,11 +163,14 @@ class _Task:
             item.contact_tolerance_m,
             None if item.held_within is None else pose_uncertainty(item.held_within),
             **_corners(item),
+            grip_within_m=math.inf if item.grip_within_m is None else item.grip_within_m,
         )
 
     def _place(self, name: str, item: PlaceDocument) -> Step:
         if item.part != self.held:
             raise Refused(f"the part that is held then: {self.held or 'none'}", "part")
+        if item.support_within_m is not None and not item.contact_with:
+            raise Refused("none without contact_with, which names what the part rests on", "support_within_m")
         target = self._target(item.to, part=True)
         self.held = None
         self.places[item.part] = (target.frame, target.pose)
@@ -180,6 +187,7 @@ class _Task:
             _tolerance(item),
             item.contact_tolerance_m,
             **_corners(item),
+            support_within_m=math.inf if item.support_within_m is None else item.support_within_m,
         )
 
     def _target(self, item: TargetDocument, free: bool = False, part: bool = False) -> Target:
@@ -282,10 +290,13 @@ def steps_of(
     places: Places,
     coordinates: tuple[str, ...],
     held: str | None = None,
+    *,
+    solid_tool: bool = True,
 ) -> tuple[Step, ...]:
     """The steps, in order, for a robot with these coordinates whose gripper holds the part `held` at the start.
+    `solid_tool`: whether its tool has bodies.
 
     Raises `Refused` where a step asks for what is not there, or not in the gripper.
     """
-    reader = _Task(frames, dict(places), coordinates, held)
+    reader = _Task(frames, dict(places), coordinates, held, solid_tool=solid_tool)
     return tuple(reader.step(i, item) for i, item in enumerate(task))

@@ -129,7 +129,8 @@ class Traced(TypedDict):
 @with_config(CLOSED)
 class Arrival(TypedDict):
     """Where and when the tool point reaches a control point, with which joints, in which assembly mode; pitch and roll
-    of arms with five axes only."""
+    of arms with five axes only. `grip_m`: of a pick, how far the tool's bodies are from the part at `until_s`, at most,
+    and `support_m`: of a place, the part from what it may rest on; each only where there is something to measure."""
 
     control_point: Text
     step: Annotated[int, Field(ge=0, le=bounds.MAX_STEPS)]
@@ -148,6 +149,8 @@ class Arrival(TypedDict):
     trace: NotRequired[Traced | None]
     pitch_rad: NotRequired[Angle | None]
     roll_rad: NotRequired[Angle | None]
+    grip_m: NotRequired[Number]
+    support_m: NotRequired[Number]
 
 
 @with_config(CLOSED)
@@ -444,10 +447,12 @@ class Finding(TypedDict):
 
 @with_config(CLOSED)
 class Verdict(TypedDict):
-    """What the checker says of a plan; `ok` if and only if there are no findings."""
+    """What the checker says of a plan; `ok` if and only if there are no findings. `not_checked`: the fields of the
+    answer that it does not look at."""
 
     schema: Schema
     ok: bool
     findings: list[Finding]
+    not_checked: list[Text]
     request_digest: Text
     notice: Text

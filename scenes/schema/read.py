@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import json
 from collections.abc import Callable, Sequence
 from functools import cache
 from types import UnionType
@@ -61,8 +62,17 @@ def read_normal(model: Any, normal_document: object, document: object, prefix: P
     `prefix`: where the document is, if it is part of another. Raises `DocumentError`: unknown fields first, for they
     are usually misspelt others.
     """
+    return _validated(model, document, prefix, lambda: _adapter(model).validate_python(normal_document))
+
+
+def read_written(model: Any, written: object, document: object, prefix: Path = ()) -> Any:
+    """As `read_normal`, of a model with members of enumerations and other forms, as JSON has them."""
+    return _validated(model, document, prefix, lambda: _adapter(model).validate_json(json.dumps(written)))
+
+
+def _validated(model: Any, document: object, prefix: Path, validated: Callable[[], Any]) -> Any:
     try:
-        return _adapter(model).validate_python(normal_document)
+        return validated()
     except ValidationError as error:
         faults = [
             (location, fault["type"], fault.get("ctx", {}))

@@ -165,17 +165,21 @@ class _Handling(WindowedStep):
 
 class PickDocument(_Handling):
     """Approach a part, stay with it, attach it, depart. `grasp_m`: the tool point in the part's frame. `held_within`:
-    how well the part is known once it is held; silence: as well as when it is gripped."""
+    how well the part is known once it is held; silence: as well as when it is gripped. `grip_within_m`: how far the
+    nearest body of the tool may be from the part when it is attached; silence: any distance."""
 
     grasp_m: Point
     grasp_yaw_rad: Angle = 0.0
     held_within: PoseUncertaintyDocument | None = None
+    grip_within_m: Distance | None = None
 
 
 class PlaceDocument(_Handling):
-    """Bring the held part's own frame to a pose, stay there, detach it, depart."""
+    """Bring the held part's own frame to a pose, stay there, detach it, depart. `support_within_m`: how far the part
+    may be from the nearest body of `contact_with` when it is detached; silence: any distance."""
 
     to: TargetDocument
+    support_within_m: Distance | None = None
 
 
 class StepDocument(Document):

@@ -81,6 +81,8 @@ def test_every_number_and_every_word_counts() -> None:
         "missed_by": Missed((0.1, 0.2, 0.3), 0.01),
         "error": ArrivalError(0.1, PoseUncertainty(0.1), (Share(Cause.LAG, 0.1, 0.0),), (("late start s", 0.1),)),
         "trace": Traced(0.2, 0.1, 0.1, 1e-6),
+        "grip_m": 0.001,
+        "support_m": 0.001,
     }
     assert set(arrived) == {field.name for field in fields(Arrival)}
     seen |= {of(arrivals=(replace(ARRIVALS[0], **{name: value}),)) for name, value in arrived.items()}

@@ -25,6 +25,7 @@ from assur.planner.model.refusal import (
     JointName,
     LawEnds,
     MotionLimit,
+    NotTouching,
     Obstacle,
     OutOfReach,
     Overload,
@@ -377,6 +378,10 @@ CASES: list[tuple[Refusal, str]] = [
             Inaccurate(position_m=0.0142, yaw_rad=0.0, allowed_m=0.005, allowed_rad=None, cause="frame", most=0.012),
         ),
         "the tool may be 14.2 mm off, but only 5 mm are allowed; most of it, 12 mm, is due to: frame",
+    ),
+    (
+        of(Reason.TOLERANCE, NotTouching(of="support", distance_m=0.02, allowed_m=0.005)),
+        "cup would not touch what it is put down on: gate, the nearest, is 20 mm away, but only 5 mm are allowed",
     ),
     (
         of(Reason.JOINT_LIMIT, Corrected(shift_m=0.006, joint="j2")),

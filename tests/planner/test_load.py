@@ -196,7 +196,10 @@ def test_a_plan_with_a_tool_above_the_rated_load_takes_as_long_as_its_share_says
         expected = a / j + math.sqrt((a / j) ** 2 + 4 * 0.4 / a)
         assert found.plan.trajectory.duration == pytest.approx(expected, rel=1e-9)
         # nothing is quicker: the bound is made of the limits with the load, too
-        assert 0.97 * expected <= found.lower_bound_s <= found.plan.trajectory.duration
+        whole, sharp = share * 50.0, share * 1000.0
+        least = whole / sharp + math.sqrt((whole / sharp) ** 2 + 4 * 0.4 / whole)
+        assert found.lower_bound_s == pytest.approx(least, rel=2e-6)
+        assert found.lower_bound_s <= found.plan.trajectory.duration
 
 
 def holding(part_kg: float, known: LoadLimits = HEAVY, qdd: float = 0.0) -> Scene:
@@ -212,6 +215,8 @@ def test_a_part_that_is_held_from_the_start_on_counts_from_the_start_on() -> Non
     assert [(load.part, load.share) for load in light.carried] == [("part", 1.0)]
     assert [(load.part, load.share) for load in loaded.carried] == [("part", 0.4)]
     assert loaded.plan.trajectory.duration >= 1.2 * light.plan.trajectory.duration
+    assert light.lower_bound_s is not None
+    assert loaded.lower_bound_s is not None
     assert light.lower_bound_s < loaded.lower_bound_s <= loaded.plan.trajectory.duration
 
 

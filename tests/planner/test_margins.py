@@ -16,7 +16,7 @@ from assur.planner.frames import Conveyor
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box
 from assur.planner.kernels.links import L1
-from assur.planner.kernels.postures import least_margins, tool_peaks
+from assur.planner.kernels.postures import tool_peaks
 from assur.planner.kernels.solids import REQUIRED
 from assur.planner.legs.tool_motion import tool_accelerations, tool_peak
 from assur.planner.legs.tool_motion import tool_peaks as tool_peaks_of
@@ -24,10 +24,12 @@ from assur.planner.model.outcome import LegKind, Planned
 from assur.planner.model.phases import Phase, phases
 from assur.planner.model.scene import Clearance, Tool
 from assur.planner.pipeline import plan
+from assur.planner.report.least_margins import least_margins
 from assur.planner.report.margins import contacts, margins
 from assur.planner.trajectory import Trajectory
 from tests.planner.cells import CRANKED, CUP, belt_and_dial, cell, frame, go, stands, table_to_table
 from tests.planner.certificate.moving_ball import LAWS, SHAPES, encounter
+from tests.planner.robots.five_bars import five_bar
 from tests.planner.second_solids import carriers, distance_by_gjk, place
 
 
@@ -268,7 +270,26 @@ def test_a_peak_of_what_is_not_known_is_not_a_number() -> None:
     peaks = np.zeros(4)
     tool_peaks(row, path.edges, path.coefficients, 0.0, 0.0, 0.0, 1.0, 0.1, 8, peaks)
     assert np.isnan(peaks[[0, 2]]).all()
-    assert np.isnan(least_margins(scene.robot.row, path.edges, np.nan * path.coefficients, 9)[0])
+
+
+def test_the_least_margin_is_found_between_instants() -> None:
+    """The elbow passes through a straight arm between two instants, or turns round just before one."""
+    scene = cell(go(0.35, -0.2))
+    for through, least in ((-0.4, 0.0), (0.3, np.sin(0.3))):
+        q = np.zeros((3, 4))
+        q[:, 1] = 0.8, through, 0.8
+        path = Trajectory(np.array([0.0, 0.5003, 1.0]), q, np.zeros((3, 4)), np.zeros((3, 4)))
+        serial, parallel = least_margins(scene.robot, path, np.linspace(0.0, 1.0, 101))
+        assert serial == pytest.approx(least, abs=1e-6)
+        assert parallel is None
+
+
+def test_a_margin_of_what_is_not_known_is_not_a_number() -> None:
+    arm = replace(five_bar("odd"), separation=0.6)
+    q = np.zeros((2, 4))
+    q[:, :2] = (np.pi / 2, -np.pi / 2)  # the couplers do not reach each other
+    path = Trajectory(np.array([0.0, 1.0]), q, np.zeros((2, 4)), np.zeros((2, 4)))
+    assert np.isnan(least_margins(arm, path, np.linspace(0.0, 1.0, 11))).all()
 
 
 @pytest.mark.parametrize("posts", [9, 90])

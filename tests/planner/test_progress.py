@@ -45,7 +45,7 @@ def test_a_watched_search_finds_what_an_unwatched_one_finds(scene: Scene) -> Non
     assert last.steps == len(scene.task)
     assert last.duration_s == watched.plan.trajectory.end - scene.start.time
     assert last.lower_bound_s is not None
-    assert last.lower_bound_s <= watched.lower_bound_s <= last.duration_s
+    assert 0 < last.lower_bound_s == watched.lower_bound_s <= last.duration_s
 
 
 def test_what_a_watch_raises_ends_the_search() -> None:

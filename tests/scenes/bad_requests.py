@@ -145,6 +145,16 @@ def add(*path: str | int, value: Any) -> Change:
     return change
 
 
+def all_of(*changes: Change) -> Change:
+    """Makes several changes, one after the other."""
+
+    def change(document: dict[str, Any]) -> None:
+        for each in changes:
+            each(document)
+
+    return change
+
+
 PART, PICK, PLACE = ("bodies", 1), ("task", 0, "pick"), ("task", 1, "place")
 BELT, TOOL = ("frames", "belt", "conveyor"), ("robot", "tool")
 BY_LOAD = ("robot", "limits", "acceleration_by_load")
@@ -679,6 +689,22 @@ BAD_REQUESTS: tuple[Bad, ...] = (
     ),
     Bad("negative approach", put(*PICK, "approach", value={"mm": -3}), "task[0].pick.approach.mm"),
     Bad("no dwell", drop(*PICK, "dwell_ms"), "task[0].pick.dwell_s"),
+    Bad(
+        "grip within a distance, by a tool without bodies",
+        all_of(drop(*TOOL, "bodies"), put(*PICK, "grip_within_mm", value=1)),
+        "task[0].pick.grip_within_mm",
+        "none: the tool has no bodies",
+    ),
+    Bad("grip within less than nothing", put(*PICK, "grip_within_mm", value=-1), "task[0].pick.grip_within_mm"),
+    Bad("grip of a place", put(*PLACE, "grip_within_mm", value=1), "task[1].place.grip_within_mm"),
+    Bad("support of a pick", put(*PICK, "support_within_mm", value=1), "task[0].pick.support_within_mm"),
+    Bad("support beyond a hall", put(*PLACE, "support_within_mm", value=1e9), "task[1].place.support_within_mm"),
+    Bad(
+        "support within a distance, by nothing that is named",
+        all_of(drop(*PLACE, "contact_with"), put(*PLACE, "support_within_mm", value=1)),
+        "task[1].place.support_within_mm",
+        "none without contact_with",
+    ),
     Bad(
         "contact with what is not there", put(*PLACE, "contact_with", value=["table"]), "task[1].place.contact_with[0]"
     ),

@@ -394,9 +394,7 @@ def _assert_same(one: Plan, other: Plan) -> None:
             assert a == b
 
 
-@pytest.mark.parametrize(
-    ("key", "change"), [("duration_s", 1e-6), ("start_s", -1e-6), ("lower_bound_s", 100.0), ("duration_s", -1.0)]
-)
+@pytest.mark.parametrize(("key", "change"), [("duration_s", 1e-6), ("start_s", -1e-6), ("duration_s", -1.0)])
 def test_what_an_answer_says_of_its_own_durations_is_held_to_its_trajectory(key: str, change: float) -> None:
     cell, outcome = good()
     answer = through_json(answer_of(cell, outcome))

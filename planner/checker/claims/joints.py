@@ -1,5 +1,6 @@
 """Whether the peaks of the joints are what an answer says, from both sides: no instant exceeds them, and one reaches
-them. Both follow from control values of the spline, cut until they decide (`spline.excesses`)."""
+them. Both follow from control values of the spline, cut until they decide (`spline.excesses`). And whether what it says
+of them is so: which limit binds, in which leg, and what would help."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
+from assur.planner.checker.claims.busiest import busiest
 from assur.planner.checker.legs import TIME_S
 from assur.planner.checker.limits import KINDS, weighed
 from assur.planner.checker.spline import excesses
@@ -29,7 +31,8 @@ def peaks(world: World, phases: tuple[Phase, ...], claims: Claims) -> list[Findi
     said, blended = claims.peaks, world.scene.options.blended
     if said is None:
         alone = "what binds cannot be verified without the peaks of the joints"
-        return [] if claims.binds is None else [Finding(Code.CLAIM, alone, where="margins.binds")]
+        told = (("binds", claims.binds), ("helps", claims.helps), ("busiest", claims.busiest))
+        return [Finding(Code.CLAIM, alone, where=f"margins.{name}") for name, claim in told if claim is not None]
     joints, count = world.scene.robot.joints, 2 if blended else 3
     if [peak.joint for peak in said] != [joint.name for joint in joints]:
         return [Finding(Code.CLAIM, f"there must be a peak of each joint: {', '.join(each.name for each in joints)}")]
@@ -90,23 +93,36 @@ def _exceeds(world: World, first: int, last: int, sizes: FloatArray) -> BoolArra
 
 
 def _binding(world: World, phases: tuple[Phase, ...], said: Sequence[JointPeak], claims: Claims) -> list[Finding]:
-    """Whether what binds is what is used most, of shares that were looked at already."""
+    """Whether what binds is what is used most, of shares that were looked at already, and what is said of it."""
     limit = world.scene.carry_acceleration
     if claims.binds is None or (limit is not None and claims.tool_acceleration is None):
-        return []
+        missing = "binds" if claims.binds is None else "tool_acceleration_m_s2"
+        told = (("binds", claims.binds), ("helps", claims.helps))
+        alone = f"this cannot be verified without margins.{missing}"
+        findings = [Finding(Code.CLAIM, alone, where=f"margins.{name}") for name, claim in told if claim is not None]
+        return findings + busiest(world, phases, claims, None)
     used = [
-        (ratio, f"{kind} of {peak.joint}")
+        (ratio, str(kind), peak.joint)
         for peak in said
         for kind, ratio in zip(KINDS[1:], (peak.velocity_ratio, peak.acceleration_ratio, peak.jerk_ratio), strict=True)
         if ratio is not None
     ]
     if limit is not None and claims.tool_acceleration is not None:
         held = any(phase.attached.held is not None and phase.t1 > phase.t0 and phase.step >= 0 for phase in phases)
-        used += [(claims.tool_acceleration / limit, "acceleration of the carried part")] * held
-    most = max(ratio for ratio, _ in used)
-    allowed = [f"{what} ({100 * ratio:.0f} %)" for ratio, what in used if ratio >= most - TIE]
-    if claims.binds in allowed:
-        return []
-    return [
-        Finding(Code.CLAIM, f"what binds is {' or '.join(allowed)}, not {claims.binds!r:.60}", where="margins.binds")
-    ]
+        used += [(claims.tool_acceleration / limit, "acceleration", "")] * held
+    most = max(ratio for ratio, _, _ in used)
+    allowed = {
+        f"{kind} of {joint or 'the carried part'} ({100 * ratio:.0f} %)": (ratio, kind, joint)
+        for ratio, kind, joint in used
+        if ratio >= most - TIE
+    }
+    if claims.binds not in allowed:
+        what = f"what binds is {' or '.join(allowed)}, not {claims.binds!r:.60}"
+        return [Finding(Code.CLAIM, what, where="margins.binds")]
+    binding = allowed[claims.binds]
+    helps = f"a higher limit, or less travel of {binding[2]}" if binding[2] else "a higher limit (carry)"
+    findings = busiest(world, phases, claims, binding)
+    if claims.helps not in (None, helps):
+        what = f"what helps is {helps}, not {claims.helps!r:.60}"
+        findings.append(Finding(Code.CLAIM, what, where="margins.helps"))
+    return findings

@@ -18,7 +18,7 @@ from assur.planner.model.claims import Claims
 from assur.planner.model.phases import Phase
 from assur.planner.model.scene import WORLD
 
-BETWEEN = 0.05
+BETWEEN = 0.01
 """Share by which a peak that was looked for every millisecond may be exceeded in between."""
 ROUNDING = 1e-6
 """Share by which it may be off at the instant that is said."""

@@ -122,7 +122,7 @@ def planned(name: str) -> tuple[Scene, Planned]:
 
 def test_a_point_that_is_not_yet_in_reach_is_waited_for_and_met_as_soon_as_it_is() -> None:
     _, outcome = planned("not yet in reach")
-    assert [leg.route for leg in outcome.plan.legs] == [Route(Course.FOR_POINT), Route(Course.BLENDS)]
+    assert [leg.route for leg in outcome.plan.legs] == [Route(Course.FOR_POINT), Route(Course.BLENDS, after_wait=True)]
     scene = CELLS["not yet in reach"]()
     robot, law = scene.robot, scene.frames["late"].law
     target = Pose(0.0, 0.0, 0.15)
@@ -149,6 +149,7 @@ def test_what_is_planned_is_checked_and_says_that_its_jerk_is_unbounded(name: st
         assert peak.velocity_ratio <= 1 + 1e-9
         assert peak.acceleration_ratio <= 1 + 1e-9
     assert "jerk" not in outcome.plan.certificate.covers
+    assert outcome.lower_bound_s is not None
     assert outcome.lower_bound_s <= outcome.plan.trajectory.duration + 1e-9
 
 
@@ -266,7 +267,8 @@ def test_random_chains_are_planned_and_checked_and_nothing_is_shorter_than_its_b
         assert outcome.reason in (Reason.JOINT_LIMIT, Reason.MOTION_LIMIT, Reason.OUT_OF_REACH), outcome.sentence
         return
     assert check(scene, outcome.plan).ok
-    assert 0 <= outcome.lower_bound_s <= outcome.plan.trajectory.duration + 1e-9
+    assert outcome.lower_bound_s is not None
+    assert 0 < outcome.lower_bound_s <= outcome.plan.trajectory.duration
 
 
 def test_the_bound_is_one_of_velocity_and_acceleration_alone() -> None:
@@ -274,6 +276,8 @@ def test_the_bound_is_one_of_velocity_and_acceleration_alone() -> None:
     scene, outcome = planned("one move")
     limited = plan(replace(scene, options=replace(scene.options, timing="jerk_limited")))
     assert isinstance(limited, Planned)
+    assert limited.lower_bound_s is not None
+    assert outcome.lower_bound_s is not None
     assert outcome.plan.trajectory.duration < limited.lower_bound_s
     assert outcome.lower_bound_s <= outcome.plan.trajectory.duration
     assert outcome.lower_bound_s >= 0.99 * outcome.plan.trajectory.duration

@@ -18,13 +18,15 @@ from assur.planner.arrays import FloatArray
 from assur.planner.checker import Code, check
 from assur.planner.errors import FaultError
 from assur.planner.frames import Law, Linear, Pose, Swing, Turntable
-from assur.planner.frames.law import PoseUncertainty, Uncertainty
+from assur.planner.frames.law import Uncertainty
 from assur.planner.geometry.shapes import Primitive, sphere
-from assur.planner.model.arrival_error import ArrivalError
+from assur.planner.legs.accuracy import arrival_error
+from assur.planner.model.attachments import AT_START
 from assur.planner.model.outcome import (
     LegKind,
     Plan,
 )
+from assur.planner.model.phases import Handled
 from assur.planner.model.scene import Execution, Follow, Move, Options, Scene, Target, WorldBody
 from tests.planner.checker.hand_made import (
     TOOL,
@@ -159,9 +161,11 @@ def test_an_honest_plan_for_an_uncertain_cell_is_accepted(execution: Execution) 
     for number, (pose, t) in enumerate(((Pose(0.3, -0.1, 0.15), 0.4), (Pose(0.2, 0.25, 0.2, 0.4), 1.0))):
         hand.go(number, above(scene, "world", pose), t)
         hand.arrive(number, t, t)
-    plan, far = hand.plan(), ArrivalError(0.01, PoseUncertainty(0.01, 0.01, 0.01), (), ())
-    told = sealed(scene, replace(plan, arrivals=tuple(replace(arrival, error=far) for arrival in plan.arrivals)))
-    assert check(scene, told).findings == ()
+    plan = hand.plan()
+    states = [(arrival, plan.trajectory.evaluate(arrival.until)) for arrival in plan.arrivals]
+    errors = [arrival_error(scene, each.step, AT_START, Handled(), q, each.until) for each, q in states]
+    arrivals = tuple(replace(arrival, error=error) for (arrival, _), error in zip(states, errors, strict=True))
+    assert check(scene, sealed(scene, replace(plan, arrivals=arrivals))).findings == ()
     assert {finding.code for finding in check(scene, plan).findings} == ({Code.ERROR} if execution.lags else set())
 
 

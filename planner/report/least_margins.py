@@ -1,0 +1,32 @@
+"""How near a motion comes to singular positions: looked for at instants, more closely around the nearest."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from assur.planner.arrays import FloatArray
+from assur.planner.model.assembly_mode import has_loop
+from assur.planner.robots.robot import Robot
+from assur.planner.trajectory import Trajectory
+
+AROUND, ROUNDS = 32, 4
+"""Parts of the surroundings of the nearest instant, and how often they are parted: 1 ms to less than 1 ns."""
+
+
+def least_margins(robot: Robot, trajectory: Trajectory, t: FloatArray) -> tuple[float, float | None]:
+    """Least singularity margin of a motion, and, of an arm with a loop, least parallel margin (None: it has none), from
+    times t (T,) on, which are 1 ms apart as a rule: where the margin is smooth it is then known to 1e-4. NaN where one
+    is none."""
+    parallel = _least(robot.parallel_margin, trajectory, t) if has_loop(robot) else None
+    return _least(robot.margin, trajectory, t), parallel
+
+
+def _least(margin: Callable[[FloatArray], FloatArray], trajectory: Trajectory, t: FloatArray) -> float:
+    for _ in range(ROUNDS + 1):
+        found = margin(trajectory.evaluate(t))
+        k = int(np.argmin(found))  # of what is no number, the first
+        least = float(found[k])
+        t = np.linspace(t[max(k - 1, 0)], t[min(k + 1, len(t) - 1)], AROUND + 1)
+    return least

@@ -1,0 +1,72 @@
+"""What the checker does with each field of a planned answer. docs/api.md ("The verdict") has the same table, and the
+tests hold every field of the schema to a place in it.
+
+A field stands for all that is below it, but for what has a place of its own.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+VERIFIED = (
+    "schema",
+    "status",
+    "duration_s",
+    "start_s",
+    "trajectory",
+    "legs",
+    "arrivals",
+    "contacts",
+    "load",
+    "certificate",
+    "margins",
+    "assumptions",
+    "seed",
+    "request_digest",
+    "notice",
+)
+"""Verified from both sides: any other value is a finding, up to tolerances with a name."""
+ONE_SIDE = (
+    "certificate.t0_s",
+    "certificate.t1_s",
+    "certificate.first",
+    "certificate.first_piece",
+    "certificate.second",
+    "certificate.second_piece",
+    "certificate.normal",
+    "certificate.shift0_s",
+    "certificate.shift1_s",
+    "legs.kind",
+    "arrivals.trace.slowest_m_s",
+    "arrivals.trace.fastest_m_s",
+    "arrivals.trace.error_m",
+    "lower_bound_s",
+    "margins.travel_pairs",
+    "margins.near_pairs",
+)
+"""True, but another value might be, too: rows are a proof, and others may be one; an ARCH is one, and is a MOVE as well;
+bounds are bounds, and may be wider; pairs are so near, and may be nearer at another time."""
+NOT_CHECKED = (
+    "census",
+    "cut_by_clock",
+    "elapsed_s",
+    "first_s",
+    "legs.route.later",
+    "legs.route.vias",
+    "warnings",
+)
+"""Nobody looks at them but for their form: what was tried, how long it took, and notes for people."""
+PLACES = (VERIFIED, ONE_SIDE, NOT_CHECKED)
+
+
+def not_checked(answer: object) -> tuple[str, ...]:
+    """The fields that an answer has and that no checker looks at, by their paths."""
+    return tuple(path for path in NOT_CHECKED if _has(answer, path.split(".")))
+
+
+def _has(inside: Any, keys: list[str]) -> bool:
+    if not keys:
+        return inside is not None
+    if isinstance(inside, list):
+        return any(_has(item, keys) for item in inside)
+    return isinstance(inside, dict) and keys[0] in inside and _has(inside[keys[0]], keys[1:])

@@ -1,0 +1,252 @@
+"""How much the checker's places of frames round, against places computed with 60 digits: no more than it says, within
+what is kept for it where a request is accepted, and refused where it could be more."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from decimal import Decimal, localcontext
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from assur.planner.checker import Code, along, check
+from assur.planner.checker.checking import ROUNDED_M
+from assur.planner.checker.laws import rounding, tables
+from assur.planner.checker.separation import SLACK_M
+from assur.planner.errors import InputError
+from assur.planner.frames import Change, Conveyor, Fixed, Indexer, Law, Linear, Oscillation, Pose, Swing, Turntable
+from assur.planner.frames.indexer import STEP
+from assur.planner.frames.rounding import FARTHEST_PLACE_M, FARTHEST_WAY_M, speed_of, way
+from assur.planner.geometry.shapes import box
+from assur.planner.model.outcome import Planned
+from assur.planner.model.scene import Scene, WorldBody
+from assur.planner.pipeline import plan
+from assur.planner.trajectory import Trajectory
+from tests.planner.cells import cell, frame, go, solid
+from tests.planner.checker.hand_made import sealed
+
+DIGITS = 60
+PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803")
+REACH = 0.3
+"""How far the point whose place is compared is from the frame's axis, m."""
+
+
+def decimal(value: Fraction) -> Decimal:
+    return Decimal(value.numerator) / Decimal(value.denominator)
+
+
+def wave(angle: Decimal) -> tuple[Decimal, Decimal]:
+    """Cosine and sine, by their series."""
+    x = angle.remainder_near(2 * PI)
+    cosine, sine, term = Decimal(0), Decimal(0), Decimal(1)
+    for k in range(80):
+        if k % 2 == 0:
+            cosine += term if k % 4 == 0 else -term
+        else:
+            sine += term if k % 4 == 1 else -term
+        term *= x / (k + 1)
+    return cosine, sine
+
+
+def travel(speed: float, changes: tuple[Change, ...], at: float, t: float) -> Fraction:
+    """What has been gone by since `at`, with changes whose ramps reach their acceleration."""
+
+    def gone(until: Fraction) -> Fraction:
+        v, here, total = Fraction(speed), None, Fraction()
+        for change in changes:
+            start, delta = Fraction(change.time), Fraction(change.speed) - v
+            limit, jerk = Fraction(change.acceleration), Fraction(change.jerk)
+            assert abs(delta) >= limit**2 / jerk
+            sign, rise = (1 if delta > 0 else -1), limit / jerk
+            level = abs(delta) / limit - rise
+            for lasts, a, j in ((rise, Fraction(), jerk), (level, limit, Fraction()), (rise, limit, -jerk)):
+                if here is None:
+                    here = start
+                total += v * (min(start, until) - here)
+                here = min(start, until)
+                h = max(min(until, start + lasts) - start, Fraction())
+                total += h * (v + h * (sign * a / 2 + h * sign * j / 6))
+                here, start = here + h, start + lasts
+                v += sign * (a * lasts + j * lasts**2 / 2)
+        return total + v * (until - (Fraction() if here is None else here))
+
+    return gone(Fraction(t)) - gone(Fraction(at))
+
+
+def exact(law: Law, t: float) -> tuple[Decimal, Decimal, Decimal]:
+    """The place of the point `REACH` along the frame's x axis at a time."""
+    assert isinstance(law, Linear | Conveyor | Turntable | Swing | Oscillation | Indexer)
+    x, y, z, yaw = (Decimal(value) for value in (law.pose.x, law.pose.y, law.pose.z, law.pose.yaw))
+    c, s = wave(yaw)
+    if isinstance(law, Linear):
+        since = Fraction(t) - Fraction(law.at_time)
+        x, y, z = (at + decimal(Fraction(v) * since) for at, v in zip((x, y, z), law.velocity, strict=True))
+    elif isinstance(law, Conveyor):
+        way_ = decimal(travel(law.speed, law.changes, law.at_time, t))
+        x, y = x + c * way_, y + s * way_
+    elif isinstance(law, Turntable):
+        c, s = wave(yaw + decimal(travel(law.rate, law.changes, law.at_time, t)))
+        z += decimal(Fraction(law.rise) * (Fraction(t) - Fraction(law.at_time)))
+    elif isinstance(law, Swing | Oscillation):
+        turns = Fraction(t) / Fraction(law.period)
+        sine = Decimal(law.amplitude) * wave(2 * PI * decimal(turns - math.floor(turns)) + Decimal(law.phase))[1]
+        if isinstance(law, Swing):
+            c, s = wave(yaw + sine)
+        else:
+            size = sum((Decimal(part) ** 2 for part in law.direction), Decimal()).sqrt()
+            x, y, z = (at + sine * Decimal(part) / size for at, part in zip((x, y, z), law.direction, strict=True))
+    else:
+        period = Fraction(law.move_s) + Fraction(law.dwell_s)
+        whole = math.floor((Fraction(t) - Fraction(law.start)) / period)
+        share = min((Fraction(t) - Fraction(law.start) - whole * period) / Fraction(law.move_s), Fraction(1))
+        step = Fraction(law.step) * (whole + sum(Fraction(a) * share ** (k + 1) for k, a in enumerate(STEP)))
+        if law.kind == "turn":
+            c, s = wave(yaw + decimal(step))
+        else:
+            x, y = x + c * decimal(step), y + s * decimal(step)
+    return x + Decimal(REACH) * c, y + Decimal(REACH) * s, z
+
+
+def scene_with(law: Law, start: float = 0.0) -> Scene:
+    """A cell in which a small body is so far from the axis of a frame."""
+    part = WorldBody(solid("part", box(0.02, 0.02, 0.02)), "moved", Pose(x=REACH - 0.01))
+    return cell(go(0.35, 0.1), frames=(frame("moved", law),), bodies=(part,), time=start)
+
+
+def off(law: Law, t: float) -> tuple[float, float]:
+    """By how much the checker's place of that point is off at a time, m, and what it says that this may be."""
+    scene = cell(go(0.35, 0.1), frames=(frame("moved", law),))
+    q = np.tile(scene.start.q, (2, 1))
+    made = tables(scene, Trajectory(np.array([t, t + 1.0]), q, 0.0 * q, 0.0 * q), t, t + 1.0)
+    number = len(scene.robot.links) + list(scene.frames).index("moved")
+    found = np.empty((1, 13))
+    along.states(np.array([[number, REACH, 0.0, 0.0, 0.0, t]], dtype=np.float64), made, found)
+    with localcontext() as context:
+        context.prec = DIGITS
+        place = exact(law, t)
+        squares = [(Decimal(value) - right) ** 2 for value, right in zip(found[0, :3].tolist(), place, strict=True)]
+        size = float(sum(squares, Decimal()).sqrt())
+    reaches = np.full(len(scene.frames), REACH)
+    return size, float(rounding(made, reaches, t, t + 1.0)[list(scene.frames).index("moved")])
+
+
+FIXED_M = 1e-13
+"""What coordinates of some metres round by themselves."""
+NUMBER = st.floats(-1.0, 1.0)
+TIME = st.floats(-1e5, 1e5)
+
+
+def ramped(draw: st.DrawFn, size: float, time: float) -> tuple[float, tuple[Change, ...]]:
+    """A speed, and changes of it whose ramps reach their acceleration, the first some time before `time`."""
+    speeds = [size * draw(NUMBER) for _ in range(draw(st.integers(1, 5)))]
+    changes, at, before = list[Change](), time - 100.0 * len(speeds), speeds[0]
+    for speed in speeds[1:]:
+        if abs(speed - before) >= 0.1 * size:
+            changes.append(Change(at, speed, 0.05 * size, 0.05 * size))
+            before, at = speed, at + 50.0 + 40.0 * draw(st.floats(0.0, 1.0))
+    return speeds[0], tuple(changes)
+
+
+@st.composite
+def laws(draw: st.DrawFn) -> tuple[Law, float]:
+    """A law and a time at which it is evaluated, some of them far beyond what is accepted."""
+    t, at, size = draw(TIME), draw(TIME), 10.0 ** draw(st.floats(-2.0, 2.9))
+    pose = Pose(*(draw(NUMBER) for _ in range(4)))
+    kind = draw(st.integers(0, 6))
+    if kind == 0:
+        return Linear(pose, (size * draw(NUMBER), size * draw(NUMBER), size * draw(NUMBER)), at), t
+    if kind == 1:
+        speed, changes = ramped(draw, size, t)
+        return Conveyor(pose, speed, changes, at), t
+    if kind == 2:
+        rate, changes = ramped(draw, size, t)
+        return Turntable(pose, rate, 0.01 * draw(NUMBER), changes, at), t
+    period = 10.0 ** draw(st.floats(-2.5, 1.0))
+    if kind == 3:
+        return Swing(pose, 3.0 * draw(NUMBER), period, 10.0 * draw(NUMBER)), t
+    if kind == 4:
+        return Oscillation(pose, (1.0, draw(NUMBER), draw(NUMBER)), draw(NUMBER), period, draw(NUMBER)), t
+    step, dwell = 3.0 * draw(NUMBER), draw(st.floats(0.0, 2.0))
+    return Indexer(pose, step, period, dwell, "turn" if kind == 5 else "travel", at), t
+
+
+@settings(max_examples=300)
+@given(laws())
+def test_no_place_rounds_by_more_than_the_checker_says(one: tuple[Law, float]) -> None:
+    law, t = one
+    size, said = off(law, t)
+    assert size <= said + FIXED_M
+
+
+@settings(max_examples=200)
+@given(laws())
+def test_what_is_accepted_rounds_within_what_is_kept_for_it(one: tuple[Law, float]) -> None:
+    law, t = one
+    if way(law, REACH, t, t) <= FARTHEST_WAY_M:
+        size, said = off(law, t)
+        assert said <= ROUNDED_M
+        assert size <= ROUNDED_M + FIXED_M
+        scene_with(law, t)
+    else:
+        with pytest.raises(InputError, match="a way of at most 200000 m, speed times time") as error:
+            scene_with(law, t)
+        assert error.value.field == "frames.moved"
+
+
+def test_a_fast_dial_that_was_stated_two_days_ago_is_off_by_nanometres_and_refused() -> None:
+    """1,000 rad/s for 180,000 s: the gaps of what is 300 mm from its axis would be wrong by more than `SLACK_M`."""
+    worst = 0.0
+    for k in range(40):
+        law = Turntable(Pose(0.4, 0.0, 0.1), 1000.0, at_time=-90_000.0)
+        size, said = off(law, 90_000.0 + 0.37 * k)
+        assert size <= said
+        worst = max(worst, size)
+    assert worst > SLACK_M
+    with pytest.raises(InputError) as error:
+        scene_with(law, 90_000.0)
+    assert error.value.field == "frames.moved"
+    reach = REACH - 0.01 + math.hypot(0.01, 0.01)
+    assert f"at up to {1000.0 * reach:.6g} m/s, its pose is stated at -90000 s, and the plan is from 90000 s" in str(
+        error.value
+    )
+    scene_with(replace(law, at_time=250.0), 500.0)
+
+
+def test_bodies_on_frames_that_are_fixed_on_frames_may_be_so_far_away_and_no_farther() -> None:
+    scene = scene_with(Fixed(Pose()))
+    for away, kept in ((FARTHEST_PLACE_M - 1.0, True), (FARTHEST_PLACE_M + 1.0, False)):
+        bodies = (replace(scene.bodies[0], pose=Pose(0.0, away, 0.0)),)
+        if kept:
+            replace(scene, bodies=bodies)
+        else:
+            with pytest.raises(InputError, match=r"bodies within 10000 m of the frame's origin"):
+                replace(scene, bodies=bodies)
+
+
+def test_a_body_near_the_axis_and_a_frame_that_bears_nothing_may_turn_on() -> None:
+    dial = Turntable(Pose(0.4, 0.0, 0.1), 1000.0, at_time=-90_000.0)
+    assert way(dial, 1e-3, 90_000.0, 90_000.0) < FARTHEST_WAY_M
+    assert way(dial, REACH, 90_000.0, 90_000.0) > FARTHEST_WAY_M
+    bare = cell(go(0.35, 0.1), frames=(frame("moved", dial),), time=90_000.0)
+    assert bare.frames["moved"].law is dial
+    assert speed_of(Fixed(Pose(5.0)), 1.0) == 0.0
+
+
+def test_the_checker_refuses_a_frame_that_rounds_by_too_much_by_itself() -> None:
+    """A plan past a dial that turns fast, of a scene that was not looked at again when the dial was exchanged."""
+    dial = Turntable(Pose(-0.5, 0.0, 0.1), 1000.0, at_time=-600.0)
+    scene = scene_with(dial)
+    outcome = plan(scene)
+    assert isinstance(outcome, Planned)
+    assert check(scene, outcome.plan).ok
+    for since, codes in ((-700.0, set[Code]()), (-800.0, {Code.LAW_ENDS})):
+        other = replace(scene)
+        laws = {**scene.frames, "moved": frame("moved", replace(dial, at_time=since))}
+        object.__setattr__(other, "frames", laws)
+        found = check(other, sealed(other, outcome.plan)).findings
+        assert {each.code for each in found if each.where == "rounding"} == codes
+        assert all(each.amount > ROUNDED_M for each in found if each.where == "rounding")
