@@ -7,6 +7,7 @@ import numpy as np
 from benchmarks.oracle.apart_kept import apart_kept
 from benchmarks.oracle.arrivals_kept import Targets, arrivals_kept
 from benchmarks.oracle.faults import Broken, beyond
+from benchmarks.oracle.hands_kept import hands_kept
 from benchmarks.oracle.joints_kept import joints_kept
 from benchmarks.oracle.motion import Motion
 from benchmarks.oracle.traces_kept import traces_kept
@@ -27,6 +28,7 @@ def broken_promises(request: Document, answer: Document) -> list[Broken]:
         *ways_kept(motion, targets),
         *traces_kept(motion),
         *apart_kept(motion),
+        *hands_kept(motion),
         *_tool(motion),
     ]
 

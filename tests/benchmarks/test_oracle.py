@@ -174,6 +174,7 @@ def test_lies_of_an_answer_are_found(transfer: tuple[Document, Document]) -> Non
     at = ("arrivals", 0, "at_m", 0)
     assert kinds(request, planted(answer, *at, value=lambda v: v + 1e-4)) == {"arrival"}
     assert kinds(request, planted(answer, "arrivals", 0, "along_m", value=12.0)) == {"along"}
+    assert kinds(request, planted(answer, "arrivals", 0, "grip_m", value=lambda v: v + 7e-5)) == {"hands"}
     speed = ("margins", "tool", "speed_m_s")
     assert kinds(request, planted(answer, *speed, value=lambda v: 0.5 * v)) == {"tool"}
 
