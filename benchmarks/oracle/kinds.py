@@ -10,6 +10,7 @@ from benchmarks.oracle.points import blended, through_points, traced
 from benchmarks.soak import random_cells
 from benchmarks.soak.drafts import FIVE_BAR, SCARAS, THREE_AXES, Draft
 from benchmarks.soak.poses import Document
+from benchmarks.soak.solids import solid_of
 
 ELBOW, POLAR, FIVE_AXES = "elbow-arm", "polar-arm", "mitsubishi-rv-m1"
 TILTING = (ELBOW, POLAR, FIVE_AXES)
@@ -75,6 +76,18 @@ def _late(draft: Draft) -> None:
             given[end]["stop"] = True
 
 
+def _mesh_part(draft: Draft) -> None:
+    """The part is a shipped mesh, which stands where it did."""
+    asset = draft.one_of("bracket", "housing")  # whose hulls are the solid itself
+    shape = {"mesh": {"asset": asset, "unit": "mm"}}
+    half, (pick, place) = solid_of(shape).half_z, draft.request["task"][:2]
+    for body in draft.request["bodies"]:
+        if body["name"] == "part":
+            body["shape"], body["pose"]["at_m"][2], body["yaw_symmetry"] = shape, half, 1
+    pick["pick"]["grasp_m"][2] = half
+    place["place"]["to"]["at_m"][2] = half
+
+
 OWN: dict[str, Callable[[np.random.Generator], Draft]] = {
     "points, SCARA": through_points((*SCARAS, THREE_AXES)),
     "points, five-bar": through_points((FIVE_BAR,)),
@@ -93,5 +106,7 @@ OWN: dict[str, Callable[[np.random.Generator], Draft]] = {
     "arches, belt": _changed("belt to table", _arches),
     "loads": _changed("table to table", _loads),
     "windows": _changed("belt to table", _late),
+    "mesh parts": _changed("table to table", _mesh_part),
+    "mesh parts, belt": _changed("belt to dial", _mesh_part),
 }
 KINDS = (*random_cells.KINDS, *OWN)
