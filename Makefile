@@ -10,7 +10,7 @@
 # make problems  the three benchmark sets, and the independent recheck of every answer
 # make bench   the whole benchmark, peers included: results, tables, plots, page; BESIDE=COMMIT compares with a commit
 # make bench-quick  a sample of it, in under 3 minutes
-# make soak    2,000 random plans, each run 20 times with what is not known realised; PLANS=100 for fewer, SEED=1 for others
+# make soak    random answers for an hour, judged by other means; MINUTES=5 or PLANS=100, SEED=1, ONLY="shifts plans refusals"
 # make prove-random  1,000 random plans before both checkers, which must agree; PLANS=100 for fewer, SEED=1 for others
 # make check-deployment  the Kubernetes manifests and compose.yaml against the published schemas, and their numbers
 # make lock    deploy/*.lock anew, with hashes; UPGRADE=1 takes the newest releases
@@ -162,11 +162,15 @@ bench: $(VENV)/installed
 bench-quick: $(VENV)/installed
 	@status=0; $(call each_script,--quick); exit $$status
 
-PLANS ?= 2000
+# For a time, or until each campaign has looked at so many answers.
+MINUTES ?= 60
+PLANS ?=
 SEED ?= 0
 
-soak: kernels
-	$(BIN)/python -m benchmarks.soak --plans $(PLANS) --seed $(SEED) --out $(OUT)/soak
+soak: $(VENV)/installed-test
+	$(BIN)/assur kernels
+	$(BIN)/python -m benchmarks.oracle $(if $(PLANS),--count $(PLANS),--minutes $(MINUTES)) --seed $(SEED) \
+		$(foreach campaign,$(ONLY),--only $(campaign)) --out $(OUT)/soak
 
 check-deployment: $(VENV)/installed-test
 	$(BIN)/python -m deploy.check

@@ -36,7 +36,7 @@ def main(
                 progress.update(task, completed=sum(tally.planned for tally in found.values()))
         except KeyboardInterrupt:
             PROGRESS.print("interrupted: what was run until then")
-    CONSOLE.print(_table(found))
+    CONSOLE.print(table_of(found))
     total = Tally()
     for tally in found.values():
         total.merged(tally)
@@ -48,7 +48,7 @@ def main(
         raise typer.Exit(1)
 
 
-def _table(found: dict[str, Tally]) -> Table:
+def table_of(found: dict[str, Tally]) -> Table:
     table = Table(box=None, header_style="bold")
     for name in ("kind", "accepted", "refused", "runs", "collisions", "faults", "contact mm", "allowed mm"):
         table.add_column(name, justify="left" if name == "kind" else "right")

@@ -29,9 +29,10 @@ class Cell:
     lag: Floats
 
     @staticmethod
-    def of(request: Document) -> Cell:
-        """The cell of a request in SI. Raises `ValueError` for what the simulation does not know."""
-        arm, frames = Arm.of(request["robot"]), frames_of(request)
+    def of(request: Document, arm: Arm | None = None) -> Cell:
+        """The cell of a request in SI; `arm`: its arm, if it is known already. Raises `ValueError` for what the
+        simulation does not know."""
+        arm, frames = arm or Arm.of(request["robot"]), frames_of(request)
         carried = {each.name: each for each in arm.bodies}
         solids = {each.name: each.solid for each in arm.bodies}
         seats: dict[str, tuple[str, Poses]] = {}

@@ -170,7 +170,7 @@ def _aside(draft: Draft) -> None:
 # what stands and moves around
 
 
-def _surround(draft: Draft, most: int) -> None:
+def surround(draft: Draft, most: int) -> None:
     """Up to `most` obstacles of all kinds; and distances of their own for some pairs."""
     for number in range(int(draft.rng.integers(most + 1))):
         draft.one_of(*OBSTACLES)(draft, f"obstacle-{number}")
@@ -298,7 +298,7 @@ def _transfer(
         if corrected:
             draft.request["execution"]["belt_correction"] = True
         _handled(draft, source, goal)
-        _surround(draft, 3)
+        surround(draft, 3)
         return draft
 
     return make
@@ -321,7 +321,7 @@ def _following(models: tuple[str, ...], corrected: bool) -> Callable[[np.random.
             draft.request["task"].append({"follow": {"to": to, "duration_s": draft.between(0.05, 0.4)}})
             if number == 0 and draft.chance(0.4):
                 _aside(draft)
-        _surround(draft, 3)
+        surround(draft, 3)
         return draft
 
     return make
@@ -339,7 +339,7 @@ def _holding(rng: np.random.Generator) -> Draft:
     draft.request["bodies"].append({"name": "part", "shape": part_shape(draft)})
     draft.count(within)
     _place(draft, draft.one_of("table", "belt", "dial"), draft.upright_m)
-    _surround(draft, 3)
+    surround(draft, 3)
     return draft
 
 
@@ -349,7 +349,7 @@ def _beside(rng: np.random.Generator) -> Draft:
     start_above(draft, *tool_reach(draft))
     _handled(draft, draft.one_of("table", "belt"), draft.one_of("table", "dial"))
     draft.request["neighbours"] = [neighbour_of(draft, int(rng.integers(3, 6)))]
-    _surround(draft, 1)
+    surround(draft, 1)
     return draft
 
 

@@ -1,0 +1,87 @@
+"""``python -m benchmarks.oracle``: exit 1 if anything that an answer promises is not kept."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from benchmarks.oracle.plans import Tally
+from benchmarks.oracle.running import CAMPAIGNS, SHIFTS, Going, run
+from benchmarks.soak import campaign as shifts
+from benchmarks.soak.__main__ import LARGEST_MEDIAN, table_of
+
+CONSOLE, PROGRESS = Console(width=140), Console(stderr=True)
+
+
+def main(
+    minutes: Annotated[float | None, typer.Option(min=0.01, help="How long; or --count.")] = None,
+    count: Annotated[int | None, typer.Option(min=1, help="Answers that each campaign looks at; or --minutes.")] = None,
+    only: Annotated[list[str] | None, typer.Option(help=f"One of {', '.join(CAMPAIGNS)}; default: all.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Another seed makes other cells.")] = 0,
+    out: Annotated[Path, typer.Option(help="Where cases that fail are written.")] = Path("out/soak"),
+) -> None:
+    """Plan random cells and ask for what is impossible, judge the answers by other means, and print what was found."""
+    names = only or list(CAMPAIGNS)
+    if unknown := [name for name in names if name not in CAMPAIGNS]:
+        raise typer.BadParameter(f"--only: got {unknown[0]}; allowed: {', '.join(CAMPAIGNS)}")
+    if (minutes is None) == (count is None):
+        raise typer.BadParameter("one of --minutes and --count")
+    going = [Going(name, seed) for name in dict.fromkeys(names)]
+    # also where a shell that started this in the background has it ignored
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    with Progress(console=PROGRESS) as progress:
+        tasks = {each.name: progress.add_task(each.name, total=count) for each in going}
+
+        def told() -> None:
+            for each in going:
+                progress.update(tasks[each.name], completed=each.done)
+
+        try:
+            run(going, out, count, None if minutes is None else 60.0 * minutes, told)
+        except KeyboardInterrupt:
+            PROGRESS.print("interrupted: what was run until then")
+    clean = [_printed(each) for each in going]
+    if not all(clean):
+        CONSOLE.print(f"NOT CLEAN; see {out}")
+        raise typer.Exit(1)
+
+
+def _printed(going: Going) -> bool:
+    """Prints what a campaign has found; whether there is nothing wrong."""
+    CONSOLE.print(f"\n[bold]{going.name}[/bold], seed {going.seed}: {going.done} answers")
+    if going.name != SHIFTS:
+        CONSOLE.print(_table(going.found))
+        return going.clean
+    total = shifts.Tally()
+    for each in going.shifted.values():
+        total.merged(each)
+    CONSOLE.print(table_of(going.shifted))
+    return going.clean and (total.median or 0.0) <= LARGEST_MEDIAN
+
+
+def _table(found: dict[str, Tally]) -> Table:
+    table = Table(box=None, header_style="bold")
+    for name in ("kind", "looked at", "faults", "refused by the checker", "others"):
+        table.add_column(name, justify="right" if name not in ("kind", "others") else "left")
+    total = Tally()
+    for kind, tally in found.items():
+        total.merged(tally)
+        table.add_row(*_row(kind, tally))
+    table.add_row(*_row("all", total), style="bold")
+    return table
+
+
+def _row(kind: str, tally: Tally) -> list[str]:
+    faults = ", ".join(f"{name} {count}" for name, count in tally.faults.most_common()) or "0"
+    others = ", ".join(f"{name} {count}" for name, count in tally.refused.most_common() if count)
+    return [kind, str(tally.looked), faults, f"{tally.unchecked} of {tally.by_checker}", others]
+
+
+if __name__ == "__main__":
+    typer.run(main)

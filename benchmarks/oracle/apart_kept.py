@@ -1,0 +1,64 @@
+"""What a plan promises of distances: what is asked of each pair in each phase, and the smallest clearance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from benchmarks.oracle.faults import Broken, beyond
+from benchmarks.oracle.motion import Motion
+from benchmarks.oracle.nearest import Near, nearest_of
+from benchmarks.oracle.shapes import Gap
+from benchmarks.soak.poses import Document
+
+WITHIN_M = 5e-5
+"""The smallest clearance that an answer tells is within this of the true one, either way."""
+ROUNDING_M = 5e-6
+"""Of a distance of `coal`, whose search ends within a micrometre, and of the search over time (`nearest.FOUND_M`)."""
+SEARCH_M = 1e-3
+"""So much farther than the reported smallest clearance pairs are looked at."""
+
+
+def apart_kept(motion: Motion) -> list[Broken]:
+    """Clearances, allowed contacts, and the smallest clearance with its pair and time."""
+    told = motion.answer["margins"]["nearest"]
+    reach = SEARCH_M + (max(float(told["gap_m"]), 0.0) if told else 0.0)
+    found = nearest_of(motion, reach)
+    broken = _required(motion, found)
+    free = [near for near in found if not near.pair.contact]
+    if told is None:
+        asked = any(not pair.contact for phase in motion.phases for pair in phase.pairs)
+        return [*broken, Broken("nearest", "no pair is told", 0.0, 0.0)] if asked else broken
+    if not free:
+        return [*broken, Broken("nearest", "no pair is so near", float("inf"), told["gap_m"])]
+    best = min(free, key=lambda near: near.gap_m)
+    about = f"{best.pair.first}, {best.pair.second} {best.kind}"
+    broken += beyond("nearest", f"nearer: {about}", told["gap_m"] - best.gap_m, WITHIN_M + ROUNDING_M, best.time_s)
+    broken += beyond("nearest", f"farther: {about}", best.gap_m - told["gap_m"], WITHIN_M + ROUNDING_M, best.time_s)
+    return broken + _named(motion, told)
+
+
+def _required(motion: Motion, found: list[Near]) -> list[Broken]:
+    broken = []
+    for near in found:
+        first, second = motion.shapes[near.pair.first], motion.shapes[near.pair.second]
+        if (first.mesh or second.mesh) and near.pair.required < 0.0:
+            continue  # how deep a surface is crossed is not known
+        about = f"{near.pair.first}, {near.pair.second} {near.kind}"
+        kind = "contact" if near.pair.contact else "clearance"
+        broken += beyond(kind, about, near.pair.required - near.gap_m, ROUNDING_M, near.time_s)
+    return broken
+
+
+def _named(motion: Motion, told: Document) -> list[Broken]:
+    """The pair that is named is so near at the time that is named, in a phase of the kind that is named."""
+    time, (one, other) = float(told["time_s"]), told["bodies"]
+    best = float("inf")
+    for phase in motion.phases:
+        inside = phase.stage.t0 - 1e-9 <= time <= phase.stage.t1 + 1e-9
+        named = any({one, other} == {pair.first, pair.second} and not pair.contact for pair in phase.pairs)
+        if inside and named:
+            t = np.array([min(max(time, phase.stage.t0), phase.stage.t1)])
+            places = motion.bodies(phase, t, {one, other})
+            best = min(best, Gap(motion.shapes[one], motion.shapes[other]).at(places[one][0], places[other][0]))
+    gap = float(told["gap_m"])
+    return beyond("nearest", f"as named: {one}, {other}", abs(best - gap), WITHIN_M + ROUNDING_M, time)

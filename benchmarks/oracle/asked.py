@@ -1,0 +1,35 @@
+"""The planner and the checker, asked from outside: the only module of the oracle that imports them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from assur.planner.errors import InputError
+from assur.scenes.requests import check_document, plan_document, validate
+from benchmarks.soak.poses import Document
+
+BAD_INPUT = "BAD_INPUT"
+"""In place of a reason: the request was refused as such."""
+
+
+def as_si(document: object) -> Document:
+    """A request as the oracle reads it: every quantity in SI, what is silent left out."""
+    return dict(validate(document).model_dump(mode="json", exclude_unset=True, by_alias=True))
+
+
+def planned(request: Document) -> tuple[Document | None, str]:
+    """The answer with its certificate; None and the field if the request is bad input."""
+    try:
+        return dict(plan_document(request, certificate="full")), ""
+    except InputError as error:
+        return None, error.field
+
+
+def checked(request: Document, answer: Document) -> list[dict[str, Any]] | None:
+    """What the product's own checker finds in an answer; None where it does not take answers of this kind."""
+    try:
+        return list(check_document(request, answer)["findings"])
+    except InputError:
+        if answer["status"] == "planned":
+            raise
+        return None

@@ -1,0 +1,139 @@
+"""A plan as it is planned: where every body is in each phase, and which pairs of bodies count."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from benchmarks.oracle.arms import TiltingArm, arm_of, world_links
+from benchmarks.oracle.places import Places
+from benchmarks.oracle.shapes import Shape, shapes_of
+from benchmarks.recheck.spline import Spline
+from benchmarks.soak.allowed import Pair, Stage, stages
+from benchmarks.soak.arms import Arm, robot_file
+from benchmarks.soak.cell import Cell
+from benchmarks.soak.poses import Document, Floats, Poses
+
+
+@dataclass(frozen=True, eq=False)
+class Phase:
+    """A leg or the standstill behind the last one. `kind`: of the leg, `REST` for the standstill; `carried`: link and
+    place of each body on the robot; `seated`: frame and place of each other body; `leg`: of the answer, or None."""
+
+    stage: Stage
+    kind: str
+    leg: Document | None
+    pairs: tuple[Pair, ...]
+    carried: dict[str, tuple[str, Places]]
+    seated: dict[str, tuple[str, Places]]
+
+
+class Motion:
+    """A planned answer to a request in SI, as it is planned."""
+
+    def __init__(self, request: Document, answer: Document) -> None:
+        self.request, self.answer = request, answer
+        self.arm: Arm | TiltingArm = arm_of(request["robot"])
+        self.cell = Cell.of(request, cast(Arm, self.arm))
+        self.spline = spline_of(answer["trajectory"])
+        self.shapes: dict[str, Shape] = shapes_of(request, robots_in(request))
+        self._extremes: dict[int, tuple[Floats, Floats]] = {}
+        self.phases = tuple(self._phases())
+
+    @property
+    def start_s(self) -> float:
+        return float(self.spline.time[0])
+
+    @property
+    def end_s(self) -> float:
+        return float(self.spline.time[-1])
+
+    def extremes(self, derivative: int) -> tuple[Floats, Floats]:
+        """Least and greatest value (n,) of a derivative of the joints, between knots, too."""
+        if derivative not in self._extremes:
+            self._extremes[derivative] = self.spline.extremes(derivative)
+        return self._extremes[derivative]
+
+    def joints(self, t: Floats) -> Floats:
+        """(N, n) at times (N,); before and after the trajectory the arm stands."""
+        return self.spline.evaluate(np.clip(t, self.start_s, self.end_s))
+
+    def links(self, t: Floats) -> dict[str, Places]:
+        return world_links(self.arm, self.joints(t))
+
+    def tool(self, t: Floats) -> Places:
+        """The tool point in the world at times (N,)."""
+        return self.links(t)["flange"].then(Places.upright(self.arm.tcp))
+
+    def frame(self, name: str, t: Floats) -> Places:
+        return Places.upright(self.cell.frames[name].at(t))
+
+    def bodies(self, phase: Phase, t: Floats, names: set[str]) -> dict[str, Places]:
+        """Where these bodies are at times (N,) of a phase."""
+        links, frames, found = self.links(t), dict[str, Places](), dict[str, Places]()
+        for name in sorted(names):
+            if name in phase.carried:
+                link, place = phase.carried[name]
+                found[name] = links[link].then(place)
+            else:
+                frame, place = phase.seated[name]
+                if frame not in frames:
+                    frames[frame] = self.frame(frame, t)
+                found[name] = frames[frame].then(place)
+        return found
+
+    def _phases(self) -> Iterator[Phase]:
+        own = {b.name: (b.link, Places.upright(b.pose)) for b in self.arm.bodies}
+        seated = {name: (frame, Places.upright(pose)) for name, (frame, pose) in self.cell.seats.items()}
+        held: dict[str, tuple[str, Places]] = {}
+        holding = self.request["start"].get("holding")
+        if holding is not None:
+            grasp = Poses.of(holding["grasp_m"], holding.get("grasp_yaw_rad", 0.0))
+            held = {holding["part"]: ("flange", Places.upright(self.arm.tcp.then(grasp.inverse())))}
+        legs: list[Document | None] = [*self.answer["legs"], None]
+        last: Stage | None = None
+        for stage, leg in zip(stages(self.cell, self.answer, self.spline), legs, strict=False):
+            part = next(iter(held), None)
+            pairs = self.cell.pairs(stage, part, {name: frame for name, (frame, _) in seated.items()})
+            yield Phase(stage, "REST" if leg is None else leg["kind"], leg, tuple(pairs), {**own, **held}, dict(seated))
+            last = stage
+            if stage.handed_over is None:
+                continue
+            ((kind, given),) = self.request["task"][stage.handed_over].items()
+            arrival = next(each for each in self.answer["arrivals"] if each["step"] == stage.handed_over)
+            if kind == "pick":
+                held = {given["part"]: ("flange", Places.upright(self.cell.grasped(given, arrival)))}
+                seated.pop(given["part"])
+            else:
+                t, (name, _) = np.array([arrival["until_s"]]), self.cell.seat(given["to"])
+                part_in_world = self.links(t)["flange"].then(held[given["part"]][1])
+                seated[given["part"]] = name, self.frame(name, t).inverse().then(part_in_world)[0]
+                held = {}
+        late = float(self.request.get("execution", {}).get("start_tolerance_s", 0.0))
+        if last is not None and last.placed and late > 0.0:
+            # parts that were put down are kept clear for as long as the robot may be late
+            stage = Stage(last.t1, last.t1 + late, False, placed=last.placed)
+            pairs = self.cell.pairs(stage, None, {name: frame for name, (frame, _) in seated.items()})
+            kept = tuple(pair for pair in pairs if pair.first in last.placed)
+            yield Phase(stage, "REST", None, kept, own, dict(seated))
+
+
+def spline_of(spelt: Document) -> Spline:
+    """The trajectory of an answer; where its acceleration jumps two knots are at one time, and no piece between."""
+    time = np.array(spelt["time_s"], dtype=np.float64)
+    columns = [np.array(spelt[key], dtype=np.float64) for key in ("position", "velocity", "acceleration")]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = Spline.through(time, *columns)
+    lasting = np.diff(time) > 0.0
+    edges = np.concatenate([time[:-1][lasting], time[-1:]])
+    return Spline(edges, found.coefficients[lasting])
+
+
+def robots_in(request: Document) -> dict[str, Document]:
+    """The files of the shipped robots in a request, by the prefix of the names of their bodies."""
+    models = {"": request["robot"]["model"]}
+    models |= {f"{each['name']}/": each["robot"]["model"] for each in request.get("neighbours", [])}
+    return {prefix: next(iter(robot_file(model).values())) for prefix, model in models.items()}

@@ -1,0 +1,100 @@
+"""Plans of random cells of all kinds, each looked at as it is planned: what was promised and is not kept."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from benchmarks.oracle.asked import BAD_INPUT, as_si, checked, planned
+from benchmarks.oracle.faults import Broken
+from benchmarks.oracle.kinds import KINDS, random_cell
+from benchmarks.oracle.promises import broken_promises
+from benchmarks.soak.poses import Document
+
+
+@dataclass(eq=False)
+class Tally:
+    """Of one kind of cells, or of requests. `looked`: answers that were looked at; `faults`: of answers, by kind;
+    `unchecked`: answers that the product's own checker refuses; `by_checker`: that it was asked about."""
+
+    looked: int = 0
+    refused: Counter[str] = field(default_factory=Counter)
+    faults: Counter[str] = field(default_factory=Counter)
+    unchecked: int = 0
+    by_checker: int = 0
+
+    def merged(self, other: Tally) -> None:
+        """Adds another one."""
+        self.looked, self.unchecked = self.looked + other.looked, self.unchecked + other.unchecked
+        self.by_checker += other.by_checker
+        self.refused.update(other.refused)
+        self.faults.update(other.faults)
+
+    @property
+    def clean(self) -> bool:
+        return not self.faults and not self.unchecked
+
+
+def own_seed(seed: int, number: int) -> int:
+    """The seed of the cell with this number, counted for each kind, in a campaign with `seed`."""
+    return seed * 1_000_000 + number
+
+
+def campaign(plans: int | None, seed: int, out: Path | None = None) -> Iterator[dict[str, Tally]]:
+    """Cells of all kinds in turn, until `plans` were accepted (None: for ever): after each what was found, by kind."""
+    found: dict[str, Tally] = {kind: Tally() for kind in KINDS}
+    number, accepted = 0, 0
+    while plans is None or accepted < plans:
+        kind, own = KINDS[number % len(KINDS)], own_seed(seed, number // len(KINDS))
+        number += 1
+        accepted += looked_at(found[kind], kind, own, random_cell(kind, own), out)
+        yield found
+
+
+def looked_at(tally: Tally, kind: str, seed: int, request: Document, out: Path | None = None) -> bool:
+    """Whether the cell was planned, whose plan was looked at then; the tally counts it, or why it was refused."""
+    answer, fault = planned(request)
+    if answer is None:
+        tally.refused[f"{BAD_INPUT} {fault}"] += 1
+        return False
+    if answer["status"] != "planned":
+        tally.refused[str(answer["reason"])] += 1
+        return False
+    findings, broken = checked(request, answer), broken_promises(as_si(request), answer)
+    tally.looked += 1
+    tally.by_checker += 1
+    tally.unchecked += bool(findings)
+    tally.faults.update({each.kind for each in broken})
+    if out is not None and (findings or broken):
+        written(out, kind, seed, request, answer, broken, findings)
+    return True
+
+
+def written(
+    folder: Path,
+    kind: str,
+    seed: int,
+    request: Document,
+    answer: Document,
+    broken: list[Broken],
+    findings: list[dict[str, Any]] | None,
+) -> Path:
+    """Writes a case that failed as the file of a request, and what went wrong beside it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    name = f"{kind.replace(', ', '-').replace(' ', '-')}-{seed}"
+    file = folder / f"{name}.json"
+    file.write_text(json.dumps(request, indent=1), encoding="utf-8")
+    told = {
+        "kind": kind,
+        "seed": seed,
+        "status": answer["status"],
+        "sentence": answer.get("sentence"),
+        "faults": [asdict(each) for each in broken[:20]],
+        "checker": findings,
+    }
+    (folder / f"{name}.faults.json").write_text(json.dumps(told, indent=1, default=float), encoding="utf-8")
+    return file

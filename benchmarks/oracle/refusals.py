@@ -1,0 +1,54 @@
+"""Refusals of random small requests: of each that claims a proof, whether the oracle can show that it is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from benchmarks.oracle.asked import BAD_INPUT, as_si, checked, planned
+from benchmarks.oracle.contradicted import contradiction
+from benchmarks.oracle.impossible import KINDS, random_request
+from benchmarks.oracle.plans import Tally, own_seed, written
+from benchmarks.oracle.promises import broken_promises
+from benchmarks.soak.poses import Document
+
+UNPROVED, PLANNED, UNJUDGED = "not proved", "planned", "proved, not judged"
+
+
+def campaign(refusals: int | None, seed: int, out: Path | None = None) -> Iterator[dict[str, Tally]]:
+    """Requests of all kinds in turn, until so many proved refusals were looked at (None: for ever): after each what was
+    found, by kind. `refused` of a tally counts what was not looked at: plans, what was searched, bad input."""
+    found: dict[str, Tally] = {kind: Tally() for kind in KINDS}
+    number, proved = 0, 0
+    while refusals is None or proved < refusals:
+        kind = list(KINDS)[number % len(KINDS)]
+        own = own_seed(seed, number // len(KINDS))
+        number += 1
+        proved += looked_at(found[kind], kind, own, random_request(kind, own), out)
+        yield found
+
+
+def looked_at(tally: Tally, kind: str, seed: int, request: Document, out: Path | None = None) -> bool:
+    """Whether the request was refused with a proof, which was looked at then. What is planned instead must keep what it
+    promises, and every answer that the product's own checker takes must pass it."""
+    answer, fault = planned(request)
+    if answer is None:
+        tally.refused[f"{BAD_INPUT} {fault}"] += 1
+        return False
+    findings, proved = checked(request, answer), bool(answer.get("proved"))
+    broken = None
+    if answer["status"] == "planned":
+        tally.refused[PLANNED] += 1
+        broken = broken_promises(as_si(request), answer)
+    elif proved:
+        broken = contradiction(as_si(request), answer)
+        tally.refused[UNJUDGED] += broken is None
+        tally.looked += broken is not None
+    else:
+        tally.refused[UNPROVED] += 1
+    tally.by_checker += findings is not None
+    tally.unchecked += bool(findings)
+    tally.faults.update({each.kind for each in broken or []})
+    if out is not None and (findings or broken):
+        written(out, kind, seed, request, answer, broken or [], findings)
+    return proved and broken is not None

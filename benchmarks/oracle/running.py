@@ -1,0 +1,72 @@
+"""Campaigns of the oracle side by side, for a time or a count: whose turn it is, and when all are at an end."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from benchmarks.oracle import plans, refusals
+from benchmarks.oracle.plans import Tally
+from benchmarks.soak import campaign as shifts
+
+SHIFTS, PLANS, REFUSALS = "shifts", "plans", "refusals"
+CAMPAIGNS = (SHIFTS, PLANS, REFUSALS)
+ENDLESS = 10**9
+
+
+@dataclass(eq=False)
+class Going:
+    """One campaign: what it has found, by kind, and of how many answers; whether it has come to its count."""
+
+    name: str
+    seed: int
+    found: dict[str, Tally] = field(default_factory=dict)
+    shifted: dict[str, shifts.Tally] = field(default_factory=dict)
+    over: bool = False
+
+    @property
+    def done(self) -> int:
+        """Answers that were looked at."""
+        return sum(each.looked for each in self.found.values()) + sum(each.planned for each in self.shifted.values())
+
+    @property
+    def clean(self) -> bool:
+        return all(each.clean for each in self.found.values()) and all(each.clean for each in self.shifted.values())
+
+    def steps(self, count: int | None, out: Path | None) -> Iterator[None]:
+        """After each cell, or request, once."""
+        if self.name == SHIFTS:
+            for shifted in shifts.campaign(count or ENDLESS, self.seed, out):
+                self.shifted = shifted
+                yield
+            return
+        asked = plans.campaign if self.name == PLANS else refusals.campaign
+        for found in asked(count, self.seed, out):
+            self.found = found
+            yield
+
+
+def run(
+    going: list[Going],
+    out: Path | None,
+    count: int | None = None,
+    seconds: float | None = None,
+    told: Callable[[], None] = lambda: None,
+) -> None:
+    """Goes on with the campaigns in turn, a cell each, until each has looked at `count` answers, or the time is over.
+    `told` is called after each cell. Each campaign makes the same cells, however many others there are."""
+    began = time.monotonic()
+    steps = {each.name: each.steps(count, out) for each in going}
+    while not all(each.over for each in going):
+        for each in going:
+            if seconds is not None and time.monotonic() - began > seconds:
+                return
+            if not each.over:
+                each.over = next(steps[each.name], END) is END
+                told()
+
+
+END = object()
+"""In place of a step: there is none left."""
