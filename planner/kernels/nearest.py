@@ -38,6 +38,8 @@ LOWER, UPPER, NEAREST_T, NEAREST_A, NEAREST_B = 2, 3, 4, 5, 6
 """In `state`, besides TOP: the proved lower value, the smallest distance found, m, when and of which units it is."""
 WITHIN_M = 3e-5
 """How far the lower value may be below the upper one, m: less than the 0.05 mm that is promised."""
+SHORT = 16.0
+"""An interval of no more `FINEST_S` is not halved further for a normal that keeps a pair apart in its middle."""
 
 
 @kernel(f"int64({TABLE}, {TABLE}, {CUBE}, {TABLE}, float64, float64, {TABLE}, int64, {TABLE}, {TABLE}, {ROW})")
@@ -69,8 +71,10 @@ def bounded(
         elif attempt == 1:
             _, nx, ny, nz = likely(bodies, vertices, placed, 1, a, b, math.inf)
         else:
-            # where another normal keeps them apart in the middle it is the interval that is too long
-            if not several and gap(bodies, vertices, placed, 1, a, b, nx, ny, nz) >= enough:
+            # where another normal keeps them apart in the middle it is the interval that is too long; of a short one it
+            # may be the normal, which only just does
+            long = h > SHORT * FINEST_S
+            if not several and long and gap(bodies, vertices, placed, 1, a, b, nx, ny, nz) >= enough:
                 break
             _, nx, ny, nz, above = separate(bodies, vertices, placed, 1, a, b, math.inf, points, -1, 0.0, points, work)
             if above < state[UPPER] and bodies[a, PIECES] == 0.0 and bodies[b, PIECES] == 0.0:
