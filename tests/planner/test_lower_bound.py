@@ -183,3 +183,37 @@ def test_the_arm_need_not_stop_at_the_approach_height() -> None:
     assert isinstance(quickest, RawProfile)
     assert bounded(scene) == pytest.approx(quickest.duration, rel=2e-6)
     assert bounded(scene) < quickest.duration
+
+
+def test_while_the_lift_goes_down_the_other_joints_are_with_the_part_as_it_comes() -> None:
+    # the part comes 90 mm nearer while the lift goes down: where it is at the end is not where the arm must be first
+    request = {
+        "schema": "assur/1",
+        "robot": {"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_m": [0.0, 0.0, -0.1]}},
+        "start": {"joints": {"j1_rad": -0.23, "j2_rad": 1.87, "j3_m": 0.3, "j4_rad": 0.0}},
+        "frames": {"belt": {"linear": {"at_m": [0.2, 0.2, 0.05], "velocity_m_s": [0.0, 0.45, 0.0]}}},
+        "bodies": [
+            {
+                "name": "part",
+                "shape": {"box": {"size_m": [0.03, 0.03, 0.03]}},
+                "pose": {"frame": "belt", "at_m": [0.0, 0.0, 0.015]},
+            }
+        ],
+        "task": [
+            {
+                "pick": {
+                    "part": "part",
+                    "grasp_m": [0.0, 0.0, 0.015],
+                    "approach": {"m": 0.1, "stop": True},
+                    "depart": {"m": 0.02, "stop": True},
+                    "dwell_s": 0.02,
+                    "window_s": [0.05, 5.0],
+                }
+            }
+        ],
+        "options": {"budget_s": 60},
+    }
+    scene = scene_of(request)
+    found = planned(scene).plan.trajectory
+    lasts = found.end - found.start
+    assert 0.9 * lasts < bounded(scene) <= lasts

@@ -286,8 +286,8 @@ def _hit(
         edges = np.linspace(low, min(low + span, end), INTERVALS + 1)
         if not edges[-1] > edges[0]:
             break
-        points = _points(event, scene, pose, edges[1:] + early if early else edges[1:])
-        bounds = rates(law, arm_m, edges[:-1] + early, edges[1:] + early)
+        points = _points(event, scene, pose, edges[1:])
+        bounds = rates(law, arm_m, edges[:-1], edges[1:])
         k = first_open(
             edges,
             points,
