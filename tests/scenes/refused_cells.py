@@ -92,6 +92,22 @@ def _picked(part_z: float, symmetry: int = 1, **lid: float) -> Document:
     return cell(pick, go(350, 0, 200), bodies=bodies)
 
 
+def _gripped(grasp: float, within: float, symmetry: int = 1) -> Document:
+    """A part that is taken with the tool point so far above its middle, mm, where the tool must be so near."""
+    request = _picked(65, symmetry)
+    request["task"][0]["pick"] |= {"grasp_mm": [0, 0, grasp], "grip_within_mm": within}
+    return request
+
+
+def _put(height: float, within: float) -> Document:
+    """A part that is put down so high above the table, mm, where the table must be so near."""
+    request = _picked(65)
+    place = {"part": "part", "to": {"at_mm": [350, -90, 65 + height], "yaw_deg": 0}, "contact_with": ["table"]}
+    request["task"][1] = {"place": {**place, "approach": {"mm": 40}, "dwell_ms": 50, "depart": {"mm": 40},
+                                    "support_within_mm": within}}  # fmt: skip
+    return request
+
+
 def _yawed(ranges: list[list[float]], *task: Document) -> Document:
     request = cell(*task)
     request["robot"]["limits"] = {"forbidden_yaw_deg": ranges, "j4_deg": [-270, 270]}
@@ -170,6 +186,9 @@ PROVED: dict[str, tuple[Document, Document, str, str | None]] = {
         "JOINT_LIMIT",
         None,
     ),
+    "a tool that is too far from its part": (_gripped(20, 1), _gripped(15, 1), "TOLERANCE", None),
+    "a tool that is too far in both turns": (_gripped(20, 1, 2), _gripped(15, 1, 2), "TOLERANCE", None),
+    "a table that is too far below a part": (_put(3, 1), _put(0, 1), "TOLERANCE", None),
     "a load": (_loaded(9), _loaded(2), "LOAD_LIMIT", None),
     "a block at the start": (
         cell(go(350, 0, 200), bodies=[_block(305, 336, 170)]),

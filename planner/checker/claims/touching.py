@@ -70,7 +70,7 @@ def _pairs(apart: Apart, scene: Scene, arrival: Arrival) -> list[IntArray]:
         ends = phase.step == arrival.step and phase.kind is LegKind.FOLLOW and abs(phase.t1 - arrival.until) <= TIME_S
         if ends and step.part is not None:
             names = [(other, step.part) for other in _others(scene, phase, step.part)]
-            return [_pair(apart.table, number, *both) for both in names]
+            return [pair_of(apart.table, number, *both) for both in names]
     return []
 
 
@@ -81,7 +81,8 @@ def _others(scene: Scene, phase: Phase, part: str) -> list[str]:
     return sorted({name for names in phase.contacts if part in names for name in names} - {part})
 
 
-def _pair(table: Solids, phase: int, one: str, other: str) -> IntArray:
+def pair_of(table: Solids, phase: int, one: str, other: str) -> IntArray:
+    """Two bodies as `distance_between` takes them, as they are carried in a phase."""
     pair = np.empty((2, 3), dtype=np.int64)
     for row, name in zip(pair, (one, other), strict=True):
         body = table.number[name]

@@ -8,6 +8,7 @@ from assur.planner.model.refusal import (
     ForbiddenYaw,
     LawEnds,
     MotionLimit,
+    NotTouching,
     OutOfReach,
     Overload,
     Refusal,
@@ -19,7 +20,7 @@ from assur.planner.model.refusal import (
 from assur.planner.model.scene import Scene
 from assur.planner.model.window_missed import Miss, WindowMissed
 
-OF_JOINTS, OF_FRAMES, OF_BODIES = (BeyondRange, MotionLimit), (LawEnds,), (Separation, Enclosed, Overload)
+OF_JOINTS, OF_FRAMES, OF_BODIES = (BeyondRange, MotionLimit), (LawEnds,), (Separation, Enclosed, Overload, NotTouching)
 """Facts that are about a joint, a frame, and bodies; the others are about none."""
 RATES: dict[str, tuple[Unit, Unit]] = {"velocity": ("rad/s", "m/s"), "acceleration": ("rad/s²", "m/s²")}
 
@@ -45,7 +46,7 @@ def _unit(scene: Scene, refusal: Refusal) -> Unit | None:
     facts = refusal.facts
     revolute = any(joint.name == refusal.joint and joint.kind == "revolute" for joint in scene.robot.joints)
     match facts:
-        case OutOfReach() | Separation():
+        case OutOfReach() | Separation() | NotTouching():
             return "m"
         case BeyondRange():
             return "rad" if revolute else "m"

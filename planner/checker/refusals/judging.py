@@ -12,6 +12,7 @@ from assur.planner.checker.refusals import start
 from assur.planner.checker.refusals.amiss import amiss
 from assur.planner.checker.refusals.points import every_pitch, hindered, met, orbit, yaws_forbidden
 from assur.planner.checker.refusals.start import amount_of, same
+from assur.planner.checker.refusals.touching import never_touching
 from assur.planner.checker.refusals.windows import missed
 from assur.planner.checker.verdict import Code, Finding, Verdict
 from assur.planner.model.proofs.witness import PROVED_M, Hindered, Met, Openings, Orbit, Witness
@@ -20,6 +21,7 @@ from assur.planner.model.refusal import (
     ForbiddenYaw,
     LawEnds,
     MotionLimit,
+    NotTouching,
     Obstacle,
     OutOfReach,
     Overload,
@@ -92,6 +94,8 @@ def _by_facts(scene: Scene, refusal: Refusal) -> str:
         return start.overload(scene, refusal, facts)
     if stage is Stage.START:
         return _at_start(scene, refusal)
+    if isinstance(facts, NotTouching) and (reason, stage) == (Reason.TOLERANCE, Stage.CONTROL_POINT):
+        return never_touching(scene, refusal, facts)
     if isinstance(facts, ForbiddenYaw) and (reason, stage) == (Reason.FORBIDDEN_YAW, Stage.CONTROL_POINT):
         return yaws_forbidden(scene, refusal, facts)
     if isinstance(facts, OutOfReach) and (reason, stage) == (Reason.OUT_OF_REACH, Stage.CONTROL_POINT):
