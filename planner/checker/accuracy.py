@@ -24,9 +24,9 @@ from assur.planner.model.phases import Handled, Phase
 from assur.planner.model.scene import Trace
 
 ROUNDING_M, ROUNDING_RAD = 1e-9, 1e-9
-MORE, MORE_M, MORE_RAD = 0.05, 1e-5, 1e-5
+MORE, MORE_M, MORE_RAD, BOWS = 0.05, 1e-5, 1e-5, 2.0
 """Share, m and rad by which an error that is stated, and what a cause adds to it, may be larger than ours, and by which
-a realisation may stay below it: a planner adds bows of ways that we look at."""
+a realisation may stay below it; and as often what counts for bent ways, of which a planner has bounds of its own."""
 LESS = 2e-6
 """m or rad by which what one cause adds may be smaller than ours: only what all of them add is bounded from above."""
 Four = tuple[float, float, float, float]
@@ -54,7 +54,7 @@ def accuracies(
         shifting = set() if target.step.tracks else shifting - {target.frame}
         terms = terms_of(world, arrival, target, handled, shifting)
         bound = terms.bound()
-        findings += _stated(target, arrival, bound) + _allowed(target, arrival, bound)
+        findings += _stated(target, arrival, terms, bound) + _allowed(target, arrival, bound)
         if arrival.error is not None:
             findings += _causes(terms, arrival.error, i) + _worst(world, target, arrival, terms, i)
     return findings
@@ -64,13 +64,14 @@ def _field(i: int) -> str:
     return f"arrivals[{i}].error"
 
 
-def _more(amount: float, unit: str) -> float:
+def _more(terms: Terms, amount: float, unit: str) -> float:
     """The largest number that may be stated where ours is `amount`."""
     rounding, more = (ROUNDING_RAD, MORE_RAD) if unit == "rad" else (ROUNDING_M, MORE_M)
+    more += 0.0 if unit == "rad" else BOWS * terms.bows
     return amount * (1.0 + MORE) + more if amount > 0.0 else rounding
 
 
-def _stated(target: Target, arrival: Arrival, bound: Four) -> list[Finding]:
+def _stated(target: Target, arrival: Arrival, terms: Terms, bound: Four) -> list[Finding]:
     """Errors that are smaller, or much larger, than ours."""
     said, name, where = arrival.error, target.step.name, f"{arrival.until:.6g} s"
     within = EXACT if said is None else said.within
@@ -82,7 +83,7 @@ def _stated(target: Target, arrival: Arrival, bound: Four) -> list[Finding]:
         if not amount >= least - rounding:
             text = f"the tool may be more {what} off {name} than its arrival says"
             findings.append(Finding(Code.ERROR, text, least - amount, unit, where))
-        elif not amount <= _more(least, unit):
+        elif not amount <= _more(terms, least, unit):
             text = f"the tool cannot be as {what} off {name} as its arrival says"
             findings.append(Finding(Code.ERROR, text, amount - least, unit, where))
     return findings
@@ -114,7 +115,7 @@ def _causes(terms: Terms, said: ArrivalError, i: int) -> list[Finding]:
         return findings
     for share in said.shares:
         for amount, true, unit in zip((share.position_m, share.yaw_rad), own[share.cause], ("m", "rad"), strict=True):
-            if not true - LESS <= amount <= _more(true, unit):
+            if not true - LESS <= amount <= _more(terms, true, unit):
                 what = f"what is added to the error by {share.cause} is not what the answer says"
                 findings.append(Finding(Code.ERROR, what, abs(amount - true), unit, where))
     sizes = [(share.position_m, share.yaw_rad) for share in said.shares]
@@ -145,7 +146,7 @@ def _worst(world: World, target: Target, arrival: Arrival, terms: Terms, i: int)
     off = off + gone(world, target, arrival.until, late) - _lagged(world, terms, told)
     side = np.array(off[:2]) + flat * np.array([math.cos(told.get(DIRECTION, 0.0)), math.sin(told.get(DIRECTION, 0.0))])
     far = math.hypot(*side.tolist(), abs(float(off[2])) + upright) + sum(terms.yaw.values()) * terms.grasp
-    if not far >= said.position_m * (1.0 - MORE) - MORE_M:
+    if not far >= said.position_m * (1.0 - MORE) - MORE_M - BOWS * terms.bows:
         what = f"the realisation that is stated for {target.step.name} does not come near the error that is stated"
         return [Finding(Code.ERROR, what, said.position_m - far, "m", where)]
     return []

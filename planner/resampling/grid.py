@@ -141,7 +141,13 @@ def legs_on(plan: Plan, made: Trajectory) -> tuple[Leg, ...]:
         joined[-1] = replace(last, t1=made.end)
     else:
         joined.append(Leg(LegKind.MOVE, last.step, last.t1, made.end, Route(Course.TO_REST)))
-    return tuple(joined)
+    return tuple(_after(before, leg) for before, leg in zip((None, *joined), joined, strict=False))
+
+
+def _after(before: Leg | None, leg: Leg) -> Leg:
+    """The leg, with a route that says whether it begins after a wait."""
+    waited = before is not None and before.kind is LegKind.WAIT and before.step == leg.step
+    return leg if leg.route is None else replace(leg, route=replace(leg.route, after_wait=waited))
 
 
 def arrivals_on(plan: Plan, made: Trajectory) -> tuple[Arrival, ...]:

@@ -67,7 +67,7 @@ def read_normal(model: Any, normal_document: object, document: object, prefix: P
 
 def read_written(model: Any, written: object, document: object, prefix: Path = ()) -> Any:
     """As `read_normal`, of a model with members of enumerations and other forms, as JSON has them."""
-    return _validated(model, document, prefix, lambda: _adapter(model).validate_json(json.dumps(written)))
+    return _validated(model, document, prefix, lambda: _adapter(model).validate_json(json.dumps(written), strict=True))
 
 
 def _validated(model: Any, document: object, prefix: Path, validated: Callable[[], Any]) -> Any:

@@ -184,11 +184,13 @@ def test_a_verdict_is_what_its_model_reads() -> None:
 
 
 @pytest.mark.parametrize("key", ["census", "warnings", "elapsed_s", "first_s", "cut_by_clock"])
-def test_what_the_checker_does_not_look_at_may_be_left_out_or_hold_anything(key: str) -> None:
+def test_what_the_checker_does_not_look_at_may_be_left_out_and_must_have_its_form(key: str) -> None:
     """The table in docs/api.md says so; tests/scenes/test_what_is_verified.py holds it to all fields."""
     answer = through_json(answer_of(*good()))
-    answer[key] = "anything"
-    assert check_document(GOOD_REQUEST, answer)["ok"] is True
+    for value in ("anything", "1.5", "true"):
+        answer[key] = value
+        with pytest.raises(InputError, match=rf"^plan\.{key}: "):
+            check_document(GOOD_REQUEST, answer)
     del answer[key]
     assert check_document(GOOD_REQUEST, answer)["ok"] is True
 

@@ -57,6 +57,12 @@ class Terms:
             if amount != 0.0:
                 table[cause] = table.get(cause, 0.0) + amount
 
+    @property
+    def bows(self) -> float:
+        """What counts for bent ways, m: of joints that lag, and of points that go on."""
+        bent = (Cause.LAG, Cause.LATE)
+        return sum(table.get(cause, 0.0) for table in (self.flat, self.upright) for cause in bent)
+
     def sums(self, cause: Cause | None = None) -> FloatArray:
         """All combinations (N, 3) of what has a direction; of one cause, or of all."""
         used = [vector for own, _, vector in self.signed if cause in (None, own) and vector.any()]

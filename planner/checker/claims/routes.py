@@ -5,18 +5,21 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import numpy as np
+
 from assur.planner.checker.legs import TIME_S
 from assur.planner.checker.verdict import Code, Finding
 from assur.planner.checker.world import World
 from assur.planner.model.outcome import TRACKING, Arrival, Course, Leg, LegKind
 from assur.planner.model.scene import Move
 
-BACK_M_S = 1e-4
-"""m/s. So fast the lift may go the wrong way in an arch: 10 µm in a tenth of a second."""
+BACK_M, BACK = 1e-4, 0.1
+"""m, and share of the height to which an arch rises above its ends: so far the lift may go the wrong way, all in all. A
+motion through ticks of a controller, 4 ms apart, sways by some tenths of a millimetre where the lift turns."""
 RISE_M = 1e-6
 """m. So far an arch goes above both of its ends at least, or to the end of the lift's range."""
-FINEST_S = 1e-4
-"""Intervals of an arch are halved no further, s: then the lift goes the wrong way there, or might."""
+CUTS = 5
+"""How often the pieces of an arch are halved until its ways up and down are known."""
 
 
 def routes(world: World, legs: tuple[Leg, ...], arrivals: tuple[Arrival, ...]) -> list[Finding]:
@@ -60,31 +63,24 @@ def _courses(world: World, leg: Leg, until: float) -> tuple[Course, ...]:
 
 
 def _arches(world: World, leg: Leg) -> bool:
-    """Whether the lift goes up until some instant and then down, up to `BACK_M_S`, and higher than both ends."""
+    """Whether the lift goes up and then down, up to `BACK_M` and `BACK`, and higher than both ends."""
     lift = world.scene.robot.lift
     if lift is None:
         return False
     time = world.knots.time
-    inside = time[(time > leg.t0) & (time < leg.t1)].tolist()
-    begin, *tops, end = (world.joints(t, t)[lift, 0] for t in (leg.t0, *inside, leg.t1))
-    most = min(max(begin, end) + RISE_M, float(world.scene.robot.limits.upper[lift]) - RISE_M)
-    if not max(tops, default=begin) >= most:
+    edges = np.unique([leg.t0, *time[(time > leg.t0) & (time < leg.t1)].tolist(), leg.t1])
+    heights = [float(world.joints(t, t)[lift, 0]) for t in edges.tolist()]
+    top = int(np.argmax(heights))
+    most = min(max(heights[0], heights[-1]) + RISE_M, float(world.scene.robot.limits.upper[lift]) - RISE_M)
+    if not heights[top] >= most:
         return False
-    falls, stack = False, [(leg.t0, leg.t1)]
-    while stack:
-        a, b = stack.pop()
-        low, high = world.joints(a, b)[lift, 2:4].tolist()
-        if low >= -BACK_M_S and not (falls and high > BACK_M_S):
-            continue  # it goes up, or stands
-        if high <= BACK_M_S:
-            falls = True
-            continue
-        if not b - a > FINEST_S:
-            # up and down within: the turn, if it has not turned yet and goes up at the beginning
-            if falls or world.joints(a, a)[lift, 2] < -BACK_M_S:
-                return False
-            falls = True
-            continue
-        middle = (a + b) / 2.0
-        stack += [(middle, b), (a, middle)]
-    return True
+    turn, allowed = float(edges[top]), BACK_M + BACK * (heights[top] - max(heights[0], heights[-1]))
+    for _ in range(CUTS):
+        back = 0.0
+        for a, b in pairwise(edges.tolist()):
+            low, high = world.joints(a, b)[lift, 2:4].tolist()
+            back += max(-low if b <= turn else high, 0.0) * (b - a)
+        if back <= allowed:
+            return True
+        edges = np.sort(np.append(edges, (edges[1:] + edges[:-1]) / 2.0))
+    return False

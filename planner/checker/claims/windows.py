@@ -18,8 +18,8 @@ from assur.planner.frames import Conveyor, Linear
 from assur.planner.model.outcome import Arrival
 
 LEFT_S = 1e-6
-"""By how much the time that is left may be off, s: in it a belt goes 1 µm at 1 m/s, and ends of windows along a belt
-round."""
+"""By how much the time that is left may be off, s; and by what a belt needs for `MEET_M`, as windows along it are kept
+to that."""
 LOOKED_S = 60.0
 """So long after the start, s, a window along a conveyor is looked at: what is open then counts as closed."""
 MOST_S = 3600.0
@@ -58,24 +58,25 @@ def _off(world: World, arrival: Arrival, target: Target, said: float) -> float:
     end = arrival.until + said
     made = tables(scene, world.knots, world.start, end + 1.0)
     inner = max(end - LEFT_S, arrival.until)
-    if _outside(world, target, arrival.until, inner, made):
+    if _outside(world, target, arrival.until, inner, made, MEET_M):
         return math.inf
     over = said >= left - LEFT_S or end >= scene.start.time + LOOKED_S - LEFT_S
     beyond = min(end + LEFT_S, closes)
-    return 0.0 if over or _outside(world, target, beyond, beyond, made) else math.inf
+    return 0.0 if over or _outside(world, target, beyond, beyond, made, -MEET_M) else math.inf
 
 
-def _outside(world: World, target: Target, t0: float, t1: float, made: Tables) -> bool:
-    """Whether the point is not shown to stay inside its window along the conveyor over [t0, t1]. The window is narrower
-    here by what the kernel allows at both ends."""
+def _outside(world: World, target: Target, t0: float, t1: float, made: Tables, wider: float) -> bool:
+    """Whether the point is not shown to stay inside its window along the conveyor, `wider` by so much, m, at both ends,
+    over [t0, t1]."""
     way = measured(world.scene.frames[target.frame].law)
     if way is None or target.step.window.along is None:
         return True
     direction, zero = way
     low, high = target.step.window.along
     row, found = np.zeros(along.NUMBERS), np.zeros(4)
-    asked = [(along.FRAME, world.frame[target.frame]), (along.FOLLOWS, zero + low + MEET_M)]
-    asked += [(along.HEIGHT, zero + high - MEET_M), *((along.TCP + k, direction[k]) for k in range(3))]
+    more = wider - MEET_M  # the kernel allows as much by itself
+    asked = [(along.FRAME, world.frame[target.frame]), (along.FOLLOWS, zero + low - more)]
+    asked += [(along.HEIGHT, zero + high + more), *((along.TCP + k, direction[k]) for k in range(3))]
     for column, value in asked + posed(target.point):
         row[column] = value
     along.keeps(along.ALONG, row, t0, t1, made, found)
