@@ -280,9 +280,7 @@ def check_document(request: object, plan: object, *, folder: Path | None = None)
 
 def check_cell(cell: Cell, answer: object) -> dict[str, Any]:
     """The verdict on an answer to the request of a cell; as `check_document`."""
-    if refused(answer):
-        return _check_refusal(cell, answer)
-    return check_plan(cell, *read_plan(cell, answer))
+    return _check_refusal(cell, answer) if refused(answer) else check_plan(cell, *read_plan(cell, answer))
 
 
 def refused(answer: object) -> bool:

@@ -119,7 +119,7 @@ def test_the_checker_calls_between_its_blocks_and_each_call_may_end_it(planned: 
             check(scene, made, NOTHING, Counted(last))
 
 
-PARTS = 5
+PARTS = 6
 """Calls of a check between its parts."""
 BLOCKS, ROBOT, PHASES = 1, 3, 1
 """Calls while the certificate is judged: for each block of rows, and for each body of the robot in each phase."""
