@@ -98,8 +98,9 @@ def test_no_answer_to_a_shipped_scenario_changes_with_its_sentences(name: str, n
     assert without(answer, TEXTS | TIMES) == without(before, TEXTS | TIMES)
     # the checker compares words with those that are made of the facts, whatever they are
     assert check_document(request, json.loads(json.dumps(answer)), folder=scenario.folder)["ok"]
-    words = [before.get("sentence"), *(leg.get("note") for leg in before.get("legs", []))]
-    assert check_document(request, before, folder=scenario.folder)["ok"] is not any(words)
+    if before.get("proved", True):  # of a search that found nothing, a sentence tells what is not known to the checker
+        words = [before.get("sentence"), *(leg.get("note") for leg in before.get("legs", []))]
+        assert check_document(request, before, folder=scenario.folder)["ok"] is not any(words)
 
 
 @pytest.mark.parametrize(("x_m", "code"), [(0.4, RIGHT), (4.0, WRONG)])
