@@ -51,6 +51,8 @@ MOST = 4_000_000
 """Pairs in parts of intervals in one check, after which all is refused: some seconds."""
 NEAR_M, STEPS = 1e-6, 32
 """A distance at an instant is known well enough to this, m; and steps after which its search ends in any case."""
+FLAT_M = 1e-9
+"""A tetrahedron that is less high than this, m, counts as flat."""
 BOX_M = 1e-4
 """Boxes that come as near as what is claimed and this, m, are opened: one whose distance at an end of an interval is
 exactly what is claimed could be neither proved there nor refuted."""
@@ -205,6 +207,24 @@ def nearest_face(points: FloatArray, many: int) -> int:
     return kept + 1
 
 
+@kernel(f"boolean({F2})")
+def encloses(points: FloatArray) -> bool:
+    """Whether the origin is in the tetrahedron of rows 0 to 3 of `points`: on the inner side of each face, or on it. A
+    tetrahedron that is flat but for rounding holds nothing."""
+    for k in range(4):
+        a, b, c = (k + 1) % 4, (k + 2) % 4, (k + 3) % 4
+        ux, uy, uz = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
+        vx, vy, vz = points[c, 0] - points[a, 0], points[c, 1] - points[a, 1], points[c, 2] - points[a, 2]
+        nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        inner = (
+            nx * (points[k, 0] - points[a, 0]) + ny * (points[k, 1] - points[a, 1]) + nz * (points[k, 2] - points[a, 2])
+        )
+        own = -(nx * points[a, 0] + ny * points[a, 1] + nz * points[a, 2])
+        if not (own * inner >= 0.0 and inner * inner > FLAT_M**2 * (nx * nx + ny * ny + nz * nz)):
+            return False
+    return True
+
+
 @kernel(f"UniTuple(float64, 2)({TABLES}, {F3}, {F1}, float64)", allocates=True)
 def distance(tables: Tables, jets: FloatArray, item: FloatArray, claimed: float) -> tuple[float, float]:
     """Of a pair at the instant of the jets, from below and from above; the normal goes into HINT of the item.
@@ -225,6 +245,9 @@ def distance(tables: Tables, jets: FloatArray, item: FloatArray, claimed: float)
             break
         for k in range(3):
             points[many, k] = b[k] - a[k]
+        if many == 3 and encloses(points):
+            high = 0.0  # they overlap
+            break
         many = nearest_face(points, many + 1)
         size = math.sqrt(points[4, 0] ** 2 + points[4, 1] ** 2 + points[4, 2] ** 2)
         if not (size > 0.0 and size - balls < high):
