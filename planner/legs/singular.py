@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -18,6 +17,8 @@ from assur.planner.trajectory import Trajectory
 LOOKED_S = 1e-3
 """Margins of a motion that is made are looked at so often, s: knots are farther apart, and between them the arm may
 come nearer. The checker allows 1e-3, and at 100 rad/s² an elbow leaves its chord by 1e-5 rad in this time."""
+MOST = 100_000
+"""So many of these times at most, where the arm moves; where it stands still there are none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +83,7 @@ def too_near(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, t0: 
     asked, robot = scene.options.singularity_margin, scene.robot
     if not (asked > 0.0 and t1 > t0):
         return None
-    t = np.linspace(t0, t1, 1 + math.ceil((t1 - t0) / LOOKED_S))
+    t = _looked_at(trajectory, t0, t1)
     q = trajectory.evaluate(t)
     margin, parallel = robot.margin(q), robot.parallel_margin(q) if robot.parallel_least > 0.0 else None
     kept = margin >= asked if parallel is None else (margin >= asked) & (parallel >= asked)
@@ -91,3 +92,17 @@ def too_near(scene: Scene, stage: Stage, step: int, trajectory: Trajectory, t0: 
     rows = np.flatnonzero(~kept)
     near = nearest(robot, Margins(robot.singularity(q), margin, parallel), asked, rows, best=False)
     return near.refusal(stage, step, (float(t[rows[0]]), float(t[rows[-1]])))
+
+
+def _looked_at(trajectory: Trajectory, t0: float, t1: float) -> FloatArray:
+    """Times (T,) from t0 to t1, `LOOKED_S` apart at most where the arm moves for no longer than `MOST` of these."""
+    inside = (trajectory.time > t0) & (trajectory.time < t1)
+    edges = np.unique(np.concatenate([[t0], trajectory.time[inside], [t1]]))
+    middles = trajectory.evaluate(0.5 * (edges[1:] + edges[:-1]))
+    ends = trajectory.evaluate(edges)
+    moves = (ends[1:] != ends[:-1]).any(axis=1) | (middles != ends[1:]).any(axis=1)
+    lengths = np.diff(edges)
+    apart = max(LOOKED_S, float(lengths[moves].sum()) / MOST)
+    counts = np.where(moves, np.ceil(lengths / apart), 1).astype(np.int64)
+    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    return np.append(within * np.repeat(lengths / counts, counts) + np.repeat(edges[:-1], counts), t1)

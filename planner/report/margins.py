@@ -39,7 +39,7 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     tool = tool_peaks(scene, trajectory, trajectory.start, trajectory.end)
     held = None if carrying is None else carrying[0]
     binds, helps = f"{kind} of {joint} ({100 * ratio:.0f} %)", f"a higher limit, or less travel of {joint}"
-    t, apart = _even(trajectory)
+    t, lasts = _even(trajectory)
     serial, parallel = least_margins(scene.robot, trajectory, t)
     if held is not None and limit is not None and held / limit > ratio:
         binds = f"acceleration of the carried part ({100 * held / limit:.0f} %)"
@@ -62,7 +62,7 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
         singularity=serial,
         parallel=parallel,
         jerk="unbounded" if scene.options.blended else "limited",
-        busiest=_busiest(phases, t, apart, used >= (1.0 - NEAR_PEAK) * ratio),
+        busiest=_busiest(phases, t, lasts, used >= (1.0 - NEAR_PEAK) * ratio),
         helps=helps,
         tool=tool,
         travel_pairs=nearest_pairs(prover, trajectory, tuple(p for p in phases if not p.near), pairs),
@@ -70,26 +70,26 @@ def margins(scene: Scene, prover: Prover, trajectory: Trajectory, phases: tuple[
     )
 
 
-def _busiest(phases: tuple[Phase, ...], t: FloatArray, apart: float, at_peak: BoolArray) -> Busiest | None:
+def _busiest(phases: tuple[Phase, ...], t: FloatArray, lasts: FloatArray, at_peak: BoolArray) -> Busiest | None:
     """The phase in which a limit is longest within a hundredth of its peak, which it is `at_peak` (T,) of the times t
-    (T,), which are `apart`, s; None: at none of them."""
-    found: tuple[int, Phase] | None = None
+    (T,), each of which stands for so long (T,), s; None: at none of them."""
+    found: tuple[float, Phase] | None = None
     for phase in phases:
-        count = int(np.count_nonzero(at_peak & (t >= phase.t0) & (t < phase.t1)))
-        if phase.step >= 0 and phase.t1 > phase.t0 and count > (0 if found is None else found[0]):
-            found = count, phase
+        time = float(lasts[at_peak & (t >= phase.t0) & (t < phase.t1)].sum())
+        if phase.step >= 0 and phase.t1 > phase.t0 and time > (0.0 if found is None else found[0]):
+            found = time, phase
     if found is None:
         return None
-    count, phase = found
-    return Busiest(str(phase.kind), phase.step, phase.t0, phase.t1, min(count * apart, phase.t1 - phase.t0))
+    time, phase = found
+    return Busiest(str(phase.kind), phase.step, phase.t0, phase.t1, min(time, phase.t1 - phase.t0))
 
 
-def _even(trajectory: Trajectory) -> tuple[FloatArray, float]:
-    """Times (T,), and how far they are apart, s: `FINE_S` at most, in a motion that is not long."""
+def _even(trajectory: Trajectory) -> tuple[FloatArray, FloatArray]:
+    """Times (T,), and for how long each stands (T,), s: `FINE_S` at most, in a motion that is not long."""
     count = math.ceil(trajectory.duration / FINE_S) + 1
     if count <= MOST_FINE:
         t = np.linspace(trajectory.start, trajectory.end, max(2, count))
-        return t, float(t[1] - t[0])
+        return t, np.full(len(t), t[1] - t[0])
     rates = np.asarray(np.concatenate([trajectory.qd, trajectory.qdd], axis=1).any(axis=1))
     spans = np.stack([trajectory.time[:-1], trajectory.time[1:]], 1)[rates[:-1] | rates[1:]]
     lengths = spans[:, 1] - spans[:, 0]
@@ -97,7 +97,7 @@ def _even(trajectory: Trajectory) -> tuple[FloatArray, float]:
     counts = np.ceil(lengths / apart).astype(np.int64)
     within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     even = within * np.repeat(lengths / counts, counts) + np.repeat(spans[:, 0], counts)
-    return np.append(even, trajectory.time[-1]), apart
+    return np.append(even, trajectory.time[-1]), np.append(np.repeat(lengths / counts, counts), 0.0)
 
 
 def _peaks(
