@@ -217,3 +217,26 @@ def test_while_the_lift_goes_down_the_other_joints_are_with_the_part_as_it_comes
     found = planned(scene).plan.trajectory
     lasts = found.end - found.start
     assert 0.9 * lasts < bounded(scene) <= lasts
+
+
+def test_the_way_along_a_path_counts_once() -> None:
+    # the arm goes to the last point of the path while it traces it, and not afterwards
+    request = {
+        "schema": "assur/1",
+        "robot": {"model": "mitsubishi-rh-6frh5520", "tool": {"tcp_m": [0.0, 0.0, -0.1]}},
+        "start": {"joints": {"j1_rad": -0.23, "j2_rad": 1.87, "j3_m": 0.3, "j4_rad": 0.0}},
+        "task": [
+            {
+                "trace": {
+                    "start": {"at_m": [0.25, 0.25, 0.12], "yaw_rad": 0.0},
+                    "path": [{"line": {"to_m": [0.25, -0.25, 0.12]}}],
+                    "speed_m_s": 0.05,
+                }
+            }
+        ],
+        "options": {"budget_s": 60},
+    }
+    scene = scene_of(request)
+    found = planned(scene).plan.trajectory
+    lasts = found.end - found.start
+    assert 0.5 / 0.05 < bounded(scene) <= lasts

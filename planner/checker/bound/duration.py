@@ -87,7 +87,7 @@ def least_duration(scene: Scene) -> float | None:
             met = max(floor + early, event.opens)
         else:
             met, left = found
-        floor = met + event.dwell + late
+        floor = met + event.dwell + event.traced + late
         lifts -= late
     return _claimed(scene, max(floor + lifts, _rested(scene, left)) - scene.start.time)
 

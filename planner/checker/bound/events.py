@@ -27,7 +27,8 @@ class Event:
     """The tool at a control point. `point`: in `frame`, that whose way along a conveyor a
     window measures; `poses`: of the flange, one of them (empty: not known); `free`: with any
     yaw; `pitch`, `roll`: of an arm that has them, NaN where they are free. `kind`: ALONG, STOPS or PASSES. `opens`: it
-    is not met sooner, s. `before`, `after`: the parts in the gripper (None: none)."""
+    is not met sooner, s. `before`, `after`: the parts in the gripper (None: none). `traced`: so long, s, the tool goes
+    on to the next event, and no less."""
 
     step: Step
     frame: str
@@ -41,6 +42,7 @@ class Event:
     opens: float
     before: str | None
     after: str | None
+    traced: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,10 +107,10 @@ def _events(
         ends = (step.path.begin, step.path.end)
         tcp = scene.tool.tcp.inverse()
         both = [tuple(Pose(*end, tool.yaw).then(tcp) for tool in tools if poses) for end in ends]
-        spans = ((lasts, opens), (0.0, opens + lasts))
+        spans = ((opens, lasts), (opens + lasts, 0.0))
         return [
-            Event(step, frame, point, here, free, pitch, roll, PASSES, span, sooner, before, after)
-            for here, (span, sooner) in zip(both, spans, strict=True)
+            Event(step, frame, point, here, free, pitch, roll, PASSES, 0.0, sooner, before, after, traced)
+            for here, (sooner, traced) in zip(both, spans, strict=True)
         ]
     if isinstance(step, Move) and step.via and scene.options.blended:
         poses = ()  # it is not passed exactly
