@@ -145,8 +145,11 @@ def test_times_at_which_a_long_motion_is_looked_at_are_even_in_each_part_that_mo
     qd = np.repeat(np.cos(time_s)[:, None], 4, 1)
     qd[20:30], q[20:30] = 0.0, q[20]
     motion = Trajectory(time_s, q, qd, np.zeros_like(q))
-    t, apart = margins._even(motion)
+    t, lasts = margins._even(motion)
     moving = [(a, b) for k, (a, b) in enumerate(pairwise(time_s.tolist())) if not 20 <= k < 29]
+    apart = sum(b - a for a, b in moving) / 500
     parts = [np.linspace(a, b, math.ceil((b - a) / apart) + 1)[:-1] for a, b in moving]
     assert np.array_equal(t, np.append(np.concatenate(parts), time_s[-1]))
-    assert apart == pytest.approx(sum(b - a for a, b in moving) / 500)
+    # each stands for as long as it is to the next one, and all of them for as long as the arm moves
+    assert lasts.sum() == pytest.approx(500 * apart)
+    assert lasts.max() <= apart * (1 + 1e-12)
