@@ -240,3 +240,46 @@ def test_the_way_along_a_path_counts_once() -> None:
     found = planned(scene).plan.trajectory
     lasts = found.end - found.start
     assert 0.5 / 0.05 < bounded(scene) <= lasts
+
+
+def test_behind_a_point_of_which_nothing_is_known_the_limits_of_an_empty_gripper_count() -> None:
+    # the part may be taken with any yaw, and the tool is beside the flange's axis: where the flange is, is not known
+    request = {
+        "schema": "assur/1",
+        "robot": {
+            "model": "mitsubishi-rh-6frh5520",
+            "tool": {"tcp_mm": [30, 0, -60]},
+            "limits": {"acceleration_by_load": [{"mass_kg": 0.1, "share": 1.0}, {"mass_kg": 4.0, "share": 0.05}]},
+        },
+        "start": {"joints": {"j1_deg": -100, "j2_deg": 90, "j3_mm": 250, "j4_deg": 0}},
+        "bodies": [
+            {
+                "name": "p",
+                "shape": {"box": {"size_mm": [20, 20, 20]}},
+                "pose": {"at_mm": [200, 320, 110]},
+                "mass_kg": 4.0,
+                "yaw_symmetry": 0,
+            }
+        ],
+        "task": [
+            {
+                "pick": {
+                    "part": "p",
+                    "grasp_mm": [0, 0, 10],
+                    "approach": {"mm": 5},
+                    "dwell_ms": 20,
+                    "depart": {"mm": 5},
+                }
+            },
+            {"move": {"to": {"at_mm": [198, 321, 130], "yaw_deg": 140}}},
+        ],
+        "options": {"budget_s": 60, "elbow": "keep"},
+    }
+    for task, start in (
+        (request["task"], request["start"]),
+        (request["task"][:1], {"joints": {"j1_deg": -20, "j2_deg": 90, "j3_mm": 250, "j4_deg": 0},
+                               "velocity": {"j1_deg_s": 300, "j2_deg_s": 0, "j3_mm_s": 0, "j4_deg_s": 1500}}),
+    ):  # fmt: skip
+        scene = scene_of({**request, "task": task, "start": start})
+        found = planned(scene).plan.trajectory
+        assert bounded(scene) <= found.end - found.start

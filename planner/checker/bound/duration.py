@@ -75,21 +75,25 @@ def least_duration(scene: Scene) -> float | None:
     its velocity and acceleration. What the tolerances of a check would save is not taken off.
     """
     floor, left, lifts = scene.start.time, _begun(scene), 0.0
+    # the limits of the way so far: with another part in the gripper before a point of which nothing is known
+    since = _limits(scene, events(scene)[0].before)
     for event in events(scene):
         before, behind = _limits(scene, event.before), _limits(scene, event.after)
         early, late, lifts = 0.0, 0.0, 0.0
         if not climbs(scene.frames[event.frame].law):
             early, late = straight_times(scene, event, before[2:], behind[2:])
             lifts = _lifts(scene, event, behind)
-        found = _met(scene, event, left, before, max(floor, event.opens), early, late)
+        since = _widest(since, before)
+        found = _met(scene, event, left, since, max(floor, event.opens), early, late)
         if found is None:
             # nothing is known of where it is met; it is left after its dwell, and the way goes on from the one before
             met = max(floor + early, event.opens)
         else:
             met, left = found
+            since = behind
         floor = met + event.dwell + event.traced + late
         lifts -= late
-    return _claimed(scene, max(floor + lifts, _rested(scene, left)) - scene.start.time)
+    return _claimed(scene, max(floor + lifts, _rested(scene, left, since)) - scene.start.time)
 
 
 def _lifts(scene: Scene, event: Event, limits: FloatArray) -> float:
@@ -99,12 +103,18 @@ def _lifts(scene: Scene, event: Event, limits: FloatArray) -> float:
     return lifted(scene.straight(event.step)[1], limits[2:, scene.robot.lift], stops=True)
 
 
-def _rested(scene: Scene, left: Left) -> float:
-    """When all joints can stand still first, s, after the last point was left."""
+def _widest(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Limits (5, n) that hold whichever of both hold."""
+    return np.concatenate([np.minimum(one[:1], other[:1]), np.maximum(one[1:], other[1:])])
+
+
+def _rested(scene: Scene, left: Left, since: FloatArray) -> float:
+    """When all joints can stand still first, s, after a point was left, within the limits `since` then (5, n) or those
+    at the end."""
     soon = math.inf
     if scene.options.end != "rest":
         return -soon
-    limits = _limits(scene, events(scene)[-1].after)
+    limits = _widest(since, _limits(scene, events(scene)[-1].after))
     for state, since, kept in zip(left.states, left.times, left.kept, strict=True):
         rates = np.maximum(limits[2:], kept)
         rests = [
