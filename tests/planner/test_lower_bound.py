@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -244,7 +245,7 @@ def test_the_way_along_a_path_counts_once() -> None:
 
 def test_behind_a_point_of_which_nothing_is_known_the_limits_of_an_empty_gripper_count() -> None:
     # the part may be taken with any yaw, and the tool is beside the flange's axis: where the flange is, is not known
-    request = {
+    request: dict[str, Any] = {
         "schema": "assur/1",
         "robot": {
             "model": "mitsubishi-rh-6frh5520",
