@@ -101,13 +101,13 @@ def projected(shown: Any, points: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.column_stack([(out[:, 0] + 1) / 2 * width, (1 - out[:, 1]) / 2 * height])
 
 
-def marked(png: bytes, near: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The middle (2,) of the pixels with the colour of the tool point's dot within 12 pixels of a place."""
+def marked(png: bytes, near: NDArray[np.float64], within: float = 12.0) -> NDArray[np.float64]:
+    """The middle (2,) of the pixels with the colour of the tool point's dot `within` some pixels of a place."""
     image = picture(png)
     h, w, _ = image.shape
     dot = np.array([0xFF, 0x00, 0xFF]) / 255
     y, x = np.mgrid[0:h, 0:w]
-    weight = (np.abs(image - dot).max(-1) < 0.25) & (np.hypot(x + 0.5 - near[0], y + 0.5 - near[1]) < 12)
+    weight = (np.abs(image - dot).max(-1) < 0.25) & (np.hypot(x + 0.5 - near[0], y + 0.5 - near[1]) < within)
     assert weight.any()
     return np.array([(x[weight] + 0.5).mean(), (y[weight] + 0.5).mean()])
 
@@ -122,7 +122,7 @@ def test_the_pose_that_is_drawn_is_the_planners_within_a_pixel_at_five_times(nam
     there = projected(shown, tool_points(name, times))
     for time, expected in zip(times, there, strict=True):
         shown.ask(f"assur.seek({time} - assur.view.start_s)")
-        drawn = marked(shown.shot(), expected)
+        drawn = marked(shown.shot(), expected, within=5.0)  # farther away the path has the same colour
         assert np.abs(drawn - expected).max() <= PIXEL
 
 
