@@ -585,12 +585,24 @@ class World:
         return found if point["yaw"] else found[:-1]
 
 
+def once(pairs: list[tuple[str, Any]]) -> Document:
+    """An object of JSON each of whose keys is there once."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise ValueError(f"a key is there twice: {min(k for k, _ in pairs if [x for x, _ in pairs].count(k) > 1):.80}")
+    return found
+
+
+def finite(name: str) -> None:
+    raise ValueError(f"{name} is no number; finite numbers are allowed")
+
+
 def read(data: bytes) -> Document:
     """The bundle in a file. Raises `ValueError`."""
     if len(data) > MOST_BYTES:
         raise ValueError(f"{len(data)} bytes; up to {MOST_BYTES} are allowed")
     try:
-        document = json.loads(data)
+        document = json.loads(data, object_pairs_hook=once, parse_constant=finite)
         wrong = next(validator_for(json.loads(SCHEMA.read_bytes())).iter_errors(document), None)
     except RecursionError as error:
         raise ValueError("lists within lists, too deep") from error
