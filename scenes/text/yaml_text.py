@@ -110,6 +110,8 @@ SENTENCES = {
         "line {line} before the mapping in braces is closed",
         "a comma between fields and }} at the end (the mapping begins in line {first})",
     ),
+    # libyaml has a bound of its own since 0.2.6, and reads ahead: it may speak before the reader counts its levels
+    "exceeded maximum nesting depth": ("deeper nesting", f"nesting up to {MAX_DEPTH} levels"),
 }
 """What libyaml says, in words that say what to mend: what was found, and what would be right."""
 
