@@ -23,8 +23,9 @@ from typing import Any, NamedTuple
 
 Document = dict[str, Any]
 
-KEEP = ("units", "catalogue", "scenarios")
-"""Modules of scenes whose caches hold nothing of a request: spelling of keys, shipped robots and scenarios."""
+KEEP = ("units", "catalogue", "scenarios", "schema")
+"""Rooms and modules of scenes whose caches hold nothing of a request: spelling of keys, shipped robots and scenarios,
+what was read from the models of documents."""
 PACKAGES = ("planner", "scenes")
 LIBRARIES = "libraries"
 """What a profile calls the time of functions of libraries that other such functions call."""
