@@ -481,12 +481,18 @@ class World:
             found += across * flat + upwards * abs(n[2])
             if seat["link"] < 0 or not (any(must["lag"]) or shift > 0):
                 continue
-            arm, now, lags = self.bundle["arms"][0], self.splines[0].over(arb(t0), arb(t1)), map(arb, must["lag"])
-            moved = [arb_series([x[0] + arb(0, lag), arb(0, lag)], TERMS) for x, lag in zip(now, lags, strict=True)]
-            carrier = nth(chain(arm, moved), seat["link"], "link")
-            found += solid.support(*carrier.orders[1], n, None, carrier.upright)
+            arm, now = self.bundle["arms"][0], self.splines[0].over(arb(t0), arb(t1))
+            values = [x[0] + arb(0, lag) for x, lag in zip(now, must["lag"], strict=True)]
+            for k, lag in enumerate(must["lag"]):
+                if lag:  # each joint by itself: a ball of all rates would forget that each is one in every place
+                    moved = [arb_series([x, int(j == k)], TERMS) for j, x in enumerate(values)]
+                    carrier = nth(chain(arm, moved), seat["link"], "link")
+                    place, columns = carrier.orders[1]
+                    found += lag * largest(
+                        solid.support(place, columns, m, None, carrier.upright) for m in (n, [-x for x in n])
+                    )
             if shift > 0 and 0 < seat["link"] < must["tool_from"]:
-                inner, first, second = swung(arm, must["tool_from"], moved[1][0], shift)
+                inner, first, second = swung(arm, must["tool_from"], values[1], shift)
                 turns = [solid.reach * first, inner * first + solid.reach * second]
                 found += flat * nth(turns, seat["link"] - 1, "link of two that a correction turns, less one,")
         return found

@@ -37,3 +37,11 @@ def test_checkers_that_differ_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     judged(found, kind, 5)
     assert (found.plans, dict(found.refused)) == (1, {"X": 1})
     assert random_cell(kind, 5) == random_cell(kind, 5)
+
+
+@pytest.mark.parametrize("seed", [5000017, 5000035])
+def test_lag_of_a_closed_chain_is_bounded_joint_by_joint(seed: int) -> None:
+    """Rows whose gap is 4 µm too small for a bound that takes the rates of all joints as one ball."""
+    found = Agreement()
+    judged(found, "five-bar", seed)
+    assert (found.shown, found.differ) == (1, [])
