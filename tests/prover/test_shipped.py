@@ -108,7 +108,8 @@ def labels_without_their_code(page: str) -> list[str]:
             found = getattr(found, name, None)
         return (found.__doc__ or "") if callable(found) else ""
 
-    return [label for label in sorted(set(re.findall(r"\bN\d+\b", page))) if not re.search(rf"\b{label}\b", told(label))]
+    labels = sorted(set(re.findall(r"\bN\d+\b", page)))
+    return [label for label in labels if not re.search(rf"\b{label}\b", told(label))]
 
 
 def test_every_equation_is_explained_and_computed_where_the_page_says() -> None:
