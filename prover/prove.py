@@ -1,20 +1,23 @@
-"""Shows what a proof bundle claims, with ball arithmetic that is rounded outwards, or says what it cannot show.
+"""Shows what a proof bundle claims, or says what it cannot show, with ball arithmetic that is rounded outwards.
 
-It reads one document, whose form and meaning are in bundle.schema.json, and takes every number as the double that it
-is. A ball of Arb (`flint.arb`) holds every value that its centre and radius allow; a comparison is true only if it is
-true for all of them. So no rounding is lost and there is no tolerance here: what may be off by how much is said in the
-bundle, as a part of the claim. What is not shown is refused, and so is what takes too much work (docs/bundle.md).
+It reads one document. bundle.schema.json defines its form and its terms. Every number is taken as the double that it
+is. A ball of Arb (`flint.arb`) holds every value that its centre and radius allow. A comparison is true only if it is
+true for all these values. So no rounding is lost, and there is no tolerance here: the bundle says what may be off and
+by how much, as a part of the claim. What is not shown is refused, and so is what takes too much work. The labels (N1)
+to (N10) are those of the equations in docs/bundle.md.
 
-Motion. Over an interval every quantity f is a series of balls that hold all values of f, of its rate and so on (N1). A
-carrier (a link or a frame) has the series of its place p and of the columns of its rotation R.
+Motion. Over an interval every quantity f is a series of balls. They hold all values of f, of its rate and of the next
+two derivatives (N1). A carrier (a link or a frame) has the series of its place p and of the columns of its rotation R.
 
 Apart. The support of a piece along m is the largest m·x of its points (N2). Along a normal n two pieces have the gap
--support_A(n) - support_B(-n), in lengths of n; no distance is smaller. For points x of A and y of B n·(y - x) leaves
-its chord over an interval h long by M h²/8 at most, if its second derivative is M at most. So with M for all points
+-support_A(n) - support_B(-n), in lengths of n. Their distance is no smaller. For points x of A and y of B, the function
+n·(y - x) leaves its chord over an interval h long by M h²/8 at most, if its second derivative is M at most. So, with an
+M that holds for all points,
 
     gap(t) >= min(gap(t0), gap(t1)) - max(M, 0) h²/8                                                        (N3)
 
-Where B is s ahead of the clock, s0 <= s <= s1, the least of four corners counts, less max(M_B, 0) (s1 - s0)²/8 (N4).
+If B is s ahead of the clock, s0 <= s <= s1, the least of four corners counts, and max(M_B, 0) (s1 - s0)²/8 is
+subtracted as well (N4).
 """
 
 from __future__ import annotations
@@ -24,7 +27,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
-from functools import cached_property, partial
+from functools import cached_property, partial, reduce
 from itertools import pairwise, product
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -34,15 +37,15 @@ from jsonschema_rs import validator_for
 
 SCHEMA, BITS, TERMS = Path(__file__).parent / "bundle.schema.json", 160, 4
 WORK, DEEPEST, MOST_BYTES, MOST_TOLD = 5_000_000, 40, 32_000_000, 20
-"""Work in all (intervals, pairs, pieces of motions); halvings of an interval; bytes of a file; failures told."""
+"""At most: work (intervals, pairs and pieces of motions), halvings of an interval, bytes of a file, failures listed."""
 SHOWN, WRONG, IN_TIME, AHEAD = range(4)
-"""What a test says of an interval: it is shown, or not so; or it is to be halved, in time or in what is ahead."""
+"""What a test says of an interval: it is shown; it is wrong; halve it in time; halve what is ahead."""
 Document = dict[str, Any]
 Vector = list[Any]
 
 
 def nth(items: Any, k: int, what: str) -> Any:
-    """Item k of a list. Raises `ValueError`, as for all that is no bundle."""
+    """Item k of a list. Raises `ValueError` if there is none: then this is no bundle."""
     if not 0 <= k < len(items):
         raise ValueError(f"{what} {k} does not exist; there are {len(items)}")
     return items[k]
@@ -53,16 +56,13 @@ def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
 
 
 def length(vector: Iterable[Any]) -> arb:
-    """No vector in a ball of vectors is longer."""
+    """An upper bound of the length of a vector of balls."""
     return sum((x * x for x in vector), arb(0)).upper().sqrt().upper()
 
 
 def largest(balls: Iterable[arb]) -> arb:
-    """No value in some balls is larger."""
-    found = arb("-inf")
-    for ball in balls:
-        found = found.max(ball.upper())
-    return found
+    """An upper bound of all values in some balls."""
+    return reduce(arb.max, (ball.upper() for ball in balls), arb("-inf"))
 
 
 def constant(x: Any) -> arb_series:
@@ -70,13 +70,13 @@ def constant(x: Any) -> arb_series:
 
 
 class Curve:
-    """Several coordinates: polynomials of the time since the begin of each piece, between `edges`."""
+    """Several coordinates: on each piece, between two `edges`, polynomials of the time since it began."""
 
     def __init__(self, edges: list[float], pieces: list[Vector]) -> None:
         self.edges, self.pieces, self.touched = edges, pieces, 0
 
     def over(self, low: arb, high: arb) -> Vector:
-        """Series of all coordinates over [low, high] (N1), from all pieces that are touched."""
+        """Series of all coordinates over [low, high] (N1), from all pieces that the interval reaches."""
         if not (low >= self.edges[0] and high <= self.edges[-1]):
             raise ArithmeticError("a motion is not given")
         found: list[Vector] = []
@@ -122,7 +122,7 @@ def spline(arm: Document) -> Curve:
 
 
 def law(frame: Document) -> Curve:
-    """Of a frame: its acceleration, integrated twice from pose and rate at the first edge; neither jumps (N6)."""
+    """The motion of a frame: its acceleration is integrated twice, from pose and rate at the first edge (N6)."""
     pieces, state = [], [(arb(x), arb(v)) for x, v in zip(frame["pose"], frame["rate"], strict=True)]
     for (t0, t1), accelerations in zip(pairwise(frame["edges"]), frame["acceleration"], strict=True):
         h, own = arb(t1) - t0, []
@@ -136,19 +136,19 @@ def law(frame: Document) -> Curve:
 
 
 class Carrier:
-    """Series of a place (3) and of the columns (3 of 3) of a rotation; whether it turns about the vertical only."""
+    """A place (3 series), the columns of a rotation (3 of 3 series), and whether it turns about the vertical only."""
 
     def __init__(self, place: Vector, columns: list[Vector], upright: bool) -> None:
         self.place, self.columns, self.upright = place, columns, upright
 
     def point(self, local: Vector) -> Vector:
-        """The series of a point that is fixed in it, or moves in it."""
+        """The series of a point, from its coordinates in the carrier, which may change."""
         rows = zip(self.place, *self.columns, strict=True)
         return [p + x * local[0] + y * local[1] + z * local[2] for p, x, y, z in rows]
 
     @cached_property
     def orders(self) -> list[tuple[Vector, list[Vector]]]:
-        """Place and columns as balls: values, rates, second derivatives."""
+        """Place and columns as balls: their values, their rates, their second derivatives."""
         columns = [[[s[k] * (k or 1) for s in column] for column in self.columns] for k in range(3)]
         return [([s[k] * (k or 1) for s in self.place], columns[k]) for k in range(3)]
 
@@ -159,8 +159,9 @@ def upright(place: Vector, sine: arb_series, cosine: arb_series) -> Carrier:
 
 
 def chain(arm: Document, q: Vector) -> list[Carrier]:
-    """All links of an arm. The origin of a link is its offset in its parent and what its joint slides along the axis;
-    its rotation is Rz(yaw) Ry(-pitch) Rx(roll), each angle a constant and shares of joints, a yaw from a coupler's."""
+    """All links of an arm. The origin of a link is at its offset in its parent, and further along an axis if a joint
+    slides it. Its rotation is Rz(yaw) Ry(-pitch) Rx(roll). Each angle is a constant and a sum of shares of joint
+    values. If a link is on a coupler, the coupler's yaw is added."""
     found, couplers = list[Carrier](), list[Vector]()
 
     def turned(angle: Document) -> tuple[arb_series, arb_series]:
@@ -191,9 +192,9 @@ def chain(arm: Document, q: Vector) -> list[Carrier]:
 
 
 def closed(loop: Document, found: list[Carrier]) -> list[Vector]:
-    """Cosine and sine of both couplers of a loop, which go from the ends of two cranks to where they meet, on the given
-    side. With s from end to end, fold = (s² - a² - b²)/(2 a b) is the cosine of the angle between them, and the margin
-    sqrt(1 - fold²) is as large as is claimed (N7)."""
+    """Cosine and sine of the yaws of both couplers of a loop (N7). They go from the ends of two cranks to where they
+    meet, on the given side. With s from end to end, fold = (s² - a² - b²)/(2 a b) is the cosine of the angle between
+    them. The sine of that angle, sqrt(1 - fold²), must be as large as is claimed."""
     tips = [[arb(r), arb(0), arb(0)] for r in loop["lengths"]]
     (x, y, _), (u, v, _) = (nth(found, k, "link").point(tip) for k, tip in zip(loop["cranks"], tips, strict=True))
     (a, b), dx, dy = map(arb, loop["couplers"]), u - x, v - y
@@ -208,7 +209,7 @@ def closed(loop: Document, found: list[Carrier]) -> list[Vector]:
 
 
 class Solid:
-    """A piece of a body at a pose in its carrier: centre (or the hull of vertices) + edges [-1, 1] + disc + ball."""
+    """A piece at a pose in its carrier: centre (or hull of vertices) + s_i edge_i, s_i from -1 to 1, + disc + ball."""
 
     def __init__(self, piece: Document, pose: Vector) -> None:
         at, (s, c) = [arb(x) for x in pose[:3]], arb(pose[3]).sin_cos()
@@ -218,20 +219,18 @@ class Solid:
         self.hull = arb_mat(len(points), 3, [x for point in self.points for x in point])
         self.edges, self.axis = turned[:-1], turned[-1]
         self.disc, self.ball, self.size = arb(piece["disc"]), arb(piece["ball"]), dot(self.axis, self.axis).sqrt()
-        if not self.size > 0:
-            raise ValueError("the axis of a disc is not zero")
 
     @cached_property
     def reach(self) -> arb:
-        """How far its points are from the carrier's axis."""
+        """An upper bound of the distance of its points from the carrier's vertical axis."""
         rims = self.points
         for edge in self.edges:
             rims = [[x + sign * y for x, y in zip(rim, edge, strict=True)] for rim in rims for sign in (-1, 1)]
         return largest(length(rim[:2]) for rim in rims) + self.disc + self.ball
 
     def support(self, place: Vector, columns: list[Vector], m: Vector, size: arb | None, upright: bool) -> arb:
-        """The largest m·x (N2). `size`: |m|; None: of derivatives, where what does not change counts nothing: balls,
-        and discs about the vertical on what turns about the vertical only."""
+        """The largest m·x (N2). `size` is |m|. None: `place` and `columns` are derivatives. What does not change then
+        adds nothing: balls, and discs about the vertical on what turns about the vertical only."""
         g, (x, y, z) = [dot(column, m) for column in columns], self.axis
         found = dot(m, place) + largest((self.hull * arb_mat(3, 1, g)).entries())
         found += sum(abs(dot(g, edge)) for edge in self.edges)
@@ -256,9 +255,9 @@ def box(pieces: list[Document]) -> Document:
 
 
 def swung(arm: Document, tool_from: int, elbow: arb, shift: arb) -> tuple[arb, arb, arb]:
-    """Of two links that carry the tool like those of a SCARA, with an elbow joint in a ball: the length of the first,
-    and by what angles both turn at most where the tool is shifted: shift / (length sin elbow), the sine being the least
-    of those at the radii that the shift may lead to, which is at one end of them (N10)."""
+    """Of the two links that carry the tool of a SCARA: the length of the first, and the greatest angles by which both
+    turn if the tool is shifted (N10). The angle of the elbow joint is a ball. Each angle is shift / (length sin elbow),
+    with the least sine at all radii to which the shift may lead. It is at the smallest or the largest of them."""
     first, second, tool = (nth(arm["links"], k, "link") for k in (1, 2, tool_from))
     parents = [link["parent"] for link in (first, second, tool)]
     yaws = [sum(abs(a - b) for a, b in zip(link["yaw"]["joints"], yaw, strict=False)) for link, yaw in (
@@ -279,8 +278,8 @@ def swung(arm: Document, tool_from: int, elbow: arb, shift: arb) -> tuple[arb, a
 
 
 class Duty(NamedTuple):
-    """Two bodies of a phase must stay `least` apart (less than 0: may touch as deep), before what is not known of them;
-    the first is looked at by the clock, the second from `early` to `late` ahead of it."""
+    """Two bodies of a phase that must stay `least` apart, m; less than 0: they may touch so deep. What is not known of
+    them comes on top. The first follows the clock, the second is from `early` to `late` ahead of it, s."""
 
     bodies: tuple[int, int]
     least: float
@@ -290,16 +289,15 @@ class Duty(NamedTuple):
 
 
 class World:
-    """What a bundle says of bodies and their motion, and what must be kept; failures are what is not shown of it."""
+    """What a bundle says of bodies, motion and what must be kept. `failures` lists what is not shown."""
 
     def __init__(self, bundle: Document) -> None:
         self.bundle, self.work, self.kept, self.failures = bundle, WORK, dict[Any, Any](), list[str]()
         self.splines = [spline(arm) for arm in bundle["arms"]]
         self.laws = [law(frame) if frame["edges"] else None for frame in bundle["frames"]]
         self.curves = [curve for curve in (*self.splines, *self.laws) if curve is not None]
-        self.frames, self.bodies, self.phases, self.must = (
-            bundle[x] for x in ("frames", "bodies", "phases", "required")
-        )
+        self.frames, self.bodies = bundle["frames"], bundle["bodies"]
+        self.phases, self.must = bundle["phases"], bundle["required"]
         self.seats = [[nth(bundle["seats"], k, "seat") for k in phase["seats"]] for phase in self.phases]
         if any([seat["body"] for seat in seats] != list(range(len(self.bodies))) for seats in self.seats):
             raise ValueError("a phase has a seat of each body, in their order")
@@ -334,7 +332,7 @@ class World:
         return self.laws[f] is None and frame["arm"] < 0 and not frame["waves"]
 
     def carrier(self, link: int, f: int, t0: float, t1: float, s0: float = 0.0, s1: float = 0.0) -> Carrier:
-        """A link of the robot, which follows the clock, or else a frame, which is s ahead of it."""
+        """A link of the robot, which follows the clock; or, if `link` is -1, a frame, which is s ahead of it."""
         s0, s1 = (0.0, 0.0) if link >= 0 else (s0, s1)
         key = (-1, t0, t1, s0, s1) if link >= 0 else (f, 0, 0, 0, 0) if self.stands(f) else (f, t0, t1, s0, s1)
         if key not in self.kept:
@@ -359,7 +357,7 @@ class World:
         return upright(now[:3], *now[3].sin_cos())
 
     def solid(self, seat: Document, piece: int) -> Solid:
-        """A piece of a body where it sits; -1: the box in the body's own axes that holds them all."""
+        """A piece of a body at its place on its carrier. -1: the box in the body's own axes that holds all pieces."""
         key = (id(seat), piece)
         if key not in self.kept:
             pieces = self.bodies[seat["body"]]["pieces"]
@@ -367,13 +365,14 @@ class World:
         return self.kept[key]  # type: ignore[no-any-return]
 
     def ahead(self, f: int, late: float) -> tuple[Fraction, Fraction]:
-        """Between which times a frame may be ahead of a robot that starts up to `late` late."""
+        """How far a frame may be ahead of a robot that starts up to `late` late, at least and at most, s."""
         least, most = map(Fraction, self.frames[f]["shift"])
         return (Fraction(0), Fraction(0)) if self.stands(f) else (-most, Fraction(late) - least)
 
     def duties(self, p: int) -> dict[frozenset[int], Duty]:
-        """The robot's bodies and all others; those on links that are asked to stay apart; parts that were put down and
-        what is on another frame, if one of both moves and they were not put on it."""
+        """The pairs of bodies that must stay apart in phase p. These are: a body of the robot and one on a frame; two
+        bodies on links that are asked to stay apart; a part that was put down and a body on another frame, if one of
+        both frames moves and that body is no support of the part."""
         phase, at, found, must = self.phases[p], self.seats[p], dict[frozenset[int], Duty](), self.must
         touching = {frozenset(each["bodies"]): -each["depth"] for each in phase["contacts"]}
         asked = [frozenset(pair) for pair in must["self_pairs"]]
@@ -401,15 +400,14 @@ class World:
         return found
 
     def apart(self) -> tuple[int, int]:
-        """Shows all rows, and that they cover every pair for the whole of every phase; how many rows and pairs."""
+        """Shows all rows, and that they cover every pair in the whole of every phase; counts rows and pairs."""
         many, begins, names = 0, [phase["t0"] for phase in self.phases], [body["name"] for body in self.bodies]
         duties, outside = [self.duties(p) for p in range(len(begins))], [set[frozenset[int]]() for _ in begins]
         for row in self.bundle["rows"]:
             bodies, pieces, p = row["bodies"], row["pieces"], bisect_right(begins, row["t0"]) - 1
             told = " and ".join(nth(names, body, "body") for body in bodies)
-            duty = (
-                duties[p].get(frozenset(bodies)) if p >= 0 and row["t0"] <= row["t1"] <= self.phases[p]["t1"] else None
-            )
+            within = p >= 0 and row["t0"] <= row["t1"] <= self.phases[p]["t1"]
+            duty = duties[p].get(frozenset(bodies)) if within else None
             if duty is None or ((duty.early != 0 or duty.late != 0) and duty.bodies[0] != bodies[0]):
                 continue  # nobody asks for it, or it is not within one phase
             if not self.holds(p, row, duty):
@@ -498,7 +496,7 @@ class World:
         return found
 
     def covered(self, duty: Duty, t0: float, t1: float) -> bool:
-        """Whether rows of all pieces of a pair follow each other over a whole phase, for all shifts of its window."""
+        """Whether the rows of all pieces of a pair cover a whole phase, for all times by which one may be ahead."""
         many = [range(len(self.bodies[body]["pieces"])) for body in duty.bodies]
         edges = {x for row in duty.rows for x in (row["s0"], row["s1"]) if duty.early < x < duty.late}
         for low, high in pairwise([duty.early, *sorted(edges), duty.late]):
@@ -519,16 +517,15 @@ class World:
         return True
 
     def limited(self) -> None:
-        """Each joint keeps its limits on every piece of the spline that reaches into the time for which they count."""
+        """Shows that each joint keeps its limits, on every piece of the spline that reaches into their time."""
         own, spans = self.splines[0], self.bundle["limits"]
         if not any(span["t0"] <= own.edges[0] and own.edges[-1] <= span["t1"] for span in spans):
             self.failures.append("no limits count for all of the motion")
 
         def test(span: Document, t0: float, t1: float, *_: float) -> int:
             rates = [span[key] for key in ("velocity", "acceleration", "jerk") if span[key]]
-            for q, low, high, *most in zip(
-                own.over(arb(t0), arb(t1)), span["lower"], span["upper"], *rates, strict=True
-            ):
+            joints = own.over(arb(t0), arb(t1))
+            for q, low, high, *most in zip(joints, span["lower"], span["upper"], *rates, strict=True):
                 half = (arb(high) - low) / 2
                 kept = [abs(q[0] - (arb(high) + low) / 2) <= half * (1 + arb(span["shares"][0]))]
                 for k, (x, share) in enumerate(zip(most, span["shares"][1:], strict=False), start=1):
@@ -542,7 +539,7 @@ class World:
                 self.failures.append(f"a joint does not keep its limits from {t0:.9g} s to {t1:.9g} s")
 
     def pointed(self) -> None:
-        """The tool is where it must be, and as fast, and with a part accelerates no harder than it may (N9)."""
+        """Shows where the tool is, how fast, in which direction, and how hard it accelerates with a part (N9)."""
 
         def near(point: Document, t0: float, t1: float, *_: float) -> int:
             limits, bend = [*point["height"], point["position"], *point["yaw"]], (arb(t1) - t0) ** 2 / 8
@@ -561,13 +558,8 @@ class World:
 
         def aimed(axis: Document, t0: float, t1: float, *_: float) -> int:
             way = [[constant(x) for x in axis[key]] for key in ("axis", "direction")]
-            over, begin, end = (
-                dot(
-                    [dot(row, way[0]) for row in zip(*self.carrier(axis["link"], -1, a, b).columns, strict=True)],
-                    way[1],
-                )
-                for a, b in ((t0, t1), (t0, t0), (t1, t1))
-            )
+            turns = [self.carrier(axis["link"], -1, *span).columns for span in ((t0, t1), (t0, t0), (t1, t1))]
+            over, begin, end = (dot(way[0], [dot(column, way[1]) for column in columns]) for columns in turns)
             bend = abs(over[2] * 2) * (arb(t1) - t0) ** 2 / 8
             kept = [axis["low"] <= s[0] - bend and s[0] + bend <= axis["high"] for s in (begin, end)]
             return SHOWN if all(kept) else IN_TIME
@@ -578,8 +570,9 @@ class World:
                     self.failures.append(f"the tool, {claim['name']}, from {claim['t0']:.9g} s to {claim['t1']:.9g} s")
 
     def relative(self, point: Document, t0: float, t1: float) -> list[Vector]:
-        """Of a tool point against its control point: how far it is from the middle of the heights that it may have, if
-        it may have any; how far it is beside it, or away from it; and the difference of directions, if they count."""
+        """The tool point as its control point sees it, as vectors. If a range of heights is allowed: how far it is from
+        the middle of them. How far it is from the point (horizontally, if heights are allowed). If the yaw counts: the
+        difference of the x axes of tool and target."""
         (*tool, turn), (*target, yaw), found = point["tool"], point["target"], list[Vector]()
         here, there = self.carrier(point["link"], -1, t0, t1), self.carrier(-1, point["frame"], t0, t1)
         away = [x - y for x, y in zip(here.point(tool), there.point(target), strict=True)]
@@ -592,7 +585,7 @@ class World:
 
 
 def once(pairs: list[tuple[str, Any]]) -> Document:
-    """An object of JSON each of whose keys is there once."""
+    """An object of JSON. Raises `ValueError` if one of its keys is there twice."""
     found = dict(pairs)
     if len(found) < len(pairs):
         raise ValueError(f"a key is there twice: {min(k for k, _ in pairs if [x for x, _ in pairs].count(k) > 1):.80}")
@@ -618,9 +611,9 @@ def read(data: bytes) -> Document:
 
 
 def prove(data: bytes) -> tuple[bool, list[str]]:
-    """Whether everything that a bundle claims is shown, and what was shown, or else the first failures.
+    """Whether everything that a bundle claims is shown; and lines that say what was shown, or what was not.
 
-    Raises `ValueError`."""
+    Raises `ValueError` if this is no bundle."""
     before = ctx.prec, ctx.cap
     ctx.prec, ctx.cap = BITS, TERMS
     try:
@@ -641,15 +634,25 @@ def prove(data: bytes) -> tuple[bool, list[str]]:
     finally:
         ctx.prec, ctx.cap = before
     if world.failures:
-        return False, [*world.failures[:MOST_TOLD], f"{len(world.failures)} claims are not shown"]
+        return False, [*world.failures[:MOST_TOLD], f"claims that are not shown: {len(world.failures)}"]
     must, alone = bundle["required"], next((phase["t0"] for phase in bundle["phases"] if not phase["robot"]), until)
-    contacts = sum(len(phase["contacts"]) for phase in bundle["phases"])
+    told = {
+        "phases (parts of that time)": len(edges) - 1,
+        "pairs of bodies that keep their distance, counted in each phase": pairs,
+        "rows that show it": rows,
+        "pairs that may touch, counted in each phase": sum(len(phase["contacts"]) for phase in bundle["phases"]),
+        "rules for pairs with other distances": len(must["exceptions"]),
+        "greatest delay of the robot's start, s": must["late"],
+        "sets of joint limits that are kept, each for its own time": len(bundle["limits"]),
+        "times and intervals at which the tool is where it must be": len(bundle["points"]),
+        "times and intervals at which an axis of the tool has the direction that it must have": len(bundle["axes"]),
+        "intervals in which the tool accelerates no harder than its part allows": len(bundle["pulls"]),
+    }
     return True, [
-        f"Shown of the plan {bundle['plan_digest'][:16]} for the request {bundle['request_digest'][:23]}:",
-        f"{pairs} pairs of bodies stay apart in {len(edges) - 1} phases until {until:.6g} s, by {rows} rows,",
-        f"those of the robot from {edges[0]:.6g} s to {alone:.6g} s, if it starts up to {must['late']:g} s late:",
-        f"{must['travel']:g} m in travel, {must['near']:g} m near a point, with {len(must['exceptions'])} exceptions",
-        f"and {contacts} allowed contacts. The joints keep {len(bundle['limits'])} sets of limits. The tool is",
-        f"{len(bundle['points'])} times where it must be, {len(bundle['axes'])} times as directed, and accelerates",
-        f"{len(bundle['pulls'])} times no harder than it may.",
+        "All that the bundle claims is shown. Its digests are names: neither plan nor request was read.",
+        f"plan_digest: {bundle['plan_digest']}",
+        f"request_digest: {bundle['request_digest']}",
+        f"The robot keeps clear from {edges[0]:.6g} s to {alone:.6g} s, and parts that it put down to {until:.6g} s,",
+        f"by {must['travel']:g} m in travel and {must['near']:g} m near a control point.",
+        *(f"{what}: {many}" for what, many in told.items() if many),
     ]

@@ -59,7 +59,7 @@ def sliding(*around: Document, rows: list[Document], least: float = 0.0, speed: 
     }  # fmt: skip
     belt = frame("belt", edges=[-1.0, 2.0], acceleration=[[[], [], [], []]], rate=[0.0, 1.0, 0.0, 0.0])
     return {
-        "schema": "assur-bundle/1", "request_digest": "none", "plan_digest": "none", "arms": [arm],
+        "schema": "assur-bundle/1", "request_digest": "sha256:" + "0" * 64, "plan_digest": "0" * 64, "arms": [arm],
         "frames": [frame("world"), belt],
         "bodies": bodies, "seats": seats, "phases": [phase], "required": required, "limits": [limit],
         "points": [], "pulls": [], "axes": [], "rows": rows,
@@ -98,7 +98,7 @@ def test_every_part_of_a_piece_counts(piece: Document, reach: float) -> None:
     for pieces in ((0, 0), (0, -1), (-1, -1)):
         assert shown(sliding(body("wall", piece), rows=[row(0, 1, *pieces)], least=gap - 1e-12))[0]
         right, lines = shown(sliding(body("wall", piece), rows=[row(0, 1, *pieces)], least=gap + 1e-12))
-        assert (right, lines[-1]) == (False, "2 claims are not shown")  # the row, and what it should cover
+        assert (right, lines[-1]) == (False, "claims that are not shown: 2")  # the row, and what it should cover
 
 
 def test_a_normal_of_any_length_counts_by_its_direction() -> None:
@@ -119,7 +119,7 @@ def test_within_what_is_hollow_nothing_is_apart() -> None:
     shell = body("shell", ball(0.5), ball(-0.5), hollow=True)
     rows = [row(0, 1, 0, 0), row(0, 1, 0, 1, normal=(-1.0, 0.0, 0.0))]
     right, lines = shown(sliding(shell, rows=rows))
-    assert (right, lines[-1]) == (False, "1 claims are not shown")
+    assert (right, lines[-1]) == (False, "claims that are not shown: 1")
     assert "within" in lines[0]
     assert shown(sliding({**shell, "hollow": False}, rows=rows))[0]
     beside = body("shell", ball(0.5), ball(0.9), hollow=True)
@@ -132,7 +132,7 @@ def test_a_part_that_was_put_down_is_kept_clear_of_what_moves_by() -> None:
     assert shown(document)[0]
     document["phases"][0]["put_down"] = [{"body": 1, "supports": []}]
     right, lines = shown(document)
-    assert (right, lines[-1]) == (False, "1 claims are not shown")
+    assert (right, lines[-1]) == (False, "claims that are not shown: 1")
     document["rows"].append(row(1, 2, normal=(0.0, -1.0, 0.0)))
     assert shown(document)[0]
     document["rows"].pop()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 import assur
+from assur.planner.model.digest import digest
 from assur.planner.model.phases import phases
 from assur.prover import prove as prover
 from assur.scenes.requests import check_document
@@ -35,11 +37,22 @@ def test_both_checkers_agree_on_every_plan_that_a_shipped_scenario_has(name: str
     assert (right, [line for line in lines if "not shown" in line]) == (True, [])
     scene, plan = planned(name)
     of_plan = phases(scene, plan.legs, plan.arrivals)
-    assert f"in {len(of_plan)} phases until {of_plan[-1].t1:.6g} s" in lines[1]
+    assert lines[1:3] == [f"plan_digest: {plan.certificate.digest}", f"request_digest: {scene.digest}"]
+    assert f"phases (parts of that time): {len(of_plan)}" in lines
     counted = next((phase.t0 for phase in of_plan if not phase.robot), of_plan[-1].t1)
-    assert f"from {plan.trajectory.start:.6g} s to {counted:.6g} s" in lines[2]
-    assert plan.certificate.digest.startswith(lines[0].split()[4])
-    assert scene.digest.startswith(lines[0].split()[8].rstrip(":"))
+    assert f"from {plan.trajectory.start:.6g} s to {counted:.6g} s, and parts" in lines[3]
+    assert f"to {of_plan[-1].t1:.6g} s," in lines[3]
+    counts = dict(line.rsplit(": ", 1) for line in lines[5:])
+    assert "0" not in counts.values()
+    document = bundle(name)
+    for what, key in (
+        ("joint limits", "limits"),
+        ("where it must be", "points"),
+        ("direction", "axes"),
+        ("part allows", "pulls"),
+    ):
+        said = [value for label, value in counts.items() if what in label]
+        assert said == [str(len(document[key]))] * bool(document[key]), what
 
 
 def test_a_bundle_has_the_form_that_its_schema_says_by_another_validator() -> None:
@@ -83,6 +96,47 @@ def code_lines(text: str) -> int:
                 told |= set(range(part.lineno, (part.end_lineno or part.lineno) + 1))
     lines = enumerate(text.splitlines(), start=1)
     return sum(1 for k, line in lines if line.strip() and not line.strip().startswith("#") and k not in told)
+
+
+def labels_without_their_code(page: str) -> list[str]:
+    """Labels of equations on a page for which the table names no function with the label in its docstring."""
+    table = dict(re.findall(r"^\| \((N\d+)\) \|[^|]+\| `([\w.]+)` \|$", page, re.MULTILINE))
+
+    def told(label: str) -> str:
+        found: object = prover
+        for name in table.get(label, "").split("."):
+            found = getattr(found, name, None)
+        return (found.__doc__ or "") if callable(found) else ""
+
+    labels = sorted(set(re.findall(r"\bN\d+\b", page)))
+    return [label for label in labels if not re.search(rf"\b{label}\b", told(label))]
+
+
+def test_every_equation_is_explained_and_computed_where_the_page_says() -> None:
+    page = (ROOT / "docs" / "bundle.md").read_text(encoding="utf-8")
+    text = PROVER.read_text(encoding="utf-8")
+    labels = set(re.findall(r"\bN\d+\b", text)) | {f"N{k}" for k in range(1, 11)}
+    assert labels == set(re.findall(r"\bN\d+\b", page))
+    assert labels_without_their_code(page) == []
+    assert labels_without_their_code(page.replace("| `swung` |", "| `spline` |")) == ["N10"]
+    assert labels_without_their_code(page + "(N11)") == ["N11"]
+
+
+def test_the_digest_of_a_bundle_is_that_of_its_plan_and_only_a_name() -> None:
+    document, (scene, plan) = bundle("demo"), planned("demo")
+    own = digest(scene.digest, plan.trajectory, plan.legs, plan.arrivals, plan.certificate)
+    assert document["plan_digest"] == answer("demo")["certificate"]["digest"] == own
+    document["plan_digest"] = "0" * 64
+    right, lines = shown(document)
+    assert (right, lines[1]) == (True, f"plan_digest: {'0' * 64}")
+    assert "neither plan nor request was read" in lines[0]
+
+
+def test_another_normal_may_be_a_proof_too() -> None:
+    document = bundle("demo")
+    for row in document["rows"]:
+        row["normal"] = [x + 1e-6 * (k + 1) for k, x in enumerate(row["normal"])]
+    assert shown(document)[0]
 
 
 def test_the_prover_is_short() -> None:
