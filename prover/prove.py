@@ -482,13 +482,10 @@ class World:
             arm, now = self.bundle["arms"][0], self.splines[0].over(arb(t0), arb(t1))
             values = [x[0] + arb(0, lag) for x, lag in zip(now, must["lag"], strict=True)]
             for k, lag in enumerate(must["lag"]):
-                if lag:  # each joint by itself: a ball of all rates would forget that each is one in every place
-                    moved = [arb_series([x, int(j == k)], TERMS) for j, x in enumerate(values)]
-                    carrier = nth(chain(arm, moved), seat["link"], "link")
-                    place, columns = carrier.orders[1]
-                    found += lag * largest(
-                        solid.support(place, columns, m, None, carrier.upright) for m in (n, [-x for x in n])
-                    )
+                # each joint by itself: with the rates of all joints in balls, a closed chain is bounded badly
+                moved = [arb_series([x, int(j == k)], TERMS) for j, x in enumerate(values)]
+                on = nth(chain(arm, moved), seat["link"], "link")
+                found += lag * largest(solid.support(*on.orders[1], m, None, on.upright) for m in (n, [-x for x in n]))
             if shift > 0 and 0 < seat["link"] < must["tool_from"]:
                 inner, first, second = swung(arm, must["tool_from"], values[1], shift)
                 turns = [solid.reach * first, inner * first + solid.reach * second]
