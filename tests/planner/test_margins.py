@@ -284,6 +284,16 @@ def test_the_least_margin_is_found_between_instants() -> None:
         assert parallel is None
 
 
+def test_a_singular_position_that_is_passed_is_found_beside_a_margin_that_is_small_for_longer() -> None:
+    scene, q = cell(go(0.35, -0.2)), np.zeros((4, 4))
+    q[:, 1] = 0.8, 0.004, 0.8, -0.8
+    path = Trajectory(np.array([0.0, 0.5, 1.0, 1.5]), q, np.zeros((4, 4)), np.zeros((4, 4)))
+    t = np.linspace(0.0, 1.5, 150)
+    sizes = scene.robot.margin(path.evaluate(t))
+    assert sizes[:75].min() < sizes[75:].min()
+    assert least_margins(scene.robot, path, t)[0] == pytest.approx(0.0, abs=1e-6)
+
+
 def test_a_margin_of_what_is_not_known_is_not_a_number() -> None:
     arm = replace(five_bar("odd"), separation=0.6)
     q = np.zeros((2, 4))
