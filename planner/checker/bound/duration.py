@@ -237,11 +237,13 @@ def _along(scene: Scene, event: Event, met: float, late: float, modes: tuple[int
                 state, most = np.zeros((STATE, n)), np.zeros((3, n))
                 found = guided(row, mode, point, bounds, waits, state, most, work)
                 fine = fine and found != UNKNOWN and bool(np.isfinite(bounds).all())
-                if found == BOUNDED:
-                    for turned in product(*(_turns(scene, k, state[0, k], most[0, k] * waits) for k in range(n))):
-                        states.append(np.array([turned, *state[1:]]))
-                        kept.append(most)
-        if fine and 0 < len(states) <= MOST_STATES:
+                if found == BOUNDED and fine:
+                    choices = [_turns(scene, k, state[0, k], most[0, k] * waits) for k in range(n)]
+                    fine = len(states) + math.prod(map(len, choices)) <= MOST_STATES
+                    turns = product(*choices) if fine else ()
+                    states += [np.array([turned, *state[1:]]) for turned in turns]
+                    kept += [most] * (len(states) - len(kept))
+        if fine and states:
             return Left(np.array(states), np.tile(times, (len(states), 1)), np.array(kept), begin + waits)
     nowhere = np.zeros((1, STATE, n))
     nowhere[:, 0], nowhere[:, KINDS] = np.nan, FREE

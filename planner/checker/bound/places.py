@@ -37,10 +37,13 @@ def places(
     found: list[tuple[float, ...]] = []
     for mode in modes:
         q = _place(row, mode, (x, y, z, yaw, pitch, roll))
-        if q is not None:
-            found += list(product(*(_turned(robot, k, q[k]) for k in range(n))))
-        if len(found) > MOST:
+        if q is None:
+            continue
+        choices = [_turned(robot, k, q[k]) for k in range(n)]
+        # counted before they are made: joints with 64 turns each have a thousand million positions together
+        if len(found) + math.prod(map(len, choices)) > MOST:
             raise Unplaced
+        found += product(*choices)
     if not found:
         raise Unplaced
     return np.array(found)
