@@ -547,7 +547,8 @@ def test_text_that_is_no_json_is_told_with_line_and_column(tmp_path: Path) -> No
     code, _, errors = run("plan", str(file))
     assert (code, errors) == (
         BAD_INPUT,
-        'assur: FILE: got "Expecting value at line 2, column 11"; allowed: a request or a plan file, as JSON\n',
+        'assur: broken.json: got "no value, at line 2, column 11"; allowed: a request or a plan file, as JSON; '
+        "a value there: an object, a list, text in quotes, a number, true, false or null\n",
     )
 
 
