@@ -22,6 +22,7 @@ from assur.api.cli import (
     report_file,
     robots_group,
     trajectories,
+    verdict_report,
 )
 from assur.api.cli.border import RIGHT, WRONG, AsJson, bordered, say, show, show_json, telling, within_memory, writable
 from assur.api.cli.cell_reading import announce_compilation, read_cell
@@ -38,7 +39,6 @@ from assur.api.cli.inputs import (
 from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL
 from assur.api.version import version
 from assur.planner.errors import FaultError, InputError
-from assur.planner.report.number_format import amount
 from assur.scenes import fitted_limits, requests
 from assur.scenes import kernels as compiled_kernels
 from assur.scenes.faults import NOTHING
@@ -134,31 +134,15 @@ def check(
     planner."""
     given = target(file)
     cell, answer = read_cell(given), plan_files.answer_for(given, plan)
-    refused = requests.refused(answer)
-    read = None if refused else requests.read_plan(cell, answer)
+    read = None if requests.refused(answer) else requests.read_plan(cell, answer)
     announce_compilation()
     with console_report.working(f"checking {given.name if plan is None else plan.name}"):
         verdict = requests.check_cell(cell, answer) if read is None else requests.check_plan(cell, *read)
     if as_json:
         show_json(verdict)
-    elif verdict["ok"]:
-        show(_right(answer), verdict["notice"])
     else:
-        findings = console_report.table("what is wrong", ">by", "where")
-        for finding in verdict["findings"]:
-            by = amount(finding["amount"], finding["unit"])
-            console_report.row(findings, finding["what"], by, finding["where"])
-        show("refusal wrong" if refused else "plan wrong", "", findings)
+        show(*verdict_report.everything(verdict, answer))
     return RIGHT if verdict["ok"] else WRONG
-
-
-def _right(answer: dict[str, Any]) -> str:
-    """What is said of an answer in which nothing is wrong."""
-    if not requests.refused(answer):
-        return "plan right: everything that it promises holds against the model"
-    if answer["proved"]:
-        return "refusal right: no plan exists, for the reason that it says"
-    return "refusal right as far as it can be checked: it says that it is not proved"
 
 
 @app.command()

@@ -19,10 +19,7 @@ class InputError(AssurError):
     """
 
     def __init__(self, field: str, value: object, allowed: str) -> None:
-        shown = repr(value)
-        if len(shown) > 80:
-            shown = shown[:77] + "..."
-        super().__init__(f"{field}: got {shown}; allowed: {allowed}")
+        super().__init__(f"{field}: got {_shown(value)}; allowed: {allowed}")
         self.field = field
         self.value = value
         self.allowed = allowed
@@ -33,3 +30,18 @@ class InputError(AssurError):
 
 class FaultError(AssurError):
     """Ours: an invariant of the planner does not hold."""
+
+
+LONGEST_SHOWN = 80
+"""So many characters of a value that is refused are repeated."""
+
+
+def _shown(value: object) -> str:
+    """A value as an error repeats it. Python writes no number of thousands of digits."""
+    if isinstance(value, int) and abs(value) >= 10**20:
+        return "a whole number of more than 20 digits"
+    try:
+        shown = repr(value)
+    except ValueError:
+        return f"a {type(value).__name__} with a whole number of more than 4300 digits"
+    return shown if len(shown) <= LONGEST_SHOWN else shown[: LONGEST_SHOWN - 3] + "..."

@@ -589,8 +589,11 @@ def once(pairs: list[tuple[str, Any]]) -> Document:
     return found
 
 
-def finite(name: str) -> None:
-    raise ValueError(f"{name} is no number; finite numbers are allowed")
+def finite(text: str) -> int:
+    """A whole number that a double holds exactly, for sure."""
+    if len(text) > 16 or not text.lstrip("-").isdigit():
+        raise ValueError(f"{text:.20} is no number; finite numbers are allowed, whole ones of up to 15 digits")
+    return int(text)
 
 
 def read(data: bytes) -> Document:
@@ -598,12 +601,12 @@ def read(data: bytes) -> Document:
     if len(data) > MOST_BYTES:
         raise ValueError(f"{len(data)} bytes; up to {MOST_BYTES} are allowed")
     try:
-        document = json.loads(data, object_pairs_hook=once, parse_constant=finite)
+        document = json.loads(data, object_pairs_hook=once, parse_constant=finite, parse_int=finite)
         wrong = next(validator_for(json.loads(SCHEMA.read_bytes())).iter_errors(document), None)
     except RecursionError as error:
         raise ValueError("lists within lists, too deep") from error
     if wrong is not None:
-        raise ValueError(f"{'.'.join(map(str, wrong.instance_path))}: {wrong.message:.200}")
+        raise ValueError(f"{'.'.join(map(str, wrong.instance_path)) or 'bundle'}: {wrong.message:.200}")
     return dict(document)
 
 

@@ -35,8 +35,8 @@ def is_json(path: Path) -> bool:
 
 
 def json_in(path: Path, allowed: str) -> Any:
-    """The value that the JSON in a file spells. Raises `DocumentError`: for an empty file with its name and what is
-    `allowed`, for a fault of the text as `parse_json` does; or `OSError`."""
+    """The value that the JSON in a file spells. Raises `DocumentError` with the name of the file, what is wrong
+    with its text, and what is `allowed`; of a field as `parse_json` does; or `OSError`."""
     with path.open("rb") as file:
         return json_of(file.read(MAX_PLAN_FILE_BYTES + 1), path.name, allowed)
 
@@ -48,7 +48,12 @@ def json_of(data: bytes, name: str, allowed: str) -> Any:
         raise empty(Path(name), allowed)
     if len(data) > MAX_PLAN_FILE_BYTES:
         raise InputError(WHOLE, f"more than {MAX_PLAN_FILE_BYTES} bytes", f"at most {MAX_PLAN_FILE_BYTES} bytes")
-    document = parse_json(data, limit_bytes=MAX_PLAN_FILE_BYTES)
+    try:
+        document = parse_json(data, limit_bytes=MAX_PLAN_FILE_BYTES)
+    except InputError as error:
+        if error.field != WHOLE:
+            raise  # it names the field in the file
+        raise DocumentError(name, error.value, f"{allowed}; {error.allowed.removeprefix('JSON: ')}") from None
     if len(data) > MAX_JSON_BYTES and not is_plan_file(document):
         raise InputError(WHOLE, f"{len(data)} bytes", f"at most {MAX_JSON_BYTES} bytes, for it is no plan file")
     return document

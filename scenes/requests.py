@@ -291,13 +291,13 @@ def refused(answer: object) -> bool:
 def _check_refusal(cell: Cell, answer: object) -> dict[str, Any]:
     """The verdict on an answer without a plan: whether what it calls proved is proved, and what it repeats is so."""
     from assur.planner.checker.refusals.judging import check_refusal
-    from assur.scenes.reading.refusal import refusal_of, untold
+    from assur.scenes.reading.refusal import refusal_of
 
     told = refusal_of(plain(answer), cell.scene)
     findings = told.findings
     if told.refusal is not None and told.proved:
         findings += check_refusal(cell.scene, told.refusal, told.witness).findings
-    return _verdict(cell, findings, untold(told))
+    return _verdict(cell, findings, told.not_checked)
 
 
 def view_document(request: object, plan: object, *, folder: Path | None = None) -> dict[str, Any]:

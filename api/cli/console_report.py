@@ -150,10 +150,10 @@ def planned(answer: dict[str, Any]) -> Iterator[Table | str]:
 
 def _apart(arrivals: list[dict[str, Any]]) -> Iterator[Table | str]:
     """Parts that are taken, or put down, at a distance."""
-    said = {"grip_m": "from the tool, when it is taken", "support_m": "from what it rests on, when it is put down"}
+    said = {"grip_m": "the tool and the part that it takes", "support_m": "the part and what it is put down on"}
     far = [(each, key) for each in arrivals for key in said if each.get(key, 0.0) > APART_M]
     if far:
-        found = table("part of", ">is mm", "away")
+        found = table("distance at", ">mm", "between")
         for each, key in far:
             row(found, each["control_point"], f"{1e3 * each[key]:.2f}", said[key])
         yield from (found, "")

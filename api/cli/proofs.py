@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated
 
@@ -15,6 +16,9 @@ from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for
 from assur.api.documents import to_json
 from assur.planner.errors import InputError
 from assur.scenes.bundle.doors import bundle_cell
+from assur.scenes.faults import DocumentError
+from assur.scenes.files import empty
+from assur.scenes.text.json_faults import not_json, not_utf8
 
 NEEDS = "assur prove needs python-flint and jsonschema-rs, which are an extra: pip install 'assur[proof]'"
 
@@ -45,9 +49,15 @@ def prove(file: Annotated[Path, typer.Argument(metavar="BUNDLE", help="A proof b
         return say(NEEDS, BAD_INPUT)
     if not file.is_file():
         raise InputError("BUNDLE", str(file), "a file")
+    data = file.read_bytes()
+    if not data.strip():
+        raise empty(file, "a proof bundle, as JSON")
     try:
         with console_report.working(f"proving {file.name}"):
-            shown, lines = show_claims(file.read_bytes())
+            shown, lines = show_claims(data)
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        found, allowed = not_json(error) if isinstance(error, json.JSONDecodeError) else not_utf8(error)
+        raise DocumentError(file.name, found, f"a proof bundle, as JSON; {allowed}") from error
     except ValueError as error:
         raise InputError("BUNDLE", file.name, f"a proof bundle: {error}") from error
     show("bundle shown" if shown else "bundle not shown", *lines)

@@ -9,7 +9,7 @@ from assur.planner.report.number_format import amount
 def not_touching(refusal: Refusal, facts: NotTouching) -> str:
     """Which body is nearest, how far it is, and what is allowed."""
     one, other = refusal.bodies
-    far = f"{amount(facts.distance_m, 'm')} away, but only {amount(facts.allowed_m, 'm')} are allowed"
+    far = f"is {amount(facts.distance_m, 'm')} away, and at most {amount(facts.allowed_m, 'm')} is allowed"
     if facts.of == "grip":
-        return f"the tool would not touch {other} when it takes it: {one}, its nearest body, is {far}"
-    return f"{one} would not touch what it is put down on: {other}, the nearest, is {far}"
+        return f"the tool would be too far from {other} when it takes it: {one}, its nearest body, {far}"
+    return f"{one} would be too far from what it is put down on: {other}, the nearest, {far}"

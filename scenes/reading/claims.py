@@ -6,9 +6,9 @@ only the form is looked at (`scenes.schema.checked`). A field that no answer has
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any, NotRequired, TypeVar, get_args, get_origin
 
 from typing_extensions import get_type_hints
 
@@ -35,10 +35,10 @@ def check_beside(plan: object) -> None:
     """Raises `DocumentError` below "plan" for a field beside the plan that no answer has, or of another kind."""
     if not isinstance(plan, dict):
         return  # no answer, which who reads the plan says
+    check_notes(plan, document.PlannedAnswer, NOT_CHECKED)
     for key, model in _fields(document.PlannedAnswer).items():
-        if key in BESIDE and key != "margins" and key in plan:
-            read = read_written if key in NOT_CHECKED else read_normal
-            read(model, plan[key], plan[key], (PLAN, key))
+        if key in BESIDE - {"margins", *NOT_CHECKED} and key in plan:
+            read_normal(model, plan[key], plan[key], (PLAN, key))
     margins, known = _below(plan, "margins"), _fields(document.Margins)
     for key in margins:
         if key not in known:
@@ -46,10 +46,19 @@ def check_beside(plan: object) -> None:
         read_normal(known[key], margins[key], margins[key], (PLAN, "margins", key))
 
 
+def check_notes(answer: dict[str, Any], form: Any, keys: Collection[str]) -> None:
+    """Raises `DocumentError` below "plan" for one of the fields `keys` of an answer that is not as its form has it.
+    What they say is not looked at."""
+    for key, model in _fields(form).items():
+        if key in keys and key in answer:
+            read_written(model, answer[key], answer[key], (PLAN, key))
+
+
 @cache
 def _fields(kind: Any) -> dict[str, Any]:
     """The kinds of the fields of a TypedDict."""
-    return get_type_hints(kind, include_extras=True)
+    hints = get_type_hints(kind, include_extras=True)
+    return {key: get_args(hint)[0] if get_origin(hint) is NotRequired else hint for key, hint in hints.items()}
 
 
 def claims_of(plan: object) -> Claims:

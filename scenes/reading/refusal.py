@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 from pydantic import Field, TypeAdapter, ValidationError
 
@@ -25,11 +25,12 @@ from assur.planner.model.refusal import (
 from assur.planner.model.scene import Scene
 from assur.planner.report.sentence import sentence
 from assur.scenes.faults import Refused, located, within
-from assur.scenes.reading.claims import untrue_repeats
+from assur.scenes.reading.claims import check_notes, untrue_repeats
 from assur.scenes.reading.plan import PLAN
 from assur.scenes.refusals import refusal_document
 from assur.scenes.schema import answer as document
-from assur.scenes.schema.read import read_normal
+from assur.scenes.schema.checked import present
+from assur.scenes.schema.read import TYPES, read_normal
 
 SEARCH = (
     "best_candidate",
@@ -41,7 +42,8 @@ SEARCH = (
     "tried",
     "warnings",
 )
-"""Fields of an answer without a plan that tell of the search, its times, and what may help: nobody looks at them."""
+"""Fields of an answer without a plan that tell of the search, its times, and what may help, which is a proposal: nobody
+looks at them but for their form."""
 REPEATED = ("assumptions", "notice", "request_digest", "seed")
 """... and those that repeat the request."""
 NOT_PROVED = ("reason", "refusal", "sentence")
@@ -51,12 +53,13 @@ NOT_PROVED = ("reason", "refusal", "sentence")
 @dataclass(frozen=True, slots=True)
 class Told:
     """What an answer without a plan says: whether it is proved, its refusal and witness, and what of it is not so and
-    needs no checker to see."""
+    needs no checker to see. `not_checked`: the fields of the answer that nobody looks at but for their form."""
 
     proved: bool
     refusal: Refusal | None
     witness: Witness | None
     findings: tuple[Finding, ...]
+    not_checked: tuple[str, ...]
 
 
 def refusal_of(answer: object, scene: Scene) -> Told:
@@ -70,27 +73,29 @@ def refusal_of(answer: object, scene: Scene) -> Told:
                 raise Refused("no such field: an answer without a plan has none of this name", key)
         kept = {key: value for key, value in answer.items() if key in document.CheckedRefusal.__annotations__}
         item: document.CheckedRefusal = read_normal(document.CheckedRefusal, kept, kept, (PLAN,))
+        check_notes(answer, document.NotPlannedAnswer, SEARCH)
         found = untrue_repeats(answer, scene)
         reason = item["refusal"]
         if reason is None:
-            return Told(item["proved"], None, None, found + _without(item))
+            untold = _untold(answer, None, proved=item["proved"])
+            return Told(item["proved"], None, None, found + _without(item), untold)
         with within("refusal"):
-            refusal, witness = _refusal(reason, scene), _typed(_witnesses, reason.get("witness"), "witness")
-        return Told(item["proved"], refusal, witness, found + _untrue(item, reason, refusal, witness, scene))
+            refusal, witness = _refusal(reason, scene), _typed(Witness, reason.get("witness"), "witness")
+        untold = _untold(answer, refusal, proved=item["proved"])
+        found += _untrue(item, reason, refusal, witness, scene)
+        return Told(item["proved"], refusal, witness, found, untold)
 
 
-def untold(told: Told) -> tuple[str, ...]:
+def _untold(answer: dict[str, Any], refusal: Refusal | None, *, proved: bool) -> tuple[str, ...]:
     """The fields of an answer that are not checked."""
     fields = list(SEARCH)
-    if not told.proved:
+    if not proved:
         fields += NOT_PROVED
-    elif told.refusal is not None and isinstance(told.refusal.facts, Separation):
-        facts = told.refusal.facts
-        if facts.touching:  # how deep bodies overlap is told, not shown
+    elif refusal is not None and isinstance(refusal.facts, Separation):
+        if refusal.facts.touching:  # how deep bodies overlap is told, not shown
             fields += ["refusal.amount", "refusal.facts.gap_m"]
-        if facts.least_m is not None:
-            fields += ["refusal.facts.least_m"]
-    return tuple(sorted(fields))
+        fields += ["refusal.facts.least_m"]
+    return present(answer, sorted(fields))
 
 
 def _without(item: document.CheckedRefusal) -> tuple[Finding, ...]:
@@ -139,7 +144,8 @@ def _refusal(given: document.CheckedReason, scene: Scene) -> Refusal:
     if given["frame"] is not None:
         subjects.append(FrameName(given["frame"]))
     if len(subjects) > 1:
-        raise Refused("one of bodies, a joint or a frame", "bodies")
+        told = [key for key in ("bodies", "joint", "frame") if given[key] not in (None, [])]  # type: ignore[literal-required]
+        raise Refused(f"nothing beside {told[0]}: only one of bodies, joint and frame", told[1])
     amount, unit = given["amount"], given["unit"]
     if (amount is None) is not (unit is None):
         raise Refused("a unit where there is an amount, and only there", "unit")
@@ -150,7 +156,7 @@ def _refusal(given: document.CheckedReason, scene: Scene) -> Refusal:
         subject=subjects[0] if subjects else None,
         interval=_interval(given["interval_s"]),
         amount=None if amount is None or unit is None else Quantity(amount, unit),
-        facts=_typed(_facts, given["facts"], "facts"),
+        facts=_typed(Facts, given["facts"], "facts"),
     )
 
 
@@ -162,26 +168,24 @@ def _interval(given: list[float | None] | None) -> tuple[float, float] | None:
     return -math.inf if low is None else low, math.inf if high is None else high
 
 
-def _typed(adapter: Any, given: object, key: str) -> Any:
+def _typed(kind: Any, given: object, key: str) -> Any:
     """Facts or a witness as typed facts; null is none. Raises `Refused` for what is none."""
     if given is None:
         return None
     try:
-        return adapter().validate_python(given)
+        return _adapter(kind).validate_python(given)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise Refused(f"those of its kind ({where}: {first['msg']})"[:200], key) from None
+        if first["type"] in ("union_tag_invalid", "union_tag_not_found"):
+            kinds = (each.__dataclass_fields__["kind"].default for each in get_args(kind))
+            raise Refused(f"one of {', '.join(kinds)}", key, "kind") from None
+        allowed = TYPES.get(first["type"], f"what there is of this kind of {key}")
+        raise Refused(allowed, key, *first["loc"][1:]) from None  # the place begins with the kind
 
 
 @cache
-def _facts() -> TypeAdapter[Facts]:
-    return TypeAdapter(Annotated[Facts, Field(discriminator="kind")])
-
-
-@cache
-def _witnesses() -> TypeAdapter[Witness]:
-    return TypeAdapter(Annotated[Witness, Field(discriminator="kind")])
+def _adapter(kind: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(Annotated[kind, Field(discriminator="kind")])
 
 
 def _listed(value: object) -> object:

@@ -14,6 +14,8 @@ Cell = tuple[str, bool]
 RESTING = 1e-9
 """A joint's velocity in rad/s or m/s up to which it is at rest, and a time in s up to which a knot is that of an
 arrival."""
+APART = {"grip_m": "tool to part mm", "support_m": "part to support mm"}
+"""Distances that an arrival may have, and what they are called; there is no column where no arrival has one."""
 RATES = ("velocity", "acceleration", "jerk")
 
 
@@ -86,6 +88,8 @@ def arrivals(answer: Document) -> str:
         "window left s",
         "may be off mm",
     ]
+    apart = [key for key in APART if any(each.get(key) is not None for each in answer["arrivals"])]
+    head += [APART[key] for key in apart]
     rows = [
         [
             text(each["control_point"]),
@@ -97,6 +101,7 @@ def arrivals(answer: Document) -> str:
             text(_met(answer["trajectory"], each)),
             number(each["window_left_s"], 3),
             millimetres((each.get("error") or {}).get("position_m"), 2),
+            *(millimetres(each.get(key), 2) for key in apart),
         ]
         for each in answer["arrivals"]
     ]
@@ -163,7 +168,9 @@ def refusal(answer: Document, verdict: Document | None) -> str:
     elif verdict is not None and answer["proved"]:
         rows.append(("checker", "the refusal is right: no plan exists"))
     if relaxation is not None:
-        rows.append(("this change works", f"{relaxation['what']}: {relaxation['value']}"))
+        rows.append(("a change that is proposed", f"{relaxation['what']}: {relaxation['value']}"))
+    if verdict is not None and verdict["not_checked"]:
+        rows.append(("not checked", ", ".join(verdict["not_checked"])))
     return pairs(rows) + ("<h3>Tried</h3>" + lines(answer["tried"], "") if answer["tried"] else "")
 
 

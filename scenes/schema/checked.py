@@ -6,6 +6,7 @@ A field stands for all that is below it, but for what has a place of its own.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 VERIFIED = (
@@ -61,7 +62,12 @@ PLACES = (VERIFIED, ONE_SIDE, NOT_CHECKED)
 
 def not_checked(answer: object) -> tuple[str, ...]:
     """The fields that an answer has and that no checker looks at, by their paths."""
-    return tuple(path for path in NOT_CHECKED if _has(answer, path.split(".")))
+    return present(answer, NOT_CHECKED)
+
+
+def present(answer: object, paths: Iterable[str]) -> tuple[str, ...]:
+    """Those of the fields, given by their paths, that an answer has and that are not null."""
+    return tuple(path for path in paths if _has(answer, path.split(".")))
 
 
 def _has(inside: Any, keys: list[str]) -> bool:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from assur.scenes.bounds import MAX_DEPTH
+from assur.scenes.bounds import MAX_DEPTH, MAX_INTEGER
 from assur.scenes.faults import DocumentError, Path, dotted
 from assur.scenes.units import SI_UNITS, si_key, to_si, unit_of
 
@@ -55,13 +55,16 @@ def _is_normal(value: object, depth: int = 0) -> bool:
 
 
 def plain(document: object) -> Any:
-    """The document with numbers and arrays of NumPy as plain numbers and lists, and nothing else changed."""
+    """The document with numbers and arrays of NumPy as plain numbers and lists, and nothing else changed. Raises
+    `DocumentError` at a whole number that no JSON of ours has, and for nesting without end."""
     return _inside(document, (), in_si=False)
 
 
 def _inside(value: object, path: Path, *, in_si: bool) -> Any:
     kind = type(value)
     if kind in LEAVES:
+        if kind is int and not in_si and not -MAX_INTEGER <= value <= MAX_INTEGER:  # type: ignore[operator]
+            raise DocumentError(dotted(path), value, "a whole number up to 2**53")
         return value
     if len(path) >= MAX_DEPTH:
         raise DocumentError(dotted(path[:4]), "deeper nesting", f"nesting up to {MAX_DEPTH} levels")
@@ -70,9 +73,8 @@ def _inside(value: object, path: Path, *, in_si: bool) -> Any:
             return _mapping(value, path)
         return {key: _inside(item, (*path, str(key)), in_si=False) for key, item in value.items()}
     if isinstance(value, list) or (isinstance(value, np.ndarray) and value.ndim):
-        return [
-            item if type(item) in LEAVES else _inside(item, (*path, i), in_si=in_si) for i, item in enumerate(value)
-        ]
+        quick = LEAVES if in_si else LEAVES - {int}
+        return [item if type(item) in quick else _inside(item, (*path, i), in_si=in_si) for i, item in enumerate(value)]
     return _scalar(value[()] if isinstance(value, np.ndarray) else value, path)
 
 

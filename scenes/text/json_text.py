@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_DEPTH, MAX_INTEGER, MAX_JSON_BYTES
 from assur.scenes.faults import DocumentError, Path, dotted
+from assur.scenes.text.json_faults import not_json, not_utf8
 from assur.scenes.text.scalars import LONGEST_NUMBER, Refused, real, whole
 
 OF_NUMBERS = bytes(ord("0") if character in b"0123456789.eE+-" else ord(" ") for character in range(256))
@@ -38,7 +39,8 @@ def parse_json(data: bytes, *, limit_bytes: int = MAX_JSON_BYTES) -> Any:
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError as error:
-        raise InputError("request", f"byte {error.start} of the text", "JSON in UTF-8") from None
+        found, allowed = not_utf8(error)
+        raise InputError("request", found, f"JSON: {allowed}") from None
     try:
         # Functions of Python for each number and path take three times as long as all the rest: a document is read with
         # them only if it may hold something that is refused, to say what and where.
@@ -50,8 +52,8 @@ def parse_json(data: bytes, *, limit_bytes: int = MAX_JSON_BYTES) -> Any:
             text, parse_constant=_constant, parse_float=real, parse_int=whole, object_pairs_hook=_mapping
         )
     except json.JSONDecodeError as error:
-        at = f"{error.msg} at line {error.lineno}, column {error.colno}"
-        raise InputError("request", at, "JSON") from None
+        found, allowed = not_json(error)
+        raise InputError("request", found, f"JSON: {allowed}") from None
     except RecursionError:
         raise InputError("request", "deeper nesting", f"nesting up to {MAX_DEPTH} levels") from None
     _inspect(document)

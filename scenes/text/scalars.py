@@ -22,7 +22,8 @@ class Refused:
 def whole(text: str) -> int | Refused:
     """The whole number that `text` spells in decimal digits."""
     if len(text) > LONGEST_NUMBER or abs(int(text)) > MAX_INTEGER:
-        return Refused(text[:LONGEST_SHOWN], "a whole number up to 2**53")
+        shown = text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}... ({len(text)} characters)"
+        return Refused(shown, "a whole number up to 2**53")
     return int(text)
 
 

@@ -65,7 +65,7 @@ def test_a_budget_above_the_services_is_told_with_the_setting_that_it_is_above(
 
 def test_a_body_that_is_no_json_is_told_with_line_and_column(client: httpx.Client) -> None:
     document = problem(client.post("/v1/plans", content=b'{"schema":\n  }', headers=JSON), 400)
-    assert document["errors"][0]["value"] == "Expecting value at line 2, column 3"
+    assert document["errors"][0]["value"] == "no value, at line 2, column 3"
 
 
 @pytest.mark.parametrize("bad", BAD_REQUESTS, ids=lambda bad: bad.name)

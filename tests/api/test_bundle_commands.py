@@ -51,9 +51,42 @@ def test_a_bundle_that_claims_too_much_is_not_shown(plan_file: Path, tmp_path: P
 def test_what_is_no_bundle_is_bad_input(plan_file: Path, tmp_path: Path) -> None:
     code, told, wrong = run("prove", str(plan_file))
     assert (code, told) == (BAD_INPUT, "")
-    assert wrong.startswith('assur: BUNDLE: got "plan.json"; allowed: a proof bundle: ')
+    assert wrong.startswith('assur: BUNDLE: got "plan.json"; allowed: a proof bundle: bundle: ')
     code, _, wrong = run("prove", str(tmp_path / "none.json"))
     assert (code, "a file" in wrong) == (BAD_INPUT, True)
+
+
+@pytest.mark.parametrize(
+    ("data", "told"),
+    [
+        (b"", '"an empty file"; allowed: '),
+        (b" \n", '"an empty file"; allowed: '),
+        (b"\xb9\x00\x17", '"no text: byte 0 is not UTF-8"; allowed: '),
+        (b'{"schema": "a', '"a text that ends before its value is complete, at line 1, column 12"; allowed: '),
+        (b"{} {}", '"more text behind the end of the value, at line 1, column 4"; allowed: '),
+    ],
+)
+def test_a_file_that_is_empty_binary_or_cut_is_named_and_told_in_words(tmp_path: Path, data: bytes, told: str) -> None:
+    file = tmp_path / "given.json"
+    file.write_bytes(data)
+    for command, what in (
+        (("prove",), "a proof bundle"),
+        (("plan",), "a request or a plan file"),
+        (("check",), "a request or a plan file"),
+        (("check", "demo"), "an answer or a plan file"),
+        (("bundle",), "a request or a plan file"),
+    ):
+        code, output, wrong = run(*command, str(file))
+        assert (code, output) == (BAD_INPUT, "")
+        assert wrong.startswith(f"assur: given.json: got {told}{what}, as JSON"), wrong
+
+
+def test_a_whole_number_of_thousands_of_digits_is_repeated_in_part(tmp_path: Path) -> None:
+    file = tmp_path / "given.json"
+    for digits in (16, 400, 5000):
+        file.write_text(f'{{"schema": 1{"0" * digits}}}')
+        code, _, wrong = run("prove", str(file))
+        assert (code, len(wrong) < 200, "whole ones of up to 15 digits" in wrong) == (BAD_INPUT, True, True), wrong
 
 
 def test_an_answer_that_is_not_so_has_no_bundle(plan_file: Path, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import httpx
 import pytest
 from typer.testing import CliRunner
 
-from assur.api.cli import console_report
+from assur.api.cli import console_report, verdict_report
 from assur.api.cli.border import BAD_INPUT, FAULT, INTERRUPTED, PIPE_CLOSED, RIGHT, WRONG
 from assur.api.command_line import app
 from assur.api.documents import to_json
@@ -22,6 +22,7 @@ from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner.relaxation import ABOUT
 from assur.planner.report import number_format
 from assur.scenes.catalogue import FOLDER
+from assur.scenes.reading.refusal import NOT_PROVED, SEARCH
 from assur.scenes.requests import load_scenario, shipped_scenarios
 
 ROOT = Path(__file__).parents[2]
@@ -117,7 +118,7 @@ def test_a_request_that_is_not_planned_says_why_and_ends_with_one(far_file: Path
 def test_a_part_that_is_taken_at_a_distance_is_told_and_one_that_touches_is_not() -> None:
     """The fingers of the lab's arm are 4.5 mm from the tube that they take; the cup of the demo touches its part."""
     _, output, _ = run("plan", "lab-arm")
-    assert "pick-1    4.50  from the tool, when it is taken" in output
+    assert "pick-1       4.50  the tool and the part that it takes" in output
     assert "when it is put down" not in output
     _, output, _ = run("plan", "demo")
     assert "from the tool" not in output
@@ -546,7 +547,8 @@ def test_text_that_is_no_json_is_told_with_line_and_column(tmp_path: Path) -> No
     code, _, errors = run("plan", str(file))
     assert (code, errors) == (
         BAD_INPUT,
-        'assur: FILE: got "Expecting value at line 2, column 11"; allowed: a request or a plan file, as JSON\n',
+        'assur: broken.json: got "no value, at line 2, column 11"; allowed: a request or a plan file, as JSON; '
+        "a value there: an object, a list, text in quotes, a number, true, false or null\n",
     )
 
 
@@ -601,3 +603,27 @@ def test_bad_input_ends_with_two_and_one_line_before_anything_is_compiled(
     assert (run.returncode, run.stdout, run.stderr.count(b"\n")) == (BAD_INPUT, b"", 1)
     assert run.stderr.startswith(said)
     assert not (tmp_path / "kernels").exists()
+
+
+def test_check_names_what_of_a_refusal_nobody_looked_at(far_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "answer.json"
+    run("plan", str(far_file), "--out", str(out))
+    document = json.loads(out.read_text())
+    document["plan"]["relaxation"] = {"what": "dwell", "value": "300 ms", "duration_s": 1.0}
+    out.write_text(json.dumps(document))
+    code, output, _ = run("check", str(out))
+    assert code == RIGHT
+    assert "not checked" in output
+    told = {line.split()[0]: line.split(maxsplit=1)[1] for line in output.splitlines() if len(line.split()) > 1}
+    assert told["relaxation"] == "a change that is proposed; whether it helps is not verified here"
+    verdict = json.loads(run("check", str(out), "--json")[1])
+    assert set(verdict["not_checked"]) <= told.keys()
+    assert "relaxation" in verdict["not_checked"]
+    del document["plan"]["relaxation"]
+    out.write_text(json.dumps(document))
+    assert "proposed" not in run("check", str(out))[1]
+
+
+def test_every_field_that_may_be_unchecked_is_told_in_words() -> None:
+    of_bodies = {"refusal.amount", "refusal.facts.gap_m", "refusal.facts.least_m"}
+    assert verdict_report.NOTES.keys() == {*SEARCH, *NOT_PROVED} | of_bodies

@@ -381,7 +381,8 @@ CASES: list[tuple[Refusal, str]] = [
     ),
     (
         of(Reason.TOLERANCE, NotTouching(of="support", distance_m=0.02, allowed_m=0.005)),
-        "cup would not touch what it is put down on: gate, the nearest, is 20 mm away, but only 5 mm are allowed",
+        "cup would be too far from what it is put down on: gate, the nearest, is 20 mm away, and at most 5 mm is "
+        "allowed",
     ),
     (
         of(Reason.JOINT_LIMIT, Corrected(shift_m=0.006, joint="j2")),

@@ -166,16 +166,16 @@ def test_bodies_that_touch_are_near_enough_for_a_distance_of_nothing() -> None:
             "grip",
             0,
             ("cup", "part"),
-            "the tool would not touch part when it takes it: cup, its nearest body, is 10 mm away, but only 9 mm are "
-            "allowed",
+            "the tool would be too far from part when it takes it: cup, its nearest body, is 10 mm away, and at most "
+            "9 mm is allowed",
         ),
         (
             asking(placed(0.1), support_m=0.002),
             "support",
             1,
             ("part", "right-table"),
-            "part would not touch what it is put down on: right-table, the nearest, is 100 mm away, but only 2 mm are "
-            "allowed",
+            "part would be too far from what it is put down on: right-table, the nearest, is 100 mm away, and at most "
+            "2 mm is allowed",
         ),
     ],
     ids=["grip", "support"],

@@ -208,7 +208,8 @@ def test_what_was_only_searched_for_cannot_be_called_proved() -> None:
     assert (given["status"], given["proved"]) == ("not_planned", False)
     verdict = check_document(request, given)
     assert verdict["ok"]
-    assert set(verdict["not_checked"]) == {*SEARCH, *NOT_PROVED}
+    assert set(verdict["not_checked"]) == {*SEARCH, *NOT_PROVED} - {key for key in SEARCH if given.get(key) is None}
+    assert "best_candidate" in verdict["not_checked"]
     assert refused(request, {**given, "proved": True})
     assert refused(request, fitted(request, {**copy.deepcopy(given), "proved": True}))
     assert refused(request, {**given, "sentence": "goal: it is proved that no plan exists."})
@@ -262,3 +263,68 @@ def test_a_belt_that_comes_back_after_a_minute_is_not_said_never_to(
     assert refused(request, fitted(request, lies))
     short = answer("a window that is too short")
     assert refused(request, fitted(request, short))
+
+
+def test_a_change_that_is_proposed_is_not_checked_and_is_named_where_there_is_one() -> None:
+    request = PROVED["a block at a point"][0]
+    given = answer("a block at a point")
+    bare = {key: value for key, value in given.items() if key not in SEARCH}
+    assert "relaxation" not in check_document(request, {**given, "relaxation": None})["not_checked"]
+    proposed = {**bare, "relaxation": {"what": "dwell", "value": "300 ms", "duration_s": 1.5}}
+    verdict = check_document(request, proposed)
+    assert (verdict["ok"], [key for key in verdict["not_checked"] if key in SEARCH]) == (True, ["relaxation"])
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "field"),
+    [
+        ("best_candidate", {"x": 1}, "best_candidate.x"),
+        ("best_candidate", {"trajectory": {}}, "best_candidate."),
+        ("best_candidate", [], "best_candidate"),
+        ("relaxation", {"what": "dwell", "value": 3, "duration_s": 1.0}, "relaxation.value"),
+        ("relaxation", {"what": "dwell", "value": "3", "duration_s": 1.0, "safe": True}, "relaxation.safe"),
+        ("tried", "all", "tried"),
+        ("census", {"candidates": 1, "refused": 1}, "census.lines"),
+        ("elapsed_s", "fast", "elapsed_s"),
+        pytest.param("elapsed_s", 10**5000, "elapsed_s", id="a number that Python does not write"),
+        ("cut_by_clock", 0, "cut_by_clock"),
+        ("warnings", [{"kind": "CERTIFIED"}], "warnings[0]."),
+        ("explain_budget_spent", None, "explain_budget_spent"),
+    ],
+)
+def test_what_is_not_checked_must_have_its_form(key: str, value: object, field: str) -> None:
+    request = PROVED["a block at a point"][0]
+    with pytest.raises(InputError) as caught:
+        check_document(request, {**answer("a block at a point"), key: value})
+    assert caught.value.field.removeprefix("plan.").startswith(field)
+    assert len(str(caught.value)) < 600
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "field", "allowed"),
+    [
+        (("witness",), {"kind": "oath"}, "witness.kind", "one of hindered, met, openings, orbit"),
+        (("witness",), {"ways": []}, "witness.kind", "one of hindered, met, openings, orbit"),
+        (("witness",), {"kind": "met"}, "witness.ways", "what there is of this kind of witness"),
+        (("witness",), {"kind": "met", "ways": "all"}, "witness.ways", "what there is of this kind of witness"),
+        (("witness",), {"kind": "met", "ways": [{"mode": 1}]}, "witness.ways[0].mode", "text"),
+        (("facts", "kind"), "hearsay", "facts.kind", "one of out_of_reach, joint_limit"),
+        (("joint",), "j1", "joint", "nothing beside bodies: only one of bodies, joint and frame"),
+        (("frame",), "belt", "frame", "nothing beside bodies: only one of bodies, joint and frame"),
+    ],
+)
+def test_what_is_wrong_in_a_refusal_is_named_in_words(path: Place, value: object, field: str, allowed: str) -> None:
+    forged = answer("a block at a point")
+    put(forged["refusal"], path, value)
+    with pytest.raises(InputError) as caught:
+        check_document(PROVED["a block at a point"][0], forged)
+    assert (caught.value.field, caught.value.allowed.startswith(allowed)) == (f"plan.refusal.{field}", True), str(
+        caught.value
+    )
+
+
+def test_of_a_joint_and_a_frame_the_second_is_named() -> None:
+    forged = answer("a block at a point")
+    forged["refusal"].update(bodies=[], joint="j1", frame="belt")
+    with pytest.raises(InputError, match=r"plan\.refusal\.frame: got 'belt'; allowed: nothing beside joint"):
+        check_document(PROVED["a block at a point"][0], forged)

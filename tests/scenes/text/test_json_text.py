@@ -84,3 +84,48 @@ def test_a_text_of_more_values_than_any_document_has_is_refused_before_it_is_rea
 def test_any_bytes_are_read_or_refused(data: bytes) -> None:
     with contextlib.suppress(InputError):
         parse_json(data)
+
+
+WHOLE = '{"ab": [1, -2.5e+3, true, false, null, "t\\u00e9\\n"], "c": {"d": []}}'
+
+
+@pytest.mark.parametrize("end", range(1, len(WHOLE)))
+@pytest.mark.parametrize("behind", ["", "\n"])
+def test_a_text_that_is_cut_anywhere_is_said_to_be_cut(end: int, behind: str) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_json((WHOLE[:end] + behind).encode())
+    assert str(caught.value.value).startswith("a text that ends before its value is complete, at line "), caught.value
+
+
+@pytest.mark.parametrize(
+    ("data", "found", "allowed"),
+    [
+        (b"", "an empty text", "JSON: one value"),
+        (b"\xb9\x00", "no text: byte 0 is not UTF-8", "JSON: text in UTF-8"),
+        (b'"\xc3', "a text that ends within a character, at byte 1", "JSON: the whole text, in UTF-8"),
+        (b"\xef\xbb\xbf{}", "a byte order mark", "JSON: UTF-8 without one"),
+        (b"{} x", "more text behind the end of the value, at line 1, column 4", "JSON: one value"),
+        (b"{a: 1}", "no key, at line 1, column 2", "JSON: a key in double quotes there"),
+        (b'{"a" 1}', "no colon behind a key, at line 1, column 6", "JSON: a colon there"),
+        (b"[1 2]", "no comma between two values, at line 1, column 4", "JSON: a comma, or"),
+        (b"[1,\nx]", "no value, at line 2, column 1", "JSON: a value there: "),
+        (b'["\\x"]', "a backslash that escapes nothing, at line 1, column 3", "JSON: one of "),
+        (b'["\\u12"]', "\\u without four hexadecimal digits, at line 1, column ", "JSON: four"),
+        (b'["a\nb"]', "a line break or another control character in a text, at line 1, column 4", "JSON: an escape"),
+        (b"\x00\x00", "no value, at line 1, column 1", "JSON: a value there: "),
+    ],
+)
+def test_text_that_is_no_json_is_told_in_words(data: bytes, found: str, allowed: str) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_json(data)
+    assert str(caught.value.value).startswith(found)
+    assert caught.value.allowed.startswith(allowed)
+
+
+@pytest.mark.parametrize("digits", [100, 5000])
+def test_a_number_that_is_too_long_is_repeated_in_part(digits: int) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_json(f'{{"a": 1{"0" * digits}}}'.encode())
+    assert str(caught.value) == (
+        f"a: got '1{'0' * 19}... ({digits + 1} characters)'; allowed: a whole number up to 2**53"
+    )

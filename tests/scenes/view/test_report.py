@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 
 from assur.scenes.report import report as of_report
-from assur.scenes.report.facts import table
+from assur.scenes.report.facts import arrivals, refusal, table
 from assur.scenes.report.report import report_of
 from assur.scenes.scenarios import shipped
 from assur.scenes.view import display_meshes
 from tests.scenes.cells.second_kinematics import answer
 from tests.scenes.view.shown import cell
 
-VERDICT = {"ok": True, "findings": []}
+VERDICT = {"ok": True, "findings": [], "not_checked": []}
 
 
 def report(name: str) -> str:
@@ -52,6 +52,25 @@ def test_how_points_are_met_is_told_as_on_the_command_line() -> None:
     page = report("demo")
     assert page.count("with its velocity") == 2
     assert page.count(">at rest<") == 1
+
+
+def test_how_far_parts_are_from_tool_and_support_is_told_where_an_arrival_says_it() -> None:
+    page = report("lab-arm")
+    (pick,) = (each for each in answer("lab-arm")["arrivals"] if each.get("grip_m"))
+    assert page.count('<th class="number">tool to part mm</th>') == 1
+    assert f">{1000 * pick['grip_m']:.2f}</td>" in page
+    assert all("grip_m" not in each and "support_m" not in each for each in answer("shut-gate").get("arrivals", ()))
+    bare = [{**each, "grip_m": None, "support_m": None} for each in answer("demo")["arrivals"]]
+    assert "to part mm" not in arrivals({**answer("demo"), "arrivals": bare})
+
+
+def test_a_change_that_is_proposed_is_not_called_right() -> None:
+    given = {**answer("shut-gate"), "relaxation": {"what": "clearance", "value": "2 mm", "duration_s": 1.0}}
+    verdict = {**VERDICT, "not_checked": ["relaxation", "tried"]}
+    page = refusal(given, verdict)
+    assert "<dt>a change that is proposed</dt><dd>clearance: 2 mm</dd>" in page
+    assert "<dt>not checked</dt><dd>relaxation, tried</dd>" in page
+    assert "not checked" not in refusal(given, None)
 
 
 def test_text_in_a_table_is_text() -> None:
