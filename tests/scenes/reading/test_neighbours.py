@@ -170,7 +170,7 @@ def test_an_uncertain_start_shifts_the_whole_motion_either_way(key: str) -> None
 @pytest.mark.parametrize(
     ("document", "said"),
     [
-        ("{", "request: got"),
+        ("{", "other.json: got 'a text that ends before its value is complete"),
         ([], "status: got nothing; allowed: planned"),
         ({"status": "not_planned"}, "status: got 'not_planned'; allowed: planned"),
         ({"status": "planned"}, "trajectory: got nothing"),
