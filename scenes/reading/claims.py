@@ -57,8 +57,9 @@ def check_notes(answer: dict[str, Any], form: Any, keys: Collection[str]) -> Non
 @cache
 def _fields(kind: Any) -> dict[str, Any]:
     """The kinds of the fields of a TypedDict."""
+    optional: Any = NotRequired
     hints = get_type_hints(kind, include_extras=True)
-    return {key: get_args(hint)[0] if get_origin(hint) is NotRequired else hint for key, hint in hints.items()}
+    return {key: get_args(hint)[0] if get_origin(hint) is optional else hint for key, hint in hints.items()}
 
 
 def claims_of(plan: object) -> Claims:

@@ -144,7 +144,7 @@ def _refusal(given: document.CheckedReason, scene: Scene) -> Refusal:
     if given["frame"] is not None:
         subjects.append(FrameName(given["frame"]))
     if len(subjects) > 1:
-        told = [key for key in ("bodies", "joint", "frame") if given[key] not in (None, [])]  # type: ignore[literal-required]
+        told = [key for key in ("bodies", "joint", "frame") if given[key] not in (None, [])]
         raise Refused(f"nothing beside {told[0]}: only one of bodies, joint and frame", told[1])
     amount, unit = given["amount"], given["unit"]
     if (amount is None) is not (unit is None):

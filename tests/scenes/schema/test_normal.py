@@ -13,9 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from assur.planner.errors import InputError
 from assur.scenes import check, load, plan
 from assur.scenes.faults import DocumentError
-from assur.scenes.requests import request_digest, request_schema, stated_budgets, validate
+from assur.scenes.requests import cell_of, request_digest, request_schema, stated_budgets, validate
+from assur.scenes.scenarios import shipped
 from assur.scenes.schema.normal import ALLOWED, normal, plain
 from assur.scenes.units import si_key
 from tests.scenes.bad_requests import GOOD_REQUEST
@@ -193,3 +195,33 @@ def test_no_field_of_a_request_ends_in_a_unit_that_is_converted() -> None:
 def test_budgets_are_read_before_anything_is_validated(options: Any, budgets: tuple[float, float]) -> None:
     document = {} if options is None else {"options": options}
     assert tuple(stated_budgets(document).values()) == budgets
+
+
+LONG = 10**5000
+"""More digits than Python writes."""
+
+
+@pytest.mark.parametrize("place", ["whole", "list", "mapping", "negative"])
+def test_a_whole_number_that_no_json_of_ours_has_is_refused_in_an_answer(place: str) -> None:
+    for number in (2**53 + 1, 10**400, LONG):
+        answer = {"whole": number, "list": [1, number], "mapping": {"a": [{"b": number}]}, "negative": -number}[place]
+        with pytest.raises(DocumentError, match="a whole number up to") as caught:
+            plain({"seed": 2**53, "x": answer})
+        assert caught.value.field.startswith("x")
+        assert len(str(caught.value)) < 100
+
+
+@pytest.mark.parametrize("value", [LONG, -LONG, [LONG], {"a": LONG}, 10**400], ids=lambda value: type(value).__name__)
+def test_a_number_that_python_does_not_write_is_refused_in_words(value: object) -> None:
+    told = str(InputError("options.seed", value, "a number"))
+    assert "whole number of more than" in told
+    assert len(told) < 120
+    assert str(InputError("a", 10**19, "less")) == "a: got 10000000000000000000; allowed: less"
+
+
+@pytest.mark.parametrize("key", ["seed", "unknown"])
+def test_a_request_of_python_with_such_a_number_is_refused_at_its_field(key: str) -> None:
+    request = dict(shipped("demo").request)
+    request["options"] = {**request.get("options", {}), key: LONG}
+    with pytest.raises(InputError, match=rf"options\.{key}: got a whole number of more than 20 digits; allowed: "):
+        cell_of(request)
