@@ -23,7 +23,7 @@ NOTES = {
     "refusal.facts.least_m": "how near they came in the search",
     "relaxation": "a change that is proposed; whether it helps is not verified here",
     "sentence": "the same, and how often, in words",
-    "tried": "changes that did not help",
+    "tried": "the changes that were tried",
     "warnings": "what is probably not meant",
 }
 """Fields of a refusal that the checker does not look at, and what they say."""

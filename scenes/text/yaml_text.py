@@ -16,6 +16,7 @@ import yaml
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_DEPTH, MAX_YAML_BYTES
 from assur.scenes.faults import WHOLE, DocumentError, Path, dotted
+from assur.scenes.text.json_faults import not_utf8
 from assur.scenes.text.scalars import Refused, real, whole
 
 NULL = re.compile(r"(?:|~|null|Null|NULL)\Z")
@@ -71,7 +72,8 @@ def parse_yaml(data: bytes, *, limit_bytes: int = MAX_YAML_BYTES) -> tuple[Any, 
         text = data.decode("utf-8")
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
-        raise DocumentError("scenario", f"byte {error.start}", "YAML in UTF-8", line=line) from None
+        found, allowed = not_utf8(error)
+        raise DocumentError("scenario", found, f"YAML: {allowed}", line=line) from None
     reader = _Reader()
     try:
         for event in yaml.parse(text, Loader=LOADER):
