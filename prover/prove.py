@@ -590,9 +590,9 @@ def once(pairs: list[tuple[str, Any]]) -> Document:
 
 
 def finite(text: str) -> int:
-    """A whole number that a double holds exactly, for sure."""
-    if len(text) > 16 or not text.lstrip("-").isdigit():
-        raise ValueError(f"{text:.20} is no number; finite numbers are allowed, whole ones of up to 15 digits")
+    """A whole number that a double holds exactly. Raises `ValueError` for a longer one, and for NaN and infinities."""
+    if len(text.lstrip("-")) > 15 or not text.lstrip("-").isdigit():
+        raise ValueError(f"{text:.20} is not allowed; finite numbers are, whole ones of up to 15 digits")
     return int(text)
 
 

@@ -48,7 +48,7 @@ def prove(file: Annotated[Path, typer.Argument(metavar="BUNDLE", help="A proof b
     except ImportError:
         return say(NEEDS, BAD_INPUT)
     if not file.is_file():
-        raise InputError("BUNDLE", str(file), "a file")
+        raise InputError("BUNDLE", str(file), "a file that exists: a proof bundle, as assur bundle writes it")
     data = file.read_bytes()
     if not data.strip():
         raise empty(file, "a proof bundle, as JSON")
@@ -59,6 +59,6 @@ def prove(file: Annotated[Path, typer.Argument(metavar="BUNDLE", help="A proof b
         found, allowed = not_json(error) if isinstance(error, json.JSONDecodeError) else not_utf8(error)
         raise DocumentError(file.name, found, f"a proof bundle, as JSON; {allowed}") from error
     except ValueError as error:
-        raise InputError("BUNDLE", file.name, f"a proof bundle: {error}") from error
+        raise InputError("BUNDLE", file.name, f"a proof bundle, as assur bundle writes it: {error}") from error
     show("bundle shown" if shown else "bundle not shown", *lines)
     return RIGHT if shown else WRONG

@@ -51,7 +51,8 @@ def test_a_bundle_that_claims_too_much_is_not_shown(plan_file: Path, tmp_path: P
 def test_what_is_no_bundle_is_bad_input(plan_file: Path, tmp_path: Path) -> None:
     code, told, wrong = run("prove", str(plan_file))
     assert (code, told) == (BAD_INPUT, "")
-    assert wrong.startswith('assur: BUNDLE: got "plan.json"; allowed: a proof bundle: bundle: ')
+    allowed = "a proof bundle, as assur bundle writes it: bundle: "
+    assert wrong.startswith(f'assur: BUNDLE: got "plan.json"; allowed: {allowed}')
     code, _, wrong = run("prove", str(tmp_path / "none.json"))
     assert (code, "a file" in wrong) == (BAD_INPUT, True)
 

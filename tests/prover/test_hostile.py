@@ -72,8 +72,20 @@ def test_a_missing_part_is_refused_with_its_name(key: str) -> None:
 @pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity", "1e999", "1e301"])
 def test_what_is_no_finite_number_is_refused(number: str) -> None:
     text = json.dumps(bundle(NAMES)).replace('"travel": ', f'"travel": {number}, "x": ', 1)
-    with pytest.raises(ValueError, match=r"^required" if number.startswith("1e") else f"^{number} is no number"):
+    with pytest.raises(ValueError, match=r"^required" if number.startswith("1e") else f"^{number} is not allowed"):
         prove(text.encode())
+
+
+@pytest.mark.parametrize("sign", ["", "-"])
+def test_a_whole_number_that_no_double_may_hold_is_refused(sign: str) -> None:
+    text = json.dumps(bundle(NAMES)).replace('"travel": ', '"travel": %s, "x": ', 1)
+    number = f"{sign}9007199254740993"  # 2^53 + 1
+    with pytest.raises(
+        ValueError, match=f"^{number} is not allowed; finite numbers are, whole ones of up to 15 digits$"
+    ):
+        prove((text % number).encode())
+    with pytest.raises(ValueError, match=r"^required"):
+        prove((text % number[:-1]).encode())  # its length is right; what the form says comes next
 
 
 OTHERS: dict[str, Callable[[Document], Any]] = {
