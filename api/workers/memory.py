@@ -2,7 +2,8 @@
 
 A worker is bounded for good, a command of the command line while it runs. What is bounded is the memory that is its own
 and may be written (`RLIMIT_DATA`), not its address space: most of that is libraries, and what is reserved and never
-used. A process that has planned has 400 MiB of the one, 900 of the other.
+used. A process that has planned has 400 MiB of the one, 900 of the other. The limit of a command counts what the
+command takes; what its process had before, as where another program calls it, is not counted.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ MEMORY_MIB = 2048
 
 GROWN_BYTES = 16 << 20
 """By so much a process must have grown before it asks what of that is free: to ask takes it 4 to 20 ms."""
-RESIDENT = 1
-"""Where `/proc/self/statm` has the number of pages that a process holds."""
+RESIDENT, DATA = 1, 5
+"""Where `/proc/self/statm` has the number of pages that a process holds, and of those that it may write."""
 
 
 def limit_memory(memory_mib: int) -> None:
@@ -30,9 +31,10 @@ def limit_memory(memory_mib: int) -> None:
 
 @contextmanager
 def limited_memory(memory_mib: int) -> Iterator[None]:
-    """The same inside the block. A limit that is narrower already stays."""
+    """Bounds what the block may allocate on top of what the process has. A limit that is narrower already stays."""
     soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
-    size = min([memory_mib << 20, *(bound for bound in (soft, hard) if bound != resource.RLIM_INFINITY)])
+    own = _bytes(DATA) + (memory_mib << 20)
+    size = min([own, *(bound for bound in (soft, hard) if bound != resource.RLIM_INFINITY)])
     resource.setrlimit(resource.RLIMIT_DATA, (size, hard))
     try:
         yield
@@ -45,15 +47,15 @@ class FreedMemory:
     and the next large job comes on top of that."""
 
     def __init__(self) -> None:
-        self._held_bytes = _resident_bytes()
+        self._held_bytes = _bytes(RESIDENT)
 
     def give_back(self) -> None:
         """Gives it back to the system, if the process has grown since the last time."""
-        if _resident_bytes() - self._held_bytes >= GROWN_BYTES:
+        if _bytes(RESIDENT) - self._held_bytes >= GROWN_BYTES:
             ctypes.CDLL(None).malloc_trim(0)
-            self._held_bytes = _resident_bytes()
+            self._held_bytes = _bytes(RESIDENT)
 
 
-def _resident_bytes() -> int:
-    pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[RESIDENT]
+def _bytes(column: int) -> int:
+    pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[column]
     return int(pages) * resource.getpagesize()

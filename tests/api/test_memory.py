@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
 import resource
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,19 +12,13 @@ from assur.api.web.settings import Settings
 from assur.api.workers.memory import MEMORY_MIB, limited_memory
 
 
-def taken_mib() -> int:
-    """Memory of this process that is its own and may be written, MiB."""
-    (data,) = re.findall(r"^VmData:\s+(\d+) kB$", Path("/proc/self/status").read_text(encoding="utf-8"), re.MULTILINE)
-    return int(data) >> 10
-
-
 def allocate(mib: int) -> int:
     return len(np.empty(mib << 20, dtype=np.uint8))
 
 
 def test_more_than_the_limit_is_refused_inside_and_not_behind_it() -> None:
     before = resource.getrlimit(resource.RLIMIT_DATA)
-    with limited_memory(taken_mib() + 512):
+    with limited_memory(512):
         assert allocate(64) == 64 << 20
         with pytest.raises(MemoryError):
             allocate(1024)
@@ -34,8 +26,17 @@ def test_more_than_the_limit_is_refused_inside_and_not_behind_it() -> None:
     assert allocate(1024) == 1024 << 20
 
 
+def test_what_the_process_had_before_the_command_is_not_counted() -> None:
+    held = np.ones(256 << 20, dtype=np.uint8)
+    with limited_memory(128):
+        assert allocate(64) == 64 << 20
+        with pytest.raises(MemoryError):
+            allocate(256)
+    assert len(held) == 256 << 20
+
+
 def test_a_narrower_limit_stays() -> None:
-    with limited_memory(taken_mib() + 512), limited_memory(taken_mib() + 4096), pytest.raises(MemoryError):
+    with limited_memory(512), limited_memory(4096), pytest.raises(MemoryError):
         allocate(1024)
 
 
