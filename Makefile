@@ -1,9 +1,11 @@
 # make demo    plan the shipped demo on a fresh environment and check the plan
-# make test    all tests, on two processes, then the kernels' tests as plain Python with coverage
+# make test    the quick tests, on two processes, then the kernels' tests as plain Python with coverage; tests/README.md
+# make test-all  every test: the quick, the slow, those in a browser, of the proxy and of models, and the soak of the service
 # make test-browser  the reports of all shipped scenarios in a real Chromium (Debian: apt-get install chromium)
 # make pictures  docs/pictures anew, from reports in that Chromium
-# make test-gltf  animated models of all shipped scenarios, by the Khronos validator (npm fetches it); make test does it, too
+# make test-gltf  animated models of all shipped scenarios, by the Khronos validator (npm fetches it)
 # make test-proxy  the shipped proxy in front of two services, by a real HAProxy (Debian: apt-get install haproxy)
+#              SMOKE=1 runs only the quick tests of the browser or of the proxy
 # make kernels compile the inner loops once, for this processor; demo and test do it by themselves
 # make check   ruff, mypy, import rules
 # make serve   the HTTP service on 127.0.0.1:8000
@@ -35,8 +37,8 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.13 python3.12 python3.11 py
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo kernels test test-browser test-gltf test-proxy pictures check format serve problems bench \
-	bench-quick soak prove-random soak-service check-deployment lock sbom audit pin-base image clean
+.PHONY: help demo kernels test test-all test-kernels test-browser test-gltf test-proxy pictures check format serve \
+	problems bench bench-quick soak prove-random soak-service check-deployment lock sbom audit pin-base image clean
 
 help:
 	@sed -n '/^# make/s/^# //p' $(firstword $(MAKEFILE_LIST))
@@ -76,14 +78,22 @@ demo: kernels
 	$(BIN)/assur check $(OUT)/$(SCENE).json
 	$(BIN)/assur report $(OUT)/$(SCENE).json --out $(OUT)/$(SCENE).html
 
+QUICK := -m "not slow"
+
 test: $(VENV)/installed-test
 	$(BIN)/assur kernels
+	$(BIN)/python -m pytest -n 2 --dist worksteal $(QUICK)
+	$(MAKE) --no-print-directory test-kernels
+
+test-all: $(VENV)/installed-test
+	$(BIN)/assur kernels
 	$(BIN)/python -m pytest -n 2 --dist worksteal
+	$(MAKE) --no-print-directory test-kernels test-gltf test-browser test-proxy
+	$(MAKE) --no-print-directory soak-service SHORT=1
+
+# Once more as plain Python, where coverage sees their lines.
+test-kernels: $(VENV)/installed-test
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 $(PLAIN) --cov=planner/kernels --cov-report=term
-	@if test -n "$(NPM)"; then $(MAKE) --no-print-directory test-gltf; \
-		else echo "not run: the Khronos validator on exported models, for there is no npm (Debian: apt-get install npm; then make test-gltf)"; fi
-	@test -n "$(CHROMIUM)" || echo "not run: the tests of the report in a browser, for there is no Chromium (Debian: apt-get install chromium; then make test-browser)"
-	@test -n "$(HAPROXY)" || echo "not run: the tests of the proxy, for there is no HAProxy (Debian: apt-get install haproxy; then make test-proxy)"
 
 # The browser that runs the reports; none is downloaded.
 CHROMIUM ?= $(firstword $(foreach name,chromium chromium-browser google-chrome,$(shell command -v $(name) 2>/dev/null)))
@@ -94,7 +104,7 @@ $(VENV)/installed-browser: $(BIN)/python pyproject.toml
 test-browser: $(VENV)/installed-browser
 	@test -n "$(CHROMIUM)" || { echo "there is no Chromium (Debian: apt-get install chromium); or say: make test-browser CHROMIUM=/path/to/it" >&2; exit 2; }
 	$(BIN)/assur kernels
-	CHROMIUM="$(CHROMIUM)" $(BIN)/python -m pytest -n 2 --dist worksteal tests/browser
+	CHROMIUM="$(CHROMIUM)" $(BIN)/python -m pytest -n 2 --dist worksteal $(if $(SMOKE),$(QUICK)) tests/browser
 
 pictures: $(VENV)/installed-browser
 	CHROMIUM="$(CHROMIUM)" $(BIN)/python -m tests.browser.pictures
@@ -118,7 +128,7 @@ HAPROXY ?= $(firstword $(shell command -v haproxy 2>/dev/null) $(wildcard /usr/s
 test-proxy: $(VENV)/installed-test
 	@test -n "$(HAPROXY)" || { echo "there is no HAProxy (Debian: apt-get install haproxy); or say: make test-proxy HAPROXY=/path/to/it" >&2; exit 2; }
 	$(BIN)/assur kernels
-	HAPROXY="$(HAPROXY)" $(BIN)/python -m pytest tests/proxy
+	HAPROXY="$(HAPROXY)" $(BIN)/python -m pytest $(if $(SMOKE),$(QUICK)) tests/proxy
 
 check: $(VENV)/installed-dev
 	$(BIN)/ruff check .
@@ -216,11 +226,11 @@ image:
 	@case "$(BASE)" in *@sha256:*) ;; *) echo "which base image? make pin-base writes the digest of $(TAG) into deploy/base-image; or say: make image BASE=$(TAG)@sha256:..." >&2; exit 2;; esac
 	docker build --build-context "$(TAG)=docker-image://$(BASE)" --build-arg VERSION="$(VERSION)" --build-arg COMMIT="$(COMMIT)" \
 		--label org.opencontainers.image.base.name="$(BASE)" --tag assur:$(VERSION) .
-# HAProxy, where there is one, stands between (Debian: apt-get install haproxy).
 prove-random: $(VENV)/installed-test
 	$(BIN)/assur kernels
 	$(BIN)/python -m benchmarks.proofs --plans $(if $(filter command line,$(origin PLANS)),$(PLANS),1000) --seed $(SEED)
 
+# Through HAProxy, where there is one (Debian: apt-get install haproxy).
 soak-service: $(VENV)/installed-test
 	$(BIN)/assur kernels
 	$(BIN)/python -m benchmarks.soak_service $(if $(SHORT),--short) $(foreach row,$(ONLY),--only $(row)) \
