@@ -500,6 +500,7 @@ def process(*arguments: str, **environment: str) -> subprocess.CompletedProcess[
     return subprocess.run(command, cwd=ROOT, env=given, capture_output=True, timeout=120, check=False)
 
 
+@pytest.mark.slow
 def test_a_terminal_that_knows_ascii_only_gets_everything_all_the_same(small_file: Path) -> None:
     run = process("plan", str(small_file), PYTHONIOENCODING="ascii", LC_ALL="C", TERM="dumb")
     assert run.returncode == RIGHT, run.stderr
@@ -516,6 +517,7 @@ def test_a_reader_that_closes_the_pipe_gets_no_traceback() -> None:
     assert run.returncode in (RIGHT, PIPE_CLOSED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [("robots",), ("robots", "--json"), ("plan", "demo")])
 def test_a_reader_that_is_gone_is_no_request_that_was_not_planned(command: tuple[str, ...]) -> None:
     here, there = os.pipe()

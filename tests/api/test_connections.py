@@ -205,6 +205,7 @@ def test_a_client_that_does_not_take_its_answer_is_dropped(running: Running) -> 
         assert rest(connection).count(b"HTTP/1.1 200") < 400, "all of it was taken"
 
 
+@pytest.mark.slow
 def test_a_client_that_takes_its_answer_slowly_gets_all_of_it(running: Running) -> None:
     with socket.socket() as connection:
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 65536)
@@ -246,6 +247,7 @@ def test_beyond_the_limit_of_an_address_the_longest_idle_one_is_closed(running: 
         assert rest(idle[0]) == b""
 
 
+@pytest.mark.slow
 def test_an_address_that_comes_again_and_again_beyond_its_limit_is_closed_unseen(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

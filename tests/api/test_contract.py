@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import httpx
+import pytest
 from openapi_spec_validator import validate as validate_description
 
 from assur.api.web.settings import Settings
@@ -44,6 +45,7 @@ def test_every_link_leads_to_an_operation(client: httpx.Client) -> None:
     assert set(links) <= operations
 
 
+@pytest.mark.slow
 def test_some_hundred_cases_of_all_phases_find_nothing() -> None:
     with running(SMALL_BUDGETS) as client:
         done = round_of(str(client.base_url), 1, 5, PHASES, 60.0, QUICK)

@@ -126,6 +126,7 @@ def python(request: pytest.FixtureRequest, source: Path, tmp_path_factory: pytes
     return found
 
 
+@pytest.mark.slow
 def test_the_demo_is_planned_beside_packages_of_other_people(python: Path, source: Path, tmp_path: Path) -> None:
     told: dict[str, Any] = json.loads(ran(python, "-W", "error", "-c", PROGRAM, folder=tmp_path))
     assert Path(told["file"]).is_relative_to(python.parents[1]) or Path(told["file"]).is_relative_to(source)
@@ -140,6 +141,7 @@ def test_the_demo_is_planned_beside_packages_of_other_people(python: Path, sourc
         assert told["compiled"] == []
 
 
+@pytest.mark.slow
 def test_spawned_workers_plan_beside_packages_of_other_people(python: Path, tmp_path: Path) -> None:
     for name in OTHERS:  # in the working folder, too
         (tmp_path / f"{name}.py").write_text(THEIRS, encoding="utf-8")

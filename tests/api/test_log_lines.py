@@ -16,6 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import httpx
+import pytest
 
 from assur.api.log_lines import LONGEST_LINE, AtOnce, Later
 from assur.api.workers.jobs import FIRST_PLAN
@@ -89,6 +90,7 @@ def test_a_line_that_is_too_long_keeps_its_short_facts() -> None:
     os.close(write)
 
 
+@pytest.mark.slow
 def test_a_service_whose_log_nobody_reads_answers_and_ends() -> None:
     read, write = os.pipe()
     command = [sys.executable, "-m", "assur.api.command_line", "serve", "--port", "0"]

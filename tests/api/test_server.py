@@ -26,6 +26,8 @@ from assur.api.workers.jobs import FIRST_PLAN
 from assur.planner.errors import InputError
 from tests.api.processes import ROOT, Server, environment, serving, until
 
+pytestmark = pytest.mark.slow
+
 SECRET = "the-customers-own-words"
 
 

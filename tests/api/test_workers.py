@@ -284,6 +284,7 @@ def test_a_request_that_a_fresh_worker_serves_is_not_the_cause(deaths: int, tmp_
     with_workers(Settings(workers=1), story)
 
 
+@pytest.mark.slow
 def test_a_request_in_quarantine_is_known_by_its_meaning_and_forgotten_in_time(tmp_path: Path) -> None:
     async def story(workers: Workers) -> None:
         async def asked(key: str) -> Any:
@@ -457,6 +458,7 @@ def test_a_worker_cannot_take_more_memory_than_it_was_given() -> None:
     asyncio.run(tell())
 
 
+@pytest.mark.slow
 def test_a_worker_gives_back_what_a_large_job_took() -> None:
     async def story(workers: Workers) -> None:
         worker = psutil.Process(await pid_of(workers))

@@ -83,6 +83,7 @@ def test_a_run_goes_on_where_it_was_and_drops_a_line_that_was_cut_off(tmp_path: 
     assert searched(path, {"budget_s": 2.0}) == {}
 
 
+@pytest.mark.slow
 def test_the_command_writes_records_and_searches_nothing_twice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def soon(program: Any, document: Any) -> Any:
         return ask(program, document | {"options": document["options"] | {"stop": "first", "budget_s": 60.0}})

@@ -18,6 +18,7 @@ ROOT = Path(__file__).parents[2]
 PATIENT_S = 60.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "match"), SETS)
 def test_easy_problems_are_solved_and_withstand_the_recheck(name: str, match: Match) -> None:
     problems = problem_set(name)
@@ -28,6 +29,7 @@ def test_easy_problems_are_solved_and_withstand_the_recheck(name: str, match: Ma
     assert recheck_lines(problems, [json.dumps(line).encode() for line in lines], partial=True)[0] == []
 
 
+@pytest.mark.slow
 def test_a_problem_that_cannot_even_be_asked_gets_a_line_that_the_recheck_refuses() -> None:
     problems = problem_set("static")
     first = problems.problems[0]
@@ -48,6 +50,7 @@ def test_problems_are_chosen_by_name_and_number_in_the_order_of_the_file() -> No
         choose(problems, None, ["A999"])
 
 
+@pytest.mark.slow
 def test_the_two_commands_work_as_they_are_written_in_the_documentation(tmp_path: Path) -> None:
     out, file = str(tmp_path / "made" / "if needed" / "answers.jsonl"), "benchmarks/problems/static.json"
     ran = _python(

@@ -93,6 +93,7 @@ def test_a_lone_surrogate_can_be_sent() -> None:
     assert text_of({"a": "\ud800"}) == b'{"a": "\\ud800"}'
 
 
+@pytest.mark.slow
 def test_large_bodies_are_as_large_as_they_say() -> None:
     assert len(torus(20, 10)) == 84 + 50 * 400
     assert all(300_000 < len(body) <= 1 << 20 for body in of_megabytes().values())
@@ -452,6 +453,7 @@ def test_a_setting_that_the_service_does_not_know_is_not_there(tmp_path: Path) -
         raise AssertionError("it runs with a setting that it cannot know")
 
 
+@pytest.mark.slow
 def test_a_service_is_asked_and_a_worker_that_ends_is_seen(tmp_path: Path) -> None:
     with served(tmp_path / "log", workers=1, max_budget_s=1.0, grace_s=30, wished={"unheard": 1}) as service:
         assert service.lacking == ["the setting ASSUR_UNHEARD"]

@@ -43,6 +43,7 @@ def document(small: Path) -> dict[str, Any]:
     return sbom.listed(small, locks.PYPROJECT)
 
 
+@pytest.mark.slow
 def test_every_installed_library_is_listed_with_its_version(document: dict[str, Any]) -> None:
     listed: dict[str, str] = {canonicalize_name(each["name"]): each["version"] for each in document["components"]}
     assert listed == {name: metadata.version(name) for name in LIBRARIES}

@@ -7,14 +7,14 @@ import re
 import shlex
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
 
-from tests.docs.pages import ENVIRONMENT, HOST, PAGES, ROOT, Command, commands, of_language, save_files
+from tests.docs.pages import HOST, PAGES, ROOT, Command, commands, of_language, save_files
+from tests.docs.warm_process import run_words
 
 ELSEWHERE = ("docs/service.md", "docs/first-belt-cell.md", "docs/examples.md")
 """Their commands are run by tests/api/test_service_page.py, test_first_belt_cell.py and test_examples.py."""
@@ -37,11 +37,8 @@ def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
     """Runs a line of the shell: `assur` and `python` of this environment; files of the repository are found."""
     program, *arguments = shlex.split(line)
     where = [str(ROOT / word) if word.startswith(OURS) else word for word in arguments]
-    head = [sys.executable, *(["-m", "assur.api.command_line"] if program == "assur" else [])]
     extra = SHORTER.get(arguments[1], []) if program == "python" and arguments[0] == "-m" else []
-    return subprocess.run(
-        [*head, *where, *extra], cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, check=False
-    )
+    return run_words([program, *where, *extra], folder)
 
 
 def signature(line: str) -> str:
@@ -55,7 +52,13 @@ def unlike(shown: tuple[str, ...], printed: str) -> list[str]:
     return [line for line in shown if line.strip() and line != "..." and signature(line) not in there]
 
 
-@pytest.mark.parametrize("page", sorted({command.page for command in SHOWN if command.program in RUN}))
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=[pytest.mark.slow] if page == "docs/benchmarks.md" else [])
+        for page in sorted({command.page for command in SHOWN if command.program in RUN})
+    ],
+)
 def test_every_command_of_a_page_succeeds_and_prints_what_is_shown(page: str, tmp_path: Path) -> None:
     save_files(page, tmp_path)
     (tmp_path / "out").mkdir()

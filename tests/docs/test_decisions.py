@@ -34,6 +34,7 @@ def test_every_part_measures_something(part: str, measure: dict[str, Any]) -> No
     assert len(lines) >= 4
 
 
+@pytest.mark.slow
 def test_limits_are_looked_for_in_logs_of_a_kind(measure: dict[str, Any]) -> None:
     console: Console = measure["OUT"]
     with console.capture() as printed:

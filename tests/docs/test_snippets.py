@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +13,8 @@ from assur.scenes import load, plan
 from assur.scenes.requests import load_robot, load_scenario, parse_json, plan_scenario, unmet
 from assur.scenes.schema.robots import FAMILIES
 from assur.scenes.text.yaml_text import parse_yaml
-from tests.docs.pages import ENVIRONMENT, HOST, PAGES, ROOT, Block, blocks, of_language, save_files
+from tests.docs.pages import HOST, PAGES, ROOT, Block, blocks, of_language, save_files
+from tests.docs.warm_process import run_words
 
 ELSEWHERE = ("docs/request.md", "docs/first-belt-cell.md")
 """Their fragments are built into scenes by tests/scenes/test_request_docs.py and test_first_belt_cell.py."""
@@ -36,14 +35,7 @@ def test_every_python_block_runs_by_itself(block: Block, tmp_path: Path, request
     program = block.text
     if HOST in program:
         program = program.replace(HOST, request.getfixturevalue("service"))
-    ran = subprocess.run(
-        [sys.executable, "-W", "error", "-c", program],
-        cwd=tmp_path,
-        env=ENVIRONMENT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    ran = run_words(["python", "-W", "error", "-c", program], tmp_path)
     assert ran.returncode == 0, ran.stderr
     assert ran.stderr == ""
 

@@ -29,6 +29,7 @@ def steady(numbers: dict[str, Any]) -> Any:
     return json.loads(json.dumps({key: value for key, value in numbers.items() if key != "timings"}, allow_nan=False))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_an_experiment_leaves_two_figures_a_paragraph_and_the_same_numbers_as_before(name: str, tmp_path: Path) -> None:
     before = result(name)
@@ -122,6 +123,7 @@ def test_an_unknown_experiment_and_a_folder_that_is_a_file_are_refused(tmp_path:
         list(reproduce("modes", taken))
 
 
+@pytest.mark.slow
 def test_the_command_prints_what_it_found_and_names_the_experiments_to_one_who_errs(tmp_path: Path) -> None:
     def assur(*arguments: str) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-m", "assur.api.command_line", "reproduce", *arguments, "--out", str(tmp_path)]
@@ -142,11 +144,13 @@ def test_without_matplotlib_one_is_told_of_the_extra(tmp_path: Path, monkeypatch
         list(reproduce("modes", tmp_path))
 
 
+@pytest.mark.slow
 def test_matplotlib_has_one_door() -> None:
     doors = {s.name for s in sources(*PRODUCT) for name, _ in imports(s.tree) if name.partition(".")[0] == "matplotlib"}
     assert doors == {"assur.experiments.figures"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "program",
     [

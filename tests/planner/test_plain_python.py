@@ -153,6 +153,7 @@ def problems(count: int) -> dict[str, dict[str, Any]]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(900)
 def test_fifty_requests_come_out_the_same_without_the_compiler() -> None:
     asked = problems(17)

@@ -55,6 +55,7 @@ def served(pair: Pair) -> None:
     until(lambda: seen(pair.a, pair.b) > before)
 
 
+@pytest.mark.slow
 def test_slow_headers_and_slow_bodies_never_reach_a_service_and_are_nobodys_trouble(pair: Pair) -> None:
     before = seen(pair.a, pair.b)
     slow = [sending(pair.port, POST + b"{", ATTACKER) for _ in range(64)]
@@ -71,6 +72,7 @@ def test_slow_headers_and_slow_bodies_never_reach_a_service_and_are_nobodys_trou
     assert seen(pair.a, pair.b) == before + 2
 
 
+@pytest.mark.slow
 def test_idle_connections_of_one_address_are_bounded_and_closed(pair: Pair) -> None:
     with contextlib.ExitStack() as stack:
         idle = []
@@ -116,6 +118,7 @@ def test_jobs_are_found_in_their_replica_and_their_events_come_as_they_happen(pa
     assert (lost.status_code, lost.json()["type"]) == (404, "urn:assur:problem:job-lost")
 
 
+@pytest.mark.slow
 def test_streams_of_events_are_bounded_for_each_client_and_keep_nobody_from_jobs(pair: Pair) -> None:
     job = pair.client.post("/v1/jobs", json=ENDLESS).json()["id"]
     asking = f"GET /v1/jobs/{job}/events HTTP/1.1\r\nHost: x\r\n\r\n".encode()
@@ -163,6 +166,7 @@ def recorder() -> Iterator[tuple[int, list[tuple[str, dict[str, str]]]]]:
         server.server_close()
 
 
+@pytest.mark.slow
 def test_what_a_caller_says_of_itself_is_not_passed_on_and_metrics_are_not_told(tmp_path: Path) -> None:
     with recorder() as (port, found), proxied(tmp_path, {"a": port, "b": port}) as proxy:
         said = {"X-Forwarded-For": "8.8.8.8", "Forwarded": "for=8.8.8.8", "X-Real-IP": "8.8.8.8",
@@ -185,6 +189,7 @@ def test_what_a_caller_says_of_itself_is_not_passed_on_and_metrics_are_not_told(
     assert not {"forwarded", "x-real-ip", "x-forwarded-host"} & set(headers)
 
 
+@pytest.mark.slow
 def test_without_a_replica_the_answer_is_a_problem(tmp_path: Path) -> None:
     with socket.socket() as nobody:
         nobody.bind(("127.0.0.1", 0))

@@ -15,7 +15,7 @@ from assur.api.workers.jobs import FIRST_PLAN
 from tests.api.processes import Server, until
 from tests.proxy.conftest import proxied, replica
 
-pytestmark = pytest.mark.timeout(900)  # four services start, one after the other
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]  # four services start, one after the other
 
 
 class Load:

@@ -58,6 +58,7 @@ def staying(seconds: float) -> dict[str, Any]:
     return with_task(*ARM["task"], options={**ARM["options"], "stay_safe_s": seconds})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("request_of", [following, window, staying])
 def test_long_standstill_costs_no_more_memory_than_a_short_one(request_of: Any) -> None:
     plan_document(request_of(2.0))

@@ -21,6 +21,8 @@ from tests.scenes.cells.second_kinematics import answer
 from tests.scenes.exports.controller import sampled, seconds
 from tests.scenes.exports.test_foreign import table, text
 
+pytestmark = pytest.mark.slow
+
 JUMPS = "parabolic-blend"
 """Parabolic blends leave as CSV at their knots alone: see test_export."""
 PLANNED = [name for name in shipped_scenarios() if shipped(name).expect["status"] == "planned" and name != JUMPS]

@@ -90,6 +90,7 @@ def links_off(file: Glb, name: str) -> float:
     return worst
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PLANNED)
 def test_links_are_where_forward_kinematics_has_them(name: str) -> None:
     assert links_off(model(name), name) <= WITHIN_M
