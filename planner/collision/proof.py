@@ -40,6 +40,7 @@ from assur.planner.kernels.proof import (
     T1,
     UNIT,
 )
+from assur.planner.kernels.nearest import UPPER, sample_distance
 from assur.planner.kernels.screening import HIT_COLUMNS, HITS, depths, sampled_behind
 from assur.planner.kernels.solids import BODY, EARLY, FIRST, LATE, PAIR_COLUMNS, REQUIRED, SECOND
 from assur.planner.kernels.spline import spline_state
@@ -212,8 +213,10 @@ class Prover:
         """A search for an instant of a phase at which some of `pairs` (P, PAIR_COLUMNS) are too near. Pairs that may
         touch are left out. `doubted`: whether links count where they may be displaced to."""
         asked = pairs[pairs[:, REQUIRED] >= 0.0]
-        # the end is an instant of its own: often what is near is nearest there
-        ends = ((phase.t1, phase.t1),) if phase.t1 > phase.t0 else ()
+        # the end is an instant of its own: often what is near is nearest there; and nothing is proved of the start
+        instants = [phase.t1] * (phase.t1 > phase.t0)
+        instants += [phase.t0] * (phase.t0 == self.scene.start.time < phase.t1)
+        ends = tuple((t, t) for t in instants)
         doubt = self.pairs(self.of(phase), phase).doubt if doubted else self.exact
         search = Search(self, phase, spline, asked, doubt, ends, MOST_HITS)
         while search.go_on(SCREEN) not in (DONE, HIT, RESISTED) and not search.over:
@@ -282,6 +285,13 @@ class Prover:
             arrangement, spline, t, a, b, float(state[RESISTED_S])
         )
         return _unproved(arrangement, state, touching=touching)
+
+    def distance(self, arrangement: Arrangement, q: FloatArray, t: float, a: int, b: int) -> float:
+        """How far unit a is from unit b, pieces both, at time t with joints q (n,), m; 0 where they meet."""
+        pairs, state = np.zeros((1, PAIR_COLUMNS)), np.zeros(STATE_COLUMNS)
+        pairs[0, FIRST], pairs[0, SECOND], state[UPPER] = a, b, np.inf
+        sample_distance(self.motion(self.standing(q, t)), arrangement.cell, pairs, t, t, 2, state)
+        return float(state[UPPER])
 
     def depths(self, phase: Phase, q: FloatArray, t: FloatArray, deepest: float, most: float) -> FloatArray:
         """How deep (W,) motions are in something at instants `t` (W, T) with joints `q` (W, T, n), up to about `most`

@@ -45,18 +45,27 @@ class Timed(Protocol):
 @dataclass(frozen=True, slots=True)
 class Encounter:
     """Why a candidate is refused: with one body, at one instant. `refusal` takes what is not shown to be apart for a
-    touch; `confirmed` asks FCL about the true shapes, which takes longer than all the rest of a screening."""
+    touch, and the gap along the normal that refuses it for the distance; `confirmed` asks FCL about the true shapes,
+    and GJK for the distance, which takes longer than all the rest of a screening."""
 
     refusal: Refusal
     touches: Callable[[], bool] | None = None
     """Asks FCL; None: there is nothing to ask."""
+    distance: Callable[[], float] | None = None
+    """How far the two are apart, m; None: it is the gap."""
 
     def confirmed(self) -> Refusal:
-        """The refusal, which says whether the true shapes touch."""
+        """The refusal, which says whether the true shapes touch, and how far they are apart. What is missing stays as
+        it is: what is not known counts along the normal."""
         facts = self.refusal.facts
-        if self.touches is None or not isinstance(facts, Separation):
+        if not isinstance(facts, Separation):
             return self.refusal
-        return replace(self.refusal, facts=replace(facts, touching=self.touches()))
+        if self.touches is not None:
+            facts = replace(facts, touching=self.touches())
+        if self.distance is not None and facts.gap_m is not None and facts.required_m is not None:
+            more = max(0.0, self.distance() - facts.gap_m)
+            facts = replace(facts, gap_m=facts.gap_m + more, required_m=facts.required_m + more)
+        return replace(self.refusal, facts=facts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,5 +123,8 @@ def _encounter(prover: Prover, phase: Phase, hit: list[float], q: FloatArray) ->
         amount=Quantity.of(max(0.0, required - gap), "m"),
         facts=Separation(touching=not gap > 0.0, gap_m=gap, required_m=required, rule=rule, clearance_m=clearance),
     )
-    # what has a gap does not touch
-    return Encounter(refusal, None if gap > 0.0 else partial(prover.touching, arrangement, q, t, *units, hit[HIT_S]))
+    if not gap > 0.0:
+        return Encounter(refusal, partial(prover.touching, arrangement, q, t, *units, hit[HIT_S]))
+    # what has a gap does not touch; along which normal it is, counts where something is not known
+    exact = hit[HIT_S] != 0.0 or not required > clearance
+    return Encounter(refusal, distance=None if exact else partial(prover.distance, arrangement, q, t, *units))

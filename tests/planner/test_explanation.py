@@ -40,9 +40,10 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Clearance, ClearanceException, Follow, Window
 from assur.planner.model.window_missed import Miss, WindowMissed
-from assur.planner.pipeline import leading, plan
+from assur.planner.pipeline import plan
 from assur.planner.report.notes import note
 from assur.planner.report.sentence import because, sentence
+from assur.planner.search.cause import most_frequent
 from tests.planner.cells import at, cell, go, stands
 
 SCENE = cell(go(0.35, 0.2, name="drop"), go(0.3, 0.0, name="home"))
@@ -63,7 +64,7 @@ def line(count: int, *arguments: Any, **more: Any) -> CensusLine:
 def test_the_most_frequent_refusal_of_the_step_that_was_never_passed_leads() -> None:
     post = Bodies(("cup", "post"))
     census = Census(40, 40, (line(30, step=0), line(6, step=1), line(4, step=1, subject=post)))
-    first, second = leading(census, 0), leading(census, 1)
+    first, second = most_frequent(census, 0), most_frequent(census, 1)
     assert first is not None
     assert first.count == 30
     assert second is not None
@@ -72,9 +73,9 @@ def test_the_most_frequent_refusal_of_the_step_that_was_never_passed_leads() -> 
 
 def test_a_mode_that_is_not_reached_leads_only_where_nothing_else_was_tried() -> None:
     once = line(1, Stage.INVERSE, Reason.OUT_OF_REACH, subject=None, facts=OutOfReach(mode="left"))
-    assert leading(Census(20, 20, (line(20), once)), 0) == line(20)
-    assert leading(Census(0, 0, (once,)), 0) == once
-    assert leading(NONE, 0) is None
+    assert most_frequent(Census(20, 20, (line(20), once)), 0) == line(20)
+    assert most_frequent(Census(0, 0, (once,)), 0) == once
+    assert most_frequent(NONE, 0) is None
 
 
 def said(refused: Refusal | CensusLine | None, census: Census = NONE, *, cut: bool = False) -> str:
@@ -117,11 +118,12 @@ def test_an_allowed_contact_that_is_too_deep_is_told_with_what_is_allowed() -> N
     deep = Separation(touching=True, gap_m=-0.003, required_m=-1e-4, rule="contact", clearance_m=-1e-4)
     assert (
         because(SCENE, refusal(facts=deep))
-        == "cup would hit gate: overlap up to 3 mm, allowed 0.1 mm: a contact_tolerance_mm of the step allows more"
+        == "cup would be pressed 3 mm into gate, but only 0.1 mm is allowed: a contact_tolerance_mm of the step allows "
+        "more"
     )
     unsure = replace(deep, required_m=0.0019)
-    more = "a contact_tolerance_mm of the step allows more"
-    said = f"cup would hit gate: overlap up to 3 mm, required 1.9 mm (uncertainty 2 mm): {more}"
+    more = "but only 0.1 mm is allowed: a contact_tolerance_mm of the step allows more"
+    said = f"cup would be pressed 5 mm into gate (uncertainty 2 mm), {more}"
     assert because(SCENE, refusal(facts=unsure)) == said
 
 
