@@ -25,6 +25,7 @@ from assur.planner.kernels.intervals import (
     Motion,
 )
 from assur.planner.kernels.links import POSE_COLUMNS
+from assur.planner.kernels.nearest import UPPER, sample_distance
 from assur.planner.kernels.planes import SIDES, behind, drop_spare, not_behind
 from assur.planner.kernels.proof import (
     ALONG,
@@ -40,7 +41,6 @@ from assur.planner.kernels.proof import (
     T1,
     UNIT,
 )
-from assur.planner.kernels.nearest import UPPER, sample_distance
 from assur.planner.kernels.screening import HIT_COLUMNS, HITS, depths, sampled_behind
 from assur.planner.kernels.solids import BODY, EARLY, FIRST, LATE, PAIR_COLUMNS, REQUIRED, SECOND
 from assur.planner.kernels.spline import spline_state

@@ -11,6 +11,7 @@ WHOLE = 1e-3
 ROUNDING = 1e-9
 """Ends of windows that differ by no more, s or m, are the same."""
 
+
 def up(value: float, unit: float) -> float:
     """The next whole number of units; a millionth of one is rounding."""
     return math.ceil(value / unit - 1e-6) * unit

@@ -28,12 +28,12 @@ from assur.planner.model.refusal import (
     Singular,
     Stage,
 )
-from assur.planner.model.scene import Pick, Place, Scene, Trace
+from assur.planner.model.scene import Scene, Trace
 from assur.planner.model.window_missed import WindowMissed
 from assur.planner.report.not_touching import not_touching
 from assur.planner.report.number_format import amount, number, position
-from assur.planner.report.too_near import too_near
 from assur.planner.report.too_late import law_ended, window_missed
+from assur.planner.report.too_near import too_near
 
 
 def sentence(scene: Scene, refusal: Refusal | None, line: CensusLine | None, census: Census, *, cut: bool) -> str:

@@ -23,7 +23,7 @@ class Cause:
 
 
 def cause_of(found: Found) -> Cause:
-    """The cause of a search without a plan. What the checker refused came further than all else: it was a whole plan."""
+    """The cause of a search without a plan. What the checker refused came further than all else: it was a whole one."""
     census, furthest = found.census.census(), found.furthest
     whole = next((line for line in census.lines if line.refusal.stage is Stage.CHECKER), None)
     if whole is not None:

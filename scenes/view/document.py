@@ -121,7 +121,7 @@ def _motion_in(answer: dict[str, Any]) -> dict[str, Any] | None:
 
 
 def _met(scene: Scene, refusal: dict[str, Any]) -> tuple[FloatArray, Attachments] | None:
-    """Where the arm and all bodies are when those meet that a refusal names; None: at the start, or they meet nowhere."""
+    """Where the arm and all bodies are when those meet that a refusal names; None: at the start, or nowhere."""
     from assur.planner.feasibility.met_posture import met_posture
 
     witness = refusal.get("witness") or {}
