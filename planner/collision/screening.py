@@ -26,6 +26,8 @@ from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separ
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import Spline
 
+EXACT_M = 1e-6
+"""A gap that is less than the distance by no more is the distance, m: GJK is near enough by then."""
 MOST_BODIES = 3
 """Bodies that are told for one candidate: one refuses it, the others are reported in the census."""
 
@@ -63,8 +65,9 @@ class Encounter:
         if self.touches is not None:
             facts = replace(facts, touching=self.touches())
         if self.distance is not None and facts.gap_m is not None and facts.required_m is not None:
-            more = max(0.0, self.distance() - facts.gap_m)
-            facts = replace(facts, gap_m=facts.gap_m + more, required_m=facts.required_m + more)
+            more = self.distance() - facts.gap_m
+            if more > EXACT_M:
+                facts = replace(facts, gap_m=facts.gap_m + more, required_m=facts.required_m + more)
         return replace(self.refusal, facts=facts)
 
 
