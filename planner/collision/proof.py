@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,7 +26,6 @@ from assur.planner.kernels.intervals import (
     Motion,
 )
 from assur.planner.kernels.links import POSE_COLUMNS
-from assur.planner.kernels.nearest import UPPER, sample_distance
 from assur.planner.kernels.planes import SIDES, behind, drop_spare, not_behind
 from assur.planner.kernels.proof import (
     ALONG,
@@ -41,8 +41,8 @@ from assur.planner.kernels.proof import (
     T1,
     UNIT,
 )
-from assur.planner.kernels.screening import HIT_COLUMNS, HITS, depths, sampled_behind
-from assur.planner.kernels.solids import BODY, EARLY, FIRST, LATE, PAIR_COLUMNS, REQUIRED, SECOND
+from assur.planner.kernels.screening import HIT_COLUMNS, HIT_GAP, HITS, depths, sampled_behind
+from assur.planner.kernels.solids import BODY, EARLY, FIRST, LATE, PAIR_COLUMNS, REQUIRED, SECOND, SET
 from assur.planner.kernels.spline import spline_state
 from assur.planner.kernels.uncertainty import SET_COLUMNS, Doubt, growing_for
 from assur.planner.kernels.units import pose_shapes
@@ -71,6 +71,8 @@ MOST_HITS = 64
 """Pairs of one phase of which the deepest hit is kept."""
 STACK = 64
 """Intervals on the stack at a time: two for each halving, and no motion is halved so often."""
+ANY_GAP_M = 1e3
+"""Required where a gap is wanted, whatever it is, m."""
 ORIGIN = -1.0
 """Stands in a row for the second unit where the row is of the first alone: the origin of the world."""
 
@@ -286,12 +288,14 @@ class Prover:
         )
         return _unproved(arrangement, state, touching=touching)
 
-    def distance(self, arrangement: Arrangement, q: FloatArray, t: float, a: int, b: int) -> float:
-        """How far unit a is from unit b, pieces both, at time t with joints q (n,), m; 0 where they meet."""
-        pairs, state = np.zeros((1, PAIR_COLUMNS)), np.zeros(STATE_COLUMNS)
-        pairs[0, FIRST], pairs[0, SECOND], state[UPPER] = a, b, np.inf
-        sample_distance(self.motion(self.standing(q, t)), arrangement.cell, pairs, t, t, 2, state)
-        return float(state[UPPER])
+    def planned_gap(self, phase: Phase, q: FloatArray, t: float, a: int, b: int, ahead: float) -> float:
+        """How far piece a at time t with joints q (n,) is from piece b, which is `ahead` s of the clock, where all is
+        where it is planned, m; less than 0: how deep they are in each other, at most."""
+        pairs = np.zeros((1, PAIR_COLUMNS))
+        pairs[0, FIRST], pairs[0, SECOND], pairs[0, REQUIRED], pairs[0, SET] = a, b, ANY_GAP_M, -1.0
+        pairs[0, EARLY], pairs[0, LATE] = ahead, ahead
+        found = self.hits(replace(phase, t0=t, t1=t), self.standing(q, t), pairs, doubted=False).too_near
+        return float(found[0, HIT_GAP])
 
     def depths(self, phase: Phase, q: FloatArray, t: FloatArray, deepest: float, most: float) -> FloatArray:
         """How deep (W,) motions are in something at instants `t` (W, T) with joints `q` (W, T, n), up to about `most`

@@ -27,7 +27,7 @@ from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import Spline
 
 EXACT_M = 1e-6
-"""A gap that is less than the distance by no more is the distance, m: GJK is near enough by then."""
+"""Gaps that differ by no more are one, m: GJK is near enough by then."""
 MOST_BODIES = 3
 """Bodies that are told for one candidate: one refuses it, the others are reported in the census."""
 
@@ -47,25 +47,26 @@ class Timed(Protocol):
 @dataclass(frozen=True, slots=True)
 class Encounter:
     """Why a candidate is refused: with one body, at one instant. `refusal` takes what is not shown to be apart for a
-    touch, and the gap along the normal that refuses it for the distance; `confirmed` asks FCL about the true shapes,
-    and GJK for the distance, which takes longer than all the rest of a screening."""
+    touch, and the gap along the normal that counts, errors included, for that of the two where they are planned;
+    `confirmed` asks FCL about the true shapes, and evaluates the gap without errors: that takes longer than all the
+    rest of a screening."""
 
     refusal: Refusal
     touches: Callable[[], bool] | None = None
     """Asks FCL; None: there is nothing to ask."""
-    distance: Callable[[], float] | None = None
-    """How far the two are apart, m; None: it is the gap."""
+    planned: Callable[[], float] | None = None
+    """The gap where both are where they are planned, m; None: it is the gap."""
 
     def confirmed(self) -> Refusal:
-        """The refusal, which says whether the true shapes touch, and how far they are apart. What is missing stays as
-        it is: what is not known counts along the normal."""
+        """The refusal, which says whether the true shapes touch, and how far they are apart as planned. What is missing
+        stays as it is."""
         facts = self.refusal.facts
         if not isinstance(facts, Separation):
             return self.refusal
         if self.touches is not None:
             facts = replace(facts, touching=self.touches())
-        if self.distance is not None and facts.gap_m is not None and facts.required_m is not None:
-            more = self.distance() - facts.gap_m
+        if self.planned is not None and facts.gap_m is not None and facts.required_m is not None:
+            more = self.planned() - facts.gap_m
             if more > EXACT_M:
                 facts = replace(facts, gap_m=facts.gap_m + more, required_m=facts.required_m + more)
         return replace(self.refusal, facts=facts)
@@ -126,8 +127,7 @@ def _encounter(prover: Prover, phase: Phase, hit: list[float], q: FloatArray) ->
         amount=Quantity.of(max(0.0, required - gap), "m"),
         facts=Separation(touching=not gap > 0.0, gap_m=gap, required_m=required, rule=rule, clearance_m=clearance),
     )
-    if not gap > 0.0:
-        return Encounter(refusal, partial(prover.touching, arrangement, q, t, *units, hit[HIT_S]))
-    # what has a gap does not touch; along which normal it is, counts where something is not known
-    exact = hit[HIT_S] != 0.0 or not required > clearance
-    return Encounter(refusal, distance=None if exact else partial(prover.distance, arrangement, q, t, *units))
+    # what has a gap does not touch
+    touches = None if gap > 0.0 else partial(prover.touching, arrangement, q, t, *units, hit[HIT_S])
+    known = not required > clearance
+    return Encounter(refusal, touches, None if known else partial(prover.planned_gap, phase, q, t, *units, hit[HIT_S]))

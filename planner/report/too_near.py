@@ -78,7 +78,7 @@ def _apart(first: str, second: str, facts: Separation) -> str:
     if gap is None or required is None:
         return what
     deep = gap < -LEAST_M
-    there, asked = apart(-gap if deep else max(gap, 0.0), required)
+    there, asked = (amount(-gap, "m"), amount(required, "m")) if deep else apart(max(gap, 0.0), required)
     what += f": overlap up to {there}, required {asked}" if deep else f": gap {there}, required {asked}"
     if facts.rule is None or facts.rule == "contact" or facts.clearance_m is None:
         return what

@@ -114,6 +114,24 @@ def test_bodies_that_only_touch_have_no_gap_and_do_not_overlap() -> None:
     assert because(SCENE, refusal(facts=touching)) == "cup would hit gate: gap 0 mm, required 13 mm"
 
 
+@pytest.mark.parametrize(
+    ("gap", "required", "said"),
+    [
+        (0.0099996, 0.01, "gap 9.9996 mm, required 10 mm"),
+        (0.00999999996, 0.01, "gap 9.99999996 mm, required 10 mm"),
+        (0.0093300, 0.0093333, "gap 9.33 mm, required 9.333 mm"),
+        (0.0, 2e-7, "gap 0 mm, required less than 0.001 mm"),
+        (1e-7, 2e-7, "gap 0.0001 mm, required 0.0002 mm"),
+        (0.00687, 0.01, "gap 6.87 mm, required 10 mm"),
+        (1.2345671, 1.2345679, "gap 1234.567 mm, required 1234.568 mm"),
+        (-0.003, 0.003, "overlap up to 3 mm, required 3 mm"),
+    ],
+)
+def test_a_gap_that_is_less_than_required_is_shown_to_be_less(gap: float, required: float, said: str) -> None:
+    near = replace(APART, gap_m=gap, required_m=required)
+    assert because(SCENE, refusal(facts=near)) == f"cup would come too close to gate: {said}"
+
+
 def test_an_allowed_contact_that_is_too_deep_is_told_with_what_is_allowed() -> None:
     deep = Separation(touching=True, gap_m=-0.003, required_m=-1e-4, rule="contact", clearance_m=-1e-4)
     assert (
