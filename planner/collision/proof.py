@@ -290,12 +290,12 @@ class Prover:
 
     def planned_gap(self, phase: Phase, q: FloatArray, t: float, a: int, b: int, ahead: float) -> float:
         """How far piece a at time t with joints q (n,) is from piece b, which is `ahead` s of the clock, where all is
-        where it is planned, m; less than 0: how deep they are in each other, at most."""
+        where it is planned, m; less than 0: how deep they are in each other, at most; infinitely: it is not known."""
         pairs = np.zeros((1, PAIR_COLUMNS))
         pairs[0, FIRST], pairs[0, SECOND], pairs[0, REQUIRED], pairs[0, SET] = a, b, ANY_GAP_M, -1.0
         pairs[0, EARLY], pairs[0, LATE] = ahead, ahead
         found = self.hits(replace(phase, t0=t, t1=t), self.standing(q, t), pairs, doubted=False).too_near
-        return float(found[0, HIT_GAP])
+        return float(found[0, HIT_GAP]) if len(found) else -math.inf
 
     def depths(self, phase: Phase, q: FloatArray, t: FloatArray, deepest: float, most: float) -> FloatArray:
         """How deep (W,) motions are in something at instants `t` (W, T) with joints `q` (W, T, n), up to about `most`

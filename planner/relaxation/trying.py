@@ -28,8 +28,9 @@ from assur.planner.relaxation.changes import MORE, changes
 from assur.planner.relaxation.rounded import ROUNDING, WHOLE, down, up
 
 ATTEMPT_S = 1.0
-"""Longest time for one change of a request that counts no candidates, s; and no more than `SHARE` of what is left."""
-SHARE = 1 / 3
+"""Longest time for one change of a request that counts no candidates, s."""
+SHARE, FIRST_SHARE = 1 / 3, 1 / 2
+"""... and no more than this share of what is left: of the first, which is what the cause asks for, it is more."""
 FEWEST_S = 0.02
 """A change is not tried with less time than this left, s."""
 NARROWED = frozenset({"window", "latest end"})
@@ -118,7 +119,8 @@ def _attempt(change: Change, deadline: float, tried: list[str], watch: Watch | N
         if longest * MORE <= options.budget_s:
             return None
     else:
-        longest = min(ATTEMPT_S, SHARE * left)
+        # the first is what the cause asks for
+        longest = min(ATTEMPT_S, (SHARE if tried else FIRST_SHARE) * left)
     if what != "budget" and options.max_candidates is None:
         longest = min(longest, options.budget_s)
     tried.append(f"{what}: {value}")

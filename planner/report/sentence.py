@@ -175,7 +175,8 @@ def _forbidden_yaw(refusal: Refusal, facts: ForbiddenYaw, short: str) -> str:
 def _most_frequent(line: CensusLine, census: Census) -> CensusLine | None:
     """What stopped most candidates at the step, where that is not what stopped the one that came furthest."""
     here = (each for each in census.lines if each.refusal.step == line.refusal.step)
-    most = max((each for each in here if each.refusal.stage in OF_CANDIDATES), key=lambda each: each.count)
+    of_candidates = (each for each in here if each.refusal.stage in OF_CANDIDATES)
+    most = max(of_candidates, key=lambda each: each.count, default=line)
     cause, other = line.refusal, most.refusal
     same = (cause.reason, cause.subject) == (other.reason, other.subject)
     return most if most.count > line.count and not same else None
