@@ -29,15 +29,17 @@ from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.outcome import Arrival, Census, CensusLine, NotPlanned, Outcome, Plan, Planned, Relaxation
 from assur.planner.model.phases import phases, yaw_offsets
 from assur.planner.model.progress import Watch
-from assur.planner.model.refusal import OF_CANDIDATES, ForbiddenYaw, Reason, Refusal, Stage
+from assur.planner.model.refusal import ForbiddenYaw, Reason, Refusal, Stage
 from assur.planner.model.scene import Scene
 from assur.planner.model.stopwatch import Stopwatch
-from assur.planner.relaxation import relax, worth_trying
+from assur.planner.relaxation.asked_for import worth_trying
+from assur.planner.relaxation.trying import relax
 from assur.planner.report.margins import carried, contacts, margins
 from assur.planner.report.sentence import sentence
 from assur.planner.report.straight_parts import assumed
 from assur.planner.search.beam import Found
 from assur.planner.search.best_candidate import best_candidate
+from assur.planner.search.cause import cause_of
 from assur.planner.search.census import Counter
 
 MARGINS_S = 0.15
@@ -126,10 +128,10 @@ def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: 
                 or never_touching(scene, prover)
             )
     except OutOfTimeError:
-        return _not_planned(scene, run, None, Counter().census(), proof=None, cut=True, deepest=0)
+        return _not_planned(scene, run, None, Counter().census(), proof=None, cut=True)
     if never is not None:
         proof = shown(scene, prover, never)
-        return _not_planned(scene, run, never, Counter().census(), proof=proof, cut=False, deepest=never.step)
+        return _not_planned(scene, run, never, Counter().census(), proof=proof, cut=False)
     found = searcher(scene, prover, run.started, adaptive=adaptive, watch=run.watch).run()
     run.laps.lap("search")
     if found.plan is None:
@@ -139,7 +141,7 @@ def _outcome(scene: Scene, run: _Run, prover: Prover, *, adaptive: bool, pairs: 
         if never is not None:
             census = found.census.census()
             proof = shown(scene, prover, never)
-            return _not_planned(scene, run, never, census, proof=proof, cut=False, deepest=never.step)
+            return _not_planned(scene, run, never, census, proof=proof, cut=False)
         return _not_found(scene, run, prover, found)
     return _planned(scene, run, prover, found, found.plan, pairs)
 
@@ -168,8 +170,8 @@ def _planned(scene: Scene, run: _Run, prover: Prover, found: Found, made: Plan, 
 
 
 def _not_found(scene: Scene, run: _Run, prover: Prover, found: Found) -> NotPlanned:
-    census = found.census.census()
-    line = leading(census, found.deepest)
+    cause = cause_of(found)
+    line, census = cause.line, cause.census
     refusal = None if line is None else line.refusal
     nothing_tried = census.candidates == 0 and not found.cut_by_clock
     proof = None
@@ -178,18 +180,7 @@ def _not_found(scene: Scene, run: _Run, prover: Prover, found: Found) -> NotPlan
     without = _not_planned(
         scene, run, refusal, census, proof=proof, cut=found.cut_by_clock, deepest=found.deepest, line=line
     )
-    return replace(without, best=best_candidate(scene, found.furthest, found.longest))
-
-
-def leading(census: Census, deepest: int) -> CensusLine | None:
-    """The most frequent refusal at the step that was never passed."""
-    here = [line for line in census.lines if line.refusal.step == deepest]
-    of_candidates = [line for line in here if line.refusal.stage in OF_CANDIDATES]
-    # a mode that is not reached at all refuses once for all candidates: it counts as most frequent
-    once = [line for line in here if line.refusal.stage is Stage.INVERSE]
-    if once and not of_candidates:
-        return once[0]
-    return max(of_candidates or here, key=lambda line: line.count, default=None)
+    return replace(without, best=best_candidate(scene, cause.motion, found.longest))
 
 
 def for_all_times(scene: Scene, refusal: Refusal) -> bool:
@@ -215,11 +206,12 @@ def _not_planned(
     *,
     proof: Shown | None,
     cut: bool,
-    deepest: int,
+    deepest: int = 0,
     line: CensusLine | None = None,
 ) -> NotPlanned:
-    """The outcome of a refusal; `proof`: what shows that it holds for all times and modes (None: it may not)."""
-    options = scene.options
+    """The outcome of a refusal; `proof`: what shows that it holds for all times and modes (None: it may not);
+    `deepest`: the step that was never passed, where there is no refusal."""
+    options, step = scene.options, min(deepest, len(scene.task) - 1) if refusal is None else refusal.step
     relaxation: Relaxation | None = None
     tried: tuple[str, ...] = ()
     spent = False
@@ -227,8 +219,8 @@ def _not_planned(
         deadline = time.perf_counter() + options.explain_budget_s
         relaxation, tried, spent = relax(
             scene,
-            min(deepest, len(scene.task) - 1),
-            _blocker(scene, census, refusal, deepest),
+            step,
+            _blocker(scene, census, refusal, step),
             deadline,
             refusal,
             proved=proof is not None,
@@ -254,12 +246,13 @@ def _not_planned(
 
 
 def _blocker(scene: Scene, census: Census, refusal: Refusal | None, step: int) -> str | None:
-    """The body of the surroundings that a proof names, or that refused most candidates of a step."""
-    if refusal is not None and refusal.stage is Stage.CONTROL_POINT:
-        return next((name for name in refusal.bodies if name in scene.index), None)
+    """The body of the surroundings, no part, that a refusal names, or that refused most candidates of a step."""
+    parts = {each.part for each in scene.task}
+    named = () if refusal is None else refusal.bodies
     counts: dict[str, int] = {}
     for line in census.lines:
         for name in line.refusal.bodies:
-            if line.refusal.step == step and name in scene.index:
+            if line.refusal.step == step and name in scene.index and name not in parts:
                 counts[name] = counts.get(name, 0) + line.count
-    return max(counts, key=lambda name: counts[name], default=None)
+    of_refusal = (name for name in named if name in scene.index and name not in parts)
+    return next(of_refusal, None) or max(counts, key=lambda name: counts[name], default=None)

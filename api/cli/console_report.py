@@ -227,6 +227,9 @@ CHANGED = {
     "clearance": "less clearance of all pairs",
     "budget": "a longer search",
     "heights": "a shorter approach or depart",
+    "straight part": "a longer approach or depart",
+    "point height": "a higher point",
+    "contact tolerance": "a larger contact tolerance",
     "dwell": "a shorter dwell",
     "belt speed": "a slower belt",
 }

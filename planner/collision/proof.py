@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -40,8 +41,8 @@ from assur.planner.kernels.proof import (
     T1,
     UNIT,
 )
-from assur.planner.kernels.screening import HIT_COLUMNS, HITS, depths, sampled_behind
-from assur.planner.kernels.solids import BODY, EARLY, FIRST, LATE, PAIR_COLUMNS, REQUIRED, SECOND
+from assur.planner.kernels.screening import HIT_COLUMNS, HIT_GAP, HITS, depths, sampled_behind
+from assur.planner.kernels.solids import BODY, EARLY, FIRST, LATE, PAIR_COLUMNS, REQUIRED, SECOND, SET
 from assur.planner.kernels.spline import spline_state
 from assur.planner.kernels.uncertainty import SET_COLUMNS, Doubt, growing_for
 from assur.planner.kernels.units import pose_shapes
@@ -70,6 +71,8 @@ MOST_HITS = 64
 """Pairs of one phase of which the deepest hit is kept."""
 STACK = 64
 """Intervals on the stack at a time: two for each halving, and no motion is halved so often."""
+ANY_GAP_M = 1e3
+"""Required where a gap is wanted, whatever it is, m."""
 ORIGIN = -1.0
 """Stands in a row for the second unit where the row is of the first alone: the origin of the world."""
 
@@ -212,8 +215,10 @@ class Prover:
         """A search for an instant of a phase at which some of `pairs` (P, PAIR_COLUMNS) are too near. Pairs that may
         touch are left out. `doubted`: whether links count where they may be displaced to."""
         asked = pairs[pairs[:, REQUIRED] >= 0.0]
-        # the end is an instant of its own: often what is near is nearest there
-        ends = ((phase.t1, phase.t1),) if phase.t1 > phase.t0 else ()
+        # the end is an instant of its own: often what is near is nearest there; and nothing is proved of the start
+        instants = [phase.t1] * (phase.t1 > phase.t0)
+        instants += [phase.t0] * (phase.t0 == self.scene.start.time < phase.t1)
+        ends = tuple((t, t) for t in instants)
         doubt = self.pairs(self.of(phase), phase).doubt if doubted else self.exact
         search = Search(self, phase, spline, asked, doubt, ends, MOST_HITS)
         while search.go_on(SCREEN) not in (DONE, HIT, RESISTED) and not search.over:
@@ -282,6 +287,15 @@ class Prover:
             arrangement, spline, t, a, b, float(state[RESISTED_S])
         )
         return _unproved(arrangement, state, touching=touching)
+
+    def planned_gap(self, phase: Phase, q: FloatArray, t: float, a: int, b: int, ahead: float) -> float:
+        """How far piece a at time t with joints q (n,) is from piece b, which is `ahead` s of the clock, where all is
+        where it is planned, m; less than 0: how deep they are in each other, at most; infinitely: it is not known."""
+        pairs = np.zeros((1, PAIR_COLUMNS))
+        pairs[0, FIRST], pairs[0, SECOND], pairs[0, REQUIRED], pairs[0, SET] = a, b, ANY_GAP_M, -1.0
+        pairs[0, EARLY], pairs[0, LATE] = ahead, ahead
+        found = self.hits(replace(phase, t0=t, t1=t), self.standing(q, t), pairs, doubted=False).too_near
+        return float(found[0, HIT_GAP]) if len(found) else -math.inf
 
     def depths(self, phase: Phase, q: FloatArray, t: FloatArray, deepest: float, most: float) -> FloatArray:
         """How deep (W,) motions are in something at instants `t` (W, T) with joints `q` (W, T, n), up to about `most`

@@ -26,6 +26,8 @@ from assur.planner.model.refusal import Bodies, Quantity, Reason, Refusal, Separ
 from assur.planner.trajectory import Trajectory
 from assur.planner.trajectory.spline import Spline
 
+EXACT_M = 1e-6
+"""Gaps that differ by no more are one, m: GJK is near enough by then."""
 MOST_BODIES = 3
 """Bodies that are told for one candidate: one refuses it, the others are reported in the census."""
 
@@ -45,18 +47,29 @@ class Timed(Protocol):
 @dataclass(frozen=True, slots=True)
 class Encounter:
     """Why a candidate is refused: with one body, at one instant. `refusal` takes what is not shown to be apart for a
-    touch; `confirmed` asks FCL about the true shapes, which takes longer than all the rest of a screening."""
+    touch, and the gap along the normal that counts, errors included, for that of the two where they are planned;
+    `confirmed` asks FCL about the true shapes, and evaluates the gap without errors: that takes longer than all the
+    rest of a screening."""
 
     refusal: Refusal
     touches: Callable[[], bool] | None = None
     """Asks FCL; None: there is nothing to ask."""
+    planned: Callable[[], float] | None = None
+    """The gap where both are where they are planned, m; None: it is the gap."""
 
     def confirmed(self) -> Refusal:
-        """The refusal, which says whether the true shapes touch."""
+        """The refusal, which says whether the true shapes touch, and how far they are apart as planned. What is missing
+        stays as it is."""
         facts = self.refusal.facts
-        if self.touches is None or not isinstance(facts, Separation):
+        if not isinstance(facts, Separation):
             return self.refusal
-        return replace(self.refusal, facts=replace(facts, touching=self.touches()))
+        if self.touches is not None:
+            facts = replace(facts, touching=self.touches())
+        if self.planned is not None and facts.gap_m is not None and facts.required_m is not None:
+            more = self.planned() - facts.gap_m
+            if more > EXACT_M:
+                facts = replace(facts, gap_m=facts.gap_m + more, required_m=facts.required_m + more)
+        return replace(self.refusal, facts=facts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,4 +128,6 @@ def _encounter(prover: Prover, phase: Phase, hit: list[float], q: FloatArray) ->
         facts=Separation(touching=not gap > 0.0, gap_m=gap, required_m=required, rule=rule, clearance_m=clearance),
     )
     # what has a gap does not touch
-    return Encounter(refusal, None if gap > 0.0 else partial(prover.touching, arrangement, q, t, *units, hit[HIT_S]))
+    touches = None if gap > 0.0 else partial(prover.touching, arrangement, q, t, *units, hit[HIT_S])
+    known = not required > clearance
+    return Encounter(refusal, touches, None if known else partial(prover.planned_gap, phase, q, t, *units, hit[HIT_S]))

@@ -61,12 +61,19 @@ def spots(scene: Scene, point: ControlPoint, attached: Attachments) -> list[Spot
     return found
 
 
+def posture(scene: Scene, point: ControlPoint, spot: Spot, mode: int) -> FloatArray | None:
+    """Joints (n,) at a spot in one working mode, the frame of the point being where it is at the start; None: the arm
+    does not reach it."""
+    flange = point.flange(np.array([scene.start.time]), spot.above).at_rest()
+    solution = scene.robot.inverse(flange, mode, 0)
+    return solution.q[0] if solution.code[0] in (Code.ASSEMBLED, Code.STRETCHED, Code.FOLDED) else None
+
+
 def in_the_way(scene: Scene, prover: Prover, point: ControlPoint, spot: Spot, mode: int) -> Hit | None:
     """What is in the way of the flange's bodies at one spot and in one working mode; None: nothing, or it is not known,
     as the spot may be reached at another time."""
-    t, attached = scene.start.time, spot.attached
-    solution = scene.robot.inverse(point.flange(np.array([t]), spot.above).at_rest(), mode, 0)
-    if solution.code[0] not in (Code.ASSEMBLED, Code.STRETCHED, Code.FOLDED):
+    t, attached, q = scene.start.time, spot.attached, posture(scene, point, spot, mode)
+    if q is None:
         return None
     fixed = isinstance(scene.frames[point.frame].law, Fixed)
     frames = {body.name: attached.pose_of(scene, body.name)[0] for body in scene.bodies}
@@ -76,7 +83,7 @@ def in_the_way(scene: Scene, prover: Prover, point: ControlPoint, spot: Spot, mo
         if frame == point.frame or (fixed and isinstance(scene.frames[frame].law, Fixed))
     )
     tracked = None if spot.kind is LegKind.MOVE else point.frame
-    q, phase = solution.q[0], Phase(t, t, spot.kind, point.step, attached, tracked=tracked)
+    phase = Phase(t, t, spot.kind, point.step, attached, tracked=tracked)
     within = enclosed(scene, prover, attached, q, t, spot.contacts, among) if fixed else None
     if within is not None:
         return Hit(within, phase, q)

@@ -276,16 +276,14 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class CensusLine:
-    """Refusals of one kind, counted: the one with the least amount, over the interval that spans all of them, and the
-    greatest amount, in the same unit."""
+    """Refusals of one kind, counted: one of them, over the interval that spans all of them, and the greatest and the
+    least amount, in the same unit. The one is that of the candidate that came furthest, where that is of this kind;
+    else that with the least amount."""
 
     refusal: Refusal
     count: int
     most: float | None = None
-
-    @property
-    def least(self) -> float | None:
-        return None if self.refusal.amount is None else self.refusal.amount.value
+    least: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,9 @@ SHOWN_AS = {
 LEAST_SHOWN = 1e-3
 """Amounts below a thousandth of mm, ms or degree are shown as less than that."""
 
+MOST_DIGITS = 12
+"""No more digits than these tell two lengths apart: more are rounding."""
+
 
 def amount(value: float | None, unit: str | None) -> str:
     """A length in mm, a time in ms or s, an angle in degrees, anything else as it is; nothing for no number."""
@@ -32,6 +35,17 @@ def amount(value: float | None, unit: str | None) -> str:
     if 0.0 < size < LEAST_SHOWN:
         return f"less than {LEAST_SHOWN:g} {name}".rstrip()
     return f"{number(value * factor, 3)} {name}".rstrip()
+
+
+def apart(one: float, other: float) -> tuple[str, str]:
+    """Two lengths, m, of which one is what is and the other what must be: with so many digits that they differ where
+    they do."""
+    shown = amount(one, "m"), amount(other, "m")
+    for digits in range(4, MOST_DIGITS + 1):
+        if shown[0] != shown[1]:
+            break
+        shown = f"{number(1e3 * one, digits)} mm", f"{number(1e3 * other, digits)} mm"
+    return shown
 
 
 def position(value: float, kind: str) -> str:

@@ -28,11 +28,12 @@ from assur.planner.model.refusal import (
     Singular,
     Stage,
 )
-from assur.planner.model.scene import Pick, Place, Scene, Trace
+from assur.planner.model.scene import Scene, Trace
 from assur.planner.model.window_missed import WindowMissed
 from assur.planner.report.not_touching import not_touching
 from assur.planner.report.number_format import amount, number, position
 from assur.planner.report.too_late import law_ended, window_missed
+from assur.planner.report.too_near import too_near
 
 
 def sentence(scene: Scene, refusal: Refusal | None, line: CensusLine | None, census: Census, *, cut: bool) -> str:
@@ -47,7 +48,11 @@ def sentence(scene: Scene, refusal: Refusal | None, line: CensusLine | None, cen
         return f"No plan was found in {budget}; nothing was tried."
     tail = ""
     if line is not None and refusal.stage in OF_CANDIDATES and census.candidates:
-        tail = f"{_others(line, census)} ({line.count} of {census.candidates} candidates{_span(refusal)})"
+        most = _most_frequent(line, census)
+        others = _others(line, census, most)
+        tail = f"{others} ({line.count} of {census.candidates} candidates{_span(refusal)})"
+        if most is not None:
+            tail += f"; most frequent: {_named(scene, most.refusal)} ({most.count} of {census.candidates})"
         if cut:
             tail += f"; the budget of {budget} was spent"
     step = "" if refusal.stage is Stage.START else f"{scene.task[refusal.step].name}: "
@@ -91,7 +96,7 @@ def _because(scene: Scene, refusal: Refusal) -> str:
         case AccelerationTime() as facts:
             return _acceleration_time(refusal, facts)
         case Separation() | Enclosed() as facts:
-            return _collision(scene, refusal, facts)
+            return too_near(scene, refusal, facts)
         case Carrying() as facts:
             most, limit = (number(value, 3) for value in (facts.acceleration, facts.limit))
             return f"the part would be accelerated with {most} m/s², but only {limit} m/s² are allowed"
@@ -167,8 +172,24 @@ def _forbidden_yaw(refusal: Refusal, facts: ForbiddenYaw, short: str) -> str:
     return f"on its way the tool would turn into the forbidden range of yaw {ends}, by {short}"
 
 
-def _others(line: CensusLine, census: Census) -> str:
-    """Bodies that are hit about as often, at the same step."""
+def _most_frequent(line: CensusLine, census: Census) -> CensusLine | None:
+    """What stopped most candidates at the step, where that is not what stopped the one that came furthest."""
+    here = (each for each in census.lines if each.refusal.step == line.refusal.step)
+    of_candidates = (each for each in here if each.refusal.stage in OF_CANDIDATES)
+    most = max(of_candidates, key=lambda each: each.count, default=line)
+    cause, other = line.refusal, most.refusal
+    same = (cause.reason, cause.subject) == (other.reason, other.subject)
+    return most if most.count > line.count and not same else None
+
+
+def _named(scene: Scene, refusal: Refusal) -> str:
+    """A refusal by its reason and what it is about; where that has no name, in words."""
+    about = " and ".join(refusal.bodies) or refusal.joint or refusal.frame
+    return f"{refusal.reason} of {about}" if about else because(scene, refusal)
+
+
+def _others(line: CensusLine, census: Census, most: CensusLine | None) -> str:
+    """Bodies that are hit about as often, at the same step, without those that are hit most often."""
     leading = line.refusal
     if leading.reason is not Reason.BODY_COLLISION:
         return ""
@@ -176,9 +197,9 @@ def _others(line: CensusLine, census: Census) -> str:
     for other in census.lines:
         bodies, same = other.refusal.bodies, other.refusal.step == leading.step
         alike = same and other.refusal.reason is leading.reason and 2 * other.count >= line.count
-        if alike and not seen.issuperset(bodies[1:]):
+        if alike and other is not most and not seen.issuperset(bodies[1:]):
             seen |= set(bodies[1:])
-            also.append(f"{bodies[0]} with {_and(bodies[1:])}")
+            also.append(f"{bodies[0]} with {' and '.join(bodies[1:])}")
     return f"; likewise {', '.join(also[:2])}" if also else ""
 
 
@@ -187,10 +208,6 @@ def _span(refusal: Refusal) -> str:
         return ""
     a, b = refusal.interval
     return f", at {a:.2f} s" if b - a < 0.005 else f", between {a:.2f} s and {b:.2f} s"
-
-
-def _and(names: tuple[str, ...]) -> str:
-    return " and ".join(names)
 
 
 def _mm(value: float) -> str:
@@ -334,66 +351,3 @@ def _acceleration_time(refusal: Refusal, facts: AccelerationTime) -> str:
         f"with an acceleration time of {amount(facts.given_s, 's')} {refusal.joint} would need "
         f"{amount(facts.needed, unit)}, but it has {amount(facts.limit, unit)}{enough}"
     )
-
-
-def _collision(scene: Scene, refusal: Refusal, facts: Separation | Enclosed) -> str:
-    first, second = refusal.bodies
-    if isinstance(facts, Enclosed):
-        what = f"{first} is inside {second}"
-    elif refusal.reason is Reason.NOT_CERTIFIED:
-        return f"{first} and {second} could not be proved to stay apart"
-    else:
-        what = f"{first} would hit {second}" if facts.touching else f"{first} would come too close to {second}"
-        what += _distances(facts)
-        if facts.end is not None and facts.straight_m is not None:
-            enough = ""
-            if facts.least_m is not None:
-                enough = f"; it must be at least {math.ceil(facts.least_m * 1e4 - 1e-6) / 10:g} mm"
-            return f"{facts.end} is too short: {_mm(facts.straight_m)} above the point {what}{enough}"
-    if refusal.reason is Reason.SELF_COLLISION:
-        return f"the arm would hit itself: {what}"
-    if refusal.reason is Reason.START_IN_COLLISION:
-        return f"the arm collides at the start: {what}"
-    if refusal.reason is Reason.CONTROL_POINT_IN_COLLISION:
-        return f"the control point cannot be met without a collision: {what}{_may_touch(scene, refusal)}"
-    return what
-
-
-def _may_touch(scene: Scene, refusal: Refusal) -> str:
-    """What to do where a part is to rest on the body that is in its way."""
-    step = scene.task[refusal.step]
-    if not isinstance(step, Pick | Place) or step.part not in refusal.bodies:
-        return ""
-    other = next(name for name in refusal.bodies if name != step.part)
-    if other not in scene.index:
-        return ""
-    return f"; if {step.part} is to rest on {other}, name it in contact_with"
-
-
-RULES = {"near": "clearance near a point", "travel": "clearance in travel", "exception": "clearance of the exception"}
-"""What a required distance is made of, without what is not known."""
-
-
-def _distances(facts: Separation) -> str:
-    """The gap, what is required, and what that is made of."""
-    gap, required = facts.gap_m, facts.required_m
-    if gap is None or required is None:
-        return ""
-    there = f": overlap up to {_mm(-gap)}" if gap < -LEAST_M else f": gap {_mm(max(gap, 0.0))}"
-    if _mm(gap) == _mm(required):
-        there += f" ({_mm(required - gap)} less than required)"
-    if facts.rule is None or facts.clearance_m is None:
-        return f"{there}, required {_mm(required)}"
-    unknown = required - facts.clearance_m
-    parts = [] if facts.rule == "contact" else [f"{RULES[facts.rule]} {_mm(facts.clearance_m)}"]
-    parts += [f"uncertainty {_mm(unknown)}"] * (unknown > LEAST_M)
-    made = f" ({', '.join(parts)})" if parts else ""
-    if facts.rule == "contact":
-        made += ": a contact_tolerance_mm of the step allows more"
-    if required < 0.0:
-        return f"{there}, allowed {_mm(-required)}{made}"
-    return f"{there}, required {_mm(required)}{made}"
-
-
-LEAST_M = 1e-7
-"""Less than this of a distance is rounding, m."""

@@ -12,6 +12,7 @@ from itertools import product
 import numpy as np
 
 from assur.planner.checker.bound.duration import least_duration
+from assur.planner.collision.contact_depth import deepest
 from assur.planner.collision.proof import Prover
 from assur.planner.collision.rows import Rows, Unproved
 from assur.planner.collision.screening import Encounter, Screened, screen
@@ -59,7 +60,7 @@ class Found:
     def refused(self, motion: TimedCandidate | Extension, encounters: tuple[Encounter, ...]) -> tuple[Encounter, ...]:
         """Remembers a motion that was refused, if none came further; the encounters again."""
         if self.best is None:
-            new = RefusedMotion(motion, encounters[0].refusal)
+            new = RefusedMotion(motion, encounters)
             if self.furthest is None or new.rank > self.furthest.rank:
                 self.furthest = new
         return encounters
@@ -325,8 +326,10 @@ class Search:
         for phase in made.phases:
             rows = self.prover.prove(phase, made.trajectory)
             if isinstance(rows, Unproved):
+                rows = deepest(self.prover, phase, made.trajectory, rows)
                 why = refused_proof(rows, made.before.step, rule_of(self.scene, phase, *rows.bodies))
-                return self.found.refused(made, (Encounter(why),))
+                unfinished = why.amount is None and self._late()
+                return (Encounter(why),) if unfinished else self.found.refused(made, (Encounter(why),))
             proofs.append(rows)
         return replace(after, proofs=(*made.before.proofs, *proofs))
 

@@ -1,4 +1,5 @@
-"""The candidate that came furthest, of a search that finds no plan: what is shown of a refusal."""
+"""The candidate that came furthest, of a search that finds no plan: what stopped it is why there is none, and it is
+what is shown of a refusal."""
 
 from __future__ import annotations
 
@@ -7,9 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from assur.planner.collision.screening import Encounter
 from assur.planner.legs.state import Knots
 from assur.planner.model.outcome import Arrival, BestCandidate, Course, Leg, LegKind, Route
-from assur.planner.model.refusal import Refusal, Separation
+from assur.planner.model.refusal import Refusal, Separation, Stage
 from assur.planner.model.scene import Scene
 from assur.planner.search.partial_plan import Extension, PartialPlan, TimedCandidate
 from assur.planner.trajectory import Trajectory
@@ -18,38 +20,42 @@ MOST_KNOTS = 1_000
 """Knots of the motion that is told of a refusal, about 100 kB of an answer: a follow of many minutes has 20,000."""
 
 
+ORDER = tuple(Stage)
+"""Stages, in the order in which a candidate comes to them."""
+
+
 @dataclass(frozen=True, eq=False)
 class RefusedMotion:
-    """A motion that was timed, and why it was refused. It refers to what the search has anyway: keeping one costs
-    nothing."""
+    """A motion that was timed, and why it was refused: for bodies that are too near at one instant, the deepest first,
+    or for something else. It refers to what the search has anyway: keeping one costs nothing."""
 
     motion: TimedCandidate | Extension
-    refusal: Refusal
+    encounters: tuple[Encounter, ...]
 
     @property
-    def rank(self) -> tuple[int, bool, bool, float]:
-        """The greater the further it came: by steps, then those that met a body, then those that came to their point,
-        then those that lack least."""
-        facts = self.refusal.facts
-        met = isinstance(facts, Separation)
-        lacks = math.inf
-        if isinstance(facts, Separation) and facts.gap_m is not None and facts.required_m is not None:
-            lacks = facts.required_m - facts.gap_m
-        return self.motion.before.step, met, isinstance(self.motion, Extension), -lacks
+    def rank(self) -> tuple[int, bool, bool, int, float]:
+        """The greater the further it came: by steps, then by stages, then by how little is missing.
+
+        The leg to a point is screened before what follows at the point is timed, and that before all of it is screened.
+        """
+        refusal, whole = self.encounters[0].refusal, isinstance(self.motion, Extension)
+        free = whole or refusal.stage is not Stage.SCREENING
+        lacks = math.inf if refusal.amount is None else refusal.amount.value
+        return self.motion.before.step, free, whole, ORDER.index(refusal.stage), -lacks
 
 
 def best_candidate(scene: Scene, refused: RefusedMotion | None, proved: PartialPlan | None) -> BestCandidate | None:
-    """What came furthest: a motion that was refused, behind what was proved before it; or, where none was timed from
-    there, the longest partial plan that was `proved`. None: there is neither."""
-    if refused is not None and (proved is None or refused.motion.before.step >= proved.step):
-        return _of_motion(scene, refused)
+    """What came furthest: a motion that was refused, behind what was proved before it; or, where there is none, the
+    longest partial plan that was `proved`. None: there is neither."""
+    if refused is not None:
+        return _of_motion(scene, refused.motion, refused.encounters[0].confirmed())
     if proved is None or proved.knots is None:
         return None
     return BestCandidate(motion_told(scene, proved.knots), proved.legs, proved.arrivals)
 
 
-def _of_motion(scene: Scene, refused: RefusedMotion) -> BestCandidate:
-    motion, facts, interval = refused.motion, refused.refusal.facts, refused.refusal.interval
+def _of_motion(scene: Scene, motion: TimedCandidate | Extension, refusal: Refusal) -> BestCandidate:
+    facts, interval = refusal.facts, refusal.interval
     if isinstance(motion, Extension):
         knots, legs, arrivals = motion.after.knots, motion.after.legs, motion.after.arrivals
     else:
@@ -60,7 +66,7 @@ def _of_motion(scene: Scene, refused: RefusedMotion) -> BestCandidate:
             own = Knots.standing(before.state, own.begin).then(own)
         knots = own if before.knots is None else before.knots.then(own)
     met = isinstance(facts, Separation)
-    bodies = refused.refusal.bodies
+    bodies = refusal.bodies
     return BestCandidate(
         trajectory=motion_told(scene, knots),
         legs=legs,

@@ -24,6 +24,12 @@ from assur.planner.model.refusal import (
 _Kind = tuple[Stage, Reason, int, Subject | None, Unit | None]
 
 
+def kind_of(refusal: Refusal) -> _Kind:
+    """What refusals of one line of the census have in common."""
+    unit = None if refusal.amount is None else refusal.amount.unit
+    return refusal.stage, refusal.reason, refusal.step, refusal.subject, unit
+
+
 @dataclass(eq=False)
 class _Group:
     """Refusals of one kind: how many, the mildest of them, the largest amount, and from when to when they are."""
@@ -47,9 +53,12 @@ class _Group:
         if mildest.amount is None or amount < mildest.amount.value:
             self.mildest = encounter
 
-    def line(self) -> CensusLine:
-        """The line of the census; FCL is asked about the mildest."""
-        return CensusLine(replace(self.mildest.confirmed(), interval=self.span), self.count, self.most)
+    def line(self, told: Encounter | None = None) -> CensusLine:
+        """The line of the census, with the facts of `told` (None: of the mildest), about which FCL is asked."""
+        least, one = self.mildest.refusal.amount, (told or self.mildest).confirmed()
+        return CensusLine(
+            replace(one, interval=self.span), self.count, self.most, None if least is None else least.value
+        )
 
 
 @dataclass(eq=False)
@@ -74,15 +83,12 @@ class Counter:
         self._put(Encounter(refusal))
 
     def _put(self, encounter: Encounter) -> None:
-        refusal = encounter.refusal
-        unit = None if refusal.amount is None else refusal.amount.unit
-        key = (refusal.stage, refusal.reason, refusal.step, refusal.subject, unit)
-        if key not in self._groups:
-            self._groups[key] = _Group(encounter)
-        self._groups[key].take(encounter)
+        self._groups.setdefault(kind_of(encounter.refusal), _Group(encounter)).take(encounter)
 
-    def census(self) -> Census:
-        lines = [group.line() for group in self._groups.values()]
+    def census(self, told: Encounter | None = None) -> Census:
+        """All lines, the most frequent first. `told`: the refusal whose facts its line has."""
+        kind = None if told is None else kind_of(told.refusal)
+        lines = [group.line(told if key == kind else None) for key, group in self._groups.items()]
         lines.sort(key=lambda line: (-line.count, line.refusal.stage, line.refusal.reason, str(line.refusal.subject)))
         return Census(self.candidates, self.refused, tuple(lines))
 

@@ -102,7 +102,8 @@ def tracks(
     """What is shown of a motion of a scene, in these phases. `also`: instants at which distances are wanted, too, s;
     `step_s`: time between those at which poses are looked at, s.
 
-    Without phases the arm stands at its first knot for as long as the trajectory lasts, while frames move. Every
+    Without phases of the robot the arm stands at its first knot for as long as the trajectory lasts, while frames move,
+    and bodies sit where the first of the phases, if there is one, has them. Every
     point of every body is within 0.1 mm of where it is, at any time.
     """
     robot = [phase for phase in phases if phase.robot]
@@ -126,7 +127,7 @@ def tracks(
     carriers += [thinned(name, t, *frame_poses(scene, name, t), reach[k]) for name, k in numbers.items()]
     tool = position[:, flange] + turned(rotation[:, flange], scene.tool.tcp.position)
     kept = kept_of_curves(t, tool, np.full(3, 1e-4 / 3**0.5))
-    moves = bool(phases)
+    moves = bool(robot)
     return Tracks(
         start=start,
         end=end,
@@ -189,6 +190,8 @@ def _seats(
         else:
             frame, pose = attached.pose_of(scene, name)
             carrier = numbers[frame]
+        if found and found[-1].time == time:
+            found.pop()
         if not found or (found[-1].carrier, found[-1].pose) != (carrier, pose):
             found.append(Seat(time, carrier, pose))
     return tuple(found)
@@ -225,8 +228,8 @@ def _path(step: Step) -> FloatArray | None:
     return step.path.curve.at(np.linspace(0.0, step.path.length, PATH_POINTS))[0]
 
 
-def standing(scene: Scene, lasts: float) -> Trajectory:
-    """The arm where it is at the start, for so long, s: what is shown where nothing was planned."""
-    still = np.zeros((2, len(scene.start.q)))
+def standing(scene: Scene, lasts: float, q: FloatArray) -> Trajectory:
+    """The arm with joints q (n,) from the start on, for so long, s: what is shown where nothing was planned."""
+    still = np.zeros((2, len(q)))
     time = np.array([scene.start.time, scene.start.time + lasts])
-    return Trajectory(time, np.array([scene.start.q, scene.start.q]), still, still)
+    return Trajectory(time, np.array([q, q]), still, still)

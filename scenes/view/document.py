@@ -6,8 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from assur.planner.arrays import FloatArray
 from assur.planner.frames import Fixed
-from assur.planner.model.phases import phases
+from assur.planner.model.attachments import Attachments
+from assur.planner.model.outcome import LegKind
+from assur.planner.model.phases import Phase, phases
+from assur.planner.model.scene import Scene
 from assur.scenes.answer import NOTICE
 from assur.scenes.conventions import Conventions, as_maker, rates_as_maker
 from assur.scenes.reading.cell import Cell
@@ -38,7 +42,11 @@ def view_of(cell: Cell, given: object) -> document.ViewDocument:
     also = [each["time_s"] for each in _nearest_said(answer)]
     if motion is None:
         moves = any(not isinstance(frame.law, Fixed) for frame in scene.frames.values())
-        shown = tracks(scene, standing(scene, STANDS_S if moves else STILL_S), ())
+        lasts, met = STANDS_S if moves else STILL_S, _met(scene, refusal)
+        q, attached = (scene.start.q, None) if met is None else met
+        end = scene.start.time + lasts
+        sits = () if attached is None else (Phase(scene.start.time, end, LegKind.WAIT, 0, attached, robot=False),)
+        shown = tracks(scene, standing(scene, lasts, q), sits)
         legs: list[dict[str, Any]] = []
     else:
         trajectory, of_plan, arrivals = motion_of(motion, cell.conventions)
@@ -110,6 +118,19 @@ def view_of(cell: Cell, given: object) -> document.ViewDocument:
 def _motion_in(answer: dict[str, Any]) -> dict[str, Any] | None:
     """What of an answer moves: the plan, or the best candidate of a refusal."""
     return answer if answer["status"] == "planned" else answer.get("best_candidate")
+
+
+def _met(scene: Scene, refusal: dict[str, Any]) -> tuple[FloatArray, Attachments] | None:
+    """Where the arm and all bodies are when those meet that a refusal names; None: at the start, or nowhere."""
+    from assur.planner.feasibility.met_posture import met_posture
+
+    witness = refusal.get("witness") or {}
+    for way in witness["ways"] if witness.get("kind") == "met" else ():
+        if way["bodies"] == refusal["bodies"] and way["mode"] is not None:
+            found = met_posture(scene, refusal["step"], way["mode"], way["turn_rad"], way["place"])
+            if found is not None:
+                return found
+    return None
 
 
 def _nearest_said(answer: dict[str, Any]) -> list[dict[str, Any]]:

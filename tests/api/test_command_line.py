@@ -19,7 +19,7 @@ from assur.api.command_line import app
 from assur.api.documents import to_json
 from assur.api.version import version
 from assur.api.workers.jobs import FIRST_PLAN
-from assur.planner.relaxation import ABOUT
+from assur.planner.relaxation.asked_for import ABOUT
 from assur.planner.report import number_format
 from assur.scenes.catalogue import FOLDER
 from assur.scenes.reading.refusal import NOT_PROVED, SEARCH
@@ -382,7 +382,7 @@ def test_what_was_tried_in_vain_is_listed_without_what_is_no_change() -> None:
 def test_every_kind_of_change_has_words() -> None:
     kinds = {kind for about in ABOUT.values() for kind in about}
     assert kinds <= console_report.CHANGED.keys()
-    assert "budget" in console_report.CHANGED
+    assert {"budget", "contact tolerance", "straight part"} <= console_report.CHANGED.keys()
 
 
 @pytest.mark.parametrize(

@@ -40,9 +40,10 @@ from assur.planner.model.refusal import (
 )
 from assur.planner.model.scene import Clearance, ClearanceException, Follow, Window
 from assur.planner.model.window_missed import Miss, WindowMissed
-from assur.planner.pipeline import leading, plan
+from assur.planner.pipeline import plan
 from assur.planner.report.notes import note
 from assur.planner.report.sentence import because, sentence
+from assur.planner.search.cause import most_frequent
 from tests.planner.cells import at, cell, go, stands
 
 SCENE = cell(go(0.35, 0.2, name="drop"), go(0.3, 0.0, name="home"))
@@ -63,7 +64,7 @@ def line(count: int, *arguments: Any, **more: Any) -> CensusLine:
 def test_the_most_frequent_refusal_of_the_step_that_was_never_passed_leads() -> None:
     post = Bodies(("cup", "post"))
     census = Census(40, 40, (line(30, step=0), line(6, step=1), line(4, step=1, subject=post)))
-    first, second = leading(census, 0), leading(census, 1)
+    first, second = most_frequent(census, 0), most_frequent(census, 1)
     assert first is not None
     assert first.count == 30
     assert second is not None
@@ -72,9 +73,9 @@ def test_the_most_frequent_refusal_of_the_step_that_was_never_passed_leads() -> 
 
 def test_a_mode_that_is_not_reached_leads_only_where_nothing_else_was_tried() -> None:
     once = line(1, Stage.INVERSE, Reason.OUT_OF_REACH, subject=None, facts=OutOfReach(mode="left"))
-    assert leading(Census(20, 20, (line(20), once)), 0) == line(20)
-    assert leading(Census(0, 0, (once,)), 0) == once
-    assert leading(NONE, 0) is None
+    assert most_frequent(Census(20, 20, (line(20), once)), 0) == line(20)
+    assert most_frequent(Census(0, 0, (once,)), 0) == once
+    assert most_frequent(NONE, 0) is None
 
 
 def said(refused: Refusal | CensusLine | None, census: Census = NONE, *, cut: bool = False) -> str:
@@ -113,15 +114,34 @@ def test_bodies_that_only_touch_have_no_gap_and_do_not_overlap() -> None:
     assert because(SCENE, refusal(facts=touching)) == "cup would hit gate: gap 0 mm, required 13 mm"
 
 
+@pytest.mark.parametrize(
+    ("gap", "required", "said"),
+    [
+        (0.0099996, 0.01, "gap 9.9996 mm, required 10 mm"),
+        (0.00999999996, 0.01, "gap 9.99999996 mm, required 10 mm"),
+        (0.0093300, 0.0093333, "gap 9.33 mm, required 9.333 mm"),
+        (0.0, 2e-7, "gap 0 mm, required less than 0.001 mm"),
+        (1e-7, 2e-7, "gap 0.0001 mm, required 0.0002 mm"),
+        (0.00687, 0.01, "gap 6.87 mm, required 10 mm"),
+        (1.2345671, 1.2345679, "gap 1234.567 mm, required 1234.568 mm"),
+        (-0.003, 0.003, "overlap up to 3 mm, required 3 mm"),
+    ],
+)
+def test_a_gap_that_is_less_than_required_is_shown_to_be_less(gap: float, required: float, said: str) -> None:
+    near = replace(APART, gap_m=gap, required_m=required)
+    assert because(SCENE, refusal(facts=near)) == f"cup would come too close to gate: {said}"
+
+
 def test_an_allowed_contact_that_is_too_deep_is_told_with_what_is_allowed() -> None:
     deep = Separation(touching=True, gap_m=-0.003, required_m=-1e-4, rule="contact", clearance_m=-1e-4)
     assert (
         because(SCENE, refusal(facts=deep))
-        == "cup would hit gate: overlap up to 3 mm, allowed 0.1 mm: a contact_tolerance_mm of the step allows more"
+        == "cup would be pressed 3 mm into gate, but only 0.1 mm is allowed: a contact_tolerance_mm of the step allows "
+        "more"
     )
     unsure = replace(deep, required_m=0.0019)
-    more = "a contact_tolerance_mm of the step allows more"
-    said = f"cup would hit gate: overlap up to 3 mm, required 1.9 mm (uncertainty 2 mm): {more}"
+    more = "but only 0.1 mm is allowed: a contact_tolerance_mm of the step allows more"
+    said = f"cup would be pressed 5 mm into gate (uncertainty 2 mm), {more}"
     assert because(SCENE, refusal(facts=unsure)) == said
 
 

@@ -2,23 +2,44 @@
 
 from __future__ import annotations
 
+import math
+import re
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
-from assur.planner import relaxation
-from assur.planner.frames import Conveyor
+from assur.api.cli.console_report import CHANGED
+from assur.planner.frames import Conveyor, Fixed, Turntable
+from assur.planner.frames.law import PoseUncertainty
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import box, cylinder
 from assur.planner.model.outcome import NotPlanned, Planned
+from assur.planner.model.path import LineTo, Path
 from assur.planner.model.refusal import Enclosed, Reason, Refusal, Stage, law_ends
-from assur.planner.model.scene import Clearance, ClearanceException, Follow, Pick, Place, Scene, Target, Window
+from assur.planner.model.scene import (
+    Clearance,
+    ClearanceException,
+    Execution,
+    Follow,
+    Pick,
+    Place,
+    Scene,
+    Step,
+    Target,
+    Trace,
+    Window,
+)
 from assur.planner.pipeline import plan
-from assur.planner.relaxation import changes, relax, worth_trying
-from tests.planner.cells import CUP, Around, at, belt_and_dial, cell, frame, go, solid, stands, table_to_table
+from assur.planner.relaxation.asked_for import worth_trying
+from assur.planner.relaxation.changes import changes
+from assur.planner.relaxation.trying import _attempt, relax
+from tests.docs.pages import ROOT
+from tests.planner.cells import CUP, Around, arm, at, belt_and_dial, cell, frame, go, solid, stands, table_to_table
+from tests.planner.five_axis_cells import aim, five_axis_cell, goes
 
 FAST = frame("belt", Conveyor(Pose(-0.3, 0.35), 0.5))
 EXPLAIN: dict[str, Any] = {"explain_budget_s": 60.0, "max_candidates": 40, "budget_s": 60.0}
@@ -45,6 +66,106 @@ def post_beside(**more: Any) -> Scene:
     return cell(go(0.35, -0.2), bodies=(post,), **{"clearance": Clearance(0.006, 0.0), **EXPLAIN, **more})
 
 
+def table(**more: Any) -> Scene:
+    """A part on a table, to be put on another one."""
+    return table_to_table(**{**EXPLAIN, **more})
+
+
+def with_pick(scene: Scene, **changed: Any) -> Scene:
+    """The scene with a pick, its first step, of which something is changed."""
+    pick = scene.task[0]
+    assert isinstance(pick, Pick)
+    return replace(scene, task=(replace(pick, **changed), *scene.task[1:]))
+
+
+def lowered(scene: Scene, step: int, by: float) -> Scene:
+    """The scene with the point of a step lower by so much, m."""
+    what: Step = scene.task[step]
+    if isinstance(what, Pick):
+        what = replace(what, grasp=replace(what.grasp, z=what.grasp.z - by))
+    elif isinstance(what, Place):
+        what = replace(what, to=replace(what.to, pose=replace(what.to.pose, z=what.to.pose.z - by)))
+    return replace(scene, task=(*scene.task[:step], what, *scene.task[step + 1 :]))
+
+
+def soft_place(scene: Scene) -> Scene:
+    """The scene with a pick that allows its contacts 1 mm, so that the place is what is refused."""
+    return with_pick(scene, contact_tolerance_m=1e-3)
+
+
+def short_approach() -> Scene:
+    """The cup must be 60 mm from the table in travel, and is 50 mm above it where the approach begins."""
+    rule = ClearanceException(frozenset(("cup",)), frozenset(("left-table",)), 0.06, 0.0)
+    return with_pick(table(clearance=Clearance(0.004, 0.0005, (rule,))), depart_m=0.05)
+
+
+def two_posts() -> Scene:
+    """A post on either side of the quill, each too near."""
+    posts = (stands(name, cylinder(0.03, 0.2), 0.35 + side * 0.046, -0.2, 0.12) for name, side in (("a", 1), ("b", -1)))
+    return cell(go(0.35, -0.2), bodies=tuple(posts), clearance=Clearance(0.006, 0.0), **EXPLAIN)
+
+
+def round_a_wall() -> Scene:
+    """A wall that no lift goes over; it cannot be left out, for the pick names it."""
+    scene = table(max_candidates=4, clearance=Clearance())
+    wall = stands("wall", box(0.3, 0.02, 1.0), 0.53, 0.0, 0.5)
+    return with_pick(replace(scene, bodies=(*scene.bodies, wall)), contact_with=("left-table", "wall"))
+
+
+def beside_the_start() -> Scene:
+    """A post 4 mm beside the quill where the arm starts, where 6 mm are required."""
+    (x, y, _), _ = arm().forward(np.array((0.3, 1.2, 0.2, 0.0)))
+    post = stands("post", cylinder(0.03, 0.2), float(x) + 0.046, float(y), 0.12)
+    return cell(go(0.35, -0.2), bodies=(post,), clearance=Clearance(0.006, 0.0), **EXPLAIN)
+
+
+def corner(blend: float, speed: float, **more: Any) -> Scene:
+    """A trace round a corner."""
+    path = Path((0.0, 0.0, 0.05), (LineTo((0.05, 0.0, 0.05)), LineTo((0.05, 0.05, 0.05))), blend)
+    step = Trace("bead", Target("plate", Pose(z=0.05)), path, speed, 0.03, 0.03)
+    plate = frame("plate", Fixed(Pose(0.3, 0.1, 0.06)))
+    options = {**EXPLAIN, "max_candidates": 24, "singularity_margin": 0.0, **more}
+    return cell(step, frames=(plate,), tool=CUP, **options)
+
+
+def fast_pick() -> Scene:
+    """A part on a belt that is quicker than the arm."""
+    scene = belt_and_dial(**EXPLAIN)
+    belt = replace(scene.frames["belt"], law=Conveyor(Pose(0.0, 0.4, 0.05), 1.5))
+    return with_pick(replace(scene, frames={**scene.frames, "belt": belt}), window=Window(along=(-0.3, 0.25)))
+
+
+def fast_dial() -> Scene:
+    dial = frame("dial", Turntable(Pose(0.35, 0.0), 20.0))
+    return cell(go(0.15, 0.0, frame="dial"), frames=(dial,), **EXPLAIN)
+
+
+def law_that_ends() -> Scene:
+    ends = frame("belt", Conveyor(Pose(0.1, 0.3, 0.1), 0.1, valid=(0.0, 1.2)))
+    return cell(Follow("f", at(0.0, 0.0, 0.1, 0.0, "belt"), 1.5), frames=(ends,), **EXPLAIN)
+
+
+def out_at_a_pitch() -> Scene:
+    """A point that a hand which points down does not reach."""
+    return five_axis_cell(goes(aim(0.46, 0.0, 0.25, pitch=-math.pi / 2)), explain_budget_s=60.0)
+
+
+def into_a_table() -> Scene:
+    """A cup that would be 5 mm deep in a table."""
+    return cell(
+        go(0.35, -0.2, 0.095), bodies=(stands("table", box(0.2, 0.2, 0.04), 0.35, -0.2, 0.08),), tool=CUP, **EXPLAIN
+    )
+
+
+def loose(scene: Scene, by: float) -> Scene:
+    """The scene with a part that may lie so much higher or lower, m."""
+    bodies = (replace(each, uncertainty=PoseUncertainty(vertical_m=by)) if each.name == "part" else each
+              for each in scene.bodies)  # fmt: skip
+    return replace(scene, bodies=tuple(bodies))
+
+
+LAGS = Execution(lag=(0.0, 0.0, 2e-4, 0.0))
+"""The lift may be 0.2 mm from where it is planned."""
 CASES: dict[str, tuple[Callable[[], Scene], str, str]] = {
     "a window too short": (lambda: follow(0.1, (0.2, 0.22)), "window", "to 250 mm, 30 mm farther"),
     "an elbow kept": (lambda: next(s for s in (_elbow("left"), _elbow("right")) if refused(s)), "elbow", "auto"),
@@ -64,6 +185,36 @@ CASES: dict[str, tuple[Callable[[], Scene], str, str]] = {
         ),
         "without",
         "wall",
+    ),
+    "an acceleration time too short": (
+        lambda: cell(go(0.35, -0.2), timing="parabolic_blend", acceleration_time_s=0.02, **EXPLAIN),
+        "acceleration time",
+        "left to the planner",
+    ),
+    "too few candidates": (round_a_wall, "budget", "16 candidates in 240 s"),
+    "a pitch that does not reach": (out_at_a_pitch, "pitch", "free"),
+    "a dial too fast to be met": (fast_dial, "match", "position"),
+    "a process speed too high": (lambda: corner(1e-3, 0.3), "process speed", "60 mm/s"),
+    "a corner too sharp, and no time": (lambda: corner(1e-3, 0.15, latest_end_s=1.85), "blend", "2 mm"),
+    "a law that ends too soon": (law_that_ends, "dwell", "900 ms"),
+    "a belt too fast": (fast_pick, "belt speed", "750 mm/s"),
+    "two bodies too near": (two_posts, "clearance", "travel 3 mm, near 0 mm"),
+    "a start too near a body": (beside_the_start, "pair clearance", "quill and post: travel 3.9 mm, near 0 mm"),
+    "an approach too short": (short_approach, "straight part", "approach 40.1 mm"),
+    "a place too low": (lambda: lowered(table(), 1, 0.01), "point height", "10 mm higher"),
+    "a grasp too low": (lambda: lowered(table(), 0, 0.003), "point height", "3 mm higher"),
+    "a place too low on a dial": (lambda: lowered(belt_and_dial(**EXPLAIN), 1, 0.004), "point height", "4 mm higher"),
+    "a move too low": (into_a_table, "point height", "5.1 mm higher"),
+    "a lift that lags": (lambda: table(execution=LAGS), "contact tolerance", "0.6 mm at each pick and place"),
+    "a lift that lags at a place": (
+        lambda: soft_place(table(execution=LAGS)),
+        "contact tolerance",
+        "0.7 mm at each pick and place",
+    ),
+    "a part that lies higher or lower": (
+        lambda: loose(table(), 3e-4),
+        "contact tolerance",
+        "0.3 mm at each pick and place",
     ),
     "a margin too large": (
         lambda: cell(Follow("f", at(0.599, 0.0), 0.1), singularity_margin=0.2, **EXPLAIN),
@@ -105,11 +256,22 @@ def test_the_first_change_that_works_is_named_and_works_when_applied(name: str) 
     assert outcome.relaxation is not None, (outcome.sentence, outcome.tried)
     assert outcome.relaxation.what == what
     assert outcome.relaxation.value.startswith(value)
-    again = applied(scene, what, outcome.relaxation.value, 0, value if what == "without" else None, outcome.refusal)
+    assert outcome.refusal is not None
+    blocker, step = value if what == "without" else None, outcome.refusal.step
+    again = applied(scene, what, outcome.relaxation.value, step, blocker, outcome.refusal)
     relaxed = plan(replace(again, options=replace(again.options, stop="first")))
     assert isinstance(relaxed, Planned)
     assert relaxed.plan.trajectory.duration == pytest.approx(outcome.relaxation.duration_s, abs=0.5)
     assert f"{what}: {outcome.relaxation.value}" in outcome.tried
+
+
+def test_each_kind_of_change_is_the_one_that_helps_somewhere_and_is_on_the_page() -> None:
+    """The kinds that are tried, those that the page lists, and those for which there are words are the same."""
+    page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    table_ = page.split("### What would have helped")[1].split("### ")[0]
+    rows = (row.split("|")[1] for row in table_.splitlines() if row.startswith("| `"))
+    told = {kind for row in rows for kind in re.findall(r"`([a-z ]+)`", row)} - {"what"}
+    assert {what for _, what, _ in CASES.values()} == told == CHANGED.keys()
 
 
 @pytest.mark.parametrize(
@@ -181,7 +343,7 @@ def test_a_search_that_could_only_repeat_what_failed_is_not_tried() -> None:
     scene = post_beside(max_candidates=None, budget_s=1.0)
     tried: list[str] = []
     (budget,) = (each for each in changes(scene, 0, None) if each[0] == "budget")
-    assert relaxation._attempt(budget, time.perf_counter() + 2.0, tried) is None
+    assert _attempt(budget, time.perf_counter() + 2.0, tried) is None
     assert tried == []
 
 
@@ -263,14 +425,10 @@ def test_nothing_is_tried_without_a_budget_for_it_or_where_nothing_could_help() 
         assert worth_trying(ends) is (tracked is not None)
 
 
-def test_a_law_that_ends_too_soon_for_a_follow_is_mended_by_a_shorter_dwell() -> None:
-    ends = frame("belt", Conveyor(Pose(0.1, 0.3, 0.1), 0.1, valid=(0.0, 1.2)))
-    step = Follow("f", at(0.0, 0.0, 0.1, 0.0, "belt"), 1.5)
-    late = plan(cell(step, frames=(ends,), **EXPLAIN))
+def test_of_a_law_that_ends_too_soon_only_what_needs_less_of_it_is_tried() -> None:
+    late = plan(law_that_ends())
     assert isinstance(late, NotPlanned)
     assert (late.reason, late.proved) == (Reason.LAW_ENDS, True)
-    assert late.relaxation is not None
-    assert late.relaxation.what == "dwell"
     assert not {tried.split(":")[0] for tried in late.tried} - {"dwell", "window", "latest end"}
 
 

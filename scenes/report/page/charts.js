@@ -221,7 +221,7 @@ function clearanceChart(tracks) {
     readout: (t) => {
       const pair = tracks.nearest(t);
       const [a, b] = pair.bodies.map((number) => tracks.view.bodies[number].name);
-      return [{ text: `${(1000 * pair.gap).toFixed(1)} mm`, colour: "--hot" }, { text: `${a} – ${b}` }];
+      return [{ text: `${(1000 * pair.gap).toFixed(2)} mm`, colour: "--hot" }, { text: `${a} – ${b}` }];
     },
   };
 }

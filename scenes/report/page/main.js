@@ -37,7 +37,7 @@ function labels(renderer, tracks, camera, host) {
     });
     if (!pair) distance.hidden = true;
     else {
-      distance.textContent = `${(1000 * pair.gap).toFixed(1)} mm`;
+      distance.textContent = `${(1000 * pair.gap).toFixed(2)} mm`;
       put(distance, pair.points[0].map((x, k) => (x + pair.points[1][k]) / 2), show.pair);
     }
   };

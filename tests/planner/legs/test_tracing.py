@@ -20,7 +20,7 @@ from assur.planner.model.path import ArcTo, LineTo, Path, PathPart, SplineThroug
 from assur.planner.model.refusal import BeyondRange, MotionLimit, OutOfReach, Reason, Singular
 from assur.planner.model.scene import Move, Scene, Target, Trace
 from assur.planner.pipeline import plan
-from assur.planner.relaxation import changes
+from assur.planner.relaxation.changes import changes
 from assur.scenes.requests import scene_of
 from tests.planner.cells import CRANKED, CUP, cell, frame
 

@@ -1,0 +1,1 @@
+"""What would have helped: small changes of a request, each tried."""
