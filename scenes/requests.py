@@ -348,9 +348,10 @@ def ik_schema() -> dict[str, Any]:
     return IkDocument.model_json_schema()
 
 
-def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...], Claims]:
+def read_plan(cell: Cell, plan: object, *, proved_anew: bool = False) -> tuple[Plan, tuple[Finding, ...], Claims]:
     """The plan in a planned answer with a full certificate, what the answer says that is not so and needs no checker to
-    see (what it repeats of the request among it), and what else it claims of the plan.
+    see (what it repeats of the request among it), and what else it claims of the plan. `proved_anew`: its motion will be
+    proved again, so that the digest of its certificate is enough.
 
     Raises `InputError` naming the field.
     """
@@ -359,7 +360,7 @@ def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...], Clai
 
     answer = plain(plan)
     check_beside(answer)
-    made, told = plan_of(answer, cell.conventions)
+    made, told = plan_of(answer, cell.conventions, proved_anew=proved_anew)
     check_lengths(answer, made, cell.scene)
     told += untrue_repeats(answer, cell.scene) + untrue_arrivals(made.arrivals, cell.scene)
     return made, told, claims_of(answer)

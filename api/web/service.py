@@ -27,7 +27,7 @@ from assur.api.web.body_reader import Reading
 from assur.api.web.results import Results
 from assur.api.web.settings import Settings
 from assur.api.web.turns import Turns
-from assur.api.workers import jobs
+from assur.api.workers import file_jobs, jobs
 from assur.api.workers.client import Client, Demand, Ticket
 from assur.api.workers.pool import Work, Workers
 from assur.api.workers.traced import Traced, warm
@@ -82,6 +82,19 @@ class Service:
     async def plan(self, body: bytes, certificate: jobs.Detail, client: Client) -> jobs.Answer:
         """The answer to the request in `body`, or to the shipped scenario that it names. Raises `Problem`."""
         return await self.do(await self.order(body, certificate, client))
+
+    async def plan_file(self, body: bytes, how: dict[str, Any], client: Client) -> jobs.Answer:
+        """The file, as `how` asks for it, of the plan of what is in `body`. Raises `Problem`."""
+        order = await self._order(body, "full", client, parsed=False)
+        source = order.work.arguments[0] if order.work.job is jobs.plan_shipped else body
+        work = replace(
+            order.work,
+            job=file_jobs.plan_file,
+            arguments=(source, how, self.settings.max_budget_s),
+            key=_digest("plan_file", order.work.key, json.dumps(how)),
+        )
+        # the file is made after the plan, as an export of it would be
+        return await self.do(Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s)))
 
     async def order(self, body: bytes, certificate: jobs.Detail, client: Client) -> Order:
         """What is to be done about `body`, as `plan` has it. Raises `Problem`."""

@@ -67,10 +67,11 @@ FIRST_PLAN: dict[str, Any] = {
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """A document as JSON, or a page, and in a word what it says, for the log.
+    """A document as JSON, a page or a file, and in a word what it says, for the log.
 
     `reason`: of a refusal, one of `assur.planner.model.refusal.Reason`; else empty. `stages`: seconds by stage.
-    `repeatable`: no clock ended the search, so that the same request would get the same answer again.
+    `repeatable`: no clock ended the search, so that the same request would get the same answer again. `media_type`,
+    `status`, `headers`: of its response.
     """
 
     body: bytes
@@ -78,6 +79,9 @@ class Answer:
     reason: str = ""
     stages: dict[str, float] = field(default_factory=dict)
     repeatable: bool = False
+    media_type: str = "application/json"
+    status: int = 200
+    headers: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,14 +118,14 @@ def warm(meshes: MeshFolder | None = None) -> str:
 def plan(body: bytes, certificate: Detail, most_budget_s: float, line: Line) -> Reply:
     """The answer to the request in `body`; reading it counts in its budget, as it does in the wall's. A budget that it
     does not state is at most `most_budget_s`. `line` takes how far the search has come, as a document."""
-    given = _given(certificate, most_budget_s, line)
+    given = how_planned(certificate, most_budget_s, line)
     return _guarded(lambda: plan_document(request_in(body), **given), "status", given["laps"])
 
 
 def plan_shipped(name: str, options: dict[str, Any], certificate: Detail, most_budget_s: float, line: Line) -> Reply:
     """The answer to the request of the shipped scenario `name`, with the files that ship with it, and with `options`
     in place of its own. The rest as `plan`."""
-    given = _given(certificate, most_budget_s, line)
+    given = how_planned(certificate, most_budget_s, line)
 
     def work() -> dict[str, Any]:
         scenario = shipped(name)
@@ -133,7 +137,7 @@ def plan_shipped(name: str, options: dict[str, Any], certificate: Detail, most_b
     return _guarded(work, "status", given["laps"])
 
 
-def _given(certificate: Detail, most_budget_s: float, line: Line) -> dict[str, Any]:
+def how_planned(certificate: Detail, most_budget_s: float, line: Line) -> dict[str, Any]:
     """How every request is planned here. What it means is said as soon as it is known to be valid, before meshes and
     kernels work on it."""
     return {
@@ -200,9 +204,9 @@ def report(body: bytes, line: Line) -> Reply:
         told = {name: document[name] for name in ("title", "about")}
         page = report_page(cell, plan, **told, verdict=verdict_on(cell, plan), version=version())
         laps.lap("draw")
-        return Answer(page.encode(), "reported", stages=laps.seconds)
+        return Answer(page.encode(), "reported", stages=laps.seconds, media_type="text/html")
 
-    return _bordered(work)
+    return bordered(work)
 
 
 def cover(digest: str, form: str, unit: str, line: Line) -> Reply:
@@ -347,7 +351,7 @@ def _guarded(work: Callable[[], dict[str, Any]], says: str, laps: Stopwatch, sta
         reason = document.get("reason", "") if document.get("status") == "not_planned" else ""
         return Answer(body, _word(document[says]), str(reason), laps.seconds, _repeatable(document))
 
-    return _bordered(answered)
+    return bordered(answered)
 
 
 def _word(said: object) -> str:
@@ -362,7 +366,8 @@ def _repeatable(document: dict[str, Any]) -> bool:
     return document.get("cut_by_clock") is False and not helped
 
 
-def _bordered(work: Callable[[], Answer]) -> Reply:
+def bordered(work: Callable[[], Answer]) -> Reply:
+    """What `work` returns, or what it raises as a value: nothing but `CalledOffError` leaves a job."""
     try:
         return work()
     except Problem as problem:
