@@ -350,8 +350,7 @@ def ik_schema() -> dict[str, Any]:
 
 def read_plan(cell: Cell, plan: object, *, proved_anew: bool = False) -> tuple[Plan, tuple[Finding, ...], Claims]:
     """The plan in a planned answer with a full certificate, what the answer says that is not so and needs no checker to
-    see (what it repeats of the request among it), and what else it claims of the plan. `proved_anew`: its motion will be
-    proved again, so that the digest of its certificate is enough.
+    see (what it repeats of the request among it), and what else it claims of the plan. `proved_anew`: as `plan_of`.
 
     Raises `InputError` naming the field.
     """

@@ -317,8 +317,8 @@ def options_in(body: bytes) -> dict[str, Any]:
     try:
         read(OptionsDocument, options)
     except DocumentError as error:
-        place = "options" if error.field == WHOLE else f"options.{error.field}"
-        raise Problem.of_input(InputError(place, error.value, error.allowed)) from error
+        told = error.told_as(lambda field: "options" if field == WHOLE else f"options.{field}")
+        raise Problem.of_input(told) from error
     return dict(options)
 
 

@@ -18,7 +18,7 @@ TOLERANCE = ("start_tolerance_s", "start_tolerance_ms")
 
 
 def export_document(request: object, plan: object, asked: object, *, folder: Path | None = None) -> dict[str, Any]:
-    """The export of a planned answer, whose certificate may be a digest, as `asked` says: {"format": ...} (docs/export.md).
+    """The export of a planned answer, whose certificate may be a digest, as `asked` says (docs/export.md).
 
     `folder`: below which the request may name files. Raises `InputError` naming the field: for what is wrong with a
     document, for what the answer repeats of request and motion and is not so, and for a motion that cannot be proved on

@@ -58,8 +58,8 @@ def plan_of(plan: object, conventions: Conventions, *, proved_anew: bool = False
     words, and of the joints of its arrivals, that is not so.
 
     `proved_anew`: its motion will be proved again, so that the digest of the certificate is enough; the certificate of
-    the plan has no rows then. Not looked at here: whether anything else in it is true (`claims`, and the checker). Raises `DocumentError` below
-    "plan".
+    the plan has no rows then. Not looked at here: whether anything else in it is true (`claims`, and the checker).
+    Raises `DocumentError` below "plan".
     """
     with located({PLAN: plan}), within(PLAN):
         if isinstance(plan, dict):
@@ -71,7 +71,7 @@ def plan_of(plan: object, conventions: Conventions, *, proved_anew: bool = False
                 if not proved_anew:
                     raise Refused("the certificate in full, as certificate=full gives it", "certificate")
                 read_normal(document.CertificateDigest, certificate, certificate, (PLAN, "certificate"))
-                plan["certificate"] = {**certificate, "rows": 0} | dict.fromkeys(COLUMNS, [])
+                plan["certificate"] = {**certificate, "rows": 0} | {key: [] for key in COLUMNS}
         item: document.CheckedPlan = read_normal(document.CheckedPlan, plan, plan, (PLAN,))
         made = _made(item, conventions)
         return made, _untrue(item) + _untrue_notes(item, made) + _untrue_joints(item, made, conventions)
