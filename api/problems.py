@@ -36,6 +36,7 @@ STATUS = {
     "too-large": (413, "The body is too large"),
     "wrong-media-type": (415, "The body is not declared to be JSON"),
     "bad-input": (422, "A field holds a value that is not allowed"),
+    "no-websockets": (400, "This service has no WebSockets"),
     "key-reused": (422, "This key was sent with another request"),
     "quarantined": (422, "This request ended three workers, and is not tried again for a time"),
     "too-many-requests": (429, "This client has its share already"),

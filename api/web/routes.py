@@ -39,7 +39,7 @@ from assur.api.web.service import Order, Service
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
 from assur.api.workers import jobs
 from assur.planner.errors import InputError
-from assur.scenes.requests import request_schema, robots, shipped_scenarios
+from assur.scenes.requests import Detail, request_schema, robots, shipped_scenarios
 from assur.scenes.scenarios import scenario_text
 from assur.scenes.schema.answer import Answer, Verdict
 from assur.scenes.schema.export import ExportAnswer, TrajectoryVerdict
@@ -128,12 +128,12 @@ def admit(request: Request, *parameters: str) -> None:
     service_of(request).workers.require_room(client_of(request))
 
 
-def certificate_of(request: Request) -> jobs.Detail:
+def certificate_of(request: Request) -> Detail:
     """How much of the certificate is asked for. Raises `Problem`."""
     certificate = request.query_params.get("certificate", "full")
-    if certificate not in get_args(jobs.Detail):
-        raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(jobs.Detail))))
-    return cast(jobs.Detail, certificate)
+    if certificate not in get_args(Detail):
+        raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(Detail))))
+    return cast(Detail, certificate)
 
 
 async def scene_order(request: Request) -> Order:

@@ -10,7 +10,7 @@ import os
 import time
 from collections.abc import Callable, Collection
 from dataclasses import asdict, dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 from assur.api.documents import to_json
 from assur.api.logs import where
@@ -26,6 +26,7 @@ from assur.scenes.meshes import covered, use_folder
 from assur.scenes.meshes.folder import MeshFolder
 from assur.scenes.plan_file import FORM, TEXTS
 from assur.scenes.requests import (
+    Detail,
     cell_of,
     check_document,
     ik_document,
@@ -42,8 +43,6 @@ from assur.scenes.scenarios import CELLS, scenario_in, with_files
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import OptionsDocument
 from assur.scenes.schema.shapes import MeshDocument
-
-Detail = Literal["full", "digest"]
 
 FIRST_PLAN: dict[str, Any] = {
     "schema": "assur/1",

@@ -8,6 +8,7 @@ given are declared as class variables, so that the reader and the schema agree o
 from __future__ import annotations
 
 import difflib
+from collections.abc import Mapping
 from itertools import combinations
 from typing import Annotated, Any, ClassVar, Self
 
@@ -73,6 +74,16 @@ class Document(BaseModel):
     def __deepcopy__(self, memo: object = None) -> Self:
         """Itself: it is frozen, so whatever has it as its default may share it."""
         return self
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy, with the values of `update` in place of its own. What the model refuses of them raises
+        `pydantic.ValidationError`, as where it is made: also a field that it has not. `deep` changes nothing: what is
+        frozen is shared."""
+        if not update:
+            return super().model_copy(deep=deep)
+        keys = {name: field.alias or name for name, field in type(self).model_fields.items()}
+        own = {keys.get(name, name): getattr(self, name) for name in self.model_fields_set}
+        return type(self).model_validate(own | {keys.get(name, name): value for name, value in update.items()})
 
     def document(self) -> dict[str, Any]:
         """What was given, as the plain document that it is, in SI. What was left out is left out."""
