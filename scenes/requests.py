@@ -21,7 +21,7 @@ from assur.scenes.faults import located, written_key
 from assur.scenes.files import with_meshes, with_plans
 from assur.scenes.not_requests import refuse_other
 from assur.scenes.numbers import optional
-from assur.scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet
+from assur.scenes.scenarios import Scenario, ScenarioDocument, load_scenario, shipped, shipped_scenarios, unmet
 from assur.scenes.schema import answer as written
 from assur.scenes.schema.ik import IkDocument
 from assur.scenes.schema.normal import plain
@@ -47,6 +47,7 @@ __all__ = [
     "check_cell",
     "check_document",
     "check_plan",
+    "file_schema",
     "ik_cell",
     "ik_document",
     "ik_schema",
@@ -119,6 +120,11 @@ def request_schema() -> dict[str, Any]:
     """JSON Schema of a request, with both ways to write each quantity."""
     schema = RequestDocument.model_json_schema()
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA, **schema}
+
+
+def file_schema() -> dict[str, Any]:
+    """JSON Schema of a scenario file: `about`, `request` and `expect`."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **ScenarioDocument.model_json_schema()}
 
 
 def cell_of(

@@ -27,6 +27,7 @@ from pydantic_core.core_schema import no_info_before_validator_function
 
 from assur.planner.geometry.shapes import LARGEST_M, SMALLEST_M
 from assur.scenes import bounds
+from assur.scenes.schema.described import description
 from assur.scenes.schema.twins import by_unit, twin_schema
 from assur.scenes.units import twin_of
 
@@ -110,10 +111,12 @@ class Document(BaseModel):
         ]
         for name, field in list(properties.items()):
             _forget_null(field)
+            field["description"] = description(cls, name)
             twin = twin_of(name)
             if twin is None:
                 continue
             properties[twin] = twin_schema(field, twin, handler.resolve_ref_schema)
+            properties[twin]["description"] = description(cls, twin)
             if name in required:
                 rules.append({"oneOf": [{"required": [name]}, {"required": [twin]}]})
             elif name not in of_groups:
