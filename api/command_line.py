@@ -223,9 +223,11 @@ def scenes(as_json: AsJson = False) -> int:
 
 @app.command()
 @bordered
-def schema() -> int:
+def schema(
+    whole: Annotated[bool, typer.Option("--file", help="Of a whole scenario file: about, request and expect.")] = False,
+) -> int:
     """Print the JSON Schema of the request."""
-    show_json(requests.request_schema())
+    show_json(requests.file_schema() if whole else requests.request_schema())
     return RIGHT
 
 

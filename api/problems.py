@@ -21,8 +21,6 @@ SHOWN_NUMBERS = 6
 """Longest list of numbers of a request that a problem repeats: a window, a point."""
 LONGEST_ALLOWED = 2000
 """Longest list of what is allowed that a problem gives, characters."""
-MOST_ERRORS = 20
-"""So many further errors are told at a time."""
 
 STATUS = {
     "bad-syntax": (400, "The body is not the JSON that this service accepts"),
@@ -38,6 +36,7 @@ STATUS = {
     "too-large": (413, "The body is too large"),
     "wrong-media-type": (415, "The body is not declared to be JSON"),
     "bad-input": (422, "A field holds a value that is not allowed"),
+    "no-websockets": (400, "This service has no WebSockets"),
     "key-reused": (422, "This key was sent with another request"),
     "quarantined": (422, "This request ended three workers, and is not tried again for a time"),
     "too-many-requests": (429, "This client has its share already"),
@@ -75,16 +74,23 @@ class FieldError:
 
 
 class Problem(Exception):
-    """A request that ends with a problem of a `kind` listed in `STATUS`; `detail` is a sentence of our own."""
+    """A request that ends with a problem of a `kind` listed in `STATUS`; `detail` is a sentence of our own; `left_out`:
+    the number of errors beyond those in `errors`."""
 
     def __init__(
-        self, kind: str, detail: str, errors: Sequence[FieldError] = (), headers: Mapping[str, str] | None = None
+        self,
+        kind: str,
+        detail: str,
+        errors: Sequence[FieldError] = (),
+        headers: Mapping[str, str] | None = None,
+        left_out: int = 0,
     ) -> None:
         super().__init__(f"{kind}: {detail}")
         self.kind = kind
         self.detail = detail
         self.errors = tuple(errors)
         self.headers = dict(headers or {})
+        self.left_out = left_out
 
     @property
     def status(self) -> int:
@@ -101,22 +107,27 @@ class Problem(Exception):
         }
         if self.errors:
             document["errors"] = [error.document() for error in self.errors]
+        if self.left_out:
+            document["errors_left_out"] = self.left_out
         return document
 
     def __reduce__(self) -> tuple[type[Problem], tuple[Any, ...]]:
-        return type(self), (self.kind, self.detail, self.errors, self.headers)
+        return type(self), (self.kind, self.detail, self.errors, self.headers, self.left_out)
 
     @staticmethod
     def of_input(error: InputError, kind: str = "bad-input") -> Problem:
         """The problem that tells the caller of `error`, and of the further faults that it knows."""
-        more = error.more[:MOST_ERRORS] if isinstance(error, DocumentError) else ()
-        line = error.line if isinstance(error, DocumentError) else None
-        first = FieldError(printable(error.field), shown(error.value), printable(error.allowed, LONGEST_ALLOWED), line)
-        others = [
-            FieldError(printable(name), NOTHING, printable(allowed, LONGEST_ALLOWED), where)
-            for name, allowed, where in more
+        every = (error, *error.more) if isinstance(error, DocumentError) else (error,)
+        errors = [
+            FieldError(
+                printable(each.field),
+                shown(each.value),
+                printable(each.allowed, LONGEST_ALLOWED),
+                getattr(each, "line", None),
+            )
+            for each in every
         ]
-        return Problem(kind, str(first), (first, *others))
+        return Problem(kind, str(errors[0]), errors, left_out=getattr(error, "left_out", 0))
 
 
 def printable(text: str, longest: int = 200) -> str:

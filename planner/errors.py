@@ -6,6 +6,8 @@ exceptions are for what should never have been asked, and for what should never 
 
 from __future__ import annotations
 
+from typing import Any
+
 
 class AssurError(Exception):
     """Root of every exception that this project raises on purpose."""
@@ -23,6 +25,11 @@ class InputError(AssurError):
         self.field = field
         self.value = value
         self.allowed = allowed
+
+    @property
+    def errors(self) -> list[dict[str, Any]]:
+        """Each fault that is known: `field`, `value`, `allowed`. Here it is one; a document may have several."""
+        return [{"field": self.field, "value": self.value, "allowed": self.allowed}]
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, object, str]]:
         return type(self), (self.field, self.value, self.allowed)

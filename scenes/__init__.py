@@ -22,23 +22,28 @@ def load(name: str | Path) -> dict[str, Any]:
 
     A plain document of its own each time: change it, plan it, post it. What the files hold that a scenario names (of
     robots, plans and meshes), which must lie below its folder, is in it already. As on the command line, a file that is
-    there comes before a scenario's name. Raises `InputError` naming the field (in YAML with its line), or `OSError` for
-    a file that cannot be read.
+    there comes before a scenario's name. Raises `InputError` naming the field (in YAML with its line), or
+    where neither a file nor a scenario has the name; `OSError` for a file that cannot be read.
     """
-    from assur.scenes.files import is_json, json_in
+    from assur.planner.errors import InputError
+    from assur.scenes.faults import likeliest
+    from assur.scenes.files import is_file, is_json, json_in
     from assur.scenes.plan_file import is_plan_file, plan_file_in
-    from assur.scenes.requests import load_scenario, shipped
+    from assur.scenes.requests import load_scenario, shipped, shipped_scenarios
     from assur.scenes.scenarios import with_files
 
     path = Path(name)
-    is_file = path.is_file() or path.suffix.lower() in (".yaml", ".yml", ".json")
-    if is_file and is_json(path):
+    is_there = is_file(path)
+    if not is_there and str(name) not in shipped_scenarios():
+        names = likeliest(path.stem, shipped_scenarios())
+        raise InputError("name", str(name), f"a file that is there, or a shipped scenario, one of {names}")
+    if is_there and is_json(path):
         given = json_in(path, "a request or a plan file, as JSON")
         document: dict[str, Any] = (
             plan_file_in(given).request if is_plan_file(given) else with_files(given, path.parent)
         )
         return document
-    scenario = load_scenario(path) if is_file else shipped(str(name))
+    scenario = load_scenario(path) if is_there else shipped(str(name))
     with scenario.located():
         request: dict[str, Any] = with_files(scenario.request, scenario.folder)
     return request

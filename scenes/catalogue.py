@@ -91,8 +91,8 @@ def load_robot(path: Path) -> RobotFile:
         except InputError as error:
             raise with_line(error, lines) from error
     except DocumentError as error:
-        field = path.name if error.field in (*WHOLE, path.name) else f"{path.name}: {error.field}"
-        raise DocumentError(field, error.value, error.allowed, error.line, error.more) from error
+        own = (WHOLE, path.name)
+        raise error.told_as(lambda field: path.name if field in own else f"{path.name}: {field}") from error
     return found
 
 

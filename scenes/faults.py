@@ -7,7 +7,9 @@ SI names; here it becomes the path with the keys as they were written (`speed_mm
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
 
 from assur.planner.errors import InputError
 from assur.scenes.units import any_unit, twin_of
@@ -31,25 +33,72 @@ SILENT = ("match",)
 """Fields that a document may leave out, and whose silence can be the fault: they are named all the same."""
 
 
-Further = tuple[str, str, int | None]
-"""A further fault: field, what is allowed, and the line, if it is known."""
+MOST_FAULTS = 20
+"""So many faults of one document are reported; of further ones their number."""
 
 
 class DocumentError(InputError):
-    """The caller's fault in a document. `line`: where in its file, if it came from one; `more`: further faults, each
-    with its field, what is allowed, and its line."""
+    """The caller's fault in a document. `line`: where in its file, if it came from one; `more`: further faults, up to
+    `MOST_FAULTS` in all, each with its line; `left_out`: the number of those beyond."""
 
     def __init__(
-        self, field: str, value: object, allowed: str, line: int | None = None, more: tuple[Further, ...] = ()
+        self,
+        field: str,
+        value: object,
+        allowed: str,
+        line: int | None = None,
+        more: Sequence[InputError] = (),
+        left_out: int = 0,
     ) -> None:
         super().__init__(field, value, allowed)
         self.line = line
-        self.more = more
         if line is not None:
             self.args = (f"line {line}: {self.args[0]}",)
+        self.more = tuple(more)
+        self.left_out = left_out
+        for other in self.more:
+            self.add_note(str(other))
+        if left_out:
+            self.add_note(f"and {left_out} more")
 
     def __reduce__(self) -> tuple[type[DocumentError], tuple[object, ...]]:  # type: ignore[override]
-        return type(self), (self.field, self.value, self.allowed, self.line, self.more)
+        return type(self), (self.field, self.value, self.allowed, self.line, self.more, self.left_out)
+
+    @property
+    def errors(self) -> list[dict[str, Any]]:
+        """This fault and the further ones, as a list of mappings: `field`, `value`, `allowed`, and `line` if it came
+        from a text. A field that is missing has no `value`."""
+        return [_as_mapping(each) for each in (self, *self.more)]
+
+    def told_as(self, field: Callable[[str], str], line: Callable[[str], int | None] = lambda _: None) -> DocumentError:
+        """The same faults where the document is a part of another: each with the `field` and the `line` that it has
+        there. A line that is known stays."""
+
+        def one(each: InputError) -> DocumentError:
+            known, name = getattr(each, "line", None), field(each.field)
+            return DocumentError(name, each.value, each.allowed, line(name) if known is None else known)
+
+        return _joined([one(each) for each in (self, *self.more)], self.left_out)
+
+
+def _as_mapping(error: InputError) -> dict[str, Any]:
+    line = getattr(error, "line", None)
+    value = {} if error.value is NOTHING else {"value": error.value}
+    return {"field": error.field, **value, "allowed": error.allowed} | ({} if line is None else {"line": line})
+
+
+def together(faults: Sequence[DocumentError]) -> DocumentError:
+    """Several faults of one document as one error, of which the first is the first. Of two at one field the first is
+    kept, for the second follows from it."""
+    every = {each.field: each for fault in reversed(faults) for each in reversed((fault, *fault.more))}
+    order = dict.fromkeys(each.field for fault in faults for each in (fault, *fault.more))
+    return _joined([every[name] for name in order], sum(fault.left_out for fault in faults))
+
+
+def _joined(faults: Sequence[InputError], left_out: int) -> DocumentError:
+    first, *rest = faults
+    kept, line = rest[: MOST_FAULTS - 1], getattr(first, "line", None)
+    return DocumentError(first.field, first.value, first.allowed, line, kept, left_out + len(rest) - len(kept))
 
 
 WHOLE = "request"
@@ -145,9 +194,23 @@ class Refused(Exception):
     def __init__(self, allowed: str | Callable[[str, object], str], *path: str | int, field: str = "") -> None:
         super().__init__(allowed, path, field)
         self.allowed, self.path, self.field = allowed, path, field
+        self.more: tuple[Refused | DocumentError, ...] = ()
+        """What is wrong with further parts, where several were read."""
+
+    def at(self, *path: str | int) -> None:
+        """The part is at `path` of a larger part, of which this then speaks."""
+        self.path = path + self.path
+        for other in self.more:
+            if isinstance(other, Refused):
+                other.at(*path)
 
     def fault(self, document: object) -> DocumentError:
-        """The fault in the document of which this is about a part."""
+        """The faults in the document of which this is about a part."""
+        others = [each if isinstance(each, DocumentError) else each.fault(document) for each in self.more]
+        return together([self.one(document), *others])
+
+    def one(self, document: object) -> DocumentError:
+        """The first of them."""
         path = _follow(document, self.path, self.field) if self.field else self.path
         if isinstance(self.allowed, str):
             return fault(document, path, self.allowed)
@@ -166,9 +229,65 @@ class within:
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         if isinstance(error, Refused):
-            error.path = self._path + error.path
+            error.at(*self._path)
         elif isinstance(error, InputError) and not isinstance(error, DocumentError):
             raise Refused(error.allowed, *self._path, field=error.field) from error
+
+
+class FollowsError(Refused):
+    """A part cannot be read because another part that it names has a fault. It is none of its own."""
+
+    def __init__(self) -> None:
+        super().__init__("what can be read")
+
+
+class Gathered:
+    """The faults of parts that are read one after another: each `part` is read whatever is wrong with those before, and
+    `settle` raises what was refused, all at once."""
+
+    def __init__(self) -> None:
+        self.faults: list[Refused | DocumentError] = []
+        self._follows = False
+
+    @contextmanager
+    def part(self, spoilt: Callable[[], None] = lambda: None) -> Iterator[None]:
+        """A part is read inside. `spoilt` is called if it is refused."""
+        try:
+            yield
+        except FollowsError:
+            spoilt()
+            self._follows = True
+        except (Refused, DocumentError) as error:
+            spoilt()
+            self.faults.append(error)
+        except InputError as error:
+            spoilt()
+            self.faults.append(Refused(error.allowed, field=error.field))
+
+    def settle(self) -> None:
+        """Raises the faults of all parts, if there are any."""
+        if not self.faults and self._follows:
+            raise FollowsError
+        if not self.faults:
+            return
+        first, *rest = self.faults
+        if isinstance(first, DocumentError) and all(isinstance(each, DocumentError) for each in rest):
+            raise together(self.faults)  # type: ignore[arg-type]
+        if isinstance(first, DocumentError):
+            first = _Told(first)
+        first.more = (*first.more, *rest)
+        raise first
+
+
+class _Told(Refused):
+    """A fault whose field is known already, before others whose fields are not."""
+
+    def __init__(self, error: DocumentError) -> None:
+        super().__init__(error.allowed)
+        self._error = error
+
+    def one(self, document: object) -> DocumentError:  # noqa: ARG002 - its field is known without it
+        return self._error
 
 
 class located:

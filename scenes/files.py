@@ -25,6 +25,14 @@ def empty(path: Path, allowed: str) -> DocumentError:
     return DocumentError(path.name, "an empty file", allowed)
 
 
+def is_file(path: Path) -> bool:
+    """Whether there is a regular file: no folder, no device, no pipe, and not a name that no file can have."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # too long; a null character in it
+        return False
+
+
 def is_json(path: Path) -> bool:
     """Whether a file is read as JSON: by its ending, or, a plan file that was written under another name, by how it
     begins. Raises `OSError`."""

@@ -20,9 +20,10 @@ from assur.planner.model.scene import Scene, check_tool_point
 from assur.planner.robots.codes import Code
 from assur.planner.robots.solutions import ModeSolutions, solutions
 from assur.scenes.conventions import as_maker
-from assur.scenes.faults import NOTHING, Refused, located, within
+from assur.scenes.faults import NOTHING, Gathered, Refused, located, within
 from assur.scenes.numbers import number, optional
 from assur.scenes.reading import frames, robots
+from assur.scenes.reading.bodies import Places
 from assur.scenes.reading.start import position
 from assur.scenes.reading.tool_pose import flange_of, known_from, knows, lacks, wrist_turns
 from assur.scenes.refusals import refused_document, word
@@ -31,7 +32,6 @@ from assur.scenes.schema.read import read
 
 if TYPE_CHECKING:
     from assur.planner.collision.proof import Prover
-    from assur.scenes.reading.bodies import Places
     from assur.scenes.reading.cell import Cell
 
 MOST_COLLISIONS = 16
@@ -80,7 +80,7 @@ def ik(cell: Cell | None, question: object) -> written.IkAnswer:
         with within("robot"):
             given = robots.equipped(asked.robot)
         check_tool_point(given.robot, given.tool)
-        return _answer(_Asked(asked, given, frames.frames_of({}), {}, asked.at_s or 0.0))
+        return _answer(_Asked(asked, given, frames.frames_of({}, Gathered()), Places(), asked.at_s or 0.0))
 
 
 def _prover(scene: Scene, t: float) -> Prover:

@@ -88,5 +88,4 @@ def in_request() -> Iterator[None]:
     except DocumentError as error:
         if error.field.split(".")[0] in ("plan", WHOLE):
             raise  # of the plan, or of the document as a whole
-        more = tuple((f"{WHOLE}.{field}", *rest) for field, *rest in error.more)
-        raise DocumentError(f"{WHOLE}.{error.field}", error.value, error.allowed, error.line, more) from error  # type: ignore[arg-type]
+        raise error.told_as(lambda field: f"{WHOLE}.{field}") from error

@@ -12,14 +12,16 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
+from assur.planner.errors import InputError
 from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.scenes.catalogue import RobotFile, load_robot, models, robots, shipped_robot, with_robots
-from assur.scenes.faults import fault, located, written_key
+from assur.scenes.faults import located, written_key
 from assur.scenes.files import with_meshes, with_plans
+from assur.scenes.not_requests import refuse_other
 from assur.scenes.numbers import optional
-from assur.scenes.scenarios import Scenario, load_scenario, shipped, shipped_scenarios, unmet
+from assur.scenes.scenarios import Scenario, ScenarioDocument, load_scenario, shipped, shipped_scenarios, unmet
 from assur.scenes.schema import answer as written
 from assur.scenes.schema.ik import IkDocument
 from assur.scenes.schema.normal import plain
@@ -45,6 +47,7 @@ __all__ = [
     "check_cell",
     "check_document",
     "check_plan",
+    "file_schema",
     "ik_cell",
     "ik_document",
     "ik_schema",
@@ -72,10 +75,13 @@ __all__ = [
 ]
 
 
+Detail = Literal["full", "digest"]
+"""How much of its certificate an answer has: the whole table of the proof, or its digest and size."""
+
+
 def validate(document: object) -> RequestDocument:
     """The request in SI, its shape and units checked. Names are looked up, and meshes read, when a scene is built."""
-    if isinstance(document, dict) and document.get("status") in ("planned", "not_planned"):
-        raise fault(document, ("status",), "no status: this is an answer, not a request")
+    refuse_other(document)
     request: RequestDocument = read(RequestDocument, document)
     return request
 
@@ -114,6 +120,11 @@ def request_schema() -> dict[str, Any]:
     """JSON Schema of a request, with both ways to write each quantity."""
     schema = RequestDocument.model_json_schema()
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA, **schema}
+
+
+def file_schema() -> dict[str, Any]:
+    """JSON Schema of a scenario file: `about`, `request` and `expect`."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **ScenarioDocument.model_json_schema()}
 
 
 def cell_of(
@@ -169,7 +180,7 @@ def plan_document(
     document: object,
     *,
     folder: Path | None = None,
-    certificate: Literal["full", "digest"] = "full",
+    certificate: Detail = "full",
     started: float | None = None,
     most_budget_s: float | None = None,
     watch: Watch | None = None,
@@ -184,6 +195,8 @@ def plan_document(
     one is cut; None: there is none. `watch` is told how far the search has come; what it raises ends the planning and
     is raised here. `valid`: as `cell_of`; `laps` measures the stages.
     """
+    if certificate not in get_args(Detail):
+        raise InputError("certificate", certificate, " or ".join(get_args(Detail)))
     if started is None:
         cell = cell_of(document, folder=folder, valid=valid, laps=laps)
         return plan_cell(cell, certificate=certificate, most_budget_s=most_budget_s, watch=watch, laps=laps)
@@ -208,7 +221,7 @@ def plan_document(
 def plan_cell(
     cell: Cell,
     *,
-    certificate: Literal["full", "digest"] = "full",
+    certificate: Detail = "full",
     started: float | None = None,
     explain_budget_s: float | None = None,
     most_budget_s: float | None = None,
@@ -239,7 +252,7 @@ def plan_cell(
 def plan_scenario(
     scenario: Scenario,
     *,
-    certificate: Literal["full", "digest"] = "full",
+    certificate: Detail = "full",
     started: float | None = None,
     most_budget_s: float | None = None,
     watch: Watch | None = None,
@@ -348,9 +361,9 @@ def ik_schema() -> dict[str, Any]:
     return IkDocument.model_json_schema()
 
 
-def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...], Claims]:
+def read_plan(cell: Cell, plan: object, *, proved_anew: bool = False) -> tuple[Plan, tuple[Finding, ...], Claims]:
     """The plan in a planned answer with a full certificate, what the answer says that is not so and needs no checker to
-    see (what it repeats of the request among it), and what else it claims of the plan.
+    see (what it repeats of the request among it), and what else it claims of the plan. `proved_anew`: as `plan_of`.
 
     Raises `InputError` naming the field.
     """
@@ -359,7 +372,7 @@ def read_plan(cell: Cell, plan: object) -> tuple[Plan, tuple[Finding, ...], Clai
 
     answer = plain(plan)
     check_beside(answer)
-    made, told = plan_of(answer, cell.conventions)
+    made, told = plan_of(answer, cell.conventions, proved_anew=proved_anew)
     check_lengths(answer, made, cell.scene)
     told += untrue_repeats(answer, cell.scene) + untrue_arrivals(made.arrivals, cell.scene)
     return made, told, claims_of(answer)

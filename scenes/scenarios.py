@@ -28,7 +28,7 @@ OF_PLAN = "plan"
 
 
 class RangeDocument(Document):
-    """From `min` to `max`, either of which may be left out."""
+    """A range, either end of which may be left out."""
 
     min: Instant | None = None
     max: Instant | None = None
@@ -42,11 +42,8 @@ class ExpectDocument(Document):
     reason: str | None = None
     proved: bool | None = None
     mentions: Annotated[list[str], Field(max_length=32)] = Field(default_factory=list)
-    """Words found in the sentence, the census, the relaxation or what binds."""
     matched: Annotated[list[str], Field(max_length=64)] = Field(default_factory=list)
-    """Control points that are met with their velocity."""
     relaxation: str | None = None
-    """Words found in the relaxation."""
 
 
 class ScenarioDocument(Document):

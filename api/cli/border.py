@@ -62,7 +62,12 @@ def code_of(run: Callable[[], int]) -> int:
         sys.stdout.flush()
         return code
     except InputError as error:
-        return say(Problem.of_input(error).detail, BAD_INPUT, line=getattr(error, "line", None))
+        problem = Problem.of_input(error)
+        for fault in problem.errors:
+            say(str(fault), line=fault.line)
+        if problem.left_out:
+            say(f"and {problem.left_out} more faults, which are reported when these are corrected")
+        return BAD_INPUT
     except MemoryError:
         told = f"out of memory: this takes more than the {MEMORY_MIB} MiB that a command may allocate"
         return say(f"{told}; ask for less: shorter times, fewer or simpler bodies", OUT_OF_MEMORY)

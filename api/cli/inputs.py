@@ -15,7 +15,7 @@ from assur.api.web.settings import Settings
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_LOG_BYTES, MAX_PLAN_FILE_BYTES
 from assur.scenes.faults import NOTHING, WHOLE, DocumentError, likeliest
-from assur.scenes.files import is_json, json_in, json_of
+from assur.scenes.files import is_file, is_json, json_in, json_of
 from assur.scenes.meshes import use_folder
 from assur.scenes.motion_log import MotionLog, load_log
 from assur.scenes.plan_file import PlanFile, in_request, is_plan_file, plan_file_in
@@ -113,7 +113,7 @@ def target(text: str) -> Target:
     Raises `InputError`, or `OSError` for a file that cannot be read.
     """
     path = Path(text)
-    if text != STANDARD and not _is_file(path):
+    if text != STANDARD and not is_file(path):
         if text not in shipped_scenarios():
             raise InputError("FILE", text, f"a file, or a shipped scenario: {likeliest(text, shipped_scenarios())}")
         scenario = shipped(text)
@@ -139,7 +139,7 @@ def robot_named(text: str) -> RobotFile:
     Raises `InputError`, or `OSError` for a file that cannot be read.
     """
     path = Path(text)
-    if _is_file(path):
+    if is_file(path):
         return load_robot(path)
     if text not in models():
         raise InputError("ROBOT", text, f"a file, or a shipped robot: {likeliest(text, models())}")
@@ -197,14 +197,14 @@ def told_as_options() -> Iterator[None]:
 
 def log_file(path: Path) -> MotionLog:
     """The recorded motion in a file. Raises `InputError`, with the line, or `OSError`."""
-    if not _is_file(path):
+    if not is_file(path):
         raise InputError("LOG", str(path), "a file")
     return load_log(path)
 
 
 def text_file(path: Path, name: str) -> str:
     """The text in the file that was given as `name`. Raises `InputError`, with the line, or `OSError`."""
-    if not _is_file(path):
+    if not is_file(path):
         raise InputError(name, str(path), "a file")
     with path.open("rb") as file:
         data = file.read(MAX_LOG_BYTES + 1)
@@ -222,7 +222,7 @@ def json_file(path: Path, name: str, what: str) -> Any:
 
     Raises `InputError` or `OSError`.
     """
-    if str(path) != STANDARD and not _is_file(path):
+    if str(path) != STANDARD and not is_file(path):
         raise InputError(name, str(path), "a file, or - for standard input")
     allowed = f"{what}, as JSON"
     try:
@@ -238,14 +238,6 @@ def json_file(path: Path, name: str, what: str) -> Any:
 def given_options(options: dict[str, Any]) -> dict[str, Any]:
     """The options that were given."""
     return {key: value for key, value in options.items() if value is not None}
-
-
-def _is_file(path: Path) -> bool:
-    """Whether there is a regular file: no folder, no device, no pipe, and not a name that no file can have."""
-    try:
-        return path.is_file()
-    except (OSError, ValueError):  # too long; a null character in it
-        return False
 
 
 def pairs_in(option: str, texts: list[str] | None, allowed: str) -> dict[str, str]:

@@ -20,8 +20,8 @@ def load(name: str | Path) -> dict[str, Any]:
 
     A plain document of its own each time: change it, plan it, post it. What the files hold that a scenario names (of
     robots, plans and meshes), which must lie below its folder, is in it already. A file that is there comes before a
-    scenario's name. Raises `InputError` naming the field (in YAML with its line), or `OSError` for a file that cannot
-    be read.
+    scenario's name. Raises `InputError` naming the field (in YAML with its line), or where neither a file nor a
+    scenario has the name; `OSError` for a file that cannot be read.
     """
     from assur.scenes import load as read
 
@@ -32,7 +32,7 @@ def plan(request: Mapping[str, Any] | Request, *, certificate: Literal["full", "
     """The answer to a request: ``answer.planned``, or not, and then ``answer.sentence`` says why.
 
     `certificate`: the whole table of the proof, which `check` needs, or its digest and size.
-    Raises `InputError` naming the field that is not right.
+    Raises `InputError` naming the field that is not right; its `errors` are all fields that are not.
     """
     from assur.scenes.requests import plan_document
 

@@ -32,10 +32,13 @@ def load_answer(path: str | Path) -> Answer:
     ``assur.check(answer.request, answer)``. Raises `InputError` naming the field, or `OSError` for a file that cannot
     be read.
     """
-    from assur.scenes.files import json_in
+    from assur.planner.errors import InputError
+    from assur.scenes.files import is_file, json_in
     from assur.scenes.plan_file import in_request, plan_file_in
     from assur.scenes.requests import request_digest
 
+    if not is_file(Path(path)):
+        raise InputError("path", str(path), "a plan file that is there, as assur plan --out and Answer.save write it")
     held = plan_file_in(json_in(Path(path), "a plan file, as JSON"))
     with in_request():
         digest = request_digest(held.request)

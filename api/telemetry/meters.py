@@ -7,6 +7,7 @@ a label.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -39,8 +40,8 @@ SECONDS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.
 @dataclass(frozen=True, slots=True)
 class Readings:
     """The workers as they are now: requests that wait and that run; the seconds that all accepted ones may take at the
-    most; how many workers can take a request, and how many there are; requests in quarantine; and the process of each
-    worker (None: it is being started)."""
+    most; how many workers can take a request, and how many there are; requests in quarantine; the process of each
+    worker (None: it is being started), and that from which they are forked (None: it is not there yet)."""
 
     waiting: int
     running: int
@@ -49,6 +50,7 @@ class Readings:
     total: int
     quarantined: int
     processes: tuple[int | None, ...]
+    template: int | None = None
 
 
 class Meters:
@@ -186,13 +188,26 @@ def _of_workers(now: Readings) -> Iterable[Metric]:
     ):
         yield GaugeMetricFamily(name, about, value=value)
     memory = GaugeMetricFamily(
-        "assur_resident_memory_bytes", "Memory in use: of the web process, and of each worker.", labels=("process",)
+        "assur_resident_memory_bytes",
+        "Memory in use: of the web process, of each worker, and of their template.",
+        labels=("process",),
     )
-    for process, pid in (("web", os.getpid()), *((f"worker-{i}", pid) for i, pid in enumerate(now.processes))):
+    workers = [(f"worker-{i}", pid) for i, pid in enumerate(now.processes)]
+    for process, pid in (("web", os.getpid()), ("template", now.template), *workers):
         resident = None if pid is None else resident_bytes(pid)
         if resident is not None:
             memory.add_metric((process,), resident)
     yield memory
+
+
+def parent_of(pid: int) -> int | None:
+    """The process from which a process was forked; None where it is gone, or the system does not say."""
+    try:
+        status = Path(f"/proc/{pid}/status").read_text(encoding="ascii", errors="replace")
+    except OSError:
+        return None
+    found = re.search(r"^PPid:\s*(\d+)$", status, re.MULTILINE)
+    return int(found[1]) if found else None
 
 
 def resident_bytes(pid: int) -> int | None:

@@ -72,7 +72,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.add_middleware(Representation)
     app.add_middleware(KnowsClients, clients=clients, routes=[route for each in ROUTERS for route in each.routes])
     app.add_middleware(Gate, connections=app.state.connections)
-    app.add_middleware(RequestLog, meters=watch(service, jobs, clients))
+    app.add_middleware(RequestLog, meters=watch(service, jobs, clients), routes=app.routes)
     described = app.openapi
 
     def described_in_full() -> dict[str, Any]:

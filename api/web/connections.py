@@ -13,11 +13,13 @@ from collections import Counter
 from collections.abc import MutableMapping
 from typing import Any, Protocol
 
+from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from assur.api.documents import problem_response
 from assur.api.logs import event
 from assur.api.problems import Problem
+from assur.api.web.request_log import FACTS
 from assur.api.web.settings import Settings
 
 HEALTH = frozenset({"/livez", "/readyz"})
@@ -158,8 +160,8 @@ class Connections:
 
 
 class Gate:
-    """ASGI middleware. Refuses all but `HEALTH` on a connection that is one too many; while the service drains, and on
-    such a connection, each answer is the last one of its connection, and says so."""
+    """ASGI middleware. Refuses WebSockets, and all but `HEALTH` on a connection that is one too many; while the service
+    drains, and on such a connection, each answer is the last one of its connection, and says so."""
 
     def __init__(self, app: ASGIApp, connections: Connections) -> None:
         self._app = app
@@ -177,12 +179,27 @@ class Gate:
                 message["headers"] = [*others, (b"connection", b"close")]
             await send(message)
 
+        problem: Problem | None = None
         if crowded and scope["path"] not in HEALTH:
             problem = Problem(
                 "busy",
                 "There are too many connections, here or from your address. Come again in 1 s.",
                 headers={"Retry-After": "1"},
             )
-            await problem_response(problem)(scope, receive, sending)
-        else:
+        elif _wants_websocket(Headers(scope=scope)):
+            problem = Problem(
+                "no-websockets",
+                "Send requests of HTTP. GET /v1/jobs/{name}/events sends the progress of a job as server-sent events.",
+            )
+        if problem is None:
             await self._app(scope, receive, sending)
+            return
+        scope.get(FACTS, {})["problem"] = problem.kind
+        await problem_response(problem)(scope, receive, sending)
+
+
+def _wants_websocket(headers: Headers) -> bool:
+    """Whether a request asks to go on as a WebSocket (RFC 6455, 4.1). Any other upgrade is ignored, as HTTP allows."""
+    asked = {name.strip().lower() for line in headers.getlist("upgrade") for name in line.split(",")}
+    tokens = {token.strip().lower() for line in headers.getlist("connection") for token in line.split(",")}
+    return "websocket" in asked and "upgrade" in tokens

@@ -134,6 +134,9 @@ class TimedProtocol(H11Protocol, asyncio.BufferedProtocol):
         if not self.idle:
             self._begun = False
 
+    def _unsupported_upgrade_warning(self) -> None:
+        """Nothing: to ask for another protocol is no trouble of the service. `Gate` refuses WebSockets."""
+
     def on_response_complete(self) -> None:
         self._unset_probe()
         self.used, self.since = True, time.monotonic()

@@ -43,6 +43,7 @@ PROBLEM_SCHEMA: dict[str, Any] = {
                 },
             },
         },
+        "errors_left_out": {"type": "integer", "description": "so many further errors there are; absent: none"},
     },
 }
 

@@ -1,8 +1,9 @@
-"""The addresses for operators: metrics, and which build this is."""
+"""The addresses for operators and newcomers: metrics, which build this is, and what there is."""
 
 from __future__ import annotations
 
 import asyncio
+from pathlib import Path
 
 from fastapi import APIRouter, Request
 from prometheus_client import CONTENT_TYPE_LATEST
@@ -18,6 +19,13 @@ from assur.api.web.routes import service_of
 from assur.api.web.service import Service
 
 operation_router = APIRouter()
+INDEX = Path(__file__).parent / "index.html"
+POLICY = {"Content-Security-Policy": "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}
+
+
+@operation_router.get("/", include_in_schema=False)
+def index() -> Response:
+    return Response(INDEX.read_bytes(), media_type="text/html", headers=POLICY)
 
 
 @operation_router.get(

@@ -19,6 +19,7 @@ from assur.scenes.units import TWIN_UNITS, any_unit, twin_of
 AT_MOST_ONE = "x-at-most-one"
 """Keyword of a component: pairs of keys of which at most one may be given. In JSON Schema each pair is a rule with
 `not`; generators of tests write out all combinations of such rules, and give up above 64."""
+REQUEST = {"$ref": "#/components/schemas/Request", "description": "The request."}
 NEVER = {"MeshDocument": "file", "RobotDocument": "file", "NeighbourDocument": "plan"}
 """Fields that name files, which a request over HTTP may not: component to key."""
 
@@ -29,11 +30,14 @@ def request_components(marks: dict[str, Any], most_budget_s: float) -> dict[str,
     request, question, export, trajectory = request_schema(), ik_schema(), *export_schemas()
     parts = {name: part for of in (request, question, export, trajectory) for name, part in of.pop("$defs", {}).items()}
     for asked, needed in ((export, ["request", "plan"]), (trajectory, ["request"])):
-        asked["properties"]["request"] = {"$ref": "#/components/schemas/Request"}
-        asked["properties"]["plan"] = {"$ref": "#/components/schemas/PlannedAnswer"}
+        asked["properties"]["request"] = REQUEST
+        asked["properties"]["plan"] = {
+            "$ref": "#/components/schemas/PlannedAnswer",
+            "description": "Its planned answer.",
+        }
         asked["properties"] |= marks if asked is export else {}
         asked["required"] = [*needed, *asked.get("required", [])]
-    question["properties"]["request"] = {"$ref": "#/components/schemas/Request"}
+    question["properties"]["request"] = REQUEST
     question["allOf"].append({"oneOf": [{"required": ["request"]}, {"required": ["robot"]}]})
     del request["$schema"], request["$id"]
     found = {
@@ -46,7 +50,7 @@ def request_components(marks: dict[str, Any], most_budget_s: float) -> dict[str,
             "type": "object",
             "title": "SceneQuestion",
             "description": "Options in place of those of the scenario; silence: as it has them",
-            "properties": {"options": {"$ref": "#/$defs/OptionsDocument"}},
+            "properties": {"options": {"$ref": "#/$defs/OptionsDocument", "description": "How to search."}},
             "additionalProperties": False,
         },
     }
@@ -127,7 +131,8 @@ def _tell_defaults(part: dict[str, Any]) -> None:
     one key beside the other."""
     for key, field in part.get("properties", {}).items():
         if twin_of(key) in part["properties"] and "default" in field:
-            field["description"] = f"silence in both units: {json.dumps(field.pop('default'))}"
+            silent = f"Silence in both units means {json.dumps(field.pop('default'))}."
+            field["description"] = f"{field['description']} {silent}"
 
 
 def _moved(schema: Any) -> Any:

@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Mapping, MutableMapping
+from collections.abc import Mapping, MutableMapping, Sequence
 from typing import Any
 from uuid import uuid4
 
 from starlette.datastructures import Headers
 from starlette.requests import ClientDisconnect
+from starlette.routing import BaseRoute, Match
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from assur.api.documents import problem_response
@@ -37,15 +38,17 @@ METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"}
 class RequestLog:
     """ASGI middleware. A fault inside is answered with a problem that bears the id under which it was logged."""
 
-    def __init__(self, app: ASGIApp, meters: Meters | None = None) -> None:
+    def __init__(self, app: ASGIApp, meters: Meters | None = None, routes: Sequence[BaseRoute] = ()) -> None:
         self._app = app
         self._meters = meters or Meters()
+        self._routes = routes
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
         trace = Trace(uuid4().hex, new_traceparent(Headers(scope=scope).getlist("traceparent")))
+        asked = dict(scope)  # a part of the application that is mounted changes what the scope says of its path
         scope[FACTS] = trace.facts
         began = time.monotonic()
         status = taken = 0
@@ -70,7 +73,7 @@ class RequestLog:
         finally:
             CURRENT.reset(token)
             method = scope["method"] if scope["method"] in METHODS else "OTHER"
-            route = getattr(scope.get("route"), "path", "none")
+            route = self._route(scope, asked)
             self._count(route, method, status, trace, time.monotonic() - began)
             event(
                 "request",
@@ -83,6 +86,13 @@ class RequestLog:
                 bytes_in=taken,
                 **trace.told(),
             )
+
+    def _route(self, scope: Scope, asked: Scope) -> str:
+        """The address of a route; FastAPI leaves its own routes in the scope, Starlette (pages, files) does not."""
+        found = scope.get("route") or next(
+            (each for each in self._routes if each.matches(asked)[0] is not Match.NONE), None
+        )
+        return str(getattr(found, "path", "none"))
 
     async def _answered(self, scope: Scope, receive: Receive, send: Send, trace: Trace) -> int | None:
         """Answers; the status, where it is not the one that was sent."""

@@ -13,6 +13,7 @@ from starlette.responses import HTMLResponse, PlainTextResponse, Response
 
 from assur.api.documents import json_response, to_json
 from assur.api.problems import Problem
+from assur.api.web import plan_files
 from assur.api.web.body_reader import read_body
 from assur.api.web.clients import client_of
 from assur.api.web.idempotency import Idempotency
@@ -38,7 +39,7 @@ from assur.api.web.service import Order, Service
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
 from assur.api.workers import jobs
 from assur.planner.errors import InputError
-from assur.scenes.requests import request_schema, robots, shipped_scenarios
+from assur.scenes.requests import Detail, request_schema, robots, shipped_scenarios
 from assur.scenes.scenarios import scenario_text
 from assur.scenes.schema.answer import Answer, Verdict
 from assur.scenes.schema.export import ExportAnswer, TrajectoryVerdict
@@ -77,9 +78,7 @@ def service_of(request: Request) -> Service:
     return service
 
 
-async def _unless_gone(
-    request: Request, work: Awaitable[jobs.Answer], media_type: str = "application/json"
-) -> Response:
+async def _unless_gone(request: Request, work: Awaitable[jobs.Answer]) -> Response:
     """The response to `work`, which is cancelled as soon as the client closes the connection."""
     working = asyncio.ensure_future(work)
     leaving = asyncio.ensure_future(_gone(request))
@@ -93,7 +92,7 @@ async def _unless_gone(
     finally:
         leaving.cancel()
         working.cancel()
-    return Response(answer.body, media_type=media_type)
+    return Response(answer.body, answer.status, answer.headers, answer.media_type)
 
 
 async def once(request: Request, body: bytes, work: Callable[[], Awaitable[Response]]) -> Response:
@@ -129,12 +128,12 @@ def admit(request: Request, *parameters: str) -> None:
     service_of(request).workers.require_room(client_of(request))
 
 
-def certificate_of(request: Request) -> jobs.Detail:
+def certificate_of(request: Request) -> Detail:
     """How much of the certificate is asked for. Raises `Problem`."""
     certificate = request.query_params.get("certificate", "full")
-    if certificate not in get_args(jobs.Detail):
-        raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(jobs.Detail))))
-    return cast(jobs.Detail, certificate)
+    if certificate not in get_args(Detail):
+        raise Problem.of_input(InputError("certificate", certificate, " or ".join(get_args(Detail))))
+    return cast(Detail, certificate)
 
 
 async def scene_order(request: Request) -> Order:
@@ -159,13 +158,18 @@ async def scene_order(request: Request) -> Order:
     tags=["plans"],
     summary="Plan a request",
     response_model=Answer,
-    responses=problems(*BODY_PROBLEMS, *KEY_PROBLEMS, *WORKER_PROBLEMS),
-    openapi_extra=PLAN_BODY,
+    responses=plan_files.responses(problems(*BODY_PROBLEMS, *KEY_PROBLEMS, *WORKER_PROBLEMS)),
+    openapi_extra=PLAN_BODY | {"parameters": PLAN_BODY["parameters"] + plan_files.PARAMETERS},
 )
 async def plan(request: Request) -> Response:
+    how, client = plan_files.asked(request), client_of(request)
+    if how is not None:
+        body = await read_admitted(request, PLAN_BODY_BYTES, *plan_files.NAMES)
+        return await once(
+            request, body, lambda: _unless_gone(request, service_of(request).plan_file(body, how, client))
+        )
     certificate = certificate_of(request)
     body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
-    client = client_of(request)
     return await once(request, body, lambda: _unless_gone(request, service_of(request).plan(body, certificate, client)))
 
 
@@ -223,7 +227,7 @@ async def view(request: Request) -> Response:
 )
 async def report(request: Request) -> Response:
     body = await read_admitted(request, CHECK_BODY_BYTES)
-    return await _unless_gone(request, service_of(request).report(body, client_of(request)), "text/html")
+    return await _unless_gone(request, service_of(request).report(body, client_of(request)))
 
 
 @bodies.post(

@@ -27,7 +27,7 @@ from assur.api.web.body_reader import Reading
 from assur.api.web.results import Results
 from assur.api.web.settings import Settings
 from assur.api.web.turns import Turns
-from assur.api.workers import jobs
+from assur.api.workers import file_jobs, jobs
 from assur.api.workers.client import Client, Demand, Ticket
 from assur.api.workers.pool import Work, Workers
 from assur.api.workers.traced import Traced, warm
@@ -35,7 +35,7 @@ from assur.api.workers.worker_process import Tell
 from assur.planner.errors import InputError
 from assur.scenes.faults import fault
 from assur.scenes.meshes.folder import MeshFolder
-from assur.scenes.requests import shipped, stated_budgets, with_options
+from assur.scenes.requests import Detail, shipped, stated_budgets, with_options
 from assur.scenes.scenarios import with_files
 
 SMALL_BYTES = 32768
@@ -79,19 +79,32 @@ class Service:
         self.workers = Workers(self.settings, partial(warm, self.settings.log_level, self.meshes), self.meters)
         self.reading = Reading()
 
-    async def plan(self, body: bytes, certificate: jobs.Detail, client: Client) -> jobs.Answer:
+    async def plan(self, body: bytes, certificate: Detail, client: Client) -> jobs.Answer:
         """The answer to the request in `body`, or to the shipped scenario that it names. Raises `Problem`."""
         return await self.do(await self.order(body, certificate, client))
 
-    async def order(self, body: bytes, certificate: jobs.Detail, client: Client) -> Order:
+    async def plan_file(self, body: bytes, how: dict[str, Any], client: Client) -> jobs.Answer:
+        """The file, as `how` asks for it, of the plan of what is in `body`. Raises `Problem`."""
+        order = await self._order(body, "full", client, parsed=False)
+        source = order.work.arguments[0] if order.work.job is jobs.plan_shipped else body
+        work = replace(
+            order.work,
+            job=file_jobs.plan_file,
+            arguments=(source, how, self.settings.max_budget_s),
+            key=_digest("plan_file", order.work.key, json.dumps(how)),
+        )
+        # the file is made after the plan, as an export of it would be
+        return await self.do(Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s)))
+
+    async def order(self, body: bytes, certificate: Detail, client: Client) -> Order:
         """What is to be done about `body`, as `plan` has it. Raises `Problem`."""
         return await self._order(body, certificate, client, parsed=False)
 
-    async def job_order(self, body: bytes, certificate: jobs.Detail, client: Client) -> Order:
+    async def job_order(self, body: bytes, certificate: Detail, client: Client) -> Order:
         """The same of a body that is read as JSON before its job is accepted. Raises `Problem`."""
         return await self._order(body, certificate, client, parsed=True)
 
-    async def scene_order(self, name: str, body: bytes, certificate: jobs.Detail, client: Client) -> Order:
+    async def scene_order(self, name: str, body: bytes, certificate: Detail, client: Client) -> Order:
         """What is to be done to plan the shipped scenario `name`, with the options in `body`. Raises `Problem`, and
         `InputError` for a scenario that is not there."""
 
@@ -139,7 +152,7 @@ class Service:
         demand = Demand(client, self.settings.check_s, short, kind=kind if short else f"long {kind}")
         return await self.do(Order(Work(job, asked, _digest(kind, *asked), in_touch=True), demand))
 
-    async def _order(self, body: bytes, certificate: jobs.Detail, client: Client, *, parsed: bool) -> Order:
+    async def _order(self, body: bytes, certificate: Detail, client: Client, *, parsed: bool) -> Order:
         read = partial(self._read, body, certificate, client, parsed=parsed)
         if len(body) <= SMALL_BYTES and b'"scenario"' not in body:
             return read()
@@ -168,7 +181,7 @@ class Service:
         reading.add_done_callback(ended)
         return await asyncio.shield(reading)
 
-    def _read(self, body: bytes, certificate: jobs.Detail, client: Client, *, parsed: bool = False) -> Order:
+    def _read(self, body: bytes, certificate: Detail, client: Client, *, parsed: bool = False) -> Order:
         document = (None if parsed else self._budgets(body)) or jobs.request_in(body)
         if "scenario" not in document:
             arguments = body, certificate, self.settings.max_budget_s
@@ -188,7 +201,7 @@ class Service:
         cut: dict[str, Any] = {key: most_s for key, value in budgets.items() if value > most_s}
         return with_options(request, cut) if cut else request
 
-    def _scene(self, name: str, options: dict[str, Any], certificate: jobs.Detail, client: Client) -> Order:
+    def _scene(self, name: str, options: dict[str, Any], certificate: Detail, client: Client) -> Order:
         """As `scene_order`. Raises `InputError` for a scenario that is not there."""
         own, most_s = stated_budgets(scenario_request(name)), self.settings.max_budget_s
         # what the scenario's file states is not what the caller asks for: it is cut, and not refused

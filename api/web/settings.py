@@ -165,7 +165,7 @@ class Settings:
     )
     mesh_quota_mib: int = _setting(1024, _whole(1, 1 << 20), "total size of the files in that folder, MiB")
     mesh_kept_s: float = _setting(
-        604_800.0, _seconds(1.0, 1e9), "time for which a file in that folder is kept after its last use"
+        604_800.0, _seconds(1.0, 1e9), "time for which a file in that folder is kept after its upload or last use"
     )
     connections_per_address: int = _setting(
         256, _whole(1, 100_000), "connections at a time of one address, also of a proxy"

@@ -8,15 +8,14 @@ from collections.abc import Callable
 
 from assur.api.workers.admission import too_many
 from assur.scenes.bounds import MAX_MESH_BYTES
-from assur.scenes.meshes.folder import UNUSED_S
 
 SHARE = 0.25
-"""So much of the folder's quota a client may add in `UNUSED_S`, but at least one mesh of the largest size. What no
-request uses is removed after that time."""
+"""So much of the folder's quota a client may add in `WINDOW_S`, but at least one mesh of the largest size."""
+WINDOW_S = 3600.0
 
 
 class Uploads:
-    """The bytes that clients have added in the last `UNUSED_S`. `quota_bytes`: of the folder."""
+    """The bytes that clients have added in the last `WINDOW_S`. `quota_bytes`: of the folder."""
 
     def __init__(self, quota_bytes: int, clock: Callable[[], float] = time.monotonic) -> None:
         self._share = max(int(SHARE * quota_bytes), MAX_MESH_BYTES)
@@ -27,7 +26,7 @@ class Uploads:
         """Counts an upload of `size` bytes. Raises the `Problem` of a client that has added its share."""
         now = self._clock()
         for name, added in list(self._added.items()):
-            while added and added[0][0] <= now - UNUSED_S:
+            while added and added[0][0] <= now - WINDOW_S:
                 added.popleft()
             if not added:
                 del self._added[name]
@@ -36,10 +35,10 @@ class Uploads:
         if beyond > 0:
             after_s = 0.0
             for at, each in own:
-                after_s, beyond = at + UNUSED_S - now, beyond - each
+                after_s, beyond = at + WINDOW_S - now, beyond - each
                 if beyond <= 0:
                     break
-            raise too_many(after_s, f"This client may add {self._share} bytes of meshes in {UNUSED_S / 60:g} minutes.")
+            raise too_many(after_s, f"This client may add {self._share} bytes of meshes in {WINDOW_S / 60:g} minutes.")
         self._added.setdefault(client, deque()).append((now, size))
 
     def take_back(self, client: str, size: int) -> None:

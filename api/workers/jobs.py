@@ -10,7 +10,7 @@ import os
 import time
 from collections.abc import Callable, Collection
 from dataclasses import asdict, dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 from assur.api.documents import to_json
 from assur.api.logs import where
@@ -26,6 +26,7 @@ from assur.scenes.meshes import covered, use_folder
 from assur.scenes.meshes.folder import MeshFolder
 from assur.scenes.plan_file import FORM, TEXTS
 from assur.scenes.requests import (
+    Detail,
     cell_of,
     check_document,
     ik_document,
@@ -42,8 +43,6 @@ from assur.scenes.scenarios import CELLS, scenario_in, with_files
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import OptionsDocument
 from assur.scenes.schema.shapes import MeshDocument
-
-Detail = Literal["full", "digest"]
 
 FIRST_PLAN: dict[str, Any] = {
     "schema": "assur/1",
@@ -67,10 +66,11 @@ FIRST_PLAN: dict[str, Any] = {
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """A document as JSON, or a page, and in a word what it says, for the log.
+    """A document as JSON, a page or a file, and in a word what it says, for the log.
 
     `reason`: of a refusal, one of `assur.planner.model.refusal.Reason`; else empty. `stages`: seconds by stage.
-    `repeatable`: no clock ended the search, so that the same request would get the same answer again.
+    `repeatable`: no clock ended the search, so that the same request would get the same answer again. `media_type`,
+    `status`, `headers`: of its response.
     """
 
     body: bytes
@@ -78,6 +78,9 @@ class Answer:
     reason: str = ""
     stages: dict[str, float] = field(default_factory=dict)
     repeatable: bool = False
+    media_type: str = "application/json"
+    status: int = 200
+    headers: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,14 +117,14 @@ def warm(meshes: MeshFolder | None = None) -> str:
 def plan(body: bytes, certificate: Detail, most_budget_s: float, line: Line) -> Reply:
     """The answer to the request in `body`; reading it counts in its budget, as it does in the wall's. A budget that it
     does not state is at most `most_budget_s`. `line` takes how far the search has come, as a document."""
-    given = _given(certificate, most_budget_s, line)
+    given = how_planned(certificate, most_budget_s, line)
     return _guarded(lambda: plan_document(request_in(body), **given), "status", given["laps"])
 
 
 def plan_shipped(name: str, options: dict[str, Any], certificate: Detail, most_budget_s: float, line: Line) -> Reply:
     """The answer to the request of the shipped scenario `name`, with the files that ship with it, and with `options`
     in place of its own. The rest as `plan`."""
-    given = _given(certificate, most_budget_s, line)
+    given = how_planned(certificate, most_budget_s, line)
 
     def work() -> dict[str, Any]:
         scenario = shipped(name)
@@ -133,7 +136,7 @@ def plan_shipped(name: str, options: dict[str, Any], certificate: Detail, most_b
     return _guarded(work, "status", given["laps"])
 
 
-def _given(certificate: Detail, most_budget_s: float, line: Line) -> dict[str, Any]:
+def how_planned(certificate: Detail, most_budget_s: float, line: Line) -> dict[str, Any]:
     """How every request is planned here. What it means is said as soon as it is known to be valid, before meshes and
     kernels work on it."""
     return {
@@ -200,9 +203,9 @@ def report(body: bytes, line: Line) -> Reply:
         told = {name: document[name] for name in ("title", "about")}
         page = report_page(cell, plan, **told, verdict=verdict_on(cell, plan), version=version())
         laps.lap("draw")
-        return Answer(page.encode(), "reported", stages=laps.seconds)
+        return Answer(page.encode(), "reported", stages=laps.seconds, media_type="text/html")
 
-    return _bordered(work)
+    return bordered(work)
 
 
 def cover(digest: str, form: str, unit: str, line: Line) -> Reply:
@@ -313,8 +316,8 @@ def options_in(body: bytes) -> dict[str, Any]:
     try:
         read(OptionsDocument, options)
     except DocumentError as error:
-        place = "options" if error.field == WHOLE else f"options.{error.field}"
-        raise Problem.of_input(InputError(place, error.value, error.allowed)) from error
+        told = error.told_as(lambda field: "options" if field == WHOLE else f"options.{field}")
+        raise Problem.of_input(told) from error
     return dict(options)
 
 
@@ -347,7 +350,7 @@ def _guarded(work: Callable[[], dict[str, Any]], says: str, laps: Stopwatch, sta
         reason = document.get("reason", "") if document.get("status") == "not_planned" else ""
         return Answer(body, _word(document[says]), str(reason), laps.seconds, _repeatable(document))
 
-    return _bordered(answered)
+    return bordered(answered)
 
 
 def _word(said: object) -> str:
@@ -362,7 +365,8 @@ def _repeatable(document: dict[str, Any]) -> bool:
     return document.get("cut_by_clock") is False and not helped
 
 
-def _bordered(work: Callable[[], Answer]) -> Reply:
+def bordered(work: Callable[[], Answer]) -> Reply:
+    """What `work` returns, or what it raises as a value: nothing but `CalledOffError` leaves a job."""
     try:
         return work()
     except Problem as problem:

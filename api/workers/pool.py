@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import os
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from typing import Any
 
 from assur.api.logs import LOGGER, event
 from assur.api.problems import Problem
-from assur.api.telemetry.meters import Meters, Readings
+from assur.api.telemetry.meters import Meters, Readings, parent_of
 from assur.api.telemetry.trace import current
 from assur.api.web.settings import Settings
 from assur.api.workers.admission import Admission, Places
@@ -81,6 +82,8 @@ class Workers:
 
     def readings(self) -> Readings:
         """The workers as they are now, for the metrics."""
+        processes = tuple(process.pid for process in self._processes)
+        parents = {parent_of(pid) for pid in processes if pid is not None} - {None, os.getpid(), 1}
         return Readings(
             waiting=self._admission.waiting,
             running=self._admission.running,
@@ -88,7 +91,8 @@ class Workers:
             ready=sum(process.open for process in self._processes),
             total=len(self._processes),
             quarantined=len(self._quarantine),
-            processes=tuple(process.pid for process in self._processes),
+            processes=processes,
+            template=min(parents, default=None),  # type: ignore[type-var]
         )
 
     @property

@@ -18,7 +18,7 @@ TOLERANCE = ("start_tolerance_s", "start_tolerance_ms")
 
 
 def export_document(request: object, plan: object, asked: object, *, folder: Path | None = None) -> dict[str, Any]:
-    """The export of a planned answer with a full certificate, as `asked` says: {"format": ...} (docs/export.md).
+    """The export of a planned answer, whose certificate may be a digest, as `asked` says (docs/export.md).
 
     `folder`: below which the request may name files. Raises `InputError` naming the field: for what is wrong with a
     document, for what the answer repeats of request and motion and is not so, and for a motion that cannot be proved on
@@ -34,7 +34,7 @@ def export_cell(cell: Cell, request: Any, plan: object, asked: object) -> dict[s
     from assur.scenes.exports.export import exported, told
 
     how: ExportDocument = read(ExportDocument, asked)
-    made, untrue, _ = read_plan(cell, plan)
+    made, untrue, _ = read_plan(cell, plan, proved_anew=True)
     if untrue:
         raise InputError("plan", "this answer", f"one that is right: {told(untrue)}")
     return dict(exported(cell, request, made, how))
@@ -61,7 +61,7 @@ def check_trajectory_cell(cell: Cell, request: Any, asked: object, plan: object 
         execution = {key: value for key, value in (request.get("execution") or {}).items() if key not in TOLERANCE}
         request = {**request, "execution": {**execution, TOLERANCE[0]: how.start_tolerance_s}}
         cell = cell_of(request)
-    made = None if plan is None else read_plan(cell, plan)[0]
+    made = None if plan is None else read_plan(cell, plan, proved_anew=True)[0]
     return dict(verdict(cell, request, how, made))
 
 

@@ -34,8 +34,6 @@ LEAST_BYTES = 64 << 10
 is added."""
 LOCK = ".lock"
 """Locked while a file is added: no two processes use the same room."""
-UNUSED_S = 3600.0
-"""An upload that no request has used is kept for so long at the most, s."""
 MAX_COVER_BYTES = 64 << 10
 """A file with cuts."""
 TOUCHED_S = 60.0
@@ -60,7 +58,7 @@ class Kept:
 
 @dataclass(frozen=True, slots=True)
 class MeshFolder:
-    """The folder at `path` with up to `quota_bytes`, where a file is kept for `kept_s` after its last use."""
+    """The folder at `path` with up to `quota_bytes`, where a file is kept for `kept_s` after its upload or last use."""
 
     path: Path
     quota_bytes: int
@@ -94,11 +92,10 @@ class MeshFolder:
         return None
 
     def put_mesh(self, digest: str, content: bytes) -> bool:
-        """Keeps a mesh, whose digest is right; whether it is new. That is no use of it. Raises `FolderError`."""
-        name = f"{_digest(digest)}.mesh"
-        if self._is_whole(name, digest):
+        """Keeps a mesh, whose digest is right, from now on; whether it is new. Raises `FolderError`."""
+        if self.mesh(digest) is not None:
             return False
-        self._write(name, content, min(UNUSED_S, self.kept_s))
+        self._write(f"{digest}.mesh", content)
         return True
 
     def cuts(self, name: str) -> bytes | None:
@@ -107,7 +104,7 @@ class MeshFolder:
 
     def put_cuts(self, name: str, content: bytes) -> None:
         """Keeps a file of cuts. Raises `FolderError`."""
-        self._write(name, content, self.kept_s)
+        self._write(name, content)
 
     def used(self) -> int:
         """How many bytes of the quota are used."""
@@ -126,8 +123,8 @@ class MeshFolder:
         left = facts.st_mtime + self.kept_s - time.time()
         return Kept(facts.st_size, left) if stat.S_ISREG(facts.st_mode) and left > 0 else None
 
-    def _read(self, name: str, most: int, *, use: bool = True) -> bytes | None:
-        """What is in a regular file of up to `most` bytes that is not too old; its `use` is noted."""
+    def _read(self, name: str, most: int) -> bytes | None:
+        """What is in a regular file of up to `most` bytes that is not too old; its use is noted."""
         kept = self._kept(name)
         if kept is None or not kept.size <= most:
             return None
@@ -139,17 +136,12 @@ class MeshFolder:
                 content = file.read(most + 1)
         except OSError:
             return None
-        if use and kept.left_s < self.kept_s - TOUCHED_S:
+        if kept.left_s < self.kept_s - TOUCHED_S:
             with suppress(OSError):
                 os.utime(self.path / name, follow_symlinks=False)
         return content if len(content) <= most else None
 
-    def _is_whole(self, name: str, digest: str) -> bool:
-        content = self._read(name, MAX_MESH_BYTES, use=False)
-        return content is not None and hashlib.sha256(content).hexdigest() == digest
-
-    def _write(self, name: str, content: bytes, left_s: float) -> None:
-        """Adds a file that is kept for `left_s` if it is not used."""
+    def _write(self, name: str, content: bytes) -> None:
         if not _OURS.fullmatch(name):
             raise FolderError("a name that is none of this folder", full=False)
         temporary = self.path / f".{secrets.token_hex(16)}.tmp"
@@ -161,8 +153,6 @@ class MeshFolder:
                 descriptor = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o600)
                 with os.fdopen(descriptor, "wb") as file:
                     file.write(content)
-                last_use = time.time() - self.kept_s + left_s
-                os.utime(temporary, (last_use, last_use))
                 temporary.replace(self.path / name)
         except OSError as error:
             with suppress(OSError):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import numpy as np
 
 from assur.planner.errors import FaultError, InputError
@@ -9,7 +12,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import AXES, Body, Piece, box, capsule, cylinder, sphere
 from assur.planner.model.deadline import OutOfTimeError
 from assur.planner.model.scene import WORLD, WorldBody
-from assur.scenes.faults import DocumentError, Refused, as_written, choices, dotted, fault, within
+from assur.scenes.faults import DocumentError, FollowsError, Refused, as_written, choices, dotted, fault, within
 from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
 from assur.scenes.schema.robots import ToolPoseDocument
 from assur.scenes.schema.shapes import AttachedBody, BodyDocument, LinkBody, MeshDocument, PlaceInCell, ShapeDocument
@@ -69,7 +72,7 @@ class MeshRefused(Refused):
         super().__init__(size if key == "unit" else error.allowed, key)
         self._error = error
 
-    def fault(self, document: object) -> DocumentError:
+    def one(self, document: object) -> DocumentError:
         """The fault at the field as it was written."""
         *above, key = self.path
         _, mesh = as_written(document, above)
@@ -77,7 +80,7 @@ class MeshRefused(Refused):
             return fault(document, (*above, "file"), f"{self._error.allowed}; there is: {self._error.value}")
         if key == "data":  # what is wrong in it is told, not the whole of it
             return DocumentError(dotted(self.path), self._error.value, self._error.allowed)
-        return super().fault(document)
+        return super().one(document)
 
 
 def attached(item: AttachedBody, lower_m: float = 0.0) -> Body:
@@ -111,8 +114,19 @@ def _tilt(roll: float, pitch: float) -> np.ndarray[tuple[int, int], np.dtype[np.
     return np.array([[cp, sp * sr, sp * cr], [0.0, cr, -sr], [-sp, cp * sr, cp * cr]])
 
 
-Places = dict[str, tuple[str, Pose]]
-"""Where each body of the cell sits: frame, and pose in it."""
+class Places(dict[str, tuple[str, Pose]]):
+    """Where each body of the cell sits: frame, and pose in it. `unread`: bodies and neighbours that have a fault."""
+
+    def __init__(self, places: Mapping[str, tuple[str, Pose]] = MappingProxyType({})) -> None:
+        super().__init__(places)
+        self.unread: set[str] = set(places.unread) if isinstance(places, Places) else set()
+
+    def hold(self, name: str) -> None:
+        """Raises `FollowsError` for the name of a body that has a fault, or that is one of a neighbour's that has."""
+        if name.partition("/")[0] in self.unread:
+            raise FollowsError
+
+
 Placement = PlaceInCell | TargetDocument | ToolPoseDocument
 """What is given in a frame, or relative to a body."""
 
@@ -143,6 +157,7 @@ def resolve(place: Placement, yaw: float, frames: Frames, places: Places) -> tup
     """Frame with a law and pose in it, of a place that may be relative to a body (one that was named before)."""
     pose = placed(place.at_m, yaw)
     if place.body is not None:
+        places.hold(place.body)
         if place.body not in places:
             raise Refused(f"a body that is named before: {choices(places, place.body)}", "body")
         frame, carrier = places[place.body]

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
+from assur.planner.errors import FaultError
 from assur.planner.model.deadline import look
+from assur.planner.model.load import Tool
 from assur.planner.model.scene import (
     Clearance,
     ClearanceException,
@@ -12,11 +15,12 @@ from assur.planner.model.scene import (
     Options,
     Pick,
     Scene,
+    WorldBody,
     check_tool_point,
 )
 from assur.planner.robots.robot import Robot
 from assur.scenes.conventions import Conventions, signs, zeros
-from assur.scenes.faults import Refused, choices, located, within
+from assur.scenes.faults import Gathered, Refused, choices, located, within
 from assur.scenes.reading import bodies, frames, loads, neighbours, robots, task
 from assur.scenes.reading.start import check_loaded, start_of
 from assur.scenes.schema.request import ExecutionDocument, OptionsDocument, RequestDocument
@@ -50,37 +54,25 @@ def cell_of(document: object, request: RequestDocument) -> Cell:
 
 
 def _cell_of(document: object, request: RequestDocument) -> Cell:
-    with within("robot"):
-        given = robots.equipped(request.robot)
-    robot, tool = given.robot, given.tool
-    check_tool_point(robot, tool)
-    with within("frames"):
-        known = frames.frames_of(request.frames)
-    places: bodies.Places = {}
-    own = [body.body.name for body in robot.bodies] + [body.name for body in tool.bodies]
-    for i, body in enumerate(request.robot.tool.bodies):
-        if own.count(body.name) > 1:
-            raise Refused("a name that no other body has", "robot", "tool", "bodies", i, "name")
+    faults, places = Gathered(), bodies.Places()
+    given = _robot(request, faults)
+    own = [] if given is None else [*(body.body.name for body in given.robot.bodies), *_names(given.tool)]
+    known = frames.frames_of(request.frames, faults)
     held = None if request.start.holding is None else request.start.holding.part
-    surroundings = []
-    for i, item in enumerate(request.neighbours):
-        look()
-        with within("neighbours", i):
-            if item.name in {other.name for other in request.neighbours[:i]}:
-                raise Refused("a name that no other neighbour has", "name")
-            surroundings += neighbours.add_neighbour(item, known.laws, places)
-    taken = set(own)
-    for i, named in enumerate(request.bodies):
-        look()
-        with within("bodies", i):
-            if named.name in taken:
-                raise Refused("a name that no body of the robot or its tool has", "name")
-            surroundings.append(bodies.world_body(named, known, places, held))
-    if held is not None and held not in places:
-        raise Refused(f"the name of a body: {choices(places, held)}", "start", "holding", "part")
-    with within("start"):
-        start = start_of(request.start, given, known, places)
-    steps = task.steps_of(request.task, known, places, robot.coordinates, held, solid_tool=bool(tool.bodies))
+    surroundings = _surroundings(request, known, places, own, held, faults)
+    coordinates, solid_tool = None if given is None else given.robot.coordinates, bool(request.robot.tool.bodies)
+    if given is not None:
+        with faults.part(), within("start"):
+            start = start_of(request.start, given, known, places)
+    steps = task.steps_of(request.task, known, places, coordinates, held, faults, solid_tool=solid_tool)
+    if given is not None:
+        options = _options(request.options, given.robot.modes, [*own, *places], places, faults)
+        with faults.part():
+            execution = _execution(request.execution, given.conventions)
+    faults.settle()
+    if given is None:
+        raise FaultError("a robot that could not be read has no fault")
+    robot, tool = given.robot, given.tool
     taken_up = {step.part for step in steps if isinstance(step, Pick)} | ({held} if held else set())
     _check_riders(request, taken_up)
     carry = None if request.carry is None else request.carry.acceleration_m_s2
@@ -91,8 +83,8 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         frames=known.laws,
         bodies=tuple(surroundings),
         task=steps,
-        options=_options(request.options, robot.modes, [*own, *(body.name for body in surroundings)]),
-        execution=_execution(request.execution, given.conventions),
+        options=options,
+        execution=execution,
         carry_acceleration=carry,
         load_limits=given.load,
         forbidden_yaw=given.forbidden_yaw,
@@ -108,6 +100,56 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
     )
     check_loaded(scene, given.conventions)
     return Cell(scene, given, known, places, document)
+
+
+def _robot(request: RequestDocument, faults: Gathered) -> robots.Equipped | None:
+    """The robot with its tool; None where it cannot be read, which `faults` have."""
+    with faults.part(), within("robot"):
+        given = robots.equipped(request.robot)
+        names = [body.body.name for body in given.robot.bodies] + _names(given.tool)
+        for i, body in enumerate(request.robot.tool.bodies):
+            if names.count(body.name) > 1:
+                raise Refused("a name that no other body has", "tool", "bodies", i, "name")
+    if faults.faults:
+        return None
+    with faults.part():
+        check_tool_point(given.robot, given.tool)
+    return given
+
+
+def _names(tool: Tool) -> list[str]:
+    return [body.name for body in tool.bodies]
+
+
+def _surroundings(
+    request: RequestDocument,
+    known: frames.Frames,
+    places: bodies.Places,
+    own: list[str],
+    held: str | None,
+    faults: Gathered,
+) -> list[WorldBody]:
+    """The bodies of neighbours and of the cell, which are put into `places`. `own`: names of those of the robot and its
+    tool; `held`: the part that the gripper holds at the start."""
+    found: list[WorldBody] = []
+    for i, item in enumerate(request.neighbours):
+        look()
+        with faults.part(partial(places.unread.add, item.name)), within("neighbours", i):
+            if item.name in {other.name for other in request.neighbours[:i]}:
+                raise Refused("a name that no other neighbour has", "name")
+            found += neighbours.add_neighbour(item, known.laws, places)
+    known.unread.update(places.unread)
+    for i, named in enumerate(request.bodies):
+        look()
+        with faults.part(partial(places.unread.add, named.name)), within("bodies", i):
+            if named.name in own:
+                raise Refused("a name that no body of the robot or its tool has", "name")
+            found.append(bodies.world_body(named, known, places, held))
+    with faults.part():
+        if held is not None and held not in places:
+            places.hold(held)
+            raise Refused(f"the name of a body: {choices(places, held)}", "start", "holding", "part")
+    return found
 
 
 NO_SOLIDS = "the tool has no bodies: nothing is kept clear of it between flange and tool point"
@@ -144,16 +186,21 @@ def _execution(item: ExecutionDocument, conventions: Conventions) -> Execution:
     return Execution(lag, item.start_tolerance_s, item.belt_correction)
 
 
-def _options(item: OptionsDocument, modes: tuple[str, ...], names: list[str]) -> Options:
-    if item.elbow not in ("keep", "auto", *modes):
-        raise Refused(f"one of keep, auto, {', '.join(modes)}", "options", "elbow")
+def _options(
+    item: OptionsDocument, modes: tuple[str, ...], names: list[str], places: bodies.Places, faults: Gathered
+) -> Options:
+    with faults.part():
+        if item.elbow not in ("keep", "auto", *modes):
+            raise Refused(f"one of keep, auto, {', '.join(modes)}", "options", "elbow")
     exceptions = []
     for i, each in enumerate(item.clearance_exceptions):
         for key, given in (("between", each.between), ("and", each.and_ or ())):
             for k, name in enumerate(given):
-                if name not in names:
-                    there = choices(names, name)
-                    raise Refused(f"the name of a body: {there}", "options", "clearance_exceptions", i, key, k)
+                with faults.part():
+                    if name not in names:
+                        places.hold(name)
+                        there = choices(names, name)
+                        raise Refused(f"the name of a body: {there}", "options", "clearance_exceptions", i, key, k)
         both = frozenset(each.between), frozenset(each.and_ or ())
         exceptions.append(ClearanceException(*both, each.clearance_m.travel, each.clearance_m.near))
     return Options(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from assur.planner.errors import FaultError
@@ -26,7 +27,7 @@ from assur.planner.frames import (
 )
 from assur.planner.model.deadline import look
 from assur.planner.model.scene import WORLD
-from assur.scenes.faults import Refused, choices, within
+from assur.scenes.faults import FollowsError, Gathered, Refused, choices, within
 from assur.scenes.schema.frames import (
     ConveyorDocument,
     FixedDocument,
@@ -129,6 +130,8 @@ class Frames:
 
     laws: dict[str, Frame]
     fixed_on: dict[str, tuple[str, Pose]]
+    unread: set[str] = field(default_factory=set)
+    """Frames and neighbours that have a fault."""
 
     def __iter__(self) -> Iterator[str]:
         """All names."""
@@ -139,25 +142,32 @@ class Frames:
         """The frame with a law, and the pose in it, for a pose in the frame `name`. Raises `Refused` for no frame."""
         if name in self.laws:
             return name, pose
+        if name.partition("/")[0] in self.unread:
+            raise FollowsError
         if name not in self.fixed_on:
             raise Refused(f"one of {choices(list(self), name)}")
         below, carrier = self.fixed_on[name]
         return below, carrier.then(pose)
 
 
-def frames_of(frames: Mapping[str, FrameDocument]) -> Frames:
-    """The frames, `world` among them. Raises `Refused` at the field that a law refuses, or that leads to no frame."""
-    laws = {WORLD: Frame(WORLD, Fixed(Pose()))}
+def frames_of(frames: Mapping[str, FrameDocument], faults: Gathered) -> Frames:
+    """The frames, `world` among them. `faults` gets what a law refuses, and what leads to no frame."""
+    found = Frames({WORLD: Frame(WORLD, Fixed(Pose()))}, {})
+    laws = found.laws
     for name, item in frames.items():
         look()
-        with within(name):
+        with faults.part(partial(found.unread.add, name)), within("frames", name):
             if name == WORLD:
                 raise Refused(f"another name: {WORLD} is the frame that does not move")
             if _below(item) is None:
                 laws[name] = _frame(name, item)
             else:
                 _check_fixed(item, frames)
-    return Frames(laws, {name: _fixed_on(name, frames, laws) for name in frames if name not in laws})
+    for name in frames:
+        if name not in laws and name not in found.unread:
+            with faults.part(partial(found.unread.add, name)), within("frames"):
+                found.fixed_on[name] = _fixed_on(name, frames, found)
+    return found
 
 
 def _below(item: FrameDocument) -> str | None:
@@ -175,11 +185,13 @@ def _check_fixed(item: FrameDocument, frames: Mapping[str, FrameDocument]) -> No
         raise Refused(f"no valid_s: the frame is known as long as {below} is", "valid_s")
 
 
-def _fixed_on(name: str, frames: Mapping[str, FrameDocument], laws: Mapping[str, Frame]) -> tuple[str, Pose]:
+def _fixed_on(name: str, frames: Mapping[str, FrameDocument], known: Frames) -> tuple[str, Pose]:
     """The frame with a law that carries the frame `name`, directly or over others, and its pose there."""
     look()
     pose, way = Pose(), [name]
-    while way[-1] not in laws:
+    while way[-1] not in known.laws:
+        if way[-1] in known.unread:
+            raise FollowsError
         fixed = frames[way[-1]].fixed
         if fixed is None or fixed.frame is None:
             raise FaultError(f"frame {way[-1]} without a law is not fixed on another")

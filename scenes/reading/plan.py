@@ -45,27 +45,33 @@ BESIDE = document.PlannedAnswer.__annotations__.keys() - document.CheckedPlan.__
 """Fields of an answer that are no part of its plan: they may be left out, and what they claim is read by `claims`."""
 CERTIFICATE_DIGEST = frozenset(document.CertificateDigest.__annotations__)
 """Fields of a certificate that is not in full."""
+COLUMNS = document.Certificate.__required_keys__ - CERTIFICATE_DIGEST
+"""What a certificate in full has besides."""
 
 
 PATH_TIME_S = 1e-3
 """By so much more may a leg last than a path may: times round, s."""
 
 
-def plan_of(plan: object, conventions: Conventions) -> tuple[Plan, tuple[Finding, ...]]:
+def plan_of(plan: object, conventions: Conventions, *, proved_anew: bool = False) -> tuple[Plan, tuple[Finding, ...]]:
     """The plan in a planned answer with a full certificate, and what the answer says of its durations, of its routes in
     words, and of the joints of its arrivals, that is not so.
 
-    Not looked at here: whether anything else in it is true (`claims`, and the checker). Raises `DocumentError` below
-    "plan".
+    `proved_anew`: its motion will be proved again, so that the digest of the certificate is enough; the certificate of
+    the plan has no rows then. Not looked at here: whether anything else in it is true (`claims`, and the checker).
+    Raises `DocumentError` below "plan".
     """
     with located({PLAN: plan}), within(PLAN):
         if isinstance(plan, dict):
             if plan.get("status") == "not_planned":
                 raise Refused(REFUSAL, "status")
             certificate = plan.get("certificate")
-            if isinstance(certificate, dict) and set(certificate) == CERTIFICATE_DIGEST:
-                raise Refused("the certificate in full, as certificate=full gives it", "certificate")
             plan = {key: value for key, value in plan.items() if key not in BESIDE}
+            if isinstance(certificate, dict) and set(certificate) == CERTIFICATE_DIGEST:
+                if not proved_anew:
+                    raise Refused("the certificate in full, as certificate=full gives it", "certificate")
+                read_normal(document.CertificateDigest, certificate, certificate, (PLAN, "certificate"))
+                plan["certificate"] = {**certificate, "rows": 0} | {key: [] for key in COLUMNS}
         item: document.CheckedPlan = read_normal(document.CheckedPlan, plan, plan, (PLAN,))
         made = _made(item, conventions)
         return made, _untrue(item) + _untrue_notes(item, made) + _untrue_joints(item, made, conventions)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -17,7 +17,7 @@ from assur.planner.robots.robot import Robot
 from assur.scenes.bounds import FAR_M
 from assur.scenes.catalogue import arm_named, shipped_robot
 from assur.scenes.conventions import Conventions, JointConvention, converted, converted_rates, places
-from assur.scenes.faults import Refused, as_written, within
+from assur.scenes.faults import Gathered, Refused, as_written, within
 from assur.scenes.reading.arms import BuiltArm, built, turned_over
 from assur.scenes.reading.bodies import attached
 from assur.scenes.reading.frames import placed, pose_of
@@ -112,10 +112,9 @@ def lag(item: LagDocument | None, conventions: Conventions) -> tuple[float, ...]
     """How far each joint may lag, in the planner's order; none that is not named."""
     if item is None:
         return ()
-    given, keys = item.model_extra or {}, [_key(joint) for joint in conventions]
-    for key in given:
-        if key not in keys:
-            raise Refused(f"one of {', '.join(keys)} (or in deg, mm)", key)
+    given, keys, faults = item.model_extra or {}, [_key(joint) for joint in conventions], Gathered()
+    _hold_names(given, keys, faults)
+    faults.settle()
     found = np.zeros(len(conventions))
     found[places(conventions)] = [given.get(key, 0.0) for key in keys]
     return tuple(found.tolist())
@@ -124,8 +123,9 @@ def lag(item: LagDocument | None, conventions: Conventions) -> tuple[float, ...]
 def hold(
     values: FloatArray, ends: tuple[FloatArray, FloatArray], conventions: Conventions, rate: str, why: str = ""
 ) -> None:
-    """Raises `Refused` at the first joint beyond its limits, which are told as the joint was written; `why`: what is
-    told behind them."""
+    """Raises `Refused` at the joints beyond their limits, which are told as the joint was written; `why`: what is told
+    behind them."""
+    faults = Gathered()
     for joint, i in zip(conventions, places(conventions), strict=True):
         value, lower, upper = float(values[i]), float(ends[0][i]), float(ends[1][i])
         if not lower <= value <= upper:
@@ -133,7 +133,9 @@ def hold(
             signed = sorted(joint.sign * (end - zero) + 0.0 for end in (lower, upper))
             key = _key(joint, rate)
             far = f"; did you mean {twin_of(key)}?" if joint.unit == "m" and abs(value) > FAR_M else ""
-            raise Refused(partial(_range_as_written, ends=signed, far=far, why=why), key)
+            with faults.part():
+                raise Refused(partial(_range_as_written, ends=signed, far=far, why=why), key)
+    faults.settle()
 
 
 def _range_as_written(key: str, _: object, ends: list[float], far: str, why: str) -> str:
@@ -144,16 +146,24 @@ def _range_as_written(key: str, _: object, ends: list[float], far: str, why: str
 
 def joint_values(values: JointValues, conventions: Conventions, rate: str) -> FloatArray:
     """The planner's values (n,) from a mapping of maker's joints; `rate`: what follows rad or m in the unit."""
-    keys = [_key(joint, rate) for joint in conventions]
+    keys, faults = [_key(joint, rate) for joint in conventions], Gathered()
     given = values.model_extra or {}
-    for key in given:
-        if key not in keys:
-            raise Refused(f"one of {', '.join(keys)} (or in deg, mm)", key)
+    _hold_names(given, keys, faults)
     for key in keys:
-        if key not in given:
-            raise Refused(f"{key} or {twin_of(key)}, which must be given", key)
+        with faults.part():
+            if key not in given:
+                raise Refused(f"{key} or {twin_of(key)}, which must be given", key)
+    faults.settle()
     turned = converted_rates if rate else converted
     return turned(np.array([given[key] for key in keys], dtype=np.float64), conventions)
+
+
+def _hold_names(given: Iterable[str], keys: Sequence[str], faults: Gathered) -> None:
+    """Gives `faults` each name of a joint that the robot has not."""
+    for key in given:
+        with faults.part():
+            if key not in keys:
+                raise Refused(f"one of {', '.join(keys)} (or in deg, mm)", key)
 
 
 def _key(joint: JointConvention, rate: str = "") -> str:
@@ -191,15 +201,18 @@ def _rates(limits: Limits) -> tuple[FloatArray, FloatArray, FloatArray]:
 def _ranges(ranges: dict[str, Sequence[float]], of: BuiltArm) -> tuple[FloatArray, FloatArray]:
     lower, upper = of.limits.lower.copy(), of.limits.upper.copy()
     keys, own = [_key(joint) for joint in of.conventions], places(of.conventions)
+    faults = Gathered()
     for key, (first, last) in ranges.items():
-        if key not in keys:
-            allowed = ["velocity", "acceleration", "jerk", "acceleration_by_load", "forbidden_yaw_rad", *keys]
-            raise Refused(f"one of {', '.join(allowed)} (ranges also in deg, mm)", key)
-        joint, i = of.conventions[keys.index(key)], int(own[keys.index(key)])
-        low, high = sorted((joint.sign * first + joint.zero, joint.sign * last + joint.zero))
-        if not (first < last and lower[i] <= low and high <= upper[i]):
-            ends = sorted(joint.sign * (x - joint.zero) + 0.0 for x in (lower[i], upper[i]))
-            known = f"{ends[0]:.6g} to {ends[1]:.6g} {joint.unit}"
-            raise Refused(f"a range, lower end first, within that of {of.name}: {known}", key)
-        lower[i], upper[i] = low, high
+        with faults.part():
+            if key not in keys:
+                allowed = ["velocity", "acceleration", "jerk", "acceleration_by_load", "forbidden_yaw_rad", *keys]
+                raise Refused(f"one of {', '.join(allowed)} (ranges also in deg, mm)", key)
+            joint, i = of.conventions[keys.index(key)], int(own[keys.index(key)])
+            low, high = sorted((joint.sign * first + joint.zero, joint.sign * last + joint.zero))
+            if not (first < last and lower[i] <= low and high <= upper[i]):
+                ends = sorted(joint.sign * (x - joint.zero) + 0.0 for x in (lower[i], upper[i]))
+                known = f"{ends[0]:.6g} to {ends[1]:.6g} {joint.unit}"
+                raise Refused(f"a range, lower end first, within that of {of.name}: {known}", key)
+            lower[i], upper[i] = low, high
+    faults.settle()
     return lower, upper

@@ -11,7 +11,7 @@ from assur.planner.robots.five_bar import FiveBar
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.solutions import solutions
 from assur.scenes.conventions import Conventions, as_maker, last_joint
-from assur.scenes.faults import Refused, within
+from assur.scenes.faults import Gathered, Refused, within
 from assur.scenes.reading.bodies import Places
 from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
 from assur.scenes.reading.robots import Equipped, hold, joint_values
@@ -32,14 +32,16 @@ START_RATIO = 1e-9
 def start_of(item: StartDocument, given: Equipped, frames: Frames, places: Places) -> Start:
     """The state at the start. Raises `Refused` unless each joint has its value, within the (narrowed) limits, or the
     pose of the tool is met by one joint position, within them and not singular."""
-    limits = given.robot.limits
-    if item.tool is not None:
-        q = _with_tool_at(item.tool, item, given, frames, places)
-    elif item.joints is not None:
-        with within("joints"):
-            q = position(item.joints, given)
-    else:
-        raise FaultError("a start without joints and without a pose passed its model")
+    limits, faults = given.robot.limits, Gathered()
+    q = np.zeros(len(given.conventions))
+    with faults.part():
+        if item.tool is not None:
+            q = _with_tool_at(item.tool, item, given, frames, places)
+        elif item.joints is not None:
+            with within("joints"):
+                q = position(item.joints, given)
+        else:
+            raise FaultError("a start without joints and without a pose passed its model")
     rates = []
     for key, values, limit, rate in (
         ("velocity", item.velocity, limits.velocity, "_s"),
@@ -48,9 +50,10 @@ def start_of(item: StartDocument, given: Equipped, frames: Frames, places: Place
         rates.append(np.zeros(len(q)))
         if values is not None:
             most = limit * (1 + START_RATIO)
-            with within(key):
+            with faults.part(), within(key):
                 rates[-1] = joint_values(values, given.conventions, rate)
                 hold(rates[-1], (-most, most), given.conventions, rate)
+    faults.settle()
     holding = None
     if item.holding is not None:
         grasp = placed(item.holding.grasp_m, item.holding.grasp_yaw_rad)

@@ -14,7 +14,7 @@ from assur.planner.model.deadline import look
 from assur.planner.model.path import LONGEST_S, ArcTo, LineTo, Path, PathError, PathPart, Point, SplineThrough, never
 from assur.planner.model.scene import Arch, Follow, Move, Pick, Place, Step, Target, Trace, Window
 from assur.planner.model.task import Tolerance, lead_length
-from assur.scenes.faults import Refused, choices, within
+from assur.scenes.faults import Gathered, Refused, choices, within
 from assur.scenes.reading.bodies import Places, resolve
 from assur.scenes.reading.frames import Frames, placed, pose_uncertainty
 from assur.scenes.schema.task import (
@@ -45,15 +45,42 @@ class _Task:
     """Reads the steps in order, and knows what the gripper holds in between."""
 
     def __init__(
-        self, frames: Frames, places: Places, coordinates: tuple[str, ...], held: str | None, *, solid_tool: bool
+        self,
+        frames: Frames,
+        places: Places,
+        coordinates: tuple[str, ...] | None,
+        held: str | None,
+        faults: Gathered,
+        *,
+        solid_tool: bool,
     ) -> None:
-        self.frames, self.places, self.solid_tool = frames, places, solid_tool
-        self.has_yaw, self.has_tilt = "yaw" in coordinates, "pitch" in coordinates
+        self.frames, self.places, self.solid_tool, self.faults = frames, places, solid_tool, faults
+        self.known = coordinates is not None
+        self.has_yaw = coordinates is None or "yaw" in coordinates
+        self.has_tilt = coordinates is None or "pitch" in coordinates
         self.no_yaw = NO_HEADING if self.has_tilt else NO_YAW
         self.held = held
+        self.lost = False
+        """A pick has a fault, so that nobody knows what is held."""
         self.names: set[str] = set()
         self.at: tuple[str, Point] | None = None
         """Frame, and the tool point in it, where the last step ends, if the request says it."""
+
+    def read(self, number: int, item: StepDocument) -> list[Step]:
+        """The step; none where it has a fault."""
+        made: list[Step] = []
+        with self.faults.part(lambda: self._spoilt(item)):
+            made.append(self.step(number, item))
+        return made
+
+    def _spoilt(self, item: StepDocument) -> None:
+        """Later steps are read as if this one, which has a fault, had taken or put down a part."""
+        self.at = None
+        if item.pick is not None:
+            self.held, self.lost = None, True
+        if item.place is not None:
+            self.held, self.lost = None, False
+            self.places.unread.add(item.place.part)
 
     def step(self, number: int, item: StepDocument) -> Step:
         for key in ("move", "follow", "trace", "pick", "place"):
@@ -140,15 +167,23 @@ class _Task:
         return tuple(parts)
 
     def _pick(self, name: str, item: PickDocument) -> Step:
-        if item.part not in self.places:
-            raise Refused(f"the name of a body: {choices(self.places, item.part)}", "part")
-        if self.held is not None:
-            raise Refused(f"a pick after {self.held} is placed", "part")
-        if not self.has_yaw and item.grasp_yaw_rad != 0.0:
-            raise Refused(self.no_yaw, "grasp_yaw_rad")
-        if item.grip_within_m is not None and not self.solid_tool:
-            raise Refused("none: the tool has no bodies from which it could be measured", "grip_within_m")
-        self.held = item.part
+        faults = Gathered()
+        with faults.part():
+            self.places.hold(item.part)
+            if item.part not in self.places:
+                raise Refused(f"the name of a body: {choices(self.places, item.part)}", "part")
+            if self.held is not None:
+                raise Refused(f"a pick after {self.held} is placed", "part")
+        with faults.part():
+            if not self.has_yaw and item.grasp_yaw_rad != 0.0:
+                raise Refused(self.no_yaw, "grasp_yaw_rad")
+        with faults.part():
+            if item.grip_within_m is not None and not self.solid_tool:
+                raise Refused("none: the tool has no bodies from which it could be measured", "grip_within_m")
+        with faults.part():
+            contacts = self._contacts(item.part, item.contact_with)
+        faults.settle()
+        self.held, self.lost = item.part, False
         return Pick(
             name,
             item.part,
@@ -158,7 +193,7 @@ class _Task:
             item.depart.m,
             item.match,
             self._window(item, self.places[item.part][0]),
-            self._contacts(item.part, item.contact_with),
+            contacts,
             _tolerance(item),
             item.contact_tolerance_m,
             None if item.held_within is None else pose_uncertainty(item.held_within),
@@ -167,12 +202,22 @@ class _Task:
         )
 
     def _place(self, name: str, item: PlaceDocument) -> Step:
-        if item.part != self.held:
-            raise Refused(f"the part that is held then: {self.held or 'none'}", "part")
-        if item.support_within_m is not None and not item.contact_with:
-            raise Refused("none without contact_with, which names what the part rests on", "support_within_m")
-        target = self._target(item.to, part=True)
-        self.held = None
+        faults = Gathered()
+        with faults.part():
+            self.places.hold(item.part)
+            if item.part != self.held and not self.lost:
+                raise Refused(f"the part that is held then: {self.held or 'none'}", "part")
+            if item.part not in self.places:
+                raise Refused(f"the name of a body: {choices(self.places, item.part)}", "part")
+        with faults.part():
+            if item.support_within_m is not None and not item.contact_with:
+                raise Refused("none without contact_with, which names what the part rests on", "support_within_m")
+        with faults.part():
+            target = self._target(item.to, part=True)
+        with faults.part():
+            contacts = self._contacts(item.part, item.contact_with)
+        faults.settle()
+        self.held, self.lost = None, False
         self.places[item.part] = (target.frame, target.pose)
         return Place(
             name,
@@ -183,7 +228,7 @@ class _Task:
             item.depart.m,
             item.match,
             self._window(item, target.frame),
-            self._contacts(item.part, item.contact_with),
+            contacts,
             _tolerance(item),
             item.contact_tolerance_m,
             **_corners(item),
@@ -207,7 +252,7 @@ class _Task:
             if getattr(item, key) and part:
                 raise Refused(PART_YAW, key)
         silent = item.yaw_rad is None and not item.yaw_free and not item.yaw_keep
-        if silent and self.has_yaw and not free:
+        if silent and self.known and self.has_yaw and not free:
             said: list[str] = [key for key in ("yaw_free", "yaw_keep") if key in item.model_fields_set]
             raise Refused(PART_YAW if part else ANY_YAW, *(said or ["yaw_rad"])[:1])
         yaw_free = item.yaw_free or item.yaw_keep or (silent and (free or not self.has_yaw))
@@ -230,10 +275,14 @@ class _Task:
     def _contacts(self, part: str, names: Sequence[str] | None) -> tuple[str, ...] | None:
         if names is None:
             return None
+        faults = Gathered()
         for i, name in enumerate(names):
-            if name not in self.places or name == part:
-                there = choices([place for place in self.places if place != part], name)
-                raise Refused(f"the name of a body that is not the part: {there}", "contact_with", i)
+            with faults.part():
+                if name not in self.places or name == part:
+                    self.places.hold(name)
+                    there = choices([place for place in self.places if place != part], name)
+                    raise Refused(f"the name of a body that is not the part: {there}", "contact_with", i)
+        faults.settle()
         return tuple(names)
 
 
@@ -288,15 +337,16 @@ def steps_of(
     task: Sequence[StepDocument],
     frames: Frames,
     places: Places,
-    coordinates: tuple[str, ...],
-    held: str | None = None,
+    coordinates: tuple[str, ...] | None,
+    held: str | None,
+    faults: Gathered,
     *,
-    solid_tool: bool = True,
+    solid_tool: bool,
 ) -> tuple[Step, ...]:
-    """The steps, in order, for a robot with these coordinates whose gripper holds the part `held` at the start.
-    `solid_tool`: whether its tool has bodies.
+    """The steps, in order, for a robot with these coordinates (None: not known) whose gripper holds the part `held` at
+    the start. `solid_tool`: whether its tool has bodies.
 
-    Raises `Refused` where a step asks for what is not there, or not in the gripper.
+    `faults` gets the steps that ask for what is not there, or not in the gripper; these are left out.
     """
-    reader = _Task(frames, dict(places), coordinates, held, solid_tool=solid_tool)
-    return tuple(reader.step(i, item) for i, item in enumerate(task))
+    reader = _Task(frames, Places(places), coordinates, held, faults, solid_tool=solid_tool)
+    return tuple(step for i, item in enumerate(task) for step in reader.read(i, item))

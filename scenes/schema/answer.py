@@ -7,7 +7,7 @@ only `CheckedPlan` is judged: what the checker does not look at may be left out.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, NotRequired, Required
+from typing import Annotated, Any, Literal, NotRequired, Required, get_args
 
 from pydantic import ConfigDict, Field, with_config
 from typing_extensions import TypedDict
@@ -17,13 +17,16 @@ from assur.planner.model.input_warning import Odd
 from assur.planner.model.outcome import (
     Course,
 )
-from assur.planner.model.proofs.witness import Witness
+from assur.planner.model.proofs.witness import Hindrance, Meeting, Witness
 from assur.planner.model.refusal import Facts, Reason, Stage, Unit
 from assur.scenes import bounds
+from assur.scenes.schema.described import describe
 from assur.scenes.schema.model import Angle, Point, Strength
 
-CLOSED = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+CLOSED = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, json_schema_extra=describe)
 
+for _facts in (*get_args(Facts), *get_args(Witness), Hindrance, Meeting):
+    with_config(CLOSED)(_facts)
 Schema = Literal["assur/1"]
 Number = Annotated[float, Field(ge=-1e300, le=1e300)]
 Text = Annotated[str, Field(max_length=bounds.MAX_TEXT)]
@@ -42,8 +45,7 @@ Instant = Annotated[float, Field(ge=-bounds.PLAN_S, le=bounds.PLAN_S)]
 
 @with_config(CLOSED)
 class Trajectory(TypedDict):
-    """Knots of a quintic Hermite spline. `acceleration_jumps`: whether two knots may share a time, where the
-    acceleration alone differs."""
+    """Knots of a quintic Hermite spline."""
 
     joint_names: Annotated[list[str], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
     joint_units: Annotated[list[Literal["rad", "m"]], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
@@ -56,8 +58,7 @@ class Trajectory(TypedDict):
 
 @with_config(CLOSED)
 class Route(TypedDict):
-    """How a move goes or why the arm waits, through how many via points that the planner chose, whether it begins after
-    a wait, and whether it meets its point later than it could."""
+    """How a move goes or why the arm waits."""
 
     course: Annotated[Course, Field(strict=False)]
     vias: Annotated[int, Field(ge=0, le=2**31)]
@@ -67,7 +68,7 @@ class Route(TypedDict):
 
 @with_config(CLOSED)
 class Leg(TypedDict):
-    """A part of the plan that serves one step; `note` says for people what `route` says."""
+    """A part of the plan that serves one step."""
 
     kind: Literal["WAIT", "MOVE", "ARCH", "APPROACH", "FOLLOW", "DEPART"]
     step: Step
@@ -79,7 +80,7 @@ class Leg(TypedDict):
 
 @with_config(CLOSED)
 class Missed(TypedDict):
-    """By how much a parabolic blend misses its pose: the joints, as in the trajectory, and the tool point."""
+    """By how much a parabolic blend misses its pose."""
 
     joints: Annotated[list[Number], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
     distance_m: Number
@@ -96,7 +97,7 @@ class ErrorShare(TypedDict):
 
 @with_config(CLOSED)
 class Realised(TypedDict):
-    """What one unknown is in a realisation: a sign (±1), a lateness in s, or a direction in rad."""
+    """What one unknown is in a realisation."""
 
     what: Text
     value: Number
@@ -105,8 +106,7 @@ class Realised(TypedDict):
 @with_config(CLOSED)
 class ArrivalError(TypedDict):
     """How far the tool may be from the part, or the control point, at `until_s`: no realisation of what the request
-    does not know is worse. The distance, and the same as horizontal distance, height and yaw; by cause, the largest
-    first; and one realisation that comes near it."""
+    does not know is worse."""
 
     position_m: Number
     horizontal_m: Number
@@ -118,8 +118,7 @@ class ArrivalError(TypedDict):
 
 @with_config(CLOSED)
 class Traced(TypedDict):
-    """Of a path that was traced: its length; the least and the greatest speed of the tool point in the path's frame;
-    its largest distance from where it should be at that time. The last three are bounds."""
+    """Facts of a path that was traced."""
 
     length_m: Number
     slowest_m_s: Number
@@ -129,9 +128,8 @@ class Traced(TypedDict):
 
 @with_config(CLOSED)
 class Arrival(TypedDict):
-    """Where and when the tool point reaches a control point, with which joints, in which assembly mode; pitch and roll
-    of arms with five axes only. `grip_m`: of a pick, how far the tool's bodies are from the part at `until_s`, at most,
-    and `support_m`: of a place, the part from what it may rest on; each only where there is something to measure."""
+    """Where and when the tool point reaches a control point, and how. What is measured of a grip or a support is there
+    only where there is something to measure."""
 
     control_point: Text
     step: Annotated[int, Field(ge=0, le=bounds.MAX_STEPS)]
@@ -165,8 +163,7 @@ class CertificateDigest(TypedDict):
 
 @with_config(CLOSED)
 class Certificate(CertificateDigest):
-    """The proof in columns; a second body of -1 is none: the row is of the first alone. `shift0_s`, `shift1_s`: by how
-    much the second is ahead of the clock at least and at most; null: in no row."""
+    """The proof in columns."""
 
     names: Annotated[list[Text], Field(max_length=8 * bounds.MAX_BODIES)]
     t0_s: Reals
@@ -313,8 +310,7 @@ class Census(TypedDict):
 
 @with_config(CLOSED)
 class Refusal(Refused):
-    """The leading refusal: the stage that made it, why, about what, when, and by how much. `witness`: what proves it
-    beside its facts; null: those do, or it is not proved."""
+    """The leading refusal."""
 
     amount: Number | None
     witness: NotRequired[Annotated[Witness, Field(discriminator="kind")] | None]
@@ -480,8 +476,7 @@ class Finding(TypedDict):
 
 @with_config(CLOSED)
 class Verdict(TypedDict):
-    """What the checker says of an answer; `ok` if and only if there are no findings. `not_checked`: the fields of the
-    answer that nobody looked at."""
+    """What the checker says of an answer."""
 
     schema: Schema
     ok: bool

@@ -17,8 +17,7 @@ JerkRule = Literal["limit", "report"]
 
 
 class ExportDocument(Document):
-    """How a plan is to be exported. `tick_s`: the controller's step; silent: the points are the plan's knots. `jerk`:
-    whether it must keep the robot's limit, or may be proved against a higher one, which is stated."""
+    """How a plan is to be exported."""
 
     format: Form
     tick_s: Annotated[float, Field(ge=bounds.LEAST, le=bounds.LONG_S)] | None = None
@@ -47,15 +46,8 @@ class Deviation(TypedDict):
 
 @with_config(CLOSED)
 class ExportAnswer(TypedDict):
-    """A plan as a `file` in `format`, and what it is: a `statement` for people and the same as numbers.
-
-    `encoding`: whether `file` is the text itself, or bytes in base64 (glb).
-
-    `plan` is the motion in the file with its own certificate, `request` that against which it was checked: both
-    together are what a check takes. `jerk_raised`: by what the limits of jerk in it are higher than in the request that
-    was given, 1 where they are not. `ends_moving`: joint_trajectory_controller must be told to allow it. `ending`: how
-    the name of such a file ends, without the dot.
-    """
+    """A plan as a file, and what it is, for people and as numbers. `request` and `plan` together are what a check
+    takes."""
 
     schema: Schema
     format: Form
@@ -80,11 +72,7 @@ class ExportAnswer(TypedDict):
 
 
 class ForeignTrajectoryDocument(Document):
-    """A trajectory of another, and how it is to be judged: `file` is its text, in `format`.
-
-    `start_s`: the cell's clock when a ROS trajectory starts; silent: when the request begins. `start_tolerance_s`: in
-    place of that of the request. `jerk`: whether it must keep the robot's limit, or is reported only.
-    """
+    """A trajectory of another, and how it is to be judged."""
 
     file: str
     format: Literal["csv", "ros2"]
@@ -95,8 +83,7 @@ class ForeignTrajectoryDocument(Document):
 
 @with_config(CLOSED)
 class FirstViolation(TypedDict):
-    """What is violated first, at `time_s` of the cell's clock, by `amount` (null: it is only not shown to be
-    right); the `bodies` that come too near."""
+    """What is violated first."""
 
     what: Text
     time_s: Number
@@ -107,12 +94,7 @@ class FirstViolation(TypedDict):
 
 @with_config(CLOSED)
 class TrajectoryVerdict(TypedDict):
-    """Whether a trajectory is proved: `ok` if and only if there are no findings.
-
-    `judged_as`: one motion in `travel`, or with the legs of a `plan`. `first`: of limits and distances that are
-    violated; null where none is. `clearance`: where it comes nearest to anything. `ends_moving`: the last point is not
-    at rest, and nothing after its time is proved.
-    """
+    """Whether a trajectory is proved. Nothing after the end of one that ends in motion is."""
 
     schema: Schema
     ok: bool

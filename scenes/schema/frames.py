@@ -36,13 +36,13 @@ Component = Annotated[float, Field(ge=-1.0, le=1.0)]
 
 
 class FixedDocument(PoseDocument):
-    """A frame that does not move, or that goes with another `frame`, in which its pose is constant."""
+    """A frame that does not move, or that goes with another one, in which its pose is constant."""
 
     frame: Reference | None = None
 
 
 class LinearDocument(PoseDocument):
-    """A constant velocity; `at_m` holds at `at_s`."""
+    """A constant velocity."""
 
     velocity_m_s: Annotated[list[Speed], Field(min_length=3, max_length=3)]
     at_s: Instant = 0.0
@@ -58,7 +58,7 @@ class SpeedChange(Document):
 
 
 class ConveyorDocument(PoseDocument):
-    """Travels along its own x axis at `speed_m_s`; `at_m` holds at `at_s`; then the changes, in order."""
+    """Travels along its own x axis."""
 
     speed_m_s: Speed
     at_s: Instant = 0.0
@@ -75,7 +75,7 @@ class RateChange(Document):
 
 
 class TurntableDocument(PoseDocument):
-    """Turns about its centre `at_m`, its yaw being `yaw_rad` at `at_s`; with a rise, a helix."""
+    """Turns about its own z axis; with a rise, along a helix."""
 
     rate_rad_s: Rate
     rise_m_s: Speed = 0.0
@@ -84,7 +84,7 @@ class TurntableDocument(PoseDocument):
 
 
 class IndexerDocument(PoseDocument):
-    """Moves by a step in `move_s`, rests for `dwell_s`, and so on; one of the moves begins at `start_s`."""
+    """Moves by a step, rests, and so on."""
 
     exactly_one: ClassVar[tuple[Group, ...]] = (("step_rad", "step_m"),)
 
@@ -139,8 +139,7 @@ class KeyframesDocument(Document):
 
 
 class UncertaintyDocument(Document):
-    """How far the frame may be from its law: along its line (in every horizontal direction, where it has none) always,
-    and per second since the start; across its line; up and down; about its origin."""
+    """How far the frame may be from its law."""
 
     position_m: Distance = 0.0
     speed_m_s: Annotated[float, Field(ge=0.0, le=bounds.FAST_M_S)] = 0.0

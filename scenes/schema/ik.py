@@ -40,7 +40,7 @@ class ToolPose(TypedDict):
 
 @with_config(CLOSED)
 class Collision(TypedDict):
-    """Two bodies that are nearer to each other than travel allows, the arm's own first; `detail`: for people."""
+    """Two bodies that are nearer to each other than travel allows."""
 
     bodies: Pair
     facts: Annotated[Facts, Field(discriminator="kind")]
@@ -49,11 +49,7 @@ class Collision(TypedDict):
 
 @with_config(CLOSED)
 class Solution(TypedDict):
-    """A joint position: working mode, full turn of the wrist (null without one), values as the maker counts them.
-
-    `to_limits`: of each joint, how far it is from the lower and from the upper end of its range. `reach_m`: how far the
-    tool point is from the edge of what the links reach. `collisions`: at rest; not there without a request.
-    """
+    """A joint position, and how near it is to what the arm cannot do."""
 
     mode: Text
     turn: int | None
@@ -67,8 +63,7 @@ class Solution(TypedDict):
 
 @with_config(CLOSED)
 class Unreached(TypedDict):
-    """A working mode without a solution: how far out of reach, by how much each joint would be beyond its range; the
-    same for people in `detail`."""
+    """A working mode without a solution, and what it lacks."""
 
     mode: Text
     reason: Reason

@@ -8,6 +8,7 @@ given are declared as class variables, so that the reader and the schema agree o
 from __future__ import annotations
 
 import difflib
+from collections.abc import Mapping
 from itertools import combinations
 from typing import Annotated, Any, ClassVar, Self
 
@@ -26,6 +27,7 @@ from pydantic_core.core_schema import no_info_before_validator_function
 
 from assur.planner.geometry.shapes import LARGEST_M, SMALLEST_M
 from assur.scenes import bounds
+from assur.scenes.schema.described import description
 from assur.scenes.schema.twins import by_unit, twin_schema
 from assur.scenes.units import twin_of
 
@@ -74,6 +76,16 @@ class Document(BaseModel):
         """Itself: it is frozen, so whatever has it as its default may share it."""
         return self
 
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy, with the values of `update` in place of its own. What the model refuses of them raises
+        `pydantic.ValidationError`, as where it is made: also a field that it has not. `deep` changes nothing: what is
+        frozen is shared."""
+        if not update:
+            return super().model_copy(deep=deep)
+        keys = {name: field.alias or name for name, field in type(self).model_fields.items()}
+        own = {keys.get(name, name): getattr(self, name) for name in self.model_fields_set}
+        return type(self).model_validate(own | {keys.get(name, name): value for name, value in update.items()})
+
     def document(self) -> dict[str, Any]:
         """What was given, as the plain document that it is, in SI. What was left out is left out."""
         return self.model_dump(by_alias=True, exclude_unset=True, exclude_none=True)
@@ -99,10 +111,12 @@ class Document(BaseModel):
         ]
         for name, field in list(properties.items()):
             _forget_null(field)
+            field["description"] = description(cls, name)
             twin = twin_of(name)
             if twin is None:
                 continue
             properties[twin] = twin_schema(field, twin, handler.resolve_ref_schema)
+            properties[twin]["description"] = description(cls, twin)
             if name in required:
                 rules.append({"oneOf": [{"required": [name]}, {"required": [twin]}]})
             elif name not in of_groups:

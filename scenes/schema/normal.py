@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from assur.scenes.bounds import MAX_DEPTH, MAX_INTEGER
-from assur.scenes.faults import DocumentError, Path, dotted
+from assur.scenes.faults import DocumentError, Path, dotted, together
 from assur.scenes.units import SI_UNITS, si_key, to_si, unit_of
 
 PLAIN = frozenset((str, float, int, bool))
@@ -24,15 +24,20 @@ OF_NAMES = "frames"
 """Key of the mapping whose keys are names that the document gives, whatever they end in."""
 
 
-def normal(document: object) -> Any:
+def normal(document: object, faults: list[DocumentError] | None = None) -> Any:
     """The document in SI: `at_mm` becomes `at_m`, and what is below it is converted. The document is not changed.
 
-    Raises `DocumentError` at a key that is written in both its units, at a number that is 0 in SI and not as it is
-    written, at a null, at a number that is not exactly one of
-    Python's, and for nesting without end. Whatever else is no number is left for the model to refuse, NaN and infinity,
-    too.
+    `faults` gets a key that is written in both its units, a number that is 0 in SI and not as it is written, a null,
+    and a number that is not exactly one of Python's. Whatever else is no number is left for the model to refuse, NaN
+    and infinity, too. Raises `DocumentError` for nesting without end, and without `faults` for those.
     """
-    return document if _is_normal(document) else _inside(document, (), in_si=True)
+    if _is_normal(document):
+        return document
+    own: list[DocumentError] = []
+    found = _inside(document, (), own if faults is None else faults)
+    if own:
+        raise together(own)
+    return found
 
 
 def _is_normal(value: object, depth: int = 0) -> bool:
@@ -57,11 +62,12 @@ def _is_normal(value: object, depth: int = 0) -> bool:
 def plain(document: object) -> Any:
     """The document with numbers and arrays of NumPy as plain numbers and lists, and nothing else changed. Raises
     `DocumentError` at a whole number that no JSON of ours has, and for nesting without end."""
-    return _inside(document, (), in_si=False)
+    return _inside(document, (), None)
 
 
-def _inside(value: object, path: Path, *, in_si: bool) -> Any:
-    kind = type(value)
+def _inside(value: object, path: Path, faults: list[DocumentError] | None) -> Any:
+    """`faults`: where those of a document go that is brought to SI; None: it is not, and a fault is raised."""
+    kind, in_si = type(value), faults is not None
     if kind in LEAVES:
         if kind is int and not in_si and not -MAX_INTEGER <= value <= MAX_INTEGER:  # type: ignore[operator]
             raise DocumentError(dotted(path), value, "a whole number up to 2**53")
@@ -69,33 +75,39 @@ def _inside(value: object, path: Path, *, in_si: bool) -> Any:
     if len(path) >= MAX_DEPTH:
         raise DocumentError(dotted(path[:4]), "deeper nesting", f"nesting up to {MAX_DEPTH} levels")
     if isinstance(value, dict):
-        if in_si:
-            return _mapping(value, path)
-        return {key: _inside(item, (*path, str(key)), in_si=False) for key, item in value.items()}
+        if faults is not None:
+            return _mapping(value, path, faults)
+        return {key: _inside(item, (*path, str(key)), None) for key, item in value.items()}
     if isinstance(value, list) or (isinstance(value, np.ndarray) and value.ndim):
         quick = LEAVES if in_si else LEAVES - {int}
-        return [item if type(item) in quick else _inside(item, (*path, i), in_si=in_si) for i, item in enumerate(value)]
-    return _scalar(value[()] if isinstance(value, np.ndarray) else value, path)
+        return [item if type(item) in quick else _inside(item, (*path, i), faults) for i, item in enumerate(value)]
+    try:
+        return _scalar(value[()] if isinstance(value, np.ndarray) else value, path)
+    except DocumentError as fault:
+        if faults is None:
+            raise
+        faults.append(fault)
+        return value
 
 
-def _mapping(mapping: dict[Any, Any], path: Path) -> dict[Any, Any]:
+def _mapping(mapping: dict[Any, Any], path: Path, faults: list[DocumentError]) -> dict[Any, Any]:
     found = {}
     of_names = bool(path) and path[-1] == OF_NAMES
     for key, value in mapping.items():
         if value is None:
-            raise DocumentError(dotted((*path, str(key))), None, "a value; leave the key out if there is none")
-        if type(value) not in LEAVES:
-            value = _inside(value, (*path, str(key)), in_si=True)
+            faults.append(DocumentError(dotted((*path, str(key))), None, "a value; leave the key out if there is none"))
+        elif type(value) not in LEAVES:
+            value = _inside(value, (*path, str(key)), faults)
         twin = None if of_names or type(key) is not str else si_key(key)
         if twin is None:
             found[key] = value
         elif twin[0] in mapping:
-            raise DocumentError(dotted((*path, key)), mapping[key], f"{key} or {twin[0]}, not both")
+            faults.append(DocumentError(dotted((*path, key)), mapping[key], f"{key} or {twin[0]}, not both"))
         else:
             found[twin[0]] = converted = to_si(value, twin[1])
             if converted == 0.0 and value != 0.0 and type(value) is float:
                 allowed = f"a number that is not rounded to 0 in {unit_of(twin[0], SI_UNITS)}"
-                raise DocumentError(dotted((*path, key)), value, allowed)
+                faults.append(DocumentError(dotted((*path, key)), value, allowed))
     return found
 
 

@@ -1,4 +1,4 @@
-"""A document through its model: the first fault becomes a `DocumentError` at the field as it was written."""
+"""A document through its model: its faults become a `DocumentError` at the fields as they were written."""
 
 from __future__ import annotations
 
@@ -14,15 +14,12 @@ from typing_extensions import get_type_hints, is_typeddict
 
 from assur.planner.errors import FaultError
 from assur.scenes.bounds import FAR_M
-from assur.scenes.faults import DocumentError, Path, as_written, dotted, likeliest
+from assur.scenes.faults import MOST_FAULTS, DocumentError, Path, as_written, dotted, likeliest, together
 from assur.scenes.schema.model import NAME, REFERENCE
 from assur.scenes.schema.normal import normal
 from assur.scenes.schema.sizes import check_sizes
 from assur.scenes.schema.stated import PLAIN, STATED
 from assur.scenes.units import SI_UNITS, any_unit, from_si, si_key, twin_of, unit_of
-
-MAX_FAULTS = 20
-"""Faults that are told of one document; a reader needs no more at once."""
 
 FEW_FIELDS = 6
 """Of so many fields the names are told where something else stands in place of their mapping."""
@@ -53,7 +50,9 @@ def read(model: Any, document: object) -> Any:
     """The document, which may be written in any units and with numbers of NumPy, as `model`. Raises `DocumentError`."""
     if isinstance(model, type) and issubclass(model, BaseModel):
         check_sizes(model, document)
-    return read_normal(model, normal(document), document)
+    faults: list[DocumentError] = []
+    found = normal(document, faults)
+    return _validated(model, document, (), lambda: _adapter(model).validate_python(found), faults)
 
 
 def read_normal(model: Any, normal_document: object, document: object, prefix: Path = ()) -> Any:
@@ -70,9 +69,12 @@ def read_written(model: Any, written: object, document: object, prefix: Path = (
     return _validated(model, document, prefix, lambda: _adapter(model).validate_json(json.dumps(written), strict=True))
 
 
-def _validated(model: Any, document: object, prefix: Path, validated: Callable[[], Any]) -> Any:
+def _validated(
+    model: Any, document: object, prefix: Path, validated: Callable[[], Any], before: Sequence[DocumentError] = ()
+) -> Any:
+    """What `validated` returns. Raises the faults that were seen `before`, and those that it finds."""
     try:
-        return validated()
+        read = validated()
     except ValidationError as error:
         faults = [
             (location, fault["type"], fault.get("ctx", {}))
@@ -80,10 +82,15 @@ def _validated(model: Any, document: object, prefix: Path, validated: Callable[[
             if (location := _location(model, document, fault["loc"])) is not None
         ]
         faults.sort(key=lambda fault: 0 if fault[1] == "extra_forbidden" else 1)
-        told = [_fault(model, document, *fault) for fault in faults[:MAX_FAULTS]]
-        first = told[0]
-        more = tuple((dotted((*prefix, *path)), allowed, None) for path, _, allowed in told[1:])
-        raise DocumentError(dotted((*prefix, *first[0])), first[1], first[2], more=more) from None
+        told = [
+            DocumentError(dotted((*prefix, *path)), value, allowed)
+            for path, value, allowed in (_fault(model, document, *fault) for fault in faults[:MOST_FAULTS])
+        ]
+        told[0].left_out = max(0, len(faults) - MOST_FAULTS)
+        raise together([*before, *told]) from None
+    if before:
+        raise together(before)
+    return read
 
 
 @cache

@@ -31,7 +31,7 @@ SCHEMA = "assur/1"
 
 
 class ClearanceDocument(Document):
-    """Distances to keep: `near` in approach, follow and depart, `travel` elsewhere. Both, or none."""
+    """Distances to keep. Both, or none."""
 
     travel: Distance
     near: Distance
@@ -41,7 +41,7 @@ Bodies = Annotated[list[Reference], Field(min_length=1, max_length=bounds.MAX_CO
 
 
 class ClearanceExceptionDocument(Document):
-    """Other distances for the bodies that are named against those of `and` (silence: against all)."""
+    """Other distances for some bodies."""
 
     between: Bodies
     and_: Bodies | None = Field(default=None, alias="and")

@@ -71,8 +71,7 @@ JerkFact = Annotated[Jerk | Stated[Jerk], FACT]
 
 
 class ToolDocument(Document):
-    """What is bolted to the flange. The tool point must be given; bodies and tool point in the flange's frame.
-    `inertia_kgm2`: about the flange's z axis; else the mass is spread over the bodies by volume."""
+    """What is bolted to the flange. The tool point must be given."""
 
     tcp_m: Point
     tcp_yaw_rad: Angle = 0.0
@@ -95,9 +94,7 @@ LoadShares = Annotated[list[LoadShare], Field(min_length=1, max_length=bounds.MA
 
 
 class LimitsDocument(ByName):
-    """Scales in (0, 1] of the robot's own limits, the share of acceleration and jerk by mass in place of the robot's
-    own law, and narrower ranges by the maker's joint names (`j4_rad`). `forbidden_yaw_rad`: ranges in which the yaw of
-    the tool point in the world is at no time, each counter-clockwise from its first end to its second."""
+    """Limits that are narrower than the robot's own, among them ranges by the maker's joint names (`j4_rad`)."""
 
     __pydantic_extra__: dict[str, Pair]
 
@@ -122,12 +119,7 @@ class LimitsDocument(ByName):
 
 
 class JointDocument(Document):
-    """A joint of an arm in its maker's convention.
-
-    `sign` -1: the maker counts against the planner's direction (turning left, lifting); `zero_m`: of the lifting joint,
-    the height of the flange above the base at the maker's zero; `zero_rad`: of a turning joint, the planner's angle at
-    the maker's zero.
-    """
+    """A joint of an arm in its maker's convention."""
 
     exactly_one: ClassVar[tuple[Group, ...]] = (
         ("range_rad", "range_m"),
@@ -173,10 +165,7 @@ class AnyArm(Document):
 
 class ScaraDocument(AnyArm):
     """A SCARA with three or four axes: turn, turn, lift, turn; or with the lift elsewhere, as `axis_order` says: r for
-    a joint that turns, p for the lift. With three axes its last letter does not count.
-
-    `tool_frame`: which way the flange's z axis points.
-    """
+    a joint that turns, p for the lift. With three axes its last letter does not count."""
 
     l1_m: LengthFact
     l2_m: LengthFact
@@ -186,7 +175,7 @@ class ScaraDocument(AnyArm):
 
 
 class ElbowArmDocument(AnyArm):
-    """An elbow arm (base turn, shoulder, elbow): height of the shoulder, lengths of upper arm and forearm."""
+    """An elbow arm: base turn, shoulder, elbow."""
 
     height_m: HeightFact
     l1_m: LengthFact
@@ -195,17 +184,14 @@ class ElbowArmDocument(AnyArm):
 
 
 class PolarArmDocument(AnyArm):
-    """A polar arm (base turn, tilt, ram): height of the shoulder."""
+    """A polar arm: base turn, tilt, ram."""
 
     height_m: HeightFact
     joints: Annotated[list[JointDocument], Field(min_length=3, max_length=3)]
 
 
 class FiveBarDocument(AnyArm):
-    """A five-bar: two cranks, and if they are given a lift and a wrist. Lengths left and right.
-
-    `height_m`: of the flange above the mounting face, of an arm without a lift.
-    """
+    """A five-bar: two cranks, and if they are given a lift and a wrist."""
 
     separation_m: Annotated[Separation | Stated[Separation], FACT]
     proximal_m: Annotated[BothSides | Stated[BothSides], FACT]
@@ -217,8 +203,7 @@ class FiveBarDocument(AnyArm):
 
 
 class FiveAxisArmDocument(AnyArm):
-    """A five-axis arm (base turn, shoulder, elbow, pitch, roll): height of the shoulder, lengths of upper arm, forearm
-    and hand, this from the pitch axis to the tool point."""
+    """A five-axis arm: base turn, shoulder, elbow, pitch, roll."""
 
     height_m: HeightFact
     l1_m: LengthFact
@@ -247,8 +232,7 @@ class ArmDocument(Document):
 
 
 class RobotDocument(ArmDocument):
-    """A robot in the cell. `file`: a robot's file, for scenario files and on the command line only, whose loader puts
-    what it holds in its place."""
+    """A robot in the cell. The loader of scenario files puts what a `file` holds in its place."""
 
     exactly_one: ClassVar[tuple[Group, ...]] = (("model", "file", *FAMILIES),)
 
@@ -300,8 +284,7 @@ class JointValues(ByName):
 
 
 class HoldingDocument(Document):
-    """A part in the gripper at the start. `grasp_m`: the tool point in the part's frame; `within`: how well the part is
-    known there."""
+    """A part in the gripper at the start."""
 
     part: Reference
     grasp_m: Point
@@ -349,9 +332,7 @@ class StartDocument(Document):
 
 
 class TrajectoryDocument(Document):
-    """Knots in the maker's convention, rad and m, as an answer gives them: quintic Hermite between knots.
-
-    `acceleration_jumps`: whether two knots may share a time, where the acceleration alone differs."""
+    """Knots in the maker's convention, rad and m, as an answer gives them: quintic Hermite between knots."""
 
     joint_names: Annotated[list[str], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
     joint_units: Annotated[list[Literal["rad", "m"]], Field(min_length=1, max_length=bounds.MAX_JOINTS)]
@@ -363,18 +344,13 @@ class TrajectoryDocument(Document):
 
 
 class PlanFileDocument(Document):
-    """`file`: a planned answer, for scenario files, on the command line and in Python with a folder only; its loader
-    puts the answer's trajectory in its place."""
+    """A file with a planned answer; its loader puts the answer's trajectory in its place."""
 
     file: Annotated[str, Field(min_length=1, max_length=255)]
 
 
 class NeighbourDocument(Document):
-    """Another robot in the cell, doing what its own plan says, and standing still before and after.
-
-    `starts_at_s`: when its first knot is due, by this request's clock, if not when the trajectory says;
-    `start_uncertainty_s`: by how much it may start earlier or later.
-    """
+    """Another robot in the cell, doing what its own plan says, and standing still before and after."""
 
     exactly_one: ClassVar[tuple[Group, ...]] = (("trajectory", "plan"),)
 

@@ -55,10 +55,8 @@ class CapsuleDocument(Document):
 
 class MeshDocument(Document):
     """A closed surface: a shipped asset by name, a file's bytes in base64 with its format, or the SHA-256 of a file
-    that was uploaded (`PUT /v1/meshes/{sha256}`) with its format. The unit is mandatory.
-
-    `file` is for scenario files on the command line only, whose loader puts the bytes in its place.
-    """
+    that was uploaded (`PUT /v1/meshes/{sha256}`) with its format. The unit is mandatory. The loader of scenario files
+    puts the bytes in the place of a `file`."""
 
     exactly_one: ClassVar[tuple[Group, ...]] = (("asset", "data", "file", "sha256"),)
 
@@ -94,8 +92,7 @@ class PlaceInCell(Document):
 
 
 class BodyDocument(Document):
-    """A body of the surroundings. `yaw_symmetry`: how many yaws look the same to a gripper; 0: any. Only a part that
-    the gripper holds at the start has no pose."""
+    """A body of the surroundings."""
 
     name: Name
     shape: ShapeDocument

@@ -44,11 +44,7 @@ FreeAngle = Annotated[Angle | Literal["free"] | None, BeforeValidator(_free_or_n
 
 
 class TargetDocument(Document):
-    """A pose in a frame (the world if none is named), or relative to a body and in that body's frame. `yaw_keep`: with
-    the yaw that the tool has when the step begins.
-
-    `pitch_rad`, `roll_rad`: of the tool, for arms that have them; a number or `free`, which silence means, too.
-    """
+    """A pose in a frame (the world if none is named), or relative to a body and in that body's frame."""
 
     at_most_one: ClassVar[tuple[Group, ...]] = (("frame", "body"), ("yaw_rad", "yaw_free", "yaw_keep"))
 
@@ -63,13 +59,13 @@ class TargetDocument(Document):
 
 
 class ArchDocument(Document):
-    """Up, over, down; `top_m`: the least height of the tool point, in the world, at the highest point."""
+    """Up, over, down."""
 
     top_m: Coordinate
 
 
 class LiftDocument(Document):
-    """The straight part along the vertical: its length. `stop`: whether the tool stops at its outer end."""
+    """The straight part along the vertical."""
 
     m: Distance
     stop: bool = False
@@ -93,20 +89,20 @@ class FollowDocument(WindowedStep):
 
 
 class LineDocument(Document):
-    """Straight on to a point of the path's frame; the last part of a move's path has none: it ends at its `to`."""
+    """Straight on to a point of the path's frame; the last part of a move's path ends at its `to`."""
 
     to_m: Point | None = None
 
 
 class ArcDocument(Document):
-    """Along the circle through `via_m`; `to_m` as of a line."""
+    """Along a circle; the last part of a move's path ends at its `to`."""
 
     via_m: Point
     to_m: Point | None = None
 
 
 class SplineDocument(Document):
-    """Along a cubic spline through points; the last is its end."""
+    """Along a cubic spline through points."""
 
     through_m: Annotated[list[Point], Field(min_length=1, max_length=bounds.MAX_PATH_POINTS)]
 
@@ -125,8 +121,7 @@ PathDocument = Annotated[list[PathPartDocument], Field(min_length=1, max_length=
 
 
 class MoveDocument(WindowedStep):
-    """Bring the tool point to a pose; `via`: flown by; `path`: of a cartesian leg, in place of a straight line, from
-    where the tool is to `to`, in whose frame its points are."""
+    """Bring the tool point to a pose. The points of a `path` are in the frame of `to`."""
 
     to: TargetDocument
     match: Match = "velocity"
@@ -138,9 +133,7 @@ class MoveDocument(WindowedStep):
 
 
 class TraceDocument(WindowedStep):
-    """Take the tool point along a path in a frame at a process speed relative to that frame. `start`: first point of
-    the path, and the frame, or body, in which all its points are; the tool keeps its yaw there. `lead_in_m`,
-    `lead_out_m`: straight ways on which the speed is reached and given up; silence: by the speed."""
+    """Take the tool point along a path in a frame at a process speed relative to that frame."""
 
     start: TargetDocument
     path: PathDocument
@@ -164,9 +157,7 @@ class _Handling(WindowedStep):
 
 
 class PickDocument(_Handling):
-    """Approach a part, stay with it, attach it, depart. `grasp_m`: the tool point in the part's frame. `held_within`:
-    how well the part is known once it is held; silence: as well as when it is gripped. `grip_within_m`: how far the
-    nearest body of the tool may be from the part when it is attached; silence: any distance."""
+    """Approach a part, stay with it, attach it, depart."""
 
     grasp_m: Point
     grasp_yaw_rad: Angle = 0.0
@@ -175,8 +166,7 @@ class PickDocument(_Handling):
 
 
 class PlaceDocument(_Handling):
-    """Bring the held part's own frame to a pose, stay there, detach it, depart. `support_within_m`: how far the part
-    may be from the nearest body of `contact_with` when it is detached; silence: any distance."""
+    """Bring the held part's own frame to a pose, stay there, detach it, depart."""
 
     to: TargetDocument
     support_within_m: Distance | None = None

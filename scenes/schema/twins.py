@@ -15,7 +15,7 @@ from assur.scenes.units import TWIN_UNITS, from_si, si_key, to_si
 
 LIMITS = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")
 """Keywords that hold a number in the unit of the field."""
-LEFT_OUT = ("default", "title", "description", "examples")
+LEFT_OUT = ("default", "title", "examples")
 """Keywords that are said once, of the field in SI."""
 
 

@@ -156,7 +156,7 @@ class ShownDistances(TypedDict):
 
 @with_config(CLOSED)
 class ShownLeg(TypedDict):
-    """A part of the plan, for one step; `near`: whether the clearance of approach, follow and depart counts."""
+    """A part of the plan, for one step."""
 
     kind: Literal[tuple(str(kind) for kind in LegKind)]  # type: ignore[valid-type]
     step: int
@@ -186,7 +186,7 @@ class ShownLine(TypedDict):
 
 @with_config(CLOSED)
 class ShownRefusal(TypedDict):
-    """Why there is no plan. `met`: two bodies, and `at_s`: when they are too near; null: not known, or not in time."""
+    """Why there is no plan."""
 
     reason: Text
     proved: bool
@@ -208,8 +208,7 @@ class Reduced(TypedDict):
 
 @with_config(CLOSED)
 class ViewDocument(TypedDict):
-    """All that a viewer plays. `moves`: whether the arm does; where nothing was planned it stands, and frames go on.
-    `candidate`: what is shown is no plan but the best that the search came to."""
+    """All that a viewer plays. Where nothing was planned the arm stands, and frames go on."""
 
     schema: Literal["assur-view/1"]
     status: Literal["planned", "not_planned"]

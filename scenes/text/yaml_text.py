@@ -38,13 +38,10 @@ LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 def with_line(error: InputError, lines: Lines, prefix: str = "") -> DocumentError:
     """The error with the line of its field, or of the innermost mapping around it that the file has. `prefix`: where in
     the file the document is that the error speaks of; the field gets it."""
-    more = error.more if isinstance(error, DocumentError) else ()
-    line = getattr(error, "line", None)
-    if line is not None:
-        return DocumentError(error.field, error.value, error.allowed, line=line, more=more)
-    named = error.field if error.field == WHOLE else prefix + error.field
-    others = tuple((prefix + other, allowed, line_of(prefix + other, lines)) for other, allowed, _ in more)
-    return DocumentError(named, error.value, error.allowed, line=line_of(named, lines), more=others)
+    known = error if isinstance(error, DocumentError) else DocumentError(error.field, error.value, error.allowed)
+    if known.line is not None:
+        return known
+    return known.told_as(lambda field: field if field == WHOLE else prefix + field, lambda field: line_of(field, lines))
 
 
 def line_of(field: str, lines: Lines) -> int:

@@ -86,7 +86,7 @@ BAD_BODIES = (
     BadBody("a scenario with a control character", b'{"scenario": "\\u001b[31m"}', 422, "scenario"),
     BadBody("a scenario and more", b'{"scenario": "demo", "options": {}}', 422, "options"),
     BadBody(
-        "a whole scenario file", json.dumps({"about": "", "request": FIRST_PLAN, "expect": {}}).encode(), 422, "about"
+        "a whole scenario file", json.dumps({"about": "", "request": FIRST_PLAN, "expect": {}}).encode(), 422, "request"
     ),
     BadBody("a huge list", _request(task=[{}] * 100_000), 422, "task"),
     BadBody("a huge list of numbers", _request(task=[0] * 300_000), 422, "task"),

@@ -32,12 +32,15 @@ def test_a_fault_of_the_caller_becomes_a_problem_that_names_field_value_and_what
 
 
 def test_a_field_that_is_missing_has_no_value() -> None:
-    error = DocumentError("robot.tool", NOTHING, "a mapping", more=(("start", "a mapping", 7),))
+    error = DocumentError(
+        "robot.tool", NOTHING, "a mapping", more=[DocumentError("start", 3, "a mapping", 7)], left_out=5
+    )
     document = Problem.of_input(error).document()
     assert document["errors"] == [
         {"field": "robot.tool", "allowed": "a mapping"},
-        {"field": "start", "allowed": "a mapping", "line": 7},
+        {"field": "start", "value": 3, "allowed": "a mapping", "line": 7},
     ]
+    assert document["errors_left_out"] == 5
     assert document["detail"] == "robot.tool: it is missing; allowed: a mapping"
 
 

@@ -89,8 +89,9 @@ def test_what_is_no_plan_file_is_refused(saved: Path, answer: assur.Answer, tmp_
         with pytest.raises(assur.InputError) as caught:
             assur.load_answer(saved)
         assert caught.value.field == field
-    with pytest.raises(FileNotFoundError):
-        assur.load_answer(tmp_path / "none.json")
+    for given in (tmp_path / "none.json", tmp_path, "demo"):
+        with pytest.raises(assur.InputError, match=r"^path: .*a plan file that is there"):
+            assur.load_answer(given)
     with pytest.raises(assur.InputError, match="title"):
         answer.save(saved, title="x" * 5000)
 

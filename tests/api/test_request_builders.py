@@ -230,3 +230,66 @@ def test_what_is_no_request_is_refused(document: object) -> None:
 def test_the_parts_of_a_document_are_documents() -> None:
     assert isinstance(BUILT.robot, Document)
     assert BUILT.robot.tool.document() == {"tcp_m": [0.0, 0.0, -0.06]}
+
+
+def test_a_copy_with_changes_is_checked_as_a_new_one_is() -> None:
+    changed = BUILT.model_copy(update={"options": Options(stop="budget", budget_s=3.0)})
+    assert changed.document()["options"] == {"stop": "budget", "budget_s": 3.0}
+    assert {**changed.document(), "options": None} == {**BUILT.document(), "options": None}
+    for update, field in (
+        ({"optons": Options()}, "optons"),
+        ({"options": {"stop": "last"}}, "options.stop"),
+        ({"task": []}, "task"),
+        ({"schema_": "assur/2"}, "schema"),
+        ({"robot": None}, "robot"),
+    ):
+        with pytest.raises(ValidationError) as caught:
+            BUILT.model_copy(update=update)
+        assert ".".join(map(str, caught.value.errors()[0]["loc"])) == field
+
+
+def test_parts_and_values_by_name_are_checked_too_and_a_digest_is_never_that_of_before() -> None:
+    conveyor = Conveyor(at_m=mm(0, 350, 50), speed_m_s=mm(250))
+    assert conveyor.model_copy(update={"speed_m_s": 0.1}).document() == {**conveyor.document(), "speed_m_s": 0.1}
+    with pytest.raises(ValidationError):
+        conveyor.model_copy(update={"speed_mm_s": 100})
+    with pytest.raises(ValidationError):
+        conveyor.model_copy(update={"speed_m_s": float("nan")})
+    joints = Joints(j1_rad=0.1, j2_rad=0.2)
+    assert joints.model_copy(update={"j2_rad": 0.3}).document() == {"j1_rad": 0.1, "j2_rad": 0.3}
+    with pytest.raises(ValidationError):
+        joints.model_copy(update={"j2_rad": "0.3"})
+    exception = ClearanceException(between=["bed"], clearance_m=Clearance(travel=0, near=0), **{"and": ["post"]})
+    assert exception.model_copy(update={"and_": ["rail"]}).document()["and"] == ["rail"]
+    target = Target(frame="belt", at_m=mm(0, 0, 80), yaw_rad=0)
+    with pytest.raises(ValidationError, match="at most one of frame, body"):
+        target.model_copy(update={"body": "bed"})
+    before = BUILT.digest
+    changed = BUILT.model_copy(update={"options": Options(seed=7)})
+    assert changed.digest == request_digest(changed.document()) != before
+    assert BUILT.model_copy() == BUILT
+
+
+@pytest.mark.parametrize("certificate", ["none", "", None, True])
+def test_another_certificate_than_those_that_there_are_is_refused_before_anything_is_planned(certificate: Any) -> None:
+    with pytest.raises(assur.InputError, match=r"certificate: got .*; allowed: full or digest"):
+        assur.plan(PLAIN, certificate=certificate)
+
+
+@pytest.mark.parametrize(
+    ("given", "field", "said"),
+    [
+        ({"about": "why", "request": PLAIN}, "request", "this is a scenario; its part `request` is the request"),
+        ({"request": PLAIN}, "request", "this is a document with a request in it"),
+        ({"schema": "assur-plan/1", "request": PLAIN, "plan": {}}, "schema", "this is a plan file; its part `request`"),
+        ({"schema": "assur/1", "status": "planned"}, "status", "this is an answer, not a request"),
+        ("demo", "request", "assur.load reads the one in a file or of a shipped scenario"),
+        ("cell.yaml", "request", "assur.load reads the one in a file or of a shipped scenario"),
+        ([PLAIN], "request", "a mapping of fields"),
+    ],
+)
+def test_what_is_no_request_is_refused_as_what_it_is(given: Any, field: str, said: str) -> None:
+    for call in (assur.plan, request_digest):
+        with pytest.raises(assur.InputError) as caught:
+            call(given)
+        assert (caught.value.field, said in caught.value.allowed) == (field, True)

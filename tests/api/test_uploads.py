@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from assur.api.problems import Problem
-from assur.api.web.uploads import Uploads
+from assur.api.web.uploads import WINDOW_S, Uploads
 from assur.scenes.bounds import MAX_MESH_BYTES
-from assur.scenes.meshes.folder import UNUSED_S
 
 MIB = 1 << 20
 
@@ -21,9 +20,9 @@ def test_a_client_adds_its_share_and_is_told_when_there_is_room_again() -> None:
     with pytest.raises(Problem) as refused:
         uploads.add("greedy", 1)
     assert refused.value.kind == "too-many-requests"
-    assert int(refused.value.headers["Retry-After"]) == UNUSED_S - 160
+    assert int(refused.value.headers["Retry-After"]) == WINDOW_S - 160
     uploads.add("another", 16 * MIB)
-    now += UNUSED_S - 160
+    now += WINDOW_S - 160
     uploads.add("greedy", 16 * MIB)
     with pytest.raises(Problem):
         uploads.add("greedy", 1)

@@ -6,6 +6,7 @@ import pytest
 
 from assur.planner.frames.motion import Pose
 from assur.planner.model.deadline import OutOfTimeError
+from assur.scenes.faults import Gathered
 from assur.scenes.reading import frames
 from assur.scenes.requests import validate
 from tests.scenes.test_budgets import with_task
@@ -28,10 +29,10 @@ def test_the_clock_is_looked_at_for_each_frame_twice(last: int, monkeypatch: pyt
 
     monkeypatch.setattr(frames, "look", look)
     with pytest.raises(OutOfTimeError):
-        frames.frames_of(request.frames)
+        frames.frames_of(request.frames, Gathered())
     assert calls == last
     last = 0
-    found = frames.frames_of(request.frames)
+    found = frames.frames_of(request.frames, Gathered())
     # the first has a law of its own
     assert calls > 2 * CHAIN - 1
     assert found.placed(f"f{CHAIN - 1}", Pose())[1].x == pytest.approx(1e-3 * (CHAIN - 1))

@@ -76,5 +76,9 @@ def test_a_name_that_is_no_scenario_is_refused() -> None:
 
 @pytest.mark.parametrize("name", ["nowhere.yaml", "nowhere.json"])
 def test_a_file_that_is_not_there_is_said_to_be_missing(name: str, tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError):
-        load(tmp_path / name)
+    for given in (tmp_path / name, name, tmp_path, "a\0b", "x" * 5000):
+        with pytest.raises(InputError, match=r"a file that is there, or a shipped scenario, one of .*demo") as caught:
+            load(given)
+        assert (caught.value.field, caught.value.value) == ("name", str(given))
+    with pytest.raises(InputError, match=r"did you mean demo\?"):
+        load("demo.yaml")

@@ -23,7 +23,7 @@ from assur.planner.model.deadline import Deadline, OutOfTimeError
 from assur.scenes.meshes import covered, process_covers, use_folder
 from assur.scenes.meshes.cover import MAX_WORK, Covering, cover, cover_by
 from assur.scenes.meshes.covers import Covers, Key
-from assur.scenes.meshes.folder import LEAST_BYTES, LEFT_S, UNUSED_S, FolderError, MeshFolder
+from assur.scenes.meshes.folder import LEAST_BYTES, LEFT_S, FolderError, MeshFolder
 from assur.scenes.meshes.kept_cuts import KeptCutsError, cover_from, hulls_digest, written
 from assur.scenes.meshes.load import load
 from assur.scenes.meshes.parts import InParts, at_once
@@ -286,17 +286,33 @@ def test_the_folder_keeps_its_quota_and_forgets_what_is_not_used(tmp_path: Path)
     assert known.left_s > 90.0
 
 
-def test_an_upload_is_kept_for_an_hour_until_a_request_uses_it(tmp_path: Path) -> None:
+def test_an_upload_is_kept_as_long_as_after_a_use_and_its_file_is_as_old_as_it_is(tmp_path: Path) -> None:
     folder = folder_at(tmp_path, kept_s=100_000.0)
+    began = time.time()
     assert folder.put_mesh(KEY.digest, FLANGE)
-    assert not folder.put_mesh(KEY.digest, FLANGE)  # sent again, which is no use either
+    file = tmp_path / f"{KEY.digest}.mesh"
+    assert began - 1.0 <= file.stat().st_mtime <= time.time() + 1.0
     kept = folder.known(KEY.digest)
     assert kept is not None
-    assert UNUSED_S - 60.0 < kept.left_s <= UNUSED_S
-    assert folder.mesh(KEY.digest) == FLANGE
-    used = folder.known(KEY.digest)
-    assert used is not None
-    assert used.left_s > 99_000.0
+    assert 99_000.0 < kept.left_s <= 100_000.0
+
+
+@pytest.mark.parametrize("again", ["upload", "request"])
+def test_a_file_that_is_sent_or_used_again_is_kept_from_then_on(tmp_path: Path, again: str) -> None:
+    folder = folder_at(tmp_path, kept_s=100_000.0)
+    folder.put_mesh(KEY.digest, FLANGE)
+    old = time.time() - 99_990.0
+    os.utime(tmp_path / f"{KEY.digest}.mesh", (old, old))
+    before = folder.known(KEY.digest)
+    assert before is not None
+    assert before.left_s < 11.0  # to ask is no use
+    if again == "upload":
+        assert not folder.put_mesh(KEY.digest, FLANGE)
+    else:
+        assert folder.mesh(KEY.digest) == FLANGE
+    after = folder.known(KEY.digest)
+    assert after is not None
+    assert after.left_s > 99_000.0
 
 
 def test_no_two_processes_use_the_same_room(tmp_path: Path) -> None:

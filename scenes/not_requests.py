@@ -1,0 +1,26 @@
+"""What is given where a request is expected, and is known to be something else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from assur.planner.errors import InputError
+from assur.scenes.faults import WHOLE, fault
+from assur.scenes.plan_file import is_plan_file
+from assur.scenes.schema.request import SCHEMA
+
+
+def refuse_other(document: object) -> None:
+    """Raises `InputError` for what is no request, and is known to be something else."""
+    if isinstance(document, str | Path):
+        allowed = "a request, which is a mapping; assur.load reads the one in a file or of a shipped scenario"
+        raise InputError(WHOLE, document, allowed)
+    if not isinstance(document, dict):
+        return  # its model says what a request is
+    if document.get("status") in ("planned", "not_planned"):
+        raise fault(document, ("status",), "no status: this is an answer, not a request")
+    if is_plan_file(document):
+        raise fault(document, ("schema",), f"{SCHEMA}: this is a plan file; its part `request` is the request")
+    if isinstance(document.get("request"), dict):
+        what = "a scenario" if "about" in document else "a document with a request in it"
+        raise fault(document, ("request",), f"no request within: this is {what}; its part `request` is the request")
