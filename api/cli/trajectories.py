@@ -57,6 +57,8 @@ def export(
     if plan_out is not None:  # files first: who reads the output may close it
         plan_out.write_bytes(in_bytes(PlanFile(made["request"], made["plan"], given.title, given.about)))
     if out is None:
+        for line in made["warnings"]:
+            typer.echo(f"assur: {line}", err=True)
         typer.echo(file_bytes(made), nl=False)
         return 0
     out.write_bytes(file_bytes(made))

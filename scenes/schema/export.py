@@ -53,8 +53,9 @@ class ExportAnswer(TypedDict):
 
     `plan` is the motion in the file with its own certificate, `request` that against which it was checked: both
     together are what a check takes. `jerk_raised`: by what the limits of jerk in it are higher than in the request that
-    was given, 1 where they are not. `ends_moving`: joint_trajectory_controller must be told to allow it. `ending`: how
-    the name of such a file ends, without the dot.
+    was given, 1 where they are not. `warnings`: which joints exceed the limits of the request, and by how much.
+    `ends_moving`: joint_trajectory_controller must be told to allow it. `ending`: how the name of such a file ends,
+    without the dot.
     """
 
     schema: Schema
@@ -70,6 +71,7 @@ class ExportAnswer(TypedDict):
     deviation: list[Deviation]
     jerk: list[JerkProved]
     jerk_raised: Number
+    warnings: list[Text]
     ends_moving: bool
     request: dict[str, object]
     plan: CheckedPlan
