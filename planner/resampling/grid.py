@@ -20,6 +20,8 @@ SHORTEST_TICK_S, LONGEST_TICK_S = 1e-4, 0.1
 """s. Below, the numbers of knots say nothing of the jerk any more; above, nothing is left of the motion."""
 MOST_KNOTS = 50_000
 """Knots that a motion may have on a grid: what readers of trajectories take."""
+CROWDED = 1000
+"""Nanoseconds between two knots within which what states round would be a jerk."""
 BORDER = 2
 """Ticks at the ends of a leg in which the tool is guided, where states may be changed for the jerk."""
 LIFTED = frozenset({LegKind.FOLLOW})
@@ -29,8 +31,10 @@ ROUNDING = 1e-9
 """Of a tick: how much earlier than a tick a motion may end to end with it."""
 
 
-def on_nanoseconds(trajectory: Trajectory) -> Trajectory:
+def on_nanoseconds(trajectory: Trajectory, also: int | None = None) -> Trajectory:
     """The same motion through knots at whole nanoseconds after its start; states are those of the motion at that time.
+
+    `also`: where a further knot is, in place of those that are nearer to it than `CROWDED` nanoseconds.
 
     Raises `InputError` for two knots at one time, or in one nanosecond.
     """
@@ -38,10 +42,18 @@ def on_nanoseconds(trajectory: Trajectory) -> Trajectory:
         allowed = "knots at different times: the acceleration of parabolic blends jumps (timing: jerk_limited has none)"
         raise InputError("trajectory.acceleration_jumps", True, allowed)
     whole = np.rint((trajectory.time - trajectory.start) / NANO)
+    if also is not None:
+        apart = np.abs(whole - also) > CROWDED
+        apart[0] = True
+        whole = np.union1d(whole[apart], [float(also)])
     close = np.flatnonzero(np.diff(whole) < 1.0)
     if len(close):
-        raise InputError("trajectory.time_s", float(trajectory.time[close[0] + 1]), "knots 1 ns apart at least")
-    return _through(trajectory, trajectory.start + whole * NANO)
+        time = trajectory.start + float(whole[close[0] + 1]) * NANO
+        raise InputError("trajectory.time_s", time, "knots 1 ns apart at least")
+    time = trajectory.start + whole * NANO
+    own = trajectory.time[np.clip(np.searchsorted(trajectory.time, time - NANO / 2.0), 0, len(trajectory.time) - 1)]
+    # what is at a whole nanosecond already stays as it is, to the bit
+    return _through(trajectory, np.where(np.abs(own - time) <= 2.0 * np.spacing(np.abs(time)), own, time))
 
 
 def on_ticks(scene: Scene, plan: Plan, tick_s: float, *, hold_jerk: bool = False) -> Trajectory:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from assur.planner.checker.verdict import Finding
     from assur.planner.model.outcome import Plan
     from assur.planner.trajectory import Trajectory
+    from assur.scenes.exports.handover import Handover
     from assur.scenes.reading.cell import Cell
 
 RECIPES = ("spel", "melfa")
@@ -42,12 +43,14 @@ ALLOW_NONZERO = "allow_nonzero_velocity_at_trajectory_end"
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A motion that is proved: the cell against whose request it is, the plan, and what is to be said of it."""
+    """A motion that is proved: the cell against whose request it is, the plan, what is to be said of it, and how a
+    controller takes it over."""
 
     cell: Cell
     request: dict[str, Any]
     plan: Plan
     facts: dict[str, Any]
+    handover: Handover | None = None
 
 
 def motion_for(
@@ -216,9 +219,10 @@ def told(findings: tuple[Finding, ...]) -> str:
 
 def statement(motion: Motion) -> list[str]:
     """What an export says of itself, in short lines; files of text begin with it."""
-    facts, conventions = motion.facts, motion.cell.conventions
     from assur.scenes.answer import NOTICE
+    from assur.scenes.exports import handover
 
+    facts, conventions = motion.facts, motion.cell.conventions
     jerks = []
     for joint, peak in zip(conventions, facts["jerk"], strict=True):
         if peak["highest"] is None:
@@ -243,10 +247,13 @@ def statement(motion: Motion) -> list[str]:
     ]
     if facts["ends_moving"]:
         lines.insert(2, f"does not end at rest: joint_trajectory_controller takes it only with {ALLOW_NONZERO}: true")
-    return [*facts["warnings"], *lines]
+    over = [] if motion.handover is None else handover.statement(motion.handover, facts["start_s"])
+    return [*facts["warnings"], *over, *lines]
 
 
-def exported(cell: Cell, request: dict[str, Any], made: Plan, asked: ExportDocument) -> ExportAnswer:
+def exported(
+    cell: Cell, request: dict[str, Any], made: Plan, asked: ExportDocument, handover: Handover
+) -> ExportAnswer:
     """The export of a plan that has been read; `request`: that of the cell, with what files hold in it.
 
     Raises `InputError` for a motion that cannot be proved, or that the format cannot hold.
@@ -254,6 +261,7 @@ def exported(cell: Cell, request: dict[str, Any], made: Plan, asked: ExportDocum
     from assur.scenes.answer import NOTICE, proved_document
 
     motion = motion_for(cell, request, made, asked.format, asked.tick_s, asked.jerk)
+    motion = replace(motion, handover=handover)
     file, notes = _file(motion, asked.format)
     return {
         "schema": "assur/1",
@@ -296,8 +304,10 @@ def file_bytes(made: ExportAnswer | dict[str, Any]) -> bytes:
 
 
 def columns(motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Times (K,) and q, q̇, q̈ (K, n) as the maker counts the joints, rad or m."""
+    """Times (K,) and q, q̇, q̈ (K, n) as the maker counts the joints, rad or m; what runs before comes first."""
     trajectory, conventions = motion.plan.trajectory, motion.cell.conventions
-    q = as_maker(trajectory.q, conventions)
-    qd, qdd = (rates_as_maker(each, conventions) for each in (trajectory.qd, trajectory.qdd))
-    return trajectory.time, q, qd, qdd
+    time, q, qd, qdd = trajectory.time, trajectory.q, trajectory.qd, trajectory.qdd
+    if motion.handover is not None and motion.handover.before is not None:
+        own = (time, q, qd, qdd)
+        time, q, qd, qdd = (np.concatenate(pair) for pair in zip(motion.handover.before, own, strict=True))
+    return time, as_maker(q, conventions), rates_as_maker(qd, conventions), rates_as_maker(qdd, conventions)

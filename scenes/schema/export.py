@@ -18,11 +18,17 @@ JerkRule = Literal["limit", "report"]
 
 class ExportDocument(Document):
     """How a plan is to be exported. `tick_s`: the controller's step; silent: the points are the plan's knots. `jerk`:
-    whether it must keep the robot's limit, or may be proved against a higher one, which is stated."""
+    whether it must keep the robot's limit, or may be proved against a higher one, which is stated.
+
+    For ROS 2: `lead_s`: by how much later the stamps are than the motion; `after`: the plan file of the motion that the
+    controller runs, whose points come first, up to the start of this plan.
+    """
 
     format: Form
     tick_s: Annotated[float, Field(ge=bounds.LEAST, le=bounds.LONG_S)] | None = None
     jerk: JerkRule = "limit"
+    lead_s: Annotated[float, Field(ge=0.0, le=bounds.LONGEST_LEAD_S)] | None = None
+    after: dict[str, object] | None = None
 
 
 @with_config(CLOSED)
