@@ -48,8 +48,8 @@ def on_nanoseconds(trajectory: Trajectory, also: int | None = None) -> Trajector
         whole = np.union1d(whole[apart], [float(also)])
     close = np.flatnonzero(np.diff(whole) < 1.0)
     if len(close):
-        time = trajectory.start + float(whole[close[0] + 1]) * NANO
-        raise InputError("trajectory.time_s", time, "knots 1 ns apart at least")
+        late = trajectory.start + float(whole[close[0] + 1]) * NANO
+        raise InputError("trajectory.time_s", late, "knots 1 ns apart at least")
     time = trajectory.start + whole * NANO
     own = trajectory.time[np.clip(np.searchsorted(trajectory.time, time - NANO / 2.0), 0, len(trajectory.time) - 1)]
     # what is at a whole nanosecond already stays as it is, to the bit

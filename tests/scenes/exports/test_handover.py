@@ -88,21 +88,19 @@ def message(which: str, *, lead_ms: float | None = None, after: bool = False) ->
     return found
 
 
-def truth(t: FloatArray) -> FloatArray:
-    """j1 (T,) of the running plan up to the switch, then of the one that follows."""
+def truth(ticks: int) -> FloatArray:
+    """j1 (ticks,) of the running plan up to the switch, then of the one that follows."""
+    t = PERIOD_S * np.arange(ticks, dtype=np.float64)
     first, second = motion_of(running()), motion_of(following())
-    return np.where(
-        t < SWITCH_S,
-        first.evaluate(np.clip(t, first.start, first.end))[:, 0],
-        second.evaluate(np.clip(t, second.start, second.end))[:, 0],
-    )
+    states = [each.evaluate(np.clip(t, each.start, each.end))[:, 0] for each in (first, second)]
+    return np.asarray(np.where(t < SWITCH_S, *states), dtype=np.float64)
 
 
 def error(rule: Rule, sent: list[tuple[int, float, dict[str, Any]]]) -> float:
     """By how much j1 is off at any tick, rad."""
     ticks = 10 + round(motion_of(following()).end / PERIOD_S)
     found = commanded(rule, [(0, 0.0, sent[0][2]), *sent[1:]], PERIOD_S, ticks)[:, 0]
-    return float(np.abs(found - truth(PERIOD_S * np.arange(ticks))).max())
+    return float(np.abs(found - truth(ticks)).max())
 
 
 def follow_on(arrives: int) -> list[tuple[int, float, dict[str, Any]]]:
@@ -176,7 +174,7 @@ def test_fewer_states_are_another_motion() -> None:
 def test_the_file_holds_the_running_points_and_then_the_plans() -> None:
     first, own, both = message("running"), message("following"), message("following", after=True)
     times = [seconds(point["time_from_start"]) for point in both["points"]]
-    switch = times.index(pytest.approx(SWITCH_S, abs=1e-12))
+    switch = int(np.argmin(np.abs(np.array(times) - SWITCH_S)))
     assert both["points"][:switch] == first["points"][:switch]
     for there, here in zip(both["points"][switch:], own["points"], strict=True):
         since = seconds(there["time_from_start"]) - SWITCH_S

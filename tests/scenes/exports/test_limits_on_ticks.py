@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import yaml
 
+from assur.planner.errors import InputError
 from assur.scenes import check, plan
 from assur.scenes.exports.doors import export_document
 from assur.scenes.requests import cell_of, read_plan
@@ -83,9 +84,8 @@ def test_the_tutorials_scale_of_the_jerk_is_kept_on_ticks(tick_ms: float) -> Non
         {"robot": {"limits": {"velocity": 0.4, "jerk": 0.6}}},
         {"robot": {"limits": {"acceleration": 0.5}}},
         {"robot": HEAVY},
-        {**HELD, "carry": {"acceleration_m_s2": 8}},
     ],
-    ids=["velocity-and-jerk", "acceleration", "load", "carry"],
+    ids=["velocity-and-jerk", "acceleration", "load"],
 )
 def test_every_limit_of_the_request_is_kept_on_ticks(changed: dict[str, Any]) -> None:
     request = {**SWING, **changed, "robot": {**SWING["robot"], **changed.get("robot", {})}}
@@ -95,6 +95,23 @@ def test_every_limit_of_the_request_is_kept_on_ticks(changed: dict[str, Any]) ->
     assert export["request"] == request
     assert check(request, export["plan"])["findings"] == []
     assert export["warnings"] == []
+
+
+@pytest.mark.parametrize("most", [15, 8])
+def test_what_the_part_bears_is_kept_and_where_it_cannot_be_the_export_is_refused(most: float) -> None:
+    robot = {**SWING["robot"], "limits": {"jerk": 0.6}}
+    request = {**SWING, **HELD, "robot": robot, "carry": {"acceleration_m_s2": most}}
+    answer = plan(request)
+    assert answer["status"] == "planned"
+    if most == 8:  # states on ticks exceed it by some share
+        with pytest.raises(InputError, match="the tool accelerates too hard in MOVE"):
+            export_document(request, answer, {"format": "csv", "tick_ms": 2})
+        return
+    export = export_document(request, answer, {"format": "csv", "tick_ms": 2})
+    assert export["request"]["carry"] == request["carry"]
+    assert check(export["request"], export["plan"])["findings"] == []
+    (line,) = export["warnings"]
+    assert line.startswith(f"{WARNING}j3 by ")
 
 
 def test_with_jerk_report_the_export_names_each_joint_that_exceeds_its_limit_and_by_how_much() -> None:
