@@ -32,6 +32,8 @@ MAX_KNOTS: Final = 50_000
 """Knots of a trajectory in a document."""
 SHORTEST_STEP_S: Final = 1e-9
 """Between two knots, s: times of ROS are whole nanoseconds. Coefficients of a much shorter quintic overflow."""
+LONGEST_LEAD_S: Final = 0.1
+"""By how much later stamps may be than the motion, s: update periods of controllers are some ms."""
 MAX_ROWS: Final = 500_000
 """Rows of a certificate in a document."""
 MAX_TEXT: Final = 4_000

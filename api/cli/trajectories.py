@@ -10,7 +10,7 @@ import typer
 from assur.api.cli import console_report, trajectory_report
 from assur.api.cli.border import writable
 from assur.api.cli.cell_reading import announce_compilation, read_cell
-from assur.api.cli.inputs import target, text_file
+from assur.api.cli.inputs import json_file, target, text_file
 from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for, in_bytes
 from assur.api.documents import to_json
 from assur.scenes.exports.doors import check_trajectory_cell, export_cell
@@ -36,6 +36,14 @@ def export(
         Literal["limit", "report"],
         typer.Option(help="Keep the limits of jerk, or prove it against higher ones, which are stated."),
     ] = "limit",
+    lead_ms: Annotated[
+        float | None,
+        typer.Option("--lead-ms", help="ROS 2 since Jazzy: the controller's update period, by which stamps are later."),
+    ] = None,
+    after: Annotated[
+        Path | None,
+        typer.Option("--after", help="ROS 2: the plan file that is running; its points come first, up to this plan."),
+    ] = None,
     out: Annotated[Path | None, typer.Option("--out", help="Write to this file, and say what it is.")] = None,
     plan_out: Annotated[
         Path | None,
@@ -43,12 +51,16 @@ def export(
     ] = None,
 ) -> int:
     """Write a PLAN as a controller's file, proved anew on the points that the file has."""
-    writable(out, file, plan)
-    writable(plan_out, file, plan, out, option="--plan-out")
+    writable(out, file, plan, after)
+    writable(plan_out, file, plan, after, out, option="--plan-out")
     given = target(file)
     asked: dict[str, Any] = {"format": form, "jerk": jerk}
     if tick_ms is not None:
         asked["tick_ms"] = tick_ms
+    if lead_ms is not None:
+        asked["lead_ms"] = lead_ms
+    if after is not None:
+        asked["after"] = json_file(after, "--after", "a plan file")
     answer = answer_for(given, plan)
     cell = read_cell(given)
     announce_compilation()
@@ -57,6 +69,8 @@ def export(
     if plan_out is not None:  # files first: who reads the output may close it
         plan_out.write_bytes(in_bytes(PlanFile(made["request"], made["plan"], given.title, given.about)))
     if out is None:
+        for line in made["warnings"]:
+            typer.echo(f"assur: {line}", err=True)
         typer.echo(file_bytes(made), nl=False)
         return 0
     out.write_bytes(file_bytes(made))

@@ -9,10 +9,10 @@ import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
 from assur.planner.errors import InputError
-from assur.planner.model.outcome import Arrival, Course, Leg, LegKind, Plan, Route
+from assur.planner.model.outcome import TRACKING, Arrival, Course, Leg, LegKind, Plan, Route
 from assur.planner.model.phases import phases
 from assur.planner.model.scene import Scene
-from assur.planner.resampling.keeping import Asked, kept
+from assur.planner.resampling.keeping import WIDE, Asked, kept
 from assur.planner.trajectory import Trajectory
 
 NANO = 1e-9
@@ -20,12 +20,21 @@ SHORTEST_TICK_S, LONGEST_TICK_S = 1e-4, 0.1
 """s. Below, the numbers of knots say nothing of the jerk any more; above, nothing is left of the motion."""
 MOST_KNOTS = 50_000
 """Knots that a motion may have on a grid: what readers of trajectories take."""
+CROWDED = 1000
+"""Nanoseconds between two knots within which what states round would be a jerk."""
+BORDER = 2
+"""Ticks at the ends of a leg in which the tool is guided, where states may be changed for the jerk."""
+LIFTED = frozenset({LegKind.FOLLOW})
+"""Legs in which the joint that only moves along the vertical is guided, too: the others are along a line, and a change
+of this joint does not leave a vertical one."""
 ROUNDING = 1e-9
 """Of a tick: how much earlier than a tick a motion may end to end with it."""
 
 
-def on_nanoseconds(trajectory: Trajectory) -> Trajectory:
+def on_nanoseconds(trajectory: Trajectory, also: int | None = None) -> Trajectory:
     """The same motion through knots at whole nanoseconds after its start; states are those of the motion at that time.
+
+    `also`: where a further knot is, in place of those that are nearer to it than `CROWDED` nanoseconds.
 
     Raises `InputError` for two knots at one time, or in one nanosecond.
     """
@@ -33,18 +42,29 @@ def on_nanoseconds(trajectory: Trajectory) -> Trajectory:
         allowed = "knots at different times: the acceleration of parabolic blends jumps (timing: jerk_limited has none)"
         raise InputError("trajectory.acceleration_jumps", True, allowed)
     whole = np.rint((trajectory.time - trajectory.start) / NANO)
+    if also is not None:
+        apart = np.abs(whole - also) > CROWDED
+        apart[0] = True
+        whole = np.union1d(whole[apart], [float(also)])
     close = np.flatnonzero(np.diff(whole) < 1.0)
     if len(close):
-        raise InputError("trajectory.time_s", float(trajectory.time[close[0] + 1]), "knots 1 ns apart at least")
-    return _through(trajectory, trajectory.start + whole * NANO)
+        late = trajectory.start + float(whole[close[0] + 1]) * NANO
+        raise InputError("trajectory.time_s", late, "knots 1 ns apart at least")
+    time = trajectory.start + whole * NANO
+    own = trajectory.time[np.clip(np.searchsorted(trajectory.time, time - NANO / 2.0), 0, len(trajectory.time) - 1)]
+    # what is at a whole nanosecond already stays as it is, to the bit
+    return _through(trajectory, np.where(np.abs(own - time) <= 2.0 * np.spacing(np.abs(time)), own, time))
 
 
-def on_ticks(scene: Scene, plan: Plan, tick_s: float) -> Trajectory:
+def on_ticks(scene: Scene, plan: Plan, tick_s: float, *, hold_jerk: bool = False) -> Trajectory:
     """The motion of a plan through knots at the ticks of a controller, counted from its start.
 
     The states are those of the plan, changed a little where the quintic between two ticks would exceed a limit of
-    velocity or acceleration, and where a leg ends between two ticks: position and velocity there are the plan's. The
-    jerk is not held. A motion that ends at rest stands until the next tick; another has its last knot when it ends.
+    velocity or acceleration, and where a leg ends between two ticks: position and velocity there are the plan's. A
+    motion that ends at rest stands until the next tick; another has its last knot when it ends.
+
+    The jerk may be beyond its limit. With `hold_jerk` states are changed by as much as the limit of the jerk needs, but
+    for those where the tool is guided. Where that does not suffice the jerk still is beyond its limit.
 
     Raises `InputError` for a tick that is out of range, jumps of the acceleration, and where limits cannot be kept.
     """
@@ -77,6 +97,10 @@ def on_ticks(scene: Scene, plan: Plan, tick_s: float) -> Trajectory:
         if mended is None:
             what = f"a shorter tick: {scene.robot.joints[joint].name} cannot keep its limits through states at these"
             raise InputError("tick_s", tick_s, what)
+        if hold_jerk:
+            guided = LIFTED if joint == scene.robot.lift else TRACKING
+            held = kept(time, mended, replace(asked, fixed=still | _inside(plan, time, guided)), WIDE)
+            mended = mended if held is None else held
         states[:, :, joint] = mended.T
     return Trajectory(time, *states)
 
@@ -98,6 +122,16 @@ def _limits(scene: Scene, plan: Plan, time: FloatArray) -> FloatArray:
         within = (time[:-1] < phase.t1) & (time[1:] > phase.t0)
         table = np.stack([loaded.velocity, loaded.acceleration, loaded.jerk])[:, None]
         found[:, within] = np.minimum(found[:, within], table)
+    return found
+
+
+def _inside(plan: Plan, time: FloatArray, kinds: frozenset[LegKind]) -> BoolArray:
+    """Which times (K,) are in legs of these kinds, further than `BORDER` times from both ends."""
+    found = np.zeros(len(time), dtype=np.bool_)
+    for leg in plan.legs:
+        if leg.kind in kinds:
+            first, last = np.searchsorted(time, (leg.t0, leg.t1))
+            found[first + BORDER : max(last - BORDER, 0)] = True
     return found
 
 

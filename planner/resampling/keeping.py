@@ -24,15 +24,29 @@ RESERVE = 1e-6
 """Share of a limit of a rate that is left free, for what the linear programme rounds."""
 ENDS = 1e-3
 """A position is held on pieces that are nearer to an end of its range than this share of it."""
-REACHES = (4, 16)
-"""Knots on either side of a fault that may be changed: at first, and at most."""
-EXCESS = 20.0
-"""What the jerk beyond its limit counts, as a share of it, beside the greatest change in units of what a jump of the
-jerk changes in a step."""
 SAME = 1e-10
 """rad or m, and per s: states that differ by less are the same; a controller resolves a thousandth of a millimetre."""
 NONE = 1e-9
 """Share of the limit: a jerk beyond it by less than this is none."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How far and at what price states are changed for the jerk.
+
+    `reaches`: knots on either side of a fault that may be changed, at first and at most. `excess`: what the jerk beyond
+    its limit counts, as a share of it, beside the greatest change in units of what a jump of the jerk changes in a
+    step.
+    """
+
+    reaches: tuple[int, int]
+    excess: float
+
+
+NEAR = Effort((4, 16), 20.0)
+"""Small changes; the jerk may stay beyond its limit."""
+WIDE = Effort((16, 256), 1e5)
+"""Changes as large as the limit of the jerk needs."""
 
 
 @dataclass(frozen=True)
@@ -128,23 +142,23 @@ def _piece(time: FloatArray, t: float) -> int:
     return int(np.clip(np.searchsorted(time, t, side="right") - 1, 0, len(time) - 2))
 
 
-def kept(time: FloatArray, states: FloatArray, asked: Asked) -> FloatArray | None:
+def kept(time: FloatArray, states: FloatArray, asked: Asked, effort: Effort = NEAR) -> FloatArray | None:
     """The states (K, 3) of a joint, changed where `faults` are; None where no change was found that mends them. The
-    jerk may be beyond its limit, where that cannot be helped."""
+    jerk may be beyond its limit, where that cannot be helped with this effort."""
     bad, best, least = faults(time, states, asked), None, np.inf
     if not len(bad):
         return states
-    reach = np.full(len(bad), REACHES[0])
+    reach = np.full(len(bad), effort.reaches[0])
     while True:
         made, worst = states.copy(), 0.0
         for first, last in _windows(bad, reach, len(time)):
-            excess = _mended(time, made, asked, first, last)
+            excess = _mended(time, made, asked, (first, last), effort.excess)
             worst = max(worst, excess)
             if excess > NONE:
                 reach[(bad >= first) & (bad < last)] *= 2
         if worst < least:
             best, least = made, worst
-        if least <= NONE or reach.max() > REACHES[1]:
+        if least <= NONE or reach.max() > effort.reaches[1]:
             return best
 
 
@@ -161,9 +175,10 @@ def _windows(bad: IntArray, reach: IntArray, count: int) -> list[tuple[int, int]
     return found
 
 
-def _mended(time: FloatArray, states: FloatArray, asked: Asked, first: int, last: int) -> float:
+def _mended(time: FloatArray, states: FloatArray, asked: Asked, window: tuple[int, int], price: float) -> float:
     """Changes the states between two knots, which stay as they are. The share of its limit by which the jerk is beyond
     it then; infinite: the other limits cannot be kept, and nothing was changed."""
+    first, last = window
     free = np.array([k for k in range(first + 1, last) if not asked.fixed[k]], dtype=np.int64)
     if not len(free):
         return np.inf
@@ -193,7 +208,7 @@ def _mended(time: FloatArray, states: FloatArray, asked: Asked, first: int, last
     change = hstack([identity(many), coo_matrix((many, 1)), coo_matrix(-np.ones((many, 1)))])
     back = hstack([-identity(many), coo_matrix((many, 1)), coo_matrix(-np.ones((many, 1)))])
     cost = np.zeros(many + 2)
-    cost[-2:] = EXCESS, 1.0
+    cost[-2:] = price, 1.0
     found = linprog(
         cost, vstack([upper, change, back]), np.concatenate([below, np.zeros(2 * many)]), *equal.made(),
         [(None, None)] * many + [(0, None)] * 2, method="highs",

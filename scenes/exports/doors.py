@@ -32,12 +32,16 @@ def export_document(request: object, plan: object, asked: object, *, folder: Pat
 def export_cell(cell: Cell, request: Any, plan: object, asked: object) -> dict[str, Any]:
     """The same for a cell that has been read; `request`: that of the cell, with what files hold in it."""
     from assur.scenes.exports.export import exported, told
+    from assur.scenes.exports.handover import AFTER, handed_over
 
-    how: ExportDocument = read(ExportDocument, asked)
+    running = asked.get(AFTER) if isinstance(asked, dict) else None
+    # a plan file is read by its own rules, and keeps its units
+    how: ExportDocument = read(ExportDocument, asked if running is None else {**asked, AFTER: {}})  # type: ignore[dict-item]
     made, untrue, _ = read_plan(cell, plan, proved_anew=True)
     if untrue:
         raise InputError("plan", "this answer", f"one that is right: {told(untrue)}")
-    return dict(exported(cell, request, made, how))
+    made, handover = handed_over(cell, made, how, running)
+    return dict(exported(cell, request, made, how, handover))
 
 
 def check_trajectory_document(

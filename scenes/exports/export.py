@@ -10,6 +10,8 @@ import base64
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_JSON_BYTES
 from assur.scenes.conventions import as_maker, places, rates_as_maker
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from assur.planner.checker.verdict import Finding
     from assur.planner.model.outcome import Plan
     from assur.planner.trajectory import Trajectory
+    from assur.scenes.exports.handover import Handover
     from assur.scenes.reading.cell import Cell
 
 RECIPES = ("spel", "melfa")
@@ -40,12 +43,14 @@ ALLOW_NONZERO = "allow_nonzero_velocity_at_trajectory_end"
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A motion that is proved: the cell against whose request it is, the plan, and what is to be said of it."""
+    """A motion that is proved: the cell against whose request it is, the plan, what is to be said of it, and how a
+    controller takes it over."""
 
     cell: Cell
     request: dict[str, Any]
     plan: Plan
     facts: dict[str, Any]
+    handover: Handover | None = None
 
 
 def motion_for(
@@ -56,8 +61,7 @@ def motion_for(
     `jerk`: whether it must keep the robot's limit, or may be proved against a higher one, which is stated.
     Raises `InputError` for a motion that cannot be proved, or that the format cannot hold.
     """
-    from assur.planner.resampling.certifying import kept_legs
-    from assur.planner.resampling.grid import on_nanoseconds, on_ticks
+    from assur.planner.resampling.grid import on_nanoseconds
 
     trajectory = made.trajectory
     if tick_s is not None and form in RECIPES:
@@ -73,41 +77,88 @@ def motion_for(
         trajectory = on_nanoseconds(trajectory)
         if tick_s is not None and abs(tick_s / 1e-9 - round(tick_s / 1e-9)) > 1e-3:
             raise InputError("tick_s", tick_s, "whole nanoseconds, for ROS times are")
-    if tick_s is not None:
-        legs, arrivals = kept_legs(made, trajectory)
-        base = replace(made, trajectory=trajectory, legs=legs, arrivals=arrivals)
-        trajectory = on_ticks(cell.scene, base, tick_s)
-    return _proved(cell, request, made, trajectory, tick_s, jerk)
+    if tick_s is None:
+        return _proved(cell, request, made, trajectory, None)
+    return _on_ticks(cell, request, made, trajectory, tick_s, jerk)
+
+
+def _on_ticks(
+    cell: Cell, request: dict[str, Any], made: Plan, trajectory: Trajectory, tick_s: float, jerk: JerkRule
+) -> Motion:
+    """The motion on ticks, proved: within the limits of jerk of the request, where such a motion can be proved; else
+    within the robot's own, or with the rule `report` within what it needs."""
+    from assur.planner.resampling.certifying import Refuted, kept_legs, recertified
+    from assur.planner.resampling.grid import on_ticks
+
+    legs, arrivals = kept_legs(made, trajectory)
+    base = replace(made, trajectory=trajectory, legs=legs, arrivals=arrivals)
+    near = on_ticks(cell.scene, base, tick_s)
+    share = _share_of_jerk(cell, made, near)
+    if share.max() <= 1.0:
+        return _proved(cell, request, made, near, tick_s)
+    if jerk == "limit":
+        wide = on_ticks(cell.scene, base, tick_s, hold_jerk=True)
+        if _share_of_jerk(cell, made, wide).max() <= 1.0:
+            proved = recertified(cell.scene, made, wide)
+            if not isinstance(proved, Refuted):
+                return _motion(cell, request, made, proved, tick_s)
+        if scale_of(request) * share.max() > 1.0:
+            joint, worst = cell.scene.robot.joints[int(share.argmax())].name, share.max()
+            allowed = (
+                f"a motion that keeps its limits: between ticks the jerk of {joint} is {worst:.3f} times its "
+                f"limit; let it be proved against a higher limit (jerk: report, or --jerk report), try another tick, "
+                f"or plan with limits: {{jerk: {0.99 * scale_of(request) / worst:.2f}}}"
+            )
+            raise InputError("tick_s", tick_s, allowed)
+    return _proved(cell, request, made, near, tick_s, float(share.max()) * (1.0 + SPARE))
+
+
+def _share_of_jerk(cell: Cell, made: Plan, trajectory: Trajectory) -> FloatArray:
+    """The greatest share of its limit of jerk that each joint uses, (n,), with the load that is carried then."""
+    from assur.planner.model.phases import phases
+    from assur.planner.resampling.certifying import kept_legs
+    from assur.planner.resampling.measured import ratios
+
+    of_plan = phases(cell.scene, *kept_legs(made, trajectory))
+    return np.asarray(ratios(cell.scene, of_plan, trajectory)[2])
 
 
 def _proved(
-    cell: Cell, request: dict[str, Any], made: Plan, trajectory: Trajectory, tick_s: float | None, jerk: JerkRule
+    cell: Cell, request: dict[str, Any], made: Plan, trajectory: Trajectory, tick_s: float | None, factor: float = 1.0
 ) -> Motion:
-    from assur.planner.model.phases import phases
-    from assur.planner.resampling.certifying import Refuted, kept_legs, recertified
-    from assur.planner.resampling.measured import deviation, ratios
+    """A motion, proved against `factor` times the limits of jerk of the request.
 
-    of_plan = phases(cell.scene, *kept_legs(made, trajectory))
-    share = ratios(cell.scene, of_plan, trajectory)[2]
-    worst, own = int(share.argmax()), cell.scene.robot.limits.jerk
-    factor = 1.0
-    if tick_s is not None and share[worst] > 1.0:
-        joint = cell.scene.robot.joints[worst].name
-        if jerk == "limit" and scale_of(request) * share[worst] > 1.0:
-            allowed = (
-                f"a motion that keeps its limits: between ticks the jerk of {joint} is {share[worst]:.3f} times its "
-                f"limit; let it be proved against a higher limit (jerk: report, or --jerk report), try another tick, "
-                f"or plan with limits: {{jerk: {0.99 * scale_of(request) / share[worst]:.2f}}}"
-            )
-            raise InputError("tick_s", tick_s, allowed)
-        factor = float(share[worst]) * (1.0 + SPARE)
+    Raises `InputError` for one that cannot be proved.
+    """
+    from assur.planner.resampling.certifying import Refuted, recertified
+
+    given = cell
+    if factor > 1.0:
         request = raised(request, factor)
         cell = cell_in(request)
     proved = recertified(cell.scene, made, trajectory)
     if isinstance(proved, Refuted):
         raise InputError("plan", "this motion", f"one that can be proved; the checker says: {told(proved.findings)}")
+    return _motion(cell, request, made, proved, tick_s, factor, given)
+
+
+def _motion(
+    cell: Cell,
+    request: dict[str, Any],
+    made: Plan,
+    proved: Plan,
+    tick_s: float | None,
+    factor: float = 1.0,
+    given: Cell | None = None,
+) -> Motion:
+    """A proved motion, and what it came to. `given`: the cell of the request that was given, if its limits of jerk
+    were raised by `factor`."""
+    from assur.planner.resampling.measured import deviation
+
+    trajectory, own = proved.trajectory, (given or cell).scene.robot.limits.jerk
     limits = cell.scene.robot.limits.jerk
-    highest = abs(share * own)
+    low, high = trajectory.extrema(3)
+    highest = np.maximum(high, -low)
     off, of_maker = deviation(made.trajectory, trajectory), places(cell.conventions)
     peaks: list[JerkProved] = [
         {
@@ -133,10 +184,22 @@ def _proved(
         "jerk": peaks,
         "jerk_raised": number(factor),
         "ends_moving": not trajectory.rest_at_end,
+        "warnings": [] if given is None or factor == 1.0 else _exceeding(given, made, trajectory),
         "request_digest": cell.scene.digest,
         "certificate_digest": proved.certificate.digest,
     }
     return Motion(cell, request, proved, facts)
+
+
+def _exceeding(cell: Cell, made: Plan, trajectory: Trajectory) -> list[str]:
+    """By how much joints exceed the limits of jerk of a request, in words; empty where none does."""
+    share = _share_of_jerk(cell, made, trajectory)[places(cell.conventions)]
+    off = [
+        f"{joint.name} by {100 * (x - 1):.2g} %"
+        for joint, x in zip(cell.conventions, share.tolist(), strict=True)
+        if x > 1.0
+    ]
+    return [f"between ticks the jerk exceeds the limit of the request: {', '.join(off)}"] if off else []
 
 
 def cell_in(request: dict[str, Any]) -> Cell:
@@ -156,9 +219,10 @@ def told(findings: tuple[Finding, ...]) -> str:
 
 def statement(motion: Motion) -> list[str]:
     """What an export says of itself, in short lines; files of text begin with it."""
-    facts, conventions = motion.facts, motion.cell.conventions
     from assur.scenes.answer import NOTICE
+    from assur.scenes.exports import handover
 
+    facts, conventions = motion.facts, motion.cell.conventions
     jerks = []
     for joint, peak in zip(conventions, facts["jerk"], strict=True):
         if peak["highest"] is None:
@@ -183,10 +247,13 @@ def statement(motion: Motion) -> list[str]:
     ]
     if facts["ends_moving"]:
         lines.insert(2, f"does not end at rest: joint_trajectory_controller takes it only with {ALLOW_NONZERO}: true")
-    return lines
+    over = [] if motion.handover is None else handover.statement(motion.handover, facts["start_s"])
+    return [*facts["warnings"], *over, *lines]
 
 
-def exported(cell: Cell, request: dict[str, Any], made: Plan, asked: ExportDocument) -> ExportAnswer:
+def exported(
+    cell: Cell, request: dict[str, Any], made: Plan, asked: ExportDocument, handover: Handover
+) -> ExportAnswer:
     """The export of a plan that has been read; `request`: that of the cell, with what files hold in it.
 
     Raises `InputError` for a motion that cannot be proved, or that the format cannot hold.
@@ -194,6 +261,7 @@ def exported(cell: Cell, request: dict[str, Any], made: Plan, asked: ExportDocum
     from assur.scenes.answer import NOTICE, proved_document
 
     motion = motion_for(cell, request, made, asked.format, asked.tick_s, asked.jerk)
+    motion = replace(motion, handover=handover)
     file, notes = _file(motion, asked.format)
     return {
         "schema": "assur/1",
@@ -236,8 +304,10 @@ def file_bytes(made: ExportAnswer | dict[str, Any]) -> bytes:
 
 
 def columns(motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Times (K,) and q, q̇, q̈ (K, n) as the maker counts the joints, rad or m."""
+    """Times (K,) and q, q̇, q̈ (K, n) as the maker counts the joints, rad or m; what runs before comes first."""
     trajectory, conventions = motion.plan.trajectory, motion.cell.conventions
-    q = as_maker(trajectory.q, conventions)
-    qd, qdd = (rates_as_maker(each, conventions) for each in (trajectory.qd, trajectory.qdd))
-    return trajectory.time, q, qd, qdd
+    time, q, qd, qdd = trajectory.time, trajectory.q, trajectory.qd, trajectory.qdd
+    if motion.handover is not None and motion.handover.before is not None:
+        own = (time, q, qd, qdd)
+        time, q, qd, qdd = (np.concatenate(pair) for pair in zip(motion.handover.before, own, strict=True))
+    return time, as_maker(q, conventions), rates_as_maker(qd, conventions), rates_as_maker(qdd, conventions)

@@ -31,14 +31,24 @@ def csv_text(motion: Motion) -> str:
 
 
 def ros2_message(motion: Motion) -> dict[str, Any]:
-    """The message: times since the start in whole nanoseconds, joints as their maker counts them, rad and m."""
+    """The message: times since the start in whole nanoseconds, joints as their maker counts them, rad and m.
+
+    With a lead a motion that begins at rest stands for so long first: the first point is at 0 s, as without.
+    """
     time, *states = columns(motion)
-    points = []
-    for t, *rows in zip(time.tolist(), *(state.tolist() for state in states), strict=True):
-        nanos = round((t - motion.facts["start_s"]) * NANOS)
-        since = {"sec": nanos // NANOS, "nanosec": nanos % NANOS}
-        keys = ("positions", "velocities", "accelerations")
-        points.append({**dict(zip(keys, rows, strict=True)), "time_from_start": since})
+    since = np.rint((time - time[0]) * NANOS).astype(np.int64)
+    lead = 0 if motion.handover is None else round(motion.handover.lead_s * NANOS)
+    if lead:
+        since += lead
+        if not (states[1][0].any() or states[2][0].any()):
+            since, *states = (
+                np.concatenate([first, each])
+                for first, each in ((since[:1] - lead, since), *((each[:1], each) for each in states))
+            )
+    keys, points = ("positions", "velocities", "accelerations"), []
+    for nanos, *rows in zip(since.tolist(), *(state.tolist() for state in states), strict=True):
+        stamp = {"sec": nanos // NANOS, "nanosec": nanos % NANOS}
+        points.append({**dict(zip(keys, rows, strict=True)), "time_from_start": stamp})
     return {
         "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""},
         "joint_names": [joint.name for joint in motion.cell.conventions],

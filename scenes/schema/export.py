@@ -22,6 +22,8 @@ class ExportDocument(Document):
     format: Form
     tick_s: Annotated[float, Field(ge=bounds.LEAST, le=bounds.LONG_S)] | None = None
     jerk: JerkRule = "limit"
+    lead_s: Annotated[float, Field(ge=0.0, le=bounds.LONGEST_LEAD_S)] | None = None
+    after: dict[str, object] | None = None
 
 
 @with_config(CLOSED)
@@ -62,6 +64,7 @@ class ExportAnswer(TypedDict):
     deviation: list[Deviation]
     jerk: list[JerkProved]
     jerk_raised: Number
+    warnings: list[Text]
     ends_moving: bool
     request: dict[str, object]
     plan: CheckedPlan

@@ -1,0 +1,205 @@
+"""The hand-over of a plan to a joint_trajectory_controller that runs another one (docs/export.md).
+
+What is exact is the whole motion on one time base: the points of the running plan up to the switch, then those of the
+plan. Both are proved: the running one with a knot at the switch, against its own request, and the plan with the state
+that the running one has there in place of its first one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from assur.planner.errors import InputError
+from assur.scenes.conventions import as_maker, rates_as_maker
+from assur.scenes.exports.export import told
+from assur.scenes.faults import NOTHING
+from assur.scenes.plan_file import MEANT, in_request, plan_file_in
+from assur.scenes.requests import cell_of, read_plan
+
+if TYPE_CHECKING:
+    from assur.planner.arrays import FloatArray
+    from assur.planner.model.outcome import Plan
+    from assur.planner.trajectory import Trajectory
+    from assur.scenes.reading.cell import Cell
+    from assur.scenes.schema.export import ExportDocument
+
+AFTER = "after"
+NANO = 1e-9
+WHOLE_NANOS = 1e-3
+"""By how much of a nanosecond a time may be off a whole one: what sums of times round, besides their own resolution."""
+
+
+@dataclass(frozen=True, eq=False)
+class Handover:
+    """`lead_s`: by how much later the stamps are than the motion. `before`: times (K,) s and q, q̇, q̈ (K, n), in the
+    planner's convention, of the points of the running plan before the switch; none: nothing runs. `digest`: that of its
+    request."""
+
+    lead_s: float
+    before: tuple[FloatArray, ...] | None = None
+    digest: str = ""
+
+
+def handed_over(cell: Cell, made: Plan, how: ExportDocument, running: object) -> tuple[Plan, Handover]:
+    """A plan as it goes on from the plan file `running` (None: from nothing), and what precedes it.
+
+    Raises `InputError` where the format has no stamps, and where the running plan cannot be gone on from: another
+    robot, other joints, a time at which it does not run, another state, or another load.
+    """
+    lead = how.lead_s or 0.0
+    if not how.format.startswith("ros2"):
+        for name, value in (("lead_s", how.lead_s), (AFTER, None if running is None else "a plan file")):
+            if value is not None:
+                raise InputError(name, value, f"none for {how.format}: ros2 and ros2-json have it")
+    if abs(lead / NANO - round(lead / NANO)) > WHOLE_NANOS:
+        raise InputError("lead_s", lead, "whole nanoseconds, for ROS times are")
+    if running is None:
+        if lead and not made.trajectory.rest_at_start:
+            allowed = "none for a motion that begins in motion, unless the plan that runs before is given (after)"
+            raise InputError("lead_s", lead, allowed)
+        return made, Handover(lead)
+    ran_cell, ran = _running(running)
+    with _in_after():
+        _same_robot(ran_cell, cell)
+    motion = ran.trajectory
+    nanos = _switch(motion, made.trajectory.start)
+    at = min(motion.start + nanos * NANO, motion.end)
+    _same_load(ran_cell, ran, cell, at)
+    state = _same_state(motion, made.trajectory, at, cell)
+    with _in_after():
+        before = _proved_before(ran_cell, ran, nanos)
+    begun = replace(made, trajectory=_begun(made.trajectory, state))
+    return begun, Handover(lead, before, ran_cell.scene.digest)
+
+
+@contextmanager
+def _in_after() -> Iterator[None]:
+    """A fault that is raised inside is one of the plan file that runs before."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{AFTER}.{error.field}", error.value, error.allowed) from error
+
+
+def _running(document: object) -> tuple[Cell, Plan]:
+    """The cell and the plan in a plan file; the plan has been read, and is not proved."""
+    if not isinstance(document, dict):
+        raise InputError(AFTER, document, MEANT)
+    with _in_after():
+        held = plan_file_in(document)
+        with in_request():
+            cell = cell_of(held.request)
+        held.held_together(cell.scene.digest)
+        made, untrue, _ = read_plan(cell, held.plan)
+        if untrue:
+            raise InputError("plan", "this answer", f"one that is right: {told(untrue)}")
+        return cell, made
+
+
+def _proved_before(cell: Cell, ran: Plan, nanos: int) -> tuple[FloatArray, ...]:
+    """The knots of the running plan before the switch: of a motion with a knot there, which is proved."""
+    from assur.planner.resampling.certifying import Refuted, recertified
+    from assur.planner.resampling.grid import on_nanoseconds
+
+    motion = on_nanoseconds(ran.trajectory, nanos)
+    proved = recertified(cell.scene, ran, motion)
+    if isinstance(proved, Refuted):
+        allowed = f"one that can be proved with a point at the switch; the checker says: {told(proved.findings)}"
+        raise InputError("plan", "this motion", allowed)
+    earlier = np.rint((motion.time - motion.start) / NANO) < nanos
+    return tuple(column[earlier] for column in (motion.time, motion.q, motion.qd, motion.qdd))
+
+
+def _same_robot(ran: Cell, cell: Cell) -> None:
+    names, own = ([joint.name for joint in each.conventions] for each in (ran, cell))
+    if names != own:
+        raise InputError("request.robot", names, f"the joints of the robot of this request, {', '.join(own)}")
+    first, second = ran.scene.robot, cell.scene.robot
+    if (first.facts, ran.conventions) != (second.facts, cell.conventions):
+        raise InputError("request.robot", first.name, f"the robot of this request, {second.name}")
+    if first.base != second.base:
+        raise InputError("request.robot.base", first.base, f"the base of the robot of this request, {second.base}")
+
+
+def _switch(ran: Trajectory, start: float) -> int:
+    """Nanoseconds after the start of the running plan at which the plan begins."""
+    field = "start.at_s"
+    if start <= ran.start:
+        allowed = f"later than {ran.start!r} s, the start of the plan that runs before, by the same clock"
+        raise InputError(field, start, f"{allowed}: it is {ran.start - start:.6g} s too early")
+    if start > ran.end + NANO:
+        allowed = f"up to {ran.end!r} s, the end of the plan that runs before, by the same clock"
+        raise InputError(field, start, f"{allowed}: it is {start - ran.end:.6g} s too late")
+    nanos = round((start - ran.start) / NANO)
+    off = abs(ran.start + nanos * NANO - start)
+    if off > WHOLE_NANOS * NANO + 2.0 * float(np.spacing(abs(start))):
+        raise InputError(
+            field, start, f"whole nanoseconds after {ran.start!r} s, the start of the plan that runs before"
+        )
+    return nanos
+
+
+def _same_load(ran_cell: Cell, ran: Plan, cell: Cell, at: float) -> None:
+    """Whether something is held is the same for both plans at the switch."""
+    from assur.planner.model.attachments import at_start
+    from assur.planner.model.phases import phases
+
+    held = at_start(cell.scene).held
+    of_plan = phases(ran_cell.scene, ran.legs, ran.arrivals)
+    parts = [phase.attached.held for phase in of_plan if phase.t0 - NANO <= at <= phase.t1 + NANO]
+    if all((part is None) != (held is None) for part in parts):
+        had = "nothing" if parts[0] is None else parts[0].part
+        got = NOTHING if held is None else held.part
+        raise InputError("start.holding", got, f"what the plan that runs before holds at {at!r} s: {had}")
+
+
+def _same_state(ran: Trajectory, made: Trajectory, at: float, cell: Cell) -> tuple[FloatArray, ...]:
+    """The state of the running plan at the switch, (n,) each, which is that of the plan when it begins."""
+    from assur.planner.checker.legs import START
+
+    state, begins = ran.state(at), (made.q[0], made.qd[0], made.qdd[0])
+    for order, (key, rate) in enumerate((("joints", ""), ("velocity", "_s"), ("acceleration", "_s2"))):
+        counted = as_maker if order == 0 else rates_as_maker
+        here, there = (counted(each[order], cell.conventions).tolist() for each in (state, begins))
+        for joint, value, other in zip(cell.conventions, here, there, strict=True):
+            if not abs(value - other) <= START:
+                unit = f"{joint.unit}{rate.replace('_', '/')}"
+                allowed = f"{value!r}, the running plan's at {at!r} s: they differ by {abs(value - other):.6g} {unit}"
+                raise InputError(f"start.{key}.{joint.name}_{joint.unit}{rate}", other, allowed)
+    return state
+
+
+def _begun(made: Trajectory, state: tuple[FloatArray, ...]) -> Trajectory:
+    """The motion with another first state."""
+    from assur.planner.trajectory import Trajectory
+
+    columns = [np.array(each) for each in (made.q, made.qd, made.qdd)]
+    for column, first in zip(columns, state, strict=True):
+        column[0] = first
+    return Trajectory(made.time, *columns)
+
+
+def statement(handover: Handover, start: float) -> list[str]:
+    """What is to be said of a hand-over, in short lines. `start`: when the plan begins, s of the cell's clock."""
+    lines = []
+    if handover.lead_s:
+        lines.append(
+            f"stamps are {1e3 * handover.lead_s:g} ms later than the motion, for a controller that commands the sample "
+            "one update period ahead (ROS 2 Jazzy and later)"
+        )
+    if handover.before is not None:
+        time = handover.before[0]
+        lines.append(
+            f"the first {len(time)} points are those of the plan that runs until {start:.9g} s, for the request "
+            f"{handover.digest}"
+        )
+        lines.append(
+            f"send it before {start:.9g} s with the header stamp of that plan, which starts at {time[0]:.9g} s; "
+            "allow_trajectory_replacement must be false"
+        )
+    return lines
