@@ -44,7 +44,7 @@ def verdict(
         asked.file.encode(), asked.format, cell.conventions, start, jumps=scene.options.blended
     )
     if not trajectory.start >= scene.start.time - EARLY_S:
-        allowed = f"times from {scene.start.time:g} s on, when the request begins"
+        allowed = f"times from {scene.start.time!r} s on, when the request begins"
         raise InputError("file", trajectory.start, allowed)
     if plan is not None:
         _hold_to(plan, trajectory)
@@ -99,7 +99,7 @@ def _hold_to(plan: Plan, trajectory: Trajectory) -> None:
     """Raises `InputError` for a trajectory that cannot have the legs of a plan."""
     own, last = plan.trajectory, max((each.until for each in plan.arrivals), default=plan.trajectory.end)
     if abs(trajectory.start - own.start) > EARLY_S or not trajectory.end >= last - EARLY_S:
-        allowed = f"a motion from {own.start:.9g} s until {last:.9g} s at least, as the plan's legs last"
+        allowed = f"a motion from {own.start!r} s until {last!r} s at least, as the plan's legs last"
         raise InputError("file", (trajectory.start, trajectory.end), allowed)
 
 

@@ -21,7 +21,7 @@ def test_a_mesh_that_is_inside_out_is_not_called_open(name: str, noise: float, t
     """Also of a link that is taken as cylinders, and where vertices have to be made one first."""
     files = Files(tmp_path).write(arms(MESH)[name][0])
     (tmp_path / "star.stl").write_bytes(binary_stl((SOLIDS["star"] + noise * NOISE)[:, ::-1]))
-    with pytest.raises(Exception, match="the mesh is closed, but its faces point inwards.*flip its faces") as caught:
+    with pytest.raises(Exception, match=r"the mesh is closed, but its faces point inwards.*flip its faces") as caught:
         import_robot(Wanted(files.urdf, files.limits))
     assert "not closed" not in str(caught.value)
 
