@@ -82,8 +82,9 @@ class ExportAnswer(TypedDict):
 class ForeignTrajectoryDocument(Document):
     """A trajectory of another, and how it is to be judged: `file` is its text, in `format`.
 
-    `start_s`: the cell's clock when a ROS trajectory starts; silent: when the request begins. `start_tolerance_s`: in
-    place of that of the request. `jerk`: whether it must keep the robot's limit, or is reported only.
+    `start_s`: the cell's clock when a ROS trajectory, or CSV with times of the calendar, starts; silent: when the
+    request begins. `start_tolerance_s`: in place of that of the request. `jerk`: whether it must keep the robot's
+    limit, or is reported only.
     """
 
     file: str
@@ -91,6 +92,19 @@ class ForeignTrajectoryDocument(Document):
     jerk: JerkRule = "limit"
     start_s: Instant | None = None
     start_tolerance_s: Duration | None = None
+
+
+StateName = Literal["position", "velocity", "acceleration"]
+
+
+@with_config(CLOSED)
+class BeginsOff(TypedDict):
+    """By how much a state of a joint at the first point is off that of the request's start, in `unit`."""
+
+    joint: Text
+    state: StateName
+    by: Number
+    unit: Text
 
 
 @with_config(CLOSED)
@@ -110,14 +124,17 @@ class TrajectoryVerdict(TypedDict):
     """Whether a trajectory is proved: `ok` if and only if there are no findings.
 
     `judged_as`: one motion in `travel`, or with the legs of a `plan`. `first`: of limits and distances that are
-    violated; null where none is. `clearance`: where it comes nearest to anything. `ends_moving`: the last point is not
-    at rest, and nothing after its time is proved.
+    violated; null where none is. `begins_off`: where the motion begins elsewhere than the request, which is no finding.
+    `notes`: what was read otherwise than as the file has it, or not read. `clearance`: where it comes nearest to
+    anything. `ends_moving`: the last point is not at rest, and nothing after its time is proved.
     """
 
     schema: Schema
     ok: bool
     judged_as: Literal["travel", "plan"]
     findings: list[Finding]
+    begins_off: list[BeginsOff]
+    notes: list[Text]
     first: FirstViolation | None
     clearance: Nearest | None
     jerk: list[JerkProved]

@@ -47,7 +47,7 @@ REQUEST: dict[str, Any] = {
 
 def started(**joints: float) -> dict[str, Any]:
     request = copy.deepcopy(REQUEST)
-    given = {"j1_deg": 0, "j2_deg": 60, "j3_mm": 250, "j4_deg": 0}
+    given: dict[str, float] = {"j1_deg": 0, "j2_deg": 60, "j3_mm": 250, "j4_deg": 0}
     for key, value in joints.items():
         given = {other: old for other, old in given.items() if other[:2] != key[:2]} | {key: value}
     request["start"]["joints"] = given
