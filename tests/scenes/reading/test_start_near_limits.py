@@ -133,6 +133,23 @@ def test_the_tool_is_not_computed_for_joints_outside_of_their_range() -> None:
         ik(cell_of(started()), {"joints": REQUEST["start"]["joints"]})
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "most"),
+    [("yaw_deg", 57295.79, 57295.7795131), ("at_mm", [100000.01, 0, 0], 100000.0), ("yaw_rad", 1000.0001, 1000.0)],
+)
+def test_a_bound_of_the_schema_is_printed_with_the_digits_by_which_a_number_is_beyond_it(
+    key: str, value: Any, most: float
+) -> None:
+    request = started()
+    pose = {"at_mm": [100, 0, 0], key: value}
+    request["bodies"] = [{"name": "post", "shape": {"sphere": {"radius_mm": 9}}, "pose": pose}]
+    with pytest.raises(InputError) as caught:
+        cell_of(request)
+    (bound,) = re.findall(r"at most ([0-9.e+]+)", caught.value.allowed)
+    assert float(bound) == pytest.approx(most, rel=1e-12)
+    assert float(str(caught.value.value)) > float(bound)
+
+
 def test_a_range_is_printed_with_the_excess_only_where_it_is_needed() -> None:
     assert between(-1, 1, 2) == "-1 to 1"
     assert between(0, 1 / 3, 0.3333334) == "0 to 0.333333; it is outside by 6.7e-08"
