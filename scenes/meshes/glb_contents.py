@@ -19,7 +19,8 @@ MOST_NODES = 1_000
 """Nodes of a GLB: each may show the same mesh once more."""
 HARMLESS = (
     "KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_lights_", "EXT_texture_", "MSFT_texture_", "KHR_xmp",
-    "EXT_mesh_features", "EXT_structural_metadata",
+    "MSFT_packing_", "ADOBE_materials_", "NV_materials_", "FB_ngon_encoding", "GODOT_single_root", "EXT_mesh_features",
+    "EXT_structural_metadata",
 )  # fmt: skip
 """Beginnings of the names of extensions that change no shape."""
 TRIANGLES, STRIP, FLOAT = 4, 5, 5126

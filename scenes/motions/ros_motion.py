@@ -80,8 +80,8 @@ def ros_motion(data: bytes, name: str, most_rows: int) -> Motion:
     if states:
         return _joint_states(states, name, most_rows)
     keys = [key for _, document in found if isinstance(document, dict) for key in document]
-    got = f"messages with the keys {listed(list(dict.fromkeys(keys)))}" if keys else NOTHING
-    raise DocumentError(name, got, CONTENT, None)
+    got = f"messages with the keys {listed(list(dict.fromkeys(keys)))}" if keys else "no message"
+    raise DocumentError(name, got if found else NOTHING, CONTENT)
 
 
 def _documents(data: bytes, name: str) -> list[tuple[Lines, Any]]:

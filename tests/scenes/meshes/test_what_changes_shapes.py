@@ -59,6 +59,7 @@ def test_what_changes_the_shape_of_a_glb_and_is_not_read_is_refused_by_name(what
         {"extensionsUsed": ["KHR_materials_unlit", "KHR_texture_transform"]},
         {"extensionsRequired": ["KHR_texture_basisu"]},
         {"extensions": {"KHR_lights_punctual": {"lights": []}}, "extensionsUsed": ["KHR_lights_punctual"]},
+        {"extensionsUsed": ["FB_ngon_encoding", "MSFT_packing_normalRoughnessMetallic", "GODOT_single_root"]},
         {"extras": {"extensions": {"EXT_mesh_gpu_instancing": {}}}},
         {"cameras": [{"type": "perspective"}]},
     ],

@@ -71,6 +71,14 @@ def test_files_of_no_motion_are_refused(content: bytes) -> None:
     assert len(str(caught.value)) < 700
 
 
+@pytest.mark.parametrize(("content", "value"), [(b"t_s,j1_deg\n0,0\n", "no message"), (b"# c\n---\n", "nothing")])
+def test_what_is_given_as_a_message_and_is_none_is_said(content: bytes, value: str) -> None:
+    with pytest.raises(InputError) as caught:
+        ros_motion(content, "file", 1000)
+    assert str(caught.value.value) == value or repr(caught.value.value) == value
+    assert "joint_names, points" in caught.value.allowed
+
+
 def test_a_file_is_taken_for_what_its_first_line_is() -> None:
     for text in ("joint_names: [a]", "---\na: 1", "# c\n\n{", "- a: 1", "header:\n", "\ufeffheader:\n"):
         assert is_message(text.encode())
