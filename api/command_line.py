@@ -260,7 +260,9 @@ def _how_many_kernels() -> str:
 @app.command("fit-limits")
 @bordered
 def fit_limits(
-    log: Annotated[Path, typer.Argument(help="Recorded motion: CSV with t_s or t_ms, j1_deg, j3_mm and so on.")],
+    log: Annotated[
+        Path, typer.Argument(help="Recorded motion: CSV with t_s or t_ms, j1_deg, j3_mm and so on, or messages of ROS.")
+    ],
     robot: Annotated[str | None, typer.Option(help="Whose joints they are: a shipped robot's name, or a file.")] = None,
     commanded: Annotated[
         bool, typer.Option("--commanded", help="The log holds commanded positions, which no servo delays.")

@@ -52,9 +52,9 @@ MAX_YAML_BYTES: Final = 256 * 2**10
 MAX_LOG_BYTES: Final = 64 * 2**20
 """A file of recorded motion."""
 MAX_ROW_CHARACTERS: Final = 8_192
-"""A line of a trajectory in CSV: `MAX_JOINTS` joints with three columns, and over a hundred characters for each."""
-MAX_LINES: Final = 4 * MAX_KNOTS
-"""Lines of a trajectory in CSV, comments and empty ones among them."""
+"""A line of motion in CSV: `MAX_JOINTS` joints with three columns, and over a hundred characters for each."""
+LINES_A_ROW: Final = 4
+"""Lines of a CSV file for each row that it may have, comments and empty ones among them."""
 MAX_LOG_ROWS: Final = 200_000
 """Rows of it: over three minutes at 1 kHz."""
 

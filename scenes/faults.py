@@ -146,6 +146,23 @@ def fault(document: object, path: Sequence[str | int], allowed: str) -> Document
     return DocumentError(dotted(written), value, allowed)
 
 
+def between(low: float, high: float, value: object) -> str:
+    """A range in words for an error about `value`; of a value that is near to it, by how much it is outside: it may be
+    between the ends as they are printed."""
+    printed = f"{low:.6g} to {high:.6g}"
+    if not isinstance(value, int | float):
+        return printed
+    by = max(low - value, value - high)
+    hidden = float(f"{low:.6g}") <= value <= float(f"{high:.6g}")
+    if not hidden and by > NEAR * (high - low):
+        return printed
+    return f"{printed}; it is outside by {f'{by:.2g}' if by > LEAST_SHOWN else f'less than {LEAST_SHOWN:g}'}"
+
+
+NEAR = 1e-3
+"""A value that is outside of a range by up to this share of it is near."""
+LEAST_SHOWN = 1e-12
+"""By less than this a value is outside of a range because units were converted."""
 MOST_MEANT = 4
 """So many names that hold what was given are suggested."""
 LEAST_HELD = 3

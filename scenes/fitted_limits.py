@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assur.scenes.catalogue import RobotFile
 from assur.scenes.faults import DocumentError, likeliest
-from assur.scenes.motion_log import MotionLog, load_log
+from assur.scenes.motion_log import LoggedJoint, MotionLog, load_log
+from assur.scenes.motions.joint_names import matched
 from assur.scenes.units import TWIN_UNITS, to_si
 
 if TYPE_CHECKING:
@@ -50,15 +52,20 @@ def fit_limits(
 
     if not isinstance(log, MotionLog):
         log = load_log(Path(log))
-    known = {} if robot is None else _of_robot(log, robot)
+    known: dict[str, dict[str, float]] = {}
+    if robot is None:
+        _check_units(log)
+    else:
+        log, known = _of_robot(log, robot)
     records = [JointRecord(log.time, joint.position) for joint in log.joints]
     joints = []
     for i, joint in enumerate(log.joints):
         found = joint_limits(records[i], [*records[:i], *records[i + 1 :]], not commanded)
-        joints.append(_joint(joint.name, joint.unit, found, known.get(joint.name, {})))
+        joints.append(_joint(joint.name, str(joint.unit), found, known.get(joint.name, {})))
     duration = float(log.time[-1])
     document: dict[str, Any] = {
         "log": {"file": log.name, "rows": len(log.time), "duration_s": duration, "step_s": records[0].step},
+        "notes": list(log.notes),
         "positions": "commanded" if commanded else "measured",
         "joints": joints,
     }
@@ -71,18 +78,34 @@ def fit_limits(
     return document
 
 
-def _of_robot(log: MotionLog, robot: RobotFile) -> dict[str, dict[str, float]]:
-    """Acceleration and jerk of the robot's joints in SI. Raises `DocumentError` for a joint that it has not."""
-    joints = {joint["name"]: joint for joint in robot.listed()["joints"]}
+def _check_units(log: MotionLog) -> None:
+    """Raises `DocumentError` for a log that does not say which joints turn: nobody else knows it without a robot."""
     for logged in log.joints:
-        if logged.name not in joints:
-            allowed = f"a joint of the robot: {likeliest(logged.name, joints)}"
-            raise DocumentError(f"{log.name}: column", logged.name, allowed, 1)
-        units = ("rad", "deg") if joints[logged.name]["kind"] == "revolute" else ("m", "mm")
-        if logged.unit not in units:
+        if logged.unit is None:
+            allowed = "a robot (--robot) that says which joints turn: messages of ROS have rad and m alike"
+            raise DocumentError(log.name, f"{logged.name} without a unit", allowed)
+
+
+def _of_robot(log: MotionLog, robot: RobotFile) -> tuple[MotionLog, dict[str, dict[str, float]]]:
+    """The log with the robot's own names and units of its joints, and their acceleration and jerk in SI. Raises
+    `DocumentError` for a joint that it has not."""
+    joints = {joint["name"]: joint for joint in robot.listed()["joints"]}
+    found = matched([logged.name for logged in log.joints], joints)
+    if found is None:
+        name = next((each.name for each in log.joints if each.name not in joints), log.joints[0].name)
+        allowed = f"a joint of the robot: {likeliest(name, joints)}; all may have one prefix"
+        raise DocumentError(f"{log.name}: column", name, allowed, 1)
+    named = []
+    for logged, name in zip(log.joints, found[0], strict=True):
+        units = ("rad", "deg") if joints[name]["kind"] == "revolute" else ("m", "mm")
+        if logged.unit not in (None, *units):
             allowed = f"{' or '.join(units)}, for this joint of the robot"
             raise DocumentError(f"{log.name}: column {logged.name}", logged.unit, allowed, 1)
-    return {name: {rate: _in_si(joint[rate]) for rate in RATES} for name, joint in joints.items()}
+        named.append(LoggedJoint(name, units[0], logged.position))
+    if found[1]:
+        log = replace(log, notes=(*log.notes, f"the names of the joints are read without {found[1]!r}"))
+    known = {name: {rate: _in_si(joint[rate]) for rate in RATES} for name, joint in joints.items()}
+    return replace(log, joints=tuple(named)), known
 
 
 def _not_logged(joint: dict[str, Any]) -> dict[str, Any]:
@@ -167,7 +190,8 @@ def part(document: dict[str, Any]) -> str:
         "joints:",
     ]
     for joint in document["joints"]:
-        lines.append(f"  - name: {joint['name']}")
+        name = joint["name"]
+        lines.append(f"  - name: {name if name.isalnum() else json.dumps(name)}")
         for rate in RATES:
             estimate = joint[rate]
             low = _lower_end(estimate)

@@ -20,6 +20,7 @@ def fitted(document: dict[str, Any]) -> Iterator[Table | str]:
         f"{log['file']}: {log['rows']} rows, {log['duration_s']:.3f} s, usually {1e3 * log['step_s']:.3g} ms apart, "
         f"{document['positions']} positions"
     )
+    yield from (f"read: {note}" for note in document["notes"])
     yield ""
     limits = [name for rate in RATES for name in (f">{rate}", *[">robot's"] * of_robot)]
     made = table("joint", "unit", ">speed reached", *limits, ">servo lag ms", ">encoder step", ">moves")

@@ -15,6 +15,7 @@ from assur.api.cli.plan_files import ANSWER, PLAN_OR_CELL, answer_for, in_bytes
 from assur.api.documents import to_json
 from assur.scenes.exports.doors import check_trajectory_cell, export_cell
 from assur.scenes.exports.export import file_bytes
+from assur.scenes.motions.ros_motion import is_message
 from assur.scenes.plan_file import PlanFile
 
 Cell = Annotated[str, typer.Argument(metavar="FILE", help=f"{PLAN_OR_CELL} Of a plan file the cell counts.")]
@@ -82,14 +83,19 @@ def export(
 
 def check_trajectory(
     file: Cell,
-    trajectory: Annotated[Path, typer.Argument(help="CSV with time_s, j1_deg, j1_deg_s, j1_deg_s2, ..., or ROS 2.")],
+    trajectory: Annotated[
+        Path, typer.Argument(help="CSV with time_s, j1_deg, j1_deg_s, j1_deg_s2, ..., or a message of ROS.")
+    ],
     jerk: Annotated[
         Literal["limit", "report"], typer.Option(help="Hold the jerk to its limits, or only say how high it is.")
     ] = "limit",
     plan: Annotated[
         Path | None, typer.Option("--plan", help="The answer whose legs it has; else it is one motion in travel.")
     ] = None,
-    start_s: Annotated[float | None, typer.Option(help="The cell's clock when a ROS trajectory starts.")] = None,
+    start_s: Annotated[
+        float | None,
+        typer.Option(help="The cell's clock when a ROS trajectory, or one with times of the calendar, starts."),
+    ] = None,
     start_tolerance_ms: Annotated[
         float | None, typer.Option(help="By how much it may start late, in place of what the cell says.")
     ] = None,
@@ -98,7 +104,7 @@ def check_trajectory(
     """Prove or refute a TRAJECTORY that was made elsewhere: limits of the joints, and distances in the cell of FILE."""
     given = target(file)
     asked: dict[str, Any] = {"file": text_file(trajectory, "TRAJECTORY"), "jerk": jerk}
-    asked["format"] = "csv" if trajectory.suffix.lower() == ".csv" else "ros2"
+    asked["format"] = "ros2" if is_message(asked["file"].encode()) else "csv"
     if start_s is not None:
         asked["start_s"] = start_s
     if start_tolerance_ms is not None:

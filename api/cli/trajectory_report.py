@@ -16,6 +16,11 @@ PLAN_HINT = (
 )
 
 
+def _off(states: list[dict[str, Any]]) -> str:
+    """By how much which joints begin elsewhere, positions before speeds: 0.2 rad (j1)."""
+    return ", ".join(f"{each['by']:.4g} {each['unit']} ({each['joint']})" for each in states)
+
+
 def lines(name: str, verdict: dict[str, Any]) -> Iterator[Table | str]:
     """What a verdict says, the first violation before all findings."""
     said = "proved" if verdict["ok"] else "refused"
@@ -25,6 +30,10 @@ def lines(name: str, verdict: dict[str, Any]) -> Iterator[Table | str]:
     )
     if verdict["judged_as"] == "travel":
         yield PLAN_HINT
+    if verdict["begins_off"]:
+        yield f"begins {_off(verdict['begins_off'])} from the start of the request"
+    for note in verdict["notes"]:
+        yield f"read: {note}"
     if verdict["ends_moving"]:
         yield "ends moving: nothing after its last point is proved"
     first = verdict["first"]

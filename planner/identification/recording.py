@@ -75,7 +75,7 @@ def fault_of_times(time: FloatArray) -> tuple[int, str] | None:
     gaps = np.diff(time)
     wrong = np.flatnonzero(~(gaps > 0))
     if len(wrong):
-        return int(wrong[0]) + 1, f"later than the row before, at {time[wrong[0]]:.9g} s"
+        return int(wrong[0]) + 1, f"later than the row before, at {time[wrong[0]]:.15g} s"
     usual = float(np.median(gaps))
     if not SMALLEST_STEP_S <= usual <= LARGEST_STEP_S:
         return 1, f"rows {SMALLEST_STEP_S:g} to {LARGEST_STEP_S:g} s apart; these are usually {usual:.3g} s apart"

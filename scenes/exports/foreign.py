@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
@@ -10,17 +11,22 @@ from assur.scenes.exports.export import SPARE, cell_in
 from assur.scenes.exports.raised import raised
 from assur.scenes.exports.trajectory_file import trajectory_from
 from assur.scenes.numbers import number, optional
-from assur.scenes.schema.export import JerkProved, TrajectoryVerdict
+from assur.scenes.schema.export import BeginsOff, JerkProved, StateName, TrajectoryVerdict
 from assur.scenes.schema.robots import MOST_JERK
 
 if TYPE_CHECKING:
+    from assur.planner.arrays import FloatArray
     from assur.planner.model.outcome import Plan
+    from assur.planner.model.scene import Scene
     from assur.planner.resampling.foreign import First
     from assur.planner.trajectory import Trajectory
+    from assur.scenes.conventions import Conventions
     from assur.scenes.reading.cell import Cell
     from assur.scenes.schema import answer as written
     from assur.scenes.schema.export import FirstViolation, ForeignTrajectoryDocument
 
+SAME = 1e-6
+"""States of a joint that differ by no more, SI, are the same: files have few digits."""
 EARLY_S = 1e-9
 """By how much a trajectory may begin before the request does, s: rounding of its times."""
 
@@ -37,14 +43,16 @@ def verdict(
     from assur.scenes.answer import NOTICE, nearest_document
 
     scene = cell.scene
-    start = scene.start.time if asked.start_s is None else asked.start_s
-    if asked.start_s is not None and asked.format == "csv":
-        raise InputError("start_s", asked.start_s, "none for csv, whose time_s is the cell's clock")
-    trajectory = trajectory_from(
-        asked.file.encode(), asked.format, cell.conventions, start, jumps=scene.options.blended
+    trajectory, notes = trajectory_from(
+        asked.file.encode(),
+        asked.format,
+        cell.conventions,
+        asked.start_s,
+        scene.start.time,
+        jumps=scene.options.blended,
     )
     if not trajectory.start >= scene.start.time - EARLY_S:
-        allowed = f"times from {scene.start.time:g} s on, when the request begins"
+        allowed = f"times from {scene.start.time:.15g} s on, when the request begins"
         raise InputError("file", trajectory.start, allowed)
     if plan is not None:
         _hold_to(plan, trajectory)
@@ -82,6 +90,8 @@ def verdict(
         "ok": not findings,
         "judged_as": "travel" if plan is None else "plan",
         "findings": findings,
+        "begins_off": list(_begins_off(scene, cell.conventions, trajectory)),
+        "notes": list(notes),
         "first": None if found.first is None else _first(found.first),
         "clearance": None if found.clearance is None else nearest_document(found.clearance),
         "jerk": jerk,
@@ -95,11 +105,26 @@ def verdict(
     }
 
 
+def _begins_off(scene: Scene, conventions: Conventions, trajectory: Trajectory) -> Iterator[BeginsOff]:
+    """By how much the first point is off the request's start, state by state, of the joints of which it is."""
+    start = scene.start
+    of_states: list[tuple[StateName, FloatArray, FloatArray, str]] = [
+        ("position", start.q, trajectory.q[0], ""),
+        ("velocity", start.qd, trajectory.qd[0], "/s"),
+        ("acceleration", start.qdd, trajectory.qdd[0], "/s²"),
+    ]
+    for state, there, here, per in of_states:
+        for joint, i in zip(conventions, places(conventions).tolist(), strict=True):
+            by = abs(float(here[i] - there[i]))
+            if by > SAME:
+                yield {"joint": joint.name, "state": state, "by": number(by), "unit": f"{joint.unit}{per}"}
+
+
 def _hold_to(plan: Plan, trajectory: Trajectory) -> None:
     """Raises `InputError` for a trajectory that cannot have the legs of a plan."""
     own, last = plan.trajectory, max((each.until for each in plan.arrivals), default=plan.trajectory.end)
     if abs(trajectory.start - own.start) > EARLY_S or not trajectory.end >= last - EARLY_S:
-        allowed = f"a motion from {own.start:.9g} s until {last:.9g} s at least, as the plan's legs last"
+        allowed = f"a motion from {own.start:.15g} s until {last:.15g} s at least, as the plan's legs last"
         raise InputError("file", (trajectory.start, trajectory.end), allowed)
 
 

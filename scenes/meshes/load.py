@@ -20,16 +20,13 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_FACES, MAX_MESH_BYTES
+from assur.scenes.meshes.glb_contents import MOST_ITEMS, MOST_NODES, check_contents
 from assur.scenes.meshes.parts import Parts, at_once
 from assur.scenes.meshes.surface import Surface, surface_in_parts
 from assur.scenes.text.json_text import parse_json
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 """Metres in each unit a mesh may be in."""
-MOST_ITEMS = 4 * MAX_FACES
-"""Vertices, indices and the like that one element of a file may declare."""
-MOST_NODES = 1_000
-"""Nodes of a GLB: each may show the same mesh once more."""
 
 
 def load(content: bytes, form: str, unit: str) -> Surface:
@@ -56,13 +53,20 @@ def triangles_of(content: bytes, form: str) -> FloatArray:
     if not 0 < len(content) <= MAX_MESH_BYTES:
         raise InputError("mesh.data", f"{len(content)} bytes", f"1 to {MAX_MESH_BYTES} bytes")
     if form == "dae":
-        return _check_dae(content) * _triangles(content, form)
-    CHECKS[form](content)
-    return _triangles(content.replace(b"usemtl ", b"# ") if form == "obj" else content, form)
+        metres, pieces = _check_dae(content)
+        return metres * np.concatenate(_triangles(content, form, pieces))
+    if form == "obj":
+        content = _plain_obj(content)
+    stated = CHECKS[form](content)
+    triangles = np.concatenate(_triangles(content, form))
+    if stated is not None and len(triangles) != stated:
+        raise InputError("mesh.data", f"{len(triangles)} triangles that can be read", f"all {stated} of the file")
+    return triangles
 
 
-def _triangles(content: bytes, form: str) -> FloatArray:
-    """(f, 3, 3) in the file's unit, exactly as many triangles as trimesh found in it."""
+def _triangles(content: bytes, form: str, pieces: int = 1) -> list[FloatArray]:
+    """Arrays (f, 3, 3) in the file's unit, exactly as many triangles as trimesh found in it, of `pieces` meshes at
+    least."""
     import trimesh
 
     try:
@@ -75,7 +79,9 @@ def _triangles(content: bytes, form: str) -> FloatArray:
         raise InputError("mesh.data", type(error).__name__, f"a readable {form} file") from error
     if not parts:
         raise InputError("mesh.data", "no triangles", f"a {form} file with triangles")
-    return np.concatenate(parts)
+    if len(parts) < pieces:
+        raise InputError("mesh.data", f"{len(parts)} meshes that can be read", f"all {pieces} of the file")
+    return parts
 
 
 def _parts(loaded: Any, trimesh: Any) -> list[FloatArray]:
@@ -109,36 +115,77 @@ def _corners(mesh: Any, matrix: FloatArray) -> FloatArray:
     return corners
 
 
-def _check_stl(content: bytes) -> None:
+def _check_stl(content: bytes) -> int | None:
+    """The number of triangles that the file states."""
     if len(content) >= 84:
         (count,) = struct.unpack_from("<I", content, 80)
         if len(content) == 84 + 50 * count:
             _bounded(count, MAX_FACES, "triangles")
-            return
-    if content[:5].lower() == b"solid" and b"facet" in content:
-        _bounded(content.count(b"endfacet"), MAX_FACES, "triangles")
-        return
+            return int(count)
+    text = content.lower()
+    if text[:5] == b"solid" and b"facet" in text:
+        count = text.count(b"endfacet")
+        _bounded(count, MAX_FACES, "triangles")
+        return count
+    if len(content) >= 84:
+        found = f"{len(content)} bytes, and a header that states {count} triangles"
+        raise InputError("mesh.data", found, "an STL file: text, or 84 + 50 bytes for each triangle and none more")
     raise InputError("mesh.data", "neither length nor words of an STL file", "an STL file, binary or text")
 
 
-def _check_obj(content: bytes) -> None:
+CURVED = re.compile(
+    rb"^(vp|cstype|deg|bmat|curv2?|surf|scrv|trim|hole|con|bzp|bsp|cdc|cdp|res|call|csh)\s", re.MULTILINE
+)
+"""Statements of an OBJ file that make curved surfaces, or that read other files or run programs."""
+
+
+def _plain_obj(content: bytes) -> bytes:
+    """An OBJ file as trimesh reads all of it: no blanks before a statement, one blank behind its name, lines put
+    together that end in a backslash, no comments and no materials."""
+    content = re.sub(rb"[ \t]*\\\r?\n", b" ", content).replace(b"\t", b" ")
+    return re.sub(rb"^ +|#.*$", b"", content, flags=re.MULTILINE).replace(b"usemtl ", b"# ")
+
+
+def _check_obj(content: bytes) -> int | None:
+    """The number of triangles of which the faces consist."""
     if b"\0" in content or not re.search(rb"^v\s", content, re.MULTILINE):
         raise InputError("mesh.data", "no vertices in text", "an OBJ file")
-    _bounded(len(re.findall(rb"^f\s", content, re.MULTILINE)), MAX_FACES, "faces")
+    curved = CURVED.search(content)
+    if curved is not None:
+        allowed = "faces only (v and f): export the surfaces as triangles"
+        raise InputError("mesh.data", f"the statement {curved[1].decode()}", allowed)
+    faces = re.findall(rb"^(?:f|fo)\s(.*)$", content, re.MULTILINE)
+    _bounded(len(faces), MAX_FACES, "faces")
+    return sum(max(len(face.split()) - 2, 0) for face in faces)
 
 
-def _check_ply(content: bytes) -> None:
+PLY_ELEMENTS = (b"vertex", b"face", b"edge", b"material", b"camera")
+"""Elements of a PLY file that are read, or that bear no surface."""
+
+
+def _check_ply(content: bytes) -> int | None:
     end = content.find(b"end_header", 0, 65536)
     if content[:4] not in (b"ply\n", b"ply\r") or end < 0:
         raise InputError("mesh.data", "no header of a PLY file", "a PLY file")
-    for count in re.findall(rb"^element\s+\S+\s+(\S+)", content[:end], re.MULTILINE):
+    total = 0
+    for name, count in re.findall(rb"^element\s+(\S+)\s+(\S+)", content[:end], re.MULTILINE):
+        if name not in PLY_ELEMENTS:
+            shown = f"an element {name.decode('ascii', 'replace')}"
+            raise InputError("mesh.data", shown, "elements vertex and face: export the surface as faces")
         if not (count.isdigit() and len(count) <= 12):
             raise InputError("mesh.data", "a count that is no number", "a PLY file")
         _bounded(int(count), MOST_ITEMS, "items")
+        total += int(count)
+    if re.search(rb"^format\s+ascii\s", content[:end], re.MULTILINE):
+        lines = sum(1 for line in content[end:].splitlines()[1:] if line.strip())
+        if lines != total:
+            raise InputError("mesh.data", f"{lines} lines of elements", f"{total} lines, as the header states")
+    return None
 
 
-def _check_glb(content: bytes) -> None:
-    """Header, sizes and counts of a GLB: nothing outside the file, nothing declared that it does not hold."""
+def _check_glb(content: bytes) -> int | None:
+    """Header and contents of a GLB: nothing outside the file, nothing declared that it does not hold, and no shape that
+    is not read."""
     if len(content) < 20 or content[:4] != b"glTF":
         raise InputError("mesh.data", "no header of a GLB file", "a GLB file")
     version, total, length, kind = struct.unpack_from("<IIII", content, 4)
@@ -148,30 +195,18 @@ def _check_glb(content: bytes) -> None:
         tree = parse_json(content[20 : 20 + length])
     except InputError as error:
         raise InputError("mesh.data", f"JSON: {error.allowed} is missing", "a GLB file") from None
-    if not isinstance(tree, dict):
-        raise InputError("mesh.data", "JSON without fields", "a GLB file")
-    if tree.get("extensionsRequired"):
-        raise InputError("mesh.data", "required extensions", "a GLB file without extensions")
-    lists = {key: tree.get(key, []) for key in ("buffers", "images", "accessors", "bufferViews", "nodes")}
-    for key, items in lists.items():
-        if not (isinstance(items, list) and all(isinstance(item, dict) for item in items)):
-            raise InputError("mesh.data", key, "a GLB file")
-    if any("uri" in item for key in ("buffers", "images") for item in lists[key]):
-        raise InputError("mesh.data", "a reference to another file", "a GLB file that holds all its data")
-    _bounded(len(lists["nodes"]), MOST_NODES, "nodes")
-    for accessor in lists["accessors"]:
-        if "sparse" in accessor or "bufferView" not in accessor:
-            raise InputError("mesh.data", "an accessor without data", "accessors with a buffer view")
-        count = accessor.get("count")
-        if not isinstance(count, int) or isinstance(count, bool):
-            raise InputError("mesh.data", "a count that is no number", "a GLB file")
-        _bounded(count, MOST_ITEMS, "items")
-        if count > len(content):
-            raise InputError("mesh.data", f"{count} items declared", "no more than the file holds")
+    check_contents(tree, len(content))
+    return None
 
 
-def _check_dae(content: bytes) -> float:
-    """Metres in the unit of a COLLADA file. Its up axis is not applied, as robot viewers do not apply it."""
+NOT_READ = ("instance_node", "instance_controller", "linestrips", "ph", "convex_mesh", "spline", "brep")
+"""Elements of a COLLADA file whose shapes are not read, or with which a mesh is left out."""
+SURFACES = ("triangles", "tristrips", "trifans", "polylist", "polygons")
+
+
+def _check_dae(content: bytes) -> tuple[float, int]:
+    """Metres in the unit of a COLLADA file, and how many meshes its scene shows at least. Its up axis is not applied,
+    as robot viewers do not apply it."""
     from importlib.util import find_spec
 
     from defusedxml import DefusedXmlException
@@ -186,11 +221,12 @@ def _check_dae(content: bytes) -> float:
         raise InputError("mesh.data", type(error).__name__, "a readable dae file") from error
     space = "{*}"
     _bounded(len(root.findall(f".//{space}node")), MOST_NODES, "nodes")
-    _bounded(
-        sum(len(p.text or "") for p in root.iter() if p.tag.endswith("}p")), MAX_MESH_BYTES, "characters of indices"
-    )
-    if root.find(f".//{space}instance_node") is not None:
-        raise InputError("mesh.data", "instances of nodes", "a dae file without instance_node")
+    _bounded(sum(len(p.text or "") for p in root.iter() if _named(p, "p")), MAX_MESH_BYTES, "characters of indices")
+    for name in NOT_READ:
+        if root.find(f".//{space}{name}") is not None:
+            raise InputError(
+                "mesh.data", f"the element {name}", f"a dae file without {name}, of triangles and polygons"
+            )
     unit = root.find(f"{space}asset/{space}unit")
     try:
         metres = 1.0 if unit is None else float(unit.get("meter", "1"))
@@ -198,7 +234,28 @@ def _check_dae(content: bytes) -> float:
         metres = float("nan")
     if not 1e-6 <= metres <= 1e3:
         raise InputError("mesh.data", "a unit that is no length", "a unit in m")
-    return metres
+    return metres, _shown(root, space)
+
+
+def _shown(root: Any, space: str) -> int:
+    """How many sets of triangles or polygons the scene of a COLLADA file shows, each time that it does."""
+    sets = {
+        f"#{geometry.get('id')}": sum(
+            each.get("count") != "0" for name in SURFACES for each in geometry.iterfind(f"{space}mesh/{space}{name}")
+        )
+        for geometry in root.iterfind(f"{space}library_geometries/{space}geometry")
+    }
+    scene = root.find(f"{space}scene/{space}instance_visual_scene")
+    url = "" if scene is None else scene.get("url", "")
+    of_scene = f"{space}library_visual_scenes/{space}visual_scene"
+    shown = [each for each in root.iterfind(of_scene) if f"#{each.get('id')}" == url]
+    return sum(
+        sets.get(each.get("url", ""), 1) for one in shown for each in one.iter() if _named(each, "instance_geometry")
+    )
+
+
+def _named(element: Any, name: str) -> bool:
+    return isinstance(element.tag, str) and element.tag.endswith(f"}}{name}")
 
 
 def _bounded(count: int, most: int, what: str) -> None:
@@ -207,4 +264,4 @@ def _bounded(count: int, most: int, what: str) -> None:
 
 
 CHECKS = {"stl": _check_stl, "obj": _check_obj, "ply": _check_ply, "glb": _check_glb}
-"""Format → what is looked at before trimesh is."""
+"""Format → what is checked before trimesh reads the file; gives the number of triangles, where the file states it."""

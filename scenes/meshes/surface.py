@@ -14,6 +14,9 @@ from assur.scenes.meshes.parts import Parts, at_once
 SMALLEST_VOLUME_M3 = 1e-12
 """Volume from which on a mesh counts as a solid, m³: a cube of a tenth of a millimetre."""
 
+INSIDE_OUT = "faces that point inwards"
+"""What is said of a surface that is closed and turned inside out."""
+
 
 @dataclass(frozen=True, eq=False)
 class Surface:
@@ -62,8 +65,12 @@ def surface_in_parts(corners: FloatArray, unit_m: float) -> Parts[Surface]:
         raise InputError("mesh.data", f"{max(odd, 1)} open edges", "a closed surface (watertight, faces turned alike)")
     yield
     volume = volume_of(vertices[faces])
+    if volume <= -SMALLEST_VOLUME_M3:
+        raise InputError(
+            "mesh.data", INSIDE_OUT, "faces that point outwards: flip them in the program that wrote the mesh"
+        )
     if not volume >= SMALLEST_VOLUME_M3:
-        raise InputError("mesh.data", f"a volume of {volume:g} m³", "a positive volume: faces that look outwards")
+        raise InputError("mesh.data", f"a volume of {volume:g} m³", "a solid: a volume of 1e-12 m³ or more")
     vertices.flags.writeable = False
     faces.flags.writeable = False
     return Surface(vertices, faces)

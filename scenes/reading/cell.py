@@ -22,7 +22,7 @@ from assur.planner.robots.robot import Robot
 from assur.scenes.conventions import Conventions, signs, zeros
 from assur.scenes.faults import Gathered, Refused, choices, located, within
 from assur.scenes.reading import bodies, frames, loads, neighbours, robots, task
-from assur.scenes.reading.start import check_loaded, start_of
+from assur.scenes.reading.start import check_loaded, moved_to_limits, start_of
 from assur.scenes.schema.request import ExecutionDocument, OptionsDocument, RequestDocument
 
 
@@ -90,6 +90,7 @@ def _cell_of(document: object, request: RequestDocument) -> Cell:
         forbidden_yaw=given.forbidden_yaw,
         assumptions=(
             *robots.assumptions_of(document, request.robot),
+            *moved_to_limits(request.start.joints, start, given.conventions),
             *frames.assumptions_of(request.frames),
             *_left_out(robot, request),
             *loads.assumptions_of(robot, given.load, tool, [body for body in surroundings if body.name in taken_up]),

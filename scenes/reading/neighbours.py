@@ -49,7 +49,7 @@ def trajectory_of(item: answer.Trajectory, conventions: Conventions) -> Trajecto
     k = crowded(instants, jumps=item.get("acceleration_jumps", False))
     if k is not None:
         raise Refused(
-            f"a time {SHORTEST_STEP_S:g} s at least later than {times[k - 1]:.9g} s, the one before", "time_s", k
+            f"a time {SHORTEST_STEP_S:g} s at least later than {times[k - 1]:.15g} s, the one before", "time_s", k
         )
     for key, rows in (
         ("position", item["position"]),

@@ -17,7 +17,7 @@ from assur.planner.robots.robot import Robot
 from assur.scenes.bounds import FAR_M
 from assur.scenes.catalogue import arm_named, shipped_robot
 from assur.scenes.conventions import Conventions, JointConvention, converted, converted_rates, places
-from assur.scenes.faults import Gathered, Refused, as_written, within
+from assur.scenes.faults import Gathered, Refused, as_written, between, within
 from assur.scenes.reading.arms import BuiltArm, built, turned_over
 from assur.scenes.reading.bodies import attached
 from assur.scenes.reading.frames import placed, pose_of
@@ -138,10 +138,10 @@ def hold(
     faults.settle()
 
 
-def _range_as_written(key: str, _: object, ends: list[float], far: str, why: str) -> str:
+def _range_as_written(key: str, value: object, ends: list[float], far: str, why: str) -> str:
     unit = si_key(key)
     low, high = ends if unit is None else (from_si(end, unit[1]) for end in ends)
-    return f"{low:.6g} to {high:.6g}{why}{far if unit is None else ''}"
+    return f"{between(low, high, value)}{why}{far if unit is None else ''}"
 
 
 def joint_values(values: JointValues, conventions: Conventions, rate: str) -> FloatArray:
@@ -211,8 +211,8 @@ def _ranges(ranges: dict[str, Sequence[float]], of: BuiltArm) -> tuple[FloatArra
             low, high = sorted((joint.sign * first + joint.zero, joint.sign * last + joint.zero))
             if not (first < last and lower[i] <= low and high <= upper[i]):
                 ends = sorted(joint.sign * (x - joint.zero) + 0.0 for x in (lower[i], upper[i]))
-                known = f"{ends[0]:.6g} to {ends[1]:.6g} {joint.unit}"
-                raise Refused(f"a range, lower end first, within that of {of.name}: {known}", key)
+                known = between(ends[0], ends[1], first if first < ends[0] else last if last > ends[1] else None)
+                raise Refused(f"a range, lower end first, within that of {of.name}: {known} {joint.unit}", key)
             lower[i], upper[i] = low, high
     faults.settle()
     return lower, upper

@@ -25,6 +25,9 @@ from assur.scenes.reading.tool_pose import (
 )
 from assur.scenes.schema.robots import JointValues, StartDocument, ToolPoseDocument
 
+READ_BACK = 1e-6
+"""By this share of its range a joint may start outside of it: a controller prints its state with a few digits, and
+homes at a stop. The joint is then moved to the end of its range, and the answer says so under `assumptions`."""
 START_RATIO = 1e-9
 """A start velocity or acceleration may exceed its limit by this share, as the planner has it: rounding of units."""
 
@@ -39,7 +42,7 @@ def start_of(item: StartDocument, given: Equipped, frames: Frames, places: Place
             q = _with_tool_at(item.tool, item, given, frames, places)
         elif item.joints is not None:
             with within("joints"):
-                q = position(item.joints, given)
+                q = position(item.joints, given, READ_BACK)
         else:
             raise FaultError("a start without joints and without a pose passed its model")
     rates = []
@@ -75,11 +78,27 @@ def check_loaded(scene: Scene, conventions: Conventions) -> None:
             hold(scene.start.qdd, (-most, most), conventions, "_s2", why)
 
 
-def position(item: JointValues, given: Equipped) -> FloatArray:
-    """The planner's joint vector (n,). Raises `Refused` unless each joint has its value, within limits, and a
-    five-bar's couplers meet."""
+def moved_to_limits(item: JointValues | None, start: Start, conventions: Conventions) -> tuple[str, ...]:
+    """A sentence for each joint of a request's start that was outside of its range by no more than `READ_BACK`."""
+    if item is None:
+        return ()
+    given, taken = as_maker(joint_values(item, conventions, ""), conventions), as_maker(start.q, conventions)
+    return tuple(
+        f"start: {joint.name} is given at {was!r} {joint.unit}, which is outside of its range by {abs(was - now):.2g}; "
+        f"it is taken at the end of the range, {now!r} {joint.unit}"
+        for joint, was, now in zip(conventions, given.tolist(), taken.tolist(), strict=True)
+        if was != now
+    )
+
+
+def position(item: JointValues, given: Equipped, share: float = 0.0) -> FloatArray:
+    """The planner's joint vector (n,), with values that are outside of their range by up to `share` of it moved to its
+    end. Raises `Refused` unless each joint has its value, within limits, and a five-bar's couplers meet."""
     q = joint_values(item, given.conventions, "")
-    hold(q, (given.robot.limits.lower, given.robot.limits.upper), given.conventions, "")
+    limits = given.robot.limits
+    nearest = np.clip(q, limits.lower, limits.upper)
+    q = np.where(np.abs(q - nearest) <= share * (limits.upper - limits.lower), nearest, q)
+    hold(q, (limits.lower, limits.upper), given.conventions, "")
     _refuse_open_chain(given.robot, q)
     return q
 

@@ -130,7 +130,7 @@ class _Task:
             path = Path((pose.x, pose.y, pose.z), parts, item.blend_m)
         longest = max(path.length, 2.0 * (item.lead_in_m or 0.0), 2.0 * (item.lead_out_m or 0.0))
         if longest > LONGEST_S * item.speed_m_s:
-            least = f"at least {1e3 * longest / LONGEST_S:.6g} mm/s"
+            least = f"at least {1e3 * longest / LONGEST_S:.12g} mm/s"
             raise Refused(f"{least}: path, lead-in and lead-out may each last {LONGEST_S:g} s", "speed_m_s")
         leads = [lead_length(item.speed_m_s) if lead is None else lead for lead in (item.lead_in_m, item.lead_out_m)]
         return Trace(name, target, path, item.speed_m_s, leads[0], leads[1], self._window(item, target.frame))

@@ -84,6 +84,19 @@ class ForeignTrajectoryDocument(Document):
     start_tolerance_s: Duration | None = None
 
 
+StateName = Literal["position", "velocity", "acceleration"]
+
+
+@with_config(CLOSED)
+class BeginsOff(TypedDict):
+    """By how much a state of a joint at the first point is off that of the request's start, in `unit`."""
+
+    joint: Text
+    state: StateName
+    by: Number
+    unit: Text
+
+
 @with_config(CLOSED)
 class FirstViolation(TypedDict):
     """What is violated first."""
@@ -103,6 +116,8 @@ class TrajectoryVerdict(TypedDict):
     ok: bool
     judged_as: Literal["travel", "plan"]
     findings: list[Finding]
+    begins_off: list[BeginsOff]
+    notes: list[Text]
     first: FirstViolation | None
     clearance: Nearest | None
     jerk: list[JerkProved]

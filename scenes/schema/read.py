@@ -185,9 +185,9 @@ def _in_unit_written(limit: float, path: Path) -> str:
     for part in (key, *(str(p) for p in reversed(path) if isinstance(p, str))):
         twin = si_key(part)
         if twin is not None:
-            return f"{from_si(limit, twin[1]):.6g} ({twin[1]})"
+            return f"{from_si(limit, twin[1]):.12g} ({twin[1]})"
     unit = unit_of(key, SI_UNITS)
-    return f"{limit:.6g}" if unit is None else f"{limit:.6g} ({unit})"
+    return f"{limit:.12g}" if unit is None else f"{limit:.12g} ({unit})"
 
 
 def _known(model: Any, location: Path, value: object) -> str:

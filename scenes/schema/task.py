@@ -33,7 +33,7 @@ def _free_or_number(value: object) -> object:
     refused once, in words."""
     number = type(value) in (int, float) and -bounds.TURNS_RAD <= value <= bounds.TURNS_RAD  # type: ignore[operator]
     if not (number or value == "free"):
-        largest = f"{bounds.TURNS_RAD:g} rad, {math.degrees(bounds.TURNS_RAD):.6g} deg"
+        largest = f"{bounds.TURNS_RAD:g} rad, {math.degrees(bounds.TURNS_RAD):.12g} deg"
         raise PydanticCustomError(
             "free_or_number", "allowed: {allowed}", {"allowed": f"free, or a number up to {largest}"}
         )

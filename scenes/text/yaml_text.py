@@ -9,6 +9,7 @@ numbers that are not finite, more than one document, deep nesting, long files. W
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from typing import Any, NoReturn
 
 import yaml
@@ -63,6 +64,26 @@ class _Open:
 
 def parse_yaml(data: bytes, *, limit_bytes: int = MAX_YAML_BYTES) -> tuple[Any, Lines]:
     """The document and the line of each of its values. Raises `DocumentError` with field and line."""
+    reader = _Reader()
+    for event in _events(data, limit_bytes):
+        reader.take(event)
+    return reader.root, reader.lines
+
+
+def parse_documents(data: bytes, *, limit_bytes: int = MAX_YAML_BYTES) -> list[tuple[Any, Lines]]:
+    """All documents of a file that are not empty, each with the lines of its values: `ros2 topic echo` ends each
+    message with the line that begins another document. Raises `DocumentError` with field and line."""
+    readers: list[_Reader] = []
+    for event in _events(data, limit_bytes):
+        if isinstance(event, yaml.DocumentStartEvent):
+            readers.append(_Reader())
+        if readers:
+            readers[-1].take(event)
+    return [(reader.root, reader.lines) for reader in readers if reader.root is not None]
+
+
+def _events(data: bytes, limit_bytes: int) -> Iterator[Any]:
+    """What libyaml reads of a text. Raises `DocumentError`."""
     if len(data) > limit_bytes:
         raise DocumentError("scenario", f"{len(data)} bytes", f"up to {limit_bytes} bytes")
     try:
@@ -71,13 +92,10 @@ def parse_yaml(data: bytes, *, limit_bytes: int = MAX_YAML_BYTES) -> tuple[Any, 
         line = data[: error.start].count(b"\n") + 1
         found, allowed = not_utf8(error)
         raise DocumentError("scenario", found, f"YAML: {allowed}", line=line) from None
-    reader = _Reader()
     try:
-        for event in yaml.parse(text, Loader=LOADER):
-            reader.take(event)
+        yield from yaml.parse(text, Loader=LOADER)
     except yaml.YAMLError as error:
         raise _unreadable(error, text) from None
-    return reader.root, reader.lines
 
 
 SENTENCES = {

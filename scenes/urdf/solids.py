@@ -120,7 +120,7 @@ def _around_primitive(solid: Solid) -> FloatArray:
 def closed(where: str, triangles: FloatArray) -> tuple[Any, FloatArray]:
     """The closed surface of triangles (f, 3, 3), and the triangles that it does not have exactly. Vertices that are
     almost equal are made one if that closes it. Raises `Unsuitable` for a mesh that stays open."""
-    from assur.scenes.meshes.surface import closed_surface
+    from assur.scenes.meshes.surface import INSIDE_OUT, closed_surface
 
     try:
         return closed_surface(triangles, 1.0), np.empty((0, 3, 3))
@@ -133,6 +133,9 @@ def closed(where: str, triangles: FloatArray) -> tuple[Any, FloatArray]:
         if not error.field.endswith("data") or not first.field.endswith("data"):
             scale = "; in the URDF's mesh a scale makes metres of another unit (0.001 0.001 0.001 of mm)"
             raise Unsuitable(where, f"the mesh is {first.value}", f"needed is {first.allowed}{scale}") from error
+        if INSIDE_OUT in (first.value, error.value):
+            what = "the mesh is closed, but its faces point inwards"
+            raise Unsuitable(where, what, "flip its faces (the normals) in the program that wrote it") from error
         what = f"the mesh is not closed: {error.value}"
         supply = "close it, put a primitive in its place, or say --open-meshes hull to take its convex hull"
         raise Unsuitable(where, what, supply) from error

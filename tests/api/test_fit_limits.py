@@ -60,7 +60,7 @@ def test_bad_input_is_one_line_with_file_line_column_and_value(tmp_path: Path) -
     file.write_text("t_ms,j1_deg\n" + "".join(f"{4 * i},30\n" for i in range(100)) + "400,nan\n")
     code, output, errors = run("fit-limits", str(file))
     assert (code, output) == (BAD_INPUT, "")
-    assert errors == 'assur: line 102: cycle.csv: j1_deg: got "nan"; allowed: a number\n'
+    assert errors == 'assur: line 102: cycle.csv: j1_deg: got "nan"; allowed: a finite number\n'
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ import pytest
 from assur.scenes import motion_log
 from assur.scenes.faults import DocumentError
 from assur.scenes.motion_log import load_log, parse_log
+from assur.scenes.motions import csv_motion
 
 ROWS = 60
 HEADER = "t_ms,j1_deg,j3_mm"
@@ -51,13 +52,13 @@ def test_times_begin_at_zero() -> None:
 
 
 BAD = {
-    "a value that is no number": (log(line=7, text="24,abc,0"), 7, "cycle.csv: j1_deg", "'abc'", "a number"),
-    "not a number": (log(line=7, text="24,nan,0"), 7, "cycle.csv: j1_deg", "'nan'", "a number"),
-    "infinity": (log(line=7, text="24,0,-inf"), 7, "cycle.csv: j3_mm", "'-inf'", "a number"),
+    "a value that is no number": (log(line=7, text="24,abc,0"), 7, "cycle.csv: j1_deg", "'abc'", "a finite number"),
+    "not a number": (log(line=7, text="24,nan,0"), 7, "cycle.csv: j1_deg", "'nan'", "a finite number"),
+    "infinity": (log(line=7, text="24,0,-inf"), 7, "cycle.csv: j3_mm", "'-inf'", "a finite number"),
     "a number that overflows": (log(line=7, text="24,1e999,0"), 7, "cycle.csv: j1_deg", "'1e999'", "-1000 to 1000 rad"),
-    "a number of another script": (log(line=7, text="24,١,0"), 7, "cycle.csv: j1_deg", "'١'", "a number"),
-    "a number with an underline": (log(line=7, text="24,1_0,0"), 7, "cycle.csv: j1_deg", "'1_0'", "a number"),
-    "an empty value": (log(line=7, text="24,,0"), 7, "cycle.csv: j1_deg", "''", "a number"),
+    "a number of another script": (log(line=7, text="24,١,0"), 7, "cycle.csv: j1_deg", "'١'", "a finite number"),
+    "a number with an underline": (log(line=7, text="24,1_0,0"), 7, "cycle.csv: j1_deg", "'1_0'", "a finite number"),
+    "an empty value": (log(line=7, text="24,,0"), 7, "cycle.csv: j1_deg", "''", "a finite number"),
     "an angle of a thousand turns": (
         log(line=7, text="24,9e4,0"),
         7,
@@ -66,11 +67,15 @@ BAD = {
         "-1000 to 1000 rad",
     ),
     "a length of a kilometre": (log(line=7, text="24,0,1e6"), 7, "cycle.csv: j3_mm", "'1e6'", "-100 to 100 m"),
-    "a time of the calendar": (log(line=2, text="1.7e12,0,0"), 2, "cycle.csv: t_ms", "'1.7e12'", "to 100000 s"),
+    "a time of the calendar, once": (
+        log(line=2, text="1.7e12,0,0"),
+        3,
+        "cycle.csv: t_ms",
+        "'4'",
+        "from the first time on",
+    ),
     "a row that is too short": (log(line=7, text="24,0"), 7, "cycle.csv", "'2 values'", "3 values"),
     "a row that is too long": (log(line=7, text="24,0,0,0"), 7, "cycle.csv", "'4 values'", "3 values"),
-    "an empty row": (log(line=7, text=""), 7, "cycle.csv", "'0 values'", "3 values"),
-    "semicolons": (log().replace(b",", b";"), 1, "cycle.csv: column", "'t_ms;j1_deg;j3_mm'", "j1_deg"),
     "time that stands still": (log(line=7, text="16,0,0"), 7, "cycle.csv: t_ms in s", "0.016", "later than the row"),
     "time that goes back": (log(line=7, text="8,0,0"), 7, "cycle.csv: t_ms in s", "0.008", "later than the row"),
     "a gap": (log(line=61, text="260,0,0"), 61, "cycle.csv: t_ms in s", "0.26", "0.004 s is usual"),
@@ -78,13 +83,19 @@ BAD = {
     "a header alone": (HEADER.encode(), 1, "cycle.csv: t_ms in s", "nothing", "at least 50 rows"),
     "one row": (f"{HEADER}\n0,0,0\n".encode(), 2, "cycle.csv: t_ms in s", "0.0", "at least 50 rows"),
     "no header": (log(line=1, text="-4,0,0"), 1, "cycle.csv", "'-4,0,0'", "a header"),
-    "no column of times": (log(line=1, text="j2_deg,j1_deg,j3_mm"), 1, "cycle.csv: column", "nothing", "t_s or t_ms"),
+    "no column of times": (
+        log(line=1, text="j2_deg,j1_deg,j3_mm"),
+        1,
+        "cycle.csv: column",
+        "nothing",
+        "a column of times",
+    ),
     "two columns of times": (log(line=1, text="t_ms,t_s,j3_mm"), 1, "cycle.csv: column", "'t_s'", "one column for t"),
     "no joint": (b"t_s\n0\n", 1, "cycle.csv", "'0 joints'", "1 to 16 joints"),
     "a joint twice": (log(line=1, text="t_ms,j1_deg,j1_rad"), 1, "cycle.csv: column", "'j1_rad'", "one column for j1"),
     "an unknown unit": (log(line=1, text="t_ms,j1_deg,j3_inch"), 1, "cycle.csv: column", "'j3_inch'", "j3_mm"),
     "a column without a unit": (log(line=1, text="t_ms,j1,j3_mm"), 1, "cycle.csv: column", "'j1'", "no other columns"),
-    "a speed": (log(line=1, text="t_ms,j1_deg_s,j3_mm"), 1, "cycle.csv: column", "'j1_deg_s'", "no other columns"),
+    "a speed": (log(line=1, text="t_ms,j1_deg_s,j3_mm"), 1, "cycle.csv: column", "'j1_deg_s'", "positions of j1"),
     "a joint that is called as time is": (
         log(line=1, text="t_ms,t_deg,j3_mm"),
         1,
@@ -93,10 +104,10 @@ BAD = {
         "no",
     ),
     "a name that is no joint's": (log(line=1, text="t_ms,=1+1_deg,j3_mm"), 1, "cycle.csv: column", "'=1+1_deg'", "no"),
-    "a quote that is not closed": (log(line=7, text='24,"0,0'), 61, "cycle.csv", "'unexpected end of data'", "comma"),
-    "not UTF-8": (log(line=7, text="24,0,0").replace(b"24,0,0", b"24,\xff,0"), None, "cycle.csv", "'byte ", "UTF-8"),
+    "a quote that is not closed": (log(line=7, text='24,"0,0'), 7, "cycle.csv", "'unexpected end of data'", "comma"),
+    "not UTF-8": (log(line=7, text="24,0,0").replace(b"24,0,0", b"24,\xff,0"), 7, "cycle.csv", "'byte ", "UTF-8"),
     "a null character": (log(line=7, text="24,\0,0"), 7, "cycle.csv", "'a null character'", "UTF-8"),
-    "binary": (bytes(range(256)) * 8, None, "cycle.csv", "'byte 128 of the file'", "UTF-8"),
+    "binary": (bytes(range(256)) * 8, 2, "cycle.csv", "'byte 128 of the file'", "UTF-8"),
 }
 
 
@@ -118,7 +129,8 @@ def test_a_log_that_is_too_large_is_refused(monkeypatch: pytest.MonkeyPatch, tmp
     monkeypatch.setattr(motion_log, "MAX_LOG_ROWS", ROWS - 1)
     with pytest.raises(DocumentError, match=r"line 61: .*at most 59 rows"):
         load_log(file)
-    monkeypatch.setattr(motion_log, "MAX_LOG_BYTES", len(log()) - 1)
+    for module in (motion_log, csv_motion):
+        monkeypatch.setattr(module, "MAX_LOG_BYTES", len(log()) - 1)
     with pytest.raises(DocumentError, match=r"at most .* bytes"):
         load_log(file)
 

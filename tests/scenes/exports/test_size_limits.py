@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from assur.planner.errors import InputError
-from assur.scenes.bounds import MAX_JSON_BYTES, MAX_KNOTS, MAX_LINES, MAX_LOG_BYTES, MAX_ROW_CHARACTERS
+from assur.scenes.bounds import LINES_A_ROW, MAX_JSON_BYTES, MAX_KNOTS, MAX_LOG_BYTES, MAX_ROW_CHARACTERS
 from assur.scenes.exports.trajectory_file import trajectory_from
 from assur.scenes.faults import DocumentError
 from assur.scenes.requests import cell_of, shipped
@@ -17,13 +17,14 @@ from tests.api.test_command_line import run
 from tests.scenes.exports.test_foreign import HEADER, ROW
 
 BAD_INPUT = 2
+MAX_LINES = LINES_A_ROW * MAX_KNOTS
 
 
 def read(text: str | bytes, form: str = "csv") -> Any:
     scenario = shipped("transfer")
     conventions = cell_of(scenario.request, folder=scenario.folder).conventions
     data = text.encode() if isinstance(text, str) else text
-    return trajectory_from(data, form, conventions, 0.0, jumps=False)
+    return trajectory_from(data, form, conventions, None if form == "csv" else 0.0, 0.0, jumps=False)[0]
 
 
 def rows(count: int) -> str:

@@ -1,0 +1,217 @@
+"""What a mesh file holds besides plain triangles: read whole, or refused by name. No obstacle becomes smaller in
+silence."""
+
+from __future__ import annotations
+
+import json
+import struct
+from typing import Any
+
+import numpy as np
+import pytest
+
+from assur.planner.errors import InputError
+from assur.scenes.meshes.load import load, triangles_of
+from tests.scenes.meshes.solids import CUBE, binary_stl
+from tests.scenes.meshes.test_dae import dae
+from tests.scenes.meshes.test_load import FILES, _tree, glb, refused
+
+
+def changed(
+    change: dict[str, Any], node: dict[str, Any] | None = None, primitive: dict[str, Any] | None = None
+) -> bytes:
+    """The cube as GLB with further keys of its root, of the node that shows it, and of its primitive."""
+    tree, binary = _tree(FILES["glb"])
+    (shown,) = (each for each in tree["nodes"] if "mesh" in each)
+    shown.update(node or {})
+    tree["meshes"][0]["primitives"][0].update(primitive or {})
+    return glb({**tree, **change}, binary)
+
+
+INSTANCES = {"extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}}}
+CHANGES_SHAPES = {
+    "EXT_mesh_gpu_instancing": changed({"extensionsUsed": ["EXT_mesh_gpu_instancing"]}, node=INSTANCES),
+    "EXT_mesh_gpu_instancing ": changed({}, node=INSTANCES),  # not declared
+    "KHR_draco_mesh_compression": changed({}, primitive={"extensions": {"KHR_draco_mesh_compression": {}}}),
+    "EXT_meshopt_compression": changed({"extensionsUsed": ["EXT_meshopt_compression"]}),
+    "KHR_mesh_quantization": changed({"extensionsRequired": ["KHR_mesh_quantization"]}),
+    "KHR_node_visibility": changed({}, node={"extensions": {"KHR_node_visibility": {"visible": False}}}),
+    "VENDOR_of_tomorrow": changed({"extensionsRequired": ["VENDOR_of_tomorrow"]}),
+    "1 skins": changed({"skins": [{"joints": [0]}]}),
+    "1 animations": changed({"animations": [{"channels": [], "samplers": []}]}),
+    "morph targets with weights": changed({}, node={"weights": [0.5]}),
+    "a primitive of mode 6": changed({}, primitive={"mode": 6}),
+    "positions of componentType 5122": changed(
+        {"accessors": [{**each, "componentType": 5122} for each in _tree(FILES["glb"])[0]["accessors"]]}
+    ),
+    "2 scenes": glb({**{k: v for k, v in _tree(FILES["glb"])[0].items() if k != "scene"}, "scenes": [{}, {}]}),
+}
+
+
+@pytest.mark.parametrize("what", CHANGES_SHAPES)
+def test_what_changes_the_shape_of_a_glb_and_is_not_read_is_refused_by_name(what: str) -> None:
+    assert what.strip() in str(refused(CHANGES_SHAPES[what], "glb").value)
+
+
+@pytest.mark.parametrize(
+    "harmless",
+    [
+        {"extensionsUsed": ["KHR_materials_unlit", "KHR_texture_transform"]},
+        {"extensionsRequired": ["KHR_texture_basisu"]},
+        {"extensions": {"KHR_lights_punctual": {"lights": []}}, "extensionsUsed": ["KHR_lights_punctual"]},
+        {"extensionsUsed": ["FB_ngon_encoding", "MSFT_packing_normalRoughnessMetallic", "GODOT_single_root"]},
+        {"extras": {"extensions": {"EXT_mesh_gpu_instancing": {}}}},
+        {"cameras": [{"type": "perspective"}]},
+    ],
+)
+def test_what_changes_no_shape_is_accepted(harmless: dict[str, Any]) -> None:
+    assert len(load(changed(harmless), "glb", "mm").faces) == len(CUBE)
+
+
+def test_morph_targets_without_weights_leave_the_mesh_as_it_is() -> None:
+    assert len(load(changed({}, node={"weights": [0, 0.0]}), "glb", "mm").faces) == len(CUBE)
+
+
+TETRAHEDRON = b"v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\n"
+
+
+@pytest.mark.parametrize(
+    "faces",
+    [
+        b"f 1 3 2\n  f 1 2 4\n\tf 1 4 3\nf 2 3 4\n",
+        b"f\t1 3 2\nf 1 2 4\nf\t1\t4\t3\nf 2 3 4 # the last\n",
+        b"f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 \\\r\n3 4\n",
+        b"f -4 -2 -3\nf 1 2 4\nl 1 2\nf 1 4 3\nf 2 3 4\n",
+    ],
+)
+def test_every_face_of_an_obj_is_read_however_it_is_written(faces: bytes) -> None:
+    assert len(load(TETRAHEDRON + faces, "obj", "mm").faces) == 4
+
+
+FACES = b"f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+
+
+@pytest.mark.parametrize(
+    ("line", "found"),
+    [
+        (b"cstype bezier\n", "the statement cstype"),
+        (b" surf 0 1 0 1 1 2 3\n", "the statement surf"),
+        (b"curv 0 1 1 2\n", "the statement curv"),
+        (b"call other.obj\n", "the statement call"),
+        (b"fo 1 2 3\n", "4 triangles that can be read"),
+    ],
+)
+def test_what_an_obj_holds_besides_faces_is_refused_by_name(line: bytes, found: str) -> None:
+    assert str(refused(TETRAHEDRON + FACES + line, "obj").value) == found
+
+
+def test_an_stl_is_read_to_its_last_byte() -> None:
+    stl = binary_stl(CUBE)
+    stated = f"a header that states {len(CUBE)} triangles"
+    for content in (stl + b"\0\0", stl + stl, stl[:-50]):
+        assert str(refused(content, "stl").value) == f"{len(content)} bytes, and {stated}"
+    text = FILES["stl_ascii"]
+    assert len(load(text.upper(), "stl", "mm").faces) == len(CUBE)
+    moved = b"\n".join(
+        b"vertex " + b" ".join(b"%g" % (float(each) + 500) for each in line.split()[1:]) if b"vertex" in line else line
+        for line in text.splitlines()
+    )
+    assert len(load(text + b"\n" + moved, "stl", "mm").faces) == 2 * len(CUBE)  # two solids in one file
+    refused(text[: text.rindex(b"outer")] + b"\nendfacet\nendsolid\n", "stl")
+
+
+HEADER = (
+    b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    b"element face 4\nproperty list uchar int vertex_indices\n"
+)
+POINTS = b"0 0 0\n100 0 0\n0 100 0\n0 0 100\n"
+TRIANGLES = b"3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+
+
+def test_a_ply_is_read_whole_or_refused() -> None:
+    assert len(load(HEADER + b"end_header\n" + POINTS + TRIANGLES, "ply", "mm").faces) == 4
+    camera = HEADER + b"element camera 1\nproperty float view_px\nend_header\n" + POINTS + TRIANGLES + b"0\n"
+    assert len(load(camera, "ply", "mm").faces) == 4
+    strips = b"element tristrips 1\nproperty list int int vertex_indices\n"
+    found = refused(HEADER + strips + b"end_header\n" + POINTS + TRIANGLES + b"4 0 1 2 3\n", "ply")
+    assert found.value == "an element tristrips"
+    cut = refused(HEADER + b"end_header\n" + POINTS + TRIANGLES[:16], "ply")
+    assert (cut.value, cut.allowed) == ("6 lines of elements", "8 lines, as the header states")
+
+
+def test_a_dae_is_read_whole_or_refused() -> None:
+    again = dae().replace(
+        b'<instance_geometry url="#g"/>',
+        b'<instance_geometry url="#g"/><node><translate>500 0 0</translate><instance_geometry url="#g"/></node>',
+    )
+    assert triangles_of(again, "dae").shape == (8, 3, 3)
+    inches = triangles_of(dae(unit='<unit name="inch" meter="0.0254"/>'), "dae")
+    assert np.allclose(inches.reshape(-1, 3).max(0), 2.54)
+    for what, found in (
+        (b'<instance_controller url="#c"/>', "the element instance_controller"),
+        (b'<instance_geometry url="#not-there"/>', "1 meshes that can be read"),
+    ):
+        with pytest.raises(InputError) as caught:
+            triangles_of(
+                dae().replace(b'<instance_geometry url="#g"/>', b'<instance_geometry url="#g"/>' + what), "dae"
+            )
+        assert caught.value.value == found
+    with pytest.raises(InputError, match="the element linestrips"):
+        triangles_of(dae().replace(b"</mesh>", b"<linestrips/></mesh>"), "dae")
+
+
+def inside_out(form: str) -> bytes:
+    """The cube with its faces turned over."""
+    turned = CUBE[:, ::-1]
+    if form == "stl":
+        return binary_stl(turned)
+    points = turned.reshape(-1, 3)
+    if form == "obj":
+        lines = [f"v {x:g} {y:g} {z:g}" for x, y, z in points]
+        return "\n".join([*lines, *(f"f {3 * i + 1} {3 * i + 2} {3 * i + 3}" for i in range(len(turned)))]).encode()
+    if form == "ply":
+        head = HEADER.replace(b"vertex 4", b"vertex %d" % len(points)).replace(b"face 4", b"face %d" % len(turned))
+        rows = [f"{x:g} {y:g} {z:g}" for x, y, z in points]
+        rows += [f"3 {3 * i} {3 * i + 1} {3 * i + 2}" for i in range(len(turned))]
+        return head + b"end_header\n" + "\n".join(rows).encode()
+    binary = points.astype("<f4").tobytes()
+    tree = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(points), "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": len(binary)}], "buffers": [{"byteLength": len(binary)}],
+    }  # fmt: skip
+    return glb(tree, binary)
+
+
+@pytest.mark.parametrize("form", ["stl", "obj", "ply", "glb"])
+def test_a_closed_mesh_that_is_inside_out_is_not_called_open(form: str) -> None:
+    error = refused(inside_out(form), form)
+    assert error.value == "faces that point inwards"
+    assert error.allowed == "faces that point outwards: flip them in the program that wrote the mesh"
+
+
+def test_a_flat_mesh_and_an_open_one_are_not_called_inside_out() -> None:
+    assert "open edges" in str(refused(binary_stl(CUBE[1:, ::-1]), "stl").value)
+    sheet = np.concatenate([CUBE[:2], CUBE[:2, ::-1]])
+    assert "a volume of" in str(refused(binary_stl(sheet), "stl").value)
+
+
+def test_the_files_of_the_report_of_instances() -> None:
+    """A file as it was reported: a box that is shown by instancing, and the same without it."""
+    box = struct.pack("<24f", *(v for x in (10, 60) for y in (-20, 20) for z in (0, 25) for v in (x, y, z)))
+    order = [0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3]
+    tree: dict[str, Any] = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"},
+        ],
+        "bufferViews": [{"buffer": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 72}],
+        "buffers": [{"byteLength": 168}],
+    }  # fmt: skip
+    binary = box + struct.pack("<36H", *order)
+    assert len(load(glb(tree, binary), "glb", "mm").faces) == 12
+    tree["nodes"] = json.loads('[{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {}}}}]')
+    assert refused(glb(tree, binary), "glb").value == "extension EXT_mesh_gpu_instancing"
