@@ -7,8 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import yaml
-
+from assur.scenes.text.yaml_text import parse_yaml
 from assur.scenes.units import SI_UNITS, TWIN_UNITS, si_key, unit_of
 
 FILE = Path(__file__).with_name("fields.yaml")
@@ -46,7 +45,7 @@ def describe(schema: dict[str, Any], model: type) -> None:
 
 @cache
 def _sentences() -> dict[str, dict[str, str]]:
-    found: dict[str, dict[str, str]] = yaml.safe_load(FILE.read_text(encoding="utf-8"))
+    found: dict[str, dict[str, str]] = parse_yaml(FILE.read_bytes())[0]
     return found
 
 
